@@ -42,7 +42,7 @@ fn main() {
     let size = std::env::args().find_map(|given| given.strip_prefix("--size=")?.parse().ok());
     // With `--cold`, writing this memory before each picture evicts the caches' content.
     let mut others = vec![0_u8; if given("--cold") { 64 << 20 } else { 0 }];
-    // A name of a surface and of a method selects the surface, or both if given twice.
+    // If surface and method share a name, it selects the surface. Given twice, it selects both.
     let times = |name: &str| wanted.iter().filter(|wanted| *wanted == name).count();
     let is_surface = |name: &str| SURFACES.get_file(format!("{name}.zset")).is_some();
     let named = |method: &&Method| times(method.name) > usize::from(is_surface(method.name));

@@ -20,7 +20,7 @@ const BATCHES: usize = 32;
 const CALLS: usize = 2_000;
 const ROUNDS: usize = 101;
 
-/// Returns boxes like a traverser's: at random places, and 1/16 as wide as the domain.
+/// Returns boxes like those of a tracer: at random places, and 1/16 as wide as the domain.
 fn boxes(half: f64) -> Vec<Boxes> {
     let mut state = 1_u64;
     let mut random = || {

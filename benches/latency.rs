@@ -43,8 +43,7 @@ fn first<T: KernelFloat>(example: &Example) -> Program {
     program
 }
 
-/// Compiles all kernels of a picture with normals, in parallel as in drawing. Returns the number of
-/// kernels.
+/// Compiles all kernels of a picture with normals, in parallel as in drawing. Returns their number.
 fn all<T: KernelFloat>(example: &Example) -> usize {
     let document = document(example);
     let program = program(&document);
@@ -75,7 +74,7 @@ fn round<T: KernelFloat>(example: &Example) -> [Duration; NAMES.len()] {
     let (function, function_tape) = time(|| tape(KernelSource::Function));
     let (kernel, code) = time(|| Compiled::<Enclose, T>::new(function));
     kernel.expect(example.slug);
-    // `zeros` clears poles and compiles the function again. The time to compile is subtracted.
+    // `zeros` clears poles and compiles the function again. This known time to compile is left out.
     let zeros = time(|| _ = program.kernels::<T>(0).zeros().expect(example.slug)).1;
     let poles = zeros.saturating_sub(function_tape + code);
     let (derivatives, gradient_tape) = time(|| tape(KernelSource::Gradient));

@@ -68,8 +68,7 @@ fn edits(examples: &[Example]) -> Vec<Edit> {
     edits
 }
 
-/// Presses the keys. Returns the milliseconds from each key to the first, the full and the settled
-/// picture.
+/// Presses the keys. Returns the milliseconds from each key to the first, full and settled picture.
 fn replay(examples: &[Example], sample: &[Edit]) -> [Vec<f64>; 3] {
     let live = Live::new(Request::default());
     let [mut first, mut full, mut settled] = [const { Vec::new() }; 3];
@@ -178,7 +177,7 @@ fn drag(example: &Example) -> Dragging {
     let full = live.settings().width as f64;
     let (mut scales, mut compiled) = (Vec::new(), 0);
     let mut spent = Duration::ZERO;
-    // The first steps let the pipeline estimate the cost of a picture.
+    // The steps before 0 let the pipeline estimate the cost of a picture. They are not measured.
     for step in -5..DRAGS {
         let value = (f64::from(step) * 0.13).sin();
         let before = live.revision();

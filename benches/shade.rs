@@ -87,7 +87,7 @@ const STAGES: [&str; 8] = [
 const PER_PIXEL_STAGES: [usize; 3] = [0, 1, 6];
 
 /// Returns the seconds of each stage: the 5th percentile of interleaved rounds. Other load on the
-/// machine slows most rounds down, and no rival is timed here whose ratio would cancel it.
+/// machine slows most rounds down, so a median would be too large.
 fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; STAGES.len()] {
     let far = Appearance::new(Default::default(), Light::above_left(rays));
     let near = Appearance::new(Default::default(), Light::Positional(DVec3::new(3.0, -3.0, 3.0)));
@@ -123,7 +123,7 @@ fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; STAGES.len()] {
             frame(rays, Some(buffer), Some(&shader));
             lap(&mut || frame(rays, known, is_lit.then_some(&shader)));
         }
-        // Frees the memory, so that the next round starts without any.
+        // Frees the memory that was handed back, so that the next round starts without any.
         drop([(); 2].map(|()| GBuffer::new(SIZE, SIZE, 0)));
     }
     let sorted = times.map(|mut times| {
@@ -172,7 +172,7 @@ fn main() {
     for (name, radius) in [("full", 10.0), ("sphere", 1.0)] {
         let mut buffer = paint(&rays, radius);
         let drawn = (0..all).filter(|&pixel| buffer.is_drawn(pixel)).count();
-        // Set-up costs the same for every pixel. The other stages' cost for the background is
+        // Set-up costs the same for every pixel. For other stages, the background's cost is
         // subtracted.
         let (share, mut times) = ((all - drawn) as f64 / all as f64, time(&rays, &mut buffer));
         for (stage, time) in times.iter_mut().enumerate() {

@@ -25,7 +25,7 @@ fn volume(boxes: &[Box3]) -> f64 {
 
 fn main() -> Result<(), Error> {
     let heart = Function::parse("(x^2+9/4*y^2+z^2-1)^3 - x^2*z^3 - 9/80*y^2*z^3")?;
-    // It is proven by intervals that the whole surface lies in this box.
+    // Intervals prove that the whole surface lies in this box.
     let domain = heart.domain()?;
     println!("domain {domain:?}");
     let mut boxes = vec![domain];

@@ -16,7 +16,7 @@ use zeroset_space::Region;
 use zeroset_syntax::{Document, SurfaceKind};
 use zeroset_trace::TraceOptions;
 
-/// Least number of batches that a thread takes. They are some microseconds of work.
+/// Least number of batches that a thread takes: some microseconds of work.
 const BATCHES: usize = 32;
 
 /// A real function of x, y and z, compiled.
@@ -37,7 +37,7 @@ pub struct Function {
     traced: Mutex<Option<Arc<(Region, Program)>>>,
 }
 
-/// Bounds of a function over a box, with facts about the function there.
+/// Bounds of a function over a box, with facts about the function on the box.
 ///
 /// A fact that is `true` is proven. A fact that is `false` claims nothing.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,7 +64,7 @@ impl Enclosure {
     fn of(enclosures: &Enclosures<f64>, lane: usize) -> Self {
         let facts = enclosures.facts(lane);
         let undefined = facts.has(Facts::NOWHERE);
-        // Add to 0, so that no bound is −0.
+        // Add each bound to 0, so that no bound is −0.
         let (low, high) = (0.0 - enclosures.neg_lo[lane], 0.0 + enclosures.hi[lane]);
         Self {
             bounds: if undefined { f64::INFINITY..=f64::NEG_INFINITY } else { low..=high },
@@ -227,9 +227,9 @@ impl Function {
     /// Does the same as [`trace`](Self::trace), with a domain, a method or a precision of your
     /// choice.
     ///
-    /// The first call for a domain compiles kernels for it, which takes some milliseconds. They are
-    /// kept until a call for another domain. Sixteen rays are followed together, so give
-    /// neighboring rays in a row.
+    /// The first call for a domain compiles kernels for it, which takes some milliseconds. The
+    /// kernels are kept until a call for another domain. Sixteen rays are followed together, so
+    /// give neighboring rays in a row.
     ///
     /// # Errors
     /// If a ray's direction is zero, or one of its numbers is not within ±1e100. If a setting is
@@ -280,7 +280,7 @@ impl Function {
     }
 
     /// For each point, reads a value from the kernel's output by `read`. Returns `nowhere` for a
-    /// point where the function is undefined.
+    /// point at which the function is undefined or a coordinate is not finite.
     fn sample<Q: Query<Input<f64> = Points<f64>>, V: Copy + Send + Sync>(
         &self,
         kernel: &dyn Kernel<Q, f64>,

@@ -59,7 +59,7 @@ pub struct Picture {
     rays: RayGrid,
     domain: [Interval; 3],
     rows: PictureArrays,
-    /// The rest of the picture, without arrays.
+    /// Statistics, method and remarks of the picture.
     whole: picture::Picture,
 }
 
@@ -98,7 +98,7 @@ impl PictureArrays {
 }
 
 impl Picture {
-    /// Makes a picture from its finished rows. The rest comes from `whole`.
+    /// Makes a picture from its finished rows. Statistics, method and remarks are those of `whole`.
     pub(crate) fn new(
         rays: RayGrid,
         region: &Region,
@@ -188,7 +188,7 @@ impl Picture {
     }
 
     /// Returns the method that found the surfaces. It differs from the method of the settings if
-    /// that could find no surface, for example because the formulas are too large for it.
+    /// the latter could find no surface, for example because the formulas are too large for it.
     pub fn method(&self) -> Method {
         Method(self.whole.method)
     }

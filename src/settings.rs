@@ -28,8 +28,8 @@ pub enum Domain {
     /// The box of the text's `domain` line, or [`Domain::Auto`] without such a line.
     #[default]
     Text,
-    /// A box that intervals find. It is around the whole surface if that is proven to be bounded.
-    /// Otherwise it is a window on a part of the surface.
+    /// A box that intervals find. It is around the whole surface if the surface is proven to be
+    /// bounded. Otherwise it is a window on a part of the surface.
     Auto,
     /// The box of these ranges of x, y and z. Their ends lie within ±1e18.
     Box([RangeInclusive<f64>; 3]),
@@ -296,7 +296,8 @@ impl Camera {
         view(view: View) => choice.view = Some(view.0);
         /// Sets the position of the eye. It may lie inside the domain.
         eye(point: [f64; 3]) => choice.eye = Some(point.into());
-        /// Sets the point in the middle of the picture. Default: the center of the domain.
+        /// Sets the point in the middle of the picture. Default: the center of the domain, unless
+        /// the camera is fitted to the visible points.
         target(point: [f64; 3]) => choice.target = Some(point.into());
         /// Sets the direction that points up in the picture. Default: z.
         up(direction: [f64; 3]) => choice.up = Some(direction.into());
@@ -367,7 +368,7 @@ impl Settings {
         /// makes room for the box. Default: no.
         axes(axes: bool) => axes = axes;
         /// Draws a legend for colored values, like the text's line `legend on`. With axes, it is
-        /// always drawn. Default: no.
+        /// drawn unless the text has the line `legend off`. Default: no.
         legend(legend: bool) => legend = legend;
         /// Limits the time for finding surfaces. Pixels that are not reached in time are undecided
         /// and not drawn. The picture then depends on the machine, but its proofs hold. Default: no

@@ -32,7 +32,7 @@ fn main() {
 /// Returns a build of the rival for this number of lanes.
 fn rival(lanes: &str) -> cc::Build {
     let mut build = cc::Build::new();
-    // With this model, access to the thread-local counter is a plain memory operand.
+    // With this model of thread-local storage, access to the counter is a plain memory operand.
     build.cpp(true).opt_level(3).flag("-ftls-model=local-exec");
     build.flags(FLAGS).define("W", lanes).file(SOURCE);
     build

@@ -1,4 +1,4 @@
-//! Tests that native code's bounds of a function as typed enclose the oracle's values.
+//! Tests that native code's bounds overlap the oracle's bounds of the function as typed.
 
 #![no_main]
 

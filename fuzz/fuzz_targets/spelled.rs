@@ -1,5 +1,5 @@
-//! Tests generated texts with forms, vectors, piecewise definitions and sums. They must read back
-//! as printed. Their simplification and enclosures must be sound.
+//! Tests generated texts with special forms, vectors, piecewise definitions and sums. They must
+//! read back as printed. Their simplification and enclosures must be sound.
 
 #![no_main]
 

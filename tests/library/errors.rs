@@ -49,7 +49,7 @@ fn formulas_without_a_surface_are_refused_as_on_the_command_line() {
             (said(&[text]), error.kind()),
             (format!("error: {error}\n"), ErrorKind::Formula)
         );
-        // These texts are functions with values, but their rays cannot be traced.
+        // As functions these texts can be evaluated, but they have no surface to trace.
         let function = Function::parse(text).expect("a function");
         assert_eq!(function.eval(&[[0.0; 3]]).len(), 1);
         assert_eq!(function.trace(&[]).expect_err("no surface").kind(), ErrorKind::Formula);

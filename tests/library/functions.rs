@@ -68,7 +68,7 @@ fn what_is_no_single_function_is_refused() {
     }
 }
 
-/// Enclosures of random boxes hold the oracle's values, in builds without debug assertions, too.
+/// Enclosures over random boxes contain the oracle's values at points of the boxes.
 #[test]
 fn enclosures_hold_for_random_boxes() {
     let mut rng = Rng::with_seed(1);
@@ -77,7 +77,7 @@ fn enclosures_hold_for_random_boxes() {
         let function = Function::parse(&text).expect("a function");
         let mut fixed = None;
         let (oracle, parameters) = oracle(&document, &mut fixed);
-        // A batch has fewer lanes than there are boxes, so a wrong order of lanes would show.
+        // The boxes fill several batches, so results in a wrong order would show.
         let boxes = [(); 200].map(|()| random_box::<f64>(&mut rng, Ends::Infinite));
         let found = function.enclose(&boxes.map(|ends| ends.map(range))).expect("boxes");
         assert_eq!(found.len(), boxes.len());
@@ -238,7 +238,7 @@ fn rays_agree_with_the_certified_tracer() {
     assert!(hits > 200 && misses > 200 && undecided < all / 20, "{hits} {misses} {undecided}");
 }
 
-/// A scaled direction gives the same line. Its values of t are scaled by the inverse.
+/// If a direction is scaled, the line is the same, and its values of t are divided by the factor.
 #[test]
 fn directions_may_have_any_length() {
     let function = Function::parse("x^2+y^2+z^2-1").expect("a function");

@@ -117,7 +117,7 @@ fn pictures_are_written_whole_or_not_at_all() {
 
 #[test]
 fn a_picture_does_not_depend_on_the_ones_before() {
-    // The square root simplifies in the smaller domain, but not in the larger one.
+    // The square root simplifies in the smaller domain only. The larger one needs other code.
     let text = "r = 1.5 in [0.5, 2]\nx^4+y^4+z^4 = r^2 + 0.1*x*sqrt((x+1.3)^2)";
     let settings = Settings::new(64, 48).domain([-2.0..=2.0, -2.0..=2.0, -2.0..=2.0]);
     let near = settings.clone().domain([-1.0..=1.0, -1.0..=1.0, -1.0..=1.0]);

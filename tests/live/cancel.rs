@@ -72,8 +72,8 @@ fn shadows_end_between_tiles() {
     assert!(drawn(&part) < drawn(&whole), "{} of {}", drawn(&part), drawn(&whole));
 }
 
-/// A pixel that a cancelled picture did not reach is neither a miss nor a hit, even if another
-/// surface is painted in it.
+/// A pixel that a cancelled picture did not reach is neither a miss nor a hit, even if one of the
+/// surfaces is painted in it.
 #[test]
 fn what_is_left_off_claims_nothing() {
     let (document, region) = document();
@@ -96,12 +96,12 @@ fn what_is_left_off_claims_nothing() {
                 } else {
                     assert_eq!(part.status[pixel], whole.status[pixel], "{pixel}");
                 }
-                // If a nearer surface was not traced, a farther one may be painted.
+                // If the nearer surface was not traced, the farther one may be painted.
                 assert!(part.drawn[pixel] >= whole.drawn[pixel]);
             }
             unreached.push(count);
         }
-        // Both surfaces must be traced to decide a pixel, so early quarters may decide few pixels.
+        // A pixel is decided when both surfaces are traced. Early quarters may decide few pixels.
         assert_eq!((unreached[0], unreached[4]), (256 * 64, 0), "{method:?}: {unreached:?}");
         assert!(unreached.is_sorted_by(|a, b| a >= b), "{method:?}: {unreached:?}");
         assert!(0 < unreached[3] && unreached[3] < 256 * 64, "{method:?}: {unreached:?}");

@@ -1,5 +1,4 @@
-//! Sliders and time change the picture without compiling. A fresh compilation gives the same
-//! picture.
+//! Sliders and time change the picture without compiling. A fresh compilation gives the same one.
 
 use crate::live_support::{LIMIT, settled, start};
 use std::time::Duration;

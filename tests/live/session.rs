@@ -95,7 +95,7 @@ fn a_mistake_keeps_the_last_good_picture_and_says_what_is_wrong() {
     }
     let refusal = live.enter("x^2+y^2+foo = 1").expect_err("wrong");
     assert!(refusal.render(false).contains('^'), "no caret: {}", refusal.render(false));
-    // A line that gives no surface is refused, too.
+    // A line that gives no surface is refused.
     for (line, expected) in [("3", "is constant: it is 3"), ("sqrt(-1)", "defined nowhere")] {
         let refusal = live.enter(line).expect_err(line).render(false);
         assert!(refusal.contains(expected), "{line}: {refusal}");

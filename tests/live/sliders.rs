@@ -99,7 +99,7 @@ fn a_reload_keeps_a_dragged_value_unless_the_file_gives_it_another() {
     assert_eq!(live.text(), given);
     settled(&live);
     assert!(!live.restore(&slider(&live, "r")) && live.restore(&slider(&live, "s")));
-    // A value that is set or loaded becomes the document's own. Resetting the slider returns to it.
+    // A value that is set or loaded becomes the document's own, to which a reset returns.
     drag(&live, "r", 1.5);
     live.enter(":set r = 0.75").expect("valid");
     assert!(!live.restore(&slider(&live, "r")));

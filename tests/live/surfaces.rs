@@ -113,7 +113,7 @@ fn document(text: &str) -> Document {
     zeroset_syntax::read(text, &Options::default()).expect("reads")
 }
 
-/// A file's `hidden` surface is not drawn, but counts for the domain.
+/// A file's `hidden` surface is not drawn, but is a surface of the model.
 #[test]
 fn a_picture_of_a_file_lacks_what_is_hidden() {
     let settings = start(THREE, 64).settings();
@@ -176,7 +176,7 @@ fn a_view_does_not_jump_while_a_value_moves() {
     let last = settled(&live);
     assert!(far(&last) > 3.0 * far(&first), "{} is not farther away", far(&last));
     assert!(way.len() > 4 && way.is_sorted(), "it jumped: {way:?}");
-    // The final view equals that of a fresh start with this text.
+    // In the final view the surface is as large as after a fresh start with this text.
     let fresh = settled(&start(&live.text(), 64));
     let share = |seen: &Rendering| {
         seen.picture.statistics.pixels.hit as f64 / seen.picture.buffer.drawn.len() as f64

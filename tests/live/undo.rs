@@ -146,7 +146,7 @@ fn a_plane_of_the_document_is_told_taken_away_and_given_back() {
     assert_eq!(kept(), "nothing is cut away");
     assert!(settled(&live).picture.rgb != cut.picture.rgb, "the same picture");
     assert!(settled(&live).command("a.png").contains(" --clip off"));
-    // Toggling the cut removes any clip plane, even the document's.
+    // With a clip plane of the document, toggling the cut removes this plane.
     assert!(live.undo());
     settled(&live);
     assert!(!live.toggle_cut());

@@ -15,9 +15,9 @@ const SIZE: [usize; 2] = [96, 80];
 fn a_pixel_is_the_same_whichever_others_are_followed() {
     let affine = METHODS.iter().find(|method| method.name == "affine").expect("there is one");
     let mut compared = 0;
-    // Some rays go on one by one. In rational forms, these are rays that may meet a pole. With a
-    // ball, these are rays at its edge. From the eye `near`, the pixels of some rays in a tile are
-    // as narrow as the resolution of `f32`.
+    // Some rays are traced one by one and not in tiles. In rational forms, these are rays that may
+    // meet a pole. With a ball, these are rays at its edge. From the eye `near`, the pixels of some
+    // rays in a tile are as narrow as the resolution of `f32`.
     let [inside, near, far] = [[1.02, 0.3, 0.4], [1.3, 0.3, 0.2], [2.4, 1.8, 3.6]];
     for (text, is_ball, eyes, tolerance) in [
         ("x^2+y^2+z^2=1", false, [inside, far], 0.02),

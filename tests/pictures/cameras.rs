@@ -127,7 +127,8 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// Chooses random pixels of each method's picture. If possible, half of them are undecided.
+    /// Chooses random pixels of each method's picture. If some pixels are undecided, at least half
+    /// of the chosen ones are.
     fn chosen(&mut self, scene: &Scene, rng: &mut Rng) -> Vec<Pixel> {
         let mut chosen = Vec::new();
         for method in &METHODS {

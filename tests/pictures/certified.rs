@@ -12,8 +12,8 @@ use zeroset_scene::gallery::example;
 use zeroset_syntax::{Options, read as read_document};
 use zeroset_testkit::certified::{BUDGET, Certificate, Function, Line, UnresolvedReason};
 
-/// Tolerance of distances, relative to 1 + distance. The reference rounded its rays differently,
-/// which moves the root of a grazing ray by more than the rounding error.
+/// Tolerance of distances, relative to 1 + distance. The reference rounded its rays differently. On
+/// a grazing ray, this moves the root by more than the rounding error.
 const ROUNDING: f64 = 1e-9;
 
 fn stride() -> usize {

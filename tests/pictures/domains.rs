@@ -132,7 +132,7 @@ const UNBOUNDED: &[&str] = &[
     "(x^2-1)^2+(y^2-1)^2=z^2",
     "z*((x^2-25)^2+(y^2-25)^2+z^2-4)=0.05",
     "x^2*y^2+y^2*z^2+x^2*z^2+x*y*z=0",
-    // Graphs.
+    // Heights as functions of two coordinates.
     "z=x^2+y^2",
     "z=x*y",
     "x^3-3x*y^2=z",
@@ -220,7 +220,7 @@ fn random_polynomials_that_are_moved_have_their_domains_moved() {
 }
 
 /// Checks that moving an unbounded surface moves its domain by the same vector, and reports
-/// differences. Returns `false` if the surface is bounded.
+/// differences. Returns `false` if the surface is bounded or empty.
 fn check_move(text: &str, place: [f64; 3], report: &mut String) -> bool {
     let find = |text: &str| {
         let document = read(text, &Options::default()).expect(text);

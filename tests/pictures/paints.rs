@@ -90,7 +90,7 @@ fn translucent_surfaces_are_mixed_from_front_to_back() {
         let mut checked = 0;
         for n in 0..SIDE * SIDE {
             let foot = rays().ray_of(n).origin;
-            // Rays farther from the axis leave one sphere before they enter the other.
+            // Skip rays that leave one sphere before they enter the other.
             if foot.y.hypot(foot.z) > 0.84 {
                 continue;
             }

@@ -39,7 +39,7 @@ fn stacked(parts: [&GBuffer; 2]) -> GBuffer {
     all
 }
 
-/// A picture joined from strips of `rows` rows, and the results common to all strips.
+/// A picture joined from strips of `rows` rows, and the picture that `strips_of` returns.
 fn together(
     model: &Model,
     camera: &Camera,

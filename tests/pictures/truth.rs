@@ -15,7 +15,7 @@ use zeroset_trace::{
     Camera, GBuffer, Method, Projection, RayGrid, RayResult, Status, TraceOptions,
 };
 
-/// The table's depth.
+/// Depth of the method `knoll` in the table of results.
 const DEPTH: u32 = 12;
 
 /// Number of rays with a crossing that are not left open by the reference, over all surfaces.
@@ -59,8 +59,8 @@ fn picture(truth: &Truth, settings: &Settings) -> (RayGrid, GBuffer) {
     (camera.rays(SIDE, SIDE), picture.buffer)
 }
 
-/// Whether the drawn function was simplified to one with the same zeros. The simplified function
-/// has no double zeros from squares, so all its zeros are crossings.
+/// Whether the drawn function was replaced by a simpler one with the same zeros. The simpler
+/// function has no double zeros from squares, so all its zeros are crossings.
 fn is_simple(truth: &Truth) -> bool {
     let document =
         read_document(example(&truth.view.slug).expect("there").text, &Options::default());

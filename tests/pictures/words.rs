@@ -64,7 +64,7 @@ fn what_is_undecided_hides_no_root_behind_it() {
             let mut inside = inside.peekable();
             let Some(start) = inside.peek().map(|t| is_above(*t)) else { continue };
             let Some(root) = inside.find(|t| is_above(*t) != start) else { continue };
-            // Skip roots beside a gap, since there is no root inside it.
+            // Skip changes of sign at a gap, since the function has no root in the gap.
             let point = ray.at(root);
             if gap(point.x, point.y) < 0.05 {
                 continue;

@@ -61,7 +61,7 @@ fn a_point_where_there_is_no_value_is_told_from_others() {
     // The point is not 0, but rounds to 0 in f32, where the logarithm is undefined.
     let found = answer(&json!({"f": "ln(x)", "at": [7e-61, 0, 0]}));
     assert_eq!((&found["empty"], &found["defined"]), (&json!(false), &json!(false)), "{found}");
-    // The bounds of sin hold 0 there, so nothing is proven.
+    // At this point the bounds of sin contain 0, so nothing is proven.
     let found = answer(&json!({"f": "1/sin(x)", "at": [1e20, 0, 0]}));
     assert_eq!((&found["empty"], &found["defined"]), (&json!(false), &json!(false)), "{found}");
 }
@@ -79,7 +79,7 @@ fn boxes_have_bounds_and_facts() {
     assert_eq!((&part["defined"], &part["empty"]), (&json!(false), &json!(false)));
     let none = answer(&json!({"f": "sqrt(x)", "box": [[-4, -1], [0, 0], [0, 0]]}));
     assert_eq!(none["empty"], true);
-    // The function is undefined here, but its upper bound is not −∞.
+    // The function is undefined in this box, but its upper bound is not −∞.
     let power = answer(&json!({"f": "0^x*x", "box": [[-2, -1], [0, 0], [0, 0]]}));
     assert!(power["empty"] == true && power["hi"] != "-inf", "{power}");
     let jump = answer(&json!({"f": "floor(x)", "box": [[0.5, 1.5], [0, 0], [0, 0]]}));

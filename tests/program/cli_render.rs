@@ -216,7 +216,7 @@ fn one_json_object_tells_times_counts_and_what_was_used() {
 #[test]
 fn rays_that_stay_undecided_are_given_up_with_a_reason() {
     let place = Sandbox::new();
-    // This is (x - 1)^7. Near x = 1 its terms cancel, so even very thin slabs stay undecided.
+    // (x - 1)^7 + 1e-9: near x = 1 its terms cancel, so even very thin slabs stay undecided.
     let formula = "x^7 - 7x^6 + 21x^5 - 35x^4 + 35x^3 - 21x^2 + 7x - 1 + 0*y + 1e-9";
     let render = |depth: &str| {
         let knoll = ["--method", "knoll"];
@@ -229,7 +229,7 @@ fn rays_that_stay_undecided_are_given_up_with_a_reason() {
     let given_up = deep.json()["work"]["given_up"].as_u64().expect("a number");
     assert!(given_up > 0 && deep.stderr.contains("given up after 32768 steps"), "{}", deep.stderr);
     let calls = deep.json()["work"]["interval"]["calls"].as_u64().expect("a number");
-    // The picture has four packets of sixteen rays.
+    // The picture has four packets of sixteen rays, each with at most 32768 calls.
     assert!(calls <= 4 * 32768, "{calls}");
     let shallow = render("10");
     assert_eq!(shallow.json()["work"]["given_up"], 0);
@@ -903,7 +903,7 @@ fn a_document_says_how_its_picture_looks() {
     assert!(refused.code == Some(2) && refused.stderr.contains("did you mean `night`?"));
 }
 
-/// The domain of a note, typed as `--domain`, gives the same picture.
+/// Typing the domain that a note names as `--domain` gives the same picture.
 #[test]
 fn a_domain_of_multiples_of_pi_is_written_as_such() {
     let place = Sandbox::new();

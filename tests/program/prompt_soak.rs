@@ -63,7 +63,7 @@ fn the_prompt_survives_thousands_of_edits_and_saves() {
     let name = path.to_str().expect("UTF-8");
     let mut terminal = Terminal::start(&["--preview", name], None);
     terminal.shows("undecided");
-    // This picture is as large as the last one, so that later growth does not include its memory.
+    // This picture is as large as `end.png`, so that later growth does not include its memory.
     terminal.type_in(":png first.png\r");
     terminal.shows("saved 'first.png'");
     let first = terminal.resident();
@@ -96,7 +96,7 @@ fn the_prompt_survives_thousands_of_edits_and_saves() {
     println!("before the last picture: {:?} kB", terminal.resident());
     terminal.type_in(":png end.png\r");
     terminal.shows("saved 'end.png'");
-    // The picture for a file is the larger one. The next line brings the small picture back.
+    // The prompt's picture is smaller than `end.png`. Wait until the small picture is shown again.
     let file = terminal.shown().len();
     until("the small picture is there again", || {
         terminal.type_in(":status\r");

@@ -67,7 +67,7 @@ impl Terminal {
         Self::of(Command::new(env!("CARGO_BIN_EXE_zeroset")), arguments, display, None)
     }
 
-    /// Like [`Terminal::start`], as the controlling terminal, so the terminal's end sends a signal.
+    /// Like [`Terminal::start`], but as the controlling terminal: closing it sends a signal.
     pub fn controlling(arguments: &[&str], display: Option<&str>) -> Self {
         let mut command = Command::new("setsid");
         command.args(["--ctty", env!("CARGO_BIN_EXE_zeroset")]);
@@ -182,8 +182,8 @@ impl Terminal {
         self.master.write_all(bytes).expect("sent");
     }
 
-    /// Types text once the program reads a line, since it drops earlier input. After the end of
-    /// each line, waits until the program has read the line.
+    /// Types text once the program reads a line, since the program drops earlier input. After the
+    /// end of each line, waits until the program has read the line.
     pub fn type_in(&mut self, text: &str) {
         let lines = || {
             let log = self.log.lock().expect("whole");

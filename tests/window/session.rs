@@ -45,7 +45,7 @@ pub fn one_step_of_the_wheel_zooms_as_far_as_a_key() {
     });
     assert!(step == zoomed, "a step of the wheel is no step of the key");
     back();
-    // The button is pressed in one poll of the mouse, and released in another.
+    // In a slow step, one poll of the mouse sees the button pressed, and another sees it released.
     let slow = scene.changes("a slow step", || {
         scene.display.tool(&["mousedown", "4"]);
         std::thread::sleep(std::time::Duration::from_millis(200));

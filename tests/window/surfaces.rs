@@ -50,7 +50,7 @@ pub fn surfaces_are_hidden_seen_through_moved_and_taken_away() {
     scene.terminal.type_in(":status\r");
     scene.terminal.shows("not compiled again");
     assert!(scene.changes("shown", || click(&scene, SWATCH, ROWS[1])) == start);
-    // The key 2 hides the surface too, as a click on its swatch does. Undoing this shows it again.
+    // The key 2 hides the second surface, like a click on its swatch. Undo shows it again.
     assert!(scene.changes("by key", || scene.key("2")) == hidden);
     assert!(scene.changes("undo hiding", || scene.key("ctrl+z")) == start);
     // Drag to the middle of the track. The drag is one undo step.
@@ -73,7 +73,7 @@ pub fn surfaces_are_hidden_seen_through_moved_and_taken_away() {
         scene.point(30, 250);
     });
     listed(&mut scene, "z = 1.2\r\ncolor red\r\nx^2+y^2+z^2 = 1");
-    // The colors below the list are the same.
+    // The surfaces keep their colors when their lines change places.
     assert_eq!(colored(&scene.picture()), seen);
     assert!(scene.changes("undo move", || scene.key("ctrl+z")) == start);
     scene.changes("deleted", || click(&scene, DELETE, ROWS[0]));

@@ -148,7 +148,7 @@ fn main() -> Result<()> {
         let mut sides = arguments.sides(surface).context(surface.name)?;
         let rounds = arguments.rounds as usize;
         let times = match arguments.scaling {
-            // Each renderer has a thread pool of its own.
+            // Each renderer draws with its own thread pool.
             Some(_) => measure(&mut sides, rounds),
             None => pool.install(|| measure(&mut sides, rounds)),
         };

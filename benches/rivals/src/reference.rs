@@ -140,8 +140,7 @@ impl Entries {
         self.below > self.above
     }
 
-    /// Share of rays that enter the domain where f has its less common sign. `None` if all signs
-    /// agree.
+    /// Share of rays that enter the domain where f has its rarer sign. `None` if all signs agree.
     pub fn minority(self) -> Option<f64> {
         let (less, more) = (self.below.min(self.above), self.below.max(self.above));
         (less > 0).then(|| less as f64 / (less + more) as f64)

@@ -40,7 +40,7 @@ pub struct PixelErrors {
     pub normal_degrees: Option<[f64; 3]>,
 }
 
-/// The mistake at a painted pixel.
+/// A mistake at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mistake {
     /// A root is not painted.

@@ -30,7 +30,7 @@ pub struct Figure {
     pub series: Vec<PlotSeries>,
     /// Label and points of a wide pale line behind all other lines.
     pub front: Option<(String, Vec<[f64; 2]>)>,
-    /// Height of a horizontal line.
+    /// Value at which a horizontal line is drawn.
     pub level: Option<f64>,
     /// Further lines of the legend.
     pub notes: Vec<String>,
@@ -67,7 +67,7 @@ pub struct PlotSeries {
 /// A value of a series.
 #[derive(Clone, Debug, Default)]
 pub struct PlotMark {
-    /// Coordinates.
+    /// Values on the horizontal and the vertical axis.
     pub at: [f64; 2],
     /// Ends of a vertical bar through the mark.
     pub bar: Option<[f64; 2]>,

@@ -117,7 +117,7 @@ fn follow(
     rays: &[Ray],
     within: f64,
 ) -> Result<(Vec<RayResult>, f64), ChartError> {
-    // The tolerance is one pixel. The segments below have pixels that are `within` wide.
+    // The tolerance is one pixel. Each segment below has a pixel that is `within` wide.
     let options = TraceOptions { tolerance: 1.0, depth: 16, ..TraceOptions::default() };
     let tracer = method
         .prepare(program.surface(0), &surface.region, options)

@@ -128,7 +128,7 @@ impl Plan<'_> {
         let set = |arithmetic, records| {
             KernelSet::new(self.program, arithmetic, records).map_err(&refuse)
         };
-        // Tracing a picture in the sound arithmetic records the inputs of its kernels.
+        // Tracing a picture in the arithmetic that rounds up records the inputs of its kernels.
         let asked = set(Arithmetic::Upward, true)?;
         self.picture(&asked, T::PRECISION)?;
         let [unsound, widened, upward] = Arithmetic::ALL.map(|arithmetic| set(arithmetic, false));

@@ -16,7 +16,8 @@ use rayon::ThreadPool;
 use std::path::Path;
 use zeroset_testkit::certified::BUDGET;
 
-/// Measures the rows that the directory lacks, and stores them view by view. Returns their number.
+/// Measures the rows that the directory lacks, and stores them view by view. Returns the number of
+/// new rows.
 ///
 /// # Errors
 /// If a surface is unknown or cannot be drawn, or the directory has results of another machine or

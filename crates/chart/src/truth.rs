@@ -119,8 +119,8 @@ impl<'a> Certifier<'a> {
         Truth::Root(Root { pieces, next: self.next(ray, &crossing), normal })
     }
 
-    /// The crossing after the first. To find it, a second ray starts behind the first crossing. The
-    /// second ray equals the given one up to rounding.
+    /// The crossing after `first`. To find it, a second ray starts behind `first`. Up to rounding,
+    /// it lies on the same line as `ray`.
     fn next(&self, ray: &Ray, first: &Crossing) -> Option<[f64; 2]> {
         let behind = Ray { origin: ray.at(first.far), direction: ray.direction };
         let next = self.trace(&behind).crossing?;

@@ -1,7 +1,7 @@
 //! Views of surfaces: a standard one, and others drawn from a seed.
 //!
-//! The certified tracer finds points on surfaces for them, so views do not depend on the methods
-//! that are compared.
+//! Some views need points on the surface. The certified tracer finds these points, so views do not
+//! depend on the methods that are compared.
 
 use crate::error::ChartError;
 use crate::surfaces::ChartSurface;
@@ -18,7 +18,7 @@ const FOV: f64 = 40.0;
 const STANDARD: DVec3 = DVec3::new(2.0, 1.5, 3.0);
 /// Number of rays tried to find a point on a surface.
 const TRIES: usize = 400;
-/// Coordinates are rounded to half extents over this number, which keeps their decimals short.
+/// Coordinates are multiples of a half extent over this number, which keeps their decimals short.
 const STEPS: f64 = 65536.0;
 
 /// Kinds of views, in order. Further views repeat this list without the standard view.
@@ -40,7 +40,7 @@ enum ViewKind {
     Standard,
     /// At the standard distance, in a random direction.
     Around,
-    /// In front of a random point of the surface, at a fifth of a half extent.
+    /// A fifth of a half extent in front of a random point of the surface.
     Close,
     /// Beside a random point of the surface, just above its tangent plane.
     Grazing,

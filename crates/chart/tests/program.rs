@@ -96,7 +96,7 @@ fn difficult_formulas_are_named_after_what_becomes_of_them() {
         words.map(str::to_owned).collect::<Vec<_>>()
     };
     assert_eq!(outcomes("thin-cylinder"), ["sound", "sound"]);
-    // Multiple roots become simple roots before any method traces them.
+    // Rewriting makes multiple roots simple before any method traces them.
     assert_eq!(outcomes("seventh-power"), ["sound", "sound"]);
     assert_eq!(outcomes("double-sphere"), ["sound", "sound"]);
     // At these sizes, slabs and thresholds chosen for a unit cube would miss everything. These
@@ -134,7 +134,7 @@ fn rigour_has_a_price() {
         match row.arithmetic.as_str() {
             "unsound" => assert_eq!(row.times_unsound, 1.0),
             "upward" => assert!(row.width.is_none_or(|width| width == 1.0), "{row:?}"),
-            // The widened arithmetic is at least as wide.
+            // The widened arithmetic has at least the width of the rounded-up one.
             _ => assert!(row.width.is_none_or(|width| width >= 1.0), "{row:?}"),
         }
     }

@@ -17,7 +17,8 @@ pub struct ArrayRow {
     pub needs_normals: bool,
     /// Whether the array needs the brackets of hits.
     pub needs_brackets: bool,
-    /// Begins a file with this many rows and columns. The picture is computed in this precision.
+    /// Begins a file for a picture of this many rows and columns that is computed in this
+    /// precision.
     pub begin: fn(Box<dyn Write>, [usize; 2], Precision) -> NewRowWriter,
 }
 

@@ -55,7 +55,7 @@ impl WordPosition {
         let statement = head[head.rfind(['\n', ';']).map_or(0, |at| at + 1)..].trim_start();
         let first = statement.split(|c: char| !c.is_alphabetic()).next().unwrap_or("");
         let behind = statement[first.len()..].trim_start();
-        // A setting's name may also be defined as a value: `light = 3` is an ordinary definition.
+        // A text may define a setting's name as a value: `light = 3` is an ordinary definition.
         let sets = behind.starts_with(['=', '*', '/', '^', '<', '>']) && !behind.is_empty();
         let begins = statement.is_empty();
         let in_setting = !begins && !sets && words().any(|word| word == (first, WordKind::Setting));

@@ -72,7 +72,7 @@ pub fn run(arguments: &EvalArgs) -> Result<ExitCode> {
 
 /// Compiled formulas by their text.
 struct FormulaCache {
-    /// Precision for lines that do not name one.
+    /// Precision for lines that name no precision.
     precision: Precision,
     reference: bool,
     compiled: HashMap<String, Program>,

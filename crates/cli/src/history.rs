@@ -22,8 +22,8 @@ impl History {
         self.lines.push_back(line);
     }
 
-    /// Returns the kept lines, oldest first, without the first `known` lines ever entered. Sets
-    /// `known` to the number of all lines entered so far.
+    /// Returns the lines in the history, oldest first, without the first `known` lines ever
+    /// entered. Sets `known` to the number of all lines entered so far.
     pub fn since(&self, known: &mut usize) -> Vec<String> {
         let kept = known.saturating_sub(self.dropped);
         *known = self.dropped + self.lines.len();

@@ -7,7 +7,7 @@ use zeroset_render::atomic_file::AtomicFile;
 
 /// A file being written, which appears under its name at the end.
 pub struct OutputFile {
-    /// The path as given, for messages.
+    /// The path as the user gave it, for messages.
     path: PathBuf,
     sink: OutputSink,
 }

@@ -61,7 +61,7 @@ impl<'a> Pick<'a> {
         Some(format!("{surface}x {:.digits$}  y {:.digits$}  z {:.digits$}{open}", p.x, p.y, p.z))
     }
 
-    /// Describes the pixel in several lines: coordinates, value, normal, what is proven and why.
+    /// Describes the pixel in several lines: status with its reason, coordinates, value and normal.
     /// The last line is a command that evaluates the point again.
     pub fn describe(&self) -> String {
         let buffer = &self.rendering.picture.buffer;

@@ -10,14 +10,14 @@ use std::sync::OnceLock;
 use std::time::Duration;
 use zeroset_render::picture::Picture;
 
-/// Assumed size of a terminal that reports none, in characters.
+/// Assumed size in characters of a terminal that reports no size.
 const COLUMNS: usize = 80;
 const ROWS: usize = 24;
-/// Largest number of columns of a picture, so that all of it stays in view.
+/// Largest number of columns of a picture, so that the whole picture stays in view.
 const MOST_COLUMNS: usize = 120;
 /// Rows left free for the prompt and the messages above it.
 const RESERVED_ROWS: usize = 4;
-/// Assumed width and height of a character, if the terminal reports none, in pixels. Larger
+/// Assumed width and height of a character in pixels, if the terminal does not report them. Larger
 /// reported sizes are reduced to these, to keep the data small.
 const CHARACTER: (usize, usize) = (8, 16);
 /// Assumed width and height of a character for sixels, in pixels. This is the size of a small font,
@@ -37,8 +37,7 @@ fn characters() -> (usize, usize) {
 }
 
 /// Returns the protocol for sending pixels, if there is one, and whether a late answer may still
-/// come. The first call queries the terminal. It must come before anything else reads from the
-/// terminal.
+/// come. The first call queries the terminal, and must come before anything else reads from it.
 fn protocol() -> (Option<Protocol>, bool) {
     static FOUND: OnceLock<(Option<Protocol>, bool)> = OnceLock::new();
     *FOUND.get_or_init(|| {

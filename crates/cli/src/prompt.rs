@@ -107,7 +107,7 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
             Err(error) => {
                 session.print_with(None);
                 if interactive {
-                    // The terminal is gone, and so is its user.
+                    // Without a terminal nobody can type, so the session ends.
                     session.end();
                 }
                 return Err(error);
@@ -116,7 +116,7 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
         if !line.trim().is_empty() {
             session.recall([line.clone()]);
         }
-        // While this line was typed, the window may have entered others.
+        // While this line was typed, the window may have entered other lines.
         learn(session, &mut editor, &mut known)?;
         if let Some(history) = &history {
             // Append at once, so that no line is lost if the program crashes.
@@ -126,7 +126,8 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
             abandoned_formula(&line).map_or(vec![&*line], |(open, command)| vec![open, command]);
         for line in parts {
             match session.enter(line, |to| session.png(to.as_deref(), session.live.revision())) {
-                // If nothing has changed, show no picture, so that the output stays in view.
+                // If the line changed nothing, show no picture, so that the line's output stays in
+                // view.
                 Ok(_) if preview && !line.trim().is_empty() && !session.has_ended() => {
                     session.fit_terminal();
                     let shown = session.live.request();
@@ -144,7 +145,7 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
     Ok(())
 }
 
-/// Adds the session's new lines to the editor's history.
+/// Adds to the editor's history all lines of the session's history after the first `known`.
 fn learn(
     session: &Session,
     editor: &mut Editor<PromptHelper, FileHistory>,

@@ -197,7 +197,8 @@ fn numbered(path: &Path, frame: usize) -> Result<Option<PathBuf>> {
     Ok((places == 1).then(|| name.into()))
 }
 
-/// Four counts of frames: rendered, kept, with undecided pixels, without a visible surface.
+/// Four counts of frames: rendered, already there, with undecided pixels, without a visible
+/// surface.
 #[derive(Default)]
 struct FrameCounts {
     made: usize,
@@ -288,7 +289,8 @@ impl<'a> FrameRenderer<'a> {
         Ok(Self { subject, overrides, time, sequence, settings, stage, around, progress })
     }
 
-    /// Renders a frame with the kernels of `last` if possible, and stores its model there.
+    /// Renders a frame, if possible with the kernels of the model `last`. The frame's model
+    /// replaces it.
     fn render_frame(
         &mut self,
         frame: usize,
@@ -315,8 +317,8 @@ impl<'a> FrameRenderer<'a> {
         Ok((camera, picture))
     }
 
-    /// Writes each frame to its own files. The shard `shard` of `of` renders every `of`-th frame,
-    /// from frame `shard` on.
+    /// Writes each frame to its own files. Of `of` shards, numbered from 0, the one with the number
+    /// `shard` renders every `of`-th frame, beginning with frame `shard`.
     fn files(
         mut self,
         wanted: &OutputArgs,
@@ -339,8 +341,8 @@ impl<'a> FrameRenderer<'a> {
             let is_there = |picture: &PathBuf| {
                 let written = |path: &Path| path.metadata().and_then(|file| file.modified()).ok();
                 let last = written(picture);
-                // An array does not record its origin. One newer than the picture is of another
-                // sequence.
+                // An array does not record its origin. An array newer than the picture belongs to
+                // another sequence.
                 let is_of_it = |(_, array): &(_, PathBuf)| {
                     array.is_file() && written(array).is_some_and(|time| Some(time) <= last)
                 };

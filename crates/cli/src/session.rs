@@ -89,7 +89,7 @@ pub struct Session {
 
 /// Locks a mutex of a session, even after a panic in another thread.
 pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // A panic leaves none of this state half changed.
+    // A panic leaves no part of a session's state half changed.
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -158,8 +158,9 @@ impl Session {
         }
     }
 
-    /// Watches the file that the document came from, if there is one. Loads every text that differs
-    /// from the last known one. The first known text is `read`, or else the file's content.
+    /// Watches the file that the document came from, if there is one. Loads the file's text
+    /// whenever it differs from the text loaded last. At first, `read` counts as loaded, or else
+    /// the file's text.
     pub fn watch(self: &Arc<Self>, read: Option<&str>) {
         let path = self.path();
         let mut file = lock(&self.file);
@@ -216,13 +217,13 @@ impl Session {
         self.reported_in_window.fetch_max(self.live.revision(), Ordering::Relaxed);
     }
 
-    /// Returns a new note that the file cannot be read, if there is one, and clears it.
+    /// Takes the note that the file cannot be read, if there is one that was not yet shown.
     #[cfg(feature = "window")]
     pub fn notice(&self) -> Option<String> {
         lock(&self.notice).take()
     }
 
-    /// Whether the terminal shows the fault of this request.
+    /// Whether the terminal shows the fault of the request with this revision.
     pub fn reports_in_terminal(&self, revision: u64) -> bool {
         revision > self.reported_in_window.load(Ordering::Relaxed)
     }
@@ -243,8 +244,8 @@ impl Session {
         lines.into_iter().for_each(|line| history.add(line));
     }
 
-    /// Returns the kept lines, oldest first, without the first `known` lines ever entered. Sets
-    /// `known` to the number of all lines entered so far.
+    /// Returns the lines in the history, oldest first, without the first `known` lines ever
+    /// entered. Sets `known` to the number of all lines entered so far.
     pub fn history_since(&self, known: &mut usize) -> Vec<String> {
         lock(&self.history).since(known)
     }

@@ -68,7 +68,7 @@ impl Subject {
     }
 }
 
-/// Reports that `--time` has no effect, if it is given but the document does not use it.
+/// Reports that `--time` has no effect, if the flag is given but `document` does not use the time.
 pub fn note_time(time: Option<f64>, document: &Document) {
     if time.is_some() && !view::depends_on_time(document) {
         notes::note("--time changes nothing: `t` occurs nowhere in the formula");

@@ -40,7 +40,7 @@ pub enum QueryAnswer {
 const LONGEST: usize = 64;
 
 /// Queries the terminal for its primary device attributes (DA1). Call this before anything else
-/// reads from the terminal. Drops keys typed before the answer, as the prompt would.
+/// reads from the terminal. Drops keys typed between query and answer.
 #[cfg(unix)]
 pub fn ask(limit: Duration) -> QueryAnswer {
     use std::io::{IsTerminal, Write};
@@ -49,8 +49,8 @@ pub fn ask(limit: Duration) -> QueryAnswer {
         return QueryAnswer::NotAsked;
     }
     let Ok(before) = rustix::termios::tcgetattr(&input) else { return QueryAnswer::NotAsked };
-    // The answer has no newline and must not be echoed. Interrupts are disabled, since one would
-    // leave the terminal in this mode.
+    // The answer has no newline and must not be echoed. Interrupts are disabled, since an interrupt
+    // would leave the terminal without echo.
     let mut silent = before.clone();
     silent.local_modes.remove(LocalModes::ECHO | LocalModes::ICANON | LocalModes::ISIG);
     silent.special_codes[SpecialCodeIndex::VMIN] = 0;

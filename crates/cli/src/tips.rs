@@ -1,4 +1,4 @@
-//! Tips for new users. The window shows each tip once, and a file counts them.
+//! Tips for new users. The window shows each tip once. A file counts the tips shown so far.
 
 #[cfg(feature = "window")]
 use super::data::data_directory;

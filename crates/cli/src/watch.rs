@@ -41,9 +41,9 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// Calls `report` on a new thread whenever the file's text has changed. The first text is
-    /// compared with `text`. An empty file is ignored, since some editors empty a file before
-    /// writing it.
+    /// Calls `report` on a new thread whenever the file's text has changed. At first, the file's
+    /// text is compared with `text`. An empty file is ignored, since some editors empty a file
+    /// before writing it.
     ///
     /// # Errors
     /// If the file's directory cannot be named.
@@ -57,7 +57,7 @@ impl Watch {
         let (stop, messages) = channel();
         let events = stop.clone();
         let watcher = notify::recommended_watcher(move |event: notify::Result<notify::Event>| {
-            // Reading the file is an event too, and must not cause another read.
+            // Reading the file causes an event, which must not cause another read.
             if event.map_or(true, |event| !event.kind.is_access() || is_close(&event)) {
                 let _ = events.send(Message::Event);
             }

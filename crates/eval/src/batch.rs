@@ -20,15 +20,16 @@ pub trait Batch<T: Real>: sealed::Sealed + Clone + Default + Send + Sync + 'stat
     /// # Panics
     /// If there is no such quantity.
     fn quantity(&self, number: usize) -> &Lanes<T>;
-    /// Returns the same as [`Batch::quantity`], but mutable.
+    /// Mutable version of [`Batch::quantity`].
     fn quantity_mut(&mut self, number: usize) -> &mut Lanes<T>;
 }
 
 /// A batch that a kernel reads.
 pub trait Input<T: Real>: Batch<T> {
-    /// Number of lanes in use, which are the first ones: 1 to [`LANES`].
+    /// Number of lanes in use, from 1 to [`LANES`]. They are the first lanes of the batch.
     fn count(&self) -> usize;
-    /// Returns whether the lanes in use are within `domain`, or true if the query does not need it.
+    /// Returns whether the lanes in use are within `domain`. Always true if the query does not need
+    /// it.
     fn is_within(&self, domain: &[Interval; 3]) -> bool;
 }
 
@@ -44,7 +45,7 @@ pub trait Output<T: Real>: Batch<T> {
     /// # Panics
     /// If there is no such mask.
     fn mask(&self, number: usize) -> u16;
-    /// Returns the same as [`Output::mask`], but mutable.
+    /// Mutable version of [`Output::mask`].
     fn mask_mut(&mut self, number: usize) -> &mut u16;
 }
 
@@ -131,7 +132,7 @@ batch! {
 
 batch! {
     /// Segments of rays. A segment holds the points origin + t·direction, for t from `near` to
-    /// `far`. In each coordinate the real point is within `error` of this sum. That includes the
+    /// `far`. In each coordinate the real point is within `error` of this sum. The error includes
     /// rounding in kernels ([`Segments::allow_rounding`]).
     Segments {
         /// Per axis, the coordinate of the ray's point at t = 0.
@@ -140,9 +141,9 @@ batch! {
         direction: [Lanes<T>; 3] = 3,
         /// Per axis, the largest error of the coordinate.
         error: [Lanes<T>; 3] = 3,
-        /// Lower end of the segment's t.
+        /// Lower end of the segment's range of t.
         near: Lanes<T> = 1,
-        /// Upper end of the segment's t.
+        /// Upper end of the segment's range of t.
         far: Lanes<T> = 1,
         ;
         /// Number of lanes in use.
@@ -153,7 +154,7 @@ batch! {
 batch! {
     /// Tiles of rays, cut to a range of t. A tile holds the points `o + a·oₐ + b·o_b + t·(d + a·dₐ
     /// + b·d_b)`, for screen coordinates (a, b) within `half` of `centre` and t from `near` to
-    /// `far`. Real points are within `error` of these, as in [`Segments`].
+    /// `far`. Real points are within `error` of these points, as in [`Segments`].
     ///
     /// Origins and directions are the same in all lanes, since all tiles belong to one picture.
     Tiles {
@@ -161,13 +162,13 @@ batch! {
         centre: [Lanes<T>; 2] = 2,
         /// Half the extent of the tile, per screen axis.
         half: [Lanes<T>; 2] = 2,
-        /// Lower end of the tile's t.
+        /// Lower end of the tile's range of t.
         near: Lanes<T> = 1,
-        /// Upper end of the tile's t.
+        /// Upper end of the tile's range of t.
         far: Lanes<T> = 1,
-        /// The vectors `o`, `oₐ` and `o_b`, each per axis.
+        /// The components of `o`, then those of `oₐ`, then those of `o_b`.
         origin: [Lanes<T>; 9] = 9,
-        /// The vectors `d`, `dₐ` and `d_b`, each per axis.
+        /// The components of `d`, then those of `dₐ`, then those of `d_b`.
         direction: [Lanes<T>; 9] = 9,
         /// Per axis, the largest error of a point's coordinate.
         error: [Lanes<T>; 3] = 3,
@@ -185,23 +186,24 @@ batch! {
         /// Upper end of t in the part that may hold zeros.
         far: Lanes<T> = 1,
         ;
-        /// Lanes whose segment may have a zero. In other lanes it has no zero in the domain.
+        /// Lanes whose segment may have a zero. In other lanes the segment has no zero in the
+        /// domain.
         possible: u16,
-        /// Lanes whose segment is proven to have a zero, if all of it lies in the domain. The
-        /// function is continuous on the segment, and its values at the two ends have opposite
-        /// signs.
+        /// Lanes whose segment is proven to have a zero, provided that the whole segment lies in
+        /// the domain. The function is then continuous on it, and has values of opposite signs at
+        /// its ends.
         crossing: u16,
     }
 }
 
 batch! {
     /// The parts of tiles that may hold zeros, and a linear approximation of the function. Its
-    /// symbols `εₐ`, `ε_b` and `ε` run from −1 to 1, over the two screen axes and over t = `middle`
-    /// + `half`·ε. The function is within `error` of `value` + Σ `slope`·symbol.
+    /// symbols `εₐ`, `ε_b` and `ε` run from −1 to 1: two along the screen axes, the last along t =
+    /// `middle` + `half`·ε. The function is within `error` of `value` + Σ `slope`·symbol.
     Planes {
         /// Lower end of t in the part that may hold zeros, on any ray of the tile.
         near: Lanes<T> = 1,
-        /// Upper end of t in the part that may hold zeros.
+        /// Upper end of t in that part, on any ray of the tile.
         far: Lanes<T> = 1,
         /// Value of the approximation if all symbols are 0.
         value: Lanes<T> = 1,
@@ -211,7 +213,7 @@ batch! {
         error: Lanes<T> = 1,
         /// Middle of the tile's range of t.
         middle: Lanes<T> = 1,
-        /// Half the length of the tile's range of t, or more.
+        /// At least half the length of the tile's range of t.
         half: Lanes<T> = 1,
         ;
         /// Lanes whose tile may have a zero on some ray, as in [`Contractions`].
@@ -224,8 +226,8 @@ batch! {
 batch! {
     /// Bounds of a function over boxes, and facts. Bit k of a mask is for lane k.
     Enclosures {
-        /// Negated lower bounds, never NaN and never −∞. If the function is defined nowhere, they
-        /// are meaningless.
+        /// Negated lower bounds, never NaN and never −∞. If the function is defined nowhere in the
+        /// box, they are meaningless.
         neg_lo: Lanes<T> = 1,
         /// Upper bounds, never NaN and never −∞.
         hi: Lanes<T> = 1,
@@ -245,7 +247,7 @@ batch! {
 pub struct Zeros {
     /// Lanes whose box may hold a zero. In other lanes the box holds no zero.
     pub possible: u16,
-    /// Lanes without known finite bounds: there may be an asymptote instead of a zero.
+    /// Lanes without finite bounds of the function: the box may hold a pole instead of a zero.
     pub unbounded: u16,
     /// Lanes in which the function is not known to be continuous.
     pub jumping: u16,
@@ -277,8 +279,8 @@ batch! {
         /// Per axis, the upper bounds of the partial derivative.
         gradient_hi: [Lanes<T>; 3] = 3,
         ;
-        /// Lanes in which the function is Lipschitz continuous in the box. Only there do the
-        /// gradient's bounds hold, at all points where the gradient exists.
+        /// Lanes in which the function is Lipschitz continuous in the box. Only in these lanes do
+        /// the gradient's bounds hold, at each point where the gradient exists.
         lipschitz: u16,
         /// Lanes in which the function is differentiable at each point of the box. On the boundary,
         /// derivatives may be one-sided.
@@ -307,13 +309,13 @@ batch! {
 }
 
 /// Bound on a coordinate's rounding error in a kernel: this number of units ([`Real::UNIT`]) times
-/// the sum of its terms' magnitudes. Each term is rounded at most six times, by at most one unit of
-/// the term each time.
+/// the sum of the magnitudes of the coordinate's terms. Each term is rounded at most six times, by
+/// at most one unit of the term each time.
 pub const PATH_UNITS: f64 = 8.0;
 
 /// Adds to `error` a bound on a coordinate's rounding error in a kernel. `magnitude` is the sum of
-/// the magnitudes of its terms. `met` is the largest magnitude of an intermediate result. Errors by
-/// underflow are at most `scale` times the least normal number.
+/// the magnitudes of the coordinate's terms. `met` is the largest magnitude of an intermediate
+/// result. Errors by underflow are at most `scale` times the least normal number.
 #[inline]
 fn with_rounding<T: Real>(error: T, magnitude: f64, met: f64, scale: f64) -> T {
     let [least, largest]: [f64; 2] = [T::LEAST_NORMAL, T::LARGEST].map(Into::into);
@@ -452,8 +454,7 @@ macro_rules! input_anywhere {
                 self.count as usize
             }
 
-            /// Any input is valid: samples carry no bounds, and results for rays hold only in the
-            /// domain.
+            /// Always true: samples carry no bounds, and results for rays hold only in the domain.
             fn is_within(&self, _: &[Interval; 3]) -> bool {
                 true
             }

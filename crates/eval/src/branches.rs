@@ -15,7 +15,8 @@ use zeroset_ops::Op;
 
 /// Largest number of combinations of branches in one kernel.
 const COMBINATIONS: usize = 8;
-/// Largest number of operations over all combinations. A longer tape splits fewer jumps.
+/// Largest number of operations in one kernel, over all combinations. In a longer tape fewer jumps
+/// are split.
 const OPERATIONS: usize = 4_000;
 
 /// The steps of a tape that have branches, and the combinations of these branches.
@@ -32,7 +33,7 @@ pub(crate) struct Branches {
 }
 
 /// A choice between the branches of a split. Several steps may share a choice. In each box, the
-/// first of these steps that jumps makes the choice. The later steps are then enclosed over the
+/// first of these steps that jumps makes the choice. The later ones are then enclosed over the
 /// whole box.
 #[derive(Clone, Copy, Debug)]
 struct Choice {
@@ -70,8 +71,8 @@ impl Branches {
         let mut choices: Vec<Choice> = Vec::new();
         let mut makes = vec![None; splits.len()];
         let mut left = combinations;
-        // Split jumps before poles. The rational form has cleared most poles, and other poles may
-        // be no jumps of the whole function.
+        // Jumps are split before poles. The rational form has cleared most poles, and at the other
+        // poles the whole function may not jump.
         for poles in [false, true] {
             let first = choices.len();
             let mut next = first;
@@ -97,7 +98,8 @@ impl Branches {
     }
 
     fn find_dependences<T: Real>(&mut self, tape: &Tape<T>) {
-        // For each choice, the choices that decide in which lanes an earlier step has made it.
+        // For each choice, the choices that decide in which lanes an earlier step has made that
+        // choice.
         let mut made = vec![0_u32; self.choices.len()];
         for (index, step) in tape.steps().iter().enumerate() {
             let Step::Apply(_, operands) = step else {
@@ -120,7 +122,6 @@ impl Branches {
         chosen.map(|(_, choice)| choice.parts().len()).product()
     }
 
-    /// Number of operations to enclose, over all combinations.
     pub fn operations(&self) -> usize {
         self.operations
     }
@@ -163,9 +164,10 @@ fn split<T: Real>(tape: &Tape<T>, index: usize) -> Split {
 struct Combination<V> {
     parts: Vec<Branch>,
     values: Vec<Operand<V>>,
-    /// For each shared choice, the lanes in which a step so far has made it.
+    /// For each shared choice, the lanes in which an earlier step has made it.
     made: Vec<Fact<V>>,
-    /// For each step with a shared choice, the lanes in which the choice is made after that step.
+    /// For each step with a shared choice, the lanes in which this step or an earlier one has made
+    /// the choice.
     made_at: Vec<Fact<V>>,
 }
 
@@ -232,8 +234,8 @@ impl<T: Real> Tape<T> {
     }
 }
 
-/// Encloses an operation in one combination. Also returns the lanes in which the operation's choice
-/// is made afterwards.
+/// Encloses an operation in one combination. Also returns the lanes in which this or an earlier
+/// operation has made its shared choice.
 fn enclose_step<T: Real, M: Machine>(
     m: &mut M,
     branches: &Branches,
@@ -327,8 +329,8 @@ mod tests {
     }
 
     /// Seven steps jump, but there are only three choices. The fourth and the seventh step share a
-    /// choice. The fourth jumps in only one branch of the second, and there the seventh must not
-    /// choose again. So the seventh depends on the second as well.
+    /// choice. The fourth jumps in only one branch of the second. In that branch the seventh must
+    /// not choose again, so it depends on the second as well.
     #[test]
     fn a_choice_already_made_by_another_jump_is_not_made_again() {
         let mut builder = GraphBuilder::default();

@@ -1,7 +1,7 @@
 //! Enclosures with two more facts: whether a function is Lipschitz continuous or differentiable.
 //!
-//! With enclosures of the derivatives, these facts make slopes rigorous. If a function is Lipschitz
-//! continuous in a box, then along a segment in the box it changes no more than its slopes allow.
+//! If a function is Lipschitz continuous in a box, bounds of its derivatives limit how much it
+//! changes along a segment in the box. Without that fact, bounds of derivatives prove nothing.
 
 use crate::real::Real;
 use crate::value_domain::{Bounds, Loader, ValueDomain};
@@ -67,8 +67,9 @@ where
     }
 }
 
-/// Adds the two facts to `value`, the result of an operation. A fact holds if it holds for all
-/// operands, and for the operation over the operands' bounds.
+/// Adds the two facts to `value`, the result of an operation. In general, a fact holds if it holds
+/// for all operands, and for the operation over the operands' bounds. For choices, fallbacks and
+/// restrictions, only the operand counts that gives the value.
 fn smooth<T: Real, M: Machine>(
     m: &mut M,
     op: Op,

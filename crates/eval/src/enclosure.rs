@@ -7,15 +7,15 @@ use zeroset_ir::{Graph, Node, NodeId};
 /// The bounds and facts of `root`, for all points and parameters within `assumptions`.
 ///
 /// # Panics
-/// If `assumptions` has no bounds for a parameter that is used.
+/// If `assumptions` has no bounds for a parameter that `root` uses.
 pub fn enclose(graph: &Graph, root: NodeId, assumptions: &Assumptions) -> (Interval, Facts) {
     enclose_all(graph, &[root], assumptions)[0]
 }
 
-/// Like [`enclose`], for several roots in one pass.
+/// The bounds and facts of each root, as [`enclose`] returns them, from one pass over the graph.
 ///
 /// # Panics
-/// If `assumptions` has no bounds for a parameter that is used.
+/// If `assumptions` has no bounds for a parameter that a root uses.
 pub fn enclose_all(
     graph: &Graph,
     roots: &[NodeId],

@@ -86,19 +86,21 @@ impl Path<3> for TilePath {
         depth: RayRange<M::V>,
         axis: Axis,
     ) -> Form<M::V, 3> {
-        // Loaded again for each axis: kept longer, these quantities would be spilled and reloaded.
+        // These quantities are loaded again for each axis. If they were kept, they would be
+        // spilled.
         let centre = [0, 1].map(|quantity| loader.input(m, quantity));
         let reach = [2, 3].map(|quantity| loader.input(m, quantity));
         let [o, o_a, o_b] = [6, 9, 12].map(|first| loader.input(m, first + axis as usize));
         let [d, d_a, d_b] = [15, 18, 21].map(|first| loader.input(m, first + axis as usize));
         let error = loader.input(m, 24 + axis as usize);
         let RayRange { middle, half } = depth;
-        // Rays diverge. The products of screen coordinates and t are counted as errors.
+        // Rays diverge, so a coordinate has products of screen coordinates and t. They count as
+        // errors.
         let sizes = [d_a, d_b].map(|d| m.abs(d));
         let spread = m.mul(reach[0], sizes[0]);
         let spread = m.mul_add(sizes[1], reach[1], spread);
         let error = m.mul_add(spread, half, error);
-        // `error` already includes the rounding of these operations too.
+        // `error` already includes the rounding of these operations.
         let (centre, slopes) = m.unrounded(|m| {
             let [across, upward] = [(o_a, d_a, 0), (o_b, d_b, 1)].map(|(o, d, axis)| {
                 let per_unit = m.mul_add(middle, d, o);
@@ -133,7 +135,7 @@ pub(crate) fn evaluate_and_contract<
     let depth = RayRange::between(m, T::FORMAT, ends);
     let form =
         tape.evaluate(m, &mut AffineDomain::<_, _, P, N> { loader, depth, path: PhantomData })[0];
-    // The ends are loaded again. Kept during the evaluation, they would be spilled and reloaded.
+    // The ends are loaded again. If they were kept during the evaluation, they would be spilled.
     let ends = P::ENDS.map(|quantity| loader.input(m, quantity));
     let new = contract(m, T::FORMAT, &form, [depth.middle, depth.half], ends);
     (form, new, depth)

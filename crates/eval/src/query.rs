@@ -2,7 +2,7 @@
 //!
 //! All results but samples are proofs. They hold under the assumptions for which the kernel was
 //! compiled: boxes are within the domain, and parameters within their ranges. Debug builds assert
-//! that.
+//! these assumptions.
 
 use crate::batch::{
     Boxes, Contractions, Enclosures, GradientEnclosures, Gradients, Input, Output, Planes, Points,
@@ -32,8 +32,8 @@ pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
     ///
     /// # Panics
     /// If the number of expressions that the tape computes does not fit the query, or if the tape
-    /// and the binding differ in their number of parameters. In debug builds also if a value is
-    /// outside the range that the tape assumes.
+    /// and the binding differ in their number of parameters. In debug builds also if a parameter's
+    /// value is outside the range that the tape assumes.
     fn check<T: Real>(tape: &Tape<T>, binding: &Binding<T>) {
         assert_eq!(tape.outputs(), Self::OUTPUTS, "expressions that answer for {}", Self::NAME);
         assert_eq!(tape.parameters(), binding.bounds().len(), "parameters");
@@ -48,8 +48,8 @@ pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
     /// Checks that an input fits the assumptions of a tape.
     ///
     /// # Panics
-    /// If no lanes are in use, or more than [`LANES`]. In debug builds also if a lane is outside
-    /// the domain that the tape assumes.
+    /// If no lanes are in use, or more than [`LANES`]. In debug builds also if the data of a lane
+    /// are outside the domain that the tape assumes.
     #[inline]
     fn check_input<T: Real>(tape: &Tape<T>, input: &Self::Input<T>) {
         assert!((1..=LANES).contains(&input.count()), "{} lanes in use", input.count());
@@ -63,7 +63,7 @@ pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
     ///
     /// # Panics
     /// If the number of expressions that the tape computes does not fit the query, or if the tape
-    /// only finds zeros ([`Tape::branches`]) and this is another query.
+    /// is made by [`Tape::branches`] and the query is not [`FindZeros`].
     fn answer<T: Real, M: Machine>(
         tape: &Tape<T>,
         m: &mut M,
@@ -91,7 +91,7 @@ pub trait Kernel<Q: Query, T: Real = f32>: Send + Sync {
     /// Returns the results for all `inputs`, in order.
     ///
     /// # Panics
-    /// As [`Kernel::eval`].
+    /// If [`Kernel::eval`] panics for an input.
     fn eval_all(&self, inputs: &[Q::Input<T>]) -> Vec<Q::Output<T>> {
         let answer = |input| {
             let mut output = Q::Output::<T>::default();
@@ -102,8 +102,8 @@ pub trait Kernel<Q: Query, T: Real = f32>: Send + Sync {
     }
 }
 
-/// Bounds of the function over a box. They contain its value at each real point of the box where it
-/// is defined. The facts tell where it is defined and continuous.
+/// Bounds of the function over a box. They contain the function's value at each real point of the
+/// box where it is defined. The facts tell where the function is defined and continuous.
 #[derive(Clone, Copy, Debug)]
 pub struct Enclose;
 
@@ -112,13 +112,14 @@ pub struct Enclose;
 #[derive(Clone, Copy, Debug)]
 pub struct FindZeros;
 
-/// Bounds of the function and its gradient over a box, and whether the function is differentiable
-/// there. The tape computes the function and its three partial derivatives.
+/// Bounds of the function and its gradient over a box, and whether the function is Lipschitz
+/// continuous and differentiable in it. The tape computes the function and its three partial
+/// derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct EncloseGradient;
 
-/// Narrows a segment of a ray to a part that contains all its zeros in the domain. Also tells
-/// whether the function's signs at the segment's ends prove a zero.
+/// Narrows a segment of a ray to a part that contains all zeros on the segment within the domain.
+/// Also tells whether the function's signs at the segment's ends prove a zero.
 #[derive(Clone, Copy, Debug)]
 pub struct ContractSegments;
 
@@ -131,8 +132,8 @@ pub struct ContractTiles;
 #[derive(Clone, Copy, Debug)]
 pub struct Sample;
 
-/// Approximate value and gradient of the function at a point, without error bounds like [`Sample`].
-/// The tape computes the function and its three partial derivatives.
+/// Approximate value and gradient of the function at a point. Like those of [`Sample`], they have
+/// no error bounds. The tape computes the function and its three partial derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct SampleGradient;
 
@@ -247,7 +248,6 @@ impl Query for ContractTiles {
     }
 }
 
-/// Samples all outputs of a tape.
 fn samples<T: Real, M: Machine>(
     tape: &Tape<T>,
     m: &mut M,

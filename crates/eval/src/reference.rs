@@ -24,8 +24,8 @@ impl<Q: Query, T: Real> Reference<Q, T> {
     ///
     /// # Panics
     /// If the number of expressions that the tape computes does not fit the query, or if the tape
-    /// and the binding differ in their number of parameters. In debug builds also if a value is
-    /// outside its range.
+    /// and the binding differ in their number of parameters. In debug builds also if a parameter's
+    /// value is outside its range.
     pub fn new(tape: Tape<T>, binding: Binding<T>) -> Self {
         Q::check(&tape, &binding);
         Self { tape, binding, query: PhantomData }

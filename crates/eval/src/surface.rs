@@ -31,7 +31,8 @@ pub trait SurfaceKernels: Sync {
     }
 }
 
-/// The kernels of one function in one precision. Returns an error if a kernel cannot be compiled.
+/// The kernels of one function in one precision. Each method returns an error if its kernel is not
+/// available.
 #[allow(clippy::missing_errors_doc, reason = "the same for each, and said above")]
 pub trait Kernels<T: Real>: Sync {
     /// The kernel that tests whether boxes may hold a zero.
@@ -44,7 +45,7 @@ pub trait Kernels<T: Real>: Sync {
     }
     /// The kernels that bound the numerator and the denominator of the function's rational form, if
     /// it has one. Within its domain of definition, the function is 0 where the numerator is 0 and
-    /// the denominator is not. It has poles where the denominator is 0.
+    /// the denominator is not. The function has poles where the denominator is 0.
     fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError> {
         Err(Arc::new(NoKernel))
     }
@@ -53,7 +54,8 @@ pub trait Kernels<T: Real>: Sync {
     fn segments(&self) -> KernelResult<'_, ContractSegments, T> {
         Err(Arc::new(NoKernel))
     }
-    /// Like [`Kernels::segments`], for tiles of rays.
+    /// The kernel that narrows tiles of rays to their zeros, for the function that
+    /// [`Kernels::segments`] uses.
     fn tiles(&self) -> KernelResult<'_, ContractTiles, T> {
         Err(Arc::new(NoKernel))
     }
@@ -107,9 +109,9 @@ impl<T: Real> Kernels<T> for NoKernel {}
 pub struct ZeroTest<T: Real> {
     /// The function itself.
     pub function: Box<dyn Kernel<FindZeros, T>>,
-    /// The numerator of the function's rational form, which has the same zeros in the domain of
-    /// definition. It is finite near poles, so it proves that a pole is no zero, and bounds roots
-    /// near a pole.
+    /// The numerator of the function's rational form, which has the function's zeros in the domain
+    /// of definition. It is finite near poles. So it proves that a pole is no zero, and bounds
+    /// roots near a pole.
     pub numerator: Option<Box<dyn Kernel<FindZeros, T>>>,
     /// The function branch by branch ([`Tape::branches`](crate::Tape::branches)). It is evaluated
     /// in lanes where the function may jump.
@@ -138,8 +140,8 @@ impl<T: Real> Kernel<FindZeros, T> for ZeroTest<T> {
     }
 }
 
-/// Evaluates the lanes `lanes` of a batch. They are gathered first if they are at most half of the
-/// lanes in use. The result is meaningless in other lanes.
+/// Evaluates the boxes in `lanes` of a batch. If they are at most half of the boxes in use, they
+/// are first gathered in a batch of their own. The result is meaningless in other lanes.
 fn eval_lanes<T: Real>(kernel: &dyn Kernel<FindZeros, T>, boxes: &Boxes<T>, lanes: u16) -> Zeros {
     let mut zeros = Zeros::default();
     if 2 * lanes.count_ones() > boxes.count {
@@ -164,7 +166,8 @@ mod tests {
     use zeroset_ir::{Axis, Graph};
     use zeroset_ops::Op;
 
-    /// Tests that unused lanes are not evaluated: their zeros, outside the domain, would panic.
+    /// Unused lanes hold boxes at the origin, outside the domain: a kernel that evaluated them
+    /// would panic.
     #[test]
     fn lanes_that_are_not_in_use_are_asked_no_further() {
         let mut graph = Graph::new();

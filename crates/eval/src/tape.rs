@@ -1,5 +1,5 @@
 //! A graph laid out for evaluation. Each node becomes a step, after its operands. Each step has
-//! bounds that hold for every sample.
+//! bounds that its value never leaves while inputs meet the tape's assumptions.
 
 use crate::branches::Branches;
 use crate::lanes::Lanes;
@@ -130,7 +130,7 @@ impl<T: Real> Tape<T> {
         &self.steps
     }
 
-    /// Bounds of a step's value that hold in every sample.
+    /// Bounds that the step's value never leaves while inputs meet the assumptions.
     pub(crate) fn range(&self, index: usize) -> Interval {
         self.ranges[index]
     }
@@ -169,7 +169,7 @@ impl<T: Real> Tape<T> {
         self.steps.iter().filter(|step| matches!(step, Step::Apply(..))).count()
     }
 
-    /// Returns whether the bounds of the first output are finite in every sample.
+    /// Returns whether the range of the first output's value is finite.
     pub(crate) fn is_bounded(&self) -> bool {
         let (range, largest) = (self.ranges[self.outputs[0]], T::LARGEST.into());
         -largest <= range.lo && range.hi <= largest
@@ -238,8 +238,8 @@ pub(crate) fn may_vanish<M: Machine>(
 struct Twins<V>(HashMap<(Op, usize), V>);
 
 impl<V> Twins<V> {
-    /// Returns the value of `op` for an operand. If it is not stored, `both` computes it with its
-    /// twin's value, which is stored. `None` if the operation is not computed with a twin.
+    /// Returns the value of `op` for an operand. If the value is not stored, `both` computes it and
+    /// its twin's value, which is then stored. `None` if the operation is not computed with a twin.
     fn take(&mut self, op: Op, operand: usize, both: impl FnOnce() -> Option<[V; 2]>) -> Option<V> {
         let twin = op.row().twin?;
         if let Some(value) = self.0.remove(&(op, operand)) {
@@ -252,12 +252,12 @@ impl<V> Twins<V> {
 }
 
 /// Limit on how far an elementary function's bounds over part of a box may exceed its bounds over
-/// the whole box, as a fraction. They may exceed them because approximations are not exactly
-/// monotone. The limit is far above twice the error of each bound.
+/// the whole box, as a fraction of the bound. They may exceed them because approximations are not
+/// exactly monotone. The limit is far above twice the error of each bound.
 const NOT_MONOTONE: f64 = 1.0 / 1_048_576.0;
 
-/// Encloses a step over everything that `assumptions` allow. Since rules are isotone, the result
-/// contains the step's value in every kernel.
+/// Encloses a step over all values that `assumptions` allow. By isotone rules, narrower operands
+/// give no wider bounds. So the result contains the step's value in every kernel.
 fn range_of<T: Real>(
     step: &Step,
     values: &[Operand<Vector>],
@@ -301,8 +301,8 @@ fn first<T: Real>(vector: Vector) -> f64 {
     lanes[0].into()
 }
 
-/// Widens a range so that it contains the bounds over a branch, which may exceed it. Each end moves
-/// by a fraction of its magnitude, but at least by `excess`. That is the largest error of an
+/// Widens a range so that it contains the bounds over a part of the box, which may exceed it. Each
+/// end moves by a fraction of its magnitude, but at least by `excess`, the largest error of an
 /// enclosure below the normal numbers. An end at 0 stays, because no approximation changes the sign
 /// of a value.
 fn inflate(range: Interval, excess: f64) -> Interval {

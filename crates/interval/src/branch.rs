@@ -8,9 +8,9 @@ use zeroset_ops::{Class, Continuity, Law, Op};
 
 /// The part of a box over which an operation is enclosed.
 ///
-/// A function that jumps splits a box into two or three branches, by its own value. A function with
-/// a pole splits a box into two, by the sign of its divisor. The branches of a [`Split`] cover the
-/// box, so a claim that holds on each branch holds on the box.
+/// A function that jumps splits a box into two or three branches, by the function's value. A
+/// function with a pole splits a box into two, by the sign of its divisor. The branches of a
+/// [`Split`] cover the box, so a claim that holds on each branch holds on the box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Branch {
     /// The whole box.

@@ -20,7 +20,8 @@ impl<V: Copy> Enclosure<V> {
         Claims::TOTAL.with([neg_lo, hi])
     }
 
-    /// Combines the facts with `own`, the claims of an operation about its own domain.
+    /// Combines the facts, those of the operands, with `own`, the operation's claims about its
+    /// domain.
     pub(crate) fn restricted<M: Machine<V = V>>(self, m: &mut M, own: &Claims<V>) -> Self {
         Self { facts: self.facts.and(m, own), ..self }
     }
@@ -153,7 +154,7 @@ pub(crate) enum Sign {
 }
 
 impl<W> Term<W> {
-    /// Returns `value` with the range and the kind of exponent of this term.
+    /// Returns `value` with this term's range and kind as an exponent.
     pub fn with<U>(&self, value: U) -> Term<U> {
         Term { value, range: self.range, exponent: self.exponent }
     }

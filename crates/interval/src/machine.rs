@@ -54,8 +54,8 @@ pub trait Machine {
     fn mul(&mut self, a: Self::V, b: Self::V) -> Self::V;
     /// a · b + c, rounded once where the processor [can](crate::has_fma), else after each step. If
     /// rounded once, a finite product that overflows is not ∞ before c is added: for c = −∞ the
-    /// result is −∞, not NaN. On x86-64 the instruction overwrites a, so a value that is used again
-    /// should not be a.
+    /// result is −∞, not NaN. On x86-64 the instruction overwrites a, so a should be a value that
+    /// is not used again.
     fn mul_add(&mut self, a: Self::V, b: Self::V, c: Self::V) -> Self::V;
     /// a · b − c, rounded like [`Machine::mul_add`].
     fn mul_sub(&mut self, a: Self::V, b: Self::V, c: Self::V) -> Self::V {
@@ -141,8 +141,8 @@ pub trait Machine {
     {
         routine(self)
     }
-    /// Rounds a bound from [`Machine::unrounded`] outward, if nothing else counts its last
-    /// rounding.
+    /// Rounds a bound from [`Machine::unrounded`] outward. Needed for a bound whose last rounding
+    /// the caller does not count.
     fn outward(&mut self, bound: Self::V) -> Self::V {
         bound
     }

@@ -8,7 +8,8 @@
 /// in `f64`; the errors of sums are computed too.
 pub mod f32_up {
     /// Returns `value + error`, rounded up to `f32`. `error` is at most half an ulp of `value` in
-    /// size, or NaN if `value` is not finite. The next float above −∞ is the lowest finite one.
+    /// size, or NaN if `value` is not finite. A value below every `f32` gives the lowest finite
+    /// `f32`.
     fn demote(value: f64, error: f64) -> f32 {
         let nearest = value as f32;
         let back = f64::from(nearest);
@@ -104,7 +105,8 @@ pub mod f64_up {
         if c == 0.0 {
             return mul(a, b);
         }
-        // The product and c become integers with exponents, of 105 or 106 bits and of 53 bits.
+        // The product becomes an integer of 105 or 106 bits, c one of 53 bits, each with an
+        // exponent.
         let integer = |a: f64| {
             let (a, exponent) = split(a);
             ((a * power(52)) as i128, exponent - 52)

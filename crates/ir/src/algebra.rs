@@ -2,7 +2,7 @@
 //! exact numbers.
 //!
 //! Derivatives and rational forms use these builders, since they create many trivial terms. A
-//! factor 0 removes the other factor, even where that is undefined. So
+//! factor 0 removes the other factor, even where the other is undefined. So
 //! [`simplify`](crate::simplify()) must not use these builders.
 
 use crate::constant::Constant;
@@ -17,12 +17,10 @@ fn negated(graph: &Graph, id: NodeId) -> Option<NodeId> {
     graph.operands(id, Op::Neg).map(|operands| operands[0])
 }
 
-/// Returns whether the node `id` is the number 0.
 pub(crate) fn is_zero(graph: &Graph, id: NodeId) -> bool {
     is_integer(graph, id, 0)
 }
 
-/// Returns whether the node `id` is the number 1.
 pub(crate) fn is_one(graph: &Graph, id: NodeId) -> bool {
     is_integer(graph, id, 1)
 }

@@ -37,7 +37,7 @@ type Factors = BTreeMap<NodeId, u32>;
 #[derive(Clone)]
 struct Fraction {
     numerator: NodeId,
-    /// Further factors of the numerator, which were denominators of divisors.
+    /// Further factors of the numerator, which come from the denominators of divisors.
     above: Factors,
     below: Factors,
     /// Bases that were both in `above` and in `below`, and were cancelled.
@@ -250,8 +250,8 @@ fn inverted(graph: &mut Graph, a: &Fraction, variabilities: &[Variability]) -> O
             return None;
         }
         let node = graph.node(id).clone();
-        // Nodes beyond the table of variabilities are new. A new node is an exact number, or one of
-        // its operands varies.
+        // Nodes beyond the table of variabilities were added by this pass. Each is an exact number,
+        // or an operation with an operand that varies.
         let fixed = variabilities.get(id.index()).is_some_and(|rank| *rank != Variability::Varying)
             || matches!(node, Node::Constant(_));
         let class = match &node {

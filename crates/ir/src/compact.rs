@@ -2,8 +2,8 @@
 
 use crate::graph::{Graph, Node, NodeId};
 
-/// Returns a graph that holds only the nodes that `roots` need, in the same order, and the new ids
-/// of the roots.
+/// Returns a graph that holds only the nodes that `roots` need, in the same order, and the ids of
+/// the roots in that graph.
 ///
 /// # Panics
 /// If a root does not belong to `graph`.
@@ -11,7 +11,7 @@ pub fn compact(graph: &Graph, roots: &[NodeId]) -> (Graph, Vec<NodeId>) {
     replaced(graph, roots, |_, _, _| None)
 }
 
-/// Like [`compact`], but `replacement` may return a node of the new graph instead of a copy.
+/// Like [`compact`], but `replacement` may supply a node of the copy in place of a copied node.
 pub(crate) fn replaced(
     graph: &Graph,
     roots: &[NodeId],
@@ -30,7 +30,7 @@ pub(crate) fn replaced(
     (copy, roots)
 }
 
-/// Adds a copy of `node` to `graph`. The function `place` returns the new id of an operand.
+/// Adds a copy of `node` to `graph`. The function `place` returns the id of an operand's copy.
 pub(crate) fn copy_node(
     graph: &mut Graph,
     node: &Node,

@@ -82,7 +82,8 @@ impl Constant {
             .then(|| Self::Exact(BigRational::new(numerator.into(), denominator.into())))
     }
 
-    /// The rational number `value`. It becomes an enclosure if it is too large to be kept exactly.
+    /// The rational number `value`. The constant is an enclosure if the number is too large to be
+    /// exact.
     pub fn rational(value: BigRational) -> Self {
         if bits(&value) <= EXACT_BITS {
             Self::Exact(value)
@@ -91,8 +92,8 @@ impl Constant {
         }
     }
 
-    /// A number known only to be within `bounds`. It is exact if `bounds` contains only one number,
-    /// of moderate size.
+    /// A number known only to be within `bounds`. The constant is exact if `bounds` contains only
+    /// one number, of moderate size.
     pub fn enclosed(bounds: Interval) -> Self {
         match bounds.singleton().and_then(BigRational::from_float) {
             Some(value) if bits(&value) <= EXACT_BITS => Self::Exact(value),
@@ -100,8 +101,8 @@ impl Constant {
         }
     }
 
-    /// The value of a decimal like `12`, `.5`, `1.` or `2.5e-3`. It is an enclosure if it is too
-    /// large, too small or too long. `None` if `text` is not a decimal.
+    /// The value of a decimal like `12`, `.5`, `1.` or `2.5e-3`. The constant is an enclosure if
+    /// the decimal is too large, too small or too long. `None` if `text` is not a decimal.
     pub fn decimal(text: &str) -> Option<Self> {
         let (mantissa, exponent) = match text.split_once(['e', 'E']) {
             Some((mantissa, exponent)) => (mantissa, Some(exponent)),

@@ -11,8 +11,8 @@ use crate::variability::{Variability, variabilities};
 use zeroset_ops::Class;
 
 /// Replaces the parameters in each exponent that depends on no coordinate. Parameter n becomes
-/// `values[n]`. Returns the new graph and its roots. The values of other parameters have no effect,
-/// not even on the order of nodes.
+/// `values[n]`. Returns the resulting graph and its roots. The values of other parameters have no
+/// effect, not even on the order of nodes.
 ///
 /// # Panics
 /// If a root does not belong to `graph`, or a parameter to be replaced has no value.

@@ -46,8 +46,8 @@ impl NodeId {
 pub enum Node {
     /// A coordinate of the point at which the expression is evaluated.
     Variable(Axis),
-    /// The number of a parameter. Its value, a slider's or the time, may change without
-    /// recompiling.
+    /// The parameter with this number. The parameter's value, of a slider or the time, may change
+    /// without recompiling.
     Parameter(u32),
     /// A fixed real number.
     Constant(Constant),
@@ -154,17 +154,17 @@ impl Graph {
         later.iter().zip(first..).map(|(node, index)| (NodeId(index as u32), node))
     }
 
-    /// Returns the node of a coordinate, and adds it if it is new.
+    /// Returns the node of a coordinate. Adds the node if the graph has none yet.
     pub fn variable(&mut self, axis: Axis) -> NodeId {
         self.intern(Node::Variable(axis))
     }
 
-    /// Returns the node of the parameter with this number, and adds it if it is new.
+    /// Returns the node of the parameter with this number. Adds the node if the graph has none yet.
     pub fn parameter(&mut self, number: u32) -> NodeId {
         self.intern(Node::Parameter(number))
     }
 
-    /// Returns the node of a constant. If it is known only by its bounds, it gets a new node.
+    /// Returns the node of a constant. A constant known only by its bounds always gets a new node.
     pub fn constant(&mut self, value: Constant) -> NodeId {
         match value {
             Constant::Exact(_) | Constant::Named(_) => self.intern(Node::Constant(value)),
@@ -177,7 +177,7 @@ impl Graph {
         self.constant(Constant::integer(value))
     }
 
-    /// Returns the node of `op` applied to `operands`, without simplifying anything.
+    /// Returns the node of `op` applied to `operands`, which is not simplified.
     ///
     /// # Panics
     /// If the number of operands is not the arity of `op`, or an operand does not exist.

@@ -10,9 +10,9 @@ use crate::variability::{Variability, variabilities};
 /// A graph in which fresh parameters replace the expressions that depend on parameters alone.
 #[derive(Clone, Debug)]
 pub struct Hoisted {
-    /// The new graph. It holds only the nodes that the roots need.
+    /// The resulting graph. It holds only the nodes that the roots need.
     pub graph: Graph,
-    /// The roots in the new graph.
+    /// The roots in the resulting graph.
     pub roots: Vec<NodeId>,
     /// Each fresh parameter's number, ascending, and the node of the original graph that computes
     /// its value. If that value is undefined, so is everything that uses the parameter.

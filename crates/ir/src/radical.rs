@@ -1,4 +1,5 @@
-//! Replacement of an equation's function by one with the same zeros, simple where possible.
+//! Replacement of an equation's function by one with the same zeros. Multiple zeros become simple
+//! if possible.
 //!
 //! At a double root a function touches 0 without a change of sign, so no evaluation can prove the
 //! zero. A square, alone or as a factor, has the same zeros as its base. A sum of even powers is 0
@@ -71,9 +72,9 @@ fn product(graph: &mut Graph, root: NodeId) -> Option<NodeId> {
     Some(others.iter().fold(*first, |product, factor| graph.apply(Op::Mul, &[product, *factor])))
 }
 
-/// Adds the distinct factors of `root` to `found`. Instead of a positive integer power, or an
-/// operation of `same` or `simpler`, its operand is added. Returns whether a repeated factor, a
-/// power or an operation of `simpler` was dropped. `None` if there are too many factors.
+/// Adds the distinct factors of `root` to `found`. A positive integer power, or an operation of
+/// `same` or `simpler`, is replaced by the factors of its operand. Returns whether a repeated
+/// factor, a power or an operation of `simpler` was dropped. `None` if there are too many factors.
 fn factors(
     graph: &Graph,
     root: NodeId,

@@ -314,7 +314,7 @@ impl Random {
         (self.next() % end as u64) as usize
     }
 
-    /// A random coordinate in [-2, 2], often an integer or a half: domains end there.
+    /// A random coordinate in [-2, 2], often an integer or a half, since many domains end at those.
     pub(crate) fn coordinate(&mut self) -> f64 {
         match self.below(4) {
             0 => self.below(5) as f64 - 2.0,

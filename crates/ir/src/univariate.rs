@@ -8,11 +8,11 @@ use num_traits::{One, Zero};
 use std::collections::HashMap;
 use zeroset_ops::Op;
 
-/// Largest degree of a polynomial. Others are left as they are.
+/// Largest degree of a polynomial. Polynomials of higher degree are left as they are.
 const DEGREE_LIMIT: usize = 64;
 /// Largest number of bits of a coefficient's numerator or denominator.
 const BITS_LIMIT: u64 = 4096;
-/// Largest number of nodes of an expression. Others are left as they are.
+/// Largest number of nodes of an expression. Larger expressions are left as they are.
 const NODE_LIMIT: usize = 2048;
 /// Budget of exact arithmetic for all factors of one function. It counts products of two 64-bit
 /// words and takes some tenths of a second.

@@ -31,7 +31,8 @@ impl Arithmetic {
     pub const ALL: [Self; 3] = [Self::Unsound, Self::Widened, Self::Upward];
 }
 
-/// A kernel in a chosen arithmetic. All use the same tier, so they differ only in arithmetic.
+/// A kernel in a chosen arithmetic. All these kernels use one tier, so they differ only in
+/// arithmetic.
 pub struct ComparisonKernel<Q: Query, T: Real = f32> {
     code: Code,
     arithmetic: Arithmetic,
@@ -129,7 +130,7 @@ impl Nearest<'_, '_, '_> {
     }
 }
 
-/// Emits operations unchanged. They are exact, or their results are no bounds.
+/// Emits operations unchanged: they are exact, or their results are no bounds.
 macro_rules! kept {
     ($($name:ident($($operand:ident: $kind:ty),*) -> $result:ty;)*) => {
         $(fn $name(&mut self, $($operand: $kind),*) -> $result {

@@ -70,9 +70,9 @@ fn target(tier: Tier, probe: StackProbe) -> Result<OwnedTargetIsa, Error> {
             };
             let flag = |is_set: bool| if is_set { "true" } else { "false" };
             for (name, value) in [
-                // Optimizing does not pay. The graph has no common subexpressions left, and the
-                // optimizer moves constants out of the loop and then spills them. Compiling takes
-                // 1.3 times as long; the code is 2 % slower over the gallery.
+                // Cranelift's optimizer does not pay. The graph has no common subexpressions left,
+                // and the optimizer moves constants out of the loop and then spills them. Compiling
+                // takes 1.3 times as long; the code is 2 % slower over the gallery.
                 ("opt_level", "none"),
                 ("regalloc_algorithm", allocator),
                 ("enable_verifier", flag(cfg!(debug_assertions))),
@@ -104,7 +104,7 @@ fn check_processor() -> Result<(), Error> {
 }
 
 /// Widths in bytes of the vectors that kernels can use on this processor, the widest first. A
-/// kernel uses the widest, or a narrower one if that would need too much stack.
+/// kernel uses the widest vectors, or narrower ones if those would need too much stack.
 pub fn vector_widths() -> impl Iterator<Item = usize> {
     #[cfg(target_arch = "x86_64")]
     let wider = Width::ALL.into_iter().filter(|width| width.is_possible()).map(Width::bytes);
@@ -121,7 +121,7 @@ pub fn compile<Q: Query, T: Real>(tape: &Tape<T>, widest: usize) -> Result<Code,
     generate(|width| build::<Q, T>(tape, width), None, widest)
 }
 
-/// Like [`compile`], but `other` computes the result on a machine that wraps the emitter. Always
+/// Like [`compile`], but `other` computes the result, on a machine that wraps the emitter. Always
 /// uses the optimizing tier.
 #[cfg(feature = "comparison")]
 pub fn compile_for_comparison<Q: Query, T: Real>(
@@ -133,8 +133,8 @@ pub fn compile_for_comparison<Q: Query, T: Real>(
 }
 
 /// Generates code in memory. `write` creates intermediate code for vectors of a given number of
-/// bytes. The widest vectors up to `widest` are tried first. Without a `tier`, the code's size
-/// decides which tier to use.
+/// bytes. The widest vectors up to `widest` bytes are tried first. Without a `tier`, the code's
+/// size decides which tier to use.
 fn generate(
     write: impl Fn(usize) -> Result<Function, Error>,
     tier: Option<Tier>,

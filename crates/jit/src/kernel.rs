@@ -51,8 +51,8 @@ impl<Q: Query, T: Real> Compiled<Q, T> {
     /// Binds values to the parameters of the code.
     ///
     /// # Panics
-    /// If `binding` has more or fewer parameters than the tape. In debug builds also if a value is
-    /// outside the range that the tape assumes.
+    /// If `binding` has more or fewer parameters than the tape. In debug builds also if a
+    /// parameter's value is outside the range that the tape assumes.
     pub fn bind(&self, binding: Binding<T>) -> Native<Q, T> {
         Q::check(&self.tape, &binding);
         Native { compiled: self.clone(), binding }
@@ -87,8 +87,8 @@ impl<Q: Query, T: Real> Native<Q, T> {
     /// If the processor is not supported or the formula is too large.
     ///
     /// # Panics
-    /// If the tape computes more or fewer expressions than the query needs, or as for
-    /// [`Compiled::bind`].
+    /// If the tape computes more or fewer expressions than the query needs, or if
+    /// [`Compiled::bind`] panics.
     pub fn new(tape: Tape<T>, binding: Binding<T>) -> Result<Self, Error> {
         Ok(Compiled::new(tape)?.bind(binding))
     }

@@ -30,7 +30,7 @@ pub enum LaneVector {
 /// Vectors always have a float type; integer operations reinterpret them. On x86-64 with SSE4.1 and
 /// on `AArch64`, no operation is a library call. So multiply-adds are fused only if [`has_fma`].
 ///
-/// Each constant is a single value, loaded once. Cranelift would not merge further loads into
+/// Each constant is a single value, loaded once. Cranelift would not merge repeated loads into
 /// instructions whose results are used twice, as nearly all results in affine forms are. Loading at
 /// each use would cost 3 % more instructions per frame on Barth's sextic, 7 % on the gyroid.
 pub struct Emitter<'a, 'b> {
@@ -39,8 +39,8 @@ pub struct Emitter<'a, 'b> {
     width: usize,
     /// Constants in use, by type and bits.
     constants: HashMap<(Type, u128), Value>,
-    /// Fused multiply-adds by operands, for reuse. Each use of an affine form asks for its error
-    /// again.
+    /// Fused multiply-adds by operands, for reuse. Each use of an affine form asks for the form's
+    /// error again.
     fused: HashMap<[Value; 3], Value>,
 }
 
@@ -119,7 +119,6 @@ impl<'a, 'b> Emitter<'a, 'b> {
         (ty, self.cast(integer, a))
     }
 
-    /// Returns the format of a vector's lanes.
     pub fn format(&self, a: LaneVector) -> Format {
         match a {
             LaneVector::Constant(format, _) => format,

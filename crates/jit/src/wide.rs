@@ -3,10 +3,10 @@
 //!
 //! A kernel treats all lanes alike, so most instructions only need a wider encoding. The additional
 //! lanes follow in the memory of a batch. Each constant is repeated to fill a vector, and spilled
-//! values lie farther apart on the stack. Only instructions that move halves of vectors change
-//! more. The [emitter](crate::lanes) uses two kinds of them, which this module recognizes. At 512
-//! bits a comparison writes one bit per lane, and a further instruction expands the bits to a
-//! vector. Code with an unknown instruction is not widened.
+//! values lie farther apart on the stack. Only instructions that move halves of vectors become
+//! different ones. The [emitter](crate::lanes) uses two kinds of them, which this module
+//! recognizes. At 512 bits a comparison writes one bit per lane, and a further instruction expands
+//! the bits to a vector. Code with an unknown instruction is not widened.
 
 mod bytes;
 mod encodings;
@@ -87,10 +87,10 @@ impl Width {
     }
 }
 
-/// Translates a function to vectors of `width`. `code` has instructions for 128 bits. Its offsets
-/// of quantities, and within the first `slots` bytes of its stack, must already be for `width`.
-/// `code` must not probe the stack; the result does. Returns `None` if `code` has anything unknown,
-/// or if the result would take more than `stack` bytes of stack.
+/// Translates a function to vectors of `width`. `code` has instructions for 128 bits. But its
+/// offsets of quantities, and those within the first `slots` bytes of its stack, must be for
+/// `width` already. `code` must not probe the stack; the result does. Returns `None` if `code` has
+/// anything unknown, or if the result would take more than `stack` bytes of stack.
 pub fn widened(code: &[u8], width: Width, slots: u32, stack: u32) -> Option<Vec<u8>> {
     if !slots.is_multiple_of(width.bytes() as u32) {
         // There are gaps between the slots, in an unknown layout.
@@ -139,7 +139,7 @@ pub fn widened(code: &[u8], width: Width, slots: u32, stack: u32) -> Option<Vec<
                 return None;
             }
         }
-        // A branch to the old instruction must lead to the first instruction that replaces it.
+        // A branch to the narrow instruction must lead to the first instruction that replaces it.
         for (k, instruction) in written[first..].iter_mut().enumerate() {
             instruction.set_ip(if k == 0 { ip } else { 0 });
         }
@@ -174,7 +174,6 @@ fn instructions(code: &[u8]) -> Option<Vec<Instruction>> {
     None
 }
 
-/// The target of a branch.
 fn target(instruction: &Instruction) -> Option<u64> {
     (instruction.op0_kind() == OpKind::NearBranch64).then(|| instruction.near_branch_target())
 }
@@ -184,7 +183,8 @@ fn is_of_integers(instruction: &Instruction) -> bool {
     use Mnemonic::{Add, And, Cmp, Lea, Mov, Or, Pop, Push, Shl, Shlx, Shr, Shrx, Sub, Test, Xor};
     match instruction.mnemonic() {
         Mnemonic::Call => false,
-        // Constants move, and only reads of them are adapted.
+        // Constants move. This module adapts instructions that read constants, but not their
+        // addresses.
         Lea => !instruction.is_ip_rel_memory_operand(),
         Add | And | Cmp | Mov | Or | Pop | Push | Shl | Shlx | Shr | Shrx | Sub | Test | Xor => {
             true
@@ -201,7 +201,7 @@ struct ConstantPool {
 }
 
 impl ConstantPool {
-    /// Position in the pool of the constant at `address` in the old code.
+    /// Position in the pool of the constant at `address` in the narrow code.
     fn place(&mut self, code: &[u8], address: u64, is_vector: bool) -> Option<usize> {
         let Self { width, places, bytes } = self;
         if let Some(place) = places.get(&address) {

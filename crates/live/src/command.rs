@@ -39,8 +39,7 @@ pub struct CommandRow {
 /// Name of the command that adds a surface.
 const ADD: &str = "add";
 
-/// Name of the command that chooses the method. In [`COMMANDS`] the commands of method options
-/// follow it.
+/// Name of the command that chooses the method. Commands of method options follow in [`COMMANDS`].
 const METHOD: &str = "method";
 
 /// All commands, in the order of the help, including one for each method option.

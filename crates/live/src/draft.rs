@@ -11,11 +11,11 @@ use zeroset_syntax::{Limits, parse, setting_word};
 ///
 /// - A definition replaces the one with the same name; a single value is replaced in place.
 /// - A drawing replaces all others, or is added to them if `adding`. It is never hidden.
-/// - A setting such as `domain`, `view` or `color` replaces the earlier one.
-/// - A new number keeps the range of the old value, widened to hold it.
+/// - A setting such as `domain`, `view` or `color` replaces earlier lines of that setting.
+/// - A new number keeps the range of the old value, widened to hold the number.
 ///
-/// Both may contain errors, which are reported when the result is read. If the text has errors that
-/// `line` does not correct, the result is `line` alone.
+/// `text` and `line` may contain errors, which are reported when the result is read. If the text
+/// has errors that `line` does not correct, the result is `line` alone.
 pub fn entered(text: &str, line: &str, adding: bool) -> String {
     let limits = Limits::default();
     let line = line.trim();
@@ -184,7 +184,7 @@ pub(super) fn with_value(text: &str, name: &str, value: &str, range: &str) -> Op
     [format!("{value} in {range}"), value.to_owned()].iter().map(|what| with(what)).find(is_read)
 }
 
-/// A statement, after its byte range in the text.
+/// The byte range of a statement in the text, and the statement.
 type Placed<'a> = (Range<usize>, &'a Statement);
 
 /// The first word of a setting line such as `view top`. `None` for a formula or a definition.
@@ -214,8 +214,8 @@ fn statement_span(statement: &Statement) -> Range<usize> {
 }
 
 /// The part of the text to remove with a statement. It starts after the last line break or
-/// semicolon before the statement. It ends with the next line break or semicolon, or with a
-/// comment's line.
+/// semicolon before the statement. It ends with the next line break or semicolon, or with the line
+/// of a comment that comes first.
 fn statement_piece(text: &str, span: &Range<usize>) -> Range<usize> {
     let start = text[..span.start].rfind(['\n', ';']).map_or(0, |at| at + 1);
     let rest = &text[span.end..];

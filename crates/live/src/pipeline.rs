@@ -123,8 +123,7 @@ pub struct Rendering {
     pub picture: Picture,
     /// Set if a finer picture follows.
     pub coarse: bool,
-    /// Time to read the document, close to zero if it was reused. The times of later stages are in
-    /// the picture.
+    /// Time to read the document; close to 0 if reused. The picture has the times of later stages.
     pub parse: Duration,
     /// Time from the request to this picture.
     pub latency: Duration,
@@ -182,7 +181,7 @@ impl Fault {
         }
     }
 
-    /// The undefined single letter, if that is the only error.
+    /// The undefined single letter, if no other error exists.
     pub fn missing_letter(&self) -> Option<char> {
         match &self.reason {
             FaultReason::Text(errors) => missing_letter(errors),
@@ -229,8 +228,7 @@ struct PipelineState {
     revision: u64,
     requested: Instant,
     snapshot: Snapshot,
-    /// Set while the user or the clock moves values. Until they stop, an automatic view holds
-    /// still.
+    /// Set while the user or the clock moves values. Meanwhile an automatic view holds still.
     moving: bool,
     /// The next change of an automatic view.
     next_view: NextView,
@@ -244,7 +242,7 @@ enum NextView {
     Immediate,
     /// Later. The view should change, but values are still moving.
     Deferred,
-    /// By gliding, now that values have stopped.
+    /// By gliding, since values have stopped.
     Gliding,
 }
 
@@ -313,13 +311,13 @@ impl Drop for Pipeline {
         self.shared.lock().stop = true;
         self.shared.changed.notify_all();
         if let Some(worker) = self.worker.take() {
-            // The panic has already been reported.
+            // A panic of the worker has already been reported.
             let _ = worker.join();
         }
     }
 }
 
-/// The undefined single letter, if that is the only error.
+/// The undefined single letter, if no other error exists.
 pub(super) fn missing_letter(errors: &Errors) -> Option<char> {
     let letter = |error: &zeroset_syntax::Error| match &error.kind {
         ErrorKind::UnknownName { name, letter } => {

@@ -1,5 +1,4 @@
-//! The live document and its picture, for everything that types, drags and shows pictures. Knows no
-//! commands.
+//! The live document and its picture, for all that types, drags and shows them. Knows no commands.
 
 use super::draft::with_value;
 use super::orbit::Orbit;
@@ -26,7 +25,7 @@ pub struct Live {
     pipeline: Pipeline,
 }
 
-/// A move of a value that has been postponed.
+/// A postponed move of a value.
 type Move = Box<dyn FnOnce(&Live) + Send>;
 
 #[derive(Default)]
@@ -236,7 +235,7 @@ impl Live {
         }
     }
 
-    /// Moves a value, or queues the move while an edit blocks it.
+    /// Moves a value. While an edit blocks moves, queues the move and returns the default result.
     pub(super) fn move_value<R: Default>(
         &self,
         gesture: Gesture,
@@ -373,7 +372,7 @@ impl Live {
         self.change(|_| {});
     }
 
-    /// Changes the request except for its text.
+    /// Changes parts of the request other than its text.
     pub(super) fn change(&self, change: impl FnOnce(&mut Request)) {
         self.change_by(None, change);
     }
@@ -386,8 +385,7 @@ impl Live {
         self.record(&mut state, before, gesture);
     }
 
-    /// Undoes the last step: an entered line, a setting, a turn or a drag. Returns whether there
-    /// was a step.
+    /// Undoes the last step: a line, a setting, a turn or a drag. Returns whether there was a step.
     pub fn undo(&self) -> bool {
         self.step(Undo::back)
     }
@@ -409,8 +407,8 @@ impl Live {
         true
     }
 
-    /// Sets whether a mouse button is held. While it is held, turning or dragging is one step of
-    /// [`Live::undo`].
+    /// Sets whether a mouse button is held. While it is held, all turning or dragging is one undo
+    /// step.
     pub fn hold(&self, held: bool) {
         self.lock().undo.hold(held);
     }
@@ -505,8 +503,7 @@ mod tests {
         };
         let changed = live.change_after(work, |state, text| state.request.text = text.into());
         assert!(changed.is_ok());
-        // The drags change the document during the first two tries. During the third, they are
-        // queued.
+        // During the first two tries, drags change the document. During the third, they are queued.
         assert_eq!(tries.into_inner(), 3);
         assert_eq!(live.text(), TEXT.replace("r = 0", "r = 3") + "\nz = 0");
         live.drag(&slider, 4.0);

@@ -108,9 +108,9 @@ impl Rendering {
 }
 
 impl Live {
-    /// Sets the slider's value as dragging does, clamped to its range. Returns the latest revision.
-    /// If an edit blocks moves, the document changes after it. A definition without a range gets
-    /// the slider's range, so that code is compiled once for all values.
+    /// Sets the slider's value as dragging does, clamped to the slider's range. Returns the latest
+    /// revision. If an edit blocks moves, the value is set after the edit. A definition without a
+    /// range gets the slider's range, so that code is compiled once for all values.
     ///
     /// Consecutive calls are one step of [`Live::undo`].
     pub fn drag(&self, slider: &Slider, value: f64) -> u64 {

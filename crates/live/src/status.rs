@@ -100,8 +100,8 @@ impl Rendering {
         Some(self.blank?.describe(&|ends| format!(":domain {ends}")))
     }
 
-    /// A short line with time, size, method, method options, undecided pixels and compile time. If
-    /// the picture is blank, the reason.
+    /// A short line with time, size, method, method options, undecided pixels and compile time. For
+    /// a blank picture, the reason instead.
     pub fn summary(&self) -> String {
         if let Some(why) = self.why_blank() {
             return why;

@@ -285,7 +285,7 @@ pub(super) fn without(text: &str, options: &Options<'_>, number: usize) -> Resul
     if look(&plain).is_none_or(|now| now == wanted) {
         return Ok(plain);
     }
-    // Style lines with no drawing below them would apply to drawings above. So move the drawing to
+    // A style line below the last drawing would apply to drawings above it. So move the drawing to
     // the end first, and give it the style of the drawing before it.
     let last = changed(text, options, &STYLE_WORDS, |drawn| {
         let one = drawn.remove(number - 1);
@@ -296,7 +296,7 @@ pub(super) fn without(text: &str, options: &Options<'_>, number: usize) -> Resul
     Ok(moved.filter(|text| look(text).as_ref() == Some(&wanted)).unwrap_or(plain))
 }
 
-/// The error for a surface number above `count`, the number of surfaces.
+/// The error for a surface number outside 1 to `count`, the number of surfaces.
 pub(super) fn no_surface(number: usize, count: usize) -> Refusal {
     Refusal::Command(match count {
         0 => "nothing is drawn".to_owned(),

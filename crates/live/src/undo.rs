@@ -27,8 +27,7 @@ pub(super) struct Dragged {
     pub name: String,
     /// The value before it was dragged, as typed.
     pub value: String,
-    /// Right side of the definition before the drag, including the range. Empty without a
-    /// definition.
+    /// Right side of the definition before the drag, with the range. Empty without a definition.
     pub side: String,
 }
 

@@ -59,9 +59,9 @@ pub(super) fn right_side(text: &str, name: &str) -> Option<(String, String)> {
     Some((value, side))
 }
 
-/// Returns the range in `text`, as an ending for `line`, a new definition of `name`. The range is
-/// widened to hold the new value. `None` if `text` has no range, if `line` has one, or if a value
-/// is not a number.
+/// Returns the range that `text` gives to `name`, as an ending for `line`, a new definition of
+/// `name`. The range is widened to hold the new value. `None` if `text` gives no range, if `line`
+/// gives one, or if a value is not a number.
 pub(super) fn kept_range(text: &str, line: &str, name: &str) -> Option<String> {
     let (low, high) = place(text, name)?.range?;
     let Place { body, range: None } = place(line, name)? else { return None };

@@ -22,7 +22,7 @@ pub enum Class {
     Power,
     /// a − b·⌊a/b⌋
     Remainder,
-    /// The smallest or the largest operand.
+    /// The smaller or the larger of two operands.
     Extremum,
     /// The second operand where the first is negative, else the third.
     Choice,
@@ -36,8 +36,9 @@ pub enum Class {
     FunctionOfTwo,
 }
 
-/// The condition on the second operand under which a restriction keeps the first. The simplifier
-/// nests restrictions in the order of this type, the first one innermost.
+/// The condition on the second operand of a restriction: the restriction is defined only where the
+/// condition holds. The simplifier nests restrictions in the order of these variants, the first
+/// variant innermost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Restriction {
     /// The second operand is defined.
@@ -50,7 +51,8 @@ pub enum Restriction {
     Positive,
 }
 
-/// The law that simplifies a function of one operand, besides its parity and exact values.
+/// The law by which the simplifier rewrites a function of one operand. The table states the
+/// function's parity and known values separately.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Law {
     /// No law.
@@ -59,9 +61,10 @@ pub enum Law {
     Magnitude,
     /// The value is 1 or −1 if the sign of the operand is known.
     Sign,
-    /// An integer is its own value, and the value at a rational number is exact.
+    /// Rounds to an integer. An integer is its own value, and values at rational numbers are
+    /// computed exactly.
     Rounding(Rounding),
-    /// a − ⌊a⌋, whose value at a rational number is exact.
+    /// a − ⌊a⌋. Values at rational numbers are computed exactly.
     Fraction,
     /// √(a²) = |a|
     SquareRoot,

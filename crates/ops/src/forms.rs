@@ -30,11 +30,11 @@ pub enum VectorFunction {
     Dot,
     /// The vector product.
     Cross,
-    /// A vector of length 1.
+    /// The vector of length 1 in the direction of a given vector.
     Normalize,
     /// The distance between two points.
     Distance,
-    /// A vector mirrored in the plane that has a given normal.
+    /// The mirror image of a vector in the plane that has a given unit normal.
     Reflect,
     /// A matrix with rows and columns exchanged.
     Transpose,

@@ -4,8 +4,8 @@ use crate::class::{Class, Parity};
 
 /// A native operation: a node of the expression graph with its own interval rule.
 ///
-/// The order is that of [`TABLE`](crate::TABLE). No match on this type may have a wildcard arm. The
-/// compiler then lists every match that a new operation must be added to.
+/// The variants are in the order of [`TABLE`](crate::TABLE). No match on this type may have a
+/// wildcard arm. The compiler then lists every match that a new operation must be added to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[allow(missing_docs)] // each variant is documented by its row
 pub enum Op {
@@ -82,24 +82,26 @@ pub struct OpRow {
     pub domain: Domain,
     /// Continuity of the operation within its domain of definition.
     pub continuity: Continuity,
-    /// Integers at which the function may be continuous without a derivative. Elsewhere it has a
-    /// derivative wherever it is continuous. `None` if these integers are unknown.
+    /// For a function: integer operands at which it may be continuous but not differentiable. At
+    /// other operands it is differentiable wherever it is continuous. `None` if these integers are
+    /// unknown. Other operations do not use this field.
     pub corners: Option<&'static [i32]>,
     /// Kind of the operation, by the laws of algebra that it obeys.
     pub class: Class,
     /// Effect of the operand's sign on the operation's value.
     pub parity: Parity,
-    /// For a function of one operand, pairs of an integer argument and an integer value. No law
-    /// implies them.
+    /// Pairs of an integer operand and the function's value there, an integer. Only functions of
+    /// one operand have such pairs, and no law implies them.
     pub values: &'static [(i32, i32)],
-    /// Numerator and denominator of an operation that has poles: two functions without poles.
+    /// For an operation with poles: its numerator and its denominator, two functions without poles.
     pub quotient: Option<[Op; 2]>,
-    /// A function of the same operand that shares most of the work. The two are computed together.
+    /// A function that shares most of its work with this one, as the cosine does with the sine. For
+    /// one operand, both are computed together.
     pub twin: Option<Op>,
     /// Largest number of floats, in `f32` and in `f64`, by which the enclosure at a point may be
-    /// wider than the tightest one. It applies to bounds from approximations, which are not exactly
-    /// monotone in the operands' bounds. `None` if all bounds come from correctly rounded
-    /// arithmetic; claiming `None` otherwise is unsound.
+    /// wider than the tightest enclosure. Bounds with an excess come from approximations, which are
+    /// not exactly monotone in the operands' bounds. `None` if all bounds come from correctly
+    /// rounded arithmetic; claiming `None` otherwise is unsound.
     pub excess: Option<[u64; 2]>,
     /// The operation's derivative with respect to some variable. It is a formula over the operands
     /// `a`, `b`, `c`, their derivatives `da`, `db`, `dc`, small integers and operations of the

@@ -48,7 +48,8 @@ struct DocumentStyle {
     look: Option<&'static Look>,
     background: Option<SrgbColor>,
     lines: PictureLines,
-    /// The value z, for contour lines without a value. `None` without contour lines.
+    /// The value z, for contour lines whose value the document does not name. `None` without
+    /// contour lines.
     height: Option<PointValue>,
     /// Values of the parameters, indexed by parameter number.
     parameters: Vec<f64>,
@@ -92,8 +93,8 @@ impl Model {
     }
 
     /// Like [`Model::new`], but can be cancelled. It checks `wanted` between kernels, and returns
-    /// `None` once that is false. The code serves all regions within `reach`, which must contain
-    /// `region`.
+    /// `None` once `wanted` returns false. The code serves all regions within `reach`, which must
+    /// contain `region`.
     ///
     /// # Errors
     /// As [`Model::new`].
@@ -201,15 +202,15 @@ impl Model {
         self.precision
     }
 
-    /// Returns value and gradient at a point. The function is the typed one or a [simpler
-    /// one](Program::is_reduced) with the same zeros. The point is rounded to the model's
-    /// precision, or to `f64` for [`Precision::Auto`]. All results are NaN if there is no such
-    /// surface, or its code fails to compile.
+    /// Returns the value and the gradient of a surface's function at a point. The function is the
+    /// typed one or a [simpler one](Program::is_reduced) with the same zeros. The point is rounded
+    /// to the model's precision, or to `f64` for [`Precision::Auto`]. All results are NaN if there
+    /// is no such surface, or its code fails to compile.
     pub fn sample(&self, surface: usize, point: DVec3) -> (f64, [f64; 3]) {
         self.sample_of(&self.program, surface, point)
     }
 
-    /// Like [`Model::sample`], but always for the typed function. `document` must be the model's.
+    /// Like [`Model::sample`], but always for the typed function. `document` is that of the model.
     pub fn sample_typed(
         &self,
         document: &Document,
@@ -233,9 +234,9 @@ impl Model {
         values.flatten().unwrap_or(UNKNOWN)
     }
 
-    /// Returns whether some surface's function cannot be distinguished from 0 at any of
-    /// [`FLAT_POINTS`] points of the region. Then it is 0 everywhere, or smaller than its rounding
-    /// errors.
+    /// Returns whether some visible surface's function cannot be distinguished from 0 at each of
+    /// [`FLAT_POINTS`] points of the region. Such a function is 0 everywhere, or smaller than its
+    /// rounding errors.
     fn is_flat<T: KernelFloat>(&self) -> Result<bool, ProgramError> {
         let (low, high) = (self.region.low(), self.region.high());
         let points = (1..=FLAT_POINTS).map(|n| {

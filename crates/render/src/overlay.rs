@@ -100,7 +100,7 @@ fn draw_legend(canvas: &mut Canvas, legend: &Legend, top: usize, tall: usize, in
     let marks = if extent > 0.0 {
         ticks(legend.low, legend.high).0
     } else {
-        // A single value, rounded to four digits since the rest may be rounding errors.
+        // A single value, rounded to four digits since further digits may be rounding errors.
         let value = format!("{:.3e}", legend.low).parse().unwrap_or(legend.low);
         vec![(legend.low, f64::to_string(&value))]
     };

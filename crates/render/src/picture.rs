@@ -44,7 +44,7 @@ pub struct Settings {
     pub normals: Option<Normals>,
     /// The style of undecided pixels.
     pub undecided: UndecidedStyle,
-    /// Lighting and background. `None` for the document's look, or else the first one.
+    /// Lighting and background. `None` for the document's look, or else the first of all looks.
     pub look: Option<&'static Look>,
     /// Set to compute ambient occlusion, if the look has it.
     pub occlusion: bool,
@@ -156,7 +156,7 @@ pub struct Picture {
     pub buffer: GBuffer,
     /// Red, green and blue bytes (sRGB) of each pixel. Empty if no colors were requested.
     pub rgb: Vec<u8>,
-    /// The method that traced the surfaces. A fallback method only if it traced all of them.
+    /// The method that traced the surfaces. It is a fallback only if that traced all surfaces.
     pub method: &'static Method,
     /// The surfaces that a fallback method traced, by number, with their fallbacks.
     pub fallbacks: Vec<(usize, Fallback)>,
@@ -243,7 +243,8 @@ impl Picture {
         let parts: Vec<(UndecidedReason, usize)> =
             UndecidedReason::ALL.into_iter().zip(counts).filter(|(_, count)| *count > 0).collect();
         if let [(UndecidedReason::Unproven, _)] = parts[..] {
-            // Some surfaces may have been traced by a fallback, which then left these pixels open.
+            // Some surfaces may have been traced by a fallback, which then left these pixels
+            // undecided.
             let fallback = self.fallbacks.first().map(|(_, fallback)| fallback.method);
             let who = fallback.map_or("this method", |method| method.name);
             let what = match fallback.unwrap_or(self.method).proves {

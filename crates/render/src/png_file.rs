@@ -18,7 +18,7 @@ pub fn check_png(path: &Path) -> Result<(), String> {
     ))
 }
 
-/// Writes a picture as PNG (sRGB), with `texts` (keyword, text). `rgb` has red, green, blue bytes.
+/// Writes a picture as PNG (sRGB), with `texts` (keyword, text). `rgb` has red, green and blue
 /// bytes.
 ///
 /// # Errors

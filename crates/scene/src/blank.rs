@@ -26,8 +26,8 @@ pub enum Blank {
 
 impl Blank {
     /// Finds out why nothing of `document` is visible in `region`. `undefined` is true if the
-    /// function has no value in the region. `searched` is the domain that a search found, if there
-    /// was one.
+    /// function has no value in the region. `searched` is the result of an earlier search for a
+    /// domain, if there was such a search.
     pub fn find(
         document: &Document,
         region: &Region,
@@ -79,7 +79,7 @@ fn differs(found: &AutoDomain, region: &Region) -> bool {
     beyond || largest < LOST * (high - low).max_element()
 }
 
-/// Features smaller than this share of the domain may fall between pixels.
+/// A domain is small if its longest side is below this share of the region's.
 const LOST: f64 = 1.0 / 64.0;
 
 #[cfg(test)]

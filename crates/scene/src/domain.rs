@@ -30,10 +30,10 @@ use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::Op;
 use zeroset_space::{Cell, CellSearch, places_about};
 
-/// Half the side of the window on a surface without a scale of its own.
+/// Half the side of the domain of an empty surface, and of the window on one without a scale.
 const DEFAULT_HALF: f64 = 2.0;
 
-/// Number of halvings of a box: with intervals alone, then with affine forms too.
+/// Number of halvings of a box: first with intervals alone, then also with affine forms.
 const BOX_DEPTH: u32 = 6;
 const FINE_DEPTH: u32 = 7;
 
@@ -77,8 +77,8 @@ pub enum Finding {
     Bounded,
     /// The part of the surface within ±[`REACH`] is proven to lie in the domain.
     BoundedNear,
-    /// As [`Finding::Unbounded`], but the surface looks better in the window's
-    /// [ball](zeroset_space::Region::with_ball).
+    /// The surface could not be proven bounded. The domain is a window, and the surface looks
+    /// better in the window's [ball](zeroset_space::Region::with_ball).
     UnboundedInBall,
     /// The surface could not be proven bounded. The domain is a window: a box.
     Unbounded,
@@ -109,7 +109,7 @@ impl Finding {
 }
 
 /// Chooses a domain that shows all surfaces of `program`, which must have been built for all of
-/// space. The search calls `wanted` between evaluations. Once that returns false, it must keep
+/// space. The search calls `wanted` between evaluations. Once `wanted` returns false, it must keep
 /// returning false, and the result is `None`.
 ///
 /// # Errors
@@ -162,15 +162,15 @@ fn tighten<'a>(
     Ok(search.tight(hull, FINE_DEPTH))
 }
 
-/// Half a side of the domain around a surface that is a point.
+/// Half the side of the domain around a surface that is a point.
 const POINT: f64 = 1.0;
-/// A surface is a point if the sides of its box have at most `FLOATS` ulps. If they are shorter
-/// than `TINY`, it may be one.
+/// A surface is a point if the longest side of its box has at most `FLOATS` ulps. If that side is
+/// shorter than `TINY`, the function's values decide.
 const FLOATS: f64 = 16.0;
 const TINY: f64 = 1e-6;
 
-/// The domain around a bounded surface that lies in `hull`: `hull` with some space around it. A
-/// thin hull, such as a curve's, is thickened.
+/// The domain around a bounded surface that lies in `hull`: a cube around a point, otherwise `hull`
+/// with some space. A thin hull, such as a curve's, is thickened.
 fn around(program: &Program, hull: &Cell) -> Cell {
     if is_point(program, hull) {
         let place = hull.centre().map(|along| rounded(along, POINT / 100.0));
@@ -179,10 +179,10 @@ fn around(program: &Program, hull: &Cell) -> Cell {
     thickened(with_margin(hull), THIN)
 }
 
-/// Returns whether the surface is a point, or floats cannot distinguish it from one. Either the box
-/// is a few ulps wide, or it is tiny and the function may be 0 at each of 27 places in it. The
-/// latter happens near the origin, where the values of x²+y²+z² underflow. If a surface encloses a
-/// volume, its function is not 0 at some of these places, however small the box is.
+/// Returns whether the surface is a point, or floats cannot distinguish it from one. Either its box
+/// is a few ulps wide, or the box is tiny and the function may be 0 at each of 27 places in it:
+/// near the origin, the values of x²+y²+z² underflow. The function of a surface that encloses a
+/// volume is not 0 at some of these places, however small the box is.
 fn is_point(program: &Program, hull: &Cell) -> bool {
     let (graph, parameters) = (program.graph(), program.values().to_vec());
     let may_vanish = |place: [f64; 3]| {
@@ -333,8 +333,8 @@ fn thickened(mut cell: Cell, share: f64) -> Cell {
     cell
 }
 
-/// The box with valid bounds. An axis without finite, increasing bounds gets a range around its
-/// middle.
+/// The box, with invalid bounds replaced. An axis without finite, increasing bounds gets a range
+/// around its middle.
 fn valid_box(mut cell: Cell) -> Cell {
     let largest = cell.largest();
     for axis in 0..3 {
@@ -357,11 +357,11 @@ fn rounded(place: f64, grain: f64) -> f64 {
     if near.is_finite() { near } else { place }
 }
 
-/// Rounds a coordinate by `whole` to a multiple of a power of ten, the largest up to `grain`. The
-/// result is not finite if the power or the multiple overflows.
+/// Rounds a coordinate to a multiple of the largest power of ten up to `grain`. `whole` rounds the
+/// number of multiples. The result is not finite if the power or the multiple overflows.
 fn in_grains(place: f64, grain: f64, whole: impl Fn(f64) -> f64) -> f64 {
     let power = grain.log10().floor();
-    // Division by the reciprocal of the power of ten gives the nearest decimal.
+    // Dividing by a power of ten gives the float nearest to the decimal.
     let grain = 10.0_f64.powf(power.abs());
     if power < 0.0 { whole(place * grain) / grain } else { whole(place / grain) * grain }
 }

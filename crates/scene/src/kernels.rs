@@ -26,7 +26,7 @@ pub enum Evaluator {
     /// Native code.
     #[default]
     Native,
-    /// The reference evaluator: the same bits, but some hundred times slower.
+    /// The reference evaluator: equal results bit for bit, but some hundred times slower.
     Reference,
 }
 
@@ -43,7 +43,7 @@ pub struct CompiledKernel {
     pub format: Format,
     /// Size of the machine code in bytes; 0 for the reference evaluator.
     pub bytes: usize,
-    /// Size of the kernel's vectors in bytes; 0 for the reference evaluator.
+    /// Size in bytes of one vector of the kernel; 0 for the reference evaluator.
     pub vector_bytes: usize,
 }
 
@@ -134,8 +134,8 @@ enum Steps<Q: Query, T: Real> {
     Reference(Tape<T>),
 }
 
-/// A kernel of some form in two variants. Each is compiled at most once, and holds the error if
-/// compiling failed. It is `None` if the surface has no such form.
+/// A kernel of some form in two variants. Each variant is compiled at most once. It holds the error
+/// if compiling failed, and `None` if the surface has no such form.
 ///
 /// Slot 0 has code that reads uniforms. Slot 1 has code without uniforms, for parameter values at
 /// which a uniform is undefined.
@@ -299,7 +299,7 @@ impl<T: Real> Bindings<T> {
         unreachable!("a program's values are within what it assumes")
     }
 
-    /// As [`Bindings::bind`], for a form that the surface is known to have.
+    /// As [`Bindings::bind`], but panics if the surface has no such form.
     fn bind_always<Q: Query>(
         &self,
         slot: &Slot<Q, T>,

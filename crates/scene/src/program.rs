@@ -37,7 +37,7 @@ impl Program {
         Ok(program)
     }
 
-    /// As [`Program::new`], but accepts constant and undefined formulas too.
+    /// As [`Program::new`], but also accepts constant and undefined formulas.
     ///
     /// # Errors
     /// If a formula is too large.
@@ -89,7 +89,7 @@ impl Program {
         Ok(Self::of(Arc::new(store), values(document)))
     }
 
-    /// The same program, run by `evaluator`. It shares no kernels with this program, and its list
+    /// The same program, run by `evaluator`. The result shares no kernels with `self`, and its list
     /// of kernels starts empty.
     #[must_use]
     pub fn on(&self, evaluator: Evaluator) -> Self {
@@ -121,7 +121,8 @@ impl Program {
             && typed(document) == *before
     }
 
-    /// The same program with the time ranging over its whole loop. Its proofs hold at every time.
+    /// The same program for all times in the range of the time, if it has one. Its proofs hold at
+    /// every such time.
     #[must_use]
     pub fn over_time(&self, document: &Document) -> Self {
         let assumed = &self.store.simplified.assumptions.parameters;

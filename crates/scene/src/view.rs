@@ -58,7 +58,7 @@ pub enum ClipChoice {
 }
 
 impl ClipChoice {
-    /// The clipping plane, given the document's own plane `own`.
+    /// The plane that clips, where `own` is the document's plane.
     pub fn or(self, own: Option<HalfSpace>) -> Option<HalfSpace> {
         match self {
             Self::Document => own,
@@ -175,11 +175,11 @@ pub fn region(
     Ok(region_while(&mut None, document, choice, cut, &|| true)?.expect("wanted to the end"))
 }
 
-/// As [`region`], but can be cancelled. The search calls `wanted` repeatedly. Once it returns
+/// As [`region`], but can be cancelled. The search calls `wanted` repeatedly. Once `wanted` returns
 /// false, it must keep returning false, and the result is `None`.
 ///
-/// `search` holds the program of the previous search, and receives the program of this one. The old
-/// program is reused without compiling if the documents differ only in parameter values.
+/// `search` holds the program of the previous search, and receives the program of this one. The
+/// previous program is reused without compiling if the documents differ only in parameter values.
 ///
 /// # Errors
 /// As [`region`].
@@ -263,7 +263,7 @@ pub fn search(document: &Document) -> Result<AutoDomain, ProgramError> {
 }
 
 /// As [`search`], but can be cancelled, and reuses the program of the previous search if possible.
-/// Calls `wanted` between kernels and evaluations, and returns `None` once it is false.
+/// Calls `wanted` between kernels and evaluations, and returns `None` once `wanted` returns false.
 fn search_while(
     search: &mut Option<Program>,
     document: &Document,
@@ -326,8 +326,8 @@ pub fn camera(
     let given_eye = choice.eye.or(typed_eye);
     let eye = given_eye.unwrap_or(target + offset * region.half_extent());
     let up = choice.up.or(typed_up).unwrap_or_else(|| {
-        // A given eye may look straight down. Then y is the upward direction, as in the view from
-        // the top.
+        // An eye set by the caller or the document may look straight down. Then y is the upward
+        // direction, as in the view from the top.
         let vertical = given_eye.is_some() && (target - eye).cross(view_up) == DVec3::ZERO;
         if vertical { DVec3::Y } else { view_up }
     });
@@ -340,8 +340,8 @@ pub fn camera(
 }
 
 /// The camera that shows the box of `region` from a standard view. Its distance from the center is
-/// a fixed multiple of half the largest extent. With the default [`FOV`], the six sides show all of
-/// a cube. The default view shows all but the tips of some corners.
+/// a fixed multiple of half the largest extent. With the default [`FOV`], the views from the six
+/// sides show all of a cube. The default view shows all but the tips of some corners.
 ///
 /// # Errors
 /// If `projection` is out of range.

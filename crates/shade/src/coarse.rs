@@ -10,9 +10,9 @@ use zeroset_trace::RayGrid;
 /// this. The unit is a pixel width of the smaller picture, times the slope.
 const FAR: f64 = 4.0;
 
-/// Sets each painted point's occlusion to the mean around the same place in `small`. The mean is
-/// over those of the four nearest pixels that show the same part of the same surface. A picture of
-/// the same size gives its own values.
+/// Sets each painted point's occlusion to the mean over the four pixels of `small` that are nearest
+/// in the picture. Only pixels that show the same part of the same surface count. If `small` is as
+/// large as the picture, its values are copied.
 pub fn borrow_occlusion(
     buffer: &mut GBuffer,
     rays: &RayGrid,

@@ -32,7 +32,7 @@ impl SrgbTable {
         static CODES: OnceLock<SrgbTable> = OnceLock::new();
         CODES.get_or_init(|| {
             // For each byte, the least amount that belongs to the next byte: the curve's value half
-            // way between the two, rounded up.
+            // way between both bytes, rounded up.
             let next: Vec<u32> = (0..255)
                 .map(|byte| {
                     let half_way = decode((f64::from(byte) + 0.5) / 255.0);

@@ -32,7 +32,7 @@ pub fn edges(buffer: &GBuffer, rays: &RayGrid) -> Vec<bool> {
                 edges[edge + column..=edge + column + 1].fill(true);
             });
         }
-        // Adjacent rows, including the rows just above and just below the band.
+        // Pairs of adjacent rows, including the rows just above and just below the band.
         for row in top.max(1)..=rows.end.min(height - 1) {
             let (above, below) = (pairs.painted(row - 1), pairs.painted(row));
             let here = row * width;
@@ -78,12 +78,12 @@ impl<'a> PixelRun<'a> {
     }
 }
 
-/// One bit per lane.
+/// The bits of all lanes.
 const ALL: u32 = (1 << LANES) - 1;
 
-/// Compares sixteen pairs of pixels, from the `k`th on. Returns a bit for each pair that may have
-/// an edge; most pairs have none. Between pixels without an edge, depths differ by at most `at_eye`
-/// plus `growth` times the smaller depth.
+/// Compares sixteen pairs of pixels, of which the `k`th is the first. Returns a bit for each pair
+/// that may have an edge; most pairs have none. Between pixels without an edge, depths differ by at
+/// most `at_eye` plus `growth` times the smaller depth.
 #[inline(always)]
 fn differing<S: Simd>(
     simd: S,
@@ -107,7 +107,7 @@ fn differing<S: Simd>(
         let (a, b) = (u16x16::from_slice(simd, a), u16x16::from_slice(simd, b));
         bits |= a.simd_ne(b).to_bitmask();
     }
-    // If the picture has no caps, both are `None`.
+    // If the picture has no caps, both slices are `None`.
     if one.cap.get(here.clone()) != other.cap.get(here.clone()) {
         return ALL & !empty as u32;
     }
@@ -185,7 +185,7 @@ impl EdgeDetector<'_> {
         }
         let [n, m] = pixels.map(|pixel| buffer.normal[pixel]);
         let [one, other] = pixels.map(|pixel| (buffer.surface[pixel], buffer.is_cap(pixel)));
-        // Normals point toward f > 0, so those of different sides of a surface differ, too.
+        // Normals point toward f > 0, so they differ between the two sides of a surface.
         let is_even = n[0] * m[0] + n[1] * m[1] + n[2] * m[2] >= LEAST_COSINE;
         let footprint = self.rays.footprint(a.min(b));
         one != other || !is_even || step > STEEPER * footprint * self.slope(pixels, is_row).max(1.0)
@@ -216,7 +216,7 @@ pub fn slope(normal: [f32; 3], along: Vec3) -> f32 {
 }
 
 /// Returns whether a pixel shows a crease of a surface: its normal differs from that of one of the
-/// four pixels beside it.
+/// four pixels beside it, or only one of the two is on a cap.
 pub fn is_creased(buffer: &GBuffer, rays: &RayGrid, pixel: usize) -> bool {
     let normal = |pixel: usize| Vec3::from_array(buffer.normal[pixel]);
     let differs = |other: usize| {

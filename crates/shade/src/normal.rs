@@ -30,7 +30,7 @@ pub enum NormalSource<'a, T: Real = f32> {
         kernel: &'a (dyn Kernel<SampleGradient, T> + 'a),
         /// The kernels for points at which the gradient is out of range in `T`.
         double: &'a (dyn Kernels<f64> + 'a),
-        /// Whether `double` is used for all points, since `T` places them too coarsely.
+        /// Whether `double` is used for all points, since floats of `T` are too coarse for them.
         everywhere: bool,
     },
     /// Central differences of values one step to either side on each axis, as in Knoll et al. 2007.
@@ -92,8 +92,8 @@ impl BandNormals<'_> {
 }
 
 impl<T: Real> NormalSource<'_, T> {
-    /// As [`normals`], for some rows. With a canvas, colors are computed too. Normals that are not
-    /// kept are computed for colors only.
+    /// As [`normals`], for some rows. With a canvas, colors are also computed. Normals that are not
+    /// kept are computed only for the colors.
     pub fn compute_normals(
         &self,
         rows: &mut Rows<'_>,
@@ -163,7 +163,7 @@ impl<T: Real> NormalSource<'_, T> {
     }
 
     /// Differences of values along each axis: the gradient times twice the step. A difference is
-    /// one-sided if the function is undefined on one side, and 0 if it does not exist.
+    /// one-sided if the function is undefined on one side, and 0 if too few values exist.
     fn differences(
         &self,
         points: impl Iterator<Item = DVec3>,

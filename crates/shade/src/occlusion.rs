@@ -1,8 +1,8 @@
 //! Ambient occlusion: the share of each painted point's surroundings that is hidden by other
 //! painted points nearby. It is averaged over neighbors on the same part of a surface.
 //!
-//! No function is evaluated: parts of a surface that the picture does not show hide nothing. So
-//! this only affects appearance.
+//! No function is evaluated, and parts of a surface that the picture does not show hide nothing.
+//! Occlusion affects only the appearance.
 
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
@@ -49,7 +49,7 @@ struct ShadedPoint {
 }
 
 /// Ambient occlusion in screen space: the painted points of a picture. Each quantity has its own
-/// array, since the allocator would return a single large array to the system.
+/// array: the allocator would return one large array for all to the system.
 pub struct AmbientOcclusion<'a> {
     rays: &'a RayGrid,
     at: Vec<Vec3>,
@@ -98,8 +98,8 @@ impl<'a> AmbientOcclusion<'a> {
     }
 
     /// Sets `buffer.occlusion`: the share of each painted point's surroundings that is hidden by
-    /// points within `reach`, in world units. Once `wanted` is false, further rows stay as they
-    /// are.
+    /// points within `reach`, in world units. Once `wanted` returns false, further rows stay as
+    /// they are.
     pub fn occlusion(&self, buffer: &mut GBuffer, reach: f64, wanted: &(dyn Fn() -> bool + Sync)) {
         let rays = self.rays;
         let widest = WIDEST * rays.height() as f64;
@@ -238,8 +238,8 @@ mod tests {
             let row: Vec<u8> = (0..64).map(column).collect();
             assert!(row[4] < 10 && row[60] < 10, "far from the corner");
             assert_eq!(row[31] > 60 && row[32] > 60, inward, "at the corner");
-            // The square reaches one pixel farther to the left than to the right, and sampled
-            // places are not symmetric.
+            // The two sides may differ a little: the square reaches one pixel farther to the left,
+            // and sampled places are not symmetric.
             assert!((24..32).all(|k| row[k].abs_diff(row[64 - k]) < 16));
         }
     }
@@ -252,7 +252,7 @@ mod tests {
         let before = buffer.shadow.clone();
         near.mean(&mut buffer.shadow);
         assert_eq!(buffer.shadow, before);
-        // Each of these pixels has the mean over all patterns.
+        // Each of the pixels compared has the mean over all sixteen patterns.
         let shadow = |pixel: usize| (16 * turn([pixel % 64, pixel / 64])) as u8;
         buffer.shadow = (0..64 * 64).map(shadow).collect();
         near.mean(&mut buffer.shadow);

@@ -46,7 +46,7 @@ impl Pattern {
         self.places.is_none()
     }
 
-    /// The column and row, within a pixel, at which each of its patches in a finer picture begins.
+    /// The column and row, among a pixel's positions, at which each of its patches begins.
     ///
     /// # Panics
     /// If the pattern has only one ray.

@@ -74,9 +74,9 @@ pub struct Appearance {
 }
 
 impl SurfaceColors {
-    /// Colors for a surface without colors of its own. The first pair is warm and cool. It can be
-    /// told apart in every common form of color blindness (Okabe and Ito, "Color Universal Design",
-    /// 2008).
+    /// Colors for a surface without colors of its own. The first pair is warm and cool. Its two
+    /// colors can be told apart in every common form of color blindness (Okabe and Ito, "Color
+    /// Universal Design", 2008).
     pub fn default_for(surface: usize) -> Self {
         let pair = DEFAULT_PAIRS[surface % DEFAULT_PAIRS.len()];
         let [positive, negative] = pair.map(LinearRgb::from_srgb);
@@ -153,8 +153,8 @@ pub fn shade(
     shade_with(Level::new(), buffer, rays, appearance, paint)
 }
 
-/// As [`shade`], with vectors of this level. The bytes do not depend on their width, except for the
-/// rounding of fused products and sums.
+/// As [`shade`], with vectors of this level. The bytes do not depend on the vectors' width, except
+/// for the rounding of fused products and sums.
 fn shade_with(
     level: Level,
     buffer: &GBuffer,

@@ -1,5 +1,4 @@
-//! Search for boxes that may hold a point of a surface, by halving boxes up to a limit of
-//! evaluations.
+//! Searches for boxes that may hold a point of a surface, by halving boxes within a limit of work.
 
 use rayon::prelude::*;
 use std::cell::Cell as Counter;
@@ -77,7 +76,8 @@ impl Cell {
     }
 }
 
-/// 27 places: `place`, moved by −1, 0 or 1 of `steps` along each axis. The middle one is `place`.
+/// `place` moved along each axis by −1, 0 or 1 times the axis's element of `steps`: 27 places. The
+/// 14th is `place` itself.
 pub fn places_about(place: [f64; 3], steps: [f64; 3]) -> impl Iterator<Item = [f64; 3]> {
     (0..27).map(move |n: i32| {
         let sides = [n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1].map(f64::from);
@@ -95,7 +95,7 @@ pub struct CellSearch<'a> {
     /// Returns whether the search is still wanted. It is called between evaluations. Once it has
     /// returned false, it must return false forever.
     pub wanted: &'a dyn Fn() -> bool,
-    /// Number of evaluations left. At 0, no further cell can be proven empty.
+    /// Number of evaluations left. Once it is 0, no cell can be proven empty.
     pub work: Counter<u64>,
 }
 
@@ -124,8 +124,8 @@ impl CellSearch<'_> {
         values
     }
 
-    /// Returns the cells that are not proven empty, in order. If the search is no longer wanted,
-    /// the result is empty, so that every search ends.
+    /// Returns the cells that are not proven empty, in the given order. If the search is no longer
+    /// wanted, returns none, so that every search ends.
     pub fn open(&self, cells: &[Cell]) -> Vec<Cell> {
         if !self.is_wanted() {
             return Vec::new();
@@ -150,8 +150,9 @@ impl CellSearch<'_> {
         })
     }
 
-    /// Returns the cells that may hold a point, in order. `possible` computes a mask of such cells
-    /// for up to sixteen cells. Once the evaluations are used up, all cells are returned.
+    /// Returns the cells that may hold a point of a surface, in the given order. `possible` tests
+    /// up to sixteen cells and returns a bit for each that may. Once the evaluations are used up,
+    /// untested cells are returned, too.
     fn remaining<K: Sync>(
         &self,
         cells: &[Cell],
@@ -204,9 +205,9 @@ impl CellSearch<'_> {
         left.is_empty() && self.is_wanted()
     }
 
-    /// A box around the cells of `whole` that are not proven empty. The smallest cells have sides
-    /// of 2^−`depth` of those of `whole`. As long as the resulting box shrinks, the search is
-    /// repeated on it. `None` if `whole` is proven empty.
+    /// A box around the cells of `whole` that are not proven empty, or `None` if all of `whole` is.
+    /// The smallest cells have 2^−`depth` of `whole`'s sides. The search is repeated on the
+    /// resulting box as long as each search shrinks the box noticeably.
     pub fn tight(&self, mut whole: Cell, depth: u32) -> Option<Cell> {
         for _ in 0..ROUNDS {
             let hull = self.hull(&whole, depth)?;
@@ -222,7 +223,8 @@ impl CellSearch<'_> {
         Some(whole)
     }
 
-    /// The smallest box around the cells at depth `finest` that are not proven empty.
+    /// The smallest box around the cells at depth `finest` that are not proven empty. Once no
+    /// evaluations are left, coarser cells count, too.
     fn hull(&self, whole: &Cell, finest: u32) -> Option<Cell> {
         let mut hull: Option<Cell> = None;
         let mut open = vec![(*whole, 0)];
@@ -284,7 +286,8 @@ const PARALLEL: usize = 16;
 const SHELL_DEPTH: u32 = 6;
 const SHELL_CELLS: usize = 2048;
 
-/// A box is searched again if a side shrinks below `SNUG` of its length, at most `ROUNDS` times.
+/// A box is searched again if one of its sides shrank below `SNUG` of the side's former length.
+/// `ROUNDS` is the maximum number of searches.
 const SNUG: f64 = 0.75;
 const ROUNDS: u32 = 400;
 

@@ -21,13 +21,13 @@ impl Ray {
         self.origin + self.direction * t
     }
 
-    /// The distance of the point at `t` from the origin in world units: t times the direction's
+    /// The distance in world units from the origin to the point at `t`: t times the direction's
     /// length.
     pub fn distance(&self, t: f64) -> f64 {
         t * self.direction.length()
     }
 
-    /// The t of the point at this distance from the origin, in world units: the inverse of
+    /// The t of the point at `distance` from the origin, in world units: the inverse of
     /// [`Ray::distance`].
     pub fn parameter(&self, distance: f64) -> f64 {
         distance / self.direction.length()

@@ -81,8 +81,8 @@ impl Region {
     /// The box with the corners `low` and `high`.
     ///
     /// # Errors
-    /// If a coordinate of `low` is not below that of `high`, or exceeds 1e18 in magnitude, or is
-    /// NaN.
+    /// If a coordinate is NaN or exceeds 1e18 in magnitude, or that of `low` is not below that of
+    /// `high`.
     pub fn new(low: DVec3, high: DVec3) -> Result<Self, RegionError> {
         for (axis, (low, high)) in
             ['x', 'y', 'z'].into_iter().zip(low.to_array().into_iter().zip(high.to_array()))
@@ -101,13 +101,14 @@ impl Region {
     /// This region, cut by the half-space `clip`.
     ///
     /// # Errors
-    /// If the plane's numbers are not finite, or its normal is zero.
+    /// If a number of `clip` is not finite, or the square of its normal's length is 0 or infinite.
     pub fn with_clip(self, clip: HalfSpace) -> Result<Self, RegionError> {
         let valid = clip.normal.try_normalize().is_some() && clip.offset.is_finite();
         if valid { Ok(Self { clip: Some(clip), ..self }) } else { Err(RegionError::Plane) }
     }
 
-    /// This region, cut by a ball around the box's center. Its radius is [`Region::half_extent`].
+    /// This region, cut by a ball around the box's center. The ball's radius is
+    /// [`Region::half_extent`].
     #[must_use]
     pub fn with_ball(self) -> Self {
         let ball = Ball { centre: self.centre(), radius: self.half_extent() };
@@ -157,13 +158,14 @@ impl Region {
     }
 
     /// The first and last t ≥ 0 between which all points of `ray` are proven to lie inside the
-    /// region. If no point is, the first exceeds the last.
+    /// region. If there are no such t, the first exceeds the last.
     pub fn inner(&self, ray: &Ray) -> [f64; 2] {
         self.ends::<false>(ray).unwrap_or([f64::INFINITY, f64::NEG_INFINITY])
     }
 
-    /// The first and last t ≥ 0 at which points of `ray` lie inside, rounded outward or inward. If
-    /// no point does, the result is `None`, or the first exceeds the last.
+    /// The first and last t ≥ 0 at which points of `ray` lie inside the region, rounded outward if
+    /// `OUTWARD`, else inward. If no point lies inside, the result is `None`, or the first exceeds
+    /// the last.
     #[inline]
     fn ends<const OUTWARD: bool>(&self, ray: &Ray) -> Option<[f64; 2]> {
         let (mut near, mut far) = (0.0_f64, f64::INFINITY);
@@ -174,9 +176,9 @@ impl Region {
         }
         if let Some(clip) = &self.clip {
             let (room, slope) = clip.relation(ray);
-            // The half-space holds the t with t·slope ≤ room. Both numbers are known within bounds.
-            // As t ≥ 0, the smallest slope and the largest room give the widest range. The largest
-            // slope and the smallest room give the narrowest.
+            // The half-space holds the t with t·slope ≤ room. Both numbers have bounds. As t ≥ 0,
+            // the smallest slope and the largest room give the widest range of t. The largest slope
+            // and the smallest room give the narrowest.
             let (slope, room) = if OUTWARD { (slope.0, room.1) } else { (slope.1, room.0) };
             let end = room / slope;
             if slope > 0.0 {
@@ -277,7 +279,7 @@ fn down(value: f64) -> f64 {
     value.next_down().next_down().next_down()
 }
 
-/// An upper bound of (a − b) / c, like [`down`].
+/// An upper bound of (a − b) / c, given the float result, which is at most two ulps away.
 fn up(value: f64) -> f64 {
     value.next_up().next_up().next_up()
 }

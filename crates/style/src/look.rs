@@ -17,11 +17,11 @@ pub struct Look {
     pub key: f32,
     /// Strength of the fill light, which comes from the viewer's right and brightens shadows.
     pub fill: f32,
-    /// Strength of the rim light, which comes from behind and shows where a surface turns away.
+    /// Strength of the rim light, which comes from behind and brightens the edges of a surface.
     pub rim: f32,
     /// Strength of the key light's white highlight.
     pub highlight: f32,
-    /// Darkening of a surface where it turns away, from 0 to 1. At 1 it draws outlines.
+    /// Strength, from 0 to 1, of outlines: dark edges where a surface turns from the viewer.
     pub outline: f32,
     /// Whether nearby points of a surface reduce the ambient light.
     pub occlusion: bool,

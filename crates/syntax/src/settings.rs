@@ -27,7 +27,6 @@ pub(crate) enum SettingKind {
     Contours,
 }
 
-/// Creates a row of the table of settings.
 const fn plain(word: &'static str, kind: SettingKind, hint: &'static str) -> SettingRow {
     SettingRow { word, kind, hint }
 }

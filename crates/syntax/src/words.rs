@@ -78,9 +78,9 @@ pub fn words() -> impl Iterator<Item = (&'static str, WordKind)> {
 
 /// All functions, constants and coordinates of the language, with their aliases.
 ///
-/// Besides the functions in the tables of `zeroset_ops`, these contain `root(a, n)`, the n-th root
-/// of a. If n is written as an odd whole number, negative numbers have roots too. Any other n is
-/// read as `a^(1/n)`, for a ≥ 0.
+/// Besides the functions in the tables of `zeroset_ops`, the list contains `root(a, n)`, the n-th
+/// root of a. If n is written as an odd whole number, negative numbers have roots too. Any other n
+/// is read as `a^(1/n)`, for a ≥ 0.
 pub fn language_names() -> impl Iterator<Item = &'static str> {
     let is_name = |kind| matches!(kind, WordKind::Function | WordKind::Value);
     words().filter(move |(_, kind)| is_name(*kind)).map(|(name, _)| name)

@@ -64,7 +64,7 @@ mod tests {
     #[test]
     fn a_failure_is_made_simple_and_says_how_to_repeat_it() {
         let failure = catch_unwind(|| {
-            // Source files serve as seeds here. They contain no byte above 250.
+            // The seeds are source files, which have no byte above 250. Only random bytes fail.
             let few = |data: &[u8]| match data.iter().position(|byte| *byte > 250) {
                 Some(at) => Err(Failure::new(format!("{} at {at}", data[at]))),
                 None => Ok(Tally { compared: 1, defined: 1 }),

@@ -43,8 +43,8 @@ impl Case {
         Self { graph, root, assumptions, parameters }
     }
 
-    /// Returns a box of the domain. Its ends are rounded to `T`, so it exceeds the domain by one
-    /// rounding at most.
+    /// Returns a random box in the domain. Its ends are rounded outward to `T`, so it exceeds the
+    /// domain by one rounding at most.
     pub fn random_box<T: Adversarial>(&self, rng: &mut Rng) -> [[T; 2]; 3] {
         let anywhere: [[T; 2]; 3] = random_box(rng, Ends::Infinite);
         let mut region = anywhere;
@@ -54,7 +54,7 @@ impl Case {
         region
     }
 
-    /// Returns a point that lies in the domain and in `region`.
+    /// Returns a random point that lies in the domain and in `region`.
     pub fn random_point<T: Adversarial>(&self, rng: &mut Rng, region: &[[T; 2]; 3]) -> [f64; 3] {
         let mut point = point_in_box(rng, region);
         for (value, bounds) in point.iter_mut().zip(self.assumptions.domain) {
@@ -63,7 +63,7 @@ impl Case {
         point
     }
 
-    /// Draws a value of each parameter, mostly an end of its range. Returns it as two equal bounds.
+    /// Returns a value of each parameter as two equal bounds, mostly an end of its range.
     pub fn random_values(&self, rng: &mut Rng) -> Vec<(f64, f64)> {
         let drawn = self.parameters.iter().map(|bounds| {
             let value = match rng.u32(0..3) {
@@ -81,7 +81,7 @@ impl Case {
         self.graph.reachable(&[self.root]).into_iter().filter(|needed| *needed).count()
     }
 
-    /// Returns a line for `zeroset eval` with this case and a kernel of `T`, then the assumptions.
+    /// Returns a line for `zeroset eval` in the precision `T` with this case, and the assumptions.
     pub fn describe<T: Real>(&self, place: &Place) -> String {
         let values: Vec<(f64, f64)> = self.parameters.iter().map(|v| (v.lo, v.hi)).collect();
         let line = reproduce_in::<T>(&self.graph, self.root, &values, place);

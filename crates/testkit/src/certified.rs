@@ -81,7 +81,7 @@ pub enum UnresolvedReason {
     Jump,
     /// The function may be undefined.
     Undefined,
-    /// The ray enters or leaves the box here, so the zero may lie outside.
+    /// The ray enters or leaves the box in this piece, so the zero may lie outside the box.
     Edge,
     /// The budget of evaluations was used up.
     Budget,

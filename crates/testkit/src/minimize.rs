@@ -5,9 +5,10 @@ use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, compact};
 
 /// Returns a case no larger than `case` for which `fails` still holds. Cuts out one part of the
-/// function after another while `fails` holds. Then drops irrelevant bounds of the domain.
+/// function after another while `fails` holds. Then drops each bound of the domain without which
+/// `fails` still holds.
 ///
-/// For n nodes, `fails` is called a few times n² times at most.
+/// For n nodes, `fails` is called O(n²) times.
 pub fn minimise(case: &Case, fails: &mut dyn FnMut(&Case) -> bool) -> Case {
     let mut best = case.clone();
     while let Some(smaller) = smaller(&best).into_iter().find(|candidate| fails(candidate)) {

@@ -36,7 +36,7 @@ pub fn read_u8(source: impl Read) -> Result<Array<u8>> {
     read(source)
 }
 
-/// Returns the content of a file with these numbers in rows of `columns`.
+/// Returns the content of an `.npy` file with these numbers in rows of `columns`.
 ///
 /// # Errors
 /// If the last row is not full.

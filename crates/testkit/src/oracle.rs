@@ -98,7 +98,7 @@ pub struct Oracle<'a> {
     needed: Vec<bool>,
     /// Bounds of each node that is a constant; all reals for other nodes.
     constants: Vec<Span>,
-    /// Kind of each node, seen as an exponent.
+    /// Kind of exponent that each node is, if it serves as one.
     exponents: Vec<Exponent>,
 }
 
@@ -216,7 +216,7 @@ pub fn enclose_at(
 
 /// Returns two `f64` that enclose an integer. They are equal if the integer is an `f64`.
 fn around(integer: &BigInt) -> Span {
-    // `to_f64` is off by less than an ulp, so only its exactness must be checked.
+    // `to_f64` is off by less than an ulp, so the floats next to it enclose the integer.
     let nearest = integer.to_f64().unwrap_or(f64::NAN);
     if BigInt::from_f64(nearest).as_ref() == Some(integer) {
         Span::point(nearest)

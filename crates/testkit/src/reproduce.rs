@@ -66,7 +66,7 @@ pub fn reproduce(graph: &Graph, root: NodeId, parameters: &[(f64, f64)], place: 
     }
 }
 
-/// Like [`reproduce`], for kernels of `T`.
+/// Like [`reproduce`]. If `T` is `f64`, the line also selects this precision.
 ///
 /// # Panics
 /// If `root` does not belong to `graph`.

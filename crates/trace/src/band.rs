@@ -20,8 +20,8 @@ pub struct Band<'a> {
     pub(crate) bracket: &'a mut [[f64; 2]],
     /// Whether each pixel is wanted, row by row. If empty, all are wanted.
     pub(crate) only: &'a [bool],
-    /// Results for surfaces that were traced before: their statuses, and the distances of their
-    /// painted points. Empty for the first surface.
+    /// Results of surfaces traced before this one: each pixel's status, and the distance of its
+    /// painted point. Empty for the first surface.
     pub(crate) before: (&'a [Status], &'a [f64]),
     /// Progress callback. Its argument is the number of results since the last call. It returns
     /// whether more results are wanted.
@@ -43,8 +43,8 @@ impl Band<'_> {
         self.only.is_empty() || self.only[row * self.width + column]
     }
 
-    /// As [`Band::is_wanted_pixel`], for the four pixels of a row from `column` on, as bits. Bits
-    /// beyond the row are 0.
+    /// Returns which of a row's four pixels from `column` on are wanted, as bits. Bits beyond the
+    /// row are 0. [`Band::only`] must not be empty.
     #[inline]
     pub(crate) fn wanted_of_four(&self, column: usize, row: usize) -> u16 {
         let Some(rest) = self.only.get(row * self.width + column..(row + 1) * self.width) else {
@@ -61,8 +61,8 @@ impl Band<'_> {
         self.only.is_empty()
     }
 
-    /// Sets all misses from column `from` on to undecided from the eye on, for lack of time. Their
-    /// rays were not followed, so a miss would claim a proof that does not exist.
+    /// Makes each miss from column `from` on undecided from the eye on, for lack of time. Its ray
+    /// was not followed, so a miss would claim a proof that does not exist.
     pub fn give_up(&mut self, from: usize) {
         for row in 0..self.height {
             for column in from..self.width {
@@ -71,15 +71,15 @@ impl Band<'_> {
         }
     }
 
-    /// Sets a pixel to undecided if it is a miss. The ray is proven empty before any other result.
+    /// Makes a miss undecided, for lack of time. Any other result stays: its proof is valid.
     pub fn give_up_pixel(&mut self, column: usize, row: usize) {
         if self.status[row * self.width + column] == Status::Miss {
             self.set(column, row, &RayResult::GIVEN_UP);
         }
     }
 
-    /// Writes the result for the ray of the pixel in this column and row of the band. Its distances
-    /// are in world units.
+    /// Writes the result for the ray of the pixel in this column and row of the band. The result's
+    /// distances must be in world units.
     #[inline]
     pub fn set(&mut self, column: usize, row: usize, found: &RayResult) {
         let pixel = row * self.width + column;
@@ -101,8 +101,8 @@ impl Band<'_> {
         self.found.set(self.found.get() + pixels);
     }
 
-    /// Adds a result that lies behind all earlier results for the same pixel. If there is an
-    /// earlier one, its proof stays. Then only the painted point may change.
+    /// Adds a result that lies behind all earlier results for the same pixel. An earlier hit or
+    /// undecided segment stays, and only its painted point may change.
     #[inline]
     pub fn add(&mut self, column: usize, row: usize, found: &RayResult) {
         let pixel = row * self.width + column;
@@ -113,8 +113,8 @@ impl Band<'_> {
         }
     }
 
-    /// Paints a point of an undecided pixel, unless a nearer point is painted. The point is moved
-    /// to the start of the undecided segment if it lies before it.
+    /// Paints a point of an undecided pixel, unless a nearer point is painted. A point before the
+    /// undecided segment is moved to the segment's start.
     #[inline]
     fn paint(&mut self, pixel: usize, distance: f64) {
         if self.status[pixel] == Status::Undecided {
@@ -140,8 +140,8 @@ impl Band<'_> {
     }
 
     /// As [`Band::add_hit`], for a square of 4×4 pixels whose first pixel is in this column and
-    /// row. Writes nothing and returns `false` if one of the pixels already has a result, or if the
-    /// band keeps brackets.
+    /// row. If one of the pixels already has a result or the band keeps brackets, writes nothing
+    /// and returns `false`.
     #[inline]
     pub fn add_square_of_hits(
         &mut self,

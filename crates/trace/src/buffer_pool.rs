@@ -1,6 +1,6 @@
-//! Pools of memory that pictures and bands leave to later ones.
+//! Pools of memory that finished pictures and bands leave to later ones.
 //!
-//! To get new pages from the system takes several times as long as to fill them, and longer than
+//! Getting new pages from the system takes several times as long as filling them, and longer than
 //! all other work on a background pixel. A pool keeps only buffers that a caller hands back.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -9,13 +9,13 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// another is shown or merged.
 pub const PICTURES: usize = 2;
 
-/// A buffer is too large for a number of elements if its capacity is more than `ROOMY` times that
-/// number, and also more than `ROOMY` times `LEAST`.
+/// A buffer is too large for a number of elements if its capacity is above `ROOMY` times that
+/// number and above `ROOMY` times `LEAST`.
 const ROOMY: usize = 4;
 const LEAST: usize = 1 << 12;
 
 /// Returns whether a buffer of capacity `room` serves for `wanted` elements. A far too large buffer
-/// does not: it is freed, so that a large picture's memory is not held by small ones.
+/// does not: the caller frees it, so that small pictures do not hold a large one's memory.
 pub fn serves(room: usize, wanted: usize) -> bool {
     (wanted..=ROOMY * wanted.max(LEAST)).contains(&room)
 }

@@ -23,12 +23,11 @@ pub enum Projection {
 
 /// A camera. The eye may lie anywhere, also inside the domain.
 ///
-/// The rays are those of exact geometry for the camera's floats, up to rounding. Each direction is
-/// within 2⁻⁴⁹ radians of the exact one. In perspective, this is 2⁻²⁰ of the narrowest field of
-/// view, and rays start exactly at the eye. Parallel rays are within 2⁻²⁰ of the picture's height
-/// of the exact ones, from the eye's plane to the target's. [`Camera::new`] refuses a camera for
-/// which `f64` cannot achieve this. So all rays of a picture with fewer than 10⁵ rows are
-/// different.
+/// Rays differ from exact geometry only by rounding. Each direction is within 2⁻⁴⁹ radians of the
+/// exact one: 2⁻²⁰ of the narrowest field of view. Perspective rays start exactly at the eye.
+/// Between the eye's plane and the target's, a parallel ray is within 2⁻²⁰ of the picture's height
+/// of the exact ray. [`Camera::new`] refuses a camera for which `f64` cannot achieve this. So all
+/// rays of a picture with fewer than 10⁵ rows are different.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     eye: DVec3,
@@ -84,7 +83,7 @@ const LEAST_SINE: f64 = 1e-9;
 /// Largest magnitude of a coordinate. Squares of larger coordinates could overflow.
 const LARGEST: f64 = 1e100;
 
-/// Least field of view, in degrees. In narrower ones, rows differ by less than rounding errors.
+/// Least field of view, in degrees. In a narrower one, rows differ by less than rounding errors.
 const LEAST_FOV: f64 = 1e-7;
 
 /// Least orthographic height. At a smaller one, fractions of a pixel could be subnormal floats.
@@ -157,11 +156,11 @@ impl Camera {
 }
 
 impl Basis {
-    /// The axes of a view, each within a few ulps of the exact axis. `None` if `up` is along the
+    /// The axes of a view, each within a few ulps of the exact one. `None` if `up` is along the
     /// view.
     fn new(eye: DVec3, target: DVec3, up: DVec3) -> Option<Self> {
-        // high + low is exactly target − eye. All else depends on directions only, so all vectors
-        // are first scaled to lengths of about 1.
+        // high + low is exactly target − eye. The axes depend only on the directions of the
+        // vectors, so all vectors are first scaled to lengths of about 1.
         let low = DVec3::from_array([0, 1, 2].map(|axis| difference(target[axis], eye[axis]).1));
         let high = target - eye;
         let (scale, up) = (scale_to_one(high), up * scale_to_one(up));
@@ -184,9 +183,9 @@ impl Basis {
         })
     }
 
-    /// Bounds how far rounding moves a parallel ray aside, from the eye's plane to the target's: an
-    /// ulp of its origin and two of its direction. Moves along the ray do not count. So a view
-    /// along an axis is exact from any distance.
+    /// Bounds how far rounding moves a parallel ray aside between the eye's plane and the target's:
+    /// by an ulp of its origin and two ulps of its direction. Moves along the ray do not count, so
+    /// a view along an axis is exact from any distance.
     fn drift(&self, eye: DVec3, target: DVec3) -> f64 {
         let DVec3 { x, y, z } = self.forward;
         let aside = DVec3::new(y.hypot(z), z.hypot(x), x.hypot(y));

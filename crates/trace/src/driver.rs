@@ -14,8 +14,8 @@ use rayon::prelude::*;
 use std::cell::Cell;
 use zeroset_space::Ray;
 
-/// Number of rows in a band: the unit of work for a thread, and of cancellation. It is also the
-/// side of the largest tiles, in pixels.
+/// Number of rows in a band, which is the unit of a thread's work and of cancellation. It is also
+/// the side of the largest tiles, in pixels.
 pub const BAND_ROWS: usize = 16;
 /// Number of pixels that one thread takes from a list at a time.
 const LIST: usize = 1024;
@@ -54,10 +54,10 @@ impl Driver<'_> {
     }
 
     /// Traces a new picture of the surface with id `surface`. `kept` selects the buffer's optional
-    /// quantities. `only` selects pixels as in [`Driver::picture_where`]. `before` holds other
-    /// surfaces; zeros behind their hits need not be found. After each [`BAND_ROWS`] rows, calls
-    /// `finish` with these rows and their element of `parts`, while the rows are in the nearer
-    /// caches.
+    /// quantities. `only` selects pixels as in [`Driver::picture_where`]. `before` holds the
+    /// results of other surfaces; zeros behind their hits need not be found. After each
+    /// [`BAND_ROWS`] rows, calls `finish` with these rows and their element of `parts`, while the
+    /// rows are still in the caches.
     ///
     /// # Panics
     /// If `parts` has fewer elements than the picture has bands, or if the size of `only` or
@@ -107,9 +107,9 @@ impl Driver<'_> {
     /// pixel's column and row, and its painted point. It returns the unit vector to the light and
     /// the light's distance. Points already in shadow are skipped.
     ///
-    /// A shadow ray starts `offset` away from the painted point, in world units. A zero on it
-    /// counts only behind a segment that is proven empty. Otherwise a surface would shade itself
-    /// wherever enclosures are wide.
+    /// A shadow ray starts `offset` away from the painted point, in world units. A zero on the
+    /// shadow ray counts only behind a segment that is proven empty. Otherwise a surface would
+    /// shade itself wherever enclosures are wide.
     pub fn shadows(
         &self,
         buffer: &mut GBuffer,
@@ -142,8 +142,8 @@ impl Driver<'_> {
     }
 
     /// Follows each pixel's ray onward from its element of `starts`, a distance in world units. A
-    /// pixel whose start is not finite is not changed. The results hold only behind the starts.
-    /// They prove nothing about the ray before.
+    /// pixel whose start is not finite is not changed. The results prove nothing about the ray
+    /// before its start.
     ///
     /// # Panics
     /// If `starts` or `buffer` does not have the picture's size.

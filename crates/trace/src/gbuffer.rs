@@ -26,8 +26,8 @@ impl PixelCounts {
     /// As [`PixelCounts::of`], compiled for vectors of type `S`.
     #[inline(always)]
     fn of_with<S: Simd>(_: S, status: &[Status]) -> Self {
-        /// Number of pixels that are counted side by side. Each has a byte of its own, so the
-        /// compiler adds whole vectors.
+        /// Number of counters for each status, of one byte each, so that the compiler adds whole
+        /// vectors. Pixel n is counted by counter n modulo `SIDE`.
         const SIDE: usize = 64;
         let (sides, rest) = status.as_chunks::<SIDE>();
         let count = |status: Status| rest.iter().filter(|other| **other == status).count();
@@ -73,14 +73,14 @@ pub struct GBuffer {
     /// pixels. Empty if brackets are not kept.
     pub bracket: Vec<[f64; 2]>,
     /// Distance of the painted point from the ray's origin, in world units. Infinite if nothing is
-    /// painted, as in every miss. Finite in every hit. `f32` kernels give it about 24 bits.
+    /// painted, as in every miss. Finite in every hit. With `f32` kernels, about 24 bits are right.
     pub drawn: Vec<f64>,
     /// Id of the painted surface. Meaningless if nothing is painted.
     pub surface: SurfaceIds,
     /// Unit normal at the painted point, toward f > 0. Meaningless if nothing is painted or normals
     /// were not computed. Empty if normals are not kept.
     pub normal: Vec<[f32; 3]>,
-    /// Whether the painted point lies on a cap. Empty if no pixel's does.
+    /// Whether the painted point lies on a cap. May be empty if no painted point does.
     pub cap: Vec<bool>,
     /// Share of the light that is hidden from the painted point. 255 means all. Empty if no light
     /// is hidden.
@@ -108,8 +108,7 @@ impl Default for Kept {
     }
 }
 
-/// A pixel's distance: of its hit, or of the start of its first undecided segment. Infinite for a
-/// miss.
+/// Distance of a hit, or of the start of the first undecided segment. Infinite for a miss.
 pub(crate) fn distance(status: Status, open_from: f64, drawn: f64) -> f64 {
     match status {
         Status::Miss => f64::INFINITY,
@@ -152,11 +151,11 @@ impl GBuffer {
         new
     }
 
-    /// Turns this picture into one like those of [`GBuffer::new`]. Reuses its memory if that is
-    /// large enough.
+    /// Makes this picture equal to [`GBuffer::new`] with the same arguments. Reuses its memory if
+    /// that is large enough.
     ///
     /// # Panics
-    /// As [`GBuffer::hand_back`].
+    /// In debug builds, if a miss is painted or a hit is not.
     pub fn reset(&mut self, width: usize, height: usize, surface: u16) {
         self.check();
         self.resize(width, height, Kept::default());
@@ -186,8 +185,8 @@ impl GBuffer {
     fn resize(&mut self, width: usize, height: usize, kept: Kept) {
         fn resize<T: Copy>(all: &mut Vec<T>, pixels: usize, value: T) {
             if all.capacity() < pixels {
-                // New pages are zero. The system maps them at their first write, which many threads
-                // then do.
+                // The system maps new, zeroed pages at their first write. Many threads share that
+                // work later.
                 *all = vec![value; pixels];
             } else {
                 all.resize(pixels, value);
@@ -196,7 +195,7 @@ impl GBuffer {
         let pixels = width * height;
         (self.width, self.height) = (width, height);
         resize(&mut self.bracket, if kept.brackets { pixels } else { 0 }, [0.0; 2]);
-        // In new memory `drawn` is 0. The status must not be that of a miss: clearing skips misses.
+        // In new memory `drawn` is 0, so no old status may stay a miss: clearing skips misses.
         if self.drawn.capacity() < pixels {
             self.status.clear();
         }
@@ -239,7 +238,7 @@ impl GBuffer {
     }
 
     /// Distance from the ray's origin to the pixel's hit, or to the start of its first undecided
-    /// segment, in world units. Infinite for a miss. `f32` kernels give it about 24 bits.
+    /// segment, in world units. Infinite for a miss. With `f32` kernels, about 24 bits are right.
     ///
     /// # Panics
     /// If `pixel` is not in the picture.
@@ -264,7 +263,7 @@ impl GBuffer {
         self.cap.get(pixel).copied().unwrap_or_default()
     }
 
-    /// This picture, with an array for brackets. Hits that it already has get no brackets.
+    /// This picture, with an array for brackets. Hits already in the picture get no brackets.
     #[must_use]
     pub fn with_brackets(mut self) -> Self {
         self.bracket.clear();
@@ -313,7 +312,8 @@ impl GBuffer {
     /// Adds another surface to the picture. Each pixel keeps the nearer hit or undecided segment,
     /// and the nearer painted point. If an undecided segment and a hit are equally near, the
     /// segment is kept. If a hit's bracket begins before the undecided segment, the pixel is
-    /// undecided from there. Without brackets, a hit's zero is assumed to be at the painted point.
+    /// undecided from the bracket's start on. Without brackets, a hit's zero is assumed to be at
+    /// the painted point.
     ///
     /// # Panics
     /// If the pictures differ in size.
@@ -456,7 +456,7 @@ mod tests {
         assert_eq!((new.status[0], new.distance(0), new.drawn[0], new.surface[0]), expected);
         assert!(new.cap.is_empty() && new.shadow.is_empty() && new.occlusion.is_empty());
         assert!(new.reason(0) == UndecidedReason::None && new.bracket.is_empty());
-        // A hit that replaces an undecided pixel does not show the old reason.
+        // A hit replaces an undecided result. The old reason must not show.
         new.set(
             0,
             &RayResult { status: Status::Hit, distance: 2.0, drawn: 2.0, ..RayResult::MISS },
@@ -499,7 +499,7 @@ mod tests {
         // A hit in front of the undecided segment decides the pixel.
         buffer.merge(&pixel(Status::Hit, 2.0, 2.0, 2));
         assert_eq!((buffer.status[0], buffer.surface[0]), (Status::Hit, 2));
-        // The merged bracket holds the first zero of both surfaces.
+        // The bracket merged from two hits holds the nearer of their zeros.
         let bracketed = |near: f64, far: f64| {
             let mut buffer = pixel(Status::Hit, 0.5 * (near + far), 0.5 * (near + far), 0);
             buffer.bracket = vec![[near, far]];
@@ -512,8 +512,7 @@ mod tests {
         assert_eq!(two.bracket[0], [0.5, 2.0]);
         two.merge(&pixel(Status::Undecided, 0.25, 0.25, 1).with_brackets());
         assert!(two.status[0] == Status::Undecided && two.bracket[0][0].is_nan());
-        // The pixel is undecided from the start of a bracket that begins before the undecided
-        // segment.
+        // If a bracket begins before the undecided segment, the pixel is undecided from there on.
         for (hit_first, from, expected) in [(true, 1.25, 1.0), (false, 1.25, 1.0), (true, 0.5, 0.5)]
         {
             let open = pixel(Status::Undecided, from, from, 1).with_brackets();

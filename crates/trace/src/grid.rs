@@ -33,7 +33,7 @@ pub struct RayGrid {
     /// Position of the first pixel's center relative to the picture's middle: to the right, and
     /// upward. The unit is half a pixel.
     first: [i64; 2],
-    /// Number of columns, and of rows, by which this part begins after the whole picture does.
+    /// Column and row of the whole picture in which this part begins.
     pub corner: [usize; 2],
     /// Bounds of the screen coordinates: half the whole picture's width and height. A part has the
     /// bounds of the whole, so that it is traced in the same way.
@@ -41,11 +41,11 @@ pub struct RayGrid {
     eye: DVec3,
     basis: Basis,
     /// The direction of view, then the change of a ray's direction per half pixel to the right and
-    /// per half pixel upward. In an orthographic picture, the two are changes of the ray's origin.
-    /// Stored in `f32`, as each window needs them.
+    /// per half pixel upward. In an orthographic picture, the ray's origin changes instead. Stored
+    /// in `f32`, since each window needs the numbers in `f32`.
     steps: [Vec3; 3],
-    /// Half the distance between neighboring pixels, in screen coordinates. In perspective these
-    /// are measured on the plane at distance 1 from the eye, otherwise in world units.
+    /// Half the distance between neighboring pixels, in screen coordinates. Perspective screen
+    /// coordinates are measured on the plane at distance 1 from the eye, others in world units.
     pub unit: f64,
     /// Whether the picture is orthographic.
     pub(crate) parallel: bool,
@@ -69,8 +69,8 @@ impl Camera {
 }
 
 impl RayGrid {
-    /// The rays of some columns and rows of the picture, counted from its left and upper edges.
-    /// They equal the rays of `self`, bit for bit.
+    /// The rays of some columns and rows, counted from the left and upper edges of `self`. They
+    /// equal the same rays of `self`, bit for bit.
     ///
     /// # Panics
     /// If the ranges exceed the picture.
@@ -102,7 +102,7 @@ impl RayGrid {
         Self { width: LANES, height: patches.len(), patches: Some(patches), ..self.clone() }
     }
 
-    /// The patch whose pixels are in this row; `None` if these are the rays of a picture.
+    /// The patch whose pixels are in this row; `None` if the grid does not consist of patches.
     #[inline]
     pub(crate) fn patch(&self, row: usize) -> Option<Patch> {
         self.patches.as_ref().map(|patches| patches[row])
@@ -184,8 +184,8 @@ impl RayGrid {
     }
 
     /// Screen coordinates of the point halfway between the centers of two pixels. `columns` is the
-    /// sum of their columns, `rows` the sum of their rows, counted in the whole picture, not in a
-    /// patch.
+    /// sum of their columns, `rows` the sum of their rows. Both are counted in this picture or
+    /// part, never in a patch.
     ///
     /// A ray with screen coordinates a and b has the direction `forward` + a·`right` + b·`up`. In
     /// an orthographic picture, its origin is the eye + a·`right` + b·`up`.
@@ -232,8 +232,8 @@ impl RayGrid {
         [(across + 2 * i as i64) as f64, (upward - 2 * j as i64) as f64]
     }
 
-    /// The column and row in the whole picture of a pixel of these rays, which may be those of
-    /// patches. A pixel of a window may lie outside the picture.
+    /// The column and row of pixel (`i`, `j`) in the picture or part. In a grid of patches, `j` is
+    /// the patch and `i` the pixel in the patch. The pixel may lie outside the picture.
     #[inline]
     fn place(&self, i: usize, j: usize) -> (usize, usize) {
         match self.patch(j) {
@@ -247,8 +247,7 @@ impl RayGrid {
         self.ray(index % self.width, index / self.width)
     }
 
-    /// Columns and rows of a window's pixels in the whole picture, relative to the window's first
-    /// pixel.
+    /// Columns and rows of a window's pixels in the picture, relative to the window's first pixel.
     #[inline(always)]
     fn places(&self, window: PixelWindow) -> [Lanes<f32>; 2] {
         if self.is_patched() {
@@ -297,8 +296,8 @@ impl RayGrid {
         points
     }
 
-    /// The directions of the rays of a window. Their error is a few ulps of `f32`, which is enough
-    /// for colors.
+    /// The directions of a window's rays. Their error, a few ulps of `f32`, does not matter for
+    /// colors.
     #[inline(always)]
     pub fn ways<S: Simd>(&self, simd: S, window: PixelWindow) -> RayDirections<S> {
         let [forward, right, up] = self.steps;
@@ -398,8 +397,8 @@ const ALONG: Lanes<f32> = {
     Lanes(along)
 };
 
-/// The tangent of half an angle in degrees. Above 90°, it is computed from 180° minus the angle,
-/// which is exact.
+/// The tangent of half an angle in degrees. Above 90°, it is computed from 180° minus the angle.
+/// That difference is exact.
 fn half_tangent(degrees: f64) -> f64 {
     let half = |degrees: f64| (degrees.to_radians() / 2.0).tan();
     if degrees <= 90.0 { half(degrees) } else { half(180.0 - degrees).recip() }

@@ -25,7 +25,7 @@ pub struct KernelStats {
     pub point: Count,
     /// Evaluations of values and gradients at points.
     pub gradient: Count,
-    /// Number of rays that were given up because their packet used up its steps.
+    /// Number of rays that were given up because they, or their packet, used up the allowed effort.
     pub given_up: u64,
 }
 

@@ -1,8 +1,8 @@
 //! Methods: the ways to find where rays first meet a surface.
 //!
 //! A method is a file with a row of [`METHODS`](crate::METHODS), which creates a [`Tracer`]. The
-//! [`Driver`](crate::Driver) chooses the rays and threads, and uses the results. A method knows
-//! nothing of these.
+//! [`Driver`](crate::Driver) chooses rays and threads, and uses the results. Methods do not know
+//! the driver.
 
 use crate::band::Band;
 use crate::grid::RayGrid;
@@ -57,7 +57,7 @@ pub enum Proves {
 
 /// A method prepared for one surface.
 pub trait Tracer: Sync {
-    /// Follows `rays`, and writes the result of each to the same place of `found`.
+    /// Follows `rays`, and writes each ray's result to the ray's place in `found`.
     ///
     /// If possible, every four consecutive rays are those of 2×2 neighboring pixels, every sixteen
     /// those of 4×4 pixels, and so on.
@@ -74,8 +74,8 @@ pub trait Tracer: Sync {
         None
     }
 
-    /// Follows the rays of all pixels of a band, as long as it [is wanted](Band::is_wanted). Before
-    /// the call, all pixels must be misses.
+    /// Follows the rays of all pixels of a band, as long as the band [is wanted](Band::is_wanted).
+    /// Before the call, all pixels must be misses.
     fn band(&self, rays: &RayGrid, band: &mut Band<'_>, work: &mut KernelStats) {
         by_squares(self, rays, band, work);
     }

@@ -16,7 +16,7 @@ pub struct TraceOptions {
     pub depth: u32,
     /// Greatest distance, in pixels, from a zero to the reported hit. Proofs do not depend on it.
     pub tolerance: f64,
-    /// Number of samples on a ray's path through the region, or largest number of steps; at least
+    /// Number of samples on a ray's path through the region, or largest number of steps. At least
     /// 2.
     pub steps: u32,
     /// Whether segments are narrowed to where a form may vanish. Otherwise they are only halved.
@@ -29,8 +29,8 @@ pub struct TraceOptions {
     /// segments are narrowed to the limit of precision. Larger values suit a preview: segments are
     /// narrowed less before they are painted. Only methods that prove hits read it.
     pub least: f64,
-    /// Whether a zero of a segment on which the function is unbounded counts as an asymptote, not
-    /// as a root. Then the pixel is undecided, and the place is not painted.
+    /// Whether a possible zero on a segment counts as an asymptote, not as a root, if the function
+    /// is unbounded on the segment. Then the pixel is undecided, and the place is not painted.
     pub suppress_asymptotes: bool,
 }
 

@@ -61,7 +61,7 @@ impl RayLanes {
     }
 }
 
-/// The axis K, and the region's extent along it, which starts at τ = 0.
+/// The axis K, and the region's extent along it. The extent's first end is at τ = 0.
 #[derive(Clone, Copy, Debug)]
 struct SlabAxis {
     k: usize,
@@ -190,7 +190,7 @@ impl<T: Scalar> Packet<T> {
         }
     }
 
-    /// Computes the rays' coordinates, and the range of τ in which each ray is in the region.
+    /// Computes the rays' coordinates, and the range of τ in which each ray may be in the region.
     #[inline(always)]
     fn place<S: Simd>(&mut self, simd: S, lines: &RayLanes, region: &Region) {
         let SlabAxis { k, start, extent, inverse } = self.planes;

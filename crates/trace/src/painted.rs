@@ -6,8 +6,8 @@ use crate::ray_result::Status;
 use fearless_simd::{Level, dispatch, f64x8, prelude::*, u8x16};
 use zeroset_eval::LANES;
 
-/// Number of rows that one thread shades at a time: few enough for the nearest caches. The number
-/// of threads changes neither this nor the windows.
+/// Number of rows that one thread shades at a time: few enough for the nearest caches. Neither this
+/// number nor the windows depend on the number of threads.
 pub const SHADED_ROWS: usize = 8;
 
 /// Sixteen adjacent pixels of a row, one per lane. A window may extend beyond the row and the

@@ -74,7 +74,7 @@ impl UndecidedReason {
     }
 }
 
-/// Bound of the relative error of a direction's length, and of a product with it.
+/// Bound of the relative error of a direction's length, and of the length times a number.
 pub(crate) const LENGTH_ERROR: f64 = 8.0 * f64::EPSILON;
 
 /// The result for one ray. All distances are values of the ray's parameter t.

@@ -26,10 +26,11 @@ enum Inside {
 }
 
 /// Paints the faces where the region cuts the solid f ≤ 0, and updates the proofs. `buffer` holds
-/// the solid's boundary. The entry point of a ray is where it enters the region; a ray that starts
-/// inside has none. If f < 0 is proven at the entry point, that point is a hit. If f > 0 or f is
-/// undefined there, nothing changes. Otherwise the pixel is undecided from the entry point on.
-/// `only` selects pixels; if empty, all. Returns the number of evaluations.
+/// the solid's boundary. A ray's entry point is where it enters the region; a ray that starts
+/// inside has none. If f < 0 is proven there, and the ray certainly meets the region, the entry
+/// point is a hit. If it is proven that f > 0 or f is undefined there, nothing changes. Otherwise
+/// the pixel is undecided from the entry point on. `only` selects pixels; if empty, all. Returns
+/// the number of evaluations.
 pub fn cap<T: Real>(
     buffer: &mut GBuffer,
     rays: &RayGrid,
@@ -72,10 +73,9 @@ pub fn cap_rows<T: Real>(
         let (distance, pixel) = (ray.distance(entry.t.0), pixel - first);
         let (from, reason) = match inside {
             Inside::No => continue,
-            // The tracer may have found a zero at the face, which rounding may have moved before
-            // it.
+            // A zero that the tracer found at the face may be slightly nearer, by rounding.
             Inside::Unknown(reason) => (rows.distance(pixel).min(distance), reason),
-            // This reason applies only if the ray may miss the region: it may pass by an edge.
+            // The reason counts only if the entry is uncertain: the ray may pass by an edge.
             Inside::Yes => (distance, UndecidedReason::Touching),
         };
         let mut bracket = [f64::NAN; 2];

@@ -1,5 +1,4 @@
-//! Rows of a picture. One thread takes them from tracing to colors, while they are in the nearer
-//! caches.
+//! Rows of a picture. One thread takes them from tracing to colors while they are in the caches.
 
 use crate::band::Band;
 use crate::gbuffer::{GBuffer, PixelCounts, distance};
@@ -31,7 +30,7 @@ pub struct Rows<'a> {
     pub(crate) surface: SurfaceIdSlice<'a>,
     /// Empty if normals are not kept.
     pub(crate) normal: &'a mut [[f32; 3]],
-    /// Empty if no pixel has a cap. `shadow` and `occlusion` may be empty in the same way.
+    /// May be empty if no pixel has a cap. Likewise `shadow` and `occlusion` if nothing is hidden.
     pub(crate) cap: &'a mut [bool],
     pub(crate) shadow: &'a mut [u8],
     pub(crate) occlusion: &'a mut [u8],
@@ -86,8 +85,7 @@ impl GBuffer {
         for_each_part(self.rows(rows), work)
     }
 
-    /// Divides the picture into parts of `rows` rows, from the top. The last part may have fewer
-    /// rows.
+    /// Divides the picture into parts of `rows` rows, from the top. The last may have fewer.
     pub(crate) fn rows(&mut self, rows: usize) -> Vec<Rows<'_>> {
         let width = self.width.max(1);
         let size = rows * width;
@@ -209,8 +207,8 @@ impl Rows<'_> {
         windows(Level::new(), self.status, self.drawn, self.first, self.width)
     }
 
-    /// The normals, to be written, and the quantities that shading reads. The latter come without
-    /// normals. Normals are empty if they are not kept.
+    /// The normals, to be written, and the other quantities that shading reads. The normals are
+    /// empty if they are not kept.
     pub fn columns(&mut self) -> (&mut [[f32; 3]], Columns<'_>) {
         let columns = Columns {
             status: self.status,
@@ -225,7 +223,7 @@ impl Rows<'_> {
     }
 
     /// The band of these rows, which a tracer writes results to. `only` selects pixels of the
-    /// picture; if empty, all. `before` holds other surfaces. `advance` is
+    /// picture; if empty, all. `before` holds the results of other surfaces. `advance` is
     /// [`Driver::advance`](crate::Driver::advance).
     pub(crate) fn band<'a>(
         &'a mut self,

@@ -22,11 +22,11 @@ pub trait Scalar: KernelFloat + SimdFloatElement + Add<Output = Self> + Mul<Outp
     /// Relative error of a coordinate `start` + τ·`extent`. Five steps round: `start`, `extent`,
     /// the product, the sum, and a last addend. In `f32` each rounds by 2⁻²⁴; everything before is
     /// in `f64`. In `f64` each rounds by 2⁻⁵³; `extent` takes three more roundings, and the end of
-    /// the region one. The bounds, 8 and 16 units, are nearly twice these sums.
+    /// the region one. The bounds, 8·2⁻²⁴ and 16·2⁻⁵³, are nearly twice these sums.
     const COORDINATE_ERROR: Self;
     /// Amount by which the ends of a range of τ are moved outward. It exceeds the error of a
-    /// quotient within [−1, 2]. That error is at most 4 units in `f32`. In `f64` it is at most 10,
-    /// since the operands are rounded too.
+    /// quotient within [−1, 2]. That error is at most 4·2⁻²⁴ in `f32`. In `f64` it is at most
+    /// 10·2⁻⁵³, since the operands are rounded too.
     const SHARE_ERROR: Self;
     /// Length of the shortest segments that are searched, as a share of the ray's length. It is a
     /// little more than the length that rounding adds.

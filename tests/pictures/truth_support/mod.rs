@@ -48,14 +48,13 @@ const TOUCHES: u8 = 2;
 const OPEN: u8 = 4;
 
 /// Corrected roots of `sin(40/x)-y` on two rays, computed with 50 digits. The stored roots are
-/// wrong by up to 1.2e-8 there, since a whole wave is only a millionth long.
+/// wrong by up to 1.2e-8 on these rays, since a whole wave is only a millionth long.
 const CORRECTED: [(&str, usize, f64); 2] = [
     ("essential-fast", 18 * SIDE + 38, 8.371_880_956_302_741),
     ("essential-fast", 41 * SIDE + 16, 6.423_417_971_048_07),
 ];
 
-/// Tolerance of distances. It covers the rounding of the reference's rays, and one part in 2²⁴ for
-/// `f32`.
+/// Tolerance of distances. It covers the rounding of the reference's rays and, for `f32`, 2⁻²⁴.
 pub fn rounding(precision: Precision) -> f64 {
     match precision {
         Precision::Auto | Precision::F32 => 1e-6,

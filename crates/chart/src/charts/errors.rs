@@ -47,7 +47,7 @@ const WRONG: ErrorMeasure = ErrorMeasure {
 };
 const KINDS: [ErrorMeasure; 3] = [DISTANCE, MEDIAN, WRONG];
 
-/// The charts over all surfaces: means over them, with a thin line for each surface.
+/// The charts over all surfaces: means over surfaces, with a thin line for each surface.
 pub fn over_all(rows: &MeasuredRows<'_>) -> Vec<Figure> {
     let rows = rows.in_one_precision();
     let charts = KINDS.iter().map(|kind| chart(&rows, kind, None));
@@ -90,7 +90,7 @@ fn chart(rows: &MeasuredRows<'_>, kind: &ErrorMeasure, surface: Option<&str>) ->
     }
 }
 
-/// The series of a family: means over all parts, with a thin line for each part.
+/// The series of a family: means over `parts`, surfaces or views, with a thin line for each part.
 fn of_family(
     parts: &[MeasuredRows<'_>],
     family: &[Configuration],
@@ -119,7 +119,7 @@ fn of_family(
     PlotSeries { marks, behind, ..series(&family[0]) }
 }
 
-/// Chart of wrong claims. A bar runs from all undecided pixels being right to all being wrong.
+/// Chart of wrong claims. A bar's ends count undecided pixels as all right, and as all wrong.
 fn claims(rows: &MeasuredRows<'_>) -> Figure {
     let (mut places, mut all) = (Vec::new(), Vec::new());
     let mut painted =

@@ -29,12 +29,12 @@ fn work(rows: &MeasuredRows<'_>, option: MethodOption) -> Option<Figure> {
     let mut numbers: Vec<f64> = rows.0.iter().filter_map(|(_, one)| one.number(option)).collect();
     numbers.sort_by(f64::total_cmp);
     numbers.dedup();
-    // Whole numbers are placed evenly, not on a logarithmic axis.
+    // Whole option values are placed evenly, not on a logarithmic axis.
     let is_counted = numbers.iter().all(|number| number.fract() == 0.0);
     let mut all = Vec::new();
     for family in families(rows) {
         let mut line = series(&family[0]);
-        // Only one precision has bars, since bars of several precisions would cover one another.
+        // Bars of several precisions would overlap. Only `auto`, or no precision, has bars.
         let has_bars = matches!(family[0].precision, None | Some(Precision::Auto));
         for one in &family {
             let Some(number) = one.number(option) else { continue };

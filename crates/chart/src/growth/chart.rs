@@ -17,8 +17,8 @@ pub const QUANTITIES: [Quantity; 4] = [
 /// Least number of nodes for fitting the exponent. Fixed costs dominate smaller formulas.
 const FIT_FROM_NODES: usize = 100;
 
-/// The exponent of growth: slope of the least-squares line through the logarithms. `None` if there
-/// are fewer than two different sizes from [`FIT_FROM_NODES`] on.
+/// The exponent of growth: slope of the least-squares line through the logarithms. `None` if fewer
+/// than two different sizes are at least [`FIT_FROM_NODES`].
 pub fn slope(rows: &[GrowthRow], value: fn(&GrowthRow) -> f64) -> Option<f64> {
     let points: Vec<[f64; 2]> = rows
         .iter()

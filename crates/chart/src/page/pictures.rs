@@ -35,7 +35,7 @@ pub fn pictures(store: &Store) -> Result<String, ChartError> {
 }
 
 /// The middle configuration of each method. If the method was measured in the precision `auto`,
-/// only those configurations count.
+/// only configurations in `auto` count.
 fn middle_configurations(rows: &[&Row]) -> Vec<Configuration> {
     let measured = distinct(rows.iter().filter_map(|row| row.configuration().ok()));
     let middle = |method: &Method| {

@@ -25,7 +25,7 @@ pub fn boxes<T: Real>(region: &Region, share: f64, rng: &mut Rng) -> Vec<Boxes<T
     let mut side = |axis: usize| {
         let width = high[axis] - low[axis];
         let lo = low[axis] + (1.0 - share) * rng.f64() * width;
-        // At width 0 both ends must be the same float.
+        // If `share` is 0, both ends must be the same float of type `T`.
         let lo = T::nearest(lo).into().clamp(low[axis], high[axis]);
         Interval { lo, hi: (lo + share * width).min(high[axis]) }
     };

@@ -116,7 +116,7 @@ impl SurfaceKernels for KernelSet {
     }
 }
 
-/// A floating-point type with its precision, which selects a set's kernels.
+/// A floating-point type, and the choice of a set's kernels in this type.
 pub trait KernelPrecision: KernelFloat {
     /// The precision.
     const PRECISION: Precision;

@@ -27,8 +27,8 @@ pub enum Outcome {
 
 /// Greatest share of wrong pixels in a sound picture. It allows for silhouettes.
 const SOUND: f64 = 1.0 / 200.0;
-/// Greatest share of roots that a sound picture misses. It matters for thin features, which cover
-/// few pixels.
+/// Greatest share of roots that a sound picture misses. Without this limit, a picture could miss a
+/// thin feature, which covers few pixels.
 const WHOLE: f64 = 1.0 / 50.0;
 /// Above this share of pixels, points painted without a root are a wall.
 const WALL: f64 = 1.0 / 20.0;

@@ -201,7 +201,7 @@ impl Window {
         }
     }
 
-    /// Scrolls by rows.
+    /// Scrolls by one row, up if `steps` is positive.
     pub(super) fn scroll_gallery(&mut self, steps: f64) {
         let count = self.browser.matches().len();
         let grid = self.grid();

@@ -191,7 +191,7 @@ fn draw_status(
     if room >= status.chars().count() * canvas.advance() + taken + 2 * margin {
         canvas.write(&hover, right, text_y, DIM);
     } else if content.line.is_none() && content.message_above().is_none() {
-        // Both texts do not fit in one line, so the second gets a line of its own.
+        // Both texts do not fit in one line, so the right one gets a line of its own.
         canvas.label(&hover, right, bottom - row as i64, DIM);
     }
     let left = canvas.fitting(&status, room);

@@ -8,7 +8,7 @@ use zeroset_render::overlay::{Canvas, Rgb};
 const BRIGHT: Rgb = 0x00ff_ffff;
 const HIDDEN: Rgb = 0x0088_8894;
 
-/// Limits of the letters shown of a formula. A list too narrow for the fewest shows only colors.
+/// Largest and smallest number of letters shown of a formula. A narrower list shows only colors.
 const MAX_LETTERS: usize = 24;
 const MIN_LETTERS: usize = 8;
 /// Largest share of the window's width that the list takes.

@@ -227,7 +227,7 @@ impl Window {
         (width.max(1), height.max(1))
     }
 
-    /// Width and height of the window above the status line.
+    /// Width and height of the part of the window above the status line.
     fn picture_size(&self) -> (usize, usize) {
         let (width, height) = self.size();
         let status = Canvas::line_height_at(self.scale_at(height));

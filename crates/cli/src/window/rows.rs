@@ -71,8 +71,8 @@ impl RowLayout {
         canvas.fill(left as i64, self.top as i64, width, height, GROUND, 208);
     }
 
-    /// Below the rows, writes which ones are visible, such as 3-10, unless all are. `all` adds the
-    /// total.
+    /// Writes below the rows which of them are visible, such as 3-10, unless all are visible. `all`
+    /// adds the total.
     pub fn write_range(&self, canvas: &mut Canvas, left: i64, ink: Rgb, all: bool) {
         if self.scrolls() {
             let of = if all { format!(" of {}", self.count) } else { String::new() };

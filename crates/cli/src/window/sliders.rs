@@ -12,7 +12,7 @@ const DOUBLE_CLICK: Duration = Duration::from_millis(400);
 /// Least time between requests while only a coarse picture is visible. A finer picture that is
 /// finished within this time is shown.
 const COARSE_FRAME: Duration = Duration::from_millis(30);
-/// If a value's picture takes longer than this, the next value is requested without it.
+/// If a value's picture takes longer than this, the next value is requested without waiting for it.
 const MAX_WAIT: Duration = Duration::from_millis(250);
 /// Longest pause between key presses that count as one movement.
 const KEY_PAUSE: Duration = Duration::from_millis(700);
@@ -34,7 +34,7 @@ pub struct Sliders {
     held: Option<(usize, f64)>,
     /// Name of the slider that was pressed last, and time of the press.
     pressed: Option<(String, Instant)>,
-    /// A slider and the new value to request for it.
+    /// A slider and the value that it was moved to, which is still to be requested.
     wanted: Option<(Slider, f64)>,
     /// Revision of the last request, and when it was made.
     sent: Option<(u64, Instant)>,
@@ -165,7 +165,8 @@ impl Window {
         sliders.want(index, rounded);
     }
 
-    /// Releases the slider and requests its last value, without waiting for the previous one.
+    /// Releases the slider. Requests its last value, even if the previous value's picture is
+    /// unfinished.
     pub(super) fn release_slider(&mut self) {
         self.sliders.held = None;
         self.sliders.sent = None;
@@ -225,7 +226,7 @@ impl Window {
         sliders.want(index, value);
     }
 
-    /// Requests the new value if a request is due.
+    /// Requests the value that a slider was moved to, if a request is due.
     pub(super) fn send_value(&mut self, seen: &Snapshot) {
         if is_next_due(self.sliders.sent, seen) {
             self.ask_for_value();

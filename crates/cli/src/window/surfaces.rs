@@ -21,9 +21,9 @@ pub struct Surfaces {
     scroll: usize,
     hovered: Option<(usize, ListPart)>,
     held: Option<ListDrag>,
-    /// A surface's index and the new opacity to request for it.
+    /// A surface's index and the opacity that the user chose, which is still to be requested.
     opacity: Option<(usize, f64)>,
-    /// Revision of the last request for a new opacity, and when it was made.
+    /// Revision and time of the last request to change an opacity.
     sent: Option<(u64, Instant)>,
 }
 
@@ -172,7 +172,7 @@ impl Window {
         list.is_some_and(|list| list.rows.scroll(&mut surfaces.scroll, steps))
     }
 
-    /// Requests the new opacity if a request is due.
+    /// Requests the opacity that the user chose, if a request is due.
     pub(super) fn send_opacity(&mut self, seen: &Snapshot) {
         if is_next_due(self.surfaces.sent, seen) {
             self.ask_for_opacity();

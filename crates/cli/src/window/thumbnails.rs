@@ -1,5 +1,5 @@
 //! The gallery's small pictures. A thread renders them one after another while the gallery is open.
-//! They are kept when the gallery closes. The session's own picture has priority.
+//! Finished pictures are kept when it closes. The session's own picture has priority.
 
 use crate::render::with_effects;
 use crate::session::{Session, lock};
@@ -67,7 +67,7 @@ impl Thumbnails {
         lock(&self.shared.pictures).get(place)?.clone()
     }
 
-    /// Returns a number that changes with every new picture.
+    /// Returns a number that changes whenever a picture is rendered.
     pub fn version(&self) -> u64 {
         self.shared.version.load(Ordering::Relaxed)
     }

@@ -163,8 +163,8 @@ impl<M: Machine> Rule<'_, M> {
             return self.quotient_positive(&a.negated(), &b.negated());
         }
         if b.range.hi <= 0.0 {
-            // Both operands are negated, so that the bounds for b = [0, 0] stay within those for
-            // all of b.
+            // Both operands are negated, so that the bounds for b = [0, 0] stay within those over
+            // larger boxes.
             return self.quotient(&a.negated(), &b.negated());
         }
         self.quotient(a, b)
@@ -213,13 +213,13 @@ impl<M: Machine> Rule<'_, M> {
         let y_lo = self.opposite_exactly(y_neg_lo);
         let mut straddles = self.gt(y_neg_lo, zero);
         if a.range.contains(0.0) {
-            // 0/b is 0. max(−lo, hi) of a is positive except for [0, 0].
+            // For a = [0, 0] the quotient is 0. For any other a, max(−lo, hi) is positive.
             let largest = self.m.max(an, ah);
             let nonzero = self.gt(largest, zero);
             straddles = self.m.and(straddles, nonzero);
         }
-        // The quotient is undefined for b = [0, 0]. A slightly larger divisor keeps its bounds in
-        // order, and within the bounds over larger boxes. Later rules rely on both.
+        // The quotient is undefined for b = [0, 0]. A slightly larger divisor keeps the quotient's
+        // bounds in order, and within those over larger boxes. Later rules rely on both.
         let least = self.least_positive();
         let y_hi = self.m.max(y_hi, least);
         let neg_lo_by = self.far_divisor(x_neg_lo, y_lo, y_hi);

@@ -186,7 +186,7 @@ impl<M: Machine> Rule<'_, M> {
         self.m.min(a, infinity)
     }
 
-    /// The lower ends, where a zero is +0.
+    /// The lower ends of `a`; a zero becomes +0.
     fn lo(&mut self, a: &Enclosure<M::V>) -> M::V {
         self.opposite_exactly(a.neg_lo)
     }
@@ -197,8 +197,8 @@ impl<M: Machine> Rule<'_, M> {
         self.m.unrounded(|m| m.sub(zero, a))
     }
 
-    /// Runs `routine`, which encloses by approximations. The stated errors of approximations
-    /// include all rounding but the last of each bound.
+    /// Runs `routine`, which encloses by approximations. Their stated errors include all rounding
+    /// but the last of each bound, which is rounded outward here.
     pub(crate) fn approximated<const N: usize>(
         &mut self,
         routine: impl FnOnce(&mut Rule<'_, M>) -> [Enclosure<M::V>; N],

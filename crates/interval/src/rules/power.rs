@@ -29,8 +29,8 @@ impl<M: Machine> Rule<'_, M> {
             hi = self.m.max(hi, zero);
         }
         let hi = self.m.sqrt(hi);
-        // If the square of the root, rounded up, exceeds the operand, the root is one float too
-        // high. Else it is exact.
+        // The root `up` is rounded up. If its square exceeds the operand, `up` is one float too
+        // high for a lower bound. Else `up` is exact.
         let neg_lo = self.m.unrounded(|m| {
             let up = m.sqrt(lo);
             let square = m.mul(up, up);
@@ -254,8 +254,8 @@ impl<M: Machine> Rule<'_, M> {
             let grows = self.m.and(from_zero, some_negative);
             let infinity = self.infinity();
             hi = self.m.select(grows, infinity, hi);
-            // In these lanes 0 is the only base. If 0^b is undefined, its bounds stay within those
-            // over larger boxes, which have positive bases.
+            // In the lanes of `only_zero`, the base is 0. If 0^b is undefined, its bounds stay
+            // within those over larger boxes, which have positive bases.
             let no_positive = self.m.le(a.value.hi, zero);
             let only_zero = self.m.and(no_positive, some_positive);
             hi = self.m.select(only_zero, zero, hi);
@@ -290,7 +290,7 @@ mod tests {
         assert!(lo <= 1.0 && 1.0 <= hi && hi - lo < 1e-15, "{lo} {hi}");
         assert_eq!(power(-2.0, -2.0, even + 1).0, [f64::NEG_INFINITY, -f64::MAX]);
         assert_eq!(power(-0.5, 0.5, even).0, [0.0, f64::from_bits(1)]);
-        // (1 + 2⁻⁵²)^2³¹ is exp(2⁻²¹ − …).
+        // (1 + 2⁻⁵²)^2³¹ is about 1 + 2⁻²¹ + 2⁻⁴³.
         let near = 1.0 + f64::EPSILON;
         let [lo, hi] = power(near, near, even).0;
         let value = 1.0 + 2_f64.powi(-21) + 2_f64.powi(-43);

@@ -112,9 +112,9 @@ impl<M: Machine> Rule<'_, M> {
         let within_hi = self.m.max(b.value.hi, zero);
         let neg_lo = self.m.min(direct.neg_lo, within_neg_lo);
         let hi = self.m.min(direct.hi, within_hi);
-        // A lane may be undefined everywhere, and rounding may add a multiple to a branch without
-        // points. Later rules still need bounds that are in order, and within the bounds over
-        // larger boxes.
+        // The intersection is empty if a lane is undefined everywhere, or if rounding adds a
+        // multiple to a branch without points. Later rules still need bounds that are in order, and
+        // within the bounds over larger boxes.
         let (least, most) = (self.m.neg(within_neg_lo), self.m.neg(within_hi));
         let neg_lo = self.m.max(neg_lo, most);
         let hi = self.m.max(hi, least);

@@ -5,8 +5,8 @@ use zeroset_interval::{
 };
 use zeroset_ops::Op;
 
-/// Tests that a form counts the rounding of the reciprocal too. All roundings here go in one
-/// direction, and together they exceed what is counted for the product alone.
+/// Tests that a form counts the rounding of the reciprocal. All roundings here go in one direction,
+/// and together they exceed the error that is counted for the product alone.
 #[test]
 fn the_rounding_of_the_reciprocal_is_counted() {
     let (centre, slope, divisor) = (1.951_794_4_f32, 0.25_f32, 1.742_237_3_f32);

@@ -106,7 +106,7 @@ fn term(graph: &Graph, id: NodeId) -> Option<SignedTerm> {
     Some(term)
 }
 
-/// Adds the distinct factors of a power's base `root` to `term`, each without its own exponent.
+/// Adds the distinct factors of a power's base `root` to `term`, without the factors' exponents.
 fn bases(graph: &Graph, root: NodeId, term: &mut SignedTerm) -> Option<()> {
     term.is_flat |= factors(graph, root, &[Op::Neg, Op::Abs], &[Op::Sqr], &mut term.bases)?;
     Some(())

@@ -6,10 +6,10 @@ use num_rational::BigRational;
 use num_traits::{One, Zero};
 use zeroset_ops::Restriction;
 
-/// The rewritten form of an expression of the old graph.
+/// An expression of the given graph, as rewritten so far.
 #[derive(Clone, Debug)]
 pub(super) enum PartialExpr {
-    /// A node of the new graph.
+    /// A node of the simplified graph.
     Node(NodeId),
     /// A sum that may still grow.
     Sum(Sum),
@@ -24,8 +24,8 @@ pub(super) struct Condition(pub(super) Restriction, pub(super) NodeId);
 /// A sum `±(constant + Σ cᵢ·tᵢ)`. The terms tᵢ are nodes without coefficients of their own.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sum {
-    /// Whether constants and coefficients are stored with the opposite sign. So negating the sum
-    /// costs nothing. Otherwise nested differences would take quadratic time.
+    /// Whether constants and coefficients are stored with the opposite sign. Negating the sum only
+    /// flips this flag. Otherwise nested differences would take quadratic time.
     negated: bool,
     constants: Vec<BigRational>,
     terms: Vec<(NodeId, BigRational)>,

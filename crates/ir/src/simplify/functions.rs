@@ -91,7 +91,8 @@ impl Rewriter<'_> {
         Product::power(self.node(op, &[a]), 1)
     }
 
-    /// The product for `u`, restricted to `domain`; `None` if no restriction expresses the domain.
+    /// The product for `u` restricted to `domain`. `None` for domains other than all and the
+    /// positive reals.
     fn within(&mut self, domain: Domain, u: NodeId) -> Option<Product> {
         match domain {
             Domain::All => Some(self.product_of_node(u)),

@@ -1,10 +1,11 @@
 //! Rewriting of a graph into a shorter one with tighter enclosures.
 //!
-//! One loop over the old nodes turns each into a [`PartialExpr`]: a node of the new graph, or a sum
-//! or product still being collected. An operand with one user stays a sum or product and merges
-//! with its user. An operand with several users becomes a node first and stays shared. Products are
-//! never expanded, because a factored form has a tighter enclosure. Until [`fold`] encloses them at
-//! the end, numbers stay exact and constants like √5 symbolic. So equal constants cancel exactly.
+//! One loop over the nodes of the given graph turns each into a [`PartialExpr`]: a node of the
+//! simplified graph, or a sum or product still being collected. An operand with one user stays a
+//! sum or product and merges with its user. An operand with several users becomes a node first and
+//! stays shared. Products are never expanded, because a factored form has a tighter enclosure.
+//! Until [`fold`] encloses them at the end, numbers stay exact and constants like √5 symbolic. So
+//! equal constants cancel exactly.
 
 mod fold;
 mod form;
@@ -29,8 +30,8 @@ use rustc_hash::FxHashMap;
 use zeroset_interval::{Decorated, Facts, Interval};
 use zeroset_ops::{Class, Op, Restriction};
 
-/// Returns a simpler graph that holds only the nodes that `roots` need, and the new ids of the
-/// roots. Values and domains of definition stay the same at every real point of `domain`, for all
+/// Returns a simpler graph that holds only the nodes that `roots` need, and the ids of the roots in
+/// it. Values and domains of definition stay the same at every real point of `domain`, for all
 /// parameters within `parameters`. Constant expressions become enclosures; [`rewrite`] leaves them
 /// symbolic.
 ///
@@ -96,8 +97,8 @@ pub fn rewrite(
         parameters,
     };
     let mut values: Vec<Option<PartialExpr>> = vec![None; graph.len()];
-    // These are the variabilities of the old graph. An exponent is constant only if it was written
-    // without coordinates and parameters.
+    // These variabilities are those of the given graph. An exponent is constant only if it was
+    // written without coordinates and parameters.
     let variabilities = variabilities(graph);
     for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
         let value = match node {
@@ -149,7 +150,7 @@ pub fn rewrite(
     Ok((graph, roots))
 }
 
-/// The new graph, with tables of what is known about its nodes.
+/// The simplified graph under construction, with tables of what is known about its nodes.
 struct Rewriter<'a> {
     graph: Graph,
     /// For each node, bounds of its values in the domain, and facts that hold in all of it.
@@ -219,7 +220,7 @@ impl Rewriter<'_> {
         }
     }
 
-    /// Returns the node of `value`, with its coefficient and its conditions.
+    /// Returns the node of `value`. It includes the coefficient and the conditions.
     fn node_of(&mut self, value: PartialExpr) -> NodeId {
         match value {
             PartialExpr::Node(id) => id,

@@ -32,7 +32,8 @@ impl Rewriter<'_> {
         PartialExpr::Node(self.node(op, &operands[..op.arity()]))
     }
 
-    /// The simplified `base^exponent`. `fixed` means that the exponent was written without inputs.
+    /// The simplified `base^exponent`. `fixed` means that the exponent was written without
+    /// coordinates and parameters.
     pub(super) fn power(
         &mut self,
         base: PartialExpr,
@@ -53,8 +54,8 @@ impl Rewriter<'_> {
             if fixed || self.rank(exponent) != Variability::Constant {
                 return power;
             }
-            // If an enclosed exponent is an integer, its range is a single number with a known
-            // sign.
+            // An enclosed exponent that is an integer has a range of one number, so its sign is
+            // known.
             return self.real_power(power, base, self.range(exponent).hi > 0.0);
         }
         let Product { coefficient: number, conditions, .. } = exponent;

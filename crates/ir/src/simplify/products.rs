@@ -13,7 +13,7 @@ use zeroset_ops::{Class, Op, Restriction};
 /// Largest number of factors of a product that is stored with its node. A longer product counts as
 /// one factor, and its equal bases are merged late.
 const REMEMBERED_FACTORS: usize = 8;
-/// Largest number of restrictions that are lifted out of an operand. Others stay inside it.
+/// Largest number of restrictions that are lifted out of an operand. Further ones stay inside it.
 const LIFTED_CONDITIONS: usize = 16;
 
 impl Rewriter<'_> {
@@ -73,7 +73,7 @@ impl Rewriter<'_> {
         }
     }
 
-    /// The simplified `a / b`. It stays a quotient if `b` is 0 or its inverse is too large.
+    /// The simplified `a / b`. It stays a quotient if `b` is 0 or `1 / b` is too large.
     pub(super) fn quotient(&mut self, a: PartialExpr, b: PartialExpr) -> PartialExpr {
         let a = self.unmerged_product(a);
         let b = self.product(b);

@@ -190,8 +190,8 @@ impl Rewriter<'_> {
             let completed = self.node(Op::Sqr, &[inner]);
             self.products.entry(completed).or_insert_with(|| Product::power(inner, 2));
             *constant = rest;
-            // The new term may break the order, so that the search misses a pair of terms. The
-            // caller sorts and tries again.
+            // The completed square may be out of order, so that the search misses a pair of terms.
+            // The caller sorts the terms and tries again.
             terms.remove(linear);
             index -= usize::from(linear < index);
             index -= 1;
@@ -254,9 +254,9 @@ impl Rewriter<'_> {
         node
     }
 
-    /// Like [`emit_signed`](Self::emit_signed), but without a `start`. If all coefficients are
-    /// negative, one other than −1 keeps its sign, which saves a negation (9 operations of
-    /// gradients).
+    /// Adds up terms as [`emit_signed`](Self::emit_signed) does without a `start`. But if all
+    /// coefficients are negative, the sum begins with a term whose coefficient is not −1 and keeps
+    /// its sign. This saves a negation (9 operations of gradients).
     fn emit_leading(&mut self, terms: &[(NodeId, BigRational)]) -> Option<(bool, NodeId)> {
         if terms.iter().all(|(_, c)| c.is_negative())
             && let Some(first) = terms.iter().position(|(_, c)| !c.abs().is_one())
@@ -310,8 +310,8 @@ impl Rewriter<'_> {
         total
     }
 
-    /// Adds `node` to `total`, or subtracts it if `negative`. A flag tells whether its node is
-    /// negated.
+    /// Adds `node` to `total`, or subtracts it if `negative`. The flag beside a sum's node tells
+    /// whether the sum is the node's negative.
     fn join(
         &mut self,
         total: Option<(bool, NodeId)>,
@@ -326,7 +326,7 @@ impl Rewriter<'_> {
         }
     }
 
-    /// The node `c·term`, for c ≠ −1. The number c joins the other factors that do not vary.
+    /// The node `c·term`, for c ≠ −1. The number c joins those factors of `term` that do not vary.
     fn scaled(&mut self, term: NodeId, c: &BigRational) -> NodeId {
         if c.is_one() {
             return term;

@@ -78,8 +78,8 @@ fn squares_are_completed() {
         simple(|_, [x, _, _]| 2.0 * x.f(Op::Sin).pow(2) + x.f(Op::Sin)),
         "2*sqr(sin(x) + 0.25) - 0.125"
     );
-    // The first sum already has an exact enclosure. For the second sum, rounding would outweigh the
-    // gain.
+    // These sums stay. The first one already has an exact enclosure. For the second one, rounding
+    // would outweigh the gain.
     assert_eq!(simple(|_, [x, _, _]| x.pow(4) + 5.0 * x.pow(2)), "5*sqr(x) + sqr(sqr(x))");
     assert_eq!(simple(|_, [x, _, _]| x.pow(2) - 1000.0 * x), "sqr(x) - 1000*x");
 }
@@ -273,9 +273,8 @@ fn enclosure(graph: &Graph, root: NodeId, at: &[Interval; 3], values: &[f64]) ->
     (bounds, facts)
 }
 
-/// Returns whether every exponent is a constant node. Interval rules count any exponent with a
-/// single possible value as a constant. So simplifying another exponent may change how bases below
-/// 0 are treated.
+/// Returns whether every exponent is a constant node. Interval rules treat any other exponent as
+/// real. Simplifying such an exponent to an integer may change how bases below 0 are treated.
 fn exponents_are_numbers(graph: &Graph) -> bool {
     graph.iter().all(|(_, node)| match node {
         Node::Apply(Op::Pow, operands) => matches!(graph.node(operands[1]), Node::Constant(_)),
@@ -315,7 +314,8 @@ fn enclosures_do_not_widen() {
                 continue;
             }
             compared += 1;
-            // Rounding a coefficient may move an operand that just reaches a domain's end past it.
+            // Rounding a coefficient may move an operand past the end of a domain that it just
+            // reaches.
             let wider = at.map(|a| Interval { lo: a.lo - 1e-12, hi: a.hi + 1e-12 });
             let keeps_facts = new_facts.has(old_facts)
                 || !enclosure(&graph, root, &wider, &values).1.has(old_facts);

@@ -1,7 +1,7 @@
 //! Spilled vectors kept in registers that Cranelift does not use.
 //!
-//! With vectors of 512 bits there are twice as many registers. From one write to a place on the
-//! stack until the next, a register can replace the place, which is faster.
+//! For 512 bits there are 32 vector registers, twice as many as Cranelift uses. From one write to a
+//! place on the stack until the next, a register can replace the place, which is faster.
 
 use super::is_of_vectors;
 use iced_x86::{Code, Instruction, OpKind, Register};
@@ -17,8 +17,8 @@ const FIRST: Register = Register::ZMM16;
 /// since code may refer to them by address.
 pub fn registers(read: &[Instruction], blocks: &[usize], slots: u32) -> Vec<Option<Register>> {
     let mut spans = spans(read, blocks, slots);
-    // A span's price is the time that it occupies a register, per use. The cheapest spans get
-    // registers first.
+    // A span's price is its length in instructions, divided by the number of its uses. The cheapest
+    // spans get registers first.
     let price = |span: &SpillSpan| {
         (span.lifetime.end() - span.lifetime.start() + 1) as f64 / span.uses.len() as f64
     };
@@ -142,7 +142,8 @@ mod tests {
 
     #[test]
     fn what_has_no_register_stays_where_it_is() {
-        // All vectors are live at once. Two of them are read once, the others twice.
+        // Twenty vectors are live at once, but there are 16 registers. Two of the vectors are read
+        // once, the others twice.
         let places = || (0..20).map(|k| 16 * k);
         let again = places().take(18).map(read);
         let all: Vec<_> = places().map(write).chain(places().map(read)).chain(again).collect();
@@ -167,7 +168,7 @@ mod tests {
         for other in [1, 2, 4, 5] {
             assert!(registers[other].is_some() && registers[other] != registers[0]);
         }
-        // A vector that is read behind a branch keeps its register as well.
+        // A vector that is read after a branch keeps its register as well.
         let branch = Instruction::with_branch(Code::Jb_rel32_64, 5).expect("valid");
         let registers = found(&[write(0), branch, write(16), read(16), read(0)]);
         assert_eq!(registers[0], registers[4]);

@@ -91,7 +91,7 @@ fn what_is_too_deep_for_wide_vectors_is_computed_in_narrow_ones() {
         let mut one = origin(1);
         (one.neg_lo[0][0], one.hi[0][0]) = (-1.0, 1.0);
         let out = &kernel.eval_all(&[one])[0];
-        // The n-th iterated arctangent is about √(3 / (2n)), whatever it starts from.
+        // The n-fold arctangent is about √(3 / (2n)), whatever number it starts from.
         let expected = (1.5 / length as f32).sqrt();
         assert!(
             -out.neg_lo[0] <= out.hi[0] && (out.hi[0] / expected - 1.0).abs() < 0.02,

@@ -7,7 +7,7 @@ use zeroset_scene::view::{self, DomainChoice};
 use zeroset_space::{HalfSpace, Region, RegionError};
 use zeroset_syntax::{Document, Parameter};
 
-/// The shown region is replaced if the region found is smaller than this share of it.
+/// A newly found region smaller than this share of the shown region replaces the shown region.
 const LEAST_SHARE: f64 = 0.25;
 
 /// Margin added where a region grows, as a share of the newly found region's extent.
@@ -19,7 +19,7 @@ const SLIDERS: usize = 4;
 /// Code is compiled at most this far beyond the shown region, in half extents of that region.
 const FARTHEST: f64 = 64.0;
 
-/// Returns `region` with the clipping plane `clip` in place of its own, or with none.
+/// Returns `region` with the clipping plane `clip` in place of its own, or without a plane.
 ///
 /// # Errors
 /// If the plane has no normal.
@@ -28,8 +28,8 @@ pub fn clipped(region: &Region, clip: Option<HalfSpace>) -> Result<Region, Regio
 }
 
 /// The region to show after `before`, when the values need the region `found`. If `before` has the
-/// shape of `found`, contains it and is not much larger, the result is `before` with the clipping
-/// plane of `found`.
+/// shape of `found`, contains `found` and is not much larger, the result is `before` with the
+/// clipping plane of `found`.
 ///
 /// # Errors
 /// If `before` with that plane is not a valid region.

@@ -9,8 +9,7 @@ const COARSE: Duration = Duration::from_millis(20);
 /// If the full picture takes at most this long, no coarse picture is drawn first.
 const PROMPT_FULL: Duration = Duration::from_millis(30);
 
-/// If the full picture is expected to take longer than this, a picture of half its width and height
-/// comes before it.
+/// If the full picture should take longer than this, one of half its width and height comes first.
 const PATIENCE: Duration = Duration::from_millis(150);
 
 /// Largest reduction of width and height. It is also used while the cost of pictures is unknown.
@@ -41,7 +40,8 @@ impl Pace {
     }
 
     /// Factor by which the next picture is smaller than the full one in width and height. The last
-    /// picture had the factor `scale`. The result is 2 if drawing all `pixels` is slow, else 1.
+    /// picture had the factor `scale`. The result is 2 if `scale` is above 2.5 and drawing all
+    /// `pixels` is slow, else 1.
     pub fn next(&self, scale: f64, pixels: usize) -> f64 {
         let each = self.full.or(self.affordable.map(|pixels| COARSE.as_secs_f64() / pixels));
         let is_slow = each.is_some_and(|each| each * pixels as f64 > PATIENCE.as_secs_f64());
@@ -55,7 +55,8 @@ impl Pace {
         let affordable = pixels * COARSE.as_secs_f64() / seconds;
         if is_full {
             self.full = Some(seconds / pixels);
-            // A pixel of a coarse picture costs more, since tiles decide fewer of its pixels.
+            // A coarse picture's pixels cost more, since tiles decide fewer of them. So the full
+            // picture gives only an upper bound.
             self.affordable =
                 Some(self.affordable.map_or(affordable, |known| known.min(affordable)));
         } else {

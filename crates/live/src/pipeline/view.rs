@@ -1,5 +1,5 @@
-//! The camera of a picture: the user's orbit, or a camera fitted to the surface. While values are
-//! moved, a fitted camera holds still. Then it glides to its new place.
+//! The camera of a picture: the user's orbit, or a camera fitted to the surface. A fitted camera
+//! holds still while values are moved. Afterwards it glides to its new place.
 
 use super::glide::Glide;
 use super::worker::{AnchoredModel, FitKey, FittedCamera, JobContext, Worker, coarser};

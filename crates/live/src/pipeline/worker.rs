@@ -355,7 +355,7 @@ impl Worker {
         made
     }
 
-    /// Makes the model if document or clipping plane have changed. `None` as for [`Worker::model`].
+    /// Makes the model, from the `old` one if possible. `None` if a newer request interrupts.
     fn made(
         &mut self,
         job: &Job,

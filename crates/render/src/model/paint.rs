@@ -67,8 +67,8 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// The color maps and contour lines of a model; `None` if it has neither. A range of values
-    /// that is not given is taken from the surface points in `picture`.
+    /// The color maps and contour lines of a model; `None` if it has neither. If the document gives
+    /// no range of values, the surface points in `picture` give it.
     pub fn new(model: &'a Model, picture: &GBuffer, rays: &RayGrid) -> Option<Self> {
         let mapped = |surface: usize| Self::mapped(model, surface);
         let surfaces = 0..model.surfaces();

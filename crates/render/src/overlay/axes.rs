@@ -346,14 +346,14 @@ mod tests {
         let labels = labels(800, 600, 1, true);
         let mut texts: Vec<&str> = labels.iter().map(|label| label.text.as_str()).collect();
         texts.sort_unstable();
-        // The label at the corner where x and z are both -2 appears once.
+        // At the corner where x and z are both -2, two labels would overlap: one is left out.
         let mut expected =
             vec!["-1", "-1", "-1", "-2", "-2", "0", "0", "0", "1", "1", "1", "2", "2", "2"];
         expected.extend(["x", "y", "z"]);
         assert_eq!(texts, expected);
     }
 
-    /// [`Cover::line`] visits only pixels near the line. This tests that it misses no covered
+    /// [`Cover::line`] visits only pixels near the line. The test checks that it misses no covered
     /// pixel.
     #[test]
     fn a_line_covers_what_is_near_it() {

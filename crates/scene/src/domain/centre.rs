@@ -127,7 +127,7 @@ mod tests {
             // A cylinder has no center along its axis; the origin is chosen.
             ("(x-1)^2+(y-2)^2=3", [1.0, 2.0, 0.0]),
             ("(x+y-2)^2+z^2=3", [1.0, 1.0, 0.0]),
-            // Too long to be expanded, but its parts are not.
+            // The whole is too long to be expanded; its summands are not.
             ("((x-1)^20+(y-2)^20-(z-3)^20)^2=1", [1.0, 2.0, 3.0]),
         ] {
             let document = read(text, &Options::default()).expect(text);

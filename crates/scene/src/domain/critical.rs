@@ -13,9 +13,10 @@ use zeroset_space::{Cell, CellSearch, places_about};
 /// Distances from the center to critical points near the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CriticalDistances {
-    /// Distance to the farthest point that is isolated or on a closed curve; 0 if there is none.
+    /// Distance to the farthest critical point that is isolated or on a closed curve; 0 without
+    /// one.
     pub farthest: f64,
-    /// Distance to the nearest point on a curve that is not closed, if one is found.
+    /// Distance to the nearest critical point on a curve that is not closed, if one is found.
     pub nearest: Option<f64>,
 }
 
@@ -51,8 +52,8 @@ const CONVERGED: f64 = 1e-5;
 /// side. First and second derivatives of polynomials then have half the digits of a value.
 const DIFFERENCE: f64 = 1e-3;
 
-/// Number of values that a Newton step uses: at the place, one step either way along each axis, and
-/// along two axes at once.
+/// Number of values that a Newton step uses: one at the place, six beside it along one axis, and
+/// six beside it along two axes at once.
 const STENCIL: usize = 13;
 
 /// A critical point is isolated if the matrix of second derivatives, once scaled, has a determinant
@@ -63,13 +64,13 @@ const LEAST_DETERMINANT: f64 = 1e-2;
 /// entries of an axis with almost no second derivatives stay near 0.
 const FLATTEST: f64 = 1e-4;
 
-/// A curve of critical points counts as closed if at least `CURVE_POINTS` points are found, all
-/// within `CLOSED` of the half side from the center.
+/// A curve of critical points counts as closed if at least `CURVE_POINTS` points are found, none
+/// farther from the center than `CLOSED` half sides.
 const CURVE_POINTS: usize = 8;
 const CLOSED: f64 = 0.75;
 
-/// The surface is near a critical point if it comes within `NEAR` of the point's distance from the
-/// center. This radius, half of it and a quarter of it are tried, the shortest first.
+/// The surface is near a critical point if it comes within a radius of `NEAR` times the point's
+/// distance from the center. That radius, its half and its quarter are tried, the shortest first.
 const NEAR: f64 = 0.5;
 const HALVINGS: i32 = 3;
 
@@ -90,7 +91,7 @@ enum PathEnd {
     Lost,
 }
 
-/// A place on its path to a critical point.
+/// A path to a critical point: its latest place, and its end once it has ended.
 #[derive(Clone, Copy)]
 struct NewtonPath {
     place: Coordinates,
@@ -124,8 +125,8 @@ impl CriticalSearch<'_> {
         found
     }
 
-    /// The nth start, of a sequence that fills the cube evenly: multiples of 1/g, 1/g² and 1/g³
-    /// with g⁴ = g + 1 (Roberts, 2018: the sequence R₃).
+    /// Start `n`, from a sequence that fills the cube evenly: multiples, modulo 1, of 1/g, 1/g² and
+    /// 1/g³ with g⁴ = g + 1 (Roberts, 2018: the sequence R₃).
     fn start(&self, n: u32) -> Coordinates {
         let strides = [0.819_172_513_396, 0.671_043_606_703, 0.549_700_477_901];
         [0, 1, 2].map(|axis| {
@@ -241,7 +242,7 @@ fn distance(a: Coordinates, b: Coordinates) -> f64 {
 /// The solution of a symmetric system, and how reliable it is.
 struct NewtonStep {
     way: Coordinates,
-    /// The possible error of each coordinate of the solution, along directions with almost no
+    /// The possible error of each coordinate of the solution, caused by directions with almost no
     /// second derivative.
     rest: Coordinates,
     /// The determinant of the scaled matrix.
@@ -249,8 +250,8 @@ struct NewtonStep {
 }
 
 /// Solves `matrix` · step = `wanted`. If the determinant is below [`LEAST_DETERMINANT`], the
-/// shortest solution is taken, since steps along a curve are arbitrary. `None` if the result is not
-/// finite.
+/// shortest solution is taken, since any step along a curve of critical points would do. `None` if
+/// the result is not finite.
 fn solve(matrix: [Coordinates; 3], wanted: Coordinates) -> Option<NewtonStep> {
     let most = matrix.map(|row| row.iter().fold(0.0_f64, |most, part| most.max(part.abs())));
     let least = FLATTEST * most.iter().copied().fold(0.0, f64::max);

@@ -32,8 +32,8 @@ const TALLEST: f64 = 3.0;
 const MOST: f64 = 0.95;
 const MOST_ONE_WAY: f64 = 0.785;
 
-/// The shown range is extended to the lowest or highest height if that is within this share of the
-/// range. Heights that are farther away than `POLE` times the range belong to a pole.
+/// The shown range is extended to the lowest or highest height if that height is at most this share
+/// of the range away. Heights farther away than `POLE` times the range belong to a pole.
 const NEAR_SHARE: f64 = 0.15;
 const POLE: f64 = 4.0;
 

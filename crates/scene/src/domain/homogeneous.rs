@@ -2,10 +2,10 @@
 //!
 //! In a chart of the first axis, a point is x = s/wᵃ, y = u/wᵇ, z = v/wᶜ. Here s is ±1, u and v are
 //! within ±1, and w is from 0 to 1/R. The weights a, b, c are whole numbers. The charts of the
-//! three axes cover all points with |x| ≥ Rᵃ, |y| ≥ Rᵇ or |z| ≥ Rᶜ. In a chart, a sum, product,
-//! quotient, root or choice of degree d is w⁻ᵈ times a function that is finite at w = 0. If that
-//! function has no zero in any chart, the surface has no point outside the box ±(Rᵃ, Rᵇ, Rᶜ). This
-//! is a proof, since its bounds are rounded outward.
+//! three axes cover all points with |x| ≥ Rᵃ, |y| ≥ Rᵇ or |z| ≥ Rᶜ. In a chart, an accepted
+//! function of degree d is w⁻ᵈ times another function, which can be evaluated at w = 0. If that
+//! other function has no zero in any chart, the surface has no point outside the box ±(Rᵃ, Rᵇ, Rᶜ).
+//! Bounds are rounded outward, so this is a proof.
 //!
 //! This module depends neither on kernels nor on how results are used.
 
@@ -20,7 +20,7 @@ enum Operation {
     Axis(usize),
     Number(Interval),
     Negation(usize),
-    /// Operands are multiplied by the powers of w that bring both to the same degree.
+    /// The operands are multiplied by powers of w that bring both to the same degree.
     Sum(Lifted, Lifted),
     Difference(Lifted, Lifted),
     Product(usize, usize),
@@ -49,7 +49,7 @@ pub struct Homogeneous {
     steps: Vec<Operation>,
 }
 
-/// Highest degree that is accepted, since high powers of w underflow.
+/// Largest magnitude of a degree that is accepted; high powers of w underflow.
 const HIGHEST: i32 = 64;
 
 impl Homogeneous {
@@ -130,7 +130,7 @@ impl Homogeneous {
         })
     }
 
-    /// Returns whether samples at infinity have values of both signs. If so, there is no proof.
+    /// Returns whether samples at infinity have both signs. If so, no box can be proven.
     fn changes_sign_at_infinity(&self, work: &mut u64) -> bool {
         let (mut below, mut above, mut scratch) = (false, false, Vec::new());
         for chart in charts() {
@@ -151,7 +151,7 @@ impl Homogeneous {
 
     /// Bounds of the function over part of a chart, by the mean value theorem: from the value in
     /// the middle and bounds of the derivatives. Also returns how much each coordinate adds to the
-    /// width. `None` if the derivatives have no bounds.
+    /// width of these bounds. `None` if the derivatives have no bounds.
     fn about_middle(
         &self,
         chart: Chart,
@@ -177,7 +177,7 @@ impl Homogeneous {
     }
 
     /// Bounds of the function and of its first `N` derivatives over part of a chart. `None` if `N`
-    /// > 0 and a step is not a sum, product or power.
+    /// > 0 and a step is a quotient, root, magnitude, minimum or maximum.
     fn jet<const N: usize>(
         &self,
         (axis, side): Chart,

@@ -1,4 +1,4 @@
-//! Polynomials in x, y and z, and the center of one, which moves with the surface.
+//! Polynomials in x, y and z, and their centers, which move with the surface.
 //!
 //! Everything is computed in floats rounded to nearest; nothing is a proof. This module depends
 //! neither on kernels nor on boxes.
@@ -23,7 +23,7 @@ const HIGHEST: u32 = 24;
 const ROUNDING: f64 = 1e-14;
 
 /// A direction counts if the square of the polynomial's change along it is more than this share of
-/// the sum of such squares over all directions.
+/// the sum of such squares over the three axes.
 const LEAST_CHANGE: f64 = 1e-20;
 
 impl Polynomial {
@@ -53,8 +53,8 @@ impl Polynomial {
         terms.fold(self.clone(), |sum, (powers, other)| sum.with(*powers, factor * other))
     }
 
-    /// The product; `None` if it is too long. `work` is the number of pairs of terms that may still
-    /// be multiplied, and is updated.
+    /// The product; `None` if it exceeds a limit. `work` is the number of pairs of terms that may
+    /// still be multiplied, and is updated.
     pub fn times(&self, other: &Self, work: &mut usize) -> Option<Self> {
         *work = work.checked_sub(self.0.len() * other.0.len())?;
         let mut product = Self::default();
@@ -69,7 +69,7 @@ impl Polynomial {
         (product.degree() <= HIGHEST).then_some(product)
     }
 
-    /// A power; `None` if it is too long. `work` is as for [`Polynomial::times`].
+    /// A power; `None` if it exceeds a limit. `work` is as for [`Polynomial::times`].
     pub fn power(&self, exponent: u32, work: &mut usize) -> Option<Self> {
         if exponent.saturating_mul(self.degree()) > HIGHEST {
             return None;
@@ -206,7 +206,7 @@ impl DirectionalSum {
     }
 }
 
-/// A direction with a smaller weight than this has no coordinate.
+/// A direction with a smaller weight than this counts as having no coordinate.
 const LEAST_WEIGHT: f64 = 1e-6;
 
 fn dot(a: Coordinates, b: Coordinates) -> f64 {
@@ -234,8 +234,8 @@ fn onto(along: Coordinates) -> Symmetric {
     along.map(|one| along.map(|other| one * other))
 }
 
-/// Number of sweeps over the three pairs of axes. Each sweep squares the off-diagonal part, so few
-/// are enough.
+/// Number of sweeps over the three pairs of axes. Each sweep squares the size of the off-diagonal
+/// part, so few sweeps are enough.
 const SWEEPS: usize = 5;
 
 /// The eigenvalues and eigenvectors of a symmetric matrix, by Jacobi rotations.

@@ -17,8 +17,8 @@ type Linear = [f64; 3];
 pub struct GraphShape {
     /// Whether the function depends on each axis.
     pub depends: [bool; 3],
-    /// The period along each axis. `None` unless the axis occurs only in sines, cosines and
-    /// tangents of linear functions.
+    /// Per axis, the longest period of a sine, cosine or tangent. `None` unless the axis occurs
+    /// only in such functions of linear arguments.
     pub period: [Option<f64>; 3],
     /// The nonlinear arguments of sines, cosines and tangents, the outer ones first.
     pub waves: Vec<NodeId>,
@@ -26,8 +26,9 @@ pub struct GraphShape {
     pub is_plane: bool,
     /// Whether the function's zeros are planes: it is linear, or a product of linear functions.
     pub is_of_planes: bool,
-    /// The axis for which the function can be solved, and that axis's coefficient. The function is
-    /// the coefficient times the axis, plus a function of both other axes.
+    /// For a nonlinear function of three axes: an axis for which it can be solved, and that axis's
+    /// coefficient. The function is the coefficient times the axis, plus a function of the other
+    /// axes.
     pub height: Option<(usize, f64)>,
     /// For a function of two axes: the axis for which it can be solved, the other axis, and the
     /// coefficient of the first. `None` for polynomials, whose features are found in another way.

@@ -19,15 +19,15 @@ const TOPS_ACROSS: f64 = 10.0;
 const FAR: f64 = 8.0;
 const FARTHER: f64 = 32.0;
 
-/// A ridge or a plateau counts as ending if the extrema on it lie within this share of the square.
+/// A ridge or a plateau counts as ending if its extrema lie within this share of the half side.
 const ENDS: f64 = 0.75;
 
 /// Window sizes other than the default are the default times a power of two. Its exponent has at
 /// most this magnitude.
 const SCALES: i32 = 5;
 
-/// Least and greatest ratio of two lengths: the range of the middle half of a graph's heights, and
-/// the window's width. Below `LOW` a graph looks flat, above `HIGH` steep.
+/// Least and greatest ratio of a graph's height to the window's width. The height is the range of
+/// the middle half of all heights. Below `LOW` a graph looks flat, above `HIGH` steep.
 const LOW: f64 = 0.075;
 const HIGH: f64 = 3.0;
 

@@ -7,7 +7,7 @@ use super::DEFAULT_HALF;
 use std::f64::consts::PI;
 use zeroset_space::places_about;
 
-/// The argument of a wave, by place.
+/// A wave's argument as a function of the place.
 pub type Wave<'a> = dyn Fn([f64; 3]) -> f64 + 'a;
 
 /// A wave is shown where the magnitude of its argument is below this.
@@ -25,8 +25,8 @@ const STEPS: i32 = 8;
 const GROWS: f64 = 1.8;
 
 /// Half the side of the cube around `centre` in which a wave's argument stays small. The cube
-/// extends only along those `axes` that are set. Uses the first wave whose argument grows with the
-/// distance; `None` if there is no such wave.
+/// extends only along the axes for which `axes` is true. Uses the first wave whose argument grows
+/// with the distance; `None` if there is no such wave.
 pub fn resolvable_half(waves: &[&Wave<'_>], centre: [f64; 3], axes: [bool; 3]) -> Option<f64> {
     let counted = |along: [f64; 3]| [0, 1, 2].map(|k| if axes[k] { along[k] } else { 0.0 });
     let largest = |wave: &Wave<'_>, half: f64| {

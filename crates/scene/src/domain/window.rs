@@ -21,8 +21,8 @@ use zeroset_space::{Cell, CellSearch};
 const MARGIN: f64 = 2.5;
 const MARGIN_OF_PLANE: f64 = 1.3;
 
-/// Least ratio of a window's half side to the distance of critical points from the center. Points
-/// on the lines through the center do not count. The surface continues beyond the points.
+/// Least ratio of a window's half side to the distance of critical points from the center. Critical
+/// points on the lines through the center along the axes do not count.
 const MARGIN_OF_CRITICAL: f64 = 1.45;
 
 /// A coordinate of a window's center becomes 0 if it is at most this share of the half side. Other
@@ -30,8 +30,8 @@ const MARGIN_OF_CRITICAL: f64 = 1.45;
 const CENTRED: f64 = 0.05;
 const GRAIN: f64 = 0.01;
 
-/// If a graph's heights end within the window, the window's bound there is rounded to this share of
-/// the half side.
+/// If a graph has heights in a part of the window only, the bound of that part is rounded to this
+/// share of the half side.
 const GRAIN_OF_GROUND: f64 = 1e-3;
 
 /// Accuracy of a center, relative to its largest coordinate. A place within this accuracy counts as
@@ -176,7 +176,7 @@ impl WindowChooser<'_> {
     }
 
     /// Cuts off parts of the window in which a graph over one axis has no heights. Intervals may
-    /// not exclude these parts, as where 0 is divided by 0.
+    /// fail to exclude these parts, as where 0 is divided by 0.
     fn trimmed(&self, mut window: Cell, profile: (usize, usize, f64), half: f64) -> Cell {
         let up = profile.0;
         let heights = |places: &[[f64; 2]]| self.ridge(profile, places);
@@ -195,8 +195,8 @@ impl WindowChooser<'_> {
         Cell::about(self.centre, half)
     }
 
-    /// Finds critical points. The searches cover distances of about `half` and of about
-    /// [`DEFAULT_HALF`], which is typical of typed formulas.
+    /// Finds critical points in cubes around the center. Their half sides are `half`,
+    /// [`DEFAULT_HALF`], which is typical of typed formulas, and four times each.
     fn critical(&self, half: f64) -> CriticalDistances {
         let sizes = [half, 4.0 * half, DEFAULT_HALF, 4.0 * DEFAULT_HALF];
         let is_new =
@@ -222,7 +222,7 @@ impl WindowChooser<'_> {
         let mut hull = super::with_margin(&hull);
         for (axis, depends) in depends.into_iter().enumerate() {
             if !depends {
-                // A line reaches through the whole window.
+                // A line is shown through the whole window.
                 let is_line = widest < FLAT * window.high[axis];
                 let most = window.high[axis];
                 let half = if is_line { most } else { most.min(ROD * widest) };

@@ -154,7 +154,7 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
         let mut distances = window.load(self.seen.columns.drawn, &mut spare.1);
         let moved;
         let is_open = |status: &Status| u8::from(*status == Status::Undecided);
-        // This tests all lanes at once.
+        // The maximum tests all lanes at once.
         if status.iter().map(is_open).max() == Some(1) {
             moved = before(self.rays, status, *distances);
             distances = &moved;

@@ -48,7 +48,7 @@ pub fn tone_map<S: Simd>(simd: S, amount: f32x16<S>) -> f32x16<S> {
 
 /// Light up to this amount is not changed.
 const KNEE: f32 = 0.7;
-/// Amount that becomes full light, in units of the distance from the knee to 1.
+/// Amount above the knee that becomes full light, in units of the distance from the knee to 1.
 const WHITE: f32 = 2.0;
 
 /// The 40th power of a cosine, which makes a highlight small. The cosine's square is `above` /

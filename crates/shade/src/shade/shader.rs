@@ -18,7 +18,7 @@ const HATCH_WIDTH: usize = 2;
 /// Share of its light that a point loses under a line.
 const INK: f32 = 0.8;
 
-/// Color of undecided pixels under [`UndecidedStyle::Tint`]. The default pairs do not have its hue.
+/// Color of undecided pixels under [`UndecidedStyle::Tint`]. No default pair has its hue.
 const TINT: LinearRgb = LinearRgb([0.6, 0.0, 0.6]);
 
 /// The lights and colors of a picture.
@@ -230,7 +230,7 @@ impl Shader<'_> {
             let of_surface =
                 if differ == 0 { FULL } else { bits(|lane| surface[lane] == surface[first]) };
             let colors = &self.palette[usize::from(surface[first]) % self.palette.len()];
-            // The loop mostly runs once. Computing this before the loop would take longer.
+            // The loop mostly runs once. Finding the rare quantities before it would take longer.
             let own = RareQuantities::of(seen, window, marks);
             let amounts = match &own {
                 None => {

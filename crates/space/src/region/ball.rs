@@ -23,7 +23,7 @@ pub struct Chord {
 }
 
 impl Ball {
-    /// The outward unit normal at `point` of the sphere around the ball's center through `point`.
+    /// The unit vector from the ball's center to `point`; zero if the two coincide.
     pub fn normal(&self, point: DVec3) -> DVec3 {
         (point - self.centre).normalize_or_zero()
     }
@@ -31,8 +31,8 @@ impl Ball {
     /// Returns whether the box from `low` to `high` is proven to lie in the ball.
     pub fn holds(&self, low: DVec3, high: DVec3) -> bool {
         let farthest = (low - self.centre).abs().max((high - self.centre).abs());
-        // The slack covers a dozen roundings. It is relative to the corners' coordinates, since
-        // these are subtracted.
+        // The first slack is a share of the corners' coordinates, from which the center is
+        // subtracted. The second slack covers a dozen roundings.
         let size = farthest + low.abs().max(high.abs()) * f64::EPSILON;
         size.length() * (1.0 + 16.0 * f64::EPSILON) <= self.radius
     }
@@ -47,7 +47,7 @@ impl Ball {
         let direction = ray.direction;
         let square = direction.length_squared();
         // Distances along the ray are measured from `nearest`, the approximate t of the point
-        // nearest to the center. So little cancels, however far away the eye is.
+        // nearest to the center. So little cancels, even if the eye is far away.
         let way = self.centre - ray.origin;
         let nearest = way.dot(direction) / square;
         let offset = way - nearest * direction;

@@ -1,5 +1,5 @@
-//! Turns assignments of programs into definitions. A repeated assignment defines a new name. Later
-//! uses of the variable refer to the new name.
+//! Turns assignments of programs into definitions. If a variable already has a value, an assignment
+//! to it defines another name, to which later uses of the variable refer.
 
 use crate::dialect::known_numbers::{number_expr, number_of};
 use crate::dialect::program_reader::{Frame, ProgramReader};
@@ -133,7 +133,7 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Place of the first quotient of two integers, of which one or both are variables.
+    /// Place of the first quotient of two integers, such as `n / 2`, that contains a variable.
     pub(crate) fn truncated_quotient(&self, tokens: &[Token]) -> Option<Span> {
         if self.integers.is_empty() {
             return None;
@@ -152,7 +152,7 @@ impl ProgramReader<'_> {
         found.map(|part| part[0].span.to(part[2].span))
     }
 
-    /// Returns the name `wanted`, with a number if it is taken. Marks the result as taken.
+    /// Returns the name `wanted`, with a number if `wanted` is taken. Marks the result as taken.
     pub(crate) fn fresh(&mut self, wanted: &str) -> String {
         let mut name = wanted.to_owned();
         let mut number = 2;
@@ -168,7 +168,7 @@ impl ProgramReader<'_> {
         self.push(tokens, frame.function.clone(), None, &frame.aliases, false)
     }
 
-    /// Runs an assignment to a counter if the new value is known. Returns whether it ran.
+    /// Runs an assignment to a counter if the assigned value is known. Returns whether it was run.
     pub(crate) fn counts(&mut self, tokens: &[Token], frame: &mut Frame) -> bool {
         if Words::steps_by_one(tokens) && tokens.len() == 3 {
             return self.known(tokens, frame).is_some();

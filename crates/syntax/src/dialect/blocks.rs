@@ -85,7 +85,7 @@ impl Words<'_> {
         }
     }
 
-    /// Returns whether the last statement is complete. An `if`, `else` or loop needs a body.
+    /// Returns whether the last statement of `tokens` is complete. An `if` or loop needs a body.
     pub(crate) fn is_whole(self, tokens: &[Token]) -> bool {
         let mut is_whole = true;
         let mut rest = skip(tokens);
@@ -204,7 +204,7 @@ impl Words<'_> {
         Ok(steps)
     }
 
-    /// Appends the statement at `lines[index]` to `steps`. Returns the index of the line after it.
+    /// Appends the statement at `lines[index]` to `steps`. Returns the index of the next statement.
     fn line(
         self,
         lines: &[Vec<Token>],
@@ -267,7 +267,7 @@ impl Words<'_> {
         Ok(next)
     }
 
-    /// Splits `a = 1, b = 2` into assignments. Returns `tokens` whole if a part is no assignment.
+    /// Splits `a = 1, b = 2` into assignments. Leaves a declaration or any other statement whole.
     pub(crate) fn each_setting(self, tokens: Vec<Token>) -> Vec<Vec<Token>> {
         if outside(&tokens, Comma).is_none() || self.types(&tokens) > 0 {
             return vec![tokens];

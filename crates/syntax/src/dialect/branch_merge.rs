@@ -1,5 +1,5 @@
-//! Merges the two sides of a branch into choices between values. Also builds the result of a
-//! function that returns early, which is a choice too. The definitions of both are not in the text.
+//! Merges the sides of a branch into choices between two values. The result of a function that
+//! returns early may also be a choice. The choices' definitions are not in the text.
 
 use crate::dialect::known_numbers::number_of;
 use crate::dialect::program_reader::{Frame, ProgramReader};
@@ -26,7 +26,7 @@ impl ProgramReader<'_> {
         kind
     }
 
-    /// Creates the left side of a definition with a new name, and an expression that refers to it.
+    /// Creates the left side of a generated definition, and an expression for the defined value.
     pub(crate) fn synthesized_head(
         &mut self,
         name: &str,
@@ -90,7 +90,8 @@ impl ProgramReader<'_> {
         self.synthesize(name, body, frame)
     }
 
-    /// Ends a function or the program. Adds its result if a branch or loop returned one.
+    /// Ends a function or the program. Adds the value that a branch or loop returned, if there is
+    /// one.
     pub(crate) fn end(&mut self, frame: &Frame, span: Span) {
         let Some(left) = frame.left() else { return };
         let Some(result) = frame.aliases.find(RESULT).filter(|_| !frame.has_result) else {
@@ -135,7 +136,7 @@ impl Frame {
         self.function.is_some() || self.prefix.is_some() || self.nested > 0
     }
 
-    /// Name for a generated definition of the variable `name`. The result may be taken already.
+    /// Name for a generated definition of the variable `name`. The text may already use that name.
     pub(crate) fn generated_name(&self, name: &str) -> String {
         match (&self.prefix, &self.function) {
             (Some(prefix), _) => format!("{prefix}_{name}"),
@@ -179,7 +180,7 @@ impl Frame {
         is_parameter.then(|| ExprKind::Name(NamedValue::Local(name.to_owned())))
     }
 
-    /// The value of the variable `name`, or else a reference to the document's definition.
+    /// The value of the variable `name`. If there is none, a reference to the document's `name`.
     pub(crate) fn meaning(&self, name: &str) -> ExprKind {
         let document = || ExprKind::Name(NamedValue::Defined(name.to_owned()));
         self.before(name).unwrap_or_else(document)

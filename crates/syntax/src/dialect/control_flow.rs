@@ -1,8 +1,5 @@
-//! Unrolls the loops and branches of programs. A loop becomes the sequence of its iterations. Both
-//! sides of a branch run, and each variable they assign becomes a choice between two values.
-//!
-//! An early exit from a loop or function is recorded as a number, which is 0 without an exit. If
-//! that number is unknown, the statements after the exit run as one side of another branch.
+//! Unrolls the loops of programs. If the condition of a branch is unknown, both sides of the branch
+//! run. Each variable that the sides assign becomes a choice between two values.
 
 use crate::dialect::blocks::ProgramStep;
 use crate::dialect::known_numbers::{count, number_expr, number_of};
@@ -97,8 +94,8 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Runs `follow` as the side of a branch where `left` is 0, which means no early exit. If an
-    /// exit certainly happened, does nothing.
+    /// Runs `follow` as one side of a branch, for the case that `left` is 0: no early exit
+    /// happened. If an exit certainly happened, does nothing.
     fn unless_left(
         &mut self,
         left: ExprKind,
@@ -140,7 +137,7 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Runs an `if`: one side if the condition is known, otherwise both sides, which it merges.
+    /// Runs one side of an `if` with a known condition. Otherwise runs and merges both sides.
     fn branch(
         &mut self,
         condition: &[Token],
@@ -182,7 +179,7 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Runs the iterations of a loop that are left.
+    /// Runs the remaining iterations of a loop.
     fn rounds(
         &mut self,
         begin: NextRound<'_, Self>,

@@ -75,7 +75,8 @@ impl ProgramReader<'_> {
         let before = self.program.last_function.clone();
         let mut frame = self.enter(self.words.name(name), parameters)?;
         if before.is_some() && types.iter().any(|token| size_of(self.words.word(*token)) > 1) {
-            // A function that returns a vector is not drawn. It computes a normal or a color.
+            // A function that returns a vector, such as a color, does not replace an earlier
+            // function to draw.
             self.program.last_function = before;
         }
         self.run(&steps, &mut frame)?;
@@ -131,7 +132,7 @@ impl ProgramReader<'_> {
         }
         let tokens = self.expanded(tokens, 0)?;
         let mut steps = self.words.block(&tokens, 0)?;
-        // The function may return early here, so the remaining statements run under a condition.
+        // The statements after a possible early `return` run under a condition.
         if ProgramStep::has(&steps, self.words, "return") {
             for more in following.by_ref() {
                 steps.push(ProgramStep::Plain(more));
@@ -244,8 +245,8 @@ impl ProgramReader<'_> {
         lines.last().is_some_and(|line| self.words.word(line[0]) == "return")
     }
 
-    /// Records `name`, a function of a point, as the function to draw. A usual name of a scene
-    /// gives way only to another usual name. Later functions often compute light or shadow.
+    /// Records `name`, a function of a point, as the function to draw. A name from `SCENES` is
+    /// replaced only by another of them, because later functions often compute light or shadow.
     fn record_drawn(&mut self, name: &Name) {
         let is_scene = |name: &Name| SCENES.contains(&name.text.as_str());
         let known = self.program.last_function.as_ref();

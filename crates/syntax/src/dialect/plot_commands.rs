@@ -1,6 +1,6 @@
 //! Reads plot commands of other systems: the formulas to draw, and the ranges of the coordinates.
 //!
-//! The ranges become a `domain` line, whose tokens have the places of the ranges in the text.
+//! The ranges become a `domain` line. The spans of its tokens are those of the ranges in the text.
 
 use crate::dialect::program_words::Words;
 use crate::lex::spelling::plain_name;
@@ -32,7 +32,6 @@ const MAX_NOTED_DOMAIN: usize = 120;
 
 /// The parts of a plot command.
 pub(crate) struct Plot {
-    /// The formulas to draw.
     pub formulas: Vec<Vec<Token>>,
     /// True if the formulas are heights over x and y.
     pub is_height: bool,
@@ -284,7 +283,7 @@ impl Words<'_> {
     }
 }
 
-/// Makes ranges of x, y and z, in this order, from pairs of numbers. A single pair serves for all.
+/// Makes ranges of x, y and z, in this order, from pairs of numbers. One pair serves all axes.
 fn in_order(numbers: &[Vec<Token>]) -> Vec<PlotRange> {
     let pair = |axis, at: usize| PlotRange {
         axis,

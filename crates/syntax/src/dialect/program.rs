@@ -19,11 +19,11 @@ pub(crate) struct PastedProgram {
     pub in_steps: bool,
     /// Name of the function to draw: the last one that takes a point of space.
     pub last_function: Option<Name>,
-    /// Name of the last variable outside functions that was assigned more than a plain number.
+    /// The variable last assigned outside functions. Assignments of plain numbers do not count.
     pub last_value: Option<Name>,
     /// Definitions and drawings that are not in the text.
     pub synthesized: Vec<BuiltStatement>,
-    /// Names generated in branches and loops. No statement may need their definitions.
+    /// Names generated in branches and loops. Definitions of such names are dropped if unused.
     pub generated: FxHashSet<String>,
     pub notes: Vec<Note>,
 }

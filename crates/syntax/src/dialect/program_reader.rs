@@ -33,7 +33,7 @@ pub(crate) struct Frame {
     pub integers: FxHashSet<String>,
     /// Number of enclosing branches and loops.
     pub nested: usize,
-    /// Number of enclosing calls that are replaced by the function's body.
+    /// Number of enclosing inlined calls.
     pub depth: usize,
     /// Prefix of the names that an inlined call generates.
     pub prefix: Option<String>,
@@ -47,7 +47,6 @@ pub(crate) struct Procedure {
     pub body: Vec<ProgramStep>,
 }
 
-/// A parameter of a procedure.
 pub(crate) struct ProcedureParameter {
     pub name: Name,
     pub size: usize,
@@ -68,15 +67,16 @@ pub(crate) struct ProgramReader<'a> {
     pub limits: &'a Limits,
     /// Names that the text uses, and names that were generated.
     pub taken: FxHashSet<String>,
-    /// Integer variables. Programs truncate quotients of two integers.
+    /// Integer variables. Quotients of integers that contain one are errors: programs truncate
+    /// them.
     pub integers: FxHashSet<String>,
     /// Names that have a definition.
     pub defined_names: FxHashSet<String>,
     pub macros: FxHashMap<String, Macro>,
     pub procedures: FxHashMap<String, Rc<Procedure>>,
-    /// Variables outside functions whose values are known, with these values.
+    /// Known values of variables outside functions.
     pub constants: FxHashMap<String, f64>,
-    /// Number of statements and loop iterations that ran.
+    /// Number of statements and iterations that ran in loops, branches and inlined calls.
     pub steps: usize,
     /// Number of tokens that macros expanded to.
     pub expanded_tokens: Cell<usize>,

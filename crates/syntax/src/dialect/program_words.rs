@@ -75,7 +75,7 @@ impl<'a> Words<'a> {
         Error::new(token.span, ErrorKind::Program { word: self.word(token).to_owned() })
     }
 
-    /// Returns whether a name or a block follows the first word, directly or after brackets.
+    /// Returns whether a name or a block follows the first word, as in `else a` or `if (c) a`.
     pub(crate) fn is_command(tokens: &[Token]) -> bool {
         let Some(next) = tokens.get(1) else { return false };
         if next.kind.is_name() || next.kind == OpenBrace {
@@ -138,7 +138,7 @@ impl<'a> Words<'a> {
         !self.text[equals.span.range()].starts_with("==")
     }
 
-    /// Number of types and modifiers before a declared name.
+    /// Number of types and modifiers before a declared name; 0 if no name follows them.
     pub(crate) fn types(self, tokens: &[Token]) -> usize {
         let count = tokens.iter().take_while(|token| is_type(self.word(**token))).count();
         if begins_name(tokens.get(count)) { count } else { 0 }
@@ -149,7 +149,8 @@ impl<'a> Words<'a> {
         self.function(tokens).is_some()
     }
 
-    /// Name, parameters and body of the function at the start of `tokens`, and the tokens after it.
+    /// Name, parameters and body of the function at the start of `tokens`, and the tokens after the
+    /// body.
     #[allow(clippy::type_complexity)] // callers destructure it
     pub(crate) fn function(
         self,
@@ -299,7 +300,7 @@ impl<'a> Words<'a> {
         Self::set_at_once(tokens).filter(|(names, _)| matches!(names.len(), 2..=4))
     }
 
-    /// Returns whether a parameter is a point: `lines` use its components, or take a length.
+    /// Returns whether a parameter is a point: `lines` use its components, or compute a length.
     pub(crate) fn is_point(self, parameter: &[Token], lines: &[Vec<Token>]) -> bool {
         let Some((name, _, None)) = self.parameter(parameter) else { return false };
         let name = self.word(name);

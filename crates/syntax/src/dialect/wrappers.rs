@@ -6,7 +6,7 @@ use crate::lex::token_kind::TokenKind::{self, *};
 use crate::lex::token::{Token, bracketed, closing, outside, split};
 use crate::span::Span;
 
-/// Commands that only declare names or set up another system.
+/// Commands of other systems that only declare names or change settings.
 const SETUP: &[&str] = &[
     "syms",
     "restart",
@@ -189,7 +189,8 @@ impl Words<'_> {
         (is_read && values.iter().all(is_value)).then_some(all)
     }
 
-    /// The formula or parameter on a line of a Surfer file. A line about the picture gives nothing.
+    /// The formula or parameter on a line of a Surfer file; no statement for a line about the
+    /// picture.
     fn of_surfer(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         const PARAMETER: &str = "surface_parameter_";
         if !self.text.contains("surface_equation") {

@@ -73,9 +73,9 @@ fn uses(text: &str, lines: &[ParsedStatement<'_>], scope: &Scope) -> Uses {
     uses
 }
 
-/// Turns a definition such as `r = 1 + cos(theta)` into an equation, if no other line uses its
-/// name. The right side must contain another of r, rho, theta and phi that is not defined, or z
-/// without x and y.
+/// Turns a definition of r, rho, theta or phi, such as `r = 1 + cos(theta)`, into an equation if no
+/// other line uses the defined name. The right side must contain another of these four names that
+/// is not defined, or z without x and y.
 pub(crate) fn turn_into_equations(text: &str, lines: &mut [ParsedStatement<'_>], scope: &Scope) {
     let defined: FxHashSet<String> = lines
         .iter()
@@ -113,7 +113,7 @@ pub(crate) fn turn_into_equations(text: &str, lines: &mut [ParsedStatement<'_>],
     }
 }
 
-/// Returns the implied definitions, and the notes that state them. Adds their names to `scope`.
+/// Returns the implied definitions, and notes that state them. Adds the names to `scope`.
 pub(crate) fn implied(
     text: &str,
     lines: &[ParsedStatement<'_>],

@@ -41,7 +41,7 @@ impl<'a> DocumentReader<'a> {
     }
 
     /// Binds every defined name, collects the parameters and records errors. Time is a parameter if
-    /// the text defines it, if a formula or an override uses it, or if `is_timed` is true.
+    /// the text defines `t`, a formula uses `t`, an override sets `t`, or `is_timed` is true.
     pub(crate) fn parameters<'d>(
         &mut self,
         definitions: &[(&'d Definition, &BuiltStatement)],

@@ -27,7 +27,8 @@ use zeroset_ir::{Constant, Graph, NodeId};
 /// Options for reading a text.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options<'a> {
-    /// Overrides, in order. Each is a name and the constant expression that defines it.
+    /// Overrides: names and the constant expressions that define them. If a name occurs twice, the
+    /// later override counts.
     pub overrides: &'a [(String, String)],
     /// Value of the time `t`. This value replaces the document's value.
     pub time: Option<f64>,
@@ -52,7 +53,7 @@ pub struct Document {
     pub look: Option<&'static zeroset_style::Look>,
     /// Background color, if a `background` line sets one.
     pub background: Option<SrgbColor>,
-    /// Settings from all other lines about the picture.
+    /// Settings of the picture that have no field of their own here.
     pub picture: PictureLines,
     /// Places of all lines about the picture, in the order of the text.
     pub lines: Vec<SettingLine>,
@@ -79,7 +80,7 @@ pub struct Surface {
     /// is below all surfaces, the first `color` line below this surface counts.
     pub color: Option<SurfaceColor>,
     /// Opacity from 0 to 1: the share of light that the surface blocks. The `color` line sets it,
-    /// or else an `opacity` line, to which the same rule applies. The default is 1.
+    /// or else an `opacity` line, which the rule for `color` lines selects. The default is 1.
     pub opacity: f64,
     /// True if a `hidden` line hides the surface. The rule for `color` lines selects the line.
     pub hidden: bool,
@@ -94,7 +95,7 @@ pub enum SurfaceKind {
     Solid,
 }
 
-/// A named number of a document, which may change without recompiling.
+/// A named number of a document. Its value may change without recompiling.
 #[derive(Clone, Debug)]
 pub struct Parameter {
     /// Name of the parameter.
@@ -103,7 +104,7 @@ pub struct Parameter {
     pub number: u32,
     /// Value of the parameter.
     pub value: Constant,
-    /// Range of a slider, or the range of time that an animation repeats; `None` if not given.
+    /// Range of a slider, or the range of time that an animation repeats, if the text gives one.
     pub range: Option<(Constant, Constant)>,
     /// Kind: a slider or time.
     pub kind: ParameterKind,
@@ -165,7 +166,6 @@ pub fn parse(text: &str, limits: &Limits) -> Result<Vec<Statement>, Errors> {
     Ok(built.into_iter().map(|built| built.statement).collect())
 }
 
-/// State of the reading of one text.
 pub(crate) struct DocumentReader<'a> {
     text: &'a str,
     pub options: &'a Options<'a>,
@@ -327,7 +327,7 @@ impl<'a> DocumentReader<'a> {
         // A note that explains a name is given once, for all uses of the name.
         let mut seen = FxHashSet::default();
         self.notes.retain(|note| !note.kind.explains_a_name() || seen.insert(note.kind.clone()));
-        // Notes are limited. Each is printed with its line, which may be the whole text.
+        // There is a limit on notes, because each is printed with its line, perhaps the whole text.
         if let Some(note) = self.notes.get(MAX_NOTES) {
             let span = note.span;
             self.notes.truncate(MAX_NOTES);
@@ -371,7 +371,7 @@ fn style<'a>(
     Ok(())
 }
 
-/// Drops generated definitions that no kept statement uses.
+/// Drops each generated definition that no other statement needs, directly or through definitions.
 fn needed(built: Vec<BuiltStatement>, generated: &FxHashSet<String>) -> Vec<BuiltStatement> {
     let name = |built: &BuiltStatement| match &built.statement {
         Statement::Define(definition) if generated.contains(&definition.name.text) => {

@@ -29,7 +29,8 @@ pub(crate) fn no_recursion(definitions: &[(&Definition, &BuiltStatement)]) -> Fa
         if state[start] != NEW {
             continue;
         }
-        // Stack of a depth-first search: each definition, and the number of its followed uses.
+        // Stack of a depth-first search: definitions, each with the number of its uses already
+        // followed.
         let mut path: Vec<(usize, usize)> = vec![(start, 0)];
         state[start] = OPEN;
         while let Some((at, followed)) = path.last_mut() {

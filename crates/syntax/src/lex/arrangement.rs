@@ -70,7 +70,7 @@ pub(crate) fn arrange(
     let mut arranger = Arranger { text, limits, notes: Vec::new(), depth: 0, is_setting };
     let mut tokens = tokens.into_iter().peekable();
     let mut arranged = arranger.level(&mut tokens, None)?;
-    // At this point, all notations in which these tokens have a meaning are rewritten.
+    // The tokens of these kinds that are left have no meaning in any notation.
     for token in &mut arranged {
         if matches!(token.kind, Ampersand | QuestionMark | RowEnd | At | Over) {
             token.kind = Unknown;
@@ -230,8 +230,8 @@ impl Arranger<'_> {
         Ok(arranged)
     }
 
-    /// Groups a pair of brackets. Decides the meaning of braces: a choice if they hold a colon, a
-    /// list if they hold a comma.
+    /// Groups a pair of brackets with its contents. Braces are a choice if they hold a colon, and
+    /// may be a list if they hold a comma.
     fn group(
         &self,
         (mut open, mut close): (Token, Token),
@@ -445,7 +445,8 @@ impl Arranger<'_> {
         out.push(Token::new(OpenChoice, Span::at(span.start)));
         let end = nodes.last().map_or(span.end, |node| node.span().end);
         let mut rest = VecDeque::from(nodes);
-        // Each iteration takes one piece: the nodes before the first sign and before the second.
+        // Each iteration takes one piece: the nodes before `?` or `if`, then those up to `:` or
+        // `else`.
         while let Some((first, second)) = self.choice_signs(rest.iter(), is_ternary) {
             let joint = rest[second].span();
             let sign = rest[first].span();
@@ -533,7 +534,7 @@ fn is_one_list(inner: &[Token]) -> bool {
     inner.first().is_some_and(|token| token.kind == OpenList) && closes == Some(inner.len() - 1)
 }
 
-/// Appends all tokens of `nodes` to `out`, in order and without blanks.
+/// Appends all tokens of `nodes` except `Blank` tokens to `out`, in order.
 fn flatten(nodes: Vec<TokenTree>, out: &mut Vec<Token>) {
     for node in nodes {
         match node {

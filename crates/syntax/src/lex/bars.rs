@@ -7,7 +7,6 @@ use crate::messages::error::{Error, ErrorKind, Fallible};
 /// Largest number of bars that may be open at once.
 const DEPTH: usize = 12;
 
-/// Role of a bar.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Role {
     Opens,
@@ -18,8 +17,8 @@ enum Role {
 
 const ROLES: [Role; 3] = [Role::Opens, Role::Closes, Role::Joins];
 
-/// The cheapest roles for the bars up to some bar. The index in [`Readings`] tells the role of that
-/// last bar, and the number of bars that are open after it.
+/// The cheapest roles for the bars up to some bar, the last. The index in [`Readings`] tells the
+/// role of the last bar, and the number of bars that are open after the last bar.
 #[derive(Clone, Copy)]
 struct Reading {
     /// Sum of the costs of the bars' roles. The reading with the lowest cost wins.
@@ -58,12 +57,12 @@ impl BarLevel {
     }
 }
 
-/// Cost of a relation within bars, and of an `or` that does not join two comparisons.
+/// Cost of a relation within bars, and of an `or` of two bars that does not join two comparisons.
 const UNLIKELY: u32 = 1000;
 
 /// Decides the role of each bar, separately within each pair of brackets. Two adjacent bars after
-/// an operand may mean `or` if no bar is open. The roles with the fewest implicit products next to
-/// a bar win. Fails if no choice of roles is the single best.
+/// an operand may mean `or` if no bar is open. An implicit product next to a bar costs 1, and the
+/// roles with the lowest cost win. Fails if two choices of roles tie, or if none is possible.
 pub(crate) fn pair_bars(tokens: &mut Vec<Token>) -> Fallible<()> {
     if !tokens.iter().any(|token| matches!(token.kind, Bar | OpenBar | CloseBar)) {
         return Ok(());
@@ -174,7 +173,7 @@ fn extend_reading(
     };
     let typed = tokens[index].kind;
     if typed != CloseBar && depth < DEPTH && (!ends || begins(after)) {
-        // Bars directly within bars are redundant, so their cost is that of an implicit product.
+        // A bar that opens directly after another bar costs as much as an implicit product.
         add(1, depth + 1, Role::Opens, (ends || follows_bar).into());
     }
     if typed != OpenBar && depth > 0 && ends {

@@ -38,7 +38,8 @@ pub(crate) fn environment(rest: &str, begins: bool, last: Option<TokenKind>) -> 
         // The scanner changes this kind if the matching `\begin` opened a choice or an alignment.
         (false, _) => CloseMatrix,
         (true, _) if is_matrix => OpenMatrix,
-        // An array in brackets or bars is a matrix. An array as a whole statement may hold lines.
+        // An array after a bracket or bar is a matrix. At the start of a statement, an environment
+        // may hold lines.
         (true, Some(OpenParen | OpenBracket | Bar | OpenBar)) if name == "array" => OpenMatrix,
         (true, None) if holds_lines(&rest[end..], name) => OpenAlignment,
         _ => OpenChoice,
@@ -133,7 +134,7 @@ fn begins_matrix(text: &str, token: Token) -> bool {
     token.kind == OpenParen && text[token.span.range()].starts_with(r"\begin{")
 }
 
-/// Length of the row vector at the start of `tokens`: without and with a transposition sign.
+/// Tokens of the row vector at the start of `tokens`, without and with a transposition sign.
 fn row(text: &str, tokens: &[Token]) -> Option<(usize, usize)> {
     let end = closing(tokens).filter(|_| begins_matrix(text, tokens[0]))? + 1;
     match shape(text, &tokens[..end]) {
@@ -168,8 +169,8 @@ fn transposed(text: &str, tokens: &[Token]) -> Option<usize> {
     }
 }
 
-/// Finds a column vector that follows matrices and names. Returns the number of tokens before it,
-/// without a last `*`, and the column vector's index.
+/// Finds a column vector that follows matrices and names. Returns the number of tokens before the
+/// vector, without a last `*`, and the index of the vector's first token.
 fn factors(text: &str, tokens: &[Token]) -> Option<(usize, usize)> {
     let (mut at, mut end) = (0, 0);
     loop {

@@ -95,7 +95,7 @@ fn divides(rest: &str) -> bool {
         || matches!(name, 1 | 2) && !behind.starts_with(char::is_alphabetic)
 }
 
-/// The token of a tag, and its length: a power for `<sup>`, a blank for a tag around a formula.
+/// The token of a tag, and the tag's length. `<sup>` gives a power, and other tags a blank.
 fn tag(rest: &str) -> Option<(TokenKind, usize)> {
     let end = start(rest, 80).find('>')?;
     let inner = rest[1..end].strip_prefix('/').unwrap_or(&rest[1..end]);
@@ -112,7 +112,7 @@ fn tag(rest: &str) -> Option<(TokenKind, usize)> {
             return Some((Blank, end + 1));
         }
         let close = start(&rest[end + 1..], 40).find("</sup>")?;
-        // A longer exponent, such as a sum, would need brackets, so `<sup>` is not read.
+        // `<sup>` is read only around a name or number. A sum, for example, would need brackets.
         let is_short = rest[end + 1..end + 1 + close].chars().all(is_name_char);
         return is_short.then_some((Caret, end + 1));
     }

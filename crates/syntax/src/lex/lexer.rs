@@ -152,7 +152,7 @@ fn comment(rest: &str, context: LexContext) -> Option<usize> {
     (context.starts_line && rest.starts_with('%')).then(|| line_length(rest))
 }
 
-/// Returns whether a component can follow a token of `kind`, which must end a name or brackets.
+/// Returns whether a component such as `.xz` can follow a token of `kind`.
 fn ends_value(kind: TokenKind) -> bool {
     matches!(kind, TokenKind::Name | Component) || kind.is_axis() || kind.is_closer()
 }

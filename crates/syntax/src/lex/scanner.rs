@@ -83,7 +83,7 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
         let within = open.last().map_or(Blank, |index| tokens[*index].kind);
         let in_rows = matches!(within, OpenChoice | OpenMatrix);
         match kind {
-            // `\end` closes its `\begin`. Outside brackets, that `\begin` opened an alignment.
+            // `\end` closes an environment: a choice, a matrix or, outside brackets, an alignment.
             CloseMatrix if within == OpenChoice => kind = CloseChoice,
             CloseMatrix if open.is_empty() && aligned > 0 => {
                 kind = CloseAlignment;
@@ -228,7 +228,7 @@ fn close(kind: TokenKind, span: Span, opened: Option<(usize, Token)>) -> Fallibl
     }
 }
 
-/// The error for the bracket `tokens[0]`, which is never closed. `is_only`: no other is open.
+/// The error for the unclosed bracket `tokens[0]`. `is_only` is true if no other is unclosed.
 fn unclosed(text: &str, tokens: &[Token], is_only: bool) -> Box<Error> {
     let Token { kind, span, .. } = tokens[0];
     let error = Error::new(span, ErrorKind::Unclosed { open: kind.as_char() });

@@ -30,7 +30,7 @@ pub(crate) fn token_kind(spelling: &str) -> Option<TokenKind> {
         "," => Comma,
         ":" => Colon,
         "?" => QuestionMark,
-        // The percent sign after an opacity. `foreign` reads the sign as a remainder operator.
+        // The percent sign after an opacity. `foreign` reads the remainder operator `%`.
         "%" => Percent,
         "+" => Plus,
         // A dash between values can only be a minus.
@@ -116,7 +116,7 @@ pub(crate) fn start(text: &str, most: usize) -> &str {
     &text[..text.floor_char_boundary(most)]
 }
 
-/// Returns whether `text` can be defined, as a name in plain letters that is no operator.
+/// Returns whether `text` can be defined: it must be a name in plain letters, and no operator.
 pub(crate) fn is_definable(text: &str) -> bool {
     text.starts_with(char::is_alphabetic)
         && text
@@ -272,7 +272,7 @@ mod tests {
                 panic!("`{literal}` is not a symbol");
             };
             let kind = TokenKind::of_char(only).expect("a kind has this character");
-            // No other kind has this spelling.
+            // No other kind except `Bar` has this spelling.
             assert!(
                 token_kind(literal).is_none_or(|other| other == kind || other == TokenKind::Bar)
             );

@@ -85,7 +85,7 @@ pub(crate) fn span_of(tokens: &[Token]) -> Option<Span> {
     Some(tokens.first()?.span.to(tokens.last()?.span))
 }
 
-/// Puts `tokens` in a pair of round brackets. These were not typed, so their spans are empty.
+/// Puts `tokens` in round brackets. The brackets were not typed, so the brackets' spans are empty.
 pub(crate) fn in_brackets(tokens: &[Token]) -> Vec<Token> {
     let start = tokens.first().map_or(0, |first| first.span.start);
     let end = tokens.last().map_or(0, |last| last.span.end);

@@ -1,9 +1,10 @@
 //! Lowers choices between values, sums and products over whole numbers, and repeated functions. All
 //! are expanded where they are used.
 //!
-//! A choice becomes selections by the sign of a margin. Kernels treat its branches separately, so
-//! they never take a jump between two branches for a zero. A comparison does not hold where one of
-//! its sides has no value. A choice without a last value is undefined where no condition holds.
+//! A choice becomes selections by the signs of margins, such as a − b for a > b. Kernels treat the
+//! branches separately, so they never take a jump between two branches for a zero. A comparison
+//! does not hold where a side has no value. A choice without a last value is undefined where no
+//! condition holds.
 
 use crate::lower::condition::{Purpose, comparisons, has_one_sign, sides};
 use crate::lower::lowering::{Locals, Lowering};
@@ -118,8 +119,8 @@ impl<'a> Lowering<'a> {
         yes: NodeId,
         no: NodeId,
     ) -> NodeId {
-        // The margin may be a choice between numbers, for example whether a program has left a
-        // loop. Bounds of such a margin cover all its numbers, so the margin's sign is unknown.
+        // The margin may itself select between numbers, for example whether a program has left a
+        // loop. Each number has a known sign, but bounds that cover all the numbers have none.
         if let Some(node) =
             self.select_among_numbers(margin, strict, (yes, no), &mut MAX_LEAVES.clone())
         {
@@ -264,7 +265,7 @@ fn integer_of(graph: &Graph, node: NodeId, steps: &mut usize) -> Option<i64> {
         return a.checked_neg();
     }
     let b = integer_of(graph, *operands.get(1)?, steps)?;
-    // The ends of a range may contain no other operations.
+    // The ends of a range may contain only the following operations.
     if op == Op::Add {
         a.checked_add(b)
     } else if op == Op::Sub {

@@ -69,7 +69,8 @@ impl<'a> Lowering<'a> {
         Ok((self.fold(if all == negated { Op::Max } else { Op::Min }, &nodes), strict))
     }
 
-    /// `node` where it is defined, else the number `outside`. Keeps a node that is always defined.
+    /// `node` where it is defined, else the number `outside`. A node that is defined everywhere is
+    /// returned unchanged.
     pub(crate) fn or_outside(&mut self, node: NodeId, outside: i64) -> NodeId {
         for (_, node) in self.graph.since(self.total.len()) {
             let total = match node {

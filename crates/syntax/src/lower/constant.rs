@@ -102,7 +102,7 @@ pub(crate) fn near_integers(graph: &Graph, most: usize) -> Vec<NodeId> {
     let is_near = |value: &Constant| {
         let Interval { lo, hi } = value.bounds();
         let may_be_whole = value.exact().is_none() && lo.ceil() <= hi.floor();
-        // A wide enclosure proves nothing, and all floats beyond 2⁵³ are integers.
+        // Wide enclosures hold integers in any case. So do all enclosures of values beyond 2⁵³.
         may_be_whole && hi - lo < 0.5 && hi.abs() < 1e9
     };
     let values = values(graph, &exponents);

@@ -2,7 +2,7 @@
 //!
 //! The recursion descends into trees, and into definitions that use other definitions. The
 //! recursion's depth is bounded, and stack is added when little is left. Expansions are cached by
-//! function and arguments, so repeated use costs nothing.
+//! function and arguments, so equal calls are expanded once.
 
 use crate::limits::Limits;
 use crate::lower::prelude;
@@ -17,8 +17,8 @@ use rustc_hash::FxHashMap;
 use zeroset_ir::{Constant, Graph, NodeId};
 use zeroset_ops::Op;
 
-/// Recursion levels allowed per level of [`Limits::depth`]. A bracket may hold a sum of products of
-/// powers of calls.
+/// Recursion levels allowed per level of [`Limits::depth`]. A single pair of brackets may need
+/// several: it may hold a sum of products of powers of calls.
 const LEVELS: usize = 5;
 /// Visits to expressions allowed per node of [`Limits::nodes`]. Some visits add no node.
 const VISITS: usize = 16;
@@ -26,8 +26,7 @@ const VISITS: usize = 16;
 /// Stack that must be free at each recursion level, in bytes. A level takes 1 KB, or 100 KB if it
 /// lowers choices between numbers.
 const RED_ZONE: usize = 1 << 18;
-/// Size of each added stack segment, in bytes. Definitions can nest up to a thousand levels deeper
-/// than brackets.
+/// Size of each added stack segment, in bytes. The default limits allow 1,000 recursion levels.
 const SEGMENT: usize = 1 << 21;
 
 /// Meaning of a defined name.
@@ -47,7 +46,6 @@ pub(crate) type Locals<'a> = [(&'a str, Tensor)];
 /// Lowers the trees of one document into one graph.
 pub(crate) struct Lowering<'a> {
     pub graph: Graph,
-    /// Notes taken while lowering.
     pub notes: Vec<Note>,
     names: FxHashMap<&'a str, NameBinding<'a>>,
     time: Option<u32>,
@@ -405,8 +403,8 @@ impl<'a> Lowering<'a> {
     }
 }
 
-/// Moves an error inside a definition to the place where the definition is used. Moves an error of
-/// size, which the use can avoid, and any error if the definition was not typed.
+/// Moves an error inside a definition to the place where the definition is used. An error in a
+/// typed definition is moved only if it is one of size, which the use can avoid.
 fn move_to_use(mut error: Box<Error>, span: Span, is_typed: bool) -> Box<Error> {
     if !is_typed || matches!(error.kind, ErrorKind::TooLarge { .. } | ErrorKind::TooDeep { .. }) {
         error.span = span;

@@ -26,7 +26,7 @@ impl Tensor {
         self.parts().len()
     }
 
-    /// The component at `index`, which must be in range. A number is returned itself.
+    /// The component at `index`, which must be in range. For a number, returns the number itself.
     fn part(&self, index: usize) -> NodeId {
         match self {
             Self::Number(node) => *node,
@@ -94,7 +94,7 @@ impl Lowering<'_> {
         self.by_component(operands, span, |all, parts| Ok(all.graph.apply(op, parts)))
     }
 
-    /// Adds a note that a product of two vectors is not their scalar product.
+    /// Adds a note that a product of two vectors is not a scalar product, if no notes exist yet.
     pub(crate) fn note_product(&mut self, op: Op, left: &Tensor, right: &Tensor, span: Span) {
         let is_vector = |value: &Tensor| matches!(value, Tensor::Vector(_));
         let are_vectors = is_vector(left) && is_vector(right);
@@ -167,7 +167,8 @@ impl Lowering<'_> {
     }
 }
 
-/// A vector of `size` components. The arguments have that many in total, or are a single number.
+/// A vector of `size` components from arguments with `size` components in total, from one number,
+/// or from the first components of one longer vector.
 pub(crate) fn vector(size: usize, arguments: &[Tensor], span: Span) -> Fallible<Tensor> {
     let mut nodes: Vec<NodeId> = arguments.iter().flat_map(Tensor::parts).copied().collect();
     let given = nodes.len();

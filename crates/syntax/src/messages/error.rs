@@ -386,7 +386,7 @@ impl Error {
         self
     }
 
-    /// Adds the suggestion to replace `span` by `meant`, if `meant` is given.
+    /// Adds the suggestion to replace `span` by `meant`, unless `meant` is `None`.
     pub(crate) fn suggest_optional(
         self: Box<Self>,
         span: Span,

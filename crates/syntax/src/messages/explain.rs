@@ -216,7 +216,8 @@ impl Error {
         })
     }
 
-    /// The text at the error's place, corrected by the suggestion `meant`.
+    /// The text at the error's place, corrected by `meant`. Gives only the replacement if the
+    /// corrected text is empty, long or has several lines.
     fn corrected(&self, text: &str, meant: &Suggestion) -> String {
         let whole = self.span.to(meant.span);
         let (Some(before), Some(after)) =

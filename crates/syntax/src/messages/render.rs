@@ -7,7 +7,7 @@ use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet, Title};
 
 /// Width of a diagnostic, in columns. It is fixed, so output does not depend on the terminal.
 const WIDTH: usize = 100;
-/// Number of bytes of a very long line that are shown, from the start of the marked place.
+/// Number of bytes of a very long line that are shown after the start of the marked place.
 const CONTEXT: usize = 400;
 
 impl Errors {
@@ -21,7 +21,7 @@ impl Errors {
 }
 
 impl Error {
-    /// Draws this error with a caret. The text has no line break at its end.
+    /// Draws this error with a caret. The result has no line break at its end.
     pub fn render(&self, source_name: Option<&str>, text: &str, color: bool) -> String {
         let (source_name, text) = match &self.origin {
             Origin::Document => (source_name, text),
@@ -35,7 +35,7 @@ impl Error {
 }
 
 impl Note {
-    /// Draws this note with a caret. The text has no line break at its end.
+    /// Draws this note with a caret. The result has no line break at its end.
     pub fn render(&self, source_name: Option<&str>, text: &str, color: bool) -> String {
         let title = Level::NOTE.primary_title(self.message());
         draw(title, (source_name, text, self.span), None, [], color)

@@ -20,7 +20,7 @@ use crate::tree::statement::ParsedStatement;
 use rustc_hash::FxHashSet;
 use zeroset_ir::Constant;
 
-/// Settings from lines about the picture that have no field in the document. `None` means no line.
+/// Settings without a field of their own in the document. A setting is `None` if no line sets it.
 #[derive(Clone, Debug, Default)]
 pub struct PictureLines {
     /// Coefficients a, b, c and d of the half-space a·x + b·y + c·z ≤ d that is not cut off.
@@ -70,7 +70,6 @@ pub(crate) struct CollectedLines {
 }
 
 impl CollectedLines {
-    /// Reads one line about the picture.
     pub fn read(
         &mut self,
         text: &str,
@@ -80,7 +79,7 @@ impl CollectedLines {
     ) -> Fallible<()> {
         let span = line.raw.lexed.span;
         let first = line.raw.lexed.tokens[0];
-        // A plot command gives a `domain` line without a typed word. A typed line takes precedence.
+        // A plot command's `domain` line has no typed word. A typed `domain` line takes precedence.
         let is_from_plot = first.span.start == first.span.end;
         let setting = typed_setting(&text[first.span.range()])
             .or_else(|| SETTINGS.iter().find(|row| TokenKind::of_setting(row.kind) == first.kind))
@@ -129,8 +128,8 @@ impl CollectedLines {
     }
 }
 
-/// The setting for the drawing at `place`: the last line above the drawing. But if the last line of
-/// all is below the last drawing, at `last`, the first line below the drawing counts.
+/// The setting for the drawing at `place`, from the last line above the drawing. But if a line is
+/// below the last drawing, which is at `last`, the first line below `place` counts.
 pub(crate) fn setting_for<T>(lines: &[(usize, T)], place: usize, last: usize) -> Option<&T> {
     let follow = lines.last().is_some_and(|(at, _)| *at > last);
     let found = if follow {

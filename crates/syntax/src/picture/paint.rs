@@ -24,9 +24,11 @@ pub const POINT_NAMES: [&str; 4] = ["nx", "ny", "nz", "depth"];
 /// Contour lines on a surface. A value is constant along each line.
 #[derive(Clone, Debug)]
 pub struct Contours<V = PointValue> {
-    /// The value that is constant along a line; `None` for the surface's color value, or else z.
+    /// The value that is constant along a line. With `None`, it is the value that selects the
+    /// surface's color or, without such a value, z.
     pub value: Option<V>,
-    /// Difference in value between neighboring lines; `None` to choose a round number.
+    /// Difference in value between neighboring lines; `None` for a round number chosen by the
+    /// program.
     pub step: Option<Constant>,
 }
 
@@ -85,7 +87,7 @@ pub(crate) struct PointValues<'a> {
 }
 
 impl<'a> PointValues<'a> {
-    /// Creates the lowering. [`POINT_NAMES`] become parameters with the numbers from `first` on.
+    /// Creates the lowering. [`POINT_NAMES`] become parameters, numbered from `first`.
     pub fn new(
         mut names: FxHashMap<&'a str, NameBinding<'a>>,
         first: u32,

@@ -1,5 +1,5 @@
 //! Reads `domain`, `view`, `look` and `background` lines and plain colors. Nothing here decides
-//! what they mean for a picture.
+//! what a line means for a picture.
 
 use crate::tree::grammar::{Pair, Rule};
 use zeroset_style::{COLOR_MAPS, LOOKS, Look, StandardView};

@@ -87,7 +87,8 @@ impl Builder<'_> {
             }
             _ => false,
         };
-        // The index of a root is a whole number or a defined name. Other `sqrt[a](b)` are products.
+        // The index of a root is a whole number or a defined name. Any other `sqrt[a](b)` is a
+        // product.
         let is_index = |one: &Expr| {
             one.whole_number().is_some()
                 || matches!(one.kind, ExprKind::Name(NamedValue::Defined(_)))
@@ -349,8 +350,8 @@ fn usage(callee: &Callee) -> Option<String> {
     Some(format!("`{name}({operands}{more})`: {}", row.doc))
 }
 
-/// Returns whether some factors after a function may not be meant as part of its argument. In `sin
-/// x y`, the blank between the names suggests this.
+/// Returns whether a blank separates two factors that are no numbers, as in `sin x y`. The second
+/// factor may not be meant as part of the function's argument.
 fn has_spaced_names(factors: &[Expr]) -> bool {
     let is_name = |expr: &Expr| !matches!(expr.kind, ExprKind::Number(_));
     factors.windows(2).any(|pair| {

@@ -2,8 +2,8 @@
 //! explicit.
 //!
 //! Sums, products and comparisons hold any number of operands. Only brackets, powers, signs and
-//! function arguments nest, so a limit on these bounds every recursion over a tree. Comparisons of
-//! trees ignore spans.
+//! function arguments nest, so a limit on their depth bounds every recursion over a tree.
+//! Comparisons of trees ignore spans.
 
 use crate::span::Span;
 use zeroset_ir::{Axis, NamedConstant};
@@ -263,7 +263,7 @@ pub enum Relation {
 }
 
 impl Relation {
-    /// The opposite relation, which holds where this one does not, if both sides have a value.
+    /// The opposite relation, which holds where `self` does not, if both sides have a value.
     pub(crate) fn opposite(self) -> Self {
         match self {
             Self::Equal => Self::Unequal,

@@ -92,7 +92,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Runs `build` with the nesting depth raised by `levels`. Fails if that exceeds the limit.
+    /// Runs `build` with `levels` added to the nesting depth. Fails if the sum exceeds the limit.
     pub(crate) fn nested<T>(
         &mut self,
         span: Span,

@@ -39,9 +39,9 @@ impl Builder<'_> {
         Err(Error::new(span, ErrorKind::Tuple))
     }
 
-    /// Reads any other delimited factor, such as braces, bars, a fraction or a root.
+    /// Reads a delimited factor that is no `group`, such as braces, bars, a fraction or a root.
     pub(crate) fn delimited(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
-        // Each kind has its own function, so a level takes the stack frame of one kind only.
+        // Each kind of factor has its own function, so a level has only one kind's stack frame.
         match pair.as_rule() {
             Rule::enclosed => self.enclosed(pair, span),
             Rule::choice => self.choice(pair, span),

@@ -8,7 +8,6 @@ use crate::tree::builder::{Builder, chain_of, product_of, quotient_of};
 use crate::tree::grammar::Pair;
 use zeroset_ops::{Op, VectorFunction};
 
-/// A function of another system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ForeignFunction {
     /// The sum or product of all arguments, or the difference or quotient of two arguments.

@@ -38,7 +38,7 @@ pub(crate) enum FactorItem<'i> {
     Delimited(Pair<'i>),
     /// `!` after a whole number.
     Factorial(Span),
-    /// The sign `^`, with the signs of the exponent after it.
+    /// The sign `^`, and the plus and minus signs before the exponent.
     Caret(Signs, Span),
     /// Superscript digits, read as a number.
     Superscript(Expr),
@@ -163,7 +163,7 @@ impl Builder<'_> {
                 items.push_back(FactorItem::Function(callee, span));
             }
             NameMeaning::Product => {
-                // In an exponent or divisor only the first letter counts, as another note reports.
+                // An exponent or divisor gets only the first letter. Another note reports that.
                 let is_exponent = matches!(items.back(), Some(FactorItem::Caret(..)))
                     && !matches!(items.iter().nth_back(1), Some(FactorItem::Function(..)));
                 let is_noted = is_exponent || items.is_empty() && self.follows(span, &[Slash]);
@@ -267,7 +267,8 @@ impl Builder<'_> {
                 let between = Span::new(before.span.end, next.span.start);
                 Err(Error::new(before.span.to(next.span), kind).suggest(between, sign))
             }
-            // Braces after a factor look like a restriction. A product could hide a mistake.
+            // Braces after a factor look like a restriction. Reading them as a factor could hide a
+            // mistake.
             FactorItem::Delimited(pair) if pair.as_rule() == Rule::braces => {
                 Err(Error::new(self.span(pair), ErrorKind::RestrictionNotCondition))
             }
@@ -524,7 +525,8 @@ impl Builder<'_> {
         Err(Error::new(span, ErrorKind::NeedsArgument { name, count: 1 }))
     }
 
-    /// Returns a factor. Fails if brackets after a value do not hold exactly one expression.
+    /// Returns `expr`. Fails if it is a named value before brackets that do not hold one
+    /// expression.
     fn not_a_call(&mut self, expr: Expr, next: Option<&FactorItem<'_>>) -> Fallible<Expr> {
         if let (ExprKind::Name(value), Some(FactorItem::Group(pair))) = (&expr.kind, next)
             && pair.clone().into_inner().count() != 1

@@ -10,7 +10,7 @@ use crate::tree::ast::{
 };
 use std::fmt;
 
-/// Binding strength of an expression. One that binds too weakly for its place gets brackets.
+/// Binding strength of an expression. An expression that binds too weakly gets brackets.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
 enum Tightness {
     Or,
@@ -195,7 +195,7 @@ impl fmt::Display for Statement {
 fn may_be_defined(left: &Expr) -> bool {
     match &left.kind {
         ExprKind::Name(value) => !matches!(value, NamedValue::Coordinate(_)),
-        // Programs assign to a component in this way, as in `p.x = 1`.
+        // Programs assign to a component, as in `p.x = 1`.
         ExprKind::Component(vector, _) => matches!(vector.kind, ExprKind::Name(_)),
         ExprKind::Call(Function::Defined(_), arguments) => {
             arguments.iter().all(|argument| matches!(argument.kind, ExprKind::Name(_)))

@@ -21,7 +21,7 @@ pub(crate) struct Scope {
 /// Largest size of a name that is tried as a product of letters, in bytes.
 const MAX_PRODUCT_NAME: usize = 64;
 
-/// Names in other languages, each with its name here. Products of letters take precedence.
+/// Names of other languages, each with its equivalent here. Products of letters take precedence.
 const FOREIGN_NAMES: &[(&str, &str)] = &[
     ("tg", "tan"),
     ("ctg", "cot"),
@@ -55,7 +55,6 @@ pub(crate) fn read_as(name: &str, callee: &Callee) -> Option<&'static str> {
     found.filter(|here| callee.name() == *here)
 }
 
-/// Meaning of a name.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum NameMeaning {
     /// A number.
@@ -195,7 +194,7 @@ impl Scope {
         }
     }
 
-    /// The known name closest to `name`, if one is close enough. `functions` excludes other names.
+    /// The known name closest to `name`, if close enough. `functions` leaves out names of values.
     pub(crate) fn nearest(&self, name: &str, locals: &[Name], functions: bool) -> Option<String> {
         let own = self.defined.iter();
         let mut candidates: Vec<&str> = own
@@ -249,7 +248,7 @@ pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>)
         .map(|(_, _, candidate)| candidate.to_owned())
 }
 
-/// A function and its number of arguments. With `or_more`, this is the least number.
+/// A function and its number of arguments, which is the least number if `or_more` is true.
 struct Signature {
     function: Function,
     count: usize,
@@ -292,7 +291,7 @@ impl std::fmt::Display for Signatures {
 /// whether n is odd.
 pub(crate) const ROOT_NAMES: &[&str] = &["root", "nroot", "nthroot", "surd"];
 
-/// Returns whether an operation of two operands accepts more operands, from left to right.
+/// Returns whether an operation of two operands also combines more operands, from left to right.
 pub(crate) fn is_variadic(op: Op) -> bool {
     matches!(op, Op::Min | Op::Max)
 }

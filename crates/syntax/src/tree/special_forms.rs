@@ -122,7 +122,7 @@ impl Builder<'_> {
         self.value(pair)
     }
 
-    /// Reads a matrix. OpenGL lists its elements column by column, and other systems row by row.
+    /// Reads a matrix. OpenGL lists the elements column by column, and other systems row by row.
     #[inline(never)]
     fn matrix(
         &mut self,
@@ -380,7 +380,7 @@ fn without_array(array: Expr) -> Expr {
     }
 }
 
-/// A choice. Without pieces it is only the last value, or `None` without a last value.
+/// Builds a choice. Without pieces, returns only the last value, if there is one.
 fn choice_or_last(pieces: Vec<(Expr, Expr)>, last: Option<Expr>, span: Span) -> Option<Expr> {
     match (pieces.is_empty(), last) {
         (true, last) => last,

@@ -57,8 +57,8 @@ pub(crate) fn lines<'i>(
     if errors.is_empty() { Ok(lines) } else { Err(Errors::new(errors)) }
 }
 
-/// Returns the grammar's rule for a statement. The first two tokens determine it, unless they are a
-/// setting and an opening bracket: then the other tokens decide.
+/// Returns the grammar's rule for a statement. The first two tokens determine the rule, except for
+/// a line such as `light (…`: there, all tokens of the line count.
 fn rule(lexed: &LexedStatement) -> Rule {
     let mut kinds = lexed.tokens.iter().map(|token| token.kind);
     let rule = match kinds.next() {
@@ -239,7 +239,7 @@ fn is_built_in(head: &Head) -> bool {
 }
 
 /// Returns whether the left side calls a function of the language with too few or too many
-/// coordinates. That is a mistake: parameters of a definition would hide the coordinates.
+/// coordinates. Such a line defines nothing, because its parameters would hide the coordinates.
 fn is_miscounted(head: &Head) -> bool {
     let mut parameters = head.parameters.iter().flatten();
     parameters.all(|p| coordinate(&p.text).is_some()) && accepts(head) == Some(false)
@@ -391,7 +391,7 @@ fn set(
 }
 
 /// Fails if the left side of a definition has too many parameters, equal parameters, or a name that
-/// cannot be defined. The flags tell whether that name is a built-in function, or a keyword here.
+/// cannot be defined. `is_function` and `is_keyword` describe the defined name.
 fn check_head(head: &Head, is_function: bool, is_keyword: bool) -> Fallible<()> {
     let parameters = head.parameters.as_deref().unwrap_or_default();
     if parameters.len() > MAX_PARAMETERS {
@@ -452,7 +452,7 @@ fn define(
     Ok(Definition { name: name.clone(), parameters: head.parameters.clone(), body, range })
 }
 
-/// Returns whether an expression is a number, perhaps with a sign. Such a definition is a slider.
+/// Returns whether an expression is a number, perhaps negated. A name defined so is a slider.
 pub(crate) fn is_plain_number(expr: &Expr) -> bool {
     match &expr.kind {
         ExprKind::Number(_) => true,

@@ -31,7 +31,6 @@ const IN_WORDS: &[&str] =
     &["squared", "cubed", "plus", "minus", "times", "equals", "divided", "squareroot", "the"];
 
 impl Builder<'_> {
-    /// The error for an unknown function.
     pub(crate) fn unknown_function(&self, name: &str, span: Span) -> Box<Error> {
         if let Some(kind) = unsupported_function(name) {
             return Error::new(span, kind);
@@ -272,7 +271,7 @@ impl Scope {
     /// Splits a name into functions, values and numbers. Tries long parts first. A number must
     /// follow a function. `None` if no split works, or if all parts are letters.
     fn split<'n>(&self, name: &'n str, locals: &[Name]) -> Option<Vec<(NamePart, &'n str)>> {
-        // For each position, a split of the name from there to the end. Filled backward.
+        // For each position, a split of the name from that position to the end. Filled backward.
         let mut found: Vec<Option<Vec<(NamePart, &str)>>> = vec![None; name.len() + 1];
         found[name.len()] = Some(Vec::new());
         for at in (0..name.len()).rev().filter(|at| name.is_char_boundary(*at)) {

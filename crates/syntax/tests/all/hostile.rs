@@ -3,9 +3,9 @@
 use std::fmt::Write as _;
 use zeroset_syntax::{ErrorKind, Errors, Limits, Options, read, read_bytes};
 
-/// Stack of a test thread, in bytes. The stack is less than a third of the usual size, which leaves
-/// room for compilers with larger frames. Reading brackets takes up to 460 KiB, in test and release
-/// builds. pest requires another 64 KiB to be free.
+/// Stack of a test thread, in bytes. It is less than a third of the usual size, so compilers with
+/// larger frames still fit the usual size. Reading brackets takes up to 460 KiB, in test and
+/// release builds. pest requires another 64 KiB to be free.
 const STACK: usize = 5 << 17;
 
 fn on_a_small_stack<T: Send + 'static>(run: impl FnOnce() -> T + Send + 'static) -> T {
@@ -88,7 +88,7 @@ fn allowed_nesting_fits_the_stack() {
     accepted(format!("{}x", "-".repeat(depth)));
 }
 
-/// Definitions can nest deeper than brackets.
+/// Hundreds of definitions, each using the one before, are read on a small stack.
 #[test]
 fn allowed_definitions_fit_the_stack() {
     let chain = |count: usize, line: &dyn Fn(usize) -> String, last: &str| {

@@ -218,7 +218,7 @@ fn survives(text: &str) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Fragments of the language. The lexer accepts random sequences of them.
+/// Fragments of the language. Texts are random sequences of fragments.
 const PIECES: &[&str] = &[
     "x",
     "y",

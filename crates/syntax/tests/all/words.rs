@@ -9,7 +9,7 @@ use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, simplify};
 use zeroset_syntax::{Document, Limits, Options, SurfaceKind, parse, read};
 
-/// The corpus used in developing the language, and two corpora that were held out.
+/// The corpus used in developing the language, and two corpora that were not used for it.
 const CORPORA: [&str; 3] = ["words.txt", "words_held_out.txt", "words_third.txt"];
 
 /// Number of points at which functions are compared.

@@ -15,11 +15,11 @@ use zeroset_ops::Op;
 
 /// Number of floats that a thread takes at a time.
 const CHUNK: u64 = 1 << 16;
-/// Greatest angle with a tight enclosure. Beyond it, the enclosure is the function's whole range.
+/// Greatest angle with tight enclosures. Beyond it, an enclosure is the function's whole range.
 const ANGLE_LIMIT: f32 = 8_388_608.0;
-/// If the code knows that angles stay within this bound, it reduces them in fewer steps.
+/// If the code may assume that angles are within this bound, it reduces them in fewer steps.
 const COMMON_LIMIT: f32 = 1_048_576.0;
-/// If the code knows that angles stay within this bound, it uses a rule made for these angles.
+/// If the code may assume that angles are within this bound, it uses a rule for angles near 0.
 const NEAR_LIMIT: f32 = 192.0;
 
 /// A function of one variable, with its reference values.
@@ -70,12 +70,12 @@ pub fn functions() -> Vec<Function> {
         }),
         all(Op::Cbrt, REALS, f32::MAX, |x| {
             let root = core_math::cbrt(f64::from(x));
-            // The square of a 24-bit root is exact, and so is the remainder by a fused product.
+            // A root of 24 bits has an exact square. So the fused product is 0 only if root³ = x.
             let is_short = f64::from(root as f32) == root;
             let is_exact = is_short && (root * root).mul_add(root, -f64::from(x)) == 0.0;
             where_defined(true, root, is_exact)
         }),
-        // By Lindemann's theorem, functions like exp are irrational at every rational but one.
+        // By Lindemann's theorem, functions like exp are irrational at all rationals but one.
         all(Op::Exp, [0.0, f64::INFINITY], f32::MAX, |x| {
             where_defined(true, core_math::exp(f64::from(x)), x == 0.0)
         }),
@@ -90,7 +90,7 @@ pub fn functions() -> Vec<Function> {
         }),
         all(Op::Log10, REALS, f32::MAX, |x| {
             let value = core_math::log10(f64::from(x));
-            // 10¹⁰ is the last power of 10 that is an f32, since 5¹⁰ still fits into 24 bits.
+            // 10¹⁰ is the last power of 10 that is an f32: 5¹⁰ fits into 24 bits, and 5¹¹ does not.
             let is_power = (0..=10).any(|n| f64::from(x) == 10_f64.powi(n));
             where_defined(x > 0.0, value, is_power)
         }),
@@ -141,7 +141,7 @@ pub struct Report {
     pub violations: u64,
     /// Operand of one violation.
     pub violation: Option<f32>,
-    /// Number of floats beyond the function's limit. There only containment is checked.
+    /// Number of floats beyond the function's limit. For these, only containment is checked.
     pub beyond: u64,
     /// Number of enclosures with an infinite end although the value is within the range of `f32`.
     pub unbounded: u64,
@@ -274,7 +274,7 @@ impl Function {
             ReferenceValue::Exactly(value) => (value, true),
             ReferenceValue::Near(value) => (value, false),
         };
-        // Bounds of the exact value, which differs from a rounded one by less than an ulp of f64.
+        // Bounds of the exact value. If `value` is rounded, they are the floats next to it.
         let claim = if exact {
             [value; 2]
         } else {
@@ -296,7 +296,7 @@ impl Function {
             return;
         }
         if facts != Facts::TOTAL {
-            report.violate(x); // needlessly modest: the function is continuous at this point
+            report.violate(x); // the function is continuous here, but the facts deny it
             return;
         }
         let tightest = u64::from(!exact || f64::from(value as f32) != value);

@@ -14,12 +14,12 @@ pub struct Line {
     pub direction: [f64; 3],
 }
 
-/// The range of t ≥ 0 inside a box.
+/// The range of t ≥ 0 at which a line is inside a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Clip {
     /// Bounds that contain every t whose point is inside.
     pub(super) outer: [f64; 2],
-    /// Bounds between which every point is inside. Not in order if no point is certainly inside.
+    /// Bounds between which every point is inside; not in order if no point is certainly inside.
     pub(super) inner: [f64; 2],
 }
 

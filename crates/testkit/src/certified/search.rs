@@ -5,10 +5,10 @@ use super::{Certificate, Crossing, Unresolved, UnresolvedReason};
 use crate::oracle::{BoxClaim, Defined, Oracle, Span};
 
 /// Least length of a piece, as a share of the ray's path through the box. For a smooth function,
-/// halving mostly ends at longer pieces, when rounding errors exceed the function's changes.
+/// halving mostly ends earlier: rounding errors exceed the function's changes on a piece.
 const SMALLEST: f64 = f64::from_bits((1023 - 44) << 52); // 2^-44
 
-/// Greatest number of undecided pieces that are reported. The rest of the ray is one more piece.
+/// Greatest number of undecided pieces reported. The ray beyond them is one more piece.
 const MOST_UNRESOLVED: usize = 64;
 
 /// Greatest share of a piece that a Newton step may leave. If it leaves more, the piece is halved.
@@ -23,7 +23,7 @@ enum PieceResult {
     Empty(Option<Sign>),
     /// The piece has to be cut at these distances.
     Cut(Vec<f64>),
-    /// The piece is not worth cutting. Without a reason, the signs on either side of it decide.
+    /// The piece is not cut further. If there is no reason, the signs on either side decide.
     Leaf(Option<UnresolvedReason>),
 }
 
@@ -118,10 +118,11 @@ impl<'a> Search<'a> {
         self.unresolved.push(Unresolved { near, far, reason: UnresolvedReason::Budget });
     }
 
-    /// Decides on a run of adjacent leaves by the function's signs on either side of the run.
+    /// Returns the crossing if the function changes its sign over `cluster`. Otherwise reports the
+    /// cluster as unresolved.
     ///
-    /// If no reason is given, the function has a value at either end of the run. The end is also
-    /// the end of an empty piece, so the value has that piece's sign.
+    /// If the cluster has no reason, the function has a value at either end. That end is also the
+    /// end of an empty piece, so the value has the sign of that piece.
     fn decide(&mut self, cluster: Cluster, after: Option<Sign>, clip: &Clip) -> Option<Crossing> {
         let Cluster { near, far, before, reason } = cluster;
         let inside = clip.inner[0] <= near && far <= clip.inner[1];

@@ -59,7 +59,7 @@ pub(super) fn cos(a: Span) -> Span {
     wave(a, core_math::cos, |x| -core_math::sin(x), 1.0)
 }
 
-/// Range of `f`, a sine or cosine. `slope` has the sign of its derivative, and `at_zero` is f(0).
+/// Range of `f`, a sine or cosine, over `a`. `slope` has its derivative's sign; `at_zero` is f(0).
 fn wave(a: Span, f: fn(f64) -> f64, slope: fn(f64) -> f64, at_zero: f64) -> Span {
     if !is_narrow(a) {
         return Span::new(-1.0, 1.0);
@@ -143,8 +143,8 @@ pub(super) fn atanh(a: Span) -> Span {
         .increasing(|x| Rounded::when(core_math::atanh(x), x == 0.0 || x.abs() == 1.0))
 }
 
-/// Angles of the points (x, y). Returns every angle if the rectangle of points contains the origin
-/// or meets the branch cut from below.
+/// Angles of the points (x, y). Returns every angle if the rectangle of points contains the origin,
+/// or has points both on the branch cut and below it.
 pub(super) fn atan2(y: Span, x: Span) -> Span {
     let everything = Span::new(-core::f64::consts::PI.next_up(), core::f64::consts::PI.next_up());
     if x.has_zero() && y.has_zero() || x.lo < 0.0 && y.lo < 0.0 && y.hi >= 0.0 {

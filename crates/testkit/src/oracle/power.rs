@@ -66,7 +66,7 @@ pub(super) fn pow(base: Claim, power: Claim, exponent: Exponent) -> (Span, Defin
     }
 }
 
-/// Powers of the members of `a` with an integer exponent. Leaves out 0 if the exponent is negative.
+/// Powers of the members of `a` with an integer exponent. Leaves out 0⁻ⁿ, which has no value.
 fn integer_power(a: Span, n: Span, odd: bool) -> Span {
     if !odd || a.lo >= 0.0 {
         return magnitudes(a.abs(), n);
@@ -100,7 +100,7 @@ fn corner(x: f64, y: f64) -> Rounded {
 
 /// xʸ by multiplication, if y is a small integer and no step rounds.
 fn exact_power(x: f64, y: f64) -> Option<f64> {
-    // With more factors, only powers of two stay exact, and they soon overflow.
+    // With more factors, only powers of two have exact products, which soon overflow.
     const MOST_FACTORS: f64 = 64.0;
     if y.fract() != 0.0 || y.abs() > MOST_FACTORS {
         return None;

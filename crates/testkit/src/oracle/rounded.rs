@@ -1,7 +1,7 @@
 //! Single operations of `f64`, with a flag that tells whether the result is exact.
 
-/// Below this magnitude, exactness is not claimed, since the remainder of a product or quotient
-/// might underflow. A remainder is smaller than its result by at most 2 · 53 bits. So it stays
+/// Products and quotients below this magnitude are not called exact: a remainder might underflow. A
+/// remainder is smaller than its result by at most 2 · 53 bits. So above this magnitude, it stays
 /// above the smallest subnormal, 2⁻¹⁰⁷⁴.
 const REMAINDER_IS_SAFE: f64 = f64::from_bits((1023 - 900) << 52); // 2^-900
 

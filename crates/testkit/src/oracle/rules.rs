@@ -35,7 +35,7 @@ pub(super) fn apply(op: Op, operands: [Claim; 3], exponent: Exponent) -> Claim {
         Op::Log10 => (elementary::log10(a), positive(a)),
         Op::Sin => everywhere(elementary::sin(a)),
         Op::Cos => everywhere(elementary::cos(a)),
-        // A cosine is 0 only at irrational numbers, so every range contains numbers without a pole.
+        // A cosine is 0 only at irrational numbers, so every range has numbers that are no pole.
         Op::Tan => (elementary::tan(a), Defined::decide(elementary::has_no_pole(a), true)),
         Op::Asin => (elementary::asin(a), within_one(a)),
         Op::Acos => (elementary::acos(a), within_one(a)),
@@ -96,7 +96,7 @@ pub(super) fn is_continuous(
         }
         (Continuity::Jumps, Class::Remainder) => all && one_step(a.div(b)),
         (Continuity::Jumps, Class::Function(Law::Fraction)) => all && one_step(a),
-        // Other operations with jumps are constant between their jumps.
+        // Other operations are constant between their jumps. So a single value means no jump.
         (Continuity::Jumps, _) => all && value.lo == value.hi,
     }
 }

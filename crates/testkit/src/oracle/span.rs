@@ -69,7 +69,7 @@ impl Span {
         Self::new(self.lo.min(other.lo), self.hi.max(other.hi))
     }
 
-    /// Returns the part of the range between `lo` and `hi`, where the true value is known to lie.
+    /// Returns the part of the range between `lo` and `hi`, which must bound the true value.
     pub(crate) fn within(self, lo: f64, hi: f64) -> Self {
         Self::new(self.lo.clamp(lo, hi), self.hi.clamp(lo, hi))
     }

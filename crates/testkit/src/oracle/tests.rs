@@ -131,7 +131,7 @@ fn exact_results_are_recognised() {
     }
     let three = f64::from_bits(3);
     assert!(claim(Op::Log2, &[three]).lo < claim(Op::Log2, &[three]).hi);
-    // The next float is not a power of ten, though its logarithm rounds to the same value.
+    // The float after 10²² is not a power of ten, though its logarithm rounds to 22.
     let claim = claim(Op::Log10, &[1e22_f64.next_up()]);
     assert!(claim.lo < 22.0 && claim.hi > 22.0);
 }
@@ -414,7 +414,7 @@ fn powers_are_defined_as_the_table_says() {
     assert_eq!(over((-1.0, 1.0), (2.0, 2.0)), Unknown);
     assert_eq!(over((0.0, 1.0), (-1.0, 1.0)), Unknown);
 
-    // An evaluator may take −(−2) and 4·(1/2) for the constant 2 or for expressions.
+    // Evaluators may fold −(−2) and 4·(1/2) to the constant 2, or not. A claim allows for both.
     let mut graph = Graph::new();
     let x = graph.variable(Axis::X);
     let minus_two = graph.integer(-2);

@@ -1,6 +1,5 @@
 //! Native code must give the same bits as the reference evaluator. Here −0 equals +0, and NaN
-//! equals NaN. Pictures use the processor's widest vectors, so code for narrower ones is checked
-//! here.
+//! equals NaN. Pictures use only the processor's widest vectors. These checks use all widths.
 
 use super::tile::{Tile, pack_segments, pack_tiles};
 use crate::suite::{Failure, Tally};
@@ -14,7 +13,7 @@ use zeroset_eval::{
 use zeroset_ir::{gradient, rewrite, simplify};
 use zeroset_jit::{Compiled, vector_widths};
 
-/// Functions of this many nodes are skipped, since compile time grows faster than linearly.
+/// Functions of this many nodes or more are skipped. Compile time grows faster than linearly.
 const LONGEST: usize = 400;
 
 /// The query that a kernel answers.
@@ -57,8 +56,8 @@ impl KernelKind {
     }
 
     /// Returns the tape of this kernel for a case. The function is as typed or, if `simple`,
-    /// rewritten and simplified as in programs. `None` if the tape is too long, or if it should
-    /// have branches and has none.
+    /// rewritten and simplified as in programs. `None` if the graph is too large, or if the tape
+    /// for [`Self::Branches`] has no branches.
     pub fn tape<T: Real>(self, simple: bool, case: &Case) -> Option<Tape<T>> {
         let Assumptions { domain, parameters } = &case.assumptions;
         let (mut graph, mut root) = (case.graph.clone(), case.root);
@@ -160,7 +159,7 @@ fn random_points<T: Adversarial>(_: &Case, rng: &mut Rng, count: usize) -> Point
     Points { at: [(); 3].map(|()| lanes()), count: count as u32 }
 }
 
-/// Puts arbitrary numbers into some lanes, since the comparison needs no valid rays.
+/// Puts arbitrary numbers into some lanes. Evaluators must agree on invalid rays, too.
 fn with_arbitrary_numbers<T: Adversarial, B: Input<T>>(mut batch: B, rng: &mut Rng) -> B {
     if rng.u32(0..4) == 0 {
         for number in 0..B::QUANTITIES {

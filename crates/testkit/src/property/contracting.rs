@@ -16,7 +16,7 @@ use zeroset_ops::Op;
 
 /// Number of points checked in each tile.
 const PROBES: usize = 8;
-/// Number of points of a case that are made roots.
+/// Number of points per case at which the function is given a root.
 const ROOTS: usize = 2;
 
 /// Counts of the checks done by [`check_contraction`].
@@ -150,7 +150,7 @@ fn with_root(case: &Case, claim: Claim) -> Case {
     case
 }
 
-/// Makes a probe a root by `with_root`. Returns the index of a tile that loses this root.
+/// Makes a probe a root by `with_root`. Returns the index of the first tile that loses this root.
 fn lost_root<T: Adversarial>(
     kernel_options: KernelOptions,
     case: &Case,

@@ -17,7 +17,7 @@ pub fn native_interval<T: Real>(case: &Case) -> Option<Box<dyn Kernel<Enclose, T
     Some(Box::new(Native::new(tape, Binding::new(&case.parameters)).expect("compiles")))
 }
 
-/// Like [`native_interval`], in another arithmetic.
+/// Compiles a case like [`native_interval`], but in an arithmetic that only measurements use.
 ///
 /// # Panics
 /// If the code does not compile.

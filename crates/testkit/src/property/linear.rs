@@ -105,9 +105,9 @@ pub fn linear<T: Adversarial>(op: Op, rng: &mut Rng, rounds: usize) -> Result<Fo
 }
 
 /// Returns an operation that computes the first operand of `op`, or `None` to draw that operand
-/// directly. A form may leave its rounding errors to the operation that uses it, so computed
-/// operands are checked, too. If `op` has 3 operands, none is computed, so that each drawn operand
-/// has its own coordinate.
+/// directly. An operation may leave its rounding errors to the next operation, so computed operands
+/// are checked, too. If `op` has 3 operands, none is computed: then each drawn operand has its own
+/// coordinate.
 fn random_inner(op: Op, rng: &mut Rng) -> Option<Op> {
     const INNER: [Op; 5] = [Op::Neg, Op::Add, Op::Sub, Op::Mul, Op::Sqr];
     (op.arity() < 3 && rng.bool()).then(|| INNER[rng.u32(0..INNER.len() as u32) as usize])
@@ -202,7 +202,7 @@ fn compare<T: Adversarial>(
                 return fail(format!("at {at:?}, symbols {symbols:?}, {claim:?} is not within"));
             }
         }
-        // A lane does not count if the operation has no certain value in it.
+        // A lane counts only if the operation has a certain value at one of its points.
         if form_tally.compared > before {
             form_tally.finite += 1;
             form_tally.slanted += u64::from(slopes.iter().any(|slope| *slope != 0.0));

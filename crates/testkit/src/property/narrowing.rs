@@ -167,7 +167,7 @@ impl<const N: usize> LinearLane<N> {
         };
         let line = |t: &BigRational| &centre + &depth * symbol(t);
         let values = ends.each_ref().map(line);
-        // A line comes within `rest` of 0 only if it does so at an end, or changes its sign.
+        // The linear function is within `rest` of 0 only if an end is, or if it changes its sign.
         let apart = |value: &BigRational| value.abs() > rest;
         let opposite = values[0].is_negative() != values[1].is_negative();
         if answer.crossing && !(values.iter().all(apart) && opposite) {
@@ -179,7 +179,7 @@ impl<const N: usize> LinearLane<N> {
         if !answer.possible {
             return Some("a zero denied");
         }
-        // `zeros` become the first and the last t with a zero.
+        // `zeros` become the first and the last t at which the function may be 0.
         let root = |side: BigRational| &middle + &half * ((side - &centre) / &depth);
         let mut zeros = ends.clone();
         for (zero, (value, sign)) in zeros.iter_mut().zip(values.iter().zip([1, -1])) {

@@ -56,8 +56,8 @@ impl SurfaceCertificate {
         Self { zeros: function.trace(line, region, BUDGET), face, known }
     }
 
-    /// Returns bounds of the distance at which the ray certainly enters the region inside the
-    /// solid.
+    /// Returns bounds of the distance at which the ray enters the region, if the entry is certainly
+    /// inside the solid.
     fn capped(&self) -> Option<(f64, f64)> {
         self.face.filter(|face| face.below == Some(true)).map(|face| face.distance)
     }

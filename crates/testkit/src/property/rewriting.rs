@@ -88,16 +88,16 @@ impl<'a> Oracles<'a> {
     }
 }
 
-/// Returns the contradiction that the oracle finds at a point.
+/// Returns the contradiction between versions that the oracle finds at a point.
 fn at(case: &Case, point: [f64; 3], values: &[(f64, f64)]) -> Option<String> {
     let versions = Versions::of(case)?;
     Oracles::new(&versions).contradiction(point, values).err()
 }
 
-/// Returns the contradiction that the reference evaluator finds over a box.
+/// Returns the contradiction between versions that the reference evaluator finds over a box.
 fn over(case: &Case, region: &[[f64; 2]; 3]) -> Option<String> {
     // Only constant folding shows whether a computed exponent is an integer. In the graph as typed,
-    // the evaluator may take such a power for a real power.
+    // the evaluator may take such a power for a real power, whose domain of definition is smaller.
     if has_computed_exponent(&case.graph) {
         return None;
     }

@@ -153,8 +153,8 @@ fn random_eye(rng: &mut Rng, region: &[[f64; 2]; 3]) -> [f64; 3] {
     })
 }
 
-/// Returns `root` plus a multiple of each coordinate. Without them, many random formulas are flat
-/// or depend on few coordinates.
+/// Returns `root` plus a multiple of each coordinate. Without these terms, many random formulas are
+/// flat or depend on few coordinates.
 fn sloped(graph: &mut Graph, root: NodeId, rng: &mut Rng) -> NodeId {
     Axis::ALL.into_iter().fold(root, |sum, axis| {
         let factor = graph.integer(i64::from(rng.i32(-3..=3)));
@@ -219,7 +219,7 @@ impl Scene {
         };
         let size = [(); 2].map(|()| rng.u32(1..=WIDEST) as usize);
         let depth = rng.u32(1..=DEEPEST);
-        // Not used. Without this draw, saved seeds would give other scenes.
+        // The number is not used. Without this draw, saved seeds would give other scenes.
         rng.u32(0..3);
         let precision = if rng.bool() { "f64" } else { "auto" };
         let formula = if rng.u32(0..4) == 0 { formula.filled() } else { formula };

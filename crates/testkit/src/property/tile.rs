@@ -21,7 +21,7 @@ pub(super) struct Tile {
 /// A point whose distance from a ray of a tile is at most the tile's error.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Probe {
-    /// Number of the ray.
+    /// Index of the probe's ray among the rays that have probes.
     pub ray: usize,
     screen: [f64; 2],
     /// The point's t on the ray.
@@ -29,7 +29,7 @@ pub(super) struct Probe {
     pub at: [f64; 3],
 }
 
-/// Returns an end of a range, its middle, or any number in it.
+/// Returns a random number of a range, often an end or the middle.
 fn within(rng: &mut Rng, [lo, hi]: [f64; 2]) -> f64 {
     let share = f64::uniform(rng);
     let value = match rng.u32(0..5) {
@@ -156,8 +156,8 @@ impl Tile {
         [0, 1, 2].map(|axis| dot(self.terms(screen, t, axis)).value)
     }
 
-    /// Returns points of the domain on or near rays of the tile, ray by ray. The ends of a ray come
-    /// first. Sets the tile's error to bound the points' distances from their rays.
+    /// Returns probes in the domain, on or near rays of the tile, ray by ray. Probes at the ends of
+    /// a ray come first. Sets the tile's error to bound the probes' distances from their rays.
     pub(super) fn random_probes<T: Adversarial>(
         &mut self,
         case: &Case,
@@ -173,7 +173,7 @@ impl Tile {
         for ray in 0..count / PROBES_PER_RAY {
             let screen = [0, 1].map(|k| {
                 let (centre, half) = (self.centre[k], self.half[k]);
-                // The ends are rounded inward.
+                // The ends centre ± half are rounded inward.
                 let lo = centre - half;
                 let lo = if dot([(centre, 1.0), (half, -1.0), (lo, -1.0)]).value > 0.0 {
                     lo.next_up()
@@ -198,7 +198,8 @@ impl Tile {
                 for (x, range) in at.iter_mut().zip(case.assumptions.domain) {
                     *x += [-off, off, 0.0][rng.u32(0..3) as usize];
                     let inside = x.clamp(range.lo, range.hi);
-                    // A point may leave the domain by about one rounding of the tile's numbers.
+                    // A point that leaves the domain by about one rounding of its numbers is moved
+                    // back.
                     is_inside &= (inside - *x).abs() <= 2.0 * f64::from(f32::EPSILON) * x.abs();
                     *x = inside;
                 }
@@ -220,12 +221,12 @@ impl Tile {
     fn off<T: Adversarial>(&self, probe: &Probe, axis: usize) -> f64 {
         let terms = self.terms(probe.screen, probe.t, axis).into_iter();
         let off = dot(terms.chain([(probe.at[axis], -1.0)])).most();
-        // Products of t and a screen coordinate may underflow.
+        // Products of t and a screen coordinate may underflow. This bounds what they lose.
         let lost = [1, 2].map(|k| self.direction[k][axis].abs() * f64::from_bits(1));
         T::above((off + lost[0] + lost[1]).next_up().next_up()).into()
     }
 
-    /// Returns a part of the tile that contains a probe.
+    /// Returns a random part of the tile. The part contains `probe`.
     pub(super) fn narrower<T: Adversarial>(&self, rng: &mut Rng, probe: &Probe) -> Self {
         let mut part = *self;
         let share = 2f64.powi(-rng.i32(0..=30));
@@ -295,7 +296,7 @@ pub(super) fn pack_tiles<T: Adversarial>(tiles: &[Tile]) -> Tiles<T> {
     batch
 }
 
-/// Packs the rays through a probe, one per tile, into a batch of segments.
+/// Packs one ray per tile into a batch of segments: the ray with the probe's screen coordinates.
 pub(super) fn pack_segments<T: Adversarial>(tiles: &[Tile], probe: &Probe) -> Segments<T> {
     let mut batch = Segments { count: tiles.len().min(LANES) as u32, ..Segments::default() };
     for (lane, tile) in tiles.iter().enumerate() {

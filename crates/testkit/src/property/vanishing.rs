@@ -34,7 +34,7 @@ pub fn check_zeros<T: Adversarial>(
         tally.compared += 1;
         let certificate = function.trace(&line, &formula.region, BUDGET);
         let Some(crossing) = certificate.crossing else { continue };
-        // Compiles only for a crossing, since most formulas have no zero.
+        // The kernel is compiled at the first crossing, since most formulas have no zero.
         if kernel.is_none() {
             kernel = make(formula);
         }

@@ -143,7 +143,7 @@ fn enclosed(lo: f64, hi: f64) -> Constant {
     Constant::enclosed(Interval { lo, hi })
 }
 
-/// Returns bounds for each of `count` parameters: one number, two neighboring floats, or more.
+/// Returns bounds for each of `count` parameters: one number, two neighboring floats, or a range.
 pub fn random_parameters(rng: &mut Rng, count: u32) -> Vec<(f64, f64)> {
     (0..count)
         .map(|_| {

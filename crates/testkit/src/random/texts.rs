@@ -1,5 +1,5 @@
-//! Random formulas as text, with every form and every composed function of the language. They give
-//! graphs that random operations hardly ever produce.
+//! Random formulas as text, with every special form and every composed function of the language.
+//! They give graphs that random operations hardly ever produce.
 
 use super::Rng;
 use super::values::below;
@@ -17,7 +17,7 @@ pub fn random_text(rng: &mut Rng, depth: u32) -> String {
 
 struct Text<'r> {
     rng: &'r mut Rng,
-    /// Number of sums and products around the current place.
+    /// Number of sums and products that enclose the expression being written.
     indices: usize,
 }
 
@@ -107,7 +107,7 @@ impl Text<'_> {
         format!("mat{size}({})", elements.join(", "))
     }
 
-    /// Returns a random expression for a number, with one of the language's forms.
+    /// Returns a random expression for a number, with one of the special forms.
     fn form(&mut self, depth: u32) -> String {
         let form = &FORMS[below(self.rng, FORMS.len())];
         let name = form.name;

@@ -116,7 +116,7 @@ pub(super) fn from_exponents<T: Real>(rng: &mut Rng, least: i32, most: i32) -> T
     T::nearest(value.min(T::LARGEST.into()))
 }
 
-/// Returns `value` or a number up to two ulps away, if that is finite.
+/// Returns `value` or a float up to two steps away. Returns `value` if that float is infinite.
 pub(super) fn nudge<T: Adversarial>(rng: &mut Rng, value: T) -> T {
     let moved = match rng.u32(0..6) {
         0 => value.next_up(),

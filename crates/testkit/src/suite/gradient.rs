@@ -6,9 +6,9 @@ use crate::{Defined, Oracle, Place, Rng, reproduce_in};
 use zeroset_eval::{LANES, Points, Real, SampleGradient};
 use zeroset_ops::Op;
 
-/// Half the distance over which a slope is measured. The square of this step times the third
-/// derivative bounds the slope's error. The oracle's values have a relative error of about 2⁻⁵²,
-/// which adds 2⁻³⁵.
+/// Half the distance over which a slope is measured. A slope has two errors. One is at most the
+/// step squared times the third derivative. The other is the oracle's error of about 2⁻⁵², divided
+/// by the step: 2⁻³⁵.
 const STEP: f64 = 1.0 / (1 << 17) as f64;
 
 /// Checks every operation alone at `points` points. Their coordinates are up to 4, and almost

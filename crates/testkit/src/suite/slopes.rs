@@ -88,7 +88,7 @@ impl QueryResult {
             for (axis, claim) in derivatives.iter().enumerate() {
                 // Derivatives are compared only inside the box. At a face, the rules may not give
                 // the derivative towards the inside. Kinks are left out if simplification may
-                // change the derivative.
+                // change their derivative.
                 let [lo, hi] = region[axis];
                 let is_inside = lo < point[axis] && point[axis] < hi;
                 let is_known = self.differentiable
@@ -128,8 +128,8 @@ fn ends_of<T: Real>(region: &[[T; 2]; 3]) -> [[f64; 2]; 3] {
 }
 
 /// Whether the rules certainly give the derivative of an operation with a kink at `argument` = 0.
-/// At the kink the rules give the mean of both sides. This is right if the argument's derivative
-/// along the axis is 0. Otherwise simplification may change it, as from max(0, min(0, y)) to 0.
+/// At the kink they give the mean of both sides, which is right if the argument's derivative along
+/// `axis` is 0. Otherwise simplification may change the mean, as from max(0, min(0, y)) to 0.
 fn is_smooth([argument, derivatives @ ..]: &[Claim; 4], axis: usize) -> bool {
     let (is_off, slope) = (argument.hi < 0.0 || 0.0 < argument.lo, derivatives[axis]);
     is_off || slope.lo == 0.0 && slope.hi == 0.0

@@ -98,7 +98,7 @@ impl Kernel<SampleGradient> for Sampler {
             let here = point(points, lane);
             answers.value[lane] = self.at(here) as f32;
             for axis in 0..3 {
-                // This step is smaller than that of the check, so it crosses no other kinks.
+                // This step is smaller than the check's step, so it crosses no further kinks.
                 let step = 1.0 / 262_144.0;
                 let (mut before, mut after) = (here, here);
                 before[axis] -= step;
@@ -222,7 +222,7 @@ fn wrong_rewrites_are_caught() {
         let root = graph.apply(Op::WherePositive, &[root, root]);
         Some((graph, root))
     });
-    // A parameter has no known value, so no value contradicts it. But it is defined everywhere.
+    // A parameter without bounds contradicts no value. But it is defined everywhere.
     let total = run(&|_, _, _| {
         let mut graph = Graph::new();
         let root = graph.parameter(0);

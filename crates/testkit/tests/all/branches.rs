@@ -122,7 +122,7 @@ fn check<T: Adversarial>(seed: u64, cases: u64) {
             let (answer, context) = compare(value);
             assert!(answer, "a zero is lost: {context}");
             points += 1;
-            // With another value subtracted, branches alone often prove a box empty.
+            // For another value, branches often prove a box empty that the whole function does not.
             let beside = Interval { lo: value.lo + 0.25, hi: value.hi + 0.25 };
             let (answer, _) = compare(beside);
             let whole = is_possible(&Reference::new(plain.clone(), bind(beside)), &boxes);
@@ -173,7 +173,7 @@ fn zeros_and_bounds<T: Adversarial>(seed: u64) {
             ];
             let found =
                 [zeros.possible, zeros.unbounded, zeros.jumping].map(|mask| mask >> lane & 1 == 1);
-            // If no zero is possible, the other two masks mean nothing.
+            // If no zero is possible, the masks `unbounded` and `jumping` mean nothing.
             let compared = if expected[0] { 3 } else { 1 };
             assert_eq!(
                 found[..compared],

@@ -48,7 +48,7 @@ fn series(x: &BigInt, turns: bool) -> [BigInt; 2] {
     let mut sums = [BigInt::zero(), BigInt::zero()];
     let mut term = BigInt::from(1) << PLACES;
     for n in 0_u32.. {
-        // A negative term never becomes 0, since shifting rounds it down.
+        // Shifting rounds down, so a negative term ends at −1 and not at 0.
         if term.bits() <= 1 {
             break;
         }

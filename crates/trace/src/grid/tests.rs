@@ -142,7 +142,7 @@ fn axes_are_those_of_real_geometry() {
                 continue;
             }
             Err(CameraError::UpAlongView) => {
-                // The camera may be refused only if the sine is tiny.
+                // Only a camera whose `up` is almost along the view may be refused.
                 let way = sum(&vector(target), &vector(eye), &exact(-1.0));
                 assert!(sine_squared(&way, &vector(up)) < exact(1.001e-18));
                 along += 1;
@@ -282,7 +282,7 @@ fn points_in_f32_are_near_however_far_the_eye_is() {
             let window = PixelWindow { column, row, index: 0, wanted: 1 };
             let distances = std::array::from_fn(|lane| {
                 let ray = rays.ray(column + lane, row);
-                // Distances near that of the ray's point nearest to the target.
+                // The distances are near that of the ray's point that is nearest to the target.
                 let t = (target - ray.origin).dot(ray.direction) / ray.direction.length_squared();
                 ray.distance(t) - 0.5 + 0.06 * lane as f64
             });
@@ -318,7 +318,7 @@ fn rays_of_a_part_are_those_of_the_picture() {
             let doubled = [2 * whole[0] + 2 * i, 2 * whole[1] + 2 * j];
             assert_eq!(part.screen(2 * i, 2 * j), rays.screen(doubled[0], doubled[1]));
         }
-        // The middle of the four parts of a divided pixel is the center of that pixel.
+        // The point in the middle of a divided pixel's four parts is that pixel's center.
         let finer = rays.finer(2);
         assert_eq!((finer.width(), finer.height()), (122, 80));
         assert_eq!(finer.screen(2 * 7 * 2 + 1, 2 * 16 * 2 + 1), rays.screen(2 * 7, 2 * 16));

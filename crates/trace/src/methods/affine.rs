@@ -11,7 +11,7 @@
 //! width, or the surface is steep. The nearer part of a cut segment is examined first.
 //!
 //! A hit is a segment on which the function is continuous and has opposite signs at the ends. The
-//! ray is proven empty before it. Segments are narrowed to the limit of precision. With
+//! ray is proven empty before it. Undecided segments are narrowed to the limit of precision. With
 //! [`Precision::Auto`], `f64` is used if `f32` does not suffice.
 
 mod bundle;
@@ -107,7 +107,7 @@ fn knoll_row() -> &'static Method {
 struct Affine<'a, T: Scalar> {
     tiles: &'a dyn Kernel<ContractTiles, T>,
     follower: Follower<'a, T>,
-    /// Whether forms bound a numerator. A zero of it need not be a zero of the function.
+    /// Whether forms bound a numerator. A zero of the numerator need not be a zero of the function.
     cleared: bool,
     task: Task<'a>,
     /// Maximum length of a hit's bracket, in pixels: [`TraceOptions::longest`].
@@ -118,8 +118,7 @@ struct Affine<'a, T: Scalar> {
     double: OnceLock<Option<Box<Affine<'a, f64>>>>,
 }
 
-/// Maximum error of a computed ray, as a share of the region's extent. Beyond it, the method
-/// `knoll` is used.
+/// Maximum error of a computed ray, as a share of the region's extent. Beyond it, `knoll` is used.
 const MAX_RAY_ERROR: f64 = 1e-2;
 
 /// If a hit's bracket must be shorter than this many times the resolution of `f32`, only `f64` is

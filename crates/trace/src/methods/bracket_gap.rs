@@ -1,5 +1,5 @@
-//! Brackets of zeros that arithmetic cannot locate. The function has proven, opposite signs at the
-//! two ends.
+//! Brackets whose zero arithmetic cannot locate. The function has proven, opposite signs at the two
+//! ends of a bracket.
 
 use super::local_ray::{LocalRay, between_faces, bounds};
 use zeroset_eval::{Boxes, Enclose, Enclosures, Kernel, Real};
@@ -9,7 +9,8 @@ use zeroset_space::Region;
 /// Number of places at which the sign is evaluated, on each side of an undecided segment. Each is
 /// 1.5 times as far away as the one before. Also the number of times that a bracket is halved.
 const SIGN_STEPS: i32 = 48;
-/// How far behind an undecided segment to search for a zero, as a share of the ray in the region.
+/// How far behind an undecided segment a zero is sought, as a share of the ray's length in the
+/// region.
 const MAX_REACH: f64 = 1.0 / 64.0;
 
 /// How far around a gap the denominator is tested for zeros. The unit is the gap's length.
@@ -40,7 +41,7 @@ impl<T: Real> RayFunction<'_, T> {
         if !self.enclose([before, behind]).facts(0).has(Facts::CONTINUOUS) {
             return None;
         }
-        // Halving finds the nearest place behind the segment with the proven sign `!below`.
+        // Halving moves `behind` toward the segment while its sign is proven to be `!below`.
         let mut close = near;
         for _ in 0..SIGN_STEPS {
             let middle = 0.5 * (close + behind);
@@ -62,7 +63,7 @@ impl<T: Real> RayFunction<'_, T> {
         let before = self.sign_from(near, -least, first, None);
         let behind = self.sign_from(far, least, last.min(far + MAX_REACH * (last - first)), None);
         let (Some((start, before)), Some((end, behind))) = (before, behind) else { return false };
-        // An undecided part close behind a gap is treated as part of the gap.
+        // The surroundings are tested, too: an undecided part close behind a gap belongs to it.
         let close = POLE_REACH * (end - start);
         let boxes =
             Boxes::around(&[bounds(self.local_ray, [start - close, end + close], self.region)]);

@@ -19,7 +19,7 @@ pub(super) const MAX_OPEN_PARTS: u32 = 16;
 pub(super) struct LocalRay {
     pub origin: DVec3,
     pub direction: DVec3,
-    /// Per axis, the maximum distance of the exact ray's points from these points.
+    /// Per axis, the maximum distance of the exact ray's points from `origin` + s·`direction`.
     pub error: DVec3,
     /// Value of s at the ray's start.
     pub start: f64,
@@ -55,8 +55,8 @@ impl LocalRay {
 /// Returns the range of s = t − `start` in which a ray is proven to lie in the region.
 pub(super) fn inside(region: &Region, ray: &Ray, start: f64) -> [f64; 2] {
     let [near, far] = region.inner(ray);
-    // Rounding may move a difference outward, so it is moved inward by one float. If the eye is
-    // inside the region, `near` is 0, and −`start` is exact.
+    // A rounded end may lie outside the exact range. So each end is moved inward by one float. If
+    // the eye is inside the region, `near` is 0, and −`start` is exact.
     [if near == 0.0 { -start } else { (near - start).next_up() }, (far - start).next_down()]
 }
 

@@ -67,7 +67,7 @@ pub(super) fn follow_in_region<O: IntoIterator<Item = RayOutcome>>(
     }
 }
 
-/// Returns why a part is undecided. `facts` holds in the part. `spent` means that the effort
+/// Returns why a part is undecided. `facts` holds on the whole part. `spent` states that the effort
 /// allowed for the ray is used up.
 pub(super) fn reason(facts: Facts, spent: bool) -> UndecidedReason {
     if !facts.has(Facts::DEFINED) {

@@ -70,7 +70,8 @@ impl<'a, T: Scalar> Refiner<'a, T> {
         a.is_finite() && b.is_finite() && (a == 0.0 || b == 0.0 || (a < 0.0) != (b < 0.0))
     }
 
-    /// Returns the place in each wanted part at which samples change sign; infinity if none.
+    /// Returns the place in each wanted part at which the function's samples change sign; infinity
+    /// if they do not.
     pub fn places(
         &self,
         lines: &RayLanes,
@@ -126,8 +127,8 @@ fn place<S: Simd, T: Scalar>(simd: S, lines: &RayLanes, at: &Lanes<f64>, points:
     }
 }
 
-/// Returns, for each bracket, the length at which it is short enough. Its first ends are `near` and
-/// `far`.
+/// Returns, for each bracket, the length at which it is short enough. `near` and `far` are the
+/// brackets' initial ends.
 #[inline(always)]
 fn enough<T: Scalar, S: Simd>(
     simd: S,

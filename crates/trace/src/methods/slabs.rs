@@ -1,7 +1,8 @@
 //! Packets of up to sixteen rays march through slabs of their dominant axis, for the methods
 //! `knoll` and `raa`. A slab in which the function may vanish is halved, down to a fixed depth. If
-//! a slab is proven empty for a ray, its parts are not tested for that ray. So other rays of the
-//! packet affect a ray's result in two ways only: by the axis, and by the number of steps left.
+//! a slab is proven empty for a ray, its parts are not tested for that ray. So the packet's other
+//! rays affect a ray's result in two ways only: by the choice of axis, and by the number of steps
+//! left.
 //!
 //! These methods prove misses only. If a slab of the last level may hold a root, a root is drawn in
 //! it. Such pixels are undecided. This module does not depend on how a slab is tested.
@@ -52,8 +53,8 @@ pub(super) struct Slab<T> {
     pub planes: [T; 2],
     /// Rays to be tested, as bits.
     pub rays: u16,
-    /// Whether the slab is of the last level, which is not halved. Only there it matters whether
-    /// the function is bounded.
+    /// Whether the slab is of the last level, which is not halved. Only on that level it matters
+    /// whether the function is bounded.
     pub is_last: bool,
 }
 
@@ -65,9 +66,9 @@ pub(super) struct Slabs<'a, T: Scalar, S> {
     refiner: Option<Refiner<'a, T>>,
     region: &'a Region,
     vectors: Vectors,
-    /// Level of the thinnest slabs, which are 2^−(`last` + 1) of the region's extent. If a packet
-    /// uses up [`MOST_STEPS`], the slab tested last is treated as one of this level. Behind it,
-    /// nothing is known.
+    /// Level of the thinnest slabs. Their thickness is 2^−(`last` + 1) of the region's extent along
+    /// the axis. If a packet uses up [`MOST_STEPS`], the slab tested last is treated as one of this
+    /// level. Behind it, nothing is known.
     last: u32,
     suppress_asymptotes: bool,
 }
@@ -116,7 +117,7 @@ impl<T: Scalar, S: SlabTest<T>> Tracer for Slabs<'_, T, S> {
             let Some(refiner) = &self.refiner else { continue };
             let places = refiner.places(&lines, &slabs, work);
             for lane in ones(slabs.rays).filter(|lane| places[*lane].is_finite()) {
-                // The ray is proven empty before the slab, so nothing is painted there.
+                // The ray is proven empty before the slab, so nothing is painted before the slab.
                 found[lane].drawn = found[lane].drawn.max(places[lane]);
             }
         }
@@ -245,7 +246,7 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
     }
 
     /// Records rays that may meet a zero in a slab of the last level. On `unbounded` rays, the
-    /// function has no bounds in the slab. Returns the rays whose root is drawn in the slab.
+    /// function has no known bounds in the slab. Returns the rays whose root is drawn in the slab.
     #[inline(always)]
     fn record(
         &self,

@@ -120,7 +120,7 @@ fn slope<T: Scalar>(out: &GradientEnclosures<T>, lane: usize, direction: DVec3) 
         size += a.abs().max(b.abs());
     }
     // The error of three products and two sums, and of underflow. Each operation rounds by at most
-    // half a unit of `size`.
+    // half a unit times `size`.
     let error = 4.0 * f64::EPSILON * size + 4.0 * f64::MIN_POSITIVE;
     let (lo, hi) = (lo - error, hi + error);
     // NaN bounds nothing.

@@ -115,7 +115,7 @@ impl<T: Scalar> Sphere<'_, T> {
             }
             let values = self.slopes.values(&boxes[..walks.len()], work);
             for (walk, value) in walks.iter_mut().zip(values) {
-                // If the eye is inside the region, the ray crosses no face there.
+                // If the eye is inside the region, the ray enters the region through no face.
                 let is_none = end == 0 && walk.at == 0.0;
                 walk.open[end] = !is_none && value.lo <= 0.0 && value.hi >= 0.0;
             }
@@ -199,7 +199,8 @@ impl Walk {
             return None;
         }
         if self.leaving {
-            // Such a step leads away from the surface that the ray starts on, and proves nothing.
+            // A step this short leads away from the surface that the ray starts on, and proves
+            // nothing.
             (self.at, self.part) = (at + self.enough, GROWTH * self.enough);
             return None;
         }

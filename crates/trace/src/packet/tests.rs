@@ -118,7 +118,8 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
         for _ in 0..6 {
             let depth = random.next() % u64::from(T::MAX_DEPTH - 4);
             let count = 1_u64 << (depth + 1);
-            // If a range is too short, the first or last slabs show it, so these are frequent.
+            // A range of τ that is too short shows in the first or last slabs, so these are chosen
+            // often.
             let index = match random.next() % 8 {
                 0 => 0,
                 1 => count - 2,
@@ -138,7 +139,7 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
                     packet.meets(simd, slab[0], slab[1])
                 });
                 assert_eq!(boxes.count, 16 - asked.leading_zeros());
-                // The share is at an end of the slab, or anywhere between.
+                // The share, a value of τ, is at an end of the slab or anywhere between.
                 let share = match random.next() % 4 {
                     0 => exact(planes[half].into()),
                     1 => exact(planes[half + 1].into()),
@@ -215,8 +216,8 @@ fn rays_that_do_not_advance_together_are_refused() {
     assert!(!packet(DVec3::NAN));
 }
 
-/// Rays go exactly through the region's middle. They start so far away that coordinates overflow in
-/// `f32`, and their squares in `f64`.
+/// Rays go exactly through the region's middle. They start at up to 2³³² times their directions'
+/// lengths, where coordinates overflow in `f32`.
 #[test]
 fn rays_from_very_far_keep_the_point_that_they_meet() {
     from_very_far::<f32>(0x5eed_7006);

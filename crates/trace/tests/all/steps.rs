@@ -1,5 +1,5 @@
-//! Tests that a packet takes a bounded number of steps at any depth, and that rays not finished by
-//! then are undecided.
+//! Tests that a packet takes a bounded number of steps at any depth, and that rays unfinished after
+//! these steps are undecided.
 
 use glam::DVec3;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -13,8 +13,8 @@ use zeroset_trace::{
     RayResult, Segment, Start, Status, TraceOptions,
 };
 
-/// A function of z that is 0 above `top` and has no zero below. Its bounds exclude zeros only in
-/// slabs of thickness at most `finest`.
+/// A function of z that may be 0 above `top` and has no zero below. Its bounds exclude zeros only
+/// in slabs of thickness at most `finest`.
 struct Stubborn {
     top: f32,
     finest: f32,

@@ -36,7 +36,7 @@ impl<M: Machine> Rule<'_, M> {
         FormOperand { value: self.form_neg(&a.value), range, exponent: Exponent::Real }
     }
 
-    /// Adds `units` units of `magnitude` to `error`.
+    /// Adds the rounding error of `units` units of `magnitude` to `error`.
     pub(super) fn rounded(&mut self, error: Option<M::V>, units: f64, magnitude: M::V) -> M::V {
         if !self.m.counts_rounding() {
             return error.unwrap_or_else(|| self.zero());
@@ -56,7 +56,8 @@ impl<M: Machine> Rule<'_, M> {
         self.form_sum_by(M::add, a, b)
     }
 
-    /// The form of a − b. If `a` varies, b need not be negated.
+    /// The form of a − b. If `a` depends on no symbol, the negated b is added. Else b is
+    /// subtracted.
     pub(super) fn form_difference<const N: usize>(
         &mut self,
         a: &Form<M::V, N>,
@@ -70,8 +71,8 @@ impl<M: Machine> Rule<'_, M> {
         self.form_sum_by(M::sub, a, &b)
     }
 
-    /// The form of a + b, or of a − b if `a` varies. `op` adds or subtracts the centers and slopes.
-    /// For a difference, the caller must negate the bounds of `b`.
+    /// The form of a + b, or of a − b if `a` depends on a symbol. `op` adds or subtracts the
+    /// centers and slopes. For a difference, the caller must negate the bounds of `b`.
     fn form_sum_by<const N: usize>(
         &mut self,
         op: impl Fn(&mut M, M::V, M::V) -> M::V + Copy,
@@ -90,8 +91,8 @@ impl<M: Machine> Rule<'_, M> {
             slopes,
             error: self.sum_of(a.error, b.error),
             magnitude: Some(magnitude),
-            // The units of a hold for the magnitude of a, those of b for the magnitude of b. The
-            // larger number of units holds for both.
+            // The units of a count for the magnitude of a, those of b for the magnitude of b. The
+            // larger number of units covers both.
             units: a.units.max(b.units) + 1.25,
             bounds: match (a.bounds, b.bounds) {
                 (Some(a), Some(b)) => Some([self.m.add(a[0], b[0]), self.m.add(a[1], b[1])]),
@@ -126,7 +127,8 @@ impl<M: Machine> Rule<'_, M> {
         Form { bounds, facts, ..form }
     }
 
-    /// The form of `a` times a factor without symbols, whose error must include its rounding.
+    /// The form of `a` times a factor without symbols. The factor's error must include its
+    /// rounding.
     fn form_scaled<const N: usize>(
         &mut self,
         a: &FormOperand<M::V, N>,
@@ -135,7 +137,8 @@ impl<M: Machine> Rule<'_, M> {
         let b = &factor.value;
         let exact = factor.range.singleton();
         let a = if exact.is_some() { a.value } else { self.including_rounding(a).value };
-        // The middle of [x, x] may overflow, so a single number x itself is taken.
+        // A factor that is a single number x is taken itself, since the middle of [x, x] may
+        // overflow.
         let by = exact.map_or(b.centre, |number| self.number(number));
         let slopes = a.slopes.map(|slopes| self.pairwise(slopes, [by; N], M::mul));
         let size = match exact {
@@ -277,9 +280,9 @@ impl<M: Machine> Rule<'_, M> {
         self.with_bounds(&form, &value)
     }
 
-    /// The form of 1/b. For x in [lo, hi] above 0, 1/x + βx is greatest at an end, and at least
-    /// 2√β. The form is mirrored for b below 0. If b may be 0, the error is infinite and the form
-    /// claims nothing.
+    /// The form of 1/b. For x in [lo, hi] above 0 and β = 1/(lo·hi), 1/x + βx is greatest at an
+    /// end, and at least 2√β. The form is mirrored for b below 0. If b may be 0, the error is
+    /// infinite and the form claims nothing.
     fn form_reciprocal<const N: usize>(
         &mut self,
         b: &Form<M::V, N>,
@@ -337,7 +340,8 @@ impl<M: Machine> Rule<'_, M> {
         Form { magnitude: Some(magnitude), units: 2.5, facts: a.facts, ..form }
     }
 
-    /// The form of a power: products for an integer exponent, else exp(b·ln a).
+    /// The form of a power: products for an integer exponent up to ±64, exp(b·ln a) for a real
+    /// exponent, bounds for other exponents.
     pub(super) fn form_power<const N: usize>(
         &mut self,
         a: &FormOperand<M::V, N>,

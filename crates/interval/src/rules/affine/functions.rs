@@ -12,7 +12,7 @@ use crate::machine::Machine;
 use crate::rules::{Rule, enclose};
 use zeroset_ops::Op;
 
-/// The middle and the bounds of an operand, at which a function's derivatives are evaluated.
+/// The bounds of an operand and their middle, at which a function's derivatives are evaluated.
 pub(super) struct ExpansionPoint<V> {
     /// The middle of the bounds.
     x: V,
@@ -22,7 +22,7 @@ pub(super) struct ExpansionPoint<V> {
     neg_lo: V,
     /// The largest magnitude of a number within the bounds.
     most: V,
-    /// The function's enclosure at the middle; `value` is that over the bounds.
+    /// The function's enclosure at the middle; `value` is its enclosure over the bounds.
     here: Enclosure<V>,
     value: Enclosure<V>,
 }
@@ -40,7 +40,7 @@ pub(super) struct Derivatives<V> {
     bend: [V; 2],
 }
 
-/// Number of units of itself by which a result of few operations errs at most, if nothing cancels.
+/// Largest error of a result of few operations without cancellation, in units of the result.
 const UNITS: f64 = 32.0;
 
 impl<M: Machine> Rule<'_, M> {
@@ -162,7 +162,7 @@ impl<M: Machine> Rule<'_, M> {
         Derivatives { bend: [shape.bend[0], zero], ..shape }
     }
 
-    /// For c = ∛x, f′ = 1/(3c²) and f″ = −2/(9c⁵). |f″| is greatest at the number nearest to 0.
+    /// For c = ∛x, f′ = 1/(3c²) and f″ = −2/(9c⁵). |f″| is greatest at the operand nearest to 0.
     pub(super) fn shape_of_cbrt(&mut self, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
         let ExpansionPoint { here, value, .. } = at;
         let one = self.number(1.0);
@@ -174,7 +174,7 @@ impl<M: Machine> Rule<'_, M> {
         let triple = self.m.mul(square, three);
         let slope = self.m.div(one, triple);
         let share = self.number(0.25);
-        // This is twice the error of the slope that the relative error of c causes.
+        // This is twice the error that the relative error of c causes in the slope.
         let size = self.m.abs(near);
         let relative = self.m.div(width, size);
         let four = self.number(4.0);

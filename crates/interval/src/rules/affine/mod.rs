@@ -89,8 +89,8 @@ impl<V: Copy, const N: usize> Form<V, N> {
         Rule { m, format }.form_between(value)
     }
 
-    /// The form of a constant within `bounds`, which are exact in `format`; `m` does not compute
-    /// it.
+    /// The form of a constant within `bounds`, which are exact in `format`. The software machine
+    /// computes the form, so `m` only loads constants.
     pub fn constant<M: Machine<V = V>>(m: &mut M, format: Format, bounds: Interval) -> Self {
         let mut software = Software::new();
         let [neg_lo, hi] = [-bounds.lo, bounds.hi].map(|end| software.number(format, end));
@@ -212,7 +212,6 @@ impl<M: Machine> Rule<'_, M> {
         2f64.powi(self.format.pick(-23, -52))
     }
 
-    /// Adds [`Self::tiny`] to `error`.
     fn plus_tiny(&mut self, error: Option<M::V>) -> Option<M::V> {
         let tiny = self.tiny();
         self.sum_of(error, tiny)
@@ -302,7 +301,7 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
-    /// The operand with delayed rounding added to its error. So the sum is not computed again.
+    /// The operand with delayed rounding added to its error, so that uses need not add it again.
     fn including_rounding<const N: usize>(
         &mut self,
         a: &FormOperand<M::V, N>,
@@ -311,7 +310,7 @@ impl<M: Machine> Rule<'_, M> {
         FormOperand { value, ..*a }
     }
 
-    /// Applies `op` to pairs of centers or slopes. The errors of forms count its rounding.
+    /// Applies `op` to pairs of centers or slopes. The errors of forms count the rounding of `op`.
     fn pairwise<const N: usize>(
         &mut self,
         a: [M::V; N],
@@ -321,8 +320,8 @@ impl<M: Machine> Rule<'_, M> {
         self.m.unrounded(|m| std::array::from_fn(|k| op(m, a[k], b[k])))
     }
 
-    /// The operand's bounds for an interval rule. They are the intersection of the form's own
-    /// bounds, the bounds stored with the form, and the operand's range.
+    /// The operand's bounds for an interval rule. For a form that depends on a symbol, they are the
+    /// intersection of its own bounds, its stored bounds and the operand's range.
     fn operand<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> Operand<M::V> {
         let bounds = match (a.value.slopes, a.value.bounds) {
             (None, Some(bounds)) => bounds,
@@ -346,7 +345,7 @@ impl<M: Machine> Rule<'_, M> {
         a.with(a.value.facts.with(bounds))
     }
 
-    /// Like [`Self::operand`], but takes only stored bounds and the range if bounds are stored.
+    /// Like [`Self::operand`], but if bounds are stored, the form's own bounds are not computed.
     fn operand_from_bounds<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> Operand<M::V> {
         let (Some(_), Some(bounds)) = (a.value.slopes, a.value.bounds) else {
             return self.operand(a);
@@ -369,7 +368,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// Adds the bounds and facts of `value`, the interval rule's result, to `form`. In lanes where
-    /// the form's error is not below half their width, the bounds replace the form.
+    /// the form's error is not below half the width of these bounds, they replace the form.
     fn with_bounds<const N: usize>(
         &mut self,
         form: &Form<M::V, N>,
@@ -411,7 +410,8 @@ mod tests {
                     assert_eq!(form.magnitude, Some(m.abs(form.centre)));
                     assert_eq!(form.error.is_none(), lo == hi);
                     let middle = Form::<_, 3>::between(m, format, &enclosure);
-                    // The sum of equal ends may overflow, but a single number is its own center.
+                    // For lo = hi, `between` may overflow when it adds the ends. `constant` does
+                    // not add them.
                     if lo != hi || lo < 1e38 {
                         let zero = m.number(format, 0.0);
                         assert_eq!(form.centre, middle.centre, "{lo} to {hi}");

@@ -9,9 +9,9 @@ use crate::rules::Rule;
 /// Claims about the zeros on a segment, along which the last symbol of a form runs.
 #[derive(Clone, Copy, Debug)]
 pub struct Contraction<V> {
-    /// New near end. On every ray, all zeros lie between the new ends.
+    /// Near end of the narrowed segment. On every ray, all zeros lie between its ends.
     pub near: V,
-    /// New far end.
+    /// Far end of the narrowed segment.
     pub far: V,
     /// Lanes that may have a zero. In other lanes the segment has no zero.
     pub possible: Fact<V>,
@@ -20,12 +20,12 @@ pub struct Contraction<V> {
     pub crossing: Fact<V>,
 }
 
-/// Narrows the segment from `near` to `far`. The last symbol ε of `form` runs along it: t =
-/// `middle` + `half`·ε.
+/// Narrows the segment from `near` to `far`. The last symbol ε of `form` runs along the segment: t
+/// = `middle` + `half`·ε.
 ///
-/// For the last slope r, let w bound the other symbols' terms and the error. Then 0 = c + r·ε ± w
-/// gives ε in (−c ± w)/r. Its bounds are kept as −lo and hi and rounded up, that is, outward. So t
-/// ≤ m + h·hi and −t ≤ h·(−lo) − m, for `middle` m and `half` h.
+/// Let c be the center and r the last slope, and let w bound the other symbols' terms and the
+/// error. Then 0 = c + r·ε ± w gives ε in (−c ± w)/r. The bounds of ε are kept as −lo and hi and
+/// rounded up, that is, outward. So t ≤ m + h·hi and −t ≤ h·(−lo) − m, for `middle` m and `half` h.
 pub fn contract<M: Machine, const N: usize>(
     m: &mut M,
     format: Format,

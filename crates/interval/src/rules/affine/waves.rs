@@ -26,7 +26,6 @@ struct CenteredOperand<V, const N: usize> {
 }
 
 impl<M: Machine> Rule<'_, M> {
-    /// The forms of sine and cosine of `a`.
     pub(super) fn form_waves<const N: usize>(
         &mut self,
         a: &FormOperand<M::V, N>,
@@ -58,13 +57,13 @@ impl<M: Machine> Rule<'_, M> {
         [(sin, cos), (cos, opposite)].map(|(here, slope)| self.form_wave(&place, &here, &slope))
     }
 
-    /// The form v + α(a − m), for the value v and slope α at the middle m; its error bounds the
-    /// rest. The second derivative is −f, so f(x) − v − α(x − m) is between −2p and 2q. Here p is
-    /// reach²/4 times the function's greatest value, and q is −reach²/4 times its least. The form
-    /// adds q − p ± (q + p).
+    /// The form v + α(a − m), for the value v and slope α at the middle m, with an error that
+    /// bounds its distance from f. The second derivative is −f, so f(x) − v − α(x − m) is between
+    /// −2p and 2q. Here p is reach²/4 times the function's greatest value, and q is −reach²/4 times
+    /// its least. The form adds q − p ± (q + p).
     ///
-    /// Rounding, in units: center and slopes err by less than two of |α|(|m| + Σ|slopes|). The
-    /// center also errs by one of v + (q − p), and that sum by one of v and two of q + p.
+    /// Rounding: center and slopes err by less than two units of |α|(|m| + Σ|slopes|). The center
+    /// also errs by one unit of v + (q − p), and that sum by one unit of v and two of q + p.
     fn form_wave<const N: usize>(
         &mut self,
         place: &CenteredOperand<M::V, N>,

@@ -82,7 +82,6 @@ impl<M: Machine> Approximator<'_, M> {
         Rule { m: self.m, format: F64 }.series(z, coefficients)
     }
 
-    /// Computes x − k·c.
     pub(super) fn subtract_multiple(&mut self, x: M::V, k: M::V, c: f64) -> M::V {
         let c = self.number(-c);
         self.m.mul_add(k, c, x)

@@ -19,16 +19,16 @@ const WHOLE: [f64; 2] = [std::f64::consts::PI, f64::from_bits(0x3ca1_a626_3314_5
 const MINUS_ONE_THIRD_TAIL: f64 = -f64::from_bits(0x3c75_5555_5555_5555);
 pub(super) const ONE_SIXTH_TAIL: f64 = f64::from_bits(0x3c65_5555_5555_5555);
 /// Points farther from the origin than `FAR` are scaled down, and points nearer than `NEAR` up. So
-/// sums do not overflow. Remainders underflow only for ratios below `TINY_RATIO`, which equal their
-/// angles.
+/// sums do not overflow. Remainders underflow only for ratios below `TINY_RATIO`, at which angle
+/// and ratio are equal.
 const FAR: f64 = f64::from_bits((1023 + 900) << 52); // 2^900
 const NEAR: f64 = f64::from_bits((1023 - 100) << 52); // 2^-100
 const SCALE: f64 = f64::from_bits((1023 + 500) << 52); // 2^500
 const TINY_RATIO: f64 = f64::from_bits((1023 - 800) << 52); // 2^-800
 
 impl<M: Machine> Approximator<'_, M> {
-    /// atan x, odd in x. Its relative error is below 2⁻³⁴ in `f32` and 2⁻⁵⁶ in `f64`, by the error
-    /// of [`Approximator::atan_reduced`].
+    /// atan x, odd in x. Its relative error is below 2⁻³⁴ in `f32` and 2⁻⁵⁶ in `f64`, which follows
+    /// from the error of [`Approximator::atan_reduced`].
     ///
     /// atan t = π/4 + atan((t − 1)/(t + 1)) = π/2 + atan(−1/t). The reduced argument is at most tan
     /// π/8.
@@ -90,12 +90,12 @@ impl<M: Machine> Approximator<'_, M> {
     }
 
     /// acos x for |x| ≤ 1, exactly 0 at 1. Its relative error is below 2⁻³⁴ in `f32` and 2⁻⁵⁶ in
-    /// `f64`, by the error of [`Approximator::arc_sine`]. If a constant is added to the arc, the
-    /// arc is at most half the result.
+    /// `f64`. This follows from the error of [`Approximator::arc_sine`]: if a constant is added to
+    /// the arc, the arc is at most half the result.
     pub(crate) fn acos(&mut self, x: M::V) -> Approximation<M::V> {
         let (arc, beyond) = self.arc_sine(x);
-        // acos x = π/2 − asin x. So it is 2 asin √((1 − x)/2) if x > ½, and π − 2 asin √((1 + x)/2)
-        // if x < −½.
+        // acos x is π/2 − asin x. It equals 2 asin √((1 − x)/2) if x > ½, and π − 2 asin √((1 +
+        // x)/2) if x < −½.
         let sign_bit = self.m.bits(F64, SIGN);
         let sign = self.m.and(x, sign_bit);
         let flip = self.m.and(beyond, sign_bit);
@@ -114,9 +114,9 @@ impl<M: Machine> Approximator<'_, M> {
     /// Returns asin |x| for |x| ≤ ½, else 2 asin √((1 − |x|)/2), with the mask of the lanes where
     /// |x| > ½. The relative error is 2⁻³⁵ in `f32` and 2⁻⁵⁷ in `f64`.
     ///
-    /// The argument w of the series has w² ≤ ¼. The tail is below 1.34·c₁₄·w²⁸ in `f32` and
-    /// 1.34·c₂₆·w⁵² in `f64`: 2⁻³⁵ and 2⁻⁶⁰ of w. In `f64` the terms from 3w⁴/40 on are at most
-    /// 0.006 of w, and five roundings by 2⁻⁵² affect them.
+    /// The argument w of the series has w² ≤ ¼. For its coefficients cₙ, the tail is below
+    /// 1.34·c₁₄·w²⁸ in `f32` and 1.34·c₂₆·w⁵² in `f64`: 2⁻³⁵ and 2⁻⁶⁰ of w. In `f64` the terms from
+    /// 3w⁴/40 on are at most 0.006 of w, and five roundings by 2⁻⁵² affect them.
     fn arc_sine(&mut self, x: M::V) -> (DoubleDouble<M::V>, M::V) {
         let t = self.m.abs(x);
         let (one, half) = (self.number(1.0), self.number(0.5));

@@ -13,10 +13,10 @@ use crate::machine::{Format, Machine};
 use crate::rules::Rule;
 
 const F64: Format = Format::F64;
-/// Clears the low 27 bits of a significand. The product of two such numbers is exact.
+/// Mask that clears the low 27 bits of a significand. The product of two such numbers is exact.
 const UPPER_HALF: u64 = !((1 << 27) - 1);
-/// A function with f(x) = x + O(x³) equals x, within any claimed relative error, for |x| below this
-/// limit. The routines that approximate it would underflow there.
+/// For |x| below this limit, a function with f(x) = x + O(x³) equals x within any claimed relative
+/// error. Routines that approximate such functions would underflow there.
 const TINY: f64 = f64::from_bits((1023 - 400) << 52); // 2^-400
 
 /// A number as the sum of head and tail.
@@ -56,7 +56,6 @@ impl<M: Machine> Approximator<'_, M> {
         self.target == F64
     }
 
-    /// A constant given as head and tail.
     pub(super) fn constant(&mut self, [head, tail]: [f64; 2]) -> DoubleDouble<M::V> {
         let tail = (self.has_tails() && tail != 0.0).then(|| self.number(tail));
         DoubleDouble { head: self.number(head), tail }
@@ -104,7 +103,7 @@ impl<M: Machine> Approximator<'_, M> {
     /// Computes a · b to 2⁻⁷².
     ///
     /// The difference `upper` − `head` is exact: it is a multiple of the last place of the product
-    /// of the upper halves. It is below 2⁻²³ of the product, and so are all terms that follow.
+    /// of the upper halves. It is below 2⁻²³ of the product, and so are the terms added to it.
     /// Three additions of such terms err by 2⁻⁵² of them each.
     pub(super) fn times(
         &mut self,
@@ -225,8 +224,8 @@ impl<M: Machine> Approximator<'_, M> {
         DoubleDouble { head, tail }
     }
 
-    /// Computes the odd series w + c₁w³ + c₂w⁵ + …, from the coefficients from c₁ on and the tail
-    /// of c₁.
+    /// Computes the odd series w + c₁w³ + c₂w⁵ + …. `coefficients` begin with c₁, whose tail is
+    /// `first_tail`.
     ///
     /// Let z = w², and let R bound the terms from c₂ on, relative to w. The error relative to w is
     /// below 2⁻⁵²·5·R + 2⁻⁶⁹ for results with tails. For other results it is below 2⁻⁵²·6·(the

@@ -6,10 +6,10 @@ use super::logarithm::Base;
 use crate::machine::{Format, Machine};
 
 const F64: Format = Format::F64;
-/// Keeps only 17 bits of a significand, so that the cube of a number is exact.
+/// Mask that keeps 17 bits of a significand, so that the cube of the number is exact.
 const UPPER_THIRD: u64 = !((1 << 36) - 1);
-/// Largest magnitude of a power's exponent. A power of any base but 1 overflows or underflows
-/// beyond it. Up to it, the product of exponent and logarithm is finite.
+/// Limit to which a power's exponent is clamped. Beyond it, powers of any base but 1 overflow or
+/// underflow. Up to it, the product of exponent and logarithm is finite.
 const HUGE_EXPONENT: f64 = f64::from_bits((1023 + 600) << 52); // 2^600
 
 impl<M: Machine> Approximator<'_, M> {
@@ -70,8 +70,8 @@ impl<M: Machine> Approximator<'_, M> {
             let unlimited = self.m.eq(head, x.head);
             let b = self.m.and(unlimited, b);
             let tail = self.m.add(a, b);
-            // The tail may be many ulps of the rest. But the higher terms of series use only the
-            // head.
+            // The tail may be many ulps of the rest, but the higher terms of series use only the
+            // head. So the tail is added to the head.
             rest = self.plus(rest.head, tail);
         }
         (k, rest)
@@ -92,8 +92,8 @@ impl<M: Machine> Approximator<'_, M> {
     /// exp(x) in `f64`, with a relative error below 2⁻⁵⁵.
     ///
     /// The tail r¹⁵/15! is below 2⁻⁶³. The terms from r³/6 on are at most 0.0072 and err by six
-    /// ulps. Relative to the sum, which is at least 0.707, this is 0.061 · 2⁻⁵². If the result is a
-    /// float, the tail of x is at most a few ulps of x.
+    /// ulps. Relative to the sum, which is at least 0.707, this is 0.061 · 2⁻⁵². For results in the
+    /// range of floats, the tail of x is at most a few ulps of x.
     pub(super) fn exp_of(&mut self, x: DoubleDouble<M::V>) -> Approximation<M::V> {
         let (k, r) = self.exponent_and_rest(x, [-760.0, 720.0]);
         let (one, half) = (self.number(1.0), self.number(0.5));
@@ -186,7 +186,7 @@ impl<M: Machine> Approximator<'_, M> {
             let root = self.m.add(guess, correction);
             return Approximation::new(self.odd_cbrt(root.into(), x), 2f64.powi(-34));
         }
-        // y is exact in |x| = 8ʲ·y.
+        // Let |x| = 8ʲ·y. The number y is exact.
         let (k, m) = self.significand(magnitude);
         let (third, three) = (self.number(1.0 / 3.0), self.number(3.0));
         let exponent = self.m.mul(k, third);

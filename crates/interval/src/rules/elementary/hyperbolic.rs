@@ -26,9 +26,9 @@ impl<M: Machine> Approximator<'_, M> {
     /// sinh x, odd in x. Its relative error is below 2⁻³⁴ in `f32` and 2⁻⁵⁴ in `f64`.
     ///
     /// Tails of the series are below 2⁻³⁷ in `f32` and 2⁻⁶¹ in `f64`. In `f64` the terms of sinh r
-    /// from r³/6 on are at most 0.0072, those of cosh r from r⁴/24 on at most 0.0007. Each err by
-    /// six ulps. Times 1 + q ≤ 1.25 and relative to 0.35, both errors are 0.19 · 2⁻⁵². For k = 0
-    /// only the error of sinh r counts, relative to r: 0.13 · 2⁻⁵².
+    /// from r³/6 on are at most 0.0072, those of cosh r from r⁴/24 on at most 0.0007. Both sums of
+    /// terms err by six ulps. Times 1 + q ≤ 1.25 and relative to 0.35, both errors are 0.19 · 2⁻⁵².
+    /// For k = 0 only the error of sinh r counts, relative to r: 0.13 · 2⁻⁵².
     pub(crate) fn sinh(&mut self, x: M::V) -> Approximation<M::V> {
         let parts = self.exponential_parts(x);
         let minus_q = self.m.neg(parts.q);

@@ -67,8 +67,8 @@ const ONE_THIRD_TAIL: f64 = f64::from_bits(0x3c75_5555_5555_5555);
 impl<M: Machine> Approximator<'_, M> {
     /// The logarithm of finite x > 0. Its relative error is below 2⁻³⁴ in `f32` and 2⁻⁶⁰ in `f64`.
     ///
-    /// In `f64` only [`Approximator::twice_artanh`] errs by more than 2⁻⁷⁰. Its value is at most
-    /// half as large as its sum with k·ln 2.
+    /// In `f64` only [`Approximator::twice_artanh`] errs by more than 2⁻⁷⁰. Its value is never
+    /// larger in magnitude than its sum with k·ln 2.
     pub(crate) fn ln(&mut self, x: M::V, base: Base) -> Approximation<M::V> {
         let (k, m) = self.significand(x);
         let one = self.number(1.0);
@@ -89,7 +89,7 @@ impl<M: Machine> Approximator<'_, M> {
                 (self.m.select(subnormal, scaled, x), Some(self.m.and(subnormal, bits)))
             }
         };
-        // The shift moves the change of the exponent field from 1 to √½.
+        // Adding `shift` makes the exponent field change at √½ instead of at 1.
         let shift = self.m.bits(F64, ONE - ROOT_HALF);
         let shifted = self.m.int_add(x, shift);
         let exponent = self.m.shift_right(shifted, 52);
@@ -192,8 +192,8 @@ impl<M: Machine> Approximator<'_, M> {
         self.ln_of_parts(k, f, Base::E)
     }
 
-    /// In `f64`, returns x clamped to [`LARGE`], and the lanes where x is larger. In `f32`, returns
-    /// x clamped to [`BEYOND_F32`], and no lanes.
+    /// In `f64`, returns x clamped to [`LARGE`], and the lanes where x exceeds it. In `f32`,
+    /// returns x clamped to [`BEYOND_F32`], and `None`.
     fn large(&mut self, x: M::V) -> (M::V, Option<LargeLanes<M::V>>) {
         let limit = self.pick(BEYOND_F32, LARGE);
         let limit = self.number(limit);
@@ -208,8 +208,8 @@ impl<M: Machine> Approximator<'_, M> {
     }
 
     /// asinh x for finite x, odd in x: ln(1 + u) for u = |x| + x²/(1 + √(1 + x²)). Its relative
-    /// error is below 2⁻³⁴ in `f32` and 2⁻⁶⁰ in `f64`: u errs by 2⁻⁶⁹, and the logarithm like
-    /// [`Approximator::ln`].
+    /// error is below 2⁻³⁴ in `f32` and 2⁻⁶⁰ in `f64`: u errs by 2⁻⁶⁹, and the logarithm as stated
+    /// for [`Approximator::ln`].
     pub(crate) fn asinh(&mut self, x: M::V) -> Approximation<M::V> {
         let magnitude = self.m.abs(x);
         let (t, large) = self.large(magnitude);

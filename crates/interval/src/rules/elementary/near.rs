@@ -26,8 +26,8 @@ struct NearConstants {
     half_pi: [f64; 3],
     /// The number 1.5·2²³ or 1.5·2⁵². Adding it to an integer puts the integer into the low bits.
     integer: f64,
-    /// Polynomial in z = s² ≤ 0.618 for (cos s − 1 + z/2)/z²; `sin` is that for (sin s − s)/s³.
-    /// They minimize the largest errors of cosine and sine.
+    /// Polynomial in z = s² ≤ 0.618 for (cos s − 1 + z/2)/z²; `sin` is one for (sin s − s)/s³. They
+    /// minimize the largest errors of cosine and sine.
     cos: &'static [f64],
     sin: &'static [f64],
     /// Half a unit in the last place of 1.
@@ -220,8 +220,8 @@ impl<M: Machine> Rule<'_, M> {
         [HeadAndTail { head: s, tail: self.m.mul_sub(cube, series, moved) }, cos]
     }
 
-    /// Turns values or bounds for the rest into those for the angle. Each must be negated in lanes
-    /// where the sign bit of the vector beside it is set.
+    /// Turns values or bounds for the rest into those for the angle. Each is returned with a
+    /// vector: in lanes with that vector's sign bit set, the caller must negate it.
     fn turn_back<const N: usize>(
         &mut self,
         turned: &ReducedAngle<M::V>,

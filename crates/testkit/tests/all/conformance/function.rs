@@ -139,7 +139,7 @@ impl Function {
 pub enum KnownDomain {
     /// No bounds, so the code contains every guard.
     Nothing,
-    /// The box itself, as if it were a picture's domain. The code leaves out unneeded guards.
+    /// The operands' box, as if it were a picture's domain. The code leaves out unneeded guards.
     TheBox,
 }
 

@@ -25,7 +25,7 @@ const TIGHTEST: [&str; 15] = [
 const ROUND: &str = "roundTiesToEven";
 
 /// Enclosures up to this number of ulps wider than the tightest are counted, but not listed. For
-/// the operations above, every excess is listed.
+/// the operations of `TIGHTEST`, every excess is listed.
 const UNREMARKABLE: u64 = 64;
 
 fn is_tightest(name: &str) -> bool {
@@ -148,7 +148,9 @@ fn natively<T: Real>(cases: &[TestCase], known_domain: KnownDomain, ulp: Ulp) ->
             runnable.record(answer, runnable.result.map(outward::<T>), ulp, &mut tally);
             continue;
         }
-        // Operands are widened to floats here, so only software knows the tightest result.
+        // The operands were widened to floats, so the enclosure may be wider than the case's
+        // result. For operations of `TIGHTEST`, software gives the tightest enclosure of the
+        // widened operands.
         if let Err(violation) = judge(answer, runnable.result, ulp) {
             panic!("{} natively: {violation}", case.text);
         }

@@ -118,7 +118,7 @@ impl EvaluatorTally {
         }
     }
 
-    /// Counts whether our decoration is the expected one, weaker or stronger.
+    /// Counts whether the evaluator's decoration equals the expected one, is weaker or is stronger.
     pub fn decorate(&mut self, name: &str, ours: Decoration, expected: Decoration) {
         let row = self.rows.get_mut(name).expect("counted before");
         row.decorations[match ours.cmp(&expected) {

@@ -74,7 +74,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
             let ends = self.memory.left(bit);
             self.set_apart(rays.at(bit), ends.map(Into::into));
         }
-        // The far ends are copied, since the pool may be evaluated before they are read.
+        // The far ends are copied, since evaluating the pool overwrites them.
         let last = self.memory.contractions.far;
         let mut rest = classes.shorter | classes.cut;
         while rest != 0 {

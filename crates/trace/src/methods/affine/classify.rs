@@ -27,20 +27,20 @@ pub(super) struct EvaluatedSegments<T: Scalar> {
 pub(super) struct SegmentClasses {
     /// Nothing of the segment is left.
     pub empty: u16,
-    /// The remaining part is a bracket: its ends have opposite signs, and it is short enough. The
-    /// length that is enough depends on whether the form was nearly linear.
+    /// The remaining part is a bracket: its ends have opposite signs, and it is short enough. If
+    /// the form was not nearly linear, it must be shorter still.
     pub short: u16,
     /// The remaining part is much shorter than the segment.
     pub shorter: u16,
     /// The remaining part is cut in two.
     pub cut: u16,
-    /// The segment is undecided: none of the above holds, and precision does not suffice.
+    /// The segment is undecided: for lack of precision, none of the above holds.
     pub open: u16,
 }
 
 impl SegmentClasses {
-    /// Makes brackets undecided. The zero of a numerator in them need not be a zero of the
-    /// function.
+    /// Makes brackets undecided, for a rational form: a zero of its numerator need not be a zero of
+    /// the function.
     pub fn leave_brackets_open(&mut self) {
         self.open |= std::mem::take(&mut self.short);
     }
@@ -49,8 +49,8 @@ impl SegmentClasses {
 impl<T: Scalar> EvaluatedSegments<T> {
     /// Classifies the segments in the `live` lanes by the kernel's results. Replaces each segment
     /// by its remaining part. If that part is cut, replaces it by the nearer half. `inside` has,
-    /// for each ray, the range of s in which it is proven to lie in the region; `None` if all
-    /// segments do.
+    /// for each ray, the range of s in which the ray is proven to lie in the region; `None` if all
+    /// segments are proven to lie there.
     #[inline(always)]
     pub fn classify<S: Simd>(
         &mut self,

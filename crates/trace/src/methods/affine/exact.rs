@@ -22,10 +22,12 @@ use zeroset_testkit::{Adversarial, Effort, Ends, Rng};
 /// Number of columns, and of rows, of a picture.
 const SIDE: u32 = 48;
 
-/// Checks a random case with vectors of one width. Returns counts, or a description of the failure.
+/// Checks a random case with vectors of one width. Returns how many checks of each kind the case
+/// made, or a description of the failure.
 type Property<const N: usize> = fn(&mut Rng, Level) -> Result<[u32; N], String>;
 
-/// Checks random cases of a property, in `f32` or `f64`. Returns the sums of the counts.
+/// Checks random cases of a property, in `f32` or `f64`. Returns the sums of the properties'
+/// counts, and the number of cases.
 fn attack<const N: usize>(
     seed: u64,
     cases: u64,
@@ -426,8 +428,8 @@ fn narrowed<T: Scalar + Adversarial>(rng: &mut Rng, level: Level) -> Result<[u32
                 Some(false) => return wrong("a zero is left out", &symbols),
                 None => {}
             }
-            // If the form proves a zero on each ray, a hit is written at the plane, so zeros must
-            // be near.
+            // If the form proves a zero on each ray, a hit is written at the plane. So each zero
+            // must be near the plane.
             let [value, across, upward, depth] = form.map(f64::abs);
             if are_rays && (value + across + upward + error) * (1.0 + 1e-9) < depth {
                 counts[2] += 1;
@@ -454,7 +456,7 @@ fn no_exact_zero_of_a_form_is_outside_of_what_its_plane_leaves() {
 
 /// Places rays in a batch. Counts coordinates whose error is small compared with the region.
 fn placed<T: Scalar>(rng: &mut Rng, level: Level) -> Result<[u32; 1], String> {
-    /// Rounding error of coordinates in kernels, in units of the sum of their terms' magnitudes.
+    /// Rounding error of a coordinate in kernels, in units times the sum of its terms' magnitudes.
     const ALONG: f64 = 3.0;
     let Some((region, rays, frame)) = picture(rng) else { return Ok([0]) };
     let pixels = [(); LANES].map(|()| [(); 2].map(|()| rng.u32(0..SIDE) as usize));

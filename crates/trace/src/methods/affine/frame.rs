@@ -26,7 +26,7 @@ pub(super) struct RayFrame {
     pub origin: [DVec3; 3],
     /// The vectors d, d₁ and d₂.
     pub direction: [DVec3; 3],
-    /// Largest screen coordinates of the picture's rays.
+    /// On each screen axis, the largest coordinate of the picture's rays.
     pub reach: [f64; 2],
     /// Per axis, a bound of the error of coordinates computed in `f64`. It holds for points
     /// computed from this frame, and from the rays themselves.
@@ -68,8 +68,8 @@ impl RayFrame {
         self.span[0].abs().max(self.span[1].abs())
     }
 
-    /// Returns the shortest length along a ray that `T` resolves: that of the shortest segments, or
-    /// a few times the rounding error of coordinates, whichever is larger.
+    /// Returns the shortest length along a ray that `T` resolves: the length of the shortest
+    /// segments, or a few times the rounding error of coordinates, whichever is larger.
     pub fn resolution<T: Scalar>(&self) -> f64 {
         (T::GRAIN * self.size()).max(FORM_BLUR * self.error_in::<T>(self.size()).max_element())
     }
@@ -105,8 +105,9 @@ impl RayFrame {
         [error.x, error.y, error.z].map(|error| Lanes::splat(T::above(error)))
     }
 
-    /// Writes the origins (s = 0) and directions of rays. `at` has their screen coordinates,
-    /// rounded to `T`. The rounding is that of kernels for tiles, which [`Self::error_in`] covers.
+    /// Writes the origins (s = 0) and directions of rays. `at` has the rays' screen coordinates,
+    /// rounded to `T`. Results are rounded as in kernels for tiles, which [`Self::error_in`]
+    /// covers.
     #[inline(always)]
     pub fn place<S: Simd, T: Scalar>(&self, simd: S, at: &[Lanes<T>; 2], rays: &mut Segments<T>) {
         let ways = [&mut rays.origin, &mut rays.direction];
@@ -178,7 +179,8 @@ impl RayFrame {
                 let leave = up.select(high - o[0], o[1] - low);
                 let (least, most) = (up.select(d[0], -d[1]), up.select(d[1], -d[0]));
                 // The earliest entry is a negative distance divided by the least speed, or a
-                // positive one by the greatest. For the latest exit, it is the other way round.
+                // positive one by the greatest. The latest exit is a negative one by the greatest,
+                // or a positive one by the least.
                 let first = enter / enter.simd_lt(0.0).select(least, most);
                 let last = leave / leave.simd_lt(0.0).select(most, least);
                 let one_way = up | down;
@@ -226,8 +228,7 @@ impl RayFrame {
                 let inverse = 1.0 / d;
                 let (a, b) = ((low - o) * inverse, (high - o) * inverse);
                 let (enter, leave) = (a.min(b), a.max(b));
-                // The exact ray meets the face within `off` of the computed place, apart from
-                // rounding.
+                // Apart from rounding, the exact ray meets the face within `off` of the computed s.
                 let off = slack * inverse.abs();
                 let before = off + ROUNDING * (enter.abs() + off);
                 let after = off + ROUNDING * (leave.abs() + off);
@@ -325,8 +326,8 @@ impl<S: Simd> TileVectors<S> {
         }
     }
 
-    /// Returns bounds of one coordinate of parts₀ + a·parts₁ + b·parts₂ on each tile, for half of
-    /// the tiles.
+    /// Returns bounds of one coordinate of parts₀ + a·parts₁ + b·parts₂ on each tile, for the eight
+    /// tiles of half `k`.
     #[inline(always)]
     fn range(&self, parts: [f64; 3], k: usize) -> [f64x8<S>; 2] {
         let (middle, [_, a, b]) = (self.middle(parts, k), parts);
@@ -334,7 +335,7 @@ impl<S: Simd> TileVectors<S> {
         [middle - reach, middle + reach]
     }
 
-    /// Returns the same coordinate at the center of each tile.
+    /// Returns the coordinate that [`Self::range`] bounds, at the center of each tile.
     #[inline(always)]
     fn middle(&self, [start, a, b]: [f64; 3], k: usize) -> f64x8<S> {
         self.centre[1][k].mul_add(b, self.centre[0][k].mul_add(a, start))
@@ -356,8 +357,8 @@ mod tests {
         let perspective = Projection::Perspective { fov: 70.0 };
         let parallel = Projection::Orthographic { height: 6.0 };
         let (mut crossed, mut beside) = (0, 0);
-        // The eye is outside, inside, or outside on an axis. In the last case rays are parallel to
-        // four faces.
+        // The eye is outside the region, inside it, or outside on an axis. On the axis, rays are
+        // parallel to four faces.
         for (eye, projection) in [
             (DVec3::new(3.0, -4.0, 2.0), perspective),
             (DVec3::new(0.1, 0.2, 0.3), perspective),

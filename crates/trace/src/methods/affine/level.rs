@@ -32,9 +32,8 @@ pub(super) struct Level<T: Scalar> {
     waiting: u16,
     pub batch: Tiles<T>,
     pub out: Planes<T>,
-    /// For each lane, a plane near which the zeros of its tile lie. Needs the option `contract`.
-    /// Computed if the form of some tile proves hits, or if some tile must be examined in parts or
-    /// ray by ray.
+    /// For each lane, a plane near which the zeros of its tile lie. Computed only with the option
+    /// `contract`, if some tile's form proves hits, or some tile is split or examined ray by ray.
     pub planes: PlaneLanes<T>,
 }
 
@@ -134,7 +133,7 @@ impl<T: Scalar> Level<T> {
         open
     }
 
-    /// As [`Self::take`], for a [square](BandTracer::square) of tiles from this column and row on.
+    /// As [`Self::take`], for the [square](BandTracer::square) that begins in this column and row.
     #[inline(always)]
     fn take_square(
         &mut self,
@@ -145,7 +144,8 @@ impl<T: Scalar> Level<T> {
         self.places = SQUARE;
         self.tiles = LANE_INDICES;
         let side = SIDES[LAST];
-        // A tile's center lies halfway between its first and its last pixel, so their sum gives it.
+        // A tile's center is halfway between its first and last pixel. `screens` takes the sum of
+        // the two pixels' columns or rows.
         let across = tracer.rays.screens(0, 2 * side * column + side - 1, 2 * side);
         let top = tracer.band.top + side * row;
         let upward = tracer.rays.screens(1, 2 * top + side - 1, 2 * side);
@@ -218,8 +218,8 @@ impl<T: Scalar> Level<T> {
         done & self.waiting
     }
 
-    /// Continues with the next segment that was put aside for a lane's tile. If the tile is
-    /// finished, drops all of its segments.
+    /// Continues with the next segment that was put aside for a lane's tile. If the tile has no
+    /// unfinished pixel (`is_open` is false), drops all of its segments.
     #[inline(always)]
     pub fn resume(&mut self, lane: usize, is_open: bool) {
         let tile = usize::from(self.tiles[lane]);
@@ -254,7 +254,7 @@ impl<T: Scalar> Level<T> {
 
     #[inline(always)]
     fn pack_batch<S: Simd>(&mut self, simd: S) {
-        // The compiler keeps this copy in a register. It would read `self.live` once for each
+        // The compiler keeps this copy in a register. It would read `self.live` again for each
         // quantity.
         let kept = self.live;
         let Tiles { centre: [across, up], half: [wide, high], near, far, .. } = &mut self.batch;

@@ -47,7 +47,7 @@ pub(super) struct Narrower<'a, T: Scalar> {
     zeros: Option<&'a dyn Kernel<FindZeros, T>>,
     region: &'a Region,
     contracts: bool,
-    /// Length below which a segment may stay undecided: [`crate::TraceOptions::least`].
+    /// Length below which a segment may stay undecided, in maximum lengths of a hit's bracket.
     least: f64,
     /// Whether undecided segments are examined again in `f64`.
     refined_later: bool,
@@ -67,11 +67,11 @@ pub(super) const STALL_RATIO: f64 = 0.6;
 pub(super) const LINEAR_RATIO: f64 = 0.35;
 /// Maximum length of a bracket whose form was not nearly linear, as a share of the usual maximum.
 pub(super) const NONLINEAR_SHARE: f64 = 1.0 / 32.0;
-/// If a segment cannot be narrowed and its length is at most this many times the minimum, rounding
-/// is the cause. Then higher precision narrows it further.
+/// If a segment cannot be narrowed and its length is at most this many times the minimum length,
+/// rounding is the cause. Then higher precision narrows it further.
 pub(super) const STALL_LENGTH: f64 = 32.0;
-/// If an undecided segment is longer than this many times the minimum length, the effort is used
-/// up. Otherwise precision does not suffice.
+/// An undecided segment longer than this many times the minimum length has used up the effort. A
+/// shorter one needs more precision.
 const EFFORT_LENGTH: f64 = 1024.0;
 /// Minimum length of segments, as a share of the rounding error of coordinates on the ray.
 pub(super) const MIN_BLUR_SHARE: f64 = 0.125;
@@ -208,7 +208,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
         }
     }
 
-    /// Returns whether the function has a zero in `segment`, a bracket of a zero of the form.
+    /// Returns whether a bracket is proven to hold a zero of the function, not only of a numerator.
     fn is_zero(&self, local_ray: &LocalRay, segment: [f64; 2]) -> bool {
         let Some([function, denominator]) = self.cleared else { return true };
         let boxes = Boxes::around(&[bounds(local_ray, segment, self.region)]);
@@ -244,8 +244,8 @@ fn push_outward<T: Scalar>(
         if float == end { end } else { T::nearest(end + slack).into() }
     };
     let (near, far) = (outward(near, -slack), outward(far, slack));
-    // The sign is unknown outside the region. Rounding may move the ends there, so the outer parts
-    // are examined separately.
+    // Outside the region, the function's sign is unknown. Rounding may move a segment's ends out of
+    // the region, so the parts outside are examined separately.
     let mut inside = local_ray.inside;
     let within = inside[0] <= near && far <= inside[1];
     if !within {
@@ -278,8 +278,8 @@ fn enough(longest: f64, steady: bool) -> f64 {
 }
 
 /// Returns whether both parts of a cut segment are shorter than `length`, the segment's length
-/// before narrowing. Near the resolution of floats, narrowing may lengthen a segment. It would then
-/// be cut forever. Returns false if an end is not finite.
+/// before narrowing. Near the resolution of floats, narrowing may lengthen a segment, which would
+/// then be cut forever. Returns false if an end is not finite.
 fn is_progress([near, far]: [f64; 2], cut: f64, length: f64) -> bool {
     near < cut && cut < far && cut - near < length && far - cut < length
 }

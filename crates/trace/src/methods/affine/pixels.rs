@@ -21,7 +21,7 @@ pub(super) struct TilePixels {
     pub index: usize,
     /// Column and row of the first pixel, in the band.
     first: [usize; 2],
-    /// Change of column and of row in the band from one row of pixels to the next.
+    /// Change of column and of row in the band from one row of the tile's pixels to the next.
     next: [usize; 2],
     /// Screen coordinates of the tile's columns, then of its rows.
     pub across: [f64; 4],
@@ -105,7 +105,8 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// Returns the distances at which rays meet a plane, and how far zeros may be from there.
+    /// Returns the distances at which a tile's rays meet a plane, and how far from there zeros may
+    /// be.
     #[inline(always)]
     fn plane_hits(&self, plane: &Plane<T>, patch: &TilePixels) -> [Lanes<f64>; 2] {
         let mut found = [Lanes::splat(0.0); 2];
@@ -120,7 +121,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         found
     }
 
-    /// Returns the distances of the middles of brackets, and half the brackets' lengths.
+    /// Returns the distances of the middles of the brackets, and half the brackets' lengths.
     #[inline(always)]
     pub(super) fn between(&self, patch: &TilePixels) -> [Lanes<f64>; 2] {
         let simd = self.simd;
@@ -166,7 +167,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         a
     }
 
-    /// Writes hits on the rays with these bits, at the given distances.
+    /// Writes hits on the rays with these bits, at `distance`. Brackets reach `off` to both sides.
     #[inline(always)]
     pub(super) fn write_hits(
         &mut self,
@@ -196,7 +197,8 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         if self.rays.parallel { 1.0 } else { (1.0 + a * a + b * b).sqrt() }
     }
 
-    /// Follows up to sixteen rays one by one to the end. They are clipped to the region first.
+    /// Follows up to sixteen rays to the end. Rays that may leave the region are first clipped to
+    /// it.
     pub(super) fn follow_each(&mut self, rays: &[(TileRay<T>, [f64; 2])]) {
         let (region, error, start) = (self.method.task.region, self.frame.error, self.frame.start);
         let [mut screens, mut spans] = [[Lanes::splat(0.0); 2]; 2];

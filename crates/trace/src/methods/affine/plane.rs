@@ -35,7 +35,8 @@ impl<T: Scalar> PlaneLanes<T> {
     pub fn find<S: Simd>(&mut self, simd: S, batch: &Tiles<T>, out: &Planes<T>, aside: [f64; 2]) {
         let [rounding, few, lost] =
             [T::PATH_ERROR, 4.0 * T::UNIT, 2.0 * T::UNIT * T::LEAST_NORMAL.into()].map(T::nearest);
-        // If the slope is below `least`, the quotient could overflow, so the form is scaled.
+        // The form is scaled if the slope along the rays is below `least`: the quotient could
+        // overflow.
         let least = T::LEAST_NORMAL.into() / (T::UNIT * T::UNIT);
         let [small, larger] = [least, 1.0 / least].map(T::nearest);
         let one = T::nearest(1.0);
@@ -47,8 +48,8 @@ impl<T: Scalar> PlaneLanes<T> {
             let [across, upward, along] = [across * scale, upward * scale, along * scale];
             let per_value = half / -along;
             let size = value.abs() + across.abs() + upward.abs() + error;
-            // The reach covers three errors: the rounding here and at the place where a ray meets
-            // the plane, the underflow of the quotient, and the form's error.
+            // The reach covers three errors: the rounding of the plane and of the points where rays
+            // meet it, the underflow of the quotient, and the form's error.
             let each = per_value.abs();
             let terms = each.mul_add(size, middle.abs() + half);
             let mut reach = each.mul_add(error, terms.mul_add(rounding, size * lost));
@@ -62,7 +63,7 @@ impl<T: Scalar> PlaneLanes<T> {
                 screen += half;
                 part.store(per_screen, &mut self.per_screen[axis]);
             }
-            // This covers the rounding of these sums, and underflow of products with screen
+            // This covers the rounding of the sums above, and underflow of products with screen
             // coordinates.
             reach = reach.mul_add(few, reach) + screen * T::LEAST_NORMAL;
             part.store(per_value.mul_add(value, middle), &mut self.s);
@@ -95,8 +96,8 @@ impl<T: Scalar> Plane<T> {
         along
     }
 
-    /// Shortens segments to the parts that may hold a zero. An empty part has its ends in the wrong
-    /// order. Returns the lanes with a non-empty part, as bits.
+    /// Shortens sixteen segments to the parts that may hold a zero. An empty part has its ends in
+    /// the wrong order. Returns the lanes with a non-empty part, as bits.
     #[inline(always)]
     pub fn narrow<S: Simd>(
         &self,

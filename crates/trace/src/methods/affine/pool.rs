@@ -107,9 +107,9 @@ impl<T: Scalar> Pool<T> {
         self.waiting |= 1 << lane;
     }
 
-    /// Sets the range of s in which a lane's ray is proven to lie in the region, and cuts the
-    /// segment at its ends. The sign is unknown outside the region, so the parts are evaluated
-    /// separately. All parts but the nearest are put aside.
+    /// Sets the range of s in which a lane's ray is proven to lie in the region, and cuts the ray's
+    /// segment at the range's ends. The function's sign is unknown outside the region, so the parts
+    /// are evaluated separately. All parts but the nearest are put aside.
     pub fn cut_at_faces(&mut self, lane: usize, [first, last]: [T; 2]) {
         let segments = &self.evaluated.segments;
         (self.inside[0][lane], self.inside[1][lane]) = (first, last);
@@ -130,7 +130,7 @@ impl<T: Scalar> Pool<T> {
         self.evaluated.segments.far[lane] = here;
     }
 
-    /// Frees a lane. Returns its ray, and the far end of all segments put aside for it, if any.
+    /// Frees a lane. Returns its ray, and the far end of the segments put aside for it, if any.
     #[inline(always)]
     pub fn free_lane(&mut self, lane: usize) -> (TileRay<T>, Option<T>) {
         self.live &= !(1 << lane);
@@ -149,7 +149,8 @@ impl<T: Scalar> Pool<T> {
         (ray, last)
     }
 
-    /// Continues the lanes `done` with segments put aside for them. Frees lanes without any.
+    /// Continues each lane in `done` with the next segment put aside for it. Frees lanes without
+    /// any.
     #[inline(always)]
     pub fn resume(&mut self, done: u16) {
         self.live &= !done;
@@ -165,9 +166,9 @@ impl<T: Scalar> Pool<T> {
         }
     }
 
-    /// Returns whether a ray of a tile is in the pool or set apart. The tile may have a coarser
-    /// level: then `place` counts such tiles, and `finer` is the number of low bits in which the
-    /// places of its 4×4 tiles may differ.
+    /// Returns whether a ray of a tile is in the pool or set apart. `place` counts tiles of this
+    /// tile's size. The columns and rows of the 4×4 tiles in this tile differ only in the `finer`
+    /// lowest bits.
     #[inline(always)]
     pub fn has_ray_of<S: Simd>(&self, simd: S, place: [usize; 2], finer: u32) -> bool {
         let counts = !tile_place([(1 << finer) - 1; 2]);
@@ -219,7 +220,7 @@ impl<T: Scalar> Pool<T> {
         if !saves_a_vector::<T, S>(self.live) {
             return;
         }
-        // The compiler keeps this copy in a register. It would read `self.live` once for each
+        // The compiler keeps this copy in a register. It would read `self.live` again for each
         // quantity.
         let kept = self.live;
         let (EvaluatedSegments { segments, longest }, [first, last]) =

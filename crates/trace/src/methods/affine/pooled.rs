@@ -22,9 +22,9 @@ fn lowest<S: Simd>(simd: S, bits: u16, count: u32) -> u16 {
 
 impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
     /// Puts rays of a tile into the pool: as many as there are free lanes, and at least one. `rest`
-    /// has the rays' lanes in the tile's batch, which are also their bits in the tile. Rays that
-    /// are added are removed from `rest`. `rounds` is the number of their evaluations. Returns the
-    /// added rays' lanes in the batch, and their lanes in the pool, in the same order.
+    /// has the rays' lanes in the tile's batch, which are also their bits in the tile. Added rays
+    /// are removed from `rest`. `rounds` is the number of evaluations that the rays have had.
+    /// Returns the added rays' lanes in the batch and in the pool, in the same order.
     #[inline(always)]
     pub(super) fn add_to_pool(&mut self, rest: &mut u16, rays: TileRay<T>, rounds: u8) -> [u16; 2] {
         while self.memory.pool.live == u16::MAX {

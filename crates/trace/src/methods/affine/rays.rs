@@ -35,9 +35,9 @@ pub(super) struct Follower<'a, T: Scalar> {
 /// in `f32`.
 const STRETCH: f64 = 256.0;
 
-/// Beside a gap, more segments are undecided than may be examined. So a length is skipped behind
-/// each undecided segment. The length grows by this factor, up to the length of a hit's bracket.
-/// The ray is undecided anyway, and a root behind the gap should be painted.
+/// Near a gap, like that of sin(x)/x at 0, more segments are undecided than may be examined. So a
+/// length is skipped behind each undecided segment. The length grows by this factor, up to the
+/// length of a hit's bracket. The ray stays undecided, but a root behind the gap is painted.
 const GROWTH: f64 = 4.0;
 
 impl<'a, T: Scalar> Follower<'a, T> {
@@ -102,7 +102,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
                 pending[lane] = match steps[lane] {
                     FollowResult::Empty => None,
                     // The zero on which a ray starts does not count. At least `grain` is skipped,
-                    // since a segment found in `f64` may be too short for `T` to resolve its end.
+                    // since the end of a segment found in `f64` may be too near for `T` to resolve.
                     FollowResult::Hit([near, far]) | FollowResult::Open([near, far], _)
                         if start == Start::OnSurface && near <= local_ray.span[0] =>
                     {
@@ -142,9 +142,9 @@ impl<'a, T: Scalar> Follower<'a, T> {
         outcomes
     }
 
-    /// Examines segments that are undecided in `f32` again in `f64`, each with a stretch behind it.
-    /// If one segment is too short for `f32`, many nearby segments are. On each ray, a stretch is
-    /// longer than the one before.
+    /// Examines segments that are undecided in `f32` again in `f64`, each with a stretch behind it,
+    /// since nearby segments are mostly undecided, too. On each ray, every stretch is at least four
+    /// times as long as the one before.
     fn refine(
         &self,
         local_rays: &[LocalRay],
@@ -156,13 +156,14 @@ impl<'a, T: Scalar> Follower<'a, T> {
             return;
         }
         let open: [Option<[f64; 2]>; LANES] = std::array::from_fn(|lane| match steps[lane] {
-            // In a preview this is done too: the segment may be at a jump, or out of the range of
-            // `T`.
+            // Previews examine segments in `f64`, too: a segment may be at a jump, or out of the
+            // range of `T`.
             FollowResult::Open([near, far], _) => {
                 let [first, longest] = local_rays[lane].span;
                 // Rounded to `T`, the segment may begin before its ray does.
                 let near = near.max(first);
-                // The stretch is so long that the next segment in `T` begins behind it.
+                // The stretch is so long that, rounded to `T`, the next segment begins behind
+                // `near`.
                 let least = T::GRAIN * first.abs().max(longest.abs());
                 let open = STRETCH * (far - near);
                 stretch[lane] = (4.0 * stretch[lane]).max(open).max(least);

@@ -32,7 +32,7 @@ pub(super) const LANE_INDICES: [u8; LANES] = {
 };
 
 /// Returns whether the live lanes would fill fewer vectors of `T` if they were moved to the front.
-/// Kernels use vectors of the same width.
+/// Kernels use vectors as wide as those of `S`.
 #[inline(always)]
 pub(super) fn saves_a_vector<T, S: Simd>(live: u16) -> bool {
     let lanes = (S::f32s::LEN * size_of::<f32>() / size_of::<T>()) as u32;
@@ -42,7 +42,7 @@ pub(super) fn saves_a_vector<T, S: Simd>(live: u16) -> bool {
         && live.count_ones().div_ceil(lanes) < (LANES as u32 - live.leading_zeros()).div_ceil(lanes)
 }
 
-/// Returns the live lanes after a move to the front. At least one of all lanes must not be live.
+/// Returns the live lanes after a move to the front. At least one lane must not be live.
 #[inline]
 pub(super) fn packed(live: u16) -> u16 {
     (1 << live.count_ones()) - 1
@@ -52,8 +52,8 @@ pub(super) fn packed(live: u16) -> u16 {
 pub(super) type Ends = [Lanes<f64>; 2];
 
 /// Writes the parts left of segments as floats of `T`. `asked` has the segments' ends, which are
-/// such floats. An end that differs from them is rounded outward. All segments end within `size` of
-/// 0. Returns the lanes with a non-empty part, as bits.
+/// floats of `T`. An end of a part that differs from the segment's end is rounded outward. All
+/// segments end within `size` of 0. Returns the lanes with a non-empty part, as bits.
 #[inline(always)]
 pub(super) fn outward<S: Simd, T: Scalar>(
     simd: S,

@@ -19,8 +19,8 @@ use zeroset_eval::{LANES, Lanes, Tiles};
 
 /// Per level, a tile is split if its segment is no longer than this many times the tile's width.
 const SLENDER: [f64; 2] = [3.0, 4.0];
-/// The same ratio for patches. It is larger: patches lie at outlines, where surfaces are deep and
-/// patches are narrow. And the rays of a patch fill a batch.
+/// [`SLENDER`] for patches. It is larger, since patches lie at outlines, where surfaces are deep
+/// and patches are narrow, and since the rays of a patch fill a batch.
 const SLENDER_PATCH: f64 = 12.0;
 /// A tile is also split if its form's error is at most this many times the form's change across the
 /// tile. Then the surface is steep rather than curved, so the parts have shorter segments.
@@ -29,8 +29,7 @@ const TILTED: f64 = 2.0;
 /// Its tile is split, or the segment is cut.
 const STALL_RATIO: f64 = 0.85;
 
-/// Buffers that a thread needs for a band. Creating them takes a few hundred allocations, so they
-/// are reused.
+/// A thread's buffers for a band, which are reused. Creating them takes a few hundred allocations.
 #[derive(Default)]
 pub(super) struct BandBuffers<T: Scalar> {
     levels: [Level<T>; SIDES.len()],
@@ -172,7 +171,7 @@ fn close_unasked(open: &mut [u16], band: &Band<'_>, across: usize, is_patched: b
 struct TileClasses<T> {
     /// Tiles whose form proves a zero on each ray, and locates it closely enough.
     flat: u16,
-    /// Tiles whose segment got much shorter. It is evaluated once more.
+    /// Tiles whose segment got much shorter. The segment is evaluated once more.
     shorter: u16,
     /// Tiles that are split: their parts are examined next.
     finer: u16,
@@ -226,8 +225,8 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// Decides about the tiles that may hold a zero. Replaces each segment by its remaining part.
-    /// If that part is cut, replaces it by the nearer half.
+    /// Decides what to do with the tiles that may hold a zero. Replaces each segment by its
+    /// remaining part. If that part is cut, replaces it by the nearer half.
     #[inline(always)]
     fn tile_classes<const DEPTH: usize>(
         &self,
@@ -272,8 +271,8 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
             let is_tilted = error.simd_le(tilt * tilted);
             short |= part.bits(left.simd_le(footprint * slender) | is_tilted);
             let between = left.mul_add(share, near);
-            // If the eye is in the region, a pixel there has width 0, so only `grain` ends the
-            // cutting.
+            // If the eye is in the region, a pixel at the eye has width 0. Then only `grain` ends
+            // the cutting.
             let progress = are_progress([near, far], between, before);
             whole |= part.bits(left.simd_gt(grain) & progress);
             part.store(near, &mut batch.near);
@@ -296,7 +295,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
                 let Tiles { centre, half, near, far, .. } = &level.batch;
                 let rays = (centre, Some(half));
                 if flat != 0 {
-                    // If a whole segment lies in the region, so does its remaining part.
+                    // The remaining part of a segment in the region is in the region, too.
                     let asked = asked.each_ref().map(|ends| T::wide(simd, ends));
                     let all = self.frame.inside(simd, rays, region, asked);
                     flat &= all;

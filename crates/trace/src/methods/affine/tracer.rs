@@ -112,7 +112,8 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         all
     }
 
-    /// Returns the part of a segment to examine, limited to [`Patch::between`](crate::Patch).
+    /// Returns the part of a segment to examine: for a patch, the part in
+    /// [`Patch::between`](crate::Patch).
     pub(super) fn from(&self, place: [usize; 2], [near, far]: [f64; 2]) -> [f64; 2] {
         match self.rays.patch(self.band.top + place[1]) {
             Some(patch) => {

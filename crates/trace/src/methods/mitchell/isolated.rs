@@ -22,10 +22,10 @@ pub(super) struct Isolated {
     enough: f64,
 }
 
-/// Maximum number of rounds. Every third round halves the part. So its length reaches 2⁻²² of the
-/// ray's length, the resolution of `f32`.
+/// Maximum number of rounds. Every third round halves the part. So 66 rounds shorten it to 2⁻²² of
+/// its first length or less: about the resolution of `f32`.
 const ROUNDS: u32 = 66;
-/// How far the next place is from the end that moved last, as a share of the tolerance.
+/// How far the next place is from the end that moved last, as a multiple of [`Isolated::enough`].
 const STEP_BEYOND: f64 = 0.75;
 
 /// Shortens the parts of isolated roots to the tolerance.
@@ -89,14 +89,14 @@ impl Isolated {
         let [near, far] = self.longer();
         let middle = 0.5 * (near + far);
         let is_short = self.ends[1] - self.ends[0] <= self.enough;
-        // The uncertain stretch does not shrink. So the part is done if the ends are within a share
-        // of the tolerance of that stretch.
+        // The uncertain stretch does not shrink. So a part with both ends close to it is done, too.
         let is_near = self.uncertain.is_some() && far - near <= 0.125 * self.enough;
         is_short || is_near || !(near < middle && middle < far)
     }
 
     /// Returns the next place to evaluate. Three kinds alternate: the zero of the line through the
-    /// ends, a place a little beyond it so that the other end comes near too, and the middle.
+    /// values at the ends, a place a little beyond the end that moved last, so that the other end
+    /// comes near, and the middle.
     fn next(&self, round: u32) -> f64 {
         let ([near, far], [a, b]) = (self.ends, self.values);
         let [from, to] = self.longer();
@@ -117,7 +117,7 @@ impl Isolated {
         if let Some(is_above) = sign(value) {
             let end = usize::from(is_above != self.is_above[0]);
             (self.ends[end], self.values[end], self.moved) = (place, middle(value), end);
-            // If the root may lie outside the uncertain stretch, the stretch is dropped.
+            // An uncertain stretch that reaches beyond the shortened part is dropped.
             let [near, far] = self.ends;
             self.uncertain = self.uncertain.filter(|[first, last]| near <= *first && *last <= far);
         } else {

@@ -118,7 +118,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
         parts
     }
 
-    /// Decides each part: its root is isolated, it is cut in two, or it is empty.
+    /// Decides each part: isolates its root, cuts the part in two, or drops it as empty.
     fn classify(&self, rays: &mut [RaySearch], parts: &[RayPart], work: &mut KernelStats) {
         let slopes = self.slopes.along(
             &cuboids(parts),
@@ -141,8 +141,8 @@ impl<'a, T: Scalar> Searcher<'a, T> {
                 self.cut(ray, part, work);
             }
         }
-        // If df/dt has a constant sign on a part, the part holds one root if the signs at its ends
-        // differ, and none otherwise.
+        // If df/dt has a constant sign on a part, the part holds one root if the function's signs
+        // at its ends differ, and none otherwise.
         let values = [0, 1].map(|end| {
             let place =
                 |part: &RayPart| bounds(rays[part.ray].local_ray, [part.ends[end]; 2], self.region);
@@ -165,7 +165,8 @@ impl<'a, T: Scalar> Searcher<'a, T> {
         }
     }
 
-    /// Cuts a part in two. A part that is too short to cut becomes a hit or undecided.
+    /// Cuts a part in two. A part too short to cut becomes a hit or undecided, or is dropped while
+    /// the ray leaves the surface that it starts on.
     fn cut(&self, ray: &mut RaySearch, part: &RayPart, work: &mut KernelStats) {
         let [near, far] = part.ends;
         let cut = near + CUT * (far - near);
@@ -208,7 +209,7 @@ impl<'a> RaySearch<'a> {
     fn new<T: Scalar>(local_ray: &'a LocalRay, start: Start) -> Self {
         let [near, far] = local_ray.span;
         let [first, last] = [local_ray.inside[0].max(near), local_ray.inside[1].min(far)];
-        // At the region's faces, rounding makes the sign uncertain. The parts around them stay
+        // At the region's faces, rounding makes the sign uncertain. The parts around the faces stay
         // undecided, so they are examined separately.
         let mut parts = Vec::with_capacity(16);
         if first < last {
