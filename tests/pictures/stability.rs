@@ -14,7 +14,7 @@ use zeroset_trace::{
     Camera, METHODS, Method, Projection, Proves, RayGrid, Status, TraceOptions, UndecidedReason,
 };
 
-/// Depth of the method `knoll` in the table of results.
+/// The depth with which the method `knoll` draws the pictures for the table of results.
 const DEPTH: u32 = 12;
 
 /// A formula, and a description of its correct picture.

@@ -106,8 +106,8 @@ fn neither_a_comparison_nor_its_opposite_holds_where_there_is_no_value() {
 fn a_solid_has_faces_where_it_jumps() {
     check("floor(x) > 1/2 and y < 1/3", DVec3::X, |foot| (foot.y < 1.0 / 3.0).then_some(1.0));
     check("z < floor(x) and y < 1/3", DVec3::X, |foot| {
-        // Risers are at the integers. Two kinds of rays may or may not hit: rays along a tread, and
-        // rays that reach the last face of the box.
+        // The solid is a staircase, with a riser at each integer x. Any result is accepted for a
+        // ray along a tread, and for a ray that meets no riser before the last face of the box.
         let height = foot.z.ceil();
         let riser = if height < 2.0 && height > foot.z { height } else { f64::NAN };
         (foot.y < 1.0 / 3.0).then_some(riser)

@@ -15,7 +15,7 @@ use zeroset_trace::{
     Camera, GBuffer, Method, Projection, RayGrid, RayResult, Status, TraceOptions,
 };
 
-/// Depth of the method `knoll` in the table of results.
+/// The depth with which the method `knoll` draws the pictures for the table of results.
 const DEPTH: u32 = 12;
 
 /// Number of rays with a crossing that are not left open by the reference, over all surfaces.

@@ -37,7 +37,8 @@ impl Times {
         (quantile(&self.0, 0.75) - quantile(&self.0, 0.25)) / 2.0 / self.median()
     }
 
-    /// Returns the median over rounds of this renderer's time divided by that of `other`.
+    /// Divides this renderer's time by that of `other` in each round. Returns the median of these
+    /// ratios.
     pub fn ratio(&self, other: &Self) -> f64 {
         let ratios: Vec<f64> = self.0.iter().zip(&other.0).map(|(a, b)| a / b).collect();
         quantile(&ratios, 0.5)

@@ -420,7 +420,7 @@ pub struct ShadingArgs {
     #[arg(long)]
     pub legend: bool,
 
-    /// Trace 1, 4, 16 or 64 rays in a pixel on an edge (arrays hold one ray per pixel)
+    /// Trace 1, 4, 16 or 64 rays in a pixel on an edge (output arrays: center ray only)
     #[arg(long, value_name = "N", default_value_t = DEFAULT_AA)]
     pub aa: usize,
 

@@ -46,7 +46,7 @@ pub enum Step {
     Coordinate(Axis),
     /// Reads the parameter with this number.
     Parameter(u32),
-    /// A constant: its bounds and its kind as an exponent.
+    /// A constant: its bounds, and which kind of exponent it would be.
     Constant(Interval, Exponent),
     /// An operation on the results of earlier steps, given by their indices.
     Apply(Op, Vec<usize>),

@@ -195,7 +195,8 @@ pub mod f64_up {
             let nearest = value * power(n); // exact: no underflow
             return if error > 0.0 { nearest.next_up() } else { nearest };
         }
-        // At most one step of the scaling rounds. Undoing the steps shows in which direction.
+        // Of the two multiplications, only the second may round. Undoing both shows in which
+        // direction.
         let clamped = n.clamp(-1200, 1200); // for other n the result is 0 or ∞
         let half = clamped / 2;
         let nearest = value * power(half) * power(clamped - half);

@@ -11,11 +11,11 @@ use zeroset_ops::{Class, Op, TABLE};
 
 /// Adds the partial derivatives of `root` by x, y and z to `graph`, and returns their nodes.
 ///
-/// They equal the derivatives wherever `root` is differentiable and the rules' intermediate results
-/// exist. If the two operands of min or max are equal, the result is the mean of the operands'
-/// derivatives. At other kinks it is the derivative of one side, or lies between those of both
-/// sides. Jumps contribute nothing. A partial derivative may be defined in a smaller domain than
-/// `root` (`sqrt` at 0) or in a larger one.
+/// The nodes equal the true partial derivatives wherever `root` is differentiable and the rules'
+/// intermediate results exist. If the two operands of min or max are equal, the rules take the mean
+/// of the operands' derivatives. At any other kink they take the derivative of one side, or a value
+/// between those of both sides. Jumps contribute nothing. A partial derivative may be defined in a
+/// smaller domain than `root` (`sqrt` at 0) or in a larger one.
 ///
 /// The graph grows by at most a small constant times the number of nodes that `root` needs.
 ///

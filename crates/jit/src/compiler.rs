@@ -364,7 +364,7 @@ fn offset<T: Real>(quantity: usize) -> i32 {
     (size_of::<Lanes<T>>() * quantity) as i32
 }
 
-/// Loads the next lanes of a quantity in the batch at `base`.
+/// Emits a load of one vector of a quantity's lanes. `base` is the address for quantity 0.
 fn load<T: Real>(m: &mut Emitter<'_, '_>, base: Value, quantity: usize) -> LaneVector {
     let flags = trusted();
     LaneVector::Value(m.builder().ins().load(

@@ -27,7 +27,7 @@ pub enum Error {
     TooDeep {
         /// Bytes of stack needed.
         bytes: u32,
-        /// Most bytes of stack allowed.
+        /// Largest number of bytes allowed.
         limit: u32,
     },
     /// The code generator failed with this report. Such a failure is always a defect.

@@ -228,7 +228,7 @@ struct StackLayout {
     slots: i64,
     /// Largest number of bytes allowed.
     most: i64,
-    /// Factor by which offsets beyond the slots grow.
+    /// Factor by which widening enlarges the area of the spilled values.
     times: i64,
 }
 

@@ -12,7 +12,8 @@ const SIZE: (u32, u32) = (980, 560);
 const LEFT: i32 = 78;
 const TOP: i32 = 44;
 const LEGEND: i32 = 250;
-/// Margin below the plot, and its increase per letter of vertical names.
+/// Margin below the plot. If the names below it are vertical, the margin grows by `UPRIGHT` for
+/// each letter of the longest name.
 const BOTTOM: i32 = 58;
 const UPRIGHT: i32 = 6;
 /// Sizes of letters.

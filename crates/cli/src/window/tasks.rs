@@ -19,8 +19,8 @@ pub fn enter_all(session: &Arc<Session>, lines: &Receiver<LineEdit>, tell: &Send
     let mut saves = Vec::new();
     for line in lines {
         let result = session.enter(line.text().trim(), |to| {
-            // Save on another thread, so that later lines need not wait for the picture. At its
-            // end, the session makes a new request, which ends the wait for this picture.
+            // Save on another thread, so that later lines need not wait for the picture. When the
+            // session ends, it makes a newer request, and that thread stops waiting.
             let revision = session.live.revision();
             anyhow::ensure!(!session.has_ended(), "not saved: the window was closed");
             let (session, tell) = (Arc::clone(session), tell.clone());

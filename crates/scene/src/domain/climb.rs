@@ -72,8 +72,9 @@ fn candidates(heights: &[f64]) -> impl Iterator<Item = (usize, f64)> {
     })
 }
 
-/// The extremum near `start`. `None` if the climb leads too far away or ends at a pole, or if the
-/// extremum is part of a bent valley.
+/// The extremum that a climb from `start` finds. `None` if the climb goes too far away, takes too
+/// many steps, or ends at a pole or in a bent valley. In such a valley, the climb can stop before
+/// any extremum: see `is_top`.
 fn climb(
     heights: &Heights<'_>,
     start: [f64; 2],

@@ -6,7 +6,7 @@ use super::DEFAULT_HALF;
 use super::climb::{self, Extremum};
 use super::heights::{Grid, Heights};
 
-/// Ratio of a window's extent to the extent of the extrema in it.
+/// A window that shows all extrema reaches this many times as far from the center as they do.
 const MARGIN_OF_GRAPH: f64 = 1.6;
 
 /// Largest number of isolated extrema that are all shown. If there are more, the window is about

@@ -376,7 +376,8 @@ const PIECES: &[&str] = &[
     ";",
 ];
 
-/// The pasted texts in two of the corpora.
+/// The texts that people paste, from two of the lists in `tests/data`, without their expected
+/// readings.
 fn pasted() -> Vec<String> {
     ["words.txt", "words_held_out.txt"]
         .iter()

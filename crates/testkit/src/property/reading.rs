@@ -4,7 +4,7 @@ use crate::suite::{Failure, Tally};
 use zeroset_ir::Graph;
 use zeroset_syntax::{Document, Limits, Options, parse, read, read_bytes};
 
-/// Small limits, so that texts that expand cost a fuzzer little.
+/// Small limits, so that a fuzzer loses little time on texts that expand to large graphs.
 const LIMITS: Limits =
     Limits { bytes: 1 << 16, symbols: 10_000, depth: 200, nodes: 1 << 12, surfaces: 1000 };
 

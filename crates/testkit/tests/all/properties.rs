@@ -17,7 +17,8 @@ fn directory(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(name)
 }
 
-/// Checks a property. It must compare certainly defined values once per eight inputs or more.
+/// Checks a property. On average, each case must make at least one comparison, and more than one in
+/// eight cases a comparison of certainly defined values.
 fn hold(property: Property, target: &str, seed: u64, cases: u64) {
     let effort = Effort::from_environment(seed, cases);
     let tally = attack(&property, &directory("fuzz/seeds").join(target), effort);

@@ -79,8 +79,8 @@ impl<'a, T: Scalar> SlopeKernels<'a, T> {
         values
     }
 
-    /// Returns bounds of the slope along a direction in up to [`LANES`] boxes. `None` if the
-    /// function is not proven to be Lipschitz continuous in the box.
+    /// Returns bounds of the slope in up to [`LANES`] boxes, each along its own direction. `None`
+    /// for a box in which the function is not proven to be Lipschitz continuous.
     pub fn along(
         &self,
         boxes: &[Cuboid],

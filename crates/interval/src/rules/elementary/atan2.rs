@@ -43,9 +43,9 @@ impl<M: Machine> Rule<'_, M> {
             reaches_right = self.m.or(reaches_right, flat);
         }
         let sign_bit = self.sign_bit();
-        // Above the x-axis, the least angle is at the right end, and the greatest at the left end.
-        // The sign of x selects y for each. Below the x-axis, angles are negative, so least and
-        // greatest swap.
+        // Above the x-axis, a box's least angle is at its right end, and its greatest at its left
+        // end. The sign of x at an end decides which bound of y gives that angle. Below the x-axis,
+        // all is mirrored: the angles swap ends, and the bounds of y swap.
         let at_right_upper = self.m.select(reaches_right, y_lo, y_hi);
         let at_left_upper = self.m.select(right, y_hi, y_lo);
         let at_right_lower = self.m.select(reaches_right, y_hi, y_lo);

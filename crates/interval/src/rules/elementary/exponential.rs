@@ -82,7 +82,8 @@ impl<M: Machine> Approximator<'_, M> {
     fn exp_times(&mut self, x: M::V, factor: M::V) -> M::V {
         // Results beyond these limits overflow or underflow the target.
         let (k, r) = self.exponent_and_rest(x.into(), [-160.0, 128.0]);
-        // For |r| ≤ 0.3467, the tail of the series is r¹⁰/10!, below 2⁻³⁷.
+        // For |r| ≤ 0.3467, the omitted terms of the series, from r¹⁰/10! on, sum to less than
+        // 2⁻³⁷.
         let mantissa = self.series(r.head, &reciprocal_factorials(10, 0, 1));
         let product = self.m.mul(mantissa, factor);
         let power = self.power_of_two(k);

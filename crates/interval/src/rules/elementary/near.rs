@@ -81,7 +81,7 @@ static NEAR_F64: NearConstants = NearConstants {
 
 /// An angle of k quarter turns plus `rest` minus `correction`.
 struct ReducedAngle<V> {
-    /// The integer k, in the low bits.
+    /// The low bits are those of the integer k.
     bits: V,
     /// The number s in the equation at the top of this file; `correction` is n there.
     rest: V,

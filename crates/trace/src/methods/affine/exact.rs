@@ -341,8 +341,9 @@ fn zeros_of(
     Some(if a < b { [a, b] } else { [b, a] })
 }
 
-/// Narrows the segments of sixteen parts of a tile by the plane of the tile's form. Counts zeros
-/// that are kept, segments that were shortened, and hits.
+/// Narrows the segments of sixteen parts of a random tile, by the plane near which the tile's form
+/// may be 0. Fails if a zero is dropped, or a hit is off the plane. Counts kept zeros, shortened
+/// segments and hits.
 fn narrowed<T: Scalar + Adversarial>(rng: &mut Rng, level: Level) -> Result<[u32; 3], String> {
     let number = |x: f64| -> f64 { T::nearest(x).into() };
     // The tile is rounded as when it is written to a batch.

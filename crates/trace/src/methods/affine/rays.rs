@@ -188,7 +188,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
         }
     }
 
-    /// Returns the narrower in `f64`; `None` if undecided segments are not examined again.
+    /// Returns the narrower that computes in `f64`. `None` if undecided segments are not examined
+    /// again, or if its kernels cannot be compiled.
     fn double(&self) -> Option<&Narrower<'a, f64>> {
         let make = || Narrower::new(self.task, false).ok();
         self.refines.then(|| self.double.get_or_init(make).as_ref()).flatten()
