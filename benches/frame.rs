@@ -1,12 +1,12 @@
-//! Times of whole pictures by every method: tracing, normals and colors of 512×512 pixels, or N×N,
-//! on one thread.
+//! Times every method on whole pictures, with normals and colors, on one thread. A picture has
+//! 512×512 pixels, or N×N with `--size=N`.
 //!
-//! `cargo bench --bench frame [-- SURFACES… METHODS… FLAGS…]` prints for each surface and method
-//! the median milliseconds of interleaved rounds, the number of kernel calls and lanes, and the
-//! number of decided pixels. The flags are `--no-contract`, `--no-tiles`, `--no-interval`, `--f32`,
-//! `--f64`, `--rounds=N`, `--size=N`, and `--cold`, which evicts the previous frame from the
-//! caches. Under a profiler, runs with `--rounds=1` and `--rounds=2` differ by the cost of one
-//! round.
+//! `cargo bench --bench frame [-- SURFACES… METHODS… FLAGS…]` prints a line for each surface and
+//! method. It has the median milliseconds of interleaved rounds, the numbers of boxes, tiles,
+//! segments and points evaluated, and the numbers of hits and of undecided pixels. Flags:
+//! `--no-contract`, `--no-tiles`, `--no-interval`, `--f32`, `--f64`, `--rounds=N`, `--size=N`, and
+//! `--cold`, which evicts the previous frame from the caches. To profile one round, compare runs
+//! with `--rounds=1` and `--rounds=2`.
 
 use glam::DVec3;
 use include_dir::{Dir, include_dir};
@@ -17,10 +17,10 @@ use zeroset_scene::view::{self, DomainChoice};
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{Camera, METHODS, Method, Precision, Projection, TraceOptions};
 
-/// Number of rounds, unless `--rounds` gives another.
+/// Default of `--rounds`.
 const ROUNDS: usize = 15;
 
-/// Function files, each with its domain: the surfaces of Knoll et al. 2007, and the gyroid.
+/// Function files of the gyroid and of the surfaces in Knoll et al. 2007. Each states its domain.
 static SURFACES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/crates/chart/data");
 
 fn milliseconds(mut times: Vec<Duration>) -> f64 {
@@ -40,9 +40,9 @@ fn main() {
     let rounds = std::env::args().find_map(|given| given.strip_prefix("--rounds=")?.parse().ok());
     let rounds = rounds.unwrap_or(ROUNDS).max(1);
     let size = std::env::args().find_map(|given| given.strip_prefix("--size=")?.parse().ok());
-    // Memory larger than the caches, to be written before each picture.
+    // With `--cold`, writing this memory before each picture evicts the caches' content.
     let mut others = vec![0_u8; if given("--cold") { 64 << 20 } else { 0 }];
-    // A name of both a surface and a method selects the surface. Given twice, it selects both.
+    // If surface and method share a name, it selects the surface. Given twice, it selects both.
     let times = |name: &str| wanted.iter().filter(|wanted| *wanted == name).count();
     let is_surface = |name: &str| SURFACES.get_file(format!("{name}.zset")).is_some();
     let named = |method: &&Method| times(method.name) > usize::from(is_surface(method.name));

@@ -1,7 +1,7 @@
-//! Interval kernels: rigorous native code against the same operations in intrinsics that round to
-//! nearest.
+//! Times rigorous native interval kernels against rivals written in intrinsics. The rivals do the
+//! same operations, but round to nearest.
 //!
-//! `cargo bench --bench kernels` prints a table; names are `kernel/case`.
+//! `cargo bench --bench kernels` prints a table with rows named `kernel/case`.
 
 mod rival;
 
@@ -15,12 +15,12 @@ use zeroset_ir::{rewrite, simplify};
 use zeroset_jit::Native;
 use zeroset_syntax::{Options, read};
 
-/// Batches per round, few enough for the first-level cache.
+/// Number of different batches, few enough for the first-level cache.
 const BATCHES: usize = 32;
 const CALLS: usize = 2_000;
 const ROUNDS: usize = 101;
 
-/// Boxes like those that a traverser evaluates: at random places of the domain, and 1/16 as wide.
+/// Returns boxes like those of a tracer: at random places, and 1/16 as wide as the domain.
 fn boxes(half: f64) -> Vec<Boxes> {
     let mut state = 1_u64;
     let mut random = || {
@@ -36,7 +36,7 @@ fn boxes(half: f64) -> Vec<Boxes> {
     Boxes::around(&all)
 }
 
-/// Native code for a formula in the cube of this half width.
+/// Compiles a formula for the cube around the origin with this half width.
 fn native<Q: Query>(formula: &str, half: f64) -> Native<Q> {
     let document = read(formula, &Options::default()).expect(formula);
     let assumptions =
@@ -48,7 +48,7 @@ fn native<Q: Query>(formula: &str, half: f64) -> Native<Q> {
     Native::new(Tape::new(&graph, &roots, &assumptions), Binding::empty()).expect(formula)
 }
 
-/// Evaluates the kernel on all batches, `times` times.
+/// Evaluates every batch `times` times.
 fn eval_often<Q: Query>(kernel: &dyn Kernel<Q>, inputs: &[Q::Input<f32>], times: usize) {
     let mut answers = Q::Output::<f32>::default();
     for input in (0..times).flat_map(|_| inputs) {
@@ -94,7 +94,7 @@ fn main() {
     gyroid();
 }
 
-/// Times the gyroid's interval kernel against its point kernel, since it has no rival here.
+/// Times the gyroid's interval kernel against its point kernel, since the gyroid has no rival here.
 fn gyroid() {
     const HALF: f64 = std::f64::consts::TAU;
     const FEWER: usize = CALLS / 10;

@@ -1,11 +1,11 @@
-//! Compile time after warm-up, from text to native code: to the first interval kernel, and to all
-//! kernels of the default picture.
+//! Times compilation after a warm-up: from a text to the first interval kernel, and from a text to
+//! all kernels of the default picture.
 //!
-//! `cargo bench --bench latency` measures kernels of `f32`, then of `f64`. It prints the median and
-//! the worst surface of the gallery against the targets of 2 ms and 8 ms. Then it prints the
-//! slowest surfaces with the time of each stage. `-- gyroid` at the end of the command selects the
-//! surfaces whose names contain `gyroid`. A surface's time is the median over rounds. Each round
-//! covers all surfaces, so that a disturbance affects many surfaces once, not one surface always.
+//! `cargo bench --bench latency` measures kernels of `f32`, then of `f64`. It prints the gallery's
+//! median and worst surface beside the targets of 2 ms and 8 ms. Then it prints the slowest
+//! surfaces with the time of each stage. `-- gyroid` at the end of the command selects the surfaces
+//! whose names contain `gyroid`. A surface's time is the median over rounds. Each round covers all
+//! surfaces, so a disturbance slows many surfaces once instead of one surface always.
 
 use rayon::prelude::*;
 use std::hint::black_box;
@@ -36,15 +36,14 @@ fn program(document: &Document) -> Program {
     Program::new(document, view::bounds(&region)).expect("a surface")
 }
 
-/// Everything from the text to the first query of a traverser.
+/// Reads the example's text and compiles the first interval kernel.
 fn first<T: KernelFloat>(example: &Example) -> Program {
     let program = program(&document(example));
     program.kernels::<T>(0).bounds().expect(example.slug);
     program
 }
 
-/// Compiles all kernels of a picture with normals, in parallel, as drawing a picture does. Returns
-/// the number of kernels.
+/// Compiles all kernels of a picture with normals, in parallel as in drawing. Returns their number.
 fn all<T: KernelFloat>(example: &Example) -> usize {
     let document = document(example);
     let program = program(&document);
@@ -58,7 +57,7 @@ fn all<T: KernelFloat>(example: &Example) -> usize {
     program.made().len()
 }
 
-/// Returns the result of `run`, and its duration without the time to drop the result.
+/// Returns the result of `run` and the duration of the call. Dropping the result is not timed.
 fn time<T>(run: impl FnOnce() -> T) -> (T, Duration) {
     let start = Instant::now();
     let result = black_box(run());
@@ -75,7 +74,7 @@ fn round<T: KernelFloat>(example: &Example) -> [Duration; NAMES.len()] {
     let (function, function_tape) = time(|| tape(KernelSource::Function));
     let (kernel, code) = time(|| Compiled::<Enclose, T>::new(function));
     kernel.expect(example.slug);
-    // `zeros` compiles the function a second time; the rest is the cost of poles.
+    // `zeros` clears poles and compiles the function again. This known time to compile is left out.
     let zeros = time(|| _ = program.kernels::<T>(0).zeros().expect(example.slug)).1;
     let poles = zeros.saturating_sub(function_tape + code);
     let (derivatives, gradient_tape) = time(|| tape(KernelSource::Gradient));
@@ -91,7 +90,7 @@ fn median(mut times: Vec<f64>) -> f64 {
 }
 
 fn main() {
-    // Cargo itself passes `--bench`.
+    // Skips the flag `--bench`, which Cargo adds.
     let filter = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
     let mut examples = examples();
     examples.retain(|example| filter.as_ref().is_none_or(|part| example.slug.contains(part)));
@@ -102,7 +101,6 @@ fn main() {
     report::<f64>(&examples);
 }
 
-/// Measures all surfaces and prints a table.
 fn report<T: KernelFloat>(examples: &[Example]) {
     for _ in 0..WARM_UP {
         for example in examples {
@@ -115,7 +113,7 @@ fn report<T: KernelFloat>(examples: &[Example]) {
             rounds.push(round::<T>(example));
         }
     }
-    // Milliseconds per surface and column.
+    // Each surface's median times in milliseconds, by column.
     let table: Vec<(Example, [f64; NAMES.len()])> = examples
         .iter()
         .copied()
@@ -155,7 +153,7 @@ fn report<T: KernelFloat>(examples: &[Example]) {
     }
 }
 
-/// The surfaces in descending order of a column.
+/// Returns the table's rows in descending order of a column.
 fn slowest<const N: usize>(
     table: &[(Example, [f64; N])],
     column: usize,

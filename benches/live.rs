@@ -1,16 +1,17 @@
-//! Latency from a key to its picture, through the live pipeline at the window's size of 512×512.
+//! Times the live pipeline from a key to its picture, at the window's size of 512×512.
 //!
-//! `cargo bench --bench live` first replays 200 edits: a fixed sample of the keys that leave valid
-//! text while the gallery's formulas are typed. Each follows the previous one after 100 ms, so work
-//! for the older text must often be cancelled. The output compares the first picture, which may be
-//! coarse, and the full one with targets at the 95th percentile, and lists the slowest keys. A full
-//! picture has all pixels, but a few may be undecided for lack of time. They are refined
-//! afterwards, and the time until the end of that is printed, too.
+//! `cargo bench --bench live` first replays 200 keys. They are a fixed sample of the keys that
+//! leave valid text while the gallery's formulas are typed. Each key follows the previous one of
+//! its line after 100 ms, so work for the older text must often be cancelled. The output gives the
+//! times to the first picture, which may be coarse, and to the full one. Both have targets for the
+//! 95th percentile. In a full picture a few pixels may still be undecided for lack of time. The
+//! picture is settled when these are refined, and that time is printed, too. A list shows the
+//! slowest keys.
 //!
-//! The second part prints for each surface of the gallery the median times to the first and to the
-//! full picture. It also prints the pictures per second while a slider moves the surface, and the
-//! factor by which these pictures have fewer columns than the window. `-- gyroid` at the end of the
-//! command selects the surfaces whose names contain `gyroid`.
+//! The second part prints each surface's median times to the first and to the full picture. In the
+//! third part a slider moves each surface. The output gives the pictures per second, and the factor
+//! by which they have fewer columns than the window. `-- gyroid` at the end of the command selects
+//! the surfaces whose names contain `gyroid`.
 
 use std::time::{Duration, Instant};
 use zeroset_live::{DocumentSource, Live, Request};
@@ -22,16 +23,16 @@ const SEED: u64 = 20_070_002;
 /// Time between two keys.
 const PACE: Duration = Duration::from_millis(100);
 const ROUNDS: usize = 5;
-/// Number of measured steps of a slider.
+/// Number of measured slider steps per surface.
 const DRAGS: i32 = 40;
-/// Least rate, in pictures per second, that looks like motion. The pictures must have at least half
+/// Least rate of a smooth drag, in pictures per second. Its pictures must also have at least half
 /// of the window's columns.
 const SMOOTH: f64 = 30.0;
 const LIMIT: Duration = Duration::from_mins(1);
-/// Names of the pictures, with targets for the 95th percentile.
+/// Names in the output, with targets for the 95th percentile.
 const FIRST: &str = "first picture (target 30 ms)";
 const FULL: &str = "full picture (target 100 ms)";
-/// Number of slowest full pictures to list.
+/// Length of the list of the slowest keys.
 const SLOWEST: usize = 12;
 
 /// A key, pressed while a formula is typed, that leaves valid text.
@@ -41,7 +42,7 @@ struct Edit {
     lines: [String; 2],
 }
 
-/// The line of each example's first surface is typed key by key. Returns the keys that leave valid
+/// Types the line of each example's first surface key by key. Returns the keys that leave valid
 /// text.
 fn edits(examples: &[Example]) -> Vec<Edit> {
     let mut edits = Vec::new();
@@ -56,7 +57,7 @@ fn edits(examples: &[Example]) -> Vec<Edit> {
         let ends: Vec<usize> = line.char_indices().map(|(at, c)| at + c.len_utf8()).collect();
         let before = std::iter::once(0).chain(ends.iter().copied());
         let keys = before.zip(&ends).map(|(start, &end)| [&line[..start], &line[..end]]);
-        // A space at the end of the line changes nothing.
+        // Skips a space typed at the end of the line, which changes nothing.
         let changing = keys.filter(|[before, after]| before.trim() != after.trim());
         edits.extend(
             changing
@@ -67,8 +68,7 @@ fn edits(examples: &[Example]) -> Vec<Edit> {
     edits
 }
 
-/// Presses the keys. Returns the times in ms from each key to the first picture, to the full one,
-/// and to the settled one.
+/// Presses the keys. Returns the milliseconds from each key to the first, full and settled picture.
 fn replay(examples: &[Example], sample: &[Edit]) -> [Vec<f64>; 3] {
     let live = Live::new(Request::default());
     let [mut first, mut full, mut settled] = [const { Vec::new() }; 3];
@@ -117,13 +117,13 @@ fn replay(examples: &[Example], sample: &[Edit]) -> [Vec<f64>; 3] {
     [first, full, settled]
 }
 
-/// Medians over rounds of the time to the first and to the full picture, in ms.
+/// Returns the median times to the first and to the full picture, in milliseconds.
 fn pictures(example: &Example) -> [f64; 2] {
     let live = Live::new(Request::default());
     let (mut first, mut full) = (Vec::new(), Vec::new());
     for round in 0..=ROUNDS {
         let revision = live.revision();
-        // A different text in each round prevents any reuse.
+        // A different text in each round prevents reuse of earlier results.
         let text = format!("{}\n# {round}", example.text);
         let pressed = Instant::now();
         live.load(DocumentSource::Gallery(*example), &text, true);
@@ -135,11 +135,11 @@ fn pictures(example: &Example) -> [f64; 2] {
         let view = live.snapshot();
         assert!(view.fault.is_none() && view.rendering.is_some_and(|frame| !frame.coarse));
     }
-    // The first round warms up.
+    // Leaves out the first round, which warms up.
     [percentile(&mut first[1..], 0.5), percentile(&mut full[1..], 0.5)]
 }
 
-/// The formula with every `x` replaced by `(x + s/10)`.
+/// Returns the formula with every `x` replaced by `(x + s/10)`.
 fn moved(formula: &str) -> String {
     let is_letter = |c: char| c.is_alphanumeric() || c == '_';
     let mut text = String::new();
@@ -157,9 +157,9 @@ fn moved(formula: &str) -> String {
 struct Dragging {
     /// Pictures per second.
     rate: f64,
-    /// Median ratio of the full picture's columns to those of the pictures during the drag.
+    /// Median factor by which a picture of the drag has fewer columns than the full picture.
     scale: f64,
-    /// Number of steps that compiled code.
+    /// Number of slider steps that had to compile code.
     compiled: usize,
 }
 
@@ -177,7 +177,7 @@ fn drag(example: &Example) -> Dragging {
     let full = live.settings().width as f64;
     let (mut scales, mut compiled) = (Vec::new(), 0);
     let mut spent = Duration::ZERO;
-    // The first steps let the pipeline estimate the cost of a picture.
+    // The steps before 0 let the pipeline estimate the cost of a picture. They are not measured.
     for step in -5..DRAGS {
         let value = (f64::from(step) * 0.13).sin();
         let before = live.revision();
@@ -202,7 +202,7 @@ fn percentile(times: &mut [f64], share: f64) -> f64 {
 }
 
 fn main() {
-    // Cargo itself passes `--bench`.
+    // Skips the flag `--bench`, which Cargo adds.
     let filter = std::env::args().skip(1).find(|argument| !argument.starts_with('-'));
     let mut examples = examples();
     examples.retain(|example| filter.as_ref().is_none_or(|part| example.slug.contains(part)));

@@ -1,11 +1,12 @@
-//! Costs of a picture besides tracing and generated code: set-up of the G-buffer, normals, colors.
+//! Times the steps of a picture besides tracing and generated code: set-up of the G-buffer,
+//! normals, colors.
 //!
 //! `cargo bench --bench shade` draws 512×512 pixels on one thread. It prints ns per drawn pixel, or
-//! per pixel of the background; names are `shade/case`. The surfaces are spheres with known
-//! distances, and the gradient kernel only copies its points. The first columns time each step over
-//! the whole picture: set-up in new memory, set-up in an empty picture's memory, normals, and
-//! colors. The last two columns time a frame in the memory of the previous frame. It goes from
-//! set-up to colors a few rows at a time.
+//! per pixel of the background, in rows named `shade/case`. The surfaces are spheres with known
+//! distances. The gradient kernel only copies its points. Each of the first columns times one step
+//! over the whole picture. Set-up is timed in new memory and in an empty picture's memory. The last
+//! two columns time a frame that is drawn band by band in the previous frame's memory: its set-up,
+//! then its normals and colors.
 
 use glam::DVec3;
 use std::hint::black_box;
@@ -23,8 +24,8 @@ use zeroset_trace::{
 const SIZE: usize = 512;
 const ROUNDS: usize = 201;
 
-/// The gradient of half the squared distance from the origin, which is the cheapest kernel
-/// possible.
+/// The cheapest possible gradient kernel. A point is the gradient of half its squared distance from
+/// the origin.
 struct CopyPoints;
 
 impl<T: Real> Kernel<SampleGradient, T> for CopyPoints {
@@ -33,7 +34,7 @@ impl<T: Real> Kernel<SampleGradient, T> for CopyPoints {
     }
 }
 
-/// Paints a sphere about the origin, viewed from outside or inside.
+/// Returns the picture of a sphere around the origin, seen from outside or inside.
 fn paint(rays: &RayGrid, radius: f64) -> GBuffer {
     let mut buffer = GBuffer::new(SIZE, SIZE, 0);
     for pixel in 0..SIZE * SIZE {
@@ -50,7 +51,7 @@ fn paint(rays: &RayGrid, radius: f64) -> GBuffer {
     buffer
 }
 
-/// A tracer whose hits are those of the given buffer. Without a buffer, it finds none.
+/// A tracer whose hits are those of the given buffer. Without a buffer, every ray misses.
 struct KnownHits<'a>(Option<&'a GBuffer>);
 
 impl Tracer for KnownHits<'_> {
@@ -82,11 +83,11 @@ const STAGES: [&str; 8] = [
     "frame set up",
     "frame lit",
 ];
-/// Indices of stages whose cost is the same for each pixel.
+/// Indices of stages that cost the same for drawn pixels and for the background.
 const PER_PIXEL_STAGES: [usize; 3] = [0, 1, 6];
 
-/// Seconds of each stage: the 5th percentile of interleaved rounds. Other load slows most rounds
-/// down, and there is no rival here whose time would cancel it.
+/// Returns the seconds of each stage: the 5th percentile of interleaved rounds. Other load on the
+/// machine slows most rounds down, so a median would be too large.
 fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; STAGES.len()] {
     let far = Appearance::new(Default::default(), Light::above_left(rays));
     let near = Appearance::new(Default::default(), Light::Positional(DVec3::new(3.0, -3.0, 3.0)));
@@ -116,13 +117,13 @@ fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; STAGES.len()] {
         hand_back_colors(shade(buffer, rays, &far, &[]));
         lap(&mut || hand_back_colors(black_box(shade(buffer, rays, &far, &[]))));
         lap(&mut || hand_back_colors(black_box(shade(buffer, rays, &near, &[]))));
-        // Each of these frames starts with the memory of a painted picture.
+        // Before each measured frame, a painted frame hands its memory back.
         let known = Some(&*buffer);
         for (known, is_lit) in [(None, false), (known, false), (known, true)] {
             frame(rays, Some(buffer), Some(&shader));
             lap(&mut || frame(rays, known, is_lit.then_some(&shader)));
         }
-        // Frees the memory, so that the next round starts without any.
+        // Frees the memory that was handed back, so that the next round starts without any.
         drop([(); 2].map(|()| GBuffer::new(SIZE, SIZE, 0)));
     }
     let sorted = times.map(|mut times| {
@@ -171,7 +172,8 @@ fn main() {
     for (name, radius) in [("full", 10.0), ("sphere", 1.0)] {
         let mut buffer = paint(&rays, radius);
         let drawn = (0..all).filter(|&pixel| buffer.is_drawn(pixel)).count();
-        // Set-up costs the same for every pixel. Other stages exclude the cost of the background.
+        // Set-up costs the same for every pixel. For other stages, the background's cost is
+        // subtracted.
         let (share, mut times) = ((all - drawn) as f64 / all as f64, time(&rays, &mut buffer));
         for (stage, time) in times.iter_mut().enumerate() {
             *time = if PER_PIXEL_STAGES.contains(&stage) {

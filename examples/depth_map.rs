@@ -5,7 +5,7 @@
 use std::path::PathBuf;
 use zeroset::{Function, Ray, RayResult};
 
-/// Rays in a row, and rows.
+/// Number of rays in a row, and number of rows.
 const SIDE: usize = 128;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -14,7 +14,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         "81*(x^3+y^3+z^3) - 189*(x^2*y+x^2*z+y^2*x+y^2*z+z^2*x+z^2*y) + 54*x*y*z \
          + 126*(x*y+x*z+y*z) - 9*(x^2+y^2+z^2) - 9*(x+y+z) + 1",
     )?;
-    // Rays look down on the square from -2 to 2, from above the domain.
+    // The rays start above the domain and look down on the square from -2 to 2.
     let coordinate = |pixel: usize| 4.0 * (pixel as f64 + 0.5) / SIDE as f64 - 2.0;
     let pixels = (0..SIDE).flat_map(|row| (0..SIDE).map(move |column| (column, row)));
     let rays: Vec<Ray> = pixels
@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let (mut hits, mut misses, mut undecided) = (0, 0, 0);
     let mut widest = 0.0_f64;
-    // White is the top of the domain, which is at t = 1, and black its bottom, at t = 5.
+    // The top of the domain is at t = 1 and white. Its bottom is at t = 5 and black.
     let gray = |t: f64| (255.0 * (5.0 - t) / 4.0).clamp(0.0, 255.0) as u8;
     let shades = results.iter().map(|result| match *result {
         RayResult::Hit { t, bracket: [near, far], .. } => {

@@ -5,8 +5,7 @@
 use zeroset::{Error, Function};
 
 fn main() -> Result<(), Error> {
-    // Definitions stand in lines of their own, as in any text. The range of `R` lets one
-    // compilation serve for all of its values.
+    // Definitions have lines of their own. `R` has a range, so code is compiled once.
     let mut torus = Function::parse("R = 2 in [1, 3]\n(sqrt(x^2+y^2) - R)^2 + z^2 - 1/4")?;
     println!("f = {torus}");
     let points = [[2.0, 0.0, 0.0], [0.0, 2.5, 0.0], [0.0, 0.0, 0.0]];

@@ -1,6 +1,7 @@
-//! Lists the gallery, or renders those of its surfaces whose name contains a word.
+//! Without arguments, lists the gallery. With a word, renders the surfaces whose name contains the
+//! word.
 //!
-//! `cargo run --example gallery [WORD [DIRECTORY]]` writes `NAME.png` for each.
+//! `cargo run --example gallery [WORD [DIRECTORY]]` writes `NAME.png` for each surface.
 
 use std::path::PathBuf;
 use zeroset::{Error, Scene, Settings, gallery};

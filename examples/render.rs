@@ -1,4 +1,4 @@
-//! Renders a picture from a chosen side, and says what is proven of its pixels.
+//! Renders a picture from a chosen side, and counts the pixels that are proven.
 //!
 //! `cargo run --example render [DIRECTORY]` writes `saddle.png`.
 

@@ -1,4 +1,4 @@
-//! Encloses a surface by boxes: what lies outside of them is proven to hold no zero.
+//! Encloses a surface in ever smaller boxes. Space outside the boxes is proven to hold no zero.
 //!
 //! `cargo run --example root_region`
 
@@ -7,7 +7,7 @@ use zeroset::{Error, Function};
 
 type Box3 = [RangeInclusive<f64>; 3];
 
-/// The eight halves of a box along all axes.
+/// The eight parts of a box that is halved along each axis.
 fn parts(whole: &Box3) -> impl Iterator<Item = Box3> {
     (0..8).map(|part| {
         [0, 1, 2].map(|axis| {

@@ -5,12 +5,12 @@
 use std::path::PathBuf;
 use zeroset::{Camera, Error, Scene, Settings};
 
-/// The number of pictures.
+/// Number of pictures.
 const FRAMES: usize = 8;
 
 fn main() -> Result<(), Error> {
     let directory = PathBuf::from(std::env::args().nth(1).unwrap_or(".".to_owned()));
-    // Code is compiled once for the range of `k`.
+    // The code is compiled once, for the whole range of `k`.
     let mut scene = Scene::read("k = 1 in [0.5, 2.5]\n(x^2+y^2+z^2-k)^2 = x^4+y^4+z^4 - 0.2")?;
     // All pictures have the same domain and camera, so that nothing jumps.
     let settings = Settings::new(320, 240)

@@ -1,4 +1,4 @@
-//! The one error type, and messages that point into a text.
+//! The library's error type, and messages that point into a text.
 
 use std::fmt;
 use std::ops::Range;
@@ -6,12 +6,12 @@ use std::path::Path;
 use zeroset_scene::view::SceneError;
 use zeroset_syntax::{Errors, Note, Span};
 
-/// The name of a text in messages, as on the command line.
+/// Name of a text in messages. The command line uses the same name for a formula.
 const TEXT_NAME: &str = "formula";
 
 /// An error of this library.
 ///
-/// `Display` is the message that the program `zeroset` prints. An error in a text is laid out over
+/// `Display` is the message that the program `zeroset` prints. For an error in a text, it has
 /// several lines, with a caret under each place:
 ///
 /// ```
@@ -20,8 +20,8 @@ const TEXT_NAME: &str = "formula";
 /// assert_eq!(error.diagnostics()[0].span, 6..9);
 /// ```
 ///
-/// Other messages are one sentence. `Debug` prints the same as `Display`, so that an error that
-/// `main` returns is readable.
+/// Other messages are one sentence. `Debug` prints the same as `Display`, so an error returned by
+/// `main` is readable.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Error {
     kind: ErrorKind,
@@ -33,9 +33,9 @@ pub struct Error {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ErrorKind {
-    /// The text does not follow the language. [`Error::diagnostics`] say where.
+    /// The text breaks a rule of the language. [`Error::diagnostics`] tells where.
     Syntax,
-    /// The text reads well, but the formula has no surface, or is too large to compile.
+    /// The text is valid, but its formula has no surface or is too large to compile.
     Formula,
     /// An argument or a setting is out of range.
     Argument,
@@ -51,9 +51,9 @@ pub enum ErrorKind {
 pub struct Diagnostic {
     /// The message, in one line.
     pub message: String,
-    /// The place: offsets of bytes in the text.
+    /// The place in the text, in bytes.
     pub span: Range<usize>,
-    /// A correction that may have been meant: bytes of the text, and their replacement.
+    /// A suggested correction: a range of bytes in the text, and its replacement.
     pub suggestion: Option<(Range<usize>, String)>,
     rendered: String,
 }
@@ -102,7 +102,7 @@ impl Error {
         self.kind
     }
 
-    /// Returns the errors in the text, in the order of their places; empty unless the kind is
+    /// Returns the errors in the text, in the order of their places. Empty unless the kind is
     /// [`ErrorKind::Syntax`].
     pub fn diagnostics(&self) -> &[Diagnostic] {
         &self.diagnostics

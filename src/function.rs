@@ -16,35 +16,35 @@ use zeroset_space::Region;
 use zeroset_syntax::{Document, SurfaceKind};
 use zeroset_trace::TraceOptions;
 
-/// Batches of [`LANES`] points or boxes that a thread takes at least: some microseconds of work.
+/// Least number of batches that a thread takes: some microseconds of work.
 const BATCHES: usize = 32;
 
 /// A real function of x, y and z, compiled.
 ///
-/// [`eval`](Self::eval) samples it, [`enclose`](Self::enclose) bounds it over boxes, and
+/// [`eval`](Self::eval) samples the function, [`enclose`](Self::enclose) bounds it over boxes, and
 /// [`trace`](Self::trace) finds where rays first meet its zeros. The text is an expression such as
-/// `x^2+y^2+z^2-1`, or an equation, which stands for the difference of its two sides. Definitions
-/// may surround it, as in any text of the [language](crate#the-language).
+/// `x^2+y^2+z^2-1` or an equation. An equation stands for the difference of its two sides. The text
+/// may also have definitions, as the [language](crate#the-language) allows.
 ///
 /// A function can be shared between threads. Calls use the threads of the current `rayon` pool.
 pub struct Function {
     text: Text,
-    /// The function as typed, compiled for all of space: no box can lie outside.
+    /// The function as typed, compiled for all of space, so that every box is allowed.
     typed: Program,
-    /// The function is proven to be defined at every point of space.
+    /// Whether the function is proven to be defined at every point of space.
     is_total: bool,
-    /// The program and the box of the last rays.
+    /// Box and program of the last call that traced rays.
     traced: Mutex<Option<Arc<(Region, Program)>>>,
 }
 
-/// Bounds of a function over a box, and what is proven of the function there.
+/// Bounds of a function over a box, with facts about the function on the box.
 ///
-/// Every fact is a proof where it is `true`. Where it is `false`, nothing is claimed.
+/// A fact that is `true` is proven. A fact that is `false` claims nothing.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Enclosure {
-    /// The function's value at each real point of the box at which it is defined lies within these
-    /// bounds. They are rounded outward and may be infinite. The range is empty, from +∞ to −∞, if
+    /// Bounds of the function's values at all real points of the box. They are rounded outward and
+    /// may be infinite. Points without a value are left out. The range is empty, from +∞ to −∞, if
     /// the function is [`undefined`](Self::undefined).
     pub bounds: RangeInclusive<f64>,
     /// The function has a value at no point of the box.
@@ -64,7 +64,7 @@ impl Enclosure {
     fn of(enclosures: &Enclosures<f64>, lane: usize) -> Self {
         let facts = enclosures.facts(lane);
         let undefined = facts.has(Facts::NOWHERE);
-        // Added to 0, so that no bound is −0.
+        // Add each bound to 0, so that no bound is −0.
         let (low, high) = (0.0 - enclosures.neg_lo[lane], 0.0 + enclosures.hi[lane]);
         Self {
             bounds: if undefined { f64::INFINITY..=f64::NEG_INFINITY } else { low..=high },
@@ -79,8 +79,8 @@ impl Function {
     /// Reads a text and compiles its one formula to native code.
     ///
     /// # Errors
-    /// If the text is wrong, draws several surfaces or a solid (an inequality), or if the formula
-    /// is too large to compile.
+    /// If the text is wrong, draws several surfaces, or draws a solid (an inequality). If the
+    /// formula is too large to compile.
     pub fn parse(text: &str) -> Result<Self, Error> {
         let text = Text::read(text)?;
         let wrong = match &text.document.surfaces[..] {
@@ -95,17 +95,17 @@ impl Function {
         Ok(Self { text, typed, is_total, traced: Mutex::default() })
     }
 
-    /// Returns the parameters of the text, in the order of their definitions.
+    /// Returns the text's parameters, in the order of their definitions.
     pub fn parameters(&self) -> Vec<Parameter> {
         self.text.parameters()
     }
 
-    /// Sets a parameter to exactly `value`. A value within the parameter's range needs no
-    /// compilation.
+    /// Sets a parameter to exactly `value`. This compiles nothing if the value is within the
+    /// parameter's range.
     ///
     /// # Errors
     /// If there is no such parameter, the value is not finite, or the formula with this value is
-    /// too large to compile. The function is then as it was.
+    /// too large to compile. The function is then unchanged.
     ///
     /// ```
     /// let mut sphere = zeroset::Function::parse("r = 1 in [0, 5]; x^2+y^2+z^2-r^2")?;
@@ -125,15 +125,15 @@ impl Function {
         Ok(())
     }
 
-    /// Returns notes on how the text was read, where its writer might have meant something else.
+    /// Returns notes on how ambiguous parts of the text were read.
     pub fn notes(&self) -> Vec<Diagnostic> {
         self.text.notes()
     }
 
-    /// Samples the function at `points`, each as x, y and z. Returns a value for each, in order.
+    /// Samples the function at `points`, given as x, y and z. Returns one value for each point.
     ///
-    /// Values are computed in `f64` and are close, but no error bound is claimed: [`enclose`] a
-    /// box of one point to get one. A value is NaN where the function is undefined, where a
+    /// Values are computed in `f64`. They are close, but have no error bound. For a bound,
+    /// [`enclose`] a box of one point. A value is NaN where the function is undefined, where a
     /// coordinate is not finite, and where an intermediate result exceeds the floats.
     ///
     /// [`enclose`]: Self::enclose
@@ -153,9 +153,9 @@ impl Function {
         self.sample(kernel, points, f64::NAN, |out, lane| out.value[lane])
     }
 
-    /// Samples the gradient of the function at `points`, as [`eval`](Self::eval) samples its
-    /// values. It is NaN or infinite where it does not exist. The derivatives are exact and not
-    /// differences of values.
+    /// Samples the gradient of the function at `points`. Returns one gradient for each point. A
+    /// gradient is NaN or infinite where it does not exist. Derivatives are computed by formulas,
+    /// not by differences of values. [`eval`](Self::eval) tells how accurate samples are.
     ///
     /// # Errors
     /// If the derivatives are too large to compile.
@@ -167,8 +167,8 @@ impl Function {
         Ok(self.sample(kernel, points, [f64::NAN; 3], gradient))
     }
 
-    /// Bounds the function over `boxes`, each as closed ranges of x, y and z. Returns an enclosure
-    /// for each, in order. Ends may be infinite.
+    /// Bounds the function over `boxes`, given by closed ranges of x, y and z. Returns one
+    /// enclosure for each box. Ends of a range may be infinite.
     ///
     /// # Errors
     /// If a range is reversed, has a NaN end, or holds no real number.
@@ -205,10 +205,10 @@ impl Function {
     }
 
     /// Finds where rays first meet a zero of the function, within the [domain](Self::domain).
-    /// Returns a result for each ray, in order.
+    /// Returns one result for each ray.
     ///
     /// # Errors
-    /// As [`trace_with`](Self::trace_with).
+    /// The same as those of [`trace_with`](Self::trace_with).
     ///
     /// ```
     /// use zeroset::{Function, Ray, RayResult};
@@ -224,21 +224,22 @@ impl Function {
         self.trace_with(rays, &TraceSettings::default())
     }
 
-    /// As [`trace`](Self::trace), with a domain, a method or a precision of the caller's.
+    /// Does the same as [`trace`](Self::trace), with a domain, a method or a precision of your
+    /// choice.
     ///
-    /// The first call for a domain compiles kernels for it, which takes some milliseconds. They
-    /// are kept until a call for another domain. Neighboring rays are best given in a row: sixteen
-    /// are followed together.
+    /// The first call for a domain compiles kernels for it, which takes some milliseconds. The
+    /// kernels are kept until a call for another domain. Sixteen rays are followed together, so
+    /// give neighboring rays in a row.
     ///
     /// # Errors
-    /// If a ray's direction is zero, or a number of it is not within ±1e100. If a setting is out of
-    /// range. If the formula is constant, defined nowhere, or too large to compile.
+    /// If a ray's direction is zero, or one of its numbers is not within ±1e100. If a setting is
+    /// out of range. If the formula is constant, defined nowhere, or too large to compile.
     pub fn trace_with(
         &self,
         rays: &[Ray],
         settings: &TraceSettings,
     ) -> Result<Vec<RayResult>, Error> {
-        // A pixel is as wide as the accuracy.
+        // Methods measure accuracy in pixels. Make one pixel as wide as the accuracy.
         let options = TraceOptions { tolerance: 1.0, ..settings.options()? };
         let traced = self.traced(self.region(&settings.domain)?)?;
         let (region, program) = &*traced;
@@ -247,29 +248,27 @@ impl Function {
         RayResult::follow(&*tracer.map_err(Error::formula)?, rays, accuracy)
     }
 
-    /// Returns the box in which [`trace`](Self::trace) looks for zeros: the box of the text's
-    /// `domain` line, or else one that intervals find. The latter holds all zeros if the zero set
-    /// is proven to be bounded; otherwise it shows a part.
+    /// Returns the box in which [`trace`](Self::trace) looks for zeros. This is the box of the
+    /// text's `domain` line. Without that line, intervals find a box. It holds all zeros if the
+    /// zero set is proven to be bounded, else a part of them.
     ///
     /// # Errors
-    /// If the `domain` line is impossible, the formula is constant or defined nowhere, or if it is
-    /// too large to compile.
+    /// If the `domain` line is impossible. If the formula is constant, defined nowhere, or too
+    /// large to compile.
     pub fn domain(&self) -> Result<[RangeInclusive<f64>; 3], Error> {
         let region = self.region(&Domain::Text)?;
         Ok(bounds(&region).map(|Interval { lo, hi }| lo..=hi))
     }
 
-    /// The box of a domain. Lines of the text that only cut a picture do not count.
+    /// Returns the box of a domain. Ignores lines of the text that only cut a picture.
     fn region(&self, domain: &Domain) -> Result<Region, Error> {
         let clipping = Clipping { plane: ClipChoice::Off, to: ClipShape::Box };
         let found = region(&self.text.document, domain.choice(), clipping);
         Ok(found.map_err(Error::scene)?.0)
     }
 
-    /// The program for rays through a region.
     fn traced(&self, region: Region) -> Result<Arc<(Region, Program)>, Error> {
-        // Not held while anything is compiled, in which a thread may take up other work that asks
-        // for it.
+        // Never hold this lock while compiling: the thread may take up work that needs the lock.
         let last = || self.traced.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(traced) = last().as_ref().filter(|traced| traced.0 == region) {
             return Ok(Arc::clone(traced));
@@ -280,8 +279,8 @@ impl Function {
         Ok(traced)
     }
 
-    /// Returns for each point the value that `read` takes from the kernel's output, or `nowhere`
-    /// if the function is undefined.
+    /// For each point, reads a value from the kernel's output by `read`. Returns `nowhere` for a
+    /// point at which the function is undefined or a coordinate is not finite.
     fn sample<Q: Query<Input<f64> = Points<f64>>, V: Copy + Send + Sync>(
         &self,
         kernel: &dyn Kernel<Q, f64>,
@@ -293,7 +292,8 @@ impl Function {
             let out = kernel.eval_all(&Points::near(points)).swap_remove(0);
             let is_finite = |point: &[f64; 3]| point.iter().all(|c| c.is_finite());
             let mut undefined = 0;
-            // Rounding can make a number of an undefined value, such as atan(1/x) at 0.
+            // Rounding can give a number where the function has no value, for example atan(1/x) at
+            // 0.
             if !self.is_total {
                 let place = |point: &[f64; 3]| if is_finite(point) { *point } else { [0.0; 3] };
                 let place = |point| place(point).map(|c| Interval { lo: c, hi: c });
@@ -310,8 +310,8 @@ impl Function {
     }
 }
 
-/// The functions of a document over all of space, with code for values and bounds, that of
-/// `before` where it serves; and whether the function is proven to be defined everywhere.
+/// Compiles the function over all of space, with kernels for values and bounds. Reuses the code of
+/// `before` if possible. Also returns whether the function is proven to be defined everywhere.
 fn compile(document: &Document, before: Option<&Program>) -> Result<(Program, bool), Error> {
     let again = before.and_then(|before| before.rebound(document)?.ok());
     let anew = || Program::unchecked(document, [Interval::ENTIRE; 3]);
@@ -323,13 +323,13 @@ fn compile(document: &Document, before: Option<&Program>) -> Result<(Program, bo
     Ok((typed, is_total))
 }
 
-/// At most [`LANES`] enclosures, at least one.
+/// Returns the enclosures over one to [`LANES`] boxes.
 fn enclosures(typed: &Program, boxes: &[[Interval; 3]]) -> Enclosures<f64> {
     let kernel = typed.kernels::<f64>(0).bounds().expect("compiled with the function");
     kernel.eval_all(&Boxes::around(boxes)).swap_remove(0)
 }
 
-/// The formula as it was read.
+/// Writes the formula as it was read.
 impl fmt::Display for Function {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let echo = &self.text.document.surfaces[0].echo;

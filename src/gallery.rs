@@ -1,4 +1,4 @@
-//! The gallery: function files that are part of the library.
+//! The gallery: texts of surfaces that are part of the library.
 
 use zeroset_scene::gallery;
 
@@ -6,17 +6,17 @@ use zeroset_scene::gallery;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Example {
-    /// The name to call it by: lower case, with hyphens.
+    /// Identifier, in lower case with hyphens.
     pub name: &'static str,
-    /// The title for people.
+    /// Title, in plain English.
     pub title: &'static str,
-    /// One line on what the surface is and why it is hard.
+    /// One line that says what the surface is and why it is hard to render.
     pub summary: &'static str,
-    /// Its function file, for [`Scene::read`](crate::Scene::read).
+    /// The surface's text, for [`Scene::read`](crate::Scene::read).
     pub text: &'static str,
 }
 
-/// Returns every surface of the gallery, in the order of their names.
+/// Returns all surfaces of the gallery, in alphabetical order of their names.
 ///
 /// ```
 /// let gyroid = zeroset::gallery().find(|example| example.name == "gyroid").unwrap();

@@ -80,8 +80,8 @@
 //!
 //! # Errors
 //!
-//! There is one [`Error`]. It points into the text as the program does. Wrong arguments are errors,
-//! too, and no function of this library panics on them.
+//! All functions return the same type [`Error`]. Its message shows the place of a fault in a text.
+//! Wrong arguments are errors, and no function of this library panics on them.
 //!
 //! # Features
 //!

@@ -1,4 +1,4 @@
-//! A finished picture: colors, and what is known of each pixel.
+//! A finished picture: its colors, and what is proven about each pixel.
 
 use crate::error::{Error, ErrorKind};
 use crate::ray::{Ray, Reason};
@@ -19,31 +19,31 @@ use zeroset_trace::{PixelCounts, RayGrid, UndecidedReason};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Status {
-    /// It meets no zero in the domain.
+    /// Proven: the ray meets no zero in the domain.
     Miss,
-    /// It meets a zero.
+    /// Proven: the ray meets a zero in the domain.
     Hit,
-    /// Neither is proven.
+    /// Neither a hit nor a miss is proven.
     Undecided,
 }
 
-/// Numbers of pixels by [`Status`].
+/// Number of pixels with each [`Status`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Counts {
-    /// Proven misses.
+    /// Pixels that are proven misses.
     pub miss: usize,
-    /// Proven hits.
+    /// Pixels that are proven hits.
     pub hit: usize,
-    /// Pixels of which neither is proven.
+    /// Pixels for which neither a hit nor a miss is proven.
     pub undecided: usize,
 }
 
 /// A finished picture.
 ///
-/// Arrays have one value per pixel, row by row from the top: the pixel in column `i` of row `j` is
-/// at `j * width + i`. Distances are world lengths along the pixel's ray. They begin at the eye, or
-/// in a parallel projection at the plane through the eye.
+/// Arrays have one value per pixel, row by row from the top. The pixel in column `i` of row `j` is
+/// at `j * width + i`. Distances are measured along the pixel's ray, in world units. They begin at
+/// the eye, or for parallel rays at the plane through the eye.
 ///
 /// ```
 /// use zeroset::{Scene, Settings, Status};
@@ -59,11 +59,11 @@ pub struct Picture {
     rays: RayGrid,
     domain: [Interval; 3],
     rows: PictureArrays,
-    /// The picture without its rows.
+    /// Statistics, method and remarks of the picture.
     whole: picture::Picture,
 }
 
-/// The arrays of a picture, from the top down to the last finished row.
+/// Arrays of a picture, for the rows finished so far, from the top.
 #[derive(Clone, Default)]
 pub(crate) struct PictureArrays {
     rgb: Vec<u8>,
@@ -76,7 +76,7 @@ pub(crate) struct PictureArrays {
 }
 
 impl PictureArrays {
-    /// Adds the next rows.
+    /// Appends the next rows.
     pub fn add(&mut self, part: &picture::Picture) {
         let buffer = &part.buffer;
         let pixels = || 0..buffer.status.len();
@@ -85,7 +85,7 @@ impl PictureArrays {
             zeroset_trace::Status::Hit => Status::Hit,
             zeroset_trace::Status::Undecided => Status::Undecided,
         };
-        // Where the background shows, a buffer may hold normals of an earlier picture.
+        // The buffer may still hold an earlier picture's normals in pixels of the background.
         let normal = |n: usize| if buffer.is_drawn(n) { buffer.normal[n] } else { [0.0; 3] };
         self.rgb.extend(&part.rgb);
         self.status.extend(buffer.status.iter().map(status));
@@ -98,7 +98,7 @@ impl PictureArrays {
 }
 
 impl Picture {
-    /// A picture whose rows are all there; `whole` tells of all of them.
+    /// Makes a picture from its finished rows. Statistics, method and remarks are those of `whole`.
     pub(crate) fn new(
         rays: RayGrid,
         region: &Region,
@@ -128,81 +128,81 @@ impl Picture {
         &self.rows.status
     }
 
-    /// Returns the distance of the point that is drawn in each pixel; +∞ if the background shows.
+    /// Returns the distance of each pixel's drawn point; +∞ if the pixel shows the background.
     pub fn depth(&self) -> &[f64] {
         &self.rows.depth
     }
 
-    /// Returns the unit normal of the surface that is drawn in each pixel, toward f > 0; 0 if the
-    /// background shows. Normals are for looks and not proven.
+    /// Returns the unit normal of the surface drawn in each pixel, toward f > 0. It is 0 if the
+    /// pixel shows the background. Normals serve for shading and are not proven.
     pub fn normals(&self) -> &[[f32; 3]] {
         &self.rows.normal
     }
 
-    /// Returns for each hit the distances between which its first zero is proven to lie; NaN for
-    /// other pixels.
+    /// Returns each hit's bracket: two distances between which the first zero is proven to lie.
+    /// Brackets of other pixels are NaN.
     pub fn brackets(&self) -> &[[f64; 2]] {
         &self.rows.bracket
     }
 
-    /// Returns why a pixel is undecided; `None` if it is decided, or outside of the picture.
+    /// Returns why a pixel is undecided. `None` if it is decided or outside the picture.
     pub fn reason(&self, column: usize, row: usize) -> Option<Reason> {
         let pixel = self.pixel(column, row)?;
         let is_open = self.rows.status[pixel] == Status::Undecided;
         is_open.then(|| Reason::of(self.rows.reason[pixel]))
     }
 
-    /// Returns the number of the surface that is drawn in a pixel, in the order of
-    /// [`Scene::surfaces`](crate::Scene::surfaces); `None` if the background shows, or outside of
-    /// the picture.
+    /// Returns the number of the surface drawn in a pixel, in the order of
+    /// [`Scene::surfaces`](crate::Scene::surfaces). `None` if the pixel shows the background or is
+    /// outside the picture.
     pub fn surface(&self, column: usize, row: usize) -> Option<usize> {
         let pixel = self.pixel(column, row)?;
         self.rows.depth[pixel].is_finite().then(|| self.rows.surface[pixel].into())
     }
 
-    /// Returns the ray through a pixel's center; `None` outside of the picture. Its direction may
-    /// have any length.
+    /// Returns the ray through a pixel's center. Its direction may have any length. `None` if the
+    /// pixel is outside the picture.
     pub fn ray(&self, column: usize, row: usize) -> Option<Ray> {
         self.pixel(column, row)?;
         let zeroset_space::Ray { origin, direction } = self.rays.ray(column, row);
         Some(Ray { origin: origin.into(), direction: direction.into() })
     }
 
-    /// Counts the pixels of each status.
+    /// Returns the number of pixels with each status.
     pub fn counts(&self) -> Counts {
         let PixelCounts { miss, hit, undecided } = self.whole.statistics.pixels;
         Counts { miss, hit, undecided }
     }
 
-    /// Counts the undecided pixels by reason. Reasons without pixels are left out.
+    /// Returns the number of undecided pixels for each reason. Reasons without pixels are left out.
     pub fn undecided(&self) -> impl Iterator<Item = (Reason, usize)> {
         let counts = self.whole.statistics.open.reasons;
         let all = UndecidedReason::ALL.into_iter().zip(counts);
         all.filter(|(_, count)| *count > 0).map(|(reason, count)| (Reason::of(reason), count))
     }
 
-    /// Returns the box of x, y and z in which the surfaces were looked for. The text may cut it
-    /// further.
+    /// Returns the box in which the surfaces were looked for, as ranges of x, y and z. Lines of the
+    /// text may clip the surfaces further.
     pub fn domain(&self) -> [RangeInclusive<f64>; 3] {
         self.domain.map(|Interval { lo, hi }| lo..=hi)
     }
 
-    /// Returns the method that found the surfaces. It is another than the settings' if that could
-    /// find none of them, for example because the formulas are too large for it.
+    /// Returns the method that found the surfaces. It differs from the method of the settings if
+    /// the latter could find no surface, for example because the formulas are too large for it.
     pub fn method(&self) -> Method {
         Method(self.whole.method)
     }
 
-    /// Returns remarks on formulas that are constant in the domain, one line each.
+    /// Returns one line about each formula that is constant in the domain.
     pub fn remarks(&self) -> &[String] {
         &self.whole.remarks
     }
 
-    /// Writes the picture to a PNG file. The file appears whole or not at all: a file that was
-    /// there is replaced at the end.
+    /// Writes the picture to a PNG file. The file appears whole or not at all. An existing file is
+    /// replaced at the end.
     ///
     /// # Errors
-    /// If the path has another extension than `png`, or cannot be written.
+    /// If the extension of the path is not `png`, or the file cannot be written.
     ///
     /// ```no_run
     /// use zeroset::{Scene, Settings};
@@ -220,10 +220,10 @@ impl Picture {
         save().map_err(|error| Error::file(path, &error))
     }
 
-    /// Writes the picture as PNG (sRGB, eight bits a channel) to a sink.
+    /// Writes the picture as PNG (sRGB, eight bits per channel).
     ///
     /// # Errors
-    /// If the sink fails.
+    /// If writing to `out` fails.
     pub fn write_png(&self, out: impl Write) -> Result<(), Error> {
         let failed = |error| Error::new(ErrorKind::File, format!("cannot write the PNG: {error}"));
         self.encode(out).map_err(failed)
@@ -233,7 +233,7 @@ impl Picture {
         write_png(out, &self.rows.rgb, [self.width(), self.height()], &[])
     }
 
-    /// The index of a pixel, if it is in the picture.
+    /// Returns the index of a pixel in the arrays, if it is in the picture.
     fn pixel(&self, column: usize, row: usize) -> Option<usize> {
         let is_inside = column < self.width() && row < self.height();
         is_inside.then(|| row * self.width() + column)

@@ -1,4 +1,4 @@
-//! Rays, and what is proven of them.
+//! Rays, and what is proven about them.
 
 use crate::error::Error;
 use glam::DVec3;
@@ -6,66 +6,67 @@ use rayon::prelude::*;
 use std::fmt;
 use zeroset_trace::{KernelStats, Segment, Start, Status, Tracer, UndecidedReason};
 
-/// Largest magnitude of a coordinate: as of cameras, whose rays the methods are made for.
+/// Largest magnitude of a number of a ray. The limit for cameras is the same.
 const LARGEST: f64 = 1e100;
 
-/// Rays that a thread follows at a time.
+/// Number of rays that a thread follows at a time.
 const RAYS: usize = 64;
 
 /// A half line: the points `origin + t · direction` for t ≥ 0.
 ///
-/// It is exactly the line of these numbers, and proofs hold for that line.
+/// Its numbers are taken as exact, and proofs hold for the exact line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
     /// The point at which t is 0.
     pub origin: [f64; 3],
-    /// The step of the point while t grows by 1. It may have any length but 0.
+    /// The change of the point when t grows by 1. It may have any length but 0.
     pub direction: [f64; 3],
 }
 
-/// A claim about a ray within a domain, with its proof. Distances are values of the ray's t:
-/// multiply them by the direction's length to get world units.
+/// A claim about a ray within a domain, with its proof. All distances are values of t on the ray.
+/// Multiply them by the direction's length to get world units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum RayResult {
-    /// The ray meets no zero in the domain.
+    /// Proven: the ray meets no zero in the domain.
     Miss,
-    /// The ray meets a zero.
+    /// Proven: the ray meets a zero in the domain.
     #[non_exhaustive]
     Hit {
-        /// A point near the zero, at which a picture shows it.
+        /// The value of t at which a picture draws the surface, near the zero.
         t: f64,
-        /// Lower and upper bound of the first zero: it lies between them, and none lies before.
+        /// Lower and upper bound of t at the first zero. No zero lies before the bracket.
         bracket: [f64; 2],
     },
-    /// Neither is proven.
+    /// Neither a hit nor a miss is proven.
     #[non_exhaustive]
     Undecided {
-        /// No zero lies before this t.
+        /// Value of t up to which the ray meets no zero.
         from: f64,
-        /// The point at which a picture shows the surface; `None` if it shows the background.
+        /// The value of t at which a picture draws the surface. `None` if it draws the background.
         t: Option<f64>,
-        /// The reason, by the first part of the ray for which nothing is proven.
+        /// The reason why the first unproven part of the ray is undecided.
         reason: Reason,
     },
 }
 
-/// The reason why neither a hit nor a miss is proven. `Display` completes "undecided: …".
+/// The reason why neither a hit nor a miss is proven. `Display` completes the phrase "undecided:
+/// …".
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Reason {
-    /// The method does not tell.
+    /// The method gives no reason.
     Other,
-    /// The function comes as near to 0 as arithmetic can tell, and shows no change of sign: it
-    /// touches 0, or the surface meets itself.
+    /// The function comes too near to 0 for arithmetic to tell the difference, and shows no change
+    /// of sign. The surface touches itself, or the function touches 0 without crossing it.
     Touching,
-    /// The function may be undefined there.
+    /// The function may be undefined on a part of the ray.
     Undefined,
-    /// The function may be discontinuous there.
+    /// The function may be discontinuous on a part of the ray.
     Discontinuous,
-    /// The effort or time that a ray or a picture may take was not enough.
+    /// The limit of effort per ray, or of time per picture, was reached.
     Budget,
-    /// The method proves nothing of such a ray.
+    /// The method proves nothing about rays of this kind.
     Unproven,
     /// The method needs a bound of the function's slope, and none is known.
     Steep,
@@ -99,13 +100,13 @@ impl fmt::Display for Reason {
     }
 }
 
-/// The least largest component of a direction.
+/// Smallest allowed magnitude of a direction's largest component.
 const LEAST: f64 = 1e-100;
 
-/// A ray as methods take it, and the factor between its t and that of the caller's ray.
+/// Returns the ray in the form that methods take, and the factor from its t to the caller's t.
 ///
 /// The factor is a power of two that brings the direction's largest component within [0.5, 1).
-/// Scaling by it is exact, so both rays lie on the same line.
+/// Scaling by a power of two is exact, so both rays lie on the same line.
 fn scaled(ray: &Ray, number: usize, accuracy: f64) -> Result<(Segment, f64), Error> {
     let refuse = |why: &str| Err(Error::argument(format!("ray {number} {why}")));
     let (origin, direction) = (DVec3::from(ray.origin), DVec3::from(ray.direction));
@@ -128,8 +129,8 @@ fn scaled(ray: &Ray, number: usize, accuracy: f64) -> Result<(Segment, f64), Err
 }
 
 impl RayResult {
-    /// Follows rays; a hit's t is within `accuracy`, a length in world units, of its zero if the
-    /// method can tell.
+    /// Follows rays. If the method can tell, the t of a hit is within `accuracy` of its zero. The
+    /// accuracy is in world units.
     pub(crate) fn follow(
         tracer: &dyn Tracer,
         rays: &[Ray],
@@ -146,7 +147,7 @@ impl RayResult {
         Ok(found.iter().zip(scales).map(|(found, scale)| Self::of(found, scale)).collect())
     }
 
-    /// A result whose distances are multiplied by a power of two.
+    /// Converts a result, and multiplies its distances by `scale`, a power of two.
     fn of(found: &zeroset_trace::RayResult, scale: f64) -> Self {
         let t = found.drawn * scale;
         match found.status {
@@ -164,7 +165,7 @@ impl RayResult {
     }
 }
 
-/// The product with a power of two, rounded down where it is subnormal.
+/// Returns `t · scale`, where `scale` is a power of two. Rounds down if the product is subnormal.
 fn below(t: f64, scale: f64) -> f64 {
     let product = t * scale;
     if product / scale > t { product.next_down() } else { product }

@@ -1,4 +1,4 @@
-//! A text of surfaces, drawn.
+//! Scenes: texts that draw surfaces, and their rendering.
 
 use crate::error::{Diagnostic, Error};
 use crate::picture::{Picture, PictureArrays};
@@ -17,16 +17,16 @@ use zeroset_scene::view::{Clipping, region};
 /// A scene can be shared between threads. Pictures use the threads of the current `rayon` pool.
 pub struct Scene {
     text: Text,
-    /// The surfaces of the last picture, whose kernels serve for the next one.
+    /// The compiled surfaces of the last picture. The next picture may reuse their kernels.
     model: Mutex<Option<Arc<Model>>>,
 }
 
 impl Scene {
-    /// Reads a text: a formula, or the content of a file with definitions, surfaces and lines on
-    /// how they are shown.
+    /// Reads a text: a formula, or the content of a file. A file may have definitions, surfaces,
+    /// and lines on how the surfaces are shown.
     ///
     /// # Errors
-    /// If the text is wrong. The error lists up to twenty places.
+    /// If the text is wrong. The error lists up to twenty faults.
     ///
     /// ```
     /// let scene = zeroset::Scene::read("r = 2 in [1, 3]\nz = x*y {x^2+y^2 < r^2}")?;
@@ -38,7 +38,7 @@ impl Scene {
         Ok(Self { text: Text::read(text)?, model: Mutex::default() })
     }
 
-    /// Returns notes on how the text was read, where its writer might have meant something else.
+    /// Returns notes on how ambiguous parts of the text were read.
     ///
     /// ```
     /// let scene = zeroset::Scene::read("z = 1/2x")?;
@@ -49,32 +49,32 @@ impl Scene {
         self.text.notes()
     }
 
-    /// Returns each surface's formula as it was read, in the order of the text.
+    /// Returns the formula of each surface as it was read, in the order of the text.
     pub fn surfaces(&self) -> impl Iterator<Item = &str> {
         self.text.document.surfaces.iter().map(|surface| &*surface.echo)
     }
 
-    /// Returns the parameters of the text, in the order of their definitions.
+    /// Returns the text's parameters, in the order of their definitions.
     pub fn parameters(&self) -> Vec<Parameter> {
         self.text.parameters()
     }
 
-    /// Sets a parameter to exactly `value`. The next picture of the same domain needs no
-    /// compilation if the value is within the parameter's range.
+    /// Sets a parameter to exactly `value`. If the value is within the parameter's range, the next
+    /// picture of the same domain compiles nothing.
     ///
     /// # Errors
-    /// If there is no such parameter, or the value is not finite. The scene is then as it was.
+    /// If there is no such parameter, or the value is not finite. The scene is then unchanged.
     pub fn set(&mut self, name: &str, value: f64) -> Result<(), Error> {
         self.text.document = self.text.with(name, value)?;
         Ok(())
     }
 
-    /// Takes a picture. It depends on text, values and settings alone, unless these give a
-    /// [budget](Settings::budget) of time.
+    /// Renders a picture. Without a [budget](Settings::budget) of time, it depends only on the
+    /// text, the values of parameters and the settings.
     ///
     /// # Errors
-    /// If a setting is out of range, domain or camera are impossible, a formula is constant or
-    /// defined nowhere, or if the formulas are too large to compile.
+    /// If a setting is out of range, or the domain or the camera is impossible. If a formula is
+    /// constant, defined nowhere, or too large to compile.
     ///
     /// ```
     /// use zeroset::{Scene, Settings};
@@ -88,8 +88,7 @@ impl Scene {
         let around = Overlay::asked(settings.axes, settings.legend, document);
         let settings = settings.checked()?;
         let (region, _) = region(document, domain, Clipping::default()).map_err(Error::scene)?;
-        // Not held while anything is compiled, in which a thread may take up other work that asks
-        // for it.
+        // Never hold this lock while compiling: the thread may take up work that needs the lock.
         let last = || self.model.lock().unwrap_or_else(PoisonError::into_inner);
         let before = last().clone().filter(|model| *model.region() == region);
         let again = before.and_then(|model| model.rebound(document, &region)?.ok());

@@ -1,4 +1,4 @@
-//! How zeros are looked for, and how a picture shows them.
+//! Settings that choose how zeros are found, and how a picture shows them.
 
 use crate::error::Error;
 use std::fmt;
@@ -12,10 +12,10 @@ use zeroset_space::Region;
 use zeroset_style::{LOOKS, StandardView, VIEWS};
 use zeroset_trace::{METHODS, Projection, TraceOptions};
 
-/// Pixels of the largest picture: each takes some fifty bytes.
+/// Largest number of pixels of a picture. A pixel takes some fifty bytes.
 const MOST_PIXELS: usize = 1 << 26;
 
-/// Rays in a pixel on an edge, unless told otherwise.
+/// Default number of rays traced in a pixel on an edge.
 const ANTIALIAS: usize = 16;
 
 /// The default of [`TraceSettings::accuracy`], as a share of the domain's largest extent.
@@ -25,13 +25,13 @@ const ACCURACY: f64 = 1e-6;
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub enum Domain {
-    /// The box of the text's `domain` line; without such a line, as [`Domain::Auto`].
+    /// The box of the text's `domain` line, or [`Domain::Auto`] without such a line.
     #[default]
     Text,
-    /// One that intervals find: around the whole surface if it is proven to be bounded, and a
-    /// window of it otherwise.
+    /// A box that intervals find. It is around the whole surface if the surface is proven to be
+    /// bounded. Otherwise it is a window on a part of the surface.
     Auto,
-    /// These ranges of x, y and z, with ends within ±1e18.
+    /// The box of these ranges of x, y and z. Their ends lie within ±1e18.
     Box([RangeInclusive<f64>; 3]),
 }
 
@@ -55,16 +55,16 @@ impl Domain {
     }
 }
 
-/// The floats in which kernels compute. Proofs are rigorous in all.
+/// The floats in which kernels compute. Proofs are rigorous in every precision.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Precision {
-    /// 32 bits, and 64 bits for rays that these leave undecided.
+    /// 32 bits, then 64 bits for rays that are still undecided.
     #[default]
     Auto,
     /// 32 bits.
     F32,
-    /// 64 bits: at most half as fast.
+    /// 64 bits. Pictures take at least twice as long as with 32 bits.
     F64,
 }
 
@@ -72,18 +72,18 @@ pub enum Precision {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum UndecidedStyle {
-    /// Like hits.
+    /// Undecided pixels look like hits.
     #[default]
     Shade,
-    /// Like hits, with stripes.
+    /// Undecided pixels look like hits, with stripes.
     Hatch,
-    /// Like hits, tinted.
+    /// Undecided pixels look like hits, with a tint.
     Tint,
-    /// Not at all.
+    /// Undecided pixels are not drawn, like misses.
     Miss,
 }
 
-/// Defines a type whose values are the rows of a table, chosen by name.
+/// Defines a type whose values are rows of a table. A row is chosen by its name.
 macro_rules! rows {
     ($(#[$doc:meta])* $name:ident($row:ty), $table:ident, $what:literal) => {
         $(#[$doc])*
@@ -91,12 +91,12 @@ macro_rules! rows {
         pub struct $name(pub(crate) &'static $row);
 
         impl $name {
-            /// All values; the first is the default.
+            /// Returns all values. The first is the default.
             pub fn all() -> impl Iterator<Item = Self> {
                 $table.iter().map(Self)
             }
 
-            /// The name.
+            /// Returns the name of this value.
             pub fn name(self) -> &'static str {
                 self.0.name
             }
@@ -108,7 +108,7 @@ macro_rules! rows {
             }
         }
 
-        /// Parses a name. The error lists all names.
+        /// Parses a name. The error for an unknown name lists all names.
         impl FromStr for $name {
             type Err = Error;
 
@@ -123,18 +123,18 @@ macro_rules! rows {
 }
 
 rows! {
-    /// A method to find where rays meet a surface: `"knoll".parse::<Method>()`. The default,
-    /// `affine`, proves hits and misses.
+    /// A method to find where rays meet a surface, such as `"knoll".parse::<Method>()`. The default
+    /// method `affine` proves hits and misses.
     Method(zeroset_trace::Method), METHODS, "method"
 }
 
 rows! {
-    /// Lighting and background of a picture: `"studio".parse::<Look>()`.
+    /// Lighting and background of a picture, such as `"studio".parse::<Look>()`.
     Look(zeroset_style::Look), LOOKS, "look"
 }
 
 rows! {
-    /// A named side to look from: `"top".parse::<View>()`.
+    /// A named side from which a picture is seen, such as `"top".parse::<View>()`.
     View(StandardView), VIEWS, "view"
 }
 
@@ -146,14 +146,14 @@ impl Method {
 }
 
 impl Look {
-    /// Returns one line on what the look looks like.
+    /// Returns one line that describes the look.
     pub fn help(self) -> &'static str {
         self.0.help
     }
 }
 
-/// Settings of [`Function::trace_with`](crate::Function::trace_with): the domain, and how zeros are
-/// found.
+/// Settings of [`Function::trace_with`](crate::Function::trace_with). They choose the domain and
+/// how zeros are found.
 ///
 /// ```
 /// use zeroset::{Precision, TraceSettings};
@@ -175,7 +175,7 @@ pub struct TraceSettings {
 }
 
 /// The camera of a picture. The text's `view` line supplies the values that are not set here.
-/// Values that neither sets are chosen so that everything visible fits into the picture.
+/// Values set in neither place are chosen so that everything visible fits into the picture.
 ///
 /// ```
 /// let camera = zeroset::Camera::new().eye([4.0, -5.0, 3.0]).target([0.0, 0.0, 0.0]).fov(30.0);
@@ -212,7 +212,7 @@ pub struct Settings {
     picture: picture::Settings,
 }
 
-/// Defines setters.
+/// Defines methods that set one field each.
 macro_rules! setters {
     ($($(#[$doc:meta])* $name:ident($value:ident: $type:ty) => $($field:ident).+ = $new:expr;)*) => {
         $(
@@ -225,7 +225,7 @@ macro_rules! setters {
     };
 }
 
-/// Defines the setters that rays and pictures have in common.
+/// Defines the setters that [`TraceSettings`] and [`Settings`] have in common.
 macro_rules! trace_setters {
     ($($field:ident.)*) => {
         setters! {
@@ -239,18 +239,18 @@ macro_rules! trace_setters {
                 Precision::F32 => picture::Precision::F32,
                 Precision::F64 => picture::Precision::F64,
             };
-            /// Sets how often the methods `knoll` and `raa` halve a ray's path through the domain:
-            /// from 1 to 20, or to 40 with [`Precision::F64`]. Default: 10.
+            /// Sets how often the methods `knoll` and `raa` halve a ray's path through the domain.
+            /// Ranges from 1 to 20, or to 40 with [`Precision::F64`]. Default: 10.
             max_depth(halvings: u32) => $($field.)*options.depth = halvings;
-            /// Sets how many samples the method `march` takes on a ray's path through the domain,
-            /// and how many steps the method `sphere` makes at most: from 2 to 2²⁰. Default: 256.
+            /// Sets the number of samples that `march` takes on a ray's path through the domain,
+            /// and the largest number of steps of `sphere`. Ranges from 2 to 2²⁰. Default: 256.
             steps(steps: u32) => $($field.)*options.steps = steps;
         }
     };
 }
 
 impl TraceSettings {
-    /// The default settings.
+    /// Returns the default settings.
     pub fn new() -> Self {
         Self::default()
     }
@@ -258,9 +258,9 @@ impl TraceSettings {
     trace_setters!();
 
     setters! {
-        /// Sets how far, in world units, the point at
-        /// [`RayResult::Hit::t`](crate::RayResult::Hit::t) may be from the zero: above 0. Proofs do
-        /// not depend on it. Default: 10⁻⁶ of the domain's largest extent.
+        /// Sets the largest distance between [`RayResult::Hit::t`](crate::RayResult::Hit::t) and
+        /// the zero, in world units. Must be above 0. Does not affect proofs. Default: 10⁻⁶ of the
+        /// domain's largest extent.
         accuracy(length: f64) => accuracy = Some(length);
     }
 
@@ -272,7 +272,7 @@ impl TraceSettings {
     }
 
     /// # Errors
-    /// If it is out of range.
+    /// If the accuracy is out of range.
     pub(crate) fn accuracy_in(&self, region: &Region) -> Result<f64, Error> {
         let accuracy = self.accuracy.unwrap_or(2.0 * region.half_extent() * ACCURACY);
         let is_length = accuracy > 0.0 && accuracy.is_finite();
@@ -286,30 +286,31 @@ fn ensure<D: fmt::Display>(holds: bool, wrong: impl FnOnce() -> D) -> Result<(),
 }
 
 impl Camera {
-    /// A camera that leaves everything open.
+    /// Returns a camera with no value set.
     pub fn new() -> Self {
         Self::default()
     }
 
     setters! {
-        /// Looks from a named side, whatever the text says of eye and upward direction.
+        /// Looks from a named side. This overrides the eye and the upward direction of the text.
         view(view: View) => choice.view = Some(view.0);
         /// Sets the position of the eye. It may lie inside the domain.
         eye(point: [f64; 3]) => choice.eye = Some(point.into());
-        /// Sets the point in the middle of the picture. Default: the center of the domain.
+        /// Sets the point in the middle of the picture. Default: the center of the domain, unless
+        /// the camera is fitted to the visible points.
         target(point: [f64; 3]) => choice.target = Some(point.into());
         /// Sets the direction that points up in the picture. Default: z.
         up(direction: [f64; 3]) => choice.up = Some(direction.into());
-        /// Sets the vertical field of view of a perspective picture, in degrees: at least 10⁻⁷ and
-        /// below 180. Default: 40.
+        /// Sets the vertical field of view for perspective projection, in degrees. Must be at least
+        /// 10⁻⁷ and below 180. Default: 40.
         fov(degrees: f64) => choice.projection = Some(Projection::Perspective { fov: degrees });
-        /// Makes the projection parallel, with a picture of this height in world units.
+        /// Chooses parallel projection. The picture is `height` high, in world units.
         orthographic(height: f64) => choice.projection = Some(Projection::Orthographic { height });
     }
 }
 
 impl Settings {
-    /// The default settings for a picture of this many pixels in a row and rows.
+    /// Returns default settings for a picture that is `width` pixels wide and `height` pixels high.
     pub fn new(width: usize, height: usize) -> Self {
         Self {
             trace: TraceSettings::default(),
@@ -332,28 +333,29 @@ impl Settings {
     trace_setters!(trace.);
 
     setters! {
-        /// Sets how far, in pixels, a hit may be from where it is drawn: above 0, at most 100.
-        /// Proofs do not depend on it. Default: 0.5.
+        /// Sets how far the drawn point may be from the zero, in pixels. Must be above 0 and at
+        /// most 100. Does not affect proofs. Default: 0.5.
         tolerance(pixels: f64) => trace.options.tolerance = pixels;
-        /// Sets the camera. Default: one on the side of the view `iso`, as near as possible.
+        /// Sets the camera. Default: on the side of the view `iso`, as near as possible.
         camera(camera: Camera) => camera = camera.choice;
-        /// Sets lighting and background. Default: the text's `look` line, or else the first look.
+        /// Sets lighting and background. Default: the look of the text's `look` line, or else the
+        /// first look.
         look(look: Look) => picture.look = Some(look.0);
-        /// Sets the color of the background, as sRGB bytes. Default: the text's `background` line,
-        /// or else the look's.
+        /// Sets the color of the background, as sRGB bytes. Default: the color of the text's
+        /// `background` line, or else of the look.
         background(rgb: [u8; 3]) => picture.background = Some(LinearRgb::from_srgb(rgb));
         /// Sets the position of the light. Default: far above and to the left of the camera.
         light(point: [f64; 3]) => picture.light = Some(point.into());
-        /// Sets the share of the light that comes from everywhere, from 0 to 1. Default: the
-        /// look's.
+        /// Sets the ambient share of the light, from 0 to 1. Default: the look's share.
         ambient(share: f64) => ambient = Some(share);
-        /// Casts soft shadows: a ray goes from every visible point to an area light. Default: no.
+        /// Turns soft shadows on or off. A ray goes from every visible point to an area light.
+        /// Default: off.
         shadows(shadows: bool) => shadows = shadows;
-        /// Darkens points that near surfaces hide from the light, if the look does so. Default:
-        /// yes.
+        /// Turns ambient occlusion on or off. It darkens points near other surfaces, if the look
+        /// does so. Default: on.
         occlusion(occlusion: bool) => picture.occlusion = occlusion;
         /// Sets how many rays give a pixel on an edge its color: 1, 4, 16 or 64. Default: 16.
-        /// Statuses and distances are about the one ray through the pixel's center.
+        /// Statuses and distances belong to the ray through the pixel's center.
         antialias(rays: usize) => antialias = rays;
         /// Sets the appearance of undecided pixels. Default: [`UndecidedStyle::Shade`].
         undecided(style: UndecidedStyle) => picture.undecided = match style {
@@ -362,15 +364,15 @@ impl Settings {
             UndecidedStyle::Tint => zeroset_shade::UndecidedStyle::Tint,
             UndecidedStyle::Miss => zeroset_shade::UndecidedStyle::Miss,
         };
-        /// Draws the domain's box with axes and ticks, as the text's line `axes on` does. The view
-        /// makes room for it. Default: no.
+        /// Draws the domain's box with axes and ticks, like the text's line `axes on`. The view
+        /// makes room for the box. Default: no.
         axes(axes: bool) => axes = axes;
-        /// Draws which value has which color, if values are colored, as with axes and as the text's
-        /// line `legend on` does. Default: no.
+        /// Draws a legend for colored values, like the text's line `legend on`. With axes, it is
+        /// drawn unless the text has the line `legend off`. Default: no.
         legend(legend: bool) => legend = legend;
-        /// Limits the time to find surfaces: pixels that are not reached by then are undecided and
-        /// not drawn. The picture then depends on the machine; its proofs hold all the same.
-        /// Default: no limit.
+        /// Limits the time for finding surfaces. Pixels that are not reached in time are undecided
+        /// and not drawn. The picture then depends on the machine, but its proofs hold. Default: no
+        /// limit.
         budget(time: Duration) => picture.budget = Some(time);
     }
 
@@ -378,10 +380,10 @@ impl Settings {
         self.trace.domain.choice()
     }
 
-    /// The settings as pictures take them; the budget's time begins.
+    /// Converts the settings for rendering. The time of the budget begins here.
     ///
     /// # Errors
-    /// If one is out of range.
+    /// If a setting is out of range.
     pub(crate) fn checked(&self) -> Result<picture::Settings, Error> {
         let picture::Settings { width, height, light, .. } = self.picture;
         let has_room = |pixels: usize| (1..=MOST_PIXELS).contains(&pixels);

@@ -1,4 +1,4 @@
-//! A text as it was read, and the values of its parameters.
+//! A text and the document read from it, with the values of its parameters.
 
 use crate::error::{Diagnostic, Error};
 use std::ops::RangeInclusive;
@@ -7,17 +7,17 @@ use zeroset_ir::Constant;
 use zeroset_scene::view::nearest;
 use zeroset_syntax::{Document, Options};
 
-/// A named number of a text that can be set without reading the text again: `r = 2`, a slider
-/// `r = 2 in [0, 5]`, or the time `t`.
+/// A named number that can be set without reading the text again. Examples are `r = 2`, the slider
+/// `r = 2 in [0, 5]`, and the time `t`.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Parameter {
-    /// The name.
+    /// Name of the parameter.
     pub name: String,
-    /// The `f64` nearest to the value.
+    /// The parameter's value, as the nearest `f64`.
     pub value: f64,
-    /// The range that the text gives, as the nearest `f64`s. Kernels serve the whole range, and are
-    /// compiled again for values outside.
+    /// The range in the text, with ends as the nearest `f64`s. One kernel serves the whole range. A
+    /// value outside the range needs a new kernel.
     pub range: Option<RangeInclusive<f64>>,
 }
 
@@ -47,7 +47,7 @@ impl Text {
         self.document.parameters.iter().map(parameter).collect()
     }
 
-    /// The document with exactly this value of a parameter.
+    /// Returns the document with the parameter `name` set to exactly `value`.
     pub fn with(&self, name: &str, value: f64) -> Result<Document, Error> {
         let point = Interval::point(value)
             .ok_or_else(|| Error::argument(format!("`{name}` is set to {value}: not a number")))?;

@@ -1,4 +1,4 @@
-//! Thousands of slider drags. None compiles code, and memory does not grow.
+//! Thousands of slider drags compile no code, and memory does not grow.
 //!
 //! A long run: `ZEROSET_CASES=100000 cargo test --release --test live_drags -- --nocapture`.
 
@@ -26,7 +26,7 @@ fn no_drag_compiles_or_keeps_memory() {
     let Effort { seed, cases: drags } = Effort::from_environment(SEED, DRAGS);
     let mut random = fastrand::Rng::with_seed(seed);
     let settings = Settings { width: 64, height: 64, ..Settings::default() };
-    // The domain is automatic, and each value has another one.
+    // The domain is automatic, so each value gives another domain.
     let text = "r = 1 in [0.2, 5]; t = 0 in [0, 6]; (x-sin(t))^2+y^2+z^2 = r^2";
     let live = Live::new(Request { text: text.into(), settings, ..Request::default() });
     assert!(live.wait(LIMIT), "the first picture does not settle");

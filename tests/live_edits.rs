@@ -59,7 +59,7 @@ fn no_edit_leaves_a_stale_picture() {
     }
     live.enter(":domain 2").expect("valid");
     live.enter("x^2+y^2+z^2 = 1").expect("valid");
-    // After the last edit there is a picture to turn.
+    // Wait for the picture of the last edit, then turn it.
     assert!(live.wait(LIMIT), "the last edit does not settle");
     live.turn(|orbit| orbit.turn(3.0, 1.0, 64));
     assert!(live.wait(LIMIT), "the last edit does not settle");
@@ -69,7 +69,7 @@ fn no_edit_leaves_a_stale_picture() {
     let frame = view.rendering.expect("a picture");
     assert_eq!(frame.document.surfaces[0].echo, "x^2 + y^2 + z^2 = 1");
     assert_eq!((frame.revision, frame.coarse), (view.settled, false));
-    // A fresh start gives the same picture.
+    // A fresh start with the last text gives the same picture.
     let again =
         Live::new(Request { settings: frame.request.settings.clone(), ..Request::default() });
     again.load(DocumentSource::Typed, &live.text(), false);

@@ -1,5 +1,5 @@
-//! Compiling and dropping kernels leaks no memory. The test has a process of its own, since the
-//! memory of other tests would count, too.
+//! Compiling and dropping kernels leaks no memory. The test has a process of its own, so that the
+//! memory of other tests does not count.
 
 #![cfg(target_os = "linux")]
 
@@ -13,14 +13,13 @@ use zeroset_syntax::{Document, Options, read};
 const CYCLES: usize = 1000;
 const ALLOWED_KILOBYTES: i64 = 512;
 
-/// Resident memory of this process, in kilobytes.
 fn resident_kilobytes() -> i64 {
     let status = fs::read_to_string("/proc/self/status").expect("readable");
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).expect("a size");
     line.trim().trim_end_matches("kB").trim().parse().expect("a number")
 }
 
-/// Compiles all kernels of a document, runs one and drops all. Returns their code size.
+/// Compiles all kernels of a document, runs one and drops all. Returns the size of their code.
 fn cycle(document: &Document) -> usize {
     let program = Program::new(document, [Interval { lo: -2.0, hi: 2.0 }; 3]).expect("simplifies");
     let kernels = program.kernels::<f32>(0);

@@ -1,7 +1,7 @@
-//! Hand-written rivals of native kernels, and timing for the benches. The rivals are three interval
-//! functions in 128-bit intrinsics. They have the operations that remain after simplification.
-//! glam's `Vec4` is `__m128`, and each of its operations below is one instruction. The operations
-//! round to nearest, so the rivals are not rigorous.
+//! Hand-written rivals of native kernels, and a function that times both. The rivals are three
+//! interval functions in 128-bit intrinsics. They do the operations that simplification leaves in
+//! the formulas. glam's `Vec4` is `__m128`, and each of its operations below is one instruction.
+//! The operations round to nearest, so the rivals are not rigorous.
 
 use glam::Vec4;
 use std::time::Instant;
@@ -18,7 +18,7 @@ pub struct Four {
 }
 
 impl Four {
-    /// Loads four lanes, beginning with `lane`.
+    /// Loads the ranges of four boxes along `axis`. The first box is in lane `lane`.
     #[inline]
     fn load(boxes: &Boxes, axis: usize, lane: usize) -> Self {
         Self {
@@ -39,7 +39,7 @@ impl Four {
         Self { neg_lo: self.neg_lo + Vec4::splat(-c), hi: self.hi + Vec4::splat(c) }
     }
 
-    /// The product with a positive number.
+    /// Multiplies by a positive number.
     fn times(self, c: f32) -> Self {
         Self { neg_lo: self.neg_lo * Vec4::splat(c), hi: self.hi * Vec4::splat(c) }
     }
@@ -50,12 +50,12 @@ impl Four {
         Self { neg_lo: least * -least, hi: most * most }
     }
 
-    /// The product of two nonnegative intervals.
+    /// Multiplies two nonnegative intervals.
     fn mul_nonneg(self, b: Self) -> Self {
         Self { neg_lo: -self.neg_lo * b.neg_lo, hi: self.hi * b.hi }
     }
 
-    /// The product of two intervals. Four products suffice, since rounding to nearest is symmetric.
+    /// Multiplies two intervals. Four products suffice, since rounding to nearest is symmetric.
     fn mul(self, b: Self) -> Self {
         let (p, q) = (self.hi * b.hi, self.neg_lo * b.neg_lo);
         let (r, s) = (self.neg_lo * b.hi, self.hi * b.neg_lo);
@@ -63,14 +63,14 @@ impl Four {
     }
 }
 
-/// A surface with a hand-written formula.
+/// A surface whose kernels call a hand-written interval function.
 #[derive(Clone, Copy)]
 pub struct Rival<F>(pub F);
 
 impl<F: Fn([Four; 3]) -> Four + Send + Sync> Kernel<Enclose> for Rival<F> {
     #[inline]
     fn eval(&self, boxes: &Boxes, answers: &mut Enclosures) {
-        // Like a native kernel, evaluates the lanes in use, rounded up to whole registers.
+        // Like a native kernel, evaluates whole registers until all lanes in use are done.
         for lane in (0..LANES).step_by(4).take_while(|lane| *lane < boxes.count as usize) {
             let value = self.0([0, 1, 2].map(|axis| Four::load(boxes, axis, lane)));
             value.neg_lo.write_to_slice(&mut answers.neg_lo[lane..lane + 4]);
@@ -130,7 +130,7 @@ pub fn barth([x, y, z]: [Four; 3]) -> Four {
     Four { neg_lo: sum.hi, hi: sum.neg_lo }
 }
 
-/// The three surfaces: name, formula as typed, half width of the domain.
+/// Name of each surface, its formula as typed, and half the width of its domain.
 pub const SURFACES: [(&str, &str, f64); 3] = [
     ("sphere", "x^2+y^2+z^2-1", 1.2),
     ("mitchell", "4*(x^4+(y^2+z^2)^2)+17*x^2*(y^2+z^2)-20*(x^2+y^2+z^2)+17", 2.0),
@@ -141,8 +141,7 @@ pub const SURFACES: [(&str, &str, f64); 3] = [
     ),
 ];
 
-/// Times both closures in turn. Returns the medians of their seconds and of the ratio, with the
-/// ratio's quartiles.
+/// Times both closures in turn, in `rounds` rounds.
 pub fn compare(rounds: usize, mut ours: impl FnMut(), mut theirs: impl FnMut()) -> Comparison {
     let time = |f: &mut dyn FnMut()| {
         let start = Instant::now();
@@ -176,7 +175,7 @@ pub fn compare(rounds: usize, mut ours: impl FnMut(), mut theirs: impl FnMut()) 
     }
 }
 
-/// Medians of a comparison.
+/// Median seconds of two closures, and the median and quartiles of their ratio.
 pub struct Comparison {
     pub ours: f64,
     pub theirs: f64,

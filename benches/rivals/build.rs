@@ -1,10 +1,10 @@
-//! Compiles the C++ rival for this machine's processor, with 4 lanes and, where supported, 16.
+//! Compiles the C++ rival for this machine's processor: for 4 lanes and, with AVX-512, for 16.
 
 use std::process::Command;
 
 const SOURCE: &str = "cpp/knoll2007.cpp";
 
-/// The flags that the authors of the paper would have used.
+/// The flags that the authors of Knoll et al. 2007 would have used.
 const FLAGS: [&str; 3] = ["-march=native", "-ffast-math", "-std=c++17"];
 
 fn main() {
@@ -29,10 +29,10 @@ fn main() {
     }
 }
 
-/// A build of the rival with this number of lanes.
+/// Returns a build of the rival for this number of lanes.
 fn rival(lanes: &str) -> cc::Build {
     let mut build = cc::Build::new();
-    // This model makes the thread-local counter of an executable a plain memory operand.
+    // With this model of thread-local storage, access to the counter is a plain memory operand.
     build.cpp(true).opt_level(3).flag("-ftls-model=local-exec");
     build.flags(FLAGS).define("W", lanes).file(SOURCE);
     build

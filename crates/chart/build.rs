@@ -1,5 +1,4 @@
-//! Passes the compiler's version and flags to the program, which records them in every row of
-//! results.
+//! Passes the compiler's version and flags to the program, which records them with every result.
 
 use std::process::Command;
 

@@ -1,4 +1,4 @@
-//! Affine forms enclose the oracle's values, and no contraction loses a root.
+//! Tests that affine forms enclose the oracle's values, and that contraction loses no root.
 
 #![no_main]
 

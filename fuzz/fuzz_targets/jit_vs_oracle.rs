@@ -1,4 +1,4 @@
-//! Intervals of native code enclose the oracle's values of the function as typed.
+//! Tests that native code's bounds overlap the oracle's bounds of the function as typed.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Native code equals the reference evaluator bit for bit.
+//! Tests that native code and the reference evaluator agree bit for bit.
 
 #![no_main]
 

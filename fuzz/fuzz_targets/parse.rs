@@ -1,4 +1,4 @@
-//! Any bytes are read or refused. A printed document reads back as the same document.
+//! Tests that any bytes are read or refused, and that a printed document reads back the same.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Claims of small pictures about their rays are true.
+//! Tests the claims that small pictures make about their rays.
 
 #![no_main]
 

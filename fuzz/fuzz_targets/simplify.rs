@@ -1,4 +1,4 @@
-//! Simplification preserves values and domains of definition.
+//! Tests that simplification preserves values and domains of definition.
 
 #![no_main]
 

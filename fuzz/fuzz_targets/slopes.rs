@@ -1,4 +1,4 @@
-//! Bounds of gradients enclose the oracle's slopes and derivatives.
+//! Tests that bounds of gradients enclose the oracle's slopes and derivatives.
 
 #![no_main]
 

@@ -1,5 +1,5 @@
-//! Generated texts with forms, vectors, piecewise definitions and sums. They read back as printed,
-//! and are simplified and enclosed soundly.
+//! Tests generated texts with special forms, vectors, piecewise definitions and sums. They must
+//! read back as printed. Their simplification and enclosures must be sound.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! No kernel excludes a zero that certainly exists.
+//! Tests that no kernel excludes a zero that certainly exists.
 
 #![no_main]
 

@@ -24,7 +24,7 @@ const LINES: &[&str] = &[
     ":domain auto",
 ];
 
-/// A line, of which `typed` bytes are typed first. The whole line is sent if `entered` is true.
+/// An edit: the first `typed` bytes of `line` are typed. If `entered`, the whole line is entered.
 pub struct Edit {
     pub line: String,
     pub typed: usize,
@@ -49,7 +49,7 @@ pub fn edit(random: &mut fastrand::Rng) -> Edit {
     }
 }
 
-/// The prefixes of a line that exist while it is typed.
+/// The prefixes of `line` that exist while its first `typed` bytes are typed.
 pub fn beginnings(line: &str, typed: usize) -> impl Iterator<Item = &str> {
     (0..=typed).filter(|end| line.is_char_boundary(*end)).map(|end| &line[..end])
 }

@@ -1,4 +1,4 @@
-//! Wrong use is one clear error, worded as on the command line, and never a panic.
+//! Wrong use of the library gives one clear error, worded as on the command line, and no panic.
 
 #[allow(dead_code)] // the tests of the program use all of it
 #[path = "../program/cli_support/mod.rs"]
@@ -49,7 +49,7 @@ fn formulas_without_a_surface_are_refused_as_on_the_command_line() {
             (said(&[text]), error.kind()),
             (format!("error: {error}\n"), ErrorKind::Formula)
         );
-        // Values and bounds there are.
+        // As functions these texts can be evaluated, but they have no surface to trace.
         let function = Function::parse(text).expect("a function");
         assert_eq!(function.eval(&[[0.0; 3]]).len(), 1);
         assert_eq!(function.trace(&[]).expect_err("no surface").kind(), ErrorKind::Formula);
@@ -71,7 +71,7 @@ fn formulas_without_a_surface_are_refused_as_on_the_command_line() {
     }
 }
 
-/// One sentence about an argument, with this in it.
+/// Asserts that a result is an error about an argument, in one line that contains `expected`.
 fn assert_refused<T>(result: Result<T, Error>, expected: &str) {
     let error = result.err().unwrap_or_else(|| panic!("not refused: {expected}"));
     let message = error.to_string();
@@ -170,7 +170,7 @@ fn settings_out_of_range_are_refused() {
     }
 }
 
-/// A texts that is too large for machine code, and one that is too deep.
+/// One text is nested too deeply. The other is too large for machine code.
 #[test]
 fn what_is_too_large_is_refused() {
     let deep = "(".repeat(1 << 20);

@@ -1,6 +1,6 @@
-//! The programs in `examples`: what they print and write.
+//! Tests of the programs in `examples`: the text that they print and the files that they write.
 //!
-//! `cargo test` builds them unless it is told which targets to test.
+//! `cargo test` builds these programs unless it is told which targets to test.
 
 use crate::errors::Sandbox;
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use std::process::Command;
 /// Runs an example in a new directory. Returns what it prints, and the directory.
 fn run(name: &str, arguments: &[&str]) -> (String, Sandbox) {
     let place = Sandbox::new();
-    // Tests are in `deps`, beside `examples`.
+    // The test binary is in `deps`, which is beside `examples`.
     let test = std::env::current_exe().expect("this test");
     let built: PathBuf = test.parent().and_then(|deps| deps.parent()).expect("a directory").into();
     let program = built.join("examples").join(name).with_extension(std::env::consts::EXE_EXTENSION);

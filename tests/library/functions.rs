@@ -1,4 +1,4 @@
-//! Values, enclosures and rays, held against the oracle, the certified tracer and pictures.
+//! Values, enclosures and rays, compared with the oracle, the certified tracer and pictures.
 
 use std::ops::RangeInclusive;
 use zeroset::{Function, Precision, Ray, RayResult, Scene, Settings, Status, TraceSettings};
@@ -20,8 +20,8 @@ const DIFFICULT: [&str; 9] = [
     "max(abs(x)-1, abs(y)-1, abs(z)-1) {x*y < 1}",
 ];
 
-/// The oracle of a text, in whose exponents parameters are the numbers that they are, and the
-/// parameters' values.
+/// The oracle of a document's first surface, and bounds of the parameters' values. Parameters in
+/// exponents are replaced by their values.
 fn oracle<'a>(
     document: &Document,
     fixed: &'a mut Option<(Graph, Vec<NodeId>)>,
@@ -33,7 +33,7 @@ fn oracle<'a>(
     (Oracle::new(graph, roots), values.iter().map(bounds).collect())
 }
 
-/// Every text of the gallery that is one function, and the difficult ones.
+/// The gallery's texts that are a single function, and the difficult texts.
 fn texts() -> impl Iterator<Item = (String, Document)> {
     let gallery = zeroset::gallery().map(|example| example.text);
     gallery.chain(DIFFICULT).filter_map(|text| {
@@ -68,7 +68,7 @@ fn what_is_no_single_function_is_refused() {
     }
 }
 
-/// Enclosures hold in builds without debug assertions, too, for boxes of any place and size.
+/// Enclosures over random boxes contain the oracle's values at points of the boxes.
 #[test]
 fn enclosures_hold_for_random_boxes() {
     let mut rng = Rng::with_seed(1);
@@ -77,7 +77,7 @@ fn enclosures_hold_for_random_boxes() {
         let function = Function::parse(&text).expect("a function");
         let mut fixed = None;
         let (oracle, parameters) = oracle(&document, &mut fixed);
-        // More than a batch, so that lanes and order count.
+        // The boxes fill several batches, so results in a wrong order would show.
         let boxes = [(); 200].map(|()| random_box::<f64>(&mut rng, Ends::Infinite));
         let found = function.enclose(&boxes.map(|ends| ends.map(range))).expect("boxes");
         assert_eq!(found.len(), boxes.len());
@@ -97,7 +97,7 @@ fn enclosures_hold_for_random_boxes() {
             apart += usize::from(!found.may_vanish());
         }
     }
-    // Something is said.
+    // Many boxes are proven to have values everywhere, and many to have no zero.
     assert!(proven > 3000 && apart > 3000, "{proven} defined, {apart} without a zero");
 }
 
@@ -131,10 +131,10 @@ fn values_are_near_the_real_ones_and_nan_where_there_are_none() {
         }
     }
     assert!(values > 3000 && gaps > 200, "{values} values, {gaps} gaps");
-    // Rounding alone would make a number of this.
+    // At 0 this function is undefined, although rounding alone could give a number.
     let step = Function::parse("atan(1/x)").expect("a function");
     assert!(step.eval(&[[0.0; 3]])[0].is_nan());
-    // Even where the function has a value for every number.
+    // A coordinate that is no number gives no value, even in a function that does not depend on it.
     let plane = Function::parse("0*x + y").expect("a function");
     for bad in [f64::NAN, f64::INFINITY] {
         assert!(plane.eval(&[[bad, 1.0, 0.0]])[0].is_nan() && plane.eval(&[[1.0; 3]]) == [1.0]);
@@ -154,7 +154,7 @@ fn parameters_are_set_exactly() {
         function.set("n", n).expect("a parameter");
         assert_eq!(function.parameters()[1].value, n);
         let found = &function.enclose(&[[4.0..=4.0, 0.0..=0.0, 0.0..=0.0]]).expect("a box")[0];
-        // The product of floats, correctly rounded, lies within an ulp of the real one.
+        // `value` is correctly rounded, so it lies within an ulp of the exact value.
         let value = f64::powf(4.0, n) * r;
         let near = value.next_down()..=value.next_up();
         assert!(near.contains(found.bounds.start()) && near.contains(found.bounds.end()));
@@ -170,7 +170,7 @@ fn parameters_are_set_exactly() {
         assert!(error.to_string().contains(why), "{error}");
     }
     assert_eq!(function.parameters()[0].value, -0.3);
-    // A fresh program for rays follows, too.
+    // Traced rays also use a parameter's new value.
     let ray = Ray { origin: [0.0, 5.0, 0.0], direction: [0.0, -1.0, 0.0] };
     let mut plane = Function::parse("h = 1 in [0, 2]\ny - h + 0*x").expect("a function");
     let settings = TraceSettings::new().domain([-3.0..=3.0, -3.0..=3.0, -3.0..=3.0]);
@@ -185,8 +185,8 @@ fn parameters_are_set_exactly() {
     }
 }
 
-/// Random rays through the domain of each text: no result contradicts the certified tracer, which
-/// shares no code with kernels or methods.
+/// Random rays through random domains. No result contradicts the certified tracer, which shares no
+/// code with kernels or methods.
 #[test]
 fn rays_agree_with_the_certified_tracer() {
     const BUDGET: u32 = 5_000;
@@ -200,7 +200,7 @@ fn rays_agree_with_the_certified_tracer() {
         });
         let rays = (0..60).map(|_| {
             let zeroset_testkit::Ray { direction, .. } = random_ray(&mut rng);
-            // Through a point of the domain, from outside or from inside.
+            // The ray passes through a point of the domain, and starts inside or outside of it.
             let (at, back) = (point_in_box(&mut rng, &domain), f64::from(rng.u32(0..8)));
             Ray { origin: [0, 1, 2].map(|axis| at[axis] - back * direction[axis]), direction }
         });
@@ -238,7 +238,7 @@ fn rays_agree_with_the_certified_tracer() {
     assert!(hits > 200 && misses > 200 && undecided < all / 20, "{hits} {misses} {undecided}");
 }
 
-/// A direction of another length is the same line, whose t has another unit.
+/// If a direction is scaled, the line is the same, and its values of t are divided by the factor.
 #[test]
 fn directions_may_have_any_length() {
     let function = Function::parse("x^2+y^2+z^2-1").expect("a function");
@@ -260,7 +260,7 @@ fn directions_may_have_any_length() {
     assert!(third / 3.0 < far && near < two_thirds / 3.0);
 }
 
-/// A ray through a pixel's center is what the picture is about.
+/// A ray through a pixel's center gives the same result as the picture of that pixel.
 #[test]
 fn rays_agree_with_pictures() {
     const SIDE: usize = 48;
@@ -268,7 +268,7 @@ fn rays_agree_with_pictures() {
     let names = ["clebsch-diagonal-cubic", "gyroid", "steiner-roman", "floor-steps", "tan-sheets"];
     for method in zeroset::Method::all() {
         for example in zeroset::gallery().filter(|example| names.contains(&example.name)) {
-            // Only what is drawn counts, and not how.
+            // The text's own domain is removed, since the settings below give one.
             let lines = example.text.lines().filter(|line| !line.starts_with("domain"));
             let text = lines.collect::<Vec<_>>().join("\n");
             let settings = Settings::new(SIDE, SIDE).domain(domain()).method(method);

@@ -1,4 +1,4 @@
-//! Pictures: the same as those of the command line, whatever was rendered before.
+//! Library pictures equal those of the command line, whatever was rendered before.
 
 use crate::errors::{Sandbox, run};
 use std::fs::File;
@@ -8,7 +8,7 @@ use zeroset::{Camera, Counts, Picture, Reason, Scene, Settings, Status, Undecide
 use zeroset_testkit::npy;
 use zeroset_trace::GBuffer;
 
-/// Texts with solids, several surfaces, lines on pictures, translucency, and no bounds.
+/// Texts with solids, several surfaces, picture lines, translucent surfaces and unbounded surfaces.
 const TEXTS: [&str; 8] = [
     "x^2+y^2+z^2 = 1",
     "z = x*y {x^2+y^2 < 4}",
@@ -38,7 +38,7 @@ fn pictures_and_arrays_are_those_of_the_command_line() {
         let size = ["--size", "70x50", "--undecided", "tint"];
         run(&place, &[&["render", text][..], &outputs, &size].concat());
         let settings = Settings::new(70, 50).undecided(UndecidedStyle::Tint);
-        // Memory that an earlier picture left behind shows nowhere.
+        // The next picture reuses this buffer's memory. The old contents must not show.
         let mut earlier = GBuffer::new(70, 50, 0);
         earlier.normal.fill([0.0, 0.6, 0.8]);
         earlier.hand_back();
@@ -63,7 +63,7 @@ fn pictures_and_arrays_are_those_of_the_command_line() {
     }
 }
 
-/// The arrays of a picture fit together.
+/// Asserts that the arrays of a picture agree with one another.
 fn check(picture: &Picture) {
     let (width, pixels) = (picture.width(), picture.width() * picture.height());
     assert_eq!(picture.rgb().len(), 3 * pixels);
@@ -117,7 +117,7 @@ fn pictures_are_written_whole_or_not_at_all() {
 
 #[test]
 fn a_picture_does_not_depend_on_the_ones_before() {
-    // The square root simplifies in the smaller domain, and does not in the larger one.
+    // The square root simplifies in the smaller domain only. The larger one needs other code.
     let text = "r = 1.5 in [0.5, 2]\nx^4+y^4+z^4 = r^2 + 0.1*x*sqrt((x+1.3)^2)";
     let settings = Settings::new(64, 48).domain([-2.0..=2.0, -2.0..=2.0, -2.0..=2.0]);
     let near = settings.clone().domain([-1.0..=1.0, -1.0..=1.0, -1.0..=1.0]);
@@ -171,7 +171,7 @@ fn settings_change_the_picture_and_no_proof() {
         })
         .collect();
     assert!((1..sides.len()).all(|side| sides[side] != sides[0]));
-    // Nothing is reached in no time, and nothing false is said.
+    // With no time, every pixel is undecided.
     let none = saddle.render(&base().budget(Duration::ZERO)).expect("a picture");
     assert_eq!(none.undecided().collect::<Vec<_>>(), [(Reason::Budget, 64 * 48)]);
     assert_eq!(none.reason(0, 0), Some(Reason::Budget));

@@ -1,5 +1,4 @@
-//! Cancelled work stops soon: between kernels, between tiles of a picture, and between tiles of its
-//! shadows.
+//! Cancelled work stops soon: between kernels, between tiles, and between tiles of shadows.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
@@ -35,7 +34,8 @@ fn a_compile_ends_between_kernels() {
     }
 }
 
-/// Returns a picture that is cancelled after `last` calls of `advance`, and the number of calls.
+/// Traces a picture that is cancelled after `last` calls of `advance`. Returns the picture and the
+/// number of calls.
 fn picture(model: &Model, settings: &Settings, last: usize) -> (Picture, usize) {
     let (document, region) = document();
     let camera = view::camera(&document, &region, &CameraChoice::default()).expect("valid");
@@ -65,14 +65,15 @@ fn shadows_end_between_tiles() {
     let (some, _) = picture(&model, &shadowed, before + (all - before) / 4);
     assert_eq!(some.buffer.status, whole.buffer.status);
     assert!(dark(&some) < dark(&whole), "{} of {} are dark", dark(&some), dark(&whole));
-    // The picture itself is cancelled in the same way.
+    // Cancelling before the shadows leaves pixels undrawn.
     let (part, _) = picture(&model, &plain, before / 4);
     let drawn =
         |picture: &Picture| (0..256 * 256).filter(|pixel| picture.buffer.is_drawn(*pixel)).count();
     assert!(drawn(&part) < drawn(&whole), "{} of {}", drawn(&part), drawn(&whole));
 }
 
-/// A pixel that was not reached is neither a miss nor a hit, whatever other surfaces show in it.
+/// A pixel that a cancelled picture did not reach is neither a miss nor a hit, even if one of the
+/// surfaces is painted in it.
 #[test]
 fn what_is_left_off_claims_nothing() {
     let (document, region) = document();
@@ -95,12 +96,12 @@ fn what_is_left_off_claims_nothing() {
                 } else {
                     assert_eq!(part.status[pixel], whole.status[pixel], "{pixel}");
                 }
-                // A nearer surface may not have been traced.
+                // If the nearer surface was not traced, the farther one may be painted.
                 assert!(part.drawn[pixel] >= whole.drawn[pixel]);
             }
             unreached.push(count);
         }
-        // Before the second surface is traced, few pixels are decided for both surfaces together.
+        // A pixel is decided when both surfaces are traced. Early quarters may decide few pixels.
         assert_eq!((unreached[0], unreached[4]), (256 * 64, 0), "{method:?}: {unreached:?}");
         assert!(unreached.is_sorted_by(|a, b| a >= b), "{method:?}: {unreached:?}");
         assert!(0 < unreached[3] && unreached[3] < 256 * 64, "{method:?}: {unreached:?}");

@@ -1,5 +1,4 @@
-//! Sliders and time change the picture without another compilation. The result equals that of a
-//! fresh compilation.
+//! Sliders and time change the picture without compiling. A fresh compilation gives the same one.
 
 use crate::live_support::{LIMIT, settled, start};
 use std::time::Duration;
@@ -8,14 +7,13 @@ use zeroset_render::model::render;
 use zeroset_scene::view;
 use zeroset_syntax::Options;
 
-/// Asserts that a fresh compilation gives the same picture, including each pixel's status and
-/// distance.
+/// Asserts that a fresh compilation gives the same colors, statuses and painted distances.
 fn assert_as_compiled_afresh(frame: &Rendering) {
     let request = &frame.request;
     let options = Options { time: request.time, ..Options::default() };
     let document = zeroset_syntax::read(&request.text, &options).expect("reads");
     let (region, _) = view::region(&document, request.domain, None).expect("a region");
-    // After a slider moves, the domain found before stays, as long as the surface fits into it.
+    // After a slider moves, the previous domain stays as long as the surface fits into it.
     let before = *frame.model.region();
     let inside = before.low().cmple(region.low()).all() && region.high().cmple(before.high()).all();
     assert!(region == before || frame.searched.is_some() && inside, "{}", request.text);
@@ -57,10 +55,10 @@ fn sliders_and_time_move_within_their_ranges_without_compiling() {
         ),
         ("t = 0.5 in [0, 1]\nx^2+y^2+z^2 = 1+t", &[":time 0.75", ":time 0.1"]),
         ("domain 2\nsin(x+t)+y = z", &[":time 1", ":time -2.5"]),
-        // These values fit into a domain found earlier.
+        // With each value, the surface fits into a domain found earlier.
         ("r = 2 in [0, 5]\nx^2+y^2+z^2 = r^2", &[":set r = 1", ":set r = 1.9", ":set r = 0.6"]),
         ("r = 1 in [1, 4]\nx^2+y^2+z^2 <= 1+0*r", &[":set r = 4", ":set r = 2"]),
-        // Each of these needs another domain: the previous one is too small or far too large.
+        // Each value needs another domain: the previous domain is too small or far too large.
         ("r = 2 in [0, 5]\nx^2+y^2+z^2 = r^2", &[":set r = 0.1", ":set r = 3", ":set r = 5"]),
     ] {
         assert_eq!(code_reused(text, lines), vec![true; lines.len()], "{text}");
@@ -70,10 +68,10 @@ fn sliders_and_time_move_within_their_ranges_without_compiling() {
 #[test]
 fn what_other_code_is_needed_for_is_compiled() {
     for (text, line) in [
-        // The first value is outside its range, and the second one has no range.
+        // In the first text, the new value is out of range. In the second one, `r` has no range.
         ("domain 2\nr = 2 in [0, 5]\nx^2+y^2+z^2 = r^2", ":set r = 7"),
         ("domain 2\nr = 2\nx^2+y^2+z^2 = r^2", ":set r = 1"),
-        // The value is an exponent, which selects the operation.
+        // This value is an exponent, which selects the operation.
         ("domain 2\nn = 2 in [1, 5]\nx^n+y^2+z^2 = 1", ":set n = 3"),
         ("x^2+y^2+z^2 = 1+t", ":time 3"),
         ("domain 2\nr = 2 in [0, 5]\nx^2+y^2+z^2 = r^2", "domain 3"),

@@ -63,7 +63,7 @@ fn other_light_traces_nothing() {
     assert!(night.picture.rgb == rendered(&night) && night.picture.rgb != plain.picture.rgb);
     assert!(night.command("out.png").contains(" --look night "));
     assert!(night.revision > plain.revision && night.picture.buffer == plain.picture.buffer);
-    // Shadows trace rays to the lights, but no rays from the eye.
+    // Turning shadows on traces rays to the lights, but no rays from the eye.
     live.enter(":shadows on").expect("valid");
     let shadowed = settled(&live);
     assert_eq!(shadowed.picture.statistics.times.trace, after.times.trace);
@@ -95,7 +95,7 @@ fn a_mistake_keeps_the_last_good_picture_and_says_what_is_wrong() {
     }
     let refusal = live.enter("x^2+y^2+foo = 1").expect_err("wrong");
     assert!(refusal.render(false).contains('^'), "no caret: {}", refusal.render(false));
-    // A line that gives no surface is refused, too.
+    // A line that gives no surface is refused.
     for (line, expected) in [("3", "is constant: it is 3"), ("sqrt(-1)", "defined nowhere")] {
         let refusal = live.enter(line).expect_err(line).render(false);
         assert!(refusal.contains(expected), "{line}: {refusal}");
@@ -124,7 +124,7 @@ fn while_a_line_is_wrong_the_picture_before_is_finished_and_turned() {
     let seen = live.snapshot();
     let turned = seen.rendering.expect("a picture");
     assert!(turned.camera != finished.camera && !turned.coarse);
-    // The error is still reported, and the picture is not saved as if it showed the typed line.
+    // The error is still reported. The picture is not saved, since it does not show the typed line.
     assert!(seen.fault.is_some_and(|fault| fault.revision == turned.revision));
     assert!(live.finished(turned.revision, LIMIT).is_none());
     live.type_line("");
@@ -245,7 +245,7 @@ fn commands_are_answered() {
     let coarse = settled(&live);
     assert!(coarse.command("out.png").contains(" --method knoll --precision f32 --max-depth 12"));
     assert!(say(":status").contains("undecided   this method proves misses"));
-    // Doubles allow a greater depth. It is reduced when the precision is set to floats again.
+    // `f64` allows a greater depth than `f32`. Back in `f32`, the depth is reduced.
     assert!(say(":precision").starts_with("precision f32"));
     assert!(say(":precision f64").starts_with("precision f64"));
     assert!(say(":depth 33").contains("depth 33"));
@@ -319,7 +319,7 @@ fn ideas_that_are_left_out_are_told_and_repeated() {
     let alone = settled(&live);
     assert!(alone.summary().contains(" · affine auto no-tiles · "), "{}", alone.summary());
     assert!(alone.command("a.png").contains(" --no-tiles -o"), "{}", alone.command("a.png"));
-    // The method `knoll` reads none of these options.
+    // The method `knoll` reads none of the options that were set.
     live.enter(":method knoll").expect("a method");
     assert!(!settled(&live).command("a.png").contains("--no-"));
 }

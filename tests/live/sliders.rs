@@ -1,4 +1,4 @@
-//! Dragged values, and time. They change only the text, and need no compilation.
+//! Dragging a value, or running time, changes only the text and compiles nothing.
 
 use crate::live_support::{LIMIT, settled, start};
 use zeroset_live::{DocumentSource, Live, Rendering, Request, Slider};
@@ -15,12 +15,12 @@ fn drag(live: &Live, name: &str, value: f64) {
     live.drag(&slider, value);
 }
 
-/// Number of kernels that were compiled so far for a picture's program.
+/// Number of kernels compiled so far for a picture's program.
 fn made(seen: &Rendering) -> usize {
     seen.model.program().made().len()
 }
 
-/// Number of single-precision kernels that were compiled so far for a picture's program.
+/// Number of single-precision kernels compiled so far for a picture's program.
 fn singles(seen: &Rendering) -> usize {
     let made = seen.model.program().made();
     made.iter().filter(|one| format!("{one:?}").contains("F32")).count()
@@ -99,7 +99,7 @@ fn a_reload_keeps_a_dragged_value_unless_the_file_gives_it_another() {
     assert_eq!(live.text(), given);
     settled(&live);
     assert!(!live.restore(&slider(&live, "r")) && live.restore(&slider(&live, "s")));
-    // A value that is set or loaded becomes the document's own, to which a slider is reset.
+    // A value that is set or loaded becomes the document's own, to which a reset returns.
     drag(&live, "r", 1.5);
     live.enter(":set r = 0.75").expect("valid");
     assert!(!live.restore(&slider(&live, "r")));
@@ -223,7 +223,7 @@ fn thousands_of_values_leave_nothing_behind() {
     println!("a value takes {:?}", started.elapsed() / 2000);
     let seen = settled(&live);
     assert!(seen.model.is_rebound(), "it was compiled again");
-    // A small sphere may need kernels in doubles, which are compiled once.
+    // Only single-precision kernels count: a small sphere may need further kernels in doubles.
     assert_eq!(singles(&seen), kernels);
     assert_eq!(live.text(), "domain 4\nr = 3 in [0, 3]\nx^2+y^2+z^2 = r^2");
     assert!(live.undo() && !live.undo());

@@ -1,5 +1,5 @@
-//! Surfaces are hidden, made translucent, moved and deleted. These are edits of the text that
-//! compile no kernel. A line of a document may also hide a surface.
+//! Surfaces are hidden, made translucent, moved and deleted. These edits of the text compile no
+//! kernel. A line of a document may also hide a surface.
 
 use crate::live_support::{settled, start};
 use zeroset_live::{Axes, Live, Rendering};
@@ -113,7 +113,7 @@ fn document(text: &str) -> Document {
     zeroset_syntax::read(text, &Options::default()).expect("reads")
 }
 
-/// A file's `hidden` surface is not drawn, but counts for the domain.
+/// A file's `hidden` surface is not drawn, but is a surface of the model.
 #[test]
 fn a_picture_of_a_file_lacks_what_is_hidden() {
     let settings = start(THREE, 64).settings();
@@ -145,12 +145,12 @@ fn axes_have_room_unless_the_document_wants_none() {
     assert!(settled(&live).camera == plain.camera);
     live.set_axes(Axes::On);
     assert!(settled(&live).camera == around.camera);
-    // Axes are not part of the document, so they are no undo step.
+    // Axes are not part of the document, so showing them is no undo step.
     assert!(live.undo());
     assert_eq!(live.text(), "x^2+y^2+z^2 = 1");
 }
 
-/// An automatic view does not move while a value is dragged. Then it glides until the surface fits.
+/// An automatic view stays while a value is dragged. Afterwards it glides until the surface fits.
 #[test]
 fn a_view_does_not_jump_while_a_value_moves() {
     let live = start("r = 1 in [0.5, 8]\nx^2+y^2+z^2 = r^2", 64);
@@ -176,7 +176,7 @@ fn a_view_does_not_jump_while_a_value_moves() {
     let last = settled(&live);
     assert!(far(&last) > 3.0 * far(&first), "{} is not farther away", far(&last));
     assert!(way.len() > 4 && way.is_sorted(), "it jumped: {way:?}");
-    // The final view equals that of a fresh start with this text.
+    // In the final view the surface is as large as after a fresh start with this text.
     let fresh = settled(&start(&live.text(), 64));
     let share = |seen: &Rendering| {
         seen.picture.statistics.pixels.hit as f64 / seen.picture.buffer.drawn.len() as f64

@@ -1,5 +1,5 @@
-//! Every edit can be undone and redone. Surfaces and the whole document can be removed. The part
-//! that faces the eye can be cut off.
+//! Undo and redo of every edit, removal of surfaces and of the document, and the cut that removes
+//! the front of the scene.
 
 use crate::live_support::{LIMIT, settled, start};
 use glam::DVec3;
@@ -146,7 +146,7 @@ fn a_plane_of_the_document_is_told_taken_away_and_given_back() {
     assert_eq!(kept(), "nothing is cut away");
     assert!(settled(&live).picture.rgb != cut.picture.rgb, "the same picture");
     assert!(settled(&live).command("a.png").contains(" --clip off"));
-    // Toggling the cut removes any clip plane, even the document's.
+    // With a clip plane of the document, toggling the cut removes this plane.
     assert!(live.undo());
     settled(&live);
     assert!(!live.toggle_cut());
@@ -171,7 +171,7 @@ fn what_replaces_a_surface_of_the_gallery_is_not_seen_through_its_window() {
     enter(&live, "q = 4");
     enter(&live, "x^2+y^2+z^2 = q");
     assert_eq!(live.text().trim(), "q = 4\nx^2+y^2+z^2 = q");
-    // Lines that the user enters stay. `:add` keeps the example's lines, too.
+    // Lines that the user entered stay. The example's lines stay only after `:add`.
     live.load(DocumentSource::Gallery(example), text, false);
     enter(&live, "domain 4");
     enter(&live, "x = y");

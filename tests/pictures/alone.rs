@@ -1,4 +1,4 @@
-//! The result of a pixel does not depend on which other pixels are traced.
+//! A pixel's result does not depend on which other pixels are traced.
 
 use glam::DVec3;
 use zeroset_scene::program::Program;
@@ -15,9 +15,9 @@ const SIZE: [usize; 2] = [96, 80];
 fn a_pixel_is_the_same_whichever_others_are_followed() {
     let affine = METHODS.iter().find(|method| method.name == "affine").expect("there is one");
     let mut compared = 0;
-    // Methods trace some rays one by one. These are rays of a rational form, whose numerator may
-    // vanish where the function does not, and rays at the edge of a ball. With the near eye, only
-    // some rays of a tile have pixels as narrow as the resolution of f32.
+    // Some rays are traced one by one and not in tiles. In rational forms, these are rays that may
+    // meet a pole. With a ball, these are rays at its edge. From the eye `near`, the pixels of some
+    // rays in a tile are as narrow as the resolution of `f32`.
     let [inside, near, far] = [[1.02, 0.3, 0.4], [1.3, 0.3, 0.2], [2.4, 1.8, 3.6]];
     for (text, is_ball, eyes, tolerance) in [
         ("x^2+y^2+z^2=1", false, [inside, far], 0.02),
@@ -49,7 +49,7 @@ fn a_pixel_is_the_same_whichever_others_are_followed() {
                 buffer
             };
             let whole = picture(&[]);
-            // Steps between traced pixels, from half of a tile's pixels to few of them.
+            // Every `step`-th pixel is traced: from half of a tile's pixels to few of them.
             for step in [2, 3, 7, 41] {
                 let only: Vec<bool> = (0..SIZE[0] * SIZE[1]).map(|n| n % step == 0).collect();
                 let part = picture(&only);

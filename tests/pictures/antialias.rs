@@ -76,7 +76,7 @@ fn apart(one: &Picture, other: &Picture) -> usize {
 
 #[test]
 fn what_f32_cannot_tell_is_not_painted_along_edges() {
-    // Surfaces with jumps, with a cut, and with functions beyond the range of `f32`.
+    // Surfaces with jumps, with a branch cut, and with functions beyond the range of `f32`.
     for text in [
         "floor-steps",
         "mod(x,1)=z",
@@ -140,7 +140,7 @@ fn rows_that_are_colored_at_once_are_as_those_that_are_colored_later() {
 fn normals_that_are_not_kept_are_found_for_colors() {
     let settings = Settings { width: 93, height: 70, ..Settings::default() };
     let central = Settings { normals: Some(Normals::Central), ..settings.clone() };
-    // A surface with gradients everywhere, one that lacks some, and a solid with a cap.
+    // `smooth` has a gradient everywhere, `creased` lacks some gradients, and `halved` has a cap.
     let (smooth, creased, halved) =
         ("tangle", "abs(x)+abs(y)+abs(z)=1", "x^2+y^2+z^2<=1 where x<=0.3");
     for (text, kept) in
@@ -151,7 +151,7 @@ fn normals_that_are_not_kept_are_found_for_colors() {
         let kept = picture(&model, &camera, kept);
         let picture = picture(&model, &camera, &settings);
         assert!(picture.rgb == kept.rgb, "{text}");
-        // The normals of a cap are set when it is traced, so its buffer of normals remains.
+        // A cap gets its normals while it is traced, so the picture of a cap keeps normals.
         assert_eq!(picture.buffer.normal.is_empty(), text != halved, "{text}");
         // Passes that need normals compute them again.
         let lit = model.relight(&picture, &camera, &settings, &|_| true).expect("compiled");

@@ -1,5 +1,5 @@
-//! Domains that are clipped to a ball. Claims about their rays equal those for the box, restricted
-//! to the ball.
+//! Domains that are clipped to a ball. Claims about their rays equal the claims for the box,
+//! restricted to the ball.
 
 use glam::DVec3;
 use zeroset_render::model::render;
@@ -13,7 +13,7 @@ use zeroset_trace::{
     Camera, Driver, GBuffer, METHODS, Projection, Proves, RayGrid, Status, TraceOptions,
 };
 
-/// This size gives tiles of both sizes, and incomplete ones.
+/// A picture of this size has tiles of both sizes, and incomplete tiles.
 const SIZE: [usize; 2] = [46, 38];
 
 type Function = fn(DVec3) -> f64;
@@ -42,7 +42,7 @@ fn camera(number: usize) -> Camera {
     Camera::new(eye[number], DVec3::new(0.1, 0.2, -0.3), DVec3::Z, projection).expect("a camera")
 }
 
-/// The segment of a ray inside both ball and box, as two values of t, or `None`.
+/// The part of a ray in both ball and box, as two values of t; `None` if there is no such part.
 fn chord(rays: &RayGrid, pixel: usize, region: &Region) -> Option<[f64; 2]> {
     let ray = rays.ray_of(pixel);
     let ball = region.ball().expect("one");
@@ -114,7 +114,7 @@ fn what_is_claimed_is_true_of_the_ball() {
                 if crosses && method.proves != Proves::Nothing {
                     assert_ne!(status, Status::Miss, "{what:?}");
                 }
-                // A ray that misses in the box does not hit in the ball.
+                // A ray that misses in the whole box does not hit in the ball.
                 if whole.status[pixel] == Status::Miss {
                     assert_ne!(status, Status::Hit, "{what:?}");
                 }

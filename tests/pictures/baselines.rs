@@ -58,12 +58,12 @@ fn every_method_draws_the_sphere_within_its_tolerance() {
                 let foot = frame.ray_of(pixel).at(8.0);
                 let square = 1.0 - foot.y * foot.y - foot.z * foot.z;
                 let found = picture.buffer.drawn[pixel];
-                // Near the rim the root is not compared, since a ray runs along the surface there.
+                // Roots near the rim are not compared, since rays run along the surface there.
                 if square < -0.02 {
                     assert_eq!(found, f64::INFINITY, "{method:?}, through {foot}");
                 } else if square > 0.02 {
                     let off = (found - (8.0 - square.sqrt())).abs();
-                    // The constant covers errors of samples in 32 bits.
+                    // The constant allows for rounding errors of `f32`.
                     let room = tolerance * frame.footprint(found) + 1e-5;
                     assert!(off <= room, "{method:?}, {tolerance}: off by {off}, through {foot}");
                     seen += 1;
@@ -84,8 +84,8 @@ fn a_method_claims_no_more_than_its_row_says() {
                 let meets = region(2.0).span(&frame.ray_of(pixel)).is_some();
                 let allowed = match (method.proves, status) {
                     (Proves::Nothing, Status::Miss) => !meets,
-                    // A hit on the face where the domain cuts a solid is not proven by the method
-                    // itself.
+                    // The method itself does not prove a hit on the face where the domain cuts a
+                    // solid.
                     (Proves::Nothing | Proves::Misses, Status::Hit) => {
                         cut && picture.buffer.is_cap(pixel)
                     }
@@ -107,7 +107,7 @@ fn march_passes_over_what_is_thinner_than_its_steps() {
     assert!(there > 700, "{there}");
     assert!(coarse(32) < there / 10, "{} of {there}", coarse(32));
     assert!(coarse(16384) > there * 9 / 10, "{} of {there}", coarse(16384));
-    // Rays on which no samples differ in sign are undecided, not misses.
+    // Rays without samples of different signs are undecided, not misses.
     let (_, picture) = picture(SHELL, "march", |settings| settings.options.steps = 32);
     assert_eq!(picture.buffer.reasons()[UndecidedReason::Unproven as usize], SIDE * SIDE);
     assert!(picture.why_undecided().expect("all").contains("proves nothing"));
@@ -157,11 +157,11 @@ fn mitchell_leaves_open_what_only_touches() {
 
 #[test]
 fn sphere_says_where_it_has_no_bound() {
-    // At z = 0 the slope is infinite.
+    // At z = 0 the function's slope is infinite, so a ray there stays undecided.
     let (frame, picture) = picture("cbrt(z)+x", "sphere", |_| {});
     let steep = |pixel: usize| picture.buffer.reason(pixel) == UndecidedReason::Steep;
     assert!((0..SIDE * SIDE).all(|pixel| steep(pixel) != picture.buffer.is_drawn(pixel)));
-    // Elsewhere the slope has a bound, once a ray's segments are short enough.
+    // At other z the slope has a bound, once a ray's segments are short enough.
     for pixel in (0..SIDE * SIDE).filter(|&pixel| steep(pixel)) {
         assert!(frame.ray_of(pixel).origin.z.abs() < 1e-5);
     }

@@ -1,5 +1,5 @@
-//! Claims of gallery pictures from random cameras, far, close, grazing and inside, are compared
-//! with the certified tracer.
+//! Claims of gallery pictures are compared with the certified tracer. Random cameras are far,
+//! close, grazing and inside.
 //!
 //! The full run: `ZEROSET_CASES=200 cargo test --release --test pictures cameras -- --nocapture`.
 
@@ -13,7 +13,7 @@ use zeroset_testkit::property::{Formula, Pixel, RayClaim, Scene, picture as chec
 use zeroset_testkit::{Adversarial, Effort, Rng};
 use zeroset_trace::METHODS;
 
-/// Width and height of a picture. This size gives tiles of every size, and incomplete ones.
+/// Width and height of a picture. It has tiles of every size, and incomplete tiles.
 const SIZE: [usize; 2] = [84, 60];
 /// Rays per picture and method that the certified tracer checks.
 const RAYS: u32 = 48;
@@ -127,7 +127,8 @@ pub struct Survey {
 }
 
 impl Survey {
-    /// Chooses pixels of each method's picture. Half of them are undecided, if possible.
+    /// Chooses random pixels of each method's picture. If some pixels are undecided, at least half
+    /// of the chosen ones are.
     fn chosen(&mut self, scene: &Scene, rng: &mut Rng) -> Vec<Pixel> {
         let mut chosen = Vec::new();
         for method in &METHODS {

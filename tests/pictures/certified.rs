@@ -12,11 +12,10 @@ use zeroset_scene::gallery::example;
 use zeroset_syntax::{Options, read as read_document};
 use zeroset_testkit::certified::{BUDGET, Certificate, Function, Line, UnresolvedReason};
 
-/// Tolerance of distances, relative to 1 + distance. The reference rounded its rays differently,
-/// which moves the root of a grazing ray by more than the rounding error.
+/// Tolerance of distances, relative to 1 + distance. The reference rounded its rays differently. On
+/// a grazing ray, this moves the root by more than the rounding error.
 const ROUNDING: f64 = 1e-9;
 
-/// Step between traced rays.
 fn stride() -> usize {
     let text = std::env::var("ZEROSET_STRIDE").unwrap_or_else(|_| "61".to_owned());
     text.parse().expect("ZEROSET_STRIDE is a number")
@@ -67,7 +66,7 @@ enum Outcome {
     Open,
     /// Certificate and reference have the same first root, or none.
     Agrees,
-    /// The certificate does not decide whether there is an earlier root. This is its first reason.
+    /// The certificate leaves parts of the ray unresolved. Holds the reason of the first such part.
     CannotKnow(UnresolvedReason),
     /// Certificate and reference contradict each other.
     Differs,
@@ -87,7 +86,7 @@ fn judge(certificate: &Certificate, pixel: &Pixel) -> Outcome {
     let crosses = |d: f64| certificate.crossing.is_some_and(|c| within(c.near, c.far, d));
     let known = |d: f64| d.is_infinite() || open(d) || crosses(d);
     let crossing = match certificate.crossing {
-        // The reference has the certificate's crossing, too, or one before it.
+        // The reference has this crossing, too, or an earlier one.
         Some(crossing) => pixel.crossing <= crossing.far + ROUNDING * (1.0 + crossing.far),
         None => true,
     };
@@ -100,7 +99,7 @@ fn judge(certificate: &Certificate, pixel: &Pixel) -> Outcome {
         .map_or(Outcome::Agrees, |piece| Outcome::CannotKnow(piece.reason))
 }
 
-/// Number of rays by outcome, descriptions of those that differ, and evaluations per ray.
+/// The number of rays by outcome, a description of each ray that differs, and evaluations per ray.
 fn survey(function: &Function, truth: &Truth) -> (BTreeMap<Outcome, usize>, Vec<String>, f64) {
     let stride = stride();
     let [x0, x1, y0, y1, z0, z1] = truth.view.domain;
@@ -128,7 +127,7 @@ fn survey(function: &Function, truth: &Truth) -> (BTreeMap<Outcome, usize>, Vec<
     (counts, differ, evaluations / outcomes.len() as f64)
 }
 
-/// Compares all functions. Expects no ray to differ, and at least `share` percent to agree.
+/// Compares functions with their references. No ray may differ, and `share` percent must agree.
 fn expect_agreement(suite: impl Iterator<Item = (Function, Truth)>, share: usize) {
     println!("ZEROSET_STRIDE={}", stride());
     let mut differ = Vec::new();
@@ -154,7 +153,6 @@ fn the_certified_tracer_agrees_with_the_exact_roots_of_the_gallery() {
     expect_agreement(truths.map(|truth| (from_gallery(&truth.view.slug), truth)), 90);
 }
 
-/// A formula of the stability suite.
 #[derive(Deserialize)]
 struct Case {
     slug: String,

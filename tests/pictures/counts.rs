@@ -14,7 +14,7 @@ fn pixels_are_counted_as_they_are() {
     let sphere = "x^2+y^2+z^2=1";
     let two = "x^2+y^2+z^2=1/2\nx+y+z=1/3";
     let tangents = "tan(3e6*x+y)+tan(5e6*x+2y)=z";
-    // The work is cancelled after this many calls of `advance`.
+    // A text, the hidden surface, and the calls of `advance` before the work is cancelled.
     for (text, hidden, calls) in [
         (sphere, None, usize::MAX),
         ("x^2+y^2+z^2<=2", None, usize::MAX),

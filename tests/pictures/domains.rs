@@ -13,11 +13,11 @@ use zeroset_syntax::{Options, read};
 /// The rows, and the description of their format.
 const ROWS: &str = include_str!("../data/domains.txt");
 
-/// Two boxes agree if each, grown by this factor about its center, holds the other.
+/// Two boxes agree if each contains the other after growing by this factor about its center.
 const TOLERANCE: f64 = 1.3;
 
-/// Tolerance of extents that were counted on a grid or typed with few digits, as a share of the
-/// largest extent.
+/// Tolerance of wanted extents that were counted on a grid or typed with few digits, as a share of
+/// the largest extent.
 const COUNTED: f64 = 0.01;
 
 pub struct Row {
@@ -40,14 +40,14 @@ pub fn rows() -> Vec<Row> {
     lines.map(row).collect()
 }
 
-/// Whether an interval contains the other one, if it is grown by [`TOLERANCE`] about its middle and
+/// Whether the first interval contains `other` after growing by [`TOLERANCE`] about its middle and
 /// by `spare` on each side.
 fn holds([low, high]: [f64; 2], other: [f64; 2], spare: f64) -> bool {
     let (middle, half) = (low.midpoint(high), TOLERANCE * (high - low) / 2.0 + spare);
     middle - half <= other[0] && other[1] <= middle + half
 }
 
-/// The difference between a found domain and the wanted one, if there is one.
+/// The way in which a found domain differs from the wanted one, if it differs.
 fn difference(row: &Row, found: &AutoDomain) -> Option<&'static str> {
     let ranges = [0, 1, 2].map(|axis| [found.low[axis], found.high[axis]]);
     if found.finding.is_bounded() != row.bounded {
@@ -72,7 +72,7 @@ fn difference(row: &Row, found: &AutoDomain) -> Option<&'static str> {
     None
 }
 
-/// Rows whose automatic domain is known to differ.
+/// Rows whose automatic domain is known to differ from the wanted one.
 const MISSES: &[&str] = &[];
 
 /// Least number of rows, of a hundred, that must agree.
@@ -92,7 +92,7 @@ fn domains_are_those_that_a_mathematician_would_choose() {
         let why = difference(row, &found);
         let name = row.text.lines().last().unwrap_or_default();
         let _ = writeln!(report, "{:18} {ms:6.2} ms {name}: {found:?}", why.unwrap_or("agrees"));
-        // Other differences are a matter of judgment, but a bounded surface must not be cut.
+        // A bounded surface must not be cut. Other differences are a matter of judgment.
         assert!(!(row.bounded && why == Some("cut")), "{report}");
         missed.extend(why.map(|_| name.to_owned()));
     }
@@ -104,7 +104,7 @@ fn domains_are_those_that_a_mathematician_would_choose() {
     assert!(rows.len() - missed.len() >= LEAST);
 }
 
-/// Unbounded surfaces, each with something that moving the surface must preserve.
+/// Unbounded surfaces. Moving one of them must move its domain by the same vector.
 const UNBOUNDED: &[&str] = &[
     // Quadrics.
     "x^2+y^2-z^2=1",
@@ -132,7 +132,7 @@ const UNBOUNDED: &[&str] = &[
     "(x^2-1)^2+(y^2-1)^2=z^2",
     "z*((x^2-25)^2+(y^2-25)^2+z^2-4)=0.05",
     "x^2*y^2+y^2*z^2+x^2*z^2+x*y*z=0",
-    // Graphs.
+    // Heights as functions of two coordinates.
     "z=x^2+y^2",
     "z=x*y",
     "x^3-3x*y^2=z",
@@ -182,7 +182,7 @@ fn what_is_moved_has_its_domain_moved() {
     assert!(report.is_empty(), "{report}of {count}");
 }
 
-/// A polynomial with one power of each axis, which no other term cancels, and mixed terms.
+/// A random polynomial: a power of each coordinate, and mixed terms that cancel none of these.
 fn polynomial(rng: &mut Rng) -> String {
     let factor = |rng: &mut Rng| {
         let sign = if rng.bool() { '+' } else { '-' };
@@ -220,7 +220,7 @@ fn random_polynomials_that_are_moved_have_their_domains_moved() {
 }
 
 /// Checks that moving an unbounded surface moves its domain by the same vector, and reports
-/// differences. Returns `false` if the surface is bounded.
+/// differences. Returns `false` if the surface is bounded or empty.
 fn check_move(text: &str, place: [f64; 3], report: &mut String) -> bool {
     let find = |text: &str| {
         let document = read(text, &Options::default()).expect(text);

@@ -1,5 +1,5 @@
-//! The share of the picture that the visible part takes with the automatic camera, over the gallery
-//! and the hundred typed equations.
+//! With the automatic camera, the visible part fills most of the picture. This is checked for the
+//! gallery and the hundred typed equations.
 //!
 //! All rows: `cargo test --release --test pictures framing -- --nocapture`.
 
@@ -17,10 +17,10 @@ use zeroset_trace::{Camera, Projection};
 /// Pixels of the picture's shorter side.
 const SIDE: usize = 96;
 
-/// Range that the visible part's share of the picture should be in.
+/// Wanted range of the visible part's share of the picture.
 const SHARES: [f64; 2] = [0.55, 0.95];
 
-/// Least share of all pictures whose visible part must be in that range.
+/// Least share of the pictures whose visible part is within [`SHARES`].
 const LEAST: f64 = 0.95;
 
 /// The larger extent of the painted part, as a share of the picture's shorter side, and whether the

@@ -1,5 +1,4 @@
-//! Normals that `f32` cannot compute: far from the origin, or with gradients or points beyond its
-//! range.
+//! Normals that `f32` cannot compute: far from the origin, or beyond the range of `f32`.
 
 use glam::DVec3;
 use zeroset_render::model::render;
@@ -10,7 +9,7 @@ use zeroset_trace::{Camera, Projection};
 
 const SIDE: usize = 48;
 
-/// The largest angle, in degrees, between a stored normal and the outward one of a sphere.
+/// The largest angle, in degrees, between a stored normal and the sphere's outward normal.
 fn worst(formula: &str, centre: DVec3, radius: f64) -> f64 {
     let document = read(formula, &Options::default()).expect(formula);
     let eye = centre + radius * DVec3::new(2.0, -3.0, 2.0);

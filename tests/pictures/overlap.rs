@@ -1,4 +1,4 @@
-//! Surfaces behind one another. Hidden parts are not traced, which changes nothing else.
+//! Hidden parts of surfaces are not traced. The picture equals the merged pictures of each surface.
 
 use glam::DVec3;
 use zeroset_render::model::Model;

@@ -1,5 +1,5 @@
-//! Colors, light and opacity from lines of a document, compared with the same picture made in other
-//! ways.
+//! Lines of a document set colors, light and opacity. Their pictures are compared with the same
+//! pictures made in other ways.
 
 use glam::DVec3;
 use zeroset_render::model::render;
@@ -48,7 +48,7 @@ fn pixel(picture: &Picture, n: usize) -> [u8; 3] {
     picture.rgb.as_chunks().0[n]
 }
 
-/// Mixture of colors in linear light, each with its share.
+/// Mixes colors in linear light by their shares.
 fn mixed(parts: &[([u8; 3], f32)]) -> [u8; 3] {
     let mut sum = [0.0; 3];
     for (rgb, share) in parts {
@@ -63,7 +63,7 @@ fn assert_near(one: [u8; 3], other: [u8; 3], what: &str) {
     assert!(off <= Some(2), "{what}: {one:?} and {other:?}");
 }
 
-/// The half-space behind the plane through this x.
+/// The half-space of the points with coordinates of at least `x` along the x axis.
 fn behind(x: f64) -> HalfSpace {
     HalfSpace { normal: DVec3::NEG_X, offset: -x }
 }
@@ -74,7 +74,7 @@ fn translucent_surfaces_are_mixed_from_front_to_back() {
     let (first, second) = ("(x+0.5)^2+y^2+z^2=1", "(x-0.5)^2+y^2+z^2=1");
     let alone =
         |color: &str, text: &str, clip| picture_of(&format!("{color}\n{text}"), clip, &settings());
-    // Layers in the order in which rays meet them, whatever the order of lines.
+    // The layers, in the order in which rays meet them. The order of lines does not matter.
     let layers = [
         alone(one, first, None),
         alone(other, second, None),
@@ -90,7 +90,7 @@ fn translucent_surfaces_are_mixed_from_front_to_back() {
         let mut checked = 0;
         for n in 0..SIDE * SIDE {
             let foot = rays().ray_of(n).origin;
-            // Rays farther from the axis leave one sphere before they enter the other.
+            // Skip rays that leave one sphere before they enter the other.
             if foot.y.hypot(foot.z) > 0.84 {
                 continue;
             }
@@ -174,7 +174,7 @@ fn colors_are_those_of_values() {
     assert!(legend.low < -1.9 && legend.high > 1.9 && legend.high <= 2.0, "{legend:?}");
     assert!(legend.value == "2*z" && legend.step.is_none(), "{legend:?}");
     assert!(picture(sphere).legends.is_empty());
-    // If a value is constant up to the errors of painted points, the surface has the middle color.
+    // This value is constant up to the errors of painted points, so the color is the middle one.
     let flat = picture("color viridis(x)\nx = y/1e9 + 0.3");
     let [one] = &flat.legends[..] else { panic!("one scale") };
     assert!(one.low == one.high && (one.low - 0.3).abs() < 0.01, "{one:?}");
@@ -226,7 +226,7 @@ fn lines_of_a_document_are_as_the_settings() {
     for changed in [set(&light), set(&shadows), clipped] {
         assert_ne!(changed, plain);
     }
-    // Arguments of the caller override the document.
+    // Arguments of the caller override lines of the document.
     let both = picture_of(&format!("clip 1, 0, 0, 0\n{text}"), Some(plane), &settings()).rgb;
     assert_eq!(both, said("clip 0, 1, 1/2, 0.25"));
 }

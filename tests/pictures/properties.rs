@@ -1,8 +1,8 @@
 //! The properties of whole pictures that fuzz targets attack, checked on random bytes and on the
 //! fuzzers' seeds.
 //!
-//! A long run of one:
-//! `ZEROSET_CASES=100000 cargo test --release --test pictures properties::pictures`.
+//! A long run of one property: `ZEROSET_CASES=100000 cargo test --release --test pictures
+//! properties::pictures`.
 
 use crate::property_support::{draw, zero_kernel};
 use std::path::{Path, PathBuf};
@@ -18,7 +18,8 @@ fn pictures_claim_nothing_false() {
     let effort = Effort::from_environment(0x5eed_0730, 800);
     let tally = attack(&|data| render(data, &draw), &seeds("render"), effort);
     println!("{tally:?}");
-    // Most pictures have some pixels, and one ray in ten a certain crossing.
+    // On average, over five rays per case are compared, and every second case has a certain
+    // crossing.
     assert!(tally.compared > 5 * effort.cases && tally.defined > effort.cases / 2, "{tally:?}");
 }
 

@@ -10,7 +10,7 @@ use zeroset_scene::view::{DomainChoice, bounds, region};
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{Camera, Driver, GBuffer, METHODS, Projection, TraceOptions};
 
-/// This size gives tiles of both sizes, and incomplete ones.
+/// A picture of this size has tiles of both sizes, and incomplete tiles.
 const SIZE: [usize; 2] = [22, 18];
 
 #[test]
@@ -25,7 +25,8 @@ fn the_reference_evaluator_draws_the_same_pictures() {
         let projection = Projection::Perspective { fov: 40.0 };
         let camera = Camera::new(eye, region.centre(), DVec3::Y, projection).expect(example.slug);
         let rays = camera.rays(SIZE[0], SIZE[1]);
-        // The default method runs in all precisions, the others in one, which alternates.
+        // The default method runs in all precisions. Each other method runs in one, which changes
+        // from example to example.
         let precisions = [Precision::Auto, Precision::F32, Precision::F64];
         let runs = METHODS.iter().flat_map(|method| {
             let all = if method.name == "affine" { 0..3 } else { number % 3..number % 3 + 1 };

@@ -13,7 +13,7 @@ use zeroset_trace::{GBuffer, METHODS};
 /// Half the side of the region.
 const EXTENT: f64 = 2.0;
 
-/// A random multiple of 1/8 between `low` and `high` eighths as text, exact in all floats.
+/// A random multiple of 1/8 as text, from `low` to `high` eighths. It is exact in all floats.
 fn eighths(rng: &mut Rng, low: i32, high: i32) -> String {
     format!("({:?})", f64::from(rng.i32(low..=high)) / 8.0)
 }
@@ -93,8 +93,8 @@ fn pictures_of_several_surfaces_claim_nothing_false() {
 
 #[test]
 fn a_zero_may_lie_before_an_undecided_segment_that_its_bracket_reaches_beyond() {
-    // In one pixel, a sphere's zero lies before an undecided segment of a solid. The segment begins
-    // before the middle of the zero's bracket.
+    // In one pixel of this case, a sphere's zero lies before an undecided segment of a solid. The
+    // segment begins before the middle of the zero's bracket.
     const CASE: u64 = 0x5eed_a2a3;
     let rng = &mut Rng::with_seed(CASE);
     let scene = random_scene(CASE, rng).expect("a view");

@@ -1,5 +1,6 @@
-//! Random text is compiled to native enclosures like that of a picture. They must hold the oracle's
-//! values of the graph that the text was printed from. Parameters become sliders of the document.
+//! Random graphs are printed as text, and the text is compiled to enclosures as for a picture. The
+//! enclosures must hold the oracle's values of the graph. Parameters become sliders of the
+//! document.
 //!
 //! A long run: `ZEROSET_CASES=100000000 cargo test --release --test pictures soundness`.
 
@@ -20,7 +21,7 @@ impl Kernel<Enclose> for First {
 }
 
 fn compiled(case: &Case) -> Option<Box<dyn Kernel<Enclose>>> {
-    // A text gives each parameter one value.
+    // The bounds of each parameter's value.
     let values: Vec<(f64, f64)> =
         case.parameters.iter().map(|value| (value.lo, value.hi)).collect();
     let text = typed(&case.graph, case.root, &values)?;

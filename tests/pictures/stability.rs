@@ -1,5 +1,5 @@
-//! Formulas on which methods for implicit surfaces are known to fail. Claims about them must be
-//! true, and points painted without a root are counted.
+//! Formulas on which methods for implicit surfaces are known to fail. Claims about these formulas
+//! must be true. Points painted without a root are counted.
 
 use crate::truth_support::{Pixel, SIDE, Truth, compare, path, read, rounding};
 use glam::DVec3;
@@ -14,7 +14,7 @@ use zeroset_trace::{
     Camera, METHODS, Method, Projection, Proves, RayGrid, Status, TraceOptions, UndecidedReason,
 };
 
-/// The depth that the table is computed with.
+/// The depth with which the method `knoll` draws the pictures for the table of results.
 const DEPTH: u32 = 12;
 
 /// A formula, and a description of its correct picture.
@@ -85,7 +85,7 @@ struct Tally {
     painted: usize,
     walls: usize,
     blank: usize,
-    /// Number of claims that contradict a root, or the lack of one.
+    /// Claims that contradict a root or the lack of one.
     false_claims: Vec<String>,
 }
 
@@ -121,14 +121,14 @@ impl Tally {
         }
     }
 
-    /// Rays that are painted without a root, as a share of all rays.
+    /// Number of rays painted without a root, as a share of all rays.
     fn share_of_walls(&self) -> f64 {
         self.walls as f64 / (SIDE * SIDE) as f64
     }
 }
 
-/// Describes the ray's claim, if its roots contradict the claim. A miss claims that there is no
-/// root, a distance that there is none before it, and a hit that there is one at its distance.
+/// Describes a claim about a ray, if the ray's roots contradict it. A miss claims no root on the
+/// ray. A distance claims no root before it. A hit claims a root at its distance.
 fn contradiction(
     pixel: &Pixel,
     status: Status,
@@ -202,13 +202,13 @@ The test `stability` compares this table; ZEROSET_BLESS=1 cargo test --test pict
                      open  roots   miss    hit  paint  walls  blank   share   want
 ";
 
-/// Checks a function that is 0 throughout a solid: rays that meet the solid are undecided from
+/// Checks a function that is 0 throughout a solid. Rays that meet the solid must be undecided from
 /// their first point in it.
 pub fn check_zero_throughout(case: &Case, frame: &RayGrid, picture: &Picture) {
     let region = region(case);
     let is_inside = |point: DVec3| match case.slug.as_str() {
         "zero-times-inf" => true,
-        // The radius is 9, and a margin for rounding is subtracted.
+        // The solid's radius is 9. A margin for rounding is subtracted.
         "solid-zero" => point.x.hypot(point.y) < 8.999,
         other => panic!("what is the solid of {other}?"),
     };
@@ -304,8 +304,8 @@ fn every_painted_point_has_a_normal() {
                 assert!((normal.length() - 1.0).abs() < 1e-5, "{formula}, {method:?}: {normal}");
                 painted += 1;
             }
-            // Two exceptions: sampling misses roots without a change of sign, and nothing is drawn
-            // where the slope has no bound.
+            // Two exceptions: a method that samples misses roots without a change of sign, and a
+            // method that bounds the slope draws nothing where it has no bound.
             let touches = formula.contains("z^2-1)");
             let is_blind = touches && method.proves == Proves::Nothing
                 || buffer.reasons()[UndecidedReason::Steep as usize] > 0;
@@ -314,7 +314,7 @@ fn every_painted_point_has_a_normal() {
     }
 }
 
-/// No claim in `f64` is false. Rounding leaves fewer misses unproven than in `f32`.
+/// No claim in `f64` is false, and fewer points are painted without a root than in `f32`.
 #[test]
 fn no_claim_in_double_precision_is_false() {
     let mut false_claims = Vec::new();
@@ -341,7 +341,7 @@ fn no_claim_in_double_precision_is_false() {
     assert!(walls[1] < walls[0], "{walls:?}");
 }
 
-/// Each halving of slabs halves the error of a painted point, even if slabs are too thin for `f32`.
+/// A painted point is as near to the root as a slab is long, even if slabs are too thin for `f32`.
 #[test]
 fn finer_slabs_in_double_precision_are_nearer_to_the_root() {
     for (case, truth) in cases("stability/index.json").iter().zip(read("stability")) {

@@ -22,7 +22,7 @@ fn settings() -> Settings {
     }
 }
 
-/// Describes the ray's claim, if its roots contradict the claim.
+/// Describes a claim about a ray, if the ray's roots contradict it.
 fn contradiction(pixel: &Pixel, picture: &Picture, index: usize) -> Option<String> {
     let buffer = &picture.buffer;
     let (status, distance, drawn) =

@@ -1,4 +1,4 @@
-//! Solids with undefined parts, jumps and poles: their location, and their faces there.
+//! Solids with undefined parts, jumps and poles have faces at the right places.
 
 use glam::DVec3;
 use zeroset_render::model::render;
@@ -27,9 +27,9 @@ fn picture(formula: &str, along: DVec3, method: &'static Method) -> (RayGrid, Pi
     (camera.rays(SIDE, SIDE), picture)
 }
 
-/// Checks each ray in the direction `along` by all methods. `expected` maps the point where the ray
-/// passes the plane through the origin to the axis coordinate of the first face. `None` means no
-/// face, and NaN accepts any result.
+/// Checks the first face on each ray in the direction `along`, by all methods. `expected` takes the
+/// ray's point in the plane through the origin, and returns the face's coordinate along the ray.
+/// `None` means no face, and NaN accepts any result.
 fn check(formula: &str, along: DVec3, expected: impl Fn(DVec3) -> Option<f64>) {
     for method in &METHODS {
         check_with(method, formula, along, &expected);
@@ -46,7 +46,7 @@ fn check_with(
     let formula = format!("{method:?}: {formula}");
     let (mut seen, mut steep) = (0, 0);
     for pixel in 0..SIDE * SIDE {
-        // A method that needs bounds of the slope reports their lack at a jump.
+        // At a jump the slope has no bound, so a method that needs one leaves the ray undecided.
         if picture.buffer.reason(pixel) == UndecidedReason::Steep {
             assert!(method.name == "sphere" && !picture.buffer.is_drawn(pixel), "{formula}");
             steep += 1;
@@ -73,7 +73,7 @@ fn check_with(
     assert!(is_seen || steep > 0, "{formula}: {seen} faces seen");
 }
 
-/// Axis coordinate where a ray along x enters the unit ball. NaN accepts any, near the rim.
+/// Coordinate x at which a ray along x enters the unit ball. Near the rim it is NaN.
 fn ball(foot: DVec3) -> Option<f64> {
     let square = 1.0 - foot.y * foot.y - foot.z * foot.z;
     if square.abs() < 0.02 { Some(f64::NAN) } else { (square > 0.0).then(|| -square.sqrt()) }
@@ -82,13 +82,14 @@ fn ball(foot: DVec3) -> Option<f64> {
 #[test]
 fn a_part_without_a_value_hides_no_other() {
     check("sqrt(x-1) > y+1/8 or x^2+y^2+z^2 < 1", DVec3::X, |foot| {
-        // Where y ≥ −1/8, the square root reaches that height at x = (y + 1/8)² + 1. Elsewhere the
-        // face is the edge of the root's domain.
+        // For y ≥ −1/8 the square root equals y + 1/8 at x = (y + 1/8)² + 1. For smaller y the face
+        // is the edge of the root's domain of definition.
         let height = (foot.y + 0.125).max(0.0);
         let root = 1.0 + height * height;
         ball(foot).or((root < 2.0).then_some(root))
     });
-    // The face is the edge of the logarithm's domain, or the place where the ray leaves the ball.
+    // The face is where the ray leaves the ball. Beside the ball, it is the edge of the logarithm's
+    // domain of definition.
     check("ln(x) < 8 and not (x^2+y^2+z^2 < 1) and y > -1", DVec3::X, |foot| {
         (foot.y > -1.0).then(|| ball(foot).map_or(0.0, |enters| -enters))
     });
@@ -105,8 +106,8 @@ fn neither_a_comparison_nor_its_opposite_holds_where_there_is_no_value() {
 fn a_solid_has_faces_where_it_jumps() {
     check("floor(x) > 1/2 and y < 1/3", DVec3::X, |foot| (foot.y < 1.0 / 3.0).then_some(1.0));
     check("z < floor(x) and y < 1/3", DVec3::X, |foot| {
-        // Risers are at the integers. A ray along a tread, or one that reaches the last face of the
-        // box, may or may not hit.
+        // The solid is a staircase, with a riser at each integer x. Any result is accepted for a
+        // ray along a tread, and for a ray that meets no riser before the last face of the box.
         let height = foot.z.ceil();
         let riser = if height < 2.0 && height > foot.z { height } else { f64::NAN };
         (foot.y < 1.0 / 3.0).then_some(riser)

@@ -39,7 +39,7 @@ fn stacked(parts: [&GBuffer; 2]) -> GBuffer {
     all
 }
 
-/// A picture joined from strips of `rows` rows, and the results common to all strips.
+/// A picture joined from strips of `rows` rows, and the picture that `strips_of` returns.
 fn together(
     model: &Model,
     camera: &Camera,
@@ -63,7 +63,7 @@ fn together(
     (all.expect("a strip"), told)
 }
 
-/// Number of pixels that differ bit for bit, per quantity.
+/// For each quantity, the number of pixels in which it differs bit for bit.
 fn different(one: &GBuffer, other: &GBuffer) -> [usize; 10] {
     fn count<T>(one: &[T], other: &[T], is_same: impl Fn(&T, &T) -> bool) -> usize {
         assert_eq!(one.len(), other.len());
@@ -86,7 +86,7 @@ fn different(one: &GBuffer, other: &GBuffer) -> [usize; 10] {
     ]
 }
 
-/// Translucent surfaces, colors and contour lines of values, cut solids, undecided pixels.
+/// Texts with translucent surfaces, colored values, contour lines, cut solids and undecided pixels.
 const TEXTS: [&str; 5] = [
     "domain 1.3\nx^2+y^2+z^2=1",
     "domain 2\nx^4-5x^2+y^4-5y^2+z^4-5z^2+11.8; color steelblue 50%\nz=0.4; (x-1)^2+y^2<=0.1",

@@ -15,10 +15,10 @@ use zeroset_trace::{
     Camera, GBuffer, Method, Projection, RayGrid, RayResult, Status, TraceOptions,
 };
 
-/// The depth that the table is computed with.
+/// The depth with which the method `knoll` draws the pictures for the table of results.
 const DEPTH: u32 = 12;
 
-/// Number of rays with a crossing that the reference decides, over all surfaces.
+/// Number of rays with a crossing that are not left open by the reference, over all surfaces.
 const CROSSINGS: usize = 95_746;
 
 /// Depth and precision of the method `knoll`.
@@ -59,8 +59,8 @@ fn picture(truth: &Truth, settings: &Settings) -> (RayGrid, GBuffer) {
     (camera.rays(SIDE, SIDE), picture.buffer)
 }
 
-/// Whether the drawn function was simplified to one with the same zeros. The simplified function
-/// has no double zeros from squares, so all its zeros are crossings.
+/// Whether the drawn function was replaced by a simpler one with the same zeros. The simpler
+/// function has no double zeros from squares, so all its zeros are crossings.
 fn is_simple(truth: &Truth) -> bool {
     let document =
         read_document(example(&truth.view.slug).expect("there").text, &Options::default());
@@ -69,12 +69,12 @@ fn is_simple(truth: &Truth) -> bool {
     Program::new(&document, bounds(&region)).expect("a surface").is_reduced(0)
 }
 
-/// Every claim about a ray that its first root contradicts.
+/// Every claim of a picture that a ray's first root contradicts.
 ///
-/// A miss claims that the ray has no root. Any other pixel claims that it has none before the
-/// distance of the pixel. Both claims are about roots of any multiplicity: crossings and touches. A
-/// painted point claims nothing, but must not lie where the picture proves that there is no root.
-/// On rays that the reference leaves open, only the painted point is checked.
+/// A miss claims that the ray has no root. Any other pixel claims that there is no root before its
+/// distance. Both claims are about roots of any multiplicity: crossings and touches. A painted
+/// point claims nothing, but must not lie where the picture proves that there is no root. On rays
+/// that the reference leaves open, only the painted point is checked.
 fn contradictions(
     truth: &Truth,
     precision: Precision,
@@ -164,11 +164,11 @@ fn false_claims_are_noticed() {
     assert_eq!(noticed(&early), right.counts().undecided);
 }
 
-/// Precisions and tolerances, in pixels, that the method `affine` is tested with: a fine tolerance,
-/// the default, and `f32` alone, which leaves more undecided.
+/// Precisions and tolerances in pixels with which the method `affine` is tested: a fine tolerance,
+/// the default, and `f32` alone. The last leaves more rays undecided.
 const CLAIMS: [(Precision, f64); 3] =
     [(Precision::Auto, 5e-4), (Precision::Auto, 0.5), (Precision::F32, 0.5)];
-/// Number of undecided rays painted before their first root, each with the cause.
+/// Number of undecided rays that are painted before their first root, each with the cause.
 const EARLY: [(&str, Precision, usize, &str); 5] = [
     ("floor-steps", Precision::Auto, 71, FACE),
     ("floor-steps", Precision::F32, 71, FACE),
@@ -185,7 +185,6 @@ const DISTANCE: f64 = 1e-5;
 /// Counts of undecided rays with a root at which the function changes sign.
 #[derive(Clone, Copy, Debug, Default)]
 struct UndecidedCounts {
-    /// Number of all such rays.
     rays: usize,
     /// Number of rays on which nothing is painted.
     blank: usize,
@@ -217,13 +216,13 @@ struct ProofCounts {
     far: usize,
     /// Painted pixels without a root.
     phantoms: usize,
-    /// Painted distances of undecided rays with a crossing.
+    /// Counts of undecided rays with a crossing.
     open: UndecidedCounts,
     reasons: [usize; 5],
 }
 
 impl ProofCounts {
-    /// Counts of a picture's claims, and descriptions of those that the truth contradicts.
+    /// Counts of a picture's claims, and descriptions of the claims that the truth contradicts.
     fn new(
         truth: &Truth,
         frame: &RayGrid,

@@ -64,7 +64,7 @@ fn what_is_undecided_hides_no_root_behind_it() {
             let mut inside = inside.peekable();
             let Some(start) = inside.peek().map(|t| is_above(*t)) else { continue };
             let Some(root) = inside.find(|t| is_above(*t) != start) else { continue };
-            // There is no root inside a gap.
+            // Skip changes of sign at a gap, since the function has no root in the gap.
             let point = ray.at(root);
             if gap(point.x, point.y) < 0.05 {
                 continue;
@@ -76,14 +76,15 @@ fn what_is_undecided_hides_no_root_behind_it() {
             early += usize::from(drawn < root - 0.05);
         }
         println!("{formula}: {behind} roots behind gaps, {early} hidden by a gap that is painted");
-        // In these formulas, a part beside a gap is not always distinguished from a zero, and a few
-        // rays are painted too early.
+        // In these two formulas, a few rays are painted too early: beside a gap, points are not
+        // always distinguished from zeros.
         let most = if formula.contains("x^2") || formula.contains("e^x") { 8 } else { 0 };
         assert!(behind > 50 && early <= most, "{formula}: {early} of {behind}");
     }
 }
 
-/// Where numerator and denominator both vanish, f is undefined and nothing is painted.
+/// In a gap, numerator and denominator both vanish. The function is undefined there, and nearly
+/// nothing is painted.
 #[test]
 fn a_gap_in_a_function_is_no_wall() {
     for (formula, height, _) in with_gaps() {
@@ -127,8 +128,7 @@ fn what_is_drawn_is_a_zero_and_no_wall() {
         assert!(points.len() > 100, "{formula}: {}", points.len());
         assert_eq!(undecided, 0, "{formula}");
         for point in points {
-            // Painted points are within half a pixel of the root, but may be on the other side of a
-            // jump.
+            // Painted points are within half a pixel of the root, but may be beyond a jump.
             let near = [-0.05, -0.02, 0.0, 0.02, 0.05];
             let heights = near.iter().flat_map(|a| near.iter().map(move |b| (a, b)));
             let is_near =

@@ -1,4 +1,4 @@
-//! Close views of parts far smaller than their distance from the origin.
+//! Close views of parts that are far smaller than their distance from the origin.
 
 use crate::property_support::{claims, picture as picture_of};
 use glam::DVec3;
@@ -19,7 +19,7 @@ const SURFACES: [&str; 5] = [
     "domain 3\nx^4-5*x^2+y^4-5*y^2+z^4-5*z^2+11.8",
 ];
 
-/// Greatest ratio of the segments evaluated for a close view to those for the whole view.
+/// Greatest number of segments evaluated for a close view, relative to those for the whole view.
 const MOST: u64 = 4;
 
 fn picture(document: &Document, region: &Region) -> (Model, Picture) {
@@ -65,7 +65,7 @@ fn close_views_are_decided_and_cost_no_more_than_whole_ones() {
             let (_, close) = picture(&document, &part);
             let pixels = close.statistics.pixels;
             println!("{text:?} {half:e}: {pixels:?}, {} of {}", segments(&close), segments(&whole));
-            // In regions of about 2^-49 of the coordinates, rays are not accurate enough.
+            // In the smallest region, rays are too inaccurate: a pixel is 2^-45 of the coordinates.
             if half > 1e-11 {
                 assert!(segments(&close) <= MOST * segments(&whole), "{text:?} {half:e}");
                 assert!(pixels.hit > 1000, "{text:?} {half:e}: {pixels:?}");
@@ -77,7 +77,7 @@ fn close_views_are_decided_and_cost_no_more_than_whole_ones() {
     }
 }
 
-/// A tile a billion times as deep as wide need not be cut until its parts are as deep as wide.
+/// A tile may be a billion times as deep as wide. It must not be cut into parts as deep as wide.
 #[test]
 fn pixels_far_smaller_than_the_domain_take_no_longer() {
     for (formula, extent) in [("asinh(y) > 0", 1e14), ("y^10 < ceil(y)", 1e18), ("z^x = y", 1e6)] {
@@ -96,7 +96,7 @@ fn pixels_far_smaller_than_the_domain_take_no_longer() {
     }
 }
 
-/// The reciprocal of the derivative is too large for a float.
+/// The function must be drawn although the reciprocal of its derivative is too large for a float.
 #[test]
 fn a_function_of_subnormal_numbers_is_drawn_where_it_is() {
     let text = "1e-39*(x^2 + y^2 + z^2 - 1)";
@@ -129,7 +129,7 @@ fn a_function_of_subnormal_numbers_is_drawn_where_it_is() {
 
 #[test]
 fn no_zero_behind_the_eye_is_hit() {
-    // The eye is between sheets so close to each other that `f32` hardly resolves the distance.
+    // The eye is between two sheets of the surface, whose distance `f32` hardly resolves.
     for text in ["sin(1e8*x)", "sin(3e7*x)-y/8", "tan(1e8*x)=y", "sin(1e8*x)<=0"] {
         for fov in [Ok(60.0), Err(1.0)] {
             let formula = Formula::from_text(text, [[-2.0, 2.0]; 3]).expect(text);

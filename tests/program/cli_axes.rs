@@ -20,12 +20,12 @@ fn axes_and_legends_are_drawn_where_they_are_asked_for() {
     let plain = render(DOCUMENT, &[]);
     let (axes, legend) = (render(DOCUMENT, &["--axes"]), render(DOCUMENT, &["--legend"]));
     assert!(axes.0 != plain.0 && legend.0 != plain.0 && axes.0 != legend.0);
-    // A legend leaves the size of the picture as it is, but axes shrink the picture to make room.
+    // A legend does not change the picture's scale. Axes shrink the picture to make room.
     assert!(legend.1 == plain.1 && axes.1 != plain.1);
     assert_eq!(render(&format!("axes\n{DOCUMENT}"), &[]), axes);
     assert_eq!(render(&format!("legend on\n{DOCUMENT}"), &[]), legend);
     assert_eq!(render(&format!("axes off\n{DOCUMENT}"), &[]), plain);
-    // With axes there is a legend, too, unless it is off.
+    // Axes come with a legend, unless the legend is off.
     let without = render(&format!("legend off\n{DOCUMENT}"), &["--axes"]);
     assert!(without.0 != axes.0 && without.1 == axes.1);
     // Without values shown as colors, there is no legend.

@@ -3,7 +3,7 @@
 
 use crate::cli_support::{Run, Sandbox};
 
-/// File name of the picture in every run here.
+/// File name of the picture in every run of this file.
 const PICTURE: &str = "picture.png";
 
 /// Asserts that a run ended with a user error whose only message contains `expected`.
@@ -99,7 +99,7 @@ fn texts_made_to_break_a_parser() {
     let signs = format!("{}x", "-".repeat(100_000));
     refused(&signs, &[], "error: ");
     let pasted = Sandbox::new();
-    // This is longer than an argument may be, so it is read from standard input and from a file.
+    // This line is longer than an argument may be. It comes from standard input and from a file.
     let line = format!("x{}", "+x".repeat(512 * 1024));
     let run = pasted.run_with(&["render", "-", "-o", PICTURE], line.as_bytes());
     assert_refused(&pasted, &run, "bytes long", "a line of a megabyte");
@@ -163,7 +163,7 @@ fn files_that_cannot_be_read() {
 fn files_that_cannot_be_read_and_names_that_are_no_text() {
     use std::os::unix::ffi::OsStrExt;
     let place = Sandbox::new();
-    // Permissions do not stop the superuser from opening a file, but nobody can open a socket.
+    // The superuser may open any file whatever its permissions, but nobody can open a socket.
     let _socket = std::os::unix::net::UnixListener::bind(place.path("socket.zset")).expect("made");
     let run = place.run(&["render", "socket.zset", "-o", PICTURE]);
     assert_refused(&place, &run, "cannot read 'socket.zset'", "a file that cannot be opened");
@@ -204,7 +204,7 @@ fn outputs_that_cannot_be_written() {
     }
 }
 
-/// Writing through a symbolic link replaces its target atomically and keeps the link.
+/// Writing through a symbolic link replaces the link's target atomically, and keeps the link.
 #[cfg(unix)]
 #[test]
 fn links_stay_links() {
@@ -231,7 +231,7 @@ fn links_stay_links() {
     let run = place.run(&["render", "x+", "-o", "link.png"]);
     assert_eq!(run.code, Some(2), "{}", run.stderr);
     assert_eq!(std::fs::read(place.path("folder/old.png")).expect("there"), b"old");
-    // Two paths to one file.
+    // Both outputs are the same file, by two paths.
     let both = ["render", "x", "-o", "link.png", "--status", "folder/../folder/old.png"];
     let run = place.run(&both);
     assert_refused(&place, &run, "is given for two outputs", "a link and its target");

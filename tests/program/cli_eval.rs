@@ -44,7 +44,7 @@ fn a_slope_without_bounds_has_its_sign() {
 
 #[test]
 fn a_point_where_there_is_no_value_is_told_from_others() {
-    // Each of these is undefined at 0, where rounding alone could give it a value.
+    // Each formula is undefined at 0, where rounding alone could give it a value.
     for formula in ["1/x", "atan(1/x)", "max(-1/x, 5)", "min(sqrt(-1-x^2), 3)", "0*ln(x-1)"] {
         for precision in ["f32", "f64"] {
             for arguments in [&["-"][..], &["-", "--reference"]] {
@@ -61,7 +61,7 @@ fn a_point_where_there_is_no_value_is_told_from_others() {
     // The point is not 0, but rounds to 0 in f32, where the logarithm is undefined.
     let found = answer(&json!({"f": "ln(x)", "at": [7e-61, 0, 0]}));
     assert_eq!((&found["empty"], &found["defined"]), (&json!(false), &json!(false)), "{found}");
-    // The bounds cannot tell whether sin is 0 there, so nothing is proven.
+    // At this point the bounds of sin contain 0, so nothing is proven.
     let found = answer(&json!({"f": "1/sin(x)", "at": [1e20, 0, 0]}));
     assert_eq!((&found["empty"], &found["defined"]), (&json!(false), &json!(false)), "{found}");
 }
@@ -79,7 +79,7 @@ fn boxes_have_bounds_and_facts() {
     assert_eq!((&part["defined"], &part["empty"]), (&json!(false), &json!(false)));
     let none = answer(&json!({"f": "sqrt(x)", "box": [[-4, -1], [0, 0], [0, 0]]}));
     assert_eq!(none["empty"], true);
-    // Even where the function is undefined, its upper bound is not −∞.
+    // The function is undefined in this box, but its upper bound is not −∞.
     let power = answer(&json!({"f": "0^x*x", "box": [[-2, -1], [0, 0], [0, 0]]}));
     assert!(power["empty"] == true && power["hi"] != "-inf", "{power}");
     let jump = answer(&json!({"f": "floor(x)", "box": [[0.5, 1.5], [0, 0], [0, 0]]}));
@@ -102,7 +102,7 @@ fn in_double_precision_numbers_stay_as_they_are() {
     let found = answer(&line);
     assert_eq!((&found["lo"], &found["hi"]), (&json!(0.1), &json!(0.1)));
     assert_eq!(found["precision"], "f64");
-    // The flag applies to lines without a precision.
+    // The flag sets the precision of lines without one.
     let square = |precision: Option<&str>| {
         let mut line = json!({"f": "x^2 - 1e8", "box": [[1e4, 1e4], [0, 0], [0, 0]]});
         if let Some(precision) = precision {

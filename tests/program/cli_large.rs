@@ -9,7 +9,7 @@ fn picture(place: &Sandbox, name: &str) -> RgbImage {
     image::open(place.path(name)).expect("a picture").to_rgb8()
 }
 
-/// A picture just too large for one strip looks like a smaller one. Its counts match its arrays.
+/// A picture just too large for one strip looks like a smaller one. Its arrays match its counts.
 #[test]
 fn a_large_picture_is_written_in_strips() {
     let place = Sandbox::new();
@@ -32,8 +32,8 @@ fn a_large_picture_is_written_in_strips() {
     }
     let bytes = std::fs::read(place.path("normal.npy")).expect("written");
     assert_eq!(npyz::NpyFile::new(&bytes[..]).expect("an array").shape(), [2560, 1680, 3]);
-    // Scaled down it equals the small picture: surface, legend and axes are in their places, and no
-    // strip is displaced.
+    // Scaled down, the large picture equals the small one. Surface, legend and axes are in their
+    // places, and no strip is displaced.
     let (large, small) = (picture(&place, "large.png"), picture(&place, "small.png"));
     assert_eq!(large.dimensions(), (1680, 2560));
     let mean = |x: u32, y: u32, part: usize| {

@@ -36,8 +36,8 @@ fn a_formula_becomes_a_picture() {
     assert_eq!(sphere.get_pixel(0, 0).0, [244, 244, 246]);
 }
 
-/// Cameras near the limits of floats. A ray that certainly meets the surface is no miss, unless the
-/// camera is rejected.
+/// Cameras near the limits of floats. Each camera is either rejected, or rays that certainly meet
+/// the surface are no misses.
 #[test]
 fn no_extreme_camera_hides_what_its_rays_meet() {
     let place = Sandbox::new();
@@ -55,7 +55,7 @@ fn no_extreme_camera_hides_what_its_rays_meet() {
         assert_ne!(by("affine"), 0, "{camera}");
         by("knoll")
     };
-    // Along an axis even rays from very far are exact. Of 17² rays, 101 meet the ball.
+    // Along an axis even rays from very far are exact: 101 of 17² rays meet the ball.
     for eye in ["3e38", "4e38", "1e100"] {
         for precision in ["f32", "f64"] {
             let camera = format!(
@@ -70,7 +70,7 @@ fn no_extreme_camera_hides_what_its_rays_meet() {
             }
         }
     }
-    // The middle ray passes through the origin exactly. Its numbers overflow in f32.
+    // The middle ray passes through the origin exactly. The camera's numbers overflow in `f32`.
     for eye in ["1e60,1e60,1e60", "-9e99,9e99,-9e99"] {
         let camera = format!("--eye={eye} --target 0,0,0 --up 0,0,1 --fov 40 --size 17");
         assert_eq!(status(SPHERE, &camera, [8, 8]), 2, "{camera}");
@@ -139,8 +139,7 @@ fn arrays_hold_what_the_picture_shows() {
             assert!(near <= distance[pixel] && distance[pixel] <= far && far - near < 0.01);
         }
     }
-    // The pixel at row 4, column 10 is just off the middle. Its ray leaves (0, 0, 5) with slopes
-    // 0.05·s and 0.1·s.
+    // The ray of the pixel at row 4, column 10 leaves (0, 0, 5) with slopes 0.05·s and 0.1·s.
     let s = 20.0_f64.to_radians().tan();
     let (a, b) = (0.1 * s, 0.1 * s);
     let direction = [a, b, -1.0].map(|c: f64| c / (a * a + b * b + 1.0).sqrt());
@@ -151,14 +150,14 @@ fn arrays_hold_what_the_picture_shows() {
     assert!((found - exact).abs() < 0.003, "{found} is not {exact}");
     let [near, far] = [0, 1].map(|end| bracket[2 * (4 * 20 + 10) + end]);
     assert!(near <= exact && exact <= far, "{exact} is not from {near} to {far}");
-    // At the hit, x and y are about 4 · 0.1 · s, so this is about the normal's third component.
+    // At the hit, x and y are about 4 · 0.1 · s, which gives the normal's third component.
     assert!((normal[3 * (4 * 20 + 10) + 2] - 0.978).abs() < 0.005);
 }
 
 #[test]
 fn a_fallback_is_named_with_its_reason() {
     let place = Sandbox::new();
-    // From so far away, affine forms cannot tell where in the domain a ray is.
+    // From so far away, affine forms cannot tell where a ray is within the domain.
     let far = ["--eye", "1e14,0,0", "--target", "0,0,0", "--up", "0,0,1", "--ortho", "2.5"];
     let far = place.run(&[&["render", SPHERE, "--json", "--size", "16"], &far[..]].concat()).ok();
     let object = far.json();
@@ -167,8 +166,8 @@ fn a_fallback_is_named_with_its_reason() {
         (&"knoll".into(), &0.into())
     );
     assert!(far.stderr.contains("surface 1 was traced by knoll, not affine: "), "{}", far.stderr);
-    // The forms of the first surface need more stack than a kernel may use; those of the second do
-    // not.
+    // The affine forms of the first surface need more stack than a kernel may use. Those of the
+    // second surface do not.
     let terms =
         |n: u32| (0..n).map(|k| format!("exp(x*{k}/99+y/{k}.7)-z*{k}/7")).collect::<Vec<_>>();
     let text = format!("min({})=0; x^2+y^2+z^2=4", terms(320).join(","));
@@ -179,7 +178,7 @@ fn a_fallback_is_named_with_its_reason() {
     assert!(fallbacks.len() == 1 && fallbacks[0]["method"] == "knoll", "{fallbacks:?}");
     assert!(run.stderr.contains("its affine forms cannot be compiled: "), "{}", run.stderr);
     assert!(run.stderr.contains("knoll proves misses, and hits only"), "{}", run.stderr);
-    // Nothing is said where nothing fell back.
+    // Without a fallback, the JSON object lists none.
     assert!(
         place.run(&["render", SPHERE, "--json", "--size", "8"]).json().get("fallbacks").is_none()
     );
@@ -217,8 +216,7 @@ fn one_json_object_tells_times_counts_and_what_was_used() {
 #[test]
 fn rays_that_stay_undecided_are_given_up_with_a_reason() {
     let place = Sandbox::new();
-    // This is (x - 1)^7. Near x = 1 its terms cancel, and slabs stay undecided however thin they
-    // are.
+    // (x - 1)^7 + 1e-9: near x = 1 its terms cancel, so even very thin slabs stay undecided.
     let formula = "x^7 - 7x^6 + 21x^5 - 35x^4 + 35x^3 - 21x^2 + 7x - 1 + 0*y + 1e-9";
     let render = |depth: &str| {
         let knoll = ["--method", "knoll"];
@@ -231,7 +229,7 @@ fn rays_that_stay_undecided_are_given_up_with_a_reason() {
     let given_up = deep.json()["work"]["given_up"].as_u64().expect("a number");
     assert!(given_up > 0 && deep.stderr.contains("given up after 32768 steps"), "{}", deep.stderr);
     let calls = deep.json()["work"]["interval"]["calls"].as_u64().expect("a number");
-    // There are four packets of sixteen rays.
+    // The picture has four packets of sixteen rays, each with at most 32768 calls.
     assert!(calls <= 4 * 32768, "{calls}");
     let shallow = render("10");
     assert_eq!(shallow.json()["work"]["given_up"], 0);
@@ -286,7 +284,7 @@ fn values_may_begin_with_a_minus() {
         let all = [&["render"], &arguments[..], &["-o", "a.png", "--size", "8"]].concat();
         let run = place.run(&all);
         assert_eq!(run.code, Some(0), "{arguments:?}: {}", run.stderr);
-        // A value mistaken for the flag `-h` would print the help.
+        // A value that is mistaken for the flag `-h` would print the help.
         assert!(run.stdout.is_empty(), "{}", run.text());
     }
 }
@@ -353,7 +351,7 @@ fn a_solid_is_capped_where_the_domain_or_a_plane_cuts_it() {
     ]);
     let (_, status) = array::<u8>(&place, "s.npy");
     let (_, distance) = array::<f64>(&place, "d.npy");
-    // The plane y = 0 cuts the ball. The cap on it is proven, 2·√15.25 from the eye.
+    // The plane y = 0 cuts the ball. The cap is proven, at a distance of 2·√15.25 from the eye.
     let middle = 16 * 32 + 16;
     assert_eq!(status[middle], 1);
     let exact = 2.0 * 15.25_f64.sqrt();
@@ -389,7 +387,7 @@ fn undecided_pixels_can_be_told_apart_and_counted_against() {
     let object = touching.ok().json();
     assert_eq!(object["undecided"]["touching"], object["pixels"]["undecided"]);
     assert!(object["pixels"]["undecided"].as_u64() > Some(20), "{object}");
-    // A square has the same zeros as its base.
+    // A square is replaced by its base, which has the same zeros.
     let square = ["render", "(x-y)^2", "--domain", "2", "--json", "--size", "16", "--strict"];
     assert!(place.run(&square).ok().json()["pixels"]["hit"].as_u64() > Some(20));
     let nothing = ["render", "x^2+y^2+z^2 = -1", "--json", "--size", "16", "--strict"];
@@ -422,7 +420,7 @@ fn a_function_that_may_be_0_everywhere_is_remarked_on() {
     };
     assert!(note("sin(x)^2 + cos(x)^2 - 1"));
     assert!(note("(x+y)^2 - x^2 - 2x y - y^2"));
-    // A small function is not reported as 0. Neither is a function that is 0 on a half-space only.
+    // Two functions are not reported as 0: a small one, and one that is 0 only on a half-space.
     assert!(!note("1e-20*(x^2+y^2+z^2-1)"));
     assert!(!note("x + abs(x)"));
     assert!(!note("x+y+z"));
@@ -469,7 +467,7 @@ fn shadows_central_normals_and_parallel_rays() {
     let differing = plain.pixels().zip(central.pixels()).filter(|(a, b)| a != b).count();
     assert!(differing < 48 * 48 / 4, "{differing} pixels differ");
     let parallel = render("parallel.png", &["--ortho", "4", "--view", "front"]);
-    // A cube of side 2 in a picture of height 4, viewed from the front, takes the middle half.
+    // A cube of side 2 takes the middle half of a picture of height 4, viewed from the front.
     let background = [244, 244, 246];
     assert_eq!(parallel.get_pixel(10, 24).0, background);
     assert_ne!(parallel.get_pixel(14, 24).0, background);
@@ -520,8 +518,8 @@ fn every_thread_count_gives_the_same_picture_and_arrays() {
     }
 }
 
-/// Only the kernels that a picture needs are compiled. The view is given, since searching for one
-/// evaluates kernels, too.
+/// Only the kernels that a picture needs are compiled. The view is given, since the search for a
+/// view evaluates kernels, too.
 #[test]
 fn kernels_are_made_for_what_the_picture_asks() {
     let place = Sandbox::new();
@@ -575,8 +573,8 @@ fn kernels_are_made_for_what_the_picture_asks() {
     }
 }
 
-/// Formulas that would take minutes: one with many angles, and tangents that change their sign
-/// millions of times per pixel.
+/// Formulas that would take minutes: a Mandelbulb, and tangents that change sign millions of times
+/// per pixel.
 #[test]
 fn a_budget_of_time_ends_what_is_hopeless_with_the_picture_so_far() {
     let place = Sandbox::new();
@@ -658,7 +656,7 @@ fn explain_tells_how_a_formula_is_read_and_compiled() {
     }
     // Notes on how the text was read are part of the explanation.
     assert!(place.run(&["explain", "1/2x+y+z"]).ok().text().contains("the other reading"));
-    // The code has the requested precision.
+    // The listed code has the requested precision.
     let code = |precision: &str| {
         place
             .run(&["explain", "x*y = z", "--code", "--precision", precision])
@@ -668,7 +666,7 @@ fn explain_tells_how_a_formula_is_read_and_compiled() {
     };
     assert!(code("f32").contains("f32x4") && !code("f32").contains("f64x2"));
     assert!(code("f64").contains("f64x2") && !code("f64").contains("f32x4"));
-    // A constant has no surface, but is explained, with the reason.
+    // A constant has no surface. The explanation gives the reason.
     let three = place.run(&["explain", "3"]).ok();
     assert!(three.text().contains("no surface  '3' is constant: it is 3"), "{}", three.text());
     // A parameter is shown as typed, not as the bounds of its value.
@@ -706,7 +704,7 @@ fn completions_are_generated() {
 #[test]
 fn double_precision_reaches_deeper_and_writes_wider_distances() {
     let place = Sandbox::new();
-    // A sphere of radius 10^4, whose squares f32 resolves only to a few units.
+    // A sphere of radius 10^4. `f32` resolves the squares only to a few units.
     let far = |precision: &str, method: &[&str]| {
         let arguments = [
             "render",
@@ -735,12 +733,12 @@ fn double_precision_reaches_deeper_and_writes_wider_distances() {
     let (shape, double) = array::<f64>(&place, "far.npy");
     assert_eq!(shape, [9, 9]);
     let middle = 4 * 9 + 4;
-    // By default f64 decides what f32 cannot; with `--precision f32` it does not.
+    // By default, `f64` decides the rays that `f32` cannot decide.
     let fine = ["--tolerance", "1e-7"];
     assert_eq!([far("auto", &fine), far("f64", &fine)], [0, 0]);
     let (_, finished) = array::<f64>(&place, "far.npy");
     assert!((finished[middle] - 50.0).abs() < 1e-6, "{}", finished[middle]);
-    // In f32 alone, signs prove a hit, and its position is only as accurate as they are.
+    // In `f32` alone, a hit is proven by signs, and its distance is less accurate.
     far("f32", &fine);
     let (_, coarse) = array::<f32>(&place, "far.npy");
     let off = (f64::from(coarse[middle]) - 50.0).abs();
@@ -799,8 +797,8 @@ fn a_method_that_proves_nothing_says_so() {
     assert!(!run.stderr.contains("are not drawn"), "{}", run.stderr);
 }
 
-/// If a formula has no surface on this domain, the other surfaces are drawn as usual. A formula
-/// without a surface anywhere is refused.
+/// A formula without a surface on this domain is skipped, and the other surfaces are drawn. A
+/// formula without a surface anywhere is refused.
 #[test]
 fn what_is_constant_on_this_domain_only_is_noted() {
     let place = Sandbox::new();
@@ -905,7 +903,7 @@ fn a_document_says_how_its_picture_looks() {
     assert!(refused.code == Some(2) && refused.stderr.contains("did you mean `night`?"));
 }
 
-/// The parser has its own lists of names, since it does not depend on the tracer.
+/// Typing the domain that a note names as `--domain` gives the same picture.
 #[test]
 fn a_domain_of_multiples_of_pi_is_written_as_such() {
     let place = Sandbox::new();

@@ -71,7 +71,7 @@ fn shards_make_what_one_run_makes_and_resuming_makes_what_is_missing() {
     let run = place.run(&resume).ok();
     assert!(run.stderr.contains("4 frames were there already, 1 were made"), "{}", run.stderr);
     assert!(all("whole") == whole);
-    // A file written by another command is rendered again.
+    // A frame's file that another command wrote is rendered again.
     std::fs::copy(place.path("part-2.png"), place.path("whole-2.png")).expect("copied");
     let run = place.run(&resume).ok();
     assert!(run.stderr.contains("4 frames were there already, 1 were made"), "{}", run.stderr);

@@ -1,5 +1,4 @@
-//! Checks the worked example of CONTRIBUTING.md. It must name exactly the files that name an
-//! existing operation of the same kind.
+//! The worked example of CONTRIBUTING.md names exactly the files that name a similar operation.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -19,7 +18,7 @@ fn sources(directory: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// Returns the section on a native function: its prose, and its row of the table.
+/// Returns the section on a native function in two parts: its prose, and its table row.
 fn native_section() -> (String, String) {
     let text = std::fs::read_to_string(root().join("CONTRIBUTING.md")).expect("there");
     let section = text.split("**Natively**").nth(1).expect("the section");
@@ -29,8 +28,8 @@ fn native_section() -> (String, String) {
     (format!("{before}{after}"), row.to_owned())
 }
 
-/// The paths in backquotes in the section on a native function. A bare file name continues the
-/// preceding directory.
+/// The paths in backquotes in the section on a native function. A bare file name is in the
+/// directory of the path before it.
 fn named() -> BTreeSet<String> {
     let (section, _) = native_section();
     let mut directory = String::new();
@@ -61,8 +60,9 @@ fn the_worked_example_names_every_place_and_no_other() {
         .into_iter()
         .filter(|path| {
             let text = std::fs::read_to_string(path).expect("readable");
-            // Lines with a match arm, row or variant for `atan`. Like `sinh`, this operation is
-            // odd, increasing and elementary. Tests about `atan` alone do not count.
+            // The example's `sinh` is like `atan`: odd, increasing and elementary. So the example
+            // must name each place with a match arm, a row or a variant for `atan`. Tests of `atan`
+            // alone do not count.
             let is_place = |line: &str| {
                 let places =
                     ["Op::Atan =>", "op: Op::Atan,", "(Op::Atan, f64::", "case(Op::Atan, "];
@@ -78,8 +78,8 @@ fn the_worked_example_names_every_place_and_no_other() {
     assert_eq!(named(), arms);
 }
 
-/// Checks that each test file is named in the `main.rs` beside it. Otherwise it would not be
-/// compiled, and its tests would not run.
+/// Each test file must be named in the `main.rs` beside it. Otherwise it would not be compiled, and
+/// its tests would not run.
 #[test]
 fn every_file_of_a_test_binary_is_a_part_of_it() {
     let mut files = Vec::new();

@@ -1,4 +1,4 @@
-//! Checks README, ARCHITECTURE and the manual against the tables and files that they speak of.
+//! Checks README, ARCHITECTURE and the manual against the tables and files that they mention.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ fn check_table(path: &str, heading: &str, expected: impl Iterator<Item = String>
     assert_eq!(rows, expected, "{path} must have:\n{}", expected.join("\n"));
 }
 
-/// The words of the list in backquotes that follows `before` and a colon.
+/// The words in backquotes after `before` and a colon.
 fn list<'a>(text: &'a str, before: &str) -> Vec<&'a str> {
     let (_, list) = text.split_once(&format!("{before}:")).expect("a list");
     list.split('`').nth(1).expect("its words").split_whitespace().collect()
@@ -93,7 +93,8 @@ fn every_function_and_every_form_is_listed() {
     check_table("docs/language.md", "| form | meaning |", rows);
 }
 
-/// Texts of the language stand in fenced blocks called `text`. Those of the README are one a line.
+/// Examples of the language stand in fenced blocks marked `text`. In the README, each line is an
+/// example.
 #[test]
 fn examples_of_the_language_read() {
     let blocks = |path: &str| -> Vec<String> {

@@ -1,5 +1,5 @@
-//! End-to-end tests of the program on the command line and in a terminal, and of the documents for
-//! contributors. Those in a window have a binary of their own.
+//! End-to-end tests of the program on the command line and in a terminal, and tests of the
+//! documents for contributors. Tests in a window have a binary of their own.
 
 mod cli_axes;
 mod cli_errors;

@@ -10,7 +10,7 @@ fn has_letters(shown: &str) -> bool {
     ["@@@@@", "%%%%%", "#####", "*****"].iter().any(|row| shown.contains(row))
 }
 
-/// The picture has a single band, so progress must be reported within a band.
+/// The picture has a single band, so progress must be reported within the band.
 #[test]
 fn a_slow_picture_shows_how_far_it_is_and_then_nothing_of_that() {
     let view = ["--domain", "1.2", "--view", "front", "--ortho", "5e-4", "--size", "60000x16"];
@@ -55,7 +55,7 @@ fn without_a_display_pictures_are_shown_in_the_terminal() {
     let read = |name: &str| std::fs::read_to_string(place.join(name)).expect(name);
     assert_eq!(read("cube.zset").replace('\n', " ").trim(), "max(abs(x), abs(y), abs(z)) = 1");
     assert!(read("data/zeroset/history").contains(":save cube.zset"));
-    // Overwriting a file of another document takes a second `:save`.
+    // To overwrite a file of another document, `:save` must be entered twice.
     std::fs::write(place.join("notes.zset"), "x = y\n").expect("a file");
     terminal.type_in(":save notes.zset\r");
     terminal.shows("there is another file 'notes.zset'");
@@ -63,7 +63,7 @@ fn without_a_display_pictures_are_shown_in_the_terminal() {
     terminal.type_in(":save notes.zset\r");
     terminal.shows("saved 'notes.zset'");
     assert!(read("notes.zset").contains("max(abs(x)"));
-    // The document's own file is saved without a question, again and again.
+    // `:save` writes the document's own file, `notes.zset`, at once. `cube.zset` is another file.
     terminal.type_in(":save cube.zset\r");
     terminal.shows("there is another file 'cube.zset'");
     terminal.type_in(":save\r");
@@ -78,7 +78,7 @@ fn without_a_window_the_gallery_is_a_list() {
     terminal.shows("undecided");
     terminal.type_in(":gallery\r");
     terminal.shows("heart-taubin");
-    // The commands do what the window's list of surfaces does.
+    // These commands do the same as the window's list of surfaces.
     for (line, shown) in [
         (":hide 2\r", "hidden\r\nx = y"),
         (":opacity 1 25%\r", "opacity 25%\r\nx+y+z"),
@@ -106,7 +106,7 @@ fn what_is_wrong_is_said_after_a_pause_and_the_line_goes_on() {
     assert_eq!(terminal.ends(), 0);
 }
 
-/// A prompt that has loaded a file with this text, with the file's path.
+/// A prompt that has loaded a file with this text, and the file's path.
 fn following(text: &str) -> (Terminal, PathBuf) {
     let mut terminal = Terminal::start(&["--preview", "gyroid"], None);
     terminal.shows("undecided");
@@ -225,7 +225,7 @@ fn pipes_are_read_once_and_not_waited_for() {
 fn what_came_from_no_file_is_saved_to_none() {
     for start in ["x = 0.25", "sphere"] {
         let mut terminal = Terminal::start(&["--preview", start], None);
-        // The files of these names are created only after the start.
+        // Files with the documents' names are created only after the start.
         terminal.shows("undecided");
         let place = terminal.place().to_owned();
         let others = ["formula", "sphere"].map(|name| place.join(name));
@@ -296,8 +296,8 @@ fn terminals_that_take_pixels_get_them() {
     let terminal = Terminal::start_in("xterm-kitty", &["--preview", "x^2+y^2+z^2 = 1"]);
     terminal.shows("undecided");
     let shown = terminal.shown();
-    // The terminal has 90 columns and 30 rows, and 4 rows are left free. It does not report its
-    // size in pixels, so a character is taken to be 8 by 16.
+    // The picture takes 90 columns and 26 of 30 rows. The terminal does not report its size in
+    // pixels, so a character counts as 8 by 16 pixels.
     assert!(shown.contains("\u{1b}_Ga=T,f=100,q=2,c=90,r=26,"), "no picture");
     assert!(shown.contains("720x416"), "another size");
     assert!(!has_letters(&shown), "letters too");
@@ -318,11 +318,11 @@ fn terminals_that_answer_so_get_sixels_that_are_the_picture() {
     terminal.shows("saved 'same.png'");
     let file = std::fs::read(terminal.place().join("same.png")).expect("saved");
     let exact = image::load_from_memory(&file).expect("a picture").to_rgb8();
-    // The picture has 90 columns and 26 rows of characters in a small font.
+    // The picture takes 90 columns and 26 rows, with characters of 6 by 12 pixels.
     assert_eq!((exact.dimensions(), shown.dimensions()), ((540, 312), (540, 312)));
     // With 256 colors, every dot is near its exact color, and most dots are very near. Blended
-    // colors along edges cover too few dots to get palette entries of their own. Without smooth
-    // edges the picture would be off by more than 100 there.
+    // colors along edges cover too few dots for palette entries of their own. If the terminal's
+    // picture were not antialiased, some dots along edges would be off by more than 100.
     let mut apart: Vec<u8> = exact.iter().zip(shown.iter()).map(|(a, b)| a.abs_diff(*b)).collect();
     apart.sort_unstable();
     let (most, worst) = (apart[apart.len() * 999 / 1000], apart[apart.len() - 1]);
@@ -331,7 +331,7 @@ fn terminals_that_answer_so_get_sixels_that_are_the_picture() {
         "dots differ by up to {worst} of 255, 999 in 1000 by {most}, by {mean:.2} in the mean"
     );
     assert!(most <= 40 && worst <= 64 && mean <= 2.0, "{most}, {worst} and {mean}");
-    // The terminal's answer does not end up in the line.
+    // The terminal's answer is not taken for typed text.
     terminal.type_in(":list\r");
     terminal.shows("x^2+y^2+z^2 = 1");
     let all = terminal.shown();

@@ -1,9 +1,9 @@
 //! Random edits at a real prompt, while the file that it watches is saved repeatedly. The prompt
-//! must keep running within bounded memory, and show what was entered last.
+//! must keep running within bounded memory, and show the last entered line.
 //!
-//! Memory grows by 2.5 MB in the first hundreds of edits: code and stacks at their first use, and a
-//! heap per thread. It grows by 4 MB with the last picture, which is the largest, and whose memory
-//! the allocator keeps. Thousands of edits in between add almost nothing.
+//! Memory grows by 2.5 MB in the first hundreds of edits, for code and stacks at their first use
+//! and a heap per thread. It grows by 4 MB with the last picture. This picture is the largest one,
+//! and the allocator keeps its memory. Thousands of edits in between add almost nothing.
 //!
 //! A long run, of 10,000 edits and 1,000 saves: `ZEROSET_CASES=10000 cargo test --release --test
 //! program prompt_soak -- --nocapture`.
@@ -16,7 +16,6 @@ use zeroset_testkit::Effort;
 
 const EDITS: u64 = 400;
 const SEED: u64 = 20_070_003;
-/// Number of edits per save of the file.
 const EDITS_PER_SAVE: u64 = 10;
 /// Allowed growth of memory, in kilobytes.
 const ALLOWED: u64 = 10 << 10;
@@ -64,7 +63,7 @@ fn the_prompt_survives_thousands_of_edits_and_saves() {
     let name = path.to_str().expect("UTF-8");
     let mut terminal = Terminal::start(&["--preview", name], None);
     terminal.shows("undecided");
-    // A picture as large as the last one, so that later growth does not include its memory.
+    // This picture is as large as `end.png`, so that later growth does not include its memory.
     terminal.type_in(":png first.png\r");
     terminal.shows("saved 'first.png'");
     let first = terminal.resident();
@@ -87,7 +86,7 @@ fn the_prompt_survives_thousands_of_edits_and_saves() {
             terminal.type_in(&"\u{7f}".repeat(letters));
         }
     }
-    // First the last save takes effect, and then the last line that was entered.
+    // The last line is entered only after the last save has taken effect.
     save(&path, "# the end\nr = 0.5\ndomain 2\nx^2+y^2+z^2 = r", 1);
     until("the last save is followed", || {
         terminal.type_in(":list\r");
@@ -97,8 +96,7 @@ fn the_prompt_survives_thousands_of_edits_and_saves() {
     println!("before the last picture: {:?} kB", terminal.resident());
     terminal.type_in(":png end.png\r");
     terminal.shows("saved 'end.png'");
-    // A picture for a file is larger than a picture for the terminal. The small one returns with
-    // the next line.
+    // The prompt's picture is smaller than `end.png`. Wait until the small picture is shown again.
     let file = terminal.shown().len();
     until("the small picture is there again", || {
         terminal.type_in(":status\r");

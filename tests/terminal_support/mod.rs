@@ -1,4 +1,4 @@
-//! The program in a pseudo-terminal, for more than one test binary.
+//! Runs the program in a pseudo-terminal, for several test binaries.
 
 #[cfg(feature = "sixel")]
 pub mod sixel;
@@ -34,7 +34,7 @@ struct Log {
 }
 
 impl Log {
-    /// Bracketed paste is enabled while a line is read.
+    /// The program enables bracketed paste when it begins to read a line.
     const BEGIN: &[u8] = b"\x1b[?2004h";
     const END: &[u8] = b"\x1b[?2004l";
 
@@ -57,24 +57,24 @@ pub struct Terminal {
     master: File,
     log: Arc<Mutex<Log>>,
     directory: tempfile::TempDir,
-    /// Flag that ends the reading thread, which uses the terminal last.
+    /// Flag that ends the thread which reads the terminal. This thread uses the terminal last.
     closed: Arc<AtomicBool>,
 }
 
 impl Terminal {
-    /// Starts `zeroset` with these arguments, on this display if there is one.
+    /// Starts `zeroset` with these arguments, and on this display if one is given.
     pub fn start(arguments: &[&str], display: Option<&str>) -> Self {
         Self::of(Command::new(env!("CARGO_BIN_EXE_zeroset")), arguments, display, None)
     }
 
-    /// Like [`Terminal::start`], but the terminal controls the program, so its end sends a signal.
+    /// Like [`Terminal::start`], but as the controlling terminal: closing it sends a signal.
     pub fn controlling(arguments: &[&str], display: Option<&str>) -> Self {
         let mut command = Command::new("setsid");
         command.args(["--ctty", env!("CARGO_BIN_EXE_zeroset")]);
         Self::of(command, arguments, display, None)
     }
 
-    /// Like [`Terminal::start`] without a display, in a terminal of this kind with colors.
+    /// Like [`Terminal::start`] without a display, with colors and this value of `TERM`.
     pub fn start_in(kind: &str, arguments: &[&str]) -> Self {
         let mut command = Command::new("env");
         command
@@ -83,8 +83,8 @@ impl Terminal {
         Self::of(command, arguments, None, None)
     }
 
-    /// Like [`Terminal::start`] without a display, in a terminal with this answer to a request for
-    /// its device attributes.
+    /// Like [`Terminal::start`] without a display, in a terminal that gives this answer when it is
+    /// asked for its device attributes.
     pub fn answering(answer: &'static str, arguments: &[&str]) -> Self {
         Self::of(Command::new(env!("CARGO_BIN_EXE_zeroset")), arguments, None, Some(answer))
     }
@@ -97,11 +97,11 @@ impl Terminal {
     ) -> Self {
         use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
         let directory = tempfile::tempdir().expect("a directory");
-        // A tip would appear in pictures that are compared.
+        // Tips are off, since a tip would appear in pictures that are compared.
         let data = directory.path().join("data/zeroset");
         std::fs::create_dir_all(&data).expect("made");
         std::fs::write(data.join("tips"), "off").expect("written");
-        // A program that inherits the other end of the pseudo-terminal would keep it open.
+        // The flag `CLOEXEC` keeps the child from inheriting this end and keeping it open.
         let flags = OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC;
         let master = openpt(flags).expect("a terminal");
         grantpt(&master).expect("granted");
@@ -143,7 +143,7 @@ impl Terminal {
                     Ok(0) | Err(_) => continue,
                     Ok(_) => {}
                 }
-                // After the program's end, the terminal cannot be read.
+                // Reading the terminal fails after the program's end.
                 let Ok(length @ 1..) = output.read(&mut part) else { break };
                 let mut log = reader.lock().expect("whole");
                 log.add(&part[..length]);
@@ -182,8 +182,8 @@ impl Terminal {
         self.master.write_all(bytes).expect("sent");
     }
 
-    /// Types text while a line is being read, since the program drops earlier input. After the end
-    /// of each line, waits until the line has been read.
+    /// Types text once the program reads a line, since the program drops earlier input. After the
+    /// end of each line, waits until the program has read the line.
     pub fn type_in(&mut self, text: &str) {
         let lines = || {
             let log = self.log.lock().expect("whole");
@@ -244,8 +244,8 @@ impl Terminal {
         status.expect("one")
     }
 
-    /// Closes the terminal as if its window was closed, and asserts that the program ends and keeps
-    /// history and document.
+    /// Closes the terminal as if its window were closed. Asserts that the program ends, and that
+    /// the history and the document are saved.
     pub fn hang_up(mut self) {
         self.type_in("z = x^3\r");
         self.type_in("x^2 +");

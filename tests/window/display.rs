@@ -15,9 +15,8 @@ pub struct Display {
 
 impl Display {
     pub fn start() -> Self {
-        // By default the server resets when its last client disconnects, and rejects a program that
-        // connects at that moment. This can happen because xdotool comes and goes while the window
-        // is awaited.
+        // By default the server resets when its last client disconnects, and then rejects a program
+        // that connects. While the test waits for the window, that client may be xdotool.
         let mut server = Command::new("Xvfb")
             .args([
                 "-noreset",

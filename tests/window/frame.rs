@@ -1,5 +1,4 @@
-//! A real window: its size, letters and watched file, and the ways in which window and terminal
-//! close.
+//! A real window: its size, letters and watched file, and the ways to close window and terminal.
 
 use crate::scene::{CUBE, Scene, painted};
 use crate::terminal_support::{Terminal, until};
@@ -36,7 +35,7 @@ pub fn the_picture_fills_a_window_that_grows_or_shrinks() {
         assert!(ground.iter().all(|c| *c > 200), "{ground:?} at the edge of {width}x{height}");
         let line = picture.get_pixel(1, height - 2).0;
         assert!(line.iter().all(|c| *c < 80), "no status line in {width}x{height}");
-        // The picture is rendered in this size, not stretched to it.
+        // The picture is rendered in the window's size, not stretched to it.
         scene.terminal.type_in(":status\r");
         scene.terminal.shows(&format!("pixels      {width}x{}:", height - status(1)));
         if height > 200 {
@@ -66,7 +65,7 @@ pub fn letters_are_as_large_as_they_are_asked_to_be() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
-/// Takes the picture for the README.
+/// Also takes the window's picture for the README.
 pub fn the_overlay_is_drawn_around_the_picture() {
     let scene = Scene::start(&["barth-sextic-suse-95", "--size", "800x620"]);
     let axes = scene.rest();
@@ -75,7 +74,7 @@ pub fn the_overlay_is_drawn_around_the_picture() {
     scene.point(400, 260);
     std::thread::sleep(std::time::Duration::from_millis(300));
     scene.display.keep(&scene.window, "window");
-    // Lines and labels are dark, and the background without them is not.
+    // Lines and labels are dark. The background without them is not.
     let dark = |picture: &image::RgbImage| {
         picture.pixels().filter(|pixel| pixel.0.iter().all(|c| (30..120).contains(c))).count()
     };
@@ -101,7 +100,7 @@ pub fn a_saved_file_is_seen_at_once() {
     });
     let small = width(&scene);
     assert!(small * 5 < before * 4, "{small} is not smaller than {before}");
-    // An error keeps the picture, with a border.
+    // After an error, the picture stays and gets a border.
     save("domain 2\nmax(abs(x)");
     until("there is a border", || {
         let [r, _, b] = scene.picture().get_pixel(0, 100).0;
@@ -140,7 +139,7 @@ fn close(scene: &Scene) {
     let data = [atom("WM_DELETE_WINDOW"), x11rb::CURRENT_TIME, 0, 0, 0];
     let event = ClientMessageEvent::new(32, window, atom("WM_PROTOCOLS"), data);
     let sent = connection.send_event(false, window, EventMask::NO_EVENT, event).expect("sent");
-    // A round trip, since the server may drop unread requests when the connection closes.
+    // Wait for the server's reply: the server may drop unread requests when the connection closes.
     sent.check().expect("delivered");
 }
 

@@ -18,8 +18,8 @@ fn colors(scene: &Scene, [x, y, width, height]: [u32; 4]) -> usize {
     all.len()
 }
 
-/// Place of the second picture in a window 400 pixels wide. Pictures are 96 pixels wide, with gaps
-/// of 8.
+/// Place of the second picture, in a window 400 pixels wide. Pictures are 96 pixels wide, and gaps
+/// are 8 pixels wide.
 const SECOND: [u32; 4] = [152, 28, 96, 96];
 
 pub fn a_surface_is_chosen_by_its_picture() {
@@ -34,7 +34,7 @@ pub fn a_surface_is_chosen_by_its_picture() {
     scene.key("Escape");
     until("it is closed", || scene.middle() == start);
     until("nothing is made any more", || scene.terminal.threads() == threads);
-    // Finished pictures are kept.
+    // The gallery keeps finished pictures.
     scene.key("g");
     until("they are there again", || has_pictures(&scene));
     // Choose by typing a name.

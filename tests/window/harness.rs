@@ -1,12 +1,12 @@
-//! A harness that behaves like libtest, except that it ignores tests whose programs are missing.
-//! The tests are passed to it.
+//! A harness for tests that are passed to it. It behaves like libtest, but ignores tests whose
+//! programs are missing.
 
 use clap::{CommandFactory, FromArgMatches};
 use libtest_mimic::{Arguments, Completion, Trial};
 use std::collections::BTreeSet;
 use std::process::ExitCode;
 
-/// A program that tests run, and the Debian packages that provide it and what it needs.
+/// A program that tests run, with the Debian packages that it needs.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Program {
     name: &'static str,
@@ -27,14 +27,14 @@ impl Program {
     }
 }
 
-/// Tests with their names, and the programs that each of them runs.
+/// Tests with their names, and the programs that each of these tests runs.
 pub struct Group {
     pub programs: &'static [Program],
     pub tests: &'static [(&'static str, fn())],
 }
 
-/// Returns the arguments, and the filters among them. The library takes a single filter and one
-/// spelling of `--no-capture`; libtest takes several filters and both spellings.
+/// Returns the arguments and the filters. `libtest_mimic` takes one filter and one spelling of
+/// `--no-capture`; libtest takes several filters and both spellings.
 fn arguments() -> (Arguments, Vec<String>) {
     let command = Arguments::command()
         .mut_arg("filter", |filter| filter.num_args(0..))
@@ -58,7 +58,7 @@ pub fn run(groups: &[Group]) -> ExitCode {
         let lacks: Vec<_> = group.programs.iter().filter(|program| program.is_missing()).collect();
         let names: Vec<_> = lacks.iter().map(|program| program.name).collect();
         let reason = (!lacks.is_empty()).then(|| format!("needs {}", names.join(", ")));
-        // A runner that lists the ignored tests, such as nextest, does not run them.
+        // Runners that list the ignored tests, such as nextest, do not run the listed tests.
         let is_marked = reason.is_some() && !is_ci && (arguments.list || arguments.ignored);
         trials.extend(group.tests.iter().map(|&(name, test)| {
             let reason = reason.clone();

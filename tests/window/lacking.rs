@@ -1,4 +1,4 @@
-//! The harness itself, run where no program can be found.
+//! Tests of the harness, run without any program in `PATH`.
 
 use std::process::Command;
 

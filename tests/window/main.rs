@@ -1,9 +1,9 @@
 //! Tests of the program in a real window.
 //!
-//! They run programs that a computer may lack, and `#[test]` cannot ignore a test at run time. So
-//! this binary has a harness of its own. It ignores the tests whose programs are missing, and says
-//! what to install. Under CI, and with `--ignored` or `--include-ignored`, these tests fail
-//! instead.
+//! The tests run programs that a computer may lack, and `#[test]` cannot ignore a test at run time.
+//! So this binary has a harness of its own. The harness ignores tests whose programs are missing,
+//! and says what to install. Under CI, and with `--ignored` or `--include-ignored`, these tests
+//! fail instead.
 
 #[cfg(unix)]
 mod display;
@@ -31,13 +31,13 @@ mod terminal_support;
 #[cfg(unix)]
 use harness::{Group, Program};
 
-/// Names tests by their paths.
+/// Pairs each test with its path as a name.
 #[cfg(unix)]
 macro_rules! tests {
     ($($test:path,)*) => { &[$((stringify!($test), $test)),*] };
 }
 
-/// All tests, by the programs that they run.
+/// All tests, grouped by the programs that they run.
 #[cfg(unix)]
 const TESTS: &[Group] = &[
     Group {

@@ -3,7 +3,7 @@
 use crate::scene::{CUBE, Scene, painted};
 
 pub fn the_picture_is_centred_and_follows_mouse_and_keys() {
-    // A method that leaves some pixels undecided, so that they can be marked.
+    // This method leaves some pixels undecided, so that they can be marked.
     let scene = Scene::start(&[CUBE, &["--method", "knoll"]].concat());
     scene.display.keep(&scene.window, "start");
     let [left, right, top, bottom] = painted(&scene.picture()).expect("a cube");
@@ -31,7 +31,7 @@ pub fn the_picture_is_centred_and_follows_mouse_and_keys() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
-/// The X server reports a step of the wheel as a button pressed and released.
+/// The X server reports a step of the wheel as a button that is pressed and released.
 pub fn one_step_of_the_wheel_zooms_as_far_as_a_key() {
     let scene = Scene::start(CUBE);
     // The middle of the picture, above a status line of 20 pixels.
@@ -45,7 +45,7 @@ pub fn one_step_of_the_wheel_zooms_as_far_as_a_key() {
     });
     assert!(step == zoomed, "a step of the wheel is no step of the key");
     back();
-    // The button is pressed in one poll of the mouse, and released in another.
+    // In a slow step, one poll of the mouse sees the button pressed, and another sees it released.
     let slow = scene.changes("a slow step", || {
         scene.display.tool(&["mousedown", "4"]);
         std::thread::sleep(std::time::Duration::from_millis(200));
@@ -71,7 +71,7 @@ pub fn a_line_is_typed_corrected_and_entered_in_the_window() {
     let start = scene.rest();
     scene.key("slash");
     scene.changes("typing", || type_in(&scene, "z = x^2"));
-    // An error keeps the picture; the border and one line show it.
+    // After an error the picture stays. The border and one line show the error.
     type_in(&scene, " + q(");
     std::thread::sleep(std::time::Duration::from_millis(800));
     let shown = scene.picture();
@@ -83,11 +83,11 @@ pub fn a_line_is_typed_corrected_and_entered_in_the_window() {
         type_in(&scene, "z = x^3");
     });
     scene.key("Return");
-    // The prompt reads keys at once, but the window only when it next polls.
+    // The window reads keys only when it next polls, so wait before typing at the prompt.
     scene.rest();
     scene.terminal.type_in(":list\r");
     scene.terminal.shows("z = x^3");
-    // The waiting prompt records the line that was entered in the window, too.
+    // The prompt, which waits, also records the line that was entered in the window.
     let history = scene.terminal.place().join("data/zeroset/history");
     let history = std::fs::read_to_string(history).expect("kept");
     let lines: Vec<&str> = history.lines().filter(|line| !line.starts_with('#')).collect();

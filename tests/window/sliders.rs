@@ -7,8 +7,8 @@ use std::time::Duration;
 const BALL: &[&str] =
     &["domain 3\nr = 1 in [0, 2]\nx^2+y^2+z^2 = r^2 + 0.3*sin(5*t)", "--size", "400x320"];
 
-/// Columns of the ends of the first slider's track, and rows of the first two sliders. Names have
-/// one letter, which is 8 pixels wide.
+/// Columns at the ends of the first slider's track, and rows of the first two sliders. Each name
+/// has one letter, which is 8 pixels wide.
 const TRACK: (i32, i32) = (20, 180);
 const ROWS: [i32; 2] = [36, 56];
 
@@ -29,13 +29,13 @@ pub fn a_slider_that_is_dragged_changes_picture_and_document_and_is_taken_back()
     scene.changes("slider", || {
         scene.drag("1", (middle, ROWS[0]), (middle + 40, ROWS[0]));
     });
-    // Move the pointer away, since a slider under it is brighter.
+    // Move the pointer away, since a slider is brighter under it.
     scene.point(300, 250);
     let dragged = scene.rest();
     listed(&mut scene, "r = 1.5 in [0, 2]");
     scene.terminal.type_in(":status\r");
     scene.terminal.shows("not compiled again");
-    // The drag is one undo step, and did not turn the view.
+    // The drag is one undo step. It did not turn the view.
     assert!(scene.changes("undo", || scene.key("ctrl+z")) == start, "not as at the start");
     listed(&mut scene, "r = 1 in [0, 2]");
     assert!(scene.changes("redo", || scene.key("ctrl+y")) == dragged, "not as it was dragged");
@@ -85,8 +85,7 @@ pub fn a_slider_that_is_held_while_the_gallery_opens_is_let_go() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
-/// While a slider is dragged, the surface grows in the view. After its release, the view fits it
-/// again.
+/// While a slider is dragged, the surface grows in the view. Then the view fits it again.
 pub fn a_surface_that_outgrows_the_view_is_fitted_when_the_slider_is_let_go() {
     let ball = ["r = 1 in [0.5, 8]\nx^2+y^2+z^2 = r^2", "--size", "400x320"];
     let scene = Scene::start(&ball);
@@ -109,7 +108,7 @@ pub fn a_surface_that_outgrows_the_view_is_fitted_when_the_slider_is_let_go() {
     until("it outgrows the view", || width() > 2 * before);
     scene.display.keep(&scene.window, "outgrown");
     scene.display.tool(&["mouseup", "1"]);
-    // The fitted surface may look smaller than before, since the domain has room to grow.
+    // The fitted surface may look smaller than before, since the domain has spare room.
     let fits = |width: usize| 2 * width > before && width <= before;
     until("it is fitted", || fits(width()));
     scene.rest();
@@ -153,7 +152,7 @@ pub fn what_faces_the_eye_is_cut_open_and_the_cut_is_moved() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
-/// A click of `xdotool` lasts some microseconds.
+/// `xdotool` presses the button for some microseconds.
 pub fn clicks_however_short_are_seen_and_each_once() {
     let scene = Scene::start(CUBE);
     let said = || scene.terminal.shown().matches("| zeroset eval").count();
@@ -162,7 +161,7 @@ pub fn clicks_however_short_are_seen_and_each_once() {
         until("the click is seen", || said() >= number);
         wait(100);
     }
-    // A click as long as a finger's counts once, too.
+    // A click as long as that of a finger counts once, too.
     scene.display.tool(&["mousedown", "1"]);
     wait(60);
     scene.display.tool(&["mouseup", "1"]);
@@ -181,7 +180,7 @@ pub fn what_is_typed_in_the_window_prints_nothing_in_the_terminal() {
         wait(500);
     }
     assert_eq!(scene.terminal.shown(), before);
-    // A key gives a value to the letter that lacks one.
+    // F2 gives a value to `q`, which lacks one.
     scene.changes("a value for q", || scene.key("F2"));
     scene.key("Return");
     wait(500);

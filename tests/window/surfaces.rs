@@ -7,7 +7,7 @@ use image::RgbImage;
 const TWO: &[&str] =
     &["domain 2\ncolor red\nx^2+y^2+z^2 = 1\ncolor blue\nz = 1.2", "--size", "400x320"];
 
-/// Places of the parts of the list's rows. Letters are 8 pixels wide and rows 20 high.
+/// Columns of the parts of a row in the list, and two rows. Letters are 8 pixels wide and 20 high.
 const SWATCH: i32 = 194;
 const FORMULA: i32 = 250;
 const TRACK: (i32, i32) = (336, 376);
@@ -17,11 +17,11 @@ const ROWS: [i32; 2] = [36, 56];
 fn click(scene: &Scene, x: i32, y: i32) {
     scene.point(x, y);
     scene.display.tool(&["click", "1"]);
-    // Move the pointer away, since a row under it is brighter.
+    // Move the pointer away, since a row is brighter under it.
     scene.point(30, 250);
 }
 
-/// Number of reddish pixels, and of bluish ones.
+/// Number of reddish pixels, and number of bluish pixels.
 fn colored(picture: &RgbImage) -> [usize; 2] {
     let picture = image::imageops::crop_imm(picture, 0, 90, 400, 160).to_image();
     let count = |one: usize, other: usize| {
@@ -50,10 +50,10 @@ pub fn surfaces_are_hidden_seen_through_moved_and_taken_away() {
     scene.terminal.type_in(":status\r");
     scene.terminal.shows("not compiled again");
     assert!(scene.changes("shown", || click(&scene, SWATCH, ROWS[1])) == start);
-    // A key also hides the surface, and that can be undone.
+    // The key 2 hides the second surface, like a click on its swatch. Undo shows it again.
     assert!(scene.changes("by key", || scene.key("2")) == hidden);
     assert!(scene.changes("undo hiding", || scene.key("ctrl+z")) == start);
-    // Drag to the middle of the track, as one step.
+    // Drag to the middle of the track. The drag is one undo step.
     scene.changes("half", || {
         scene.drag("1", (TRACK.1, ROWS[1]), (i32::midpoint(TRACK.0, TRACK.1), ROWS[1]));
         scene.point(30, 250);
@@ -73,13 +73,13 @@ pub fn surfaces_are_hidden_seen_through_moved_and_taken_away() {
         scene.point(30, 250);
     });
     listed(&mut scene, "z = 1.2\r\ncolor red\r\nx^2+y^2+z^2 = 1");
-    // The picture below the list is unchanged.
+    // The surfaces keep their colors when their lines change places.
     assert_eq!(colored(&scene.picture()), seen);
     assert!(scene.changes("undo move", || scene.key("ctrl+z")) == start);
     scene.changes("deleted", || click(&scene, DELETE, ROWS[0]));
     assert_eq!(colored(&scene.picture())[0], 0);
     assert!(scene.changes("undo deletion", || scene.key("ctrl+z")) == start);
-    // Without the list, a drag at its place turns the view.
+    // Without the list, a drag at the same place turns the view.
     let without = scene.changes("no list", || scene.key("l"));
     scene.changes("turned", || scene.drag("1", (FORMULA, ROWS[0]), (FORMULA + 40, ROWS[0])));
     scene.point(30, 250);

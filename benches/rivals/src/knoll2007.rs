@@ -1,4 +1,4 @@
-//! The algorithm of the paper, in C++. The call into the C++ code is the only unsafe code here.
+//! The rival in C++: the algorithm of Knoll et al. 2007. Only the call into C++ is unsafe code.
 
 use crate::side::{EnclosureCalls, Side};
 use crate::surfaces::EYE;
@@ -22,7 +22,7 @@ type Draw = unsafe extern "C" fn(
     *mut c_long,
 ) -> bool;
 
-#[allow(unsafe_code)] // symbols of a library that build.rs has made
+#[allow(unsafe_code)] // functions of the library that build.rs compiles
 mod library {
     use super::{c_char, c_int, c_long, c_uchar};
 
@@ -51,7 +51,7 @@ mod library {
     declare!(knoll2007_w16);
 }
 
-/// The compiled packet sizes.
+/// The packet sizes for which the C++ is compiled.
 pub const PACKET_WIDTHS: &[PacketWidth] = &[
     PacketWidth { lanes: 4, draw: library::knoll2007_w4 },
     #[cfg(sixteen_lanes)]
@@ -67,10 +67,10 @@ pub struct PacketWidth {
 
 /// Number of rows that a thread takes at a time: a multiple of every packet's height.
 const BAND: usize = 16;
-/// Greatest depth that the arrays of the C++ have room for.
+/// Greatest depth that the arrays of the C++ can hold.
 const DEEPEST: u32 = 32;
 
-/// A surface, with the buffers of its pictures.
+/// A surface of the C++, with the buffers of its picture.
 pub struct Knoll2007 {
     width: &'static PacketWidth,
     name: CString,
@@ -82,7 +82,7 @@ pub struct Knoll2007 {
 }
 
 impl Knoll2007 {
-    /// The C++ surface of this name, if there is one.
+    /// Returns the C++ surface called `name`, if there is one.
     ///
     /// # Errors
     /// If the picture is too large, or the depth is not from 1 to 32.
@@ -93,7 +93,7 @@ impl Knoll2007 {
         depth: u32,
     ) -> Result<Option<Self>> {
         ensure!((1..=DEEPEST).contains(&depth), "the C++ takes depths from 1 to {DEEPEST}");
-        // The C++ has `int` indices, and three bytes per pixel.
+        // The C++ indexes three bytes per pixel by an `int`.
         ensure!(size <= 1 << 14, "the C++ draws no more than {} rows", 1 << 14);
         let name = CString::new(name)?;
         let (rgb, distance) = (vec![0; 3 * size * size], vec![0.0; size * size]);
@@ -102,8 +102,8 @@ impl Knoll2007 {
         Ok(known.then_some(this))
     }
 
-    /// Draws rows from `top` on, as many as the buffers have room for. Returns the number of
-    /// evaluated boxes; `None` if the surface is unknown.
+    /// Draws the rows from `top` on that the buffers have room for. Returns the number of evaluated
+    /// boxes, or `None` if the C++ does not know the surface.
     #[allow(unsafe_code)] // the only call
     fn band(&self, top: usize, rgb: &mut [u8], distance: &mut [f32]) -> Option<u64> {
         let rows = distance.len() / self.size;
@@ -113,8 +113,8 @@ impl Knoll2007 {
         let depth = self.depth as c_int;
         let eye = EYE.as_vec3().to_array();
         // SAFETY: the name ends with 0, the eye has three numbers, and each count is one integer.
-        // The function writes pixels of columns below `size` and rows from `first` to before
-        // `last`, and the assertion ensures that the slices hold these. `new` keeps the depth
+        // The function writes the pixels of `size` columns and of rows from `first` to before
+        // `last`. The assertion ensures that the slices hold these pixels. `new` keeps the depth
         // within the C++'s arrays and indices within `int`. The function keeps no pointer, has
         // thread-local state only, and restores the register of rounding modes.
         let known = unsafe {

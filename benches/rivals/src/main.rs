@@ -41,21 +41,20 @@ struct Arguments {
     /// Side of the square pictures, in pixels
     #[arg(long, default_value_t = 512, value_parser = clap::value_parser!(u32).range(16..=8192))]
     size: u32,
-    /// Number of rounds, in each of which every side draws once
+    /// Number of rounds; every renderer draws once in each
     #[arg(long, default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..))]
     rounds: u32,
     /// Number of threads
     #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
     threads: u32,
-    /// Compare methods only: on one thread, on N threads, and as N concurrent pictures with a
-    /// thread each
+    /// Compare zeroset's methods only: a picture on one thread, a picture on N threads, and N
+    /// pictures at once with a thread each
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=1024))]
     scaling: Option<u32>,
-    /// Number of times that the domain is halved along a ray, by the C++ and by methods with a
-    /// depth
+    /// Number of halvings of the domain along a ray, for the C++ and for methods with a depth
     #[arg(long, default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=20))]
     depth: u32,
-    /// Voxels along an edge of fidget's pictures, separated by commas
+    /// Sizes of fidget's pictures in voxels along an edge, separated by commas
     #[arg(long, value_delimiter = ',', default_value = "128,256,512,1024", value_name = "SIZES",
         value_parser = clap::value_parser!(u32).range(16..=4096))]
     fidget: Vec<u32>,
@@ -65,7 +64,7 @@ struct Arguments {
     /// Omit fidget
     #[arg(long)]
     no_fidget: bool,
-    /// Errors are measured at this number of pixels, squared, per picture; 0 for none
+    /// Rows and columns of pixels at which errors are measured; 0 for none
     #[arg(long, default_value_t = 64, value_parser = clap::value_parser!(u32).range(0..=8192))]
     samples: u32,
 }
@@ -87,7 +86,7 @@ impl Arguments {
             .filter(|m| self.methods.is_empty() || self.methods.iter().any(|n| n == m.name))
     }
 
-    /// All renderers that can draw the surface, zeroset's methods first.
+    /// Returns all renderers that can draw the surface, zeroset's methods first.
     fn sides(&self, surface: &Surface) -> Result<Vec<Box<dyn Side + Send>>> {
         let (size, depth) = (self.size as usize, self.depth);
         let mut sides: Vec<Box<dyn Side + Send>> = Vec::new();
@@ -120,7 +119,7 @@ impl Arguments {
         Ok(sides)
     }
 
-    /// Each picture size with its certified results.
+    /// Returns certified results for each size of the renderers' pictures.
     fn references(
         &self,
         surface: &Surface,
@@ -135,7 +134,7 @@ impl Arguments {
     }
 }
 
-/// Rows and columns of rays that determine the function's sign where they enter the domain.
+/// Rows and columns of rays that sample the sign of f where they enter the domain.
 const ENTRIES: usize = 64;
 
 fn main() -> Result<()> {
@@ -149,7 +148,7 @@ fn main() -> Result<()> {
         let mut sides = arguments.sides(surface).context(surface.name)?;
         let rounds = arguments.rounds as usize;
         let times = match arguments.scaling {
-            // Each renderer has threads of its own.
+            // Each renderer draws with its own thread pool.
             Some(_) => measure(&mut sides, rounds),
             None => pool.install(|| measure(&mut sides, rounds)),
         };

@@ -4,14 +4,14 @@ use crate::side::Side;
 use anyhow::Result;
 use std::time::Instant;
 
-/// Seconds per picture of a side, round by round.
+/// A renderer's seconds per picture, one number for each round.
 pub struct Times(Vec<f64>);
 
-/// Times all renderers. Each draws once without measurement. Then all of them draw in each round,
-/// and each round begins with the next renderer.
+/// Times all renderers. First each draws once without measurement. Then all of them draw in every
+/// round. Each round begins with another renderer.
 ///
 /// # Errors
-/// If a side cannot draw.
+/// If a renderer cannot draw.
 pub fn measure(sides: &mut [Box<dyn Side + Send>], rounds: usize) -> Result<Vec<Times>> {
     sides.iter_mut().try_for_each(|side| side.draw())?;
     let mut times = vec![Vec::with_capacity(rounds); sides.len()];
@@ -37,7 +37,8 @@ impl Times {
         (quantile(&self.0, 0.75) - quantile(&self.0, 0.25)) / 2.0 / self.median()
     }
 
-    /// The median of the rounds' ratios to `other`.
+    /// Divides this renderer's time by that of `other` in each round. Returns the median of these
+    /// ratios.
     pub fn ratio(&self, other: &Self) -> f64 {
         let ratios: Vec<f64> = self.0.iter().zip(&other.0).map(|(a, b)| a / b).collect();
         quantile(&ratios, 0.5)

@@ -19,7 +19,7 @@ impl ZerosetSide {
     /// Compiles the surface.
     ///
     /// # Errors
-    /// If it has no kernels.
+    /// If the surface is invalid or cannot be compiled.
     pub fn new(
         surface: &Surface,
         method: &'static Method,
@@ -52,8 +52,8 @@ impl Side for ZerosetSide {
     }
 
     fn draw(&mut self) -> Result<()> {
-        // Reuses the memory of the last picture, as the window does. The other renderers overwrite
-        // their pictures, too.
+        // Reuses the last picture's memory, as the window does. The other renderers overwrite their
+        // pictures, too.
         if let Some(shown) = self.picture.take() {
             shown.hand_back();
         }

@@ -1,4 +1,4 @@
-//! Certified results for some pixels of a picture, and errors of pictures against them.
+//! Certified results for some pixels of a picture, and the errors of renderers at these pixels.
 //!
 //! The certified tracer shares no code with kernels, methods or rivals.
 
@@ -7,17 +7,17 @@ use anyhow::Result;
 use rayon::prelude::*;
 use zeroset_testkit::certified::{BUDGET, Certificate, Function};
 
-/// The truth about a ray. Distances are in world units.
+/// The certified result of a ray. Distances are in world units.
 enum Truth {
     /// The ray meets no zero.
     Miss,
-    /// The ray meets a zero, and the first lies in one of these intervals.
+    /// The ray meets a zero. The distance of the first zero lies in one of these intervals.
     Root(Vec<[f64; 2]>),
-    /// The ray comes near a zero, and may touch it.
+    /// It is not certain whether the ray meets a zero.
     Open,
 }
 
-/// The truth about some pixels of pictures of one size.
+/// Certified results for some pixels of a picture of one size.
 pub struct Reference {
     half: f64,
     pixels: Vec<(usize, Truth)>,
@@ -30,19 +30,20 @@ pub struct Errors {
     pub rootless: usize,
     /// Number of pixels that have a root but are not drawn.
     pub missed: usize,
-    /// Median distance between drawn point and first root, in half extents of the domain, if any
-    /// pixel has both.
+    /// Median distance of drawn points from the first root, in half extents of the domain. `None`
+    /// if no drawn pixel has a root.
     pub distance: Option<f64>,
 }
 
-/// Counts of the function's sign where rays enter the domain.
+/// Numbers of rays that enter the domain where f is below 0, and where it is above.
 #[derive(Clone, Copy, Debug)]
 pub struct Entries {
     below: usize,
     above: usize,
 }
 
-/// The middle pixels of `samples`² equal parts of a picture, or all pixels of a smaller one.
+/// Divides a picture into `samples`² equal parts and returns the middle pixel of each. If the
+/// picture has fewer pixels, returns all of them.
 fn sampled(size: usize, samples: usize) -> Vec<usize> {
     let samples = samples.min(size);
     let place = |n: usize| (2 * n + 1) * size / (2 * samples);
@@ -55,7 +56,7 @@ fn function(surface: &Surface) -> Result<Function> {
 }
 
 impl Truth {
-    /// Converts a certificate for a direction of this length.
+    /// Converts a certificate to world units, given the length of the ray's direction.
     fn new(certificate: &Certificate, length: f64) -> Self {
         let crossing = certificate.crossing.map(|crossing| [crossing.near, crossing.far]);
         if certificate.is_miss() {
@@ -96,8 +97,8 @@ impl Reference {
         counts
     }
 
-    /// The errors of a picture with these distances, which
-    /// [`Side::distances`](crate::side::Side::distances) returns.
+    /// Returns the errors of a picture, given its
+    /// [`Side::distances`](crate::side::Side::distances).
     pub fn errors(&self, distances: &[f64]) -> Errors {
         let (mut rootless, mut missed, mut off) = (0, 0, Vec::new());
         for (pixel, truth) in &self.pixels {
@@ -139,7 +140,7 @@ impl Entries {
         self.below > self.above
     }
 
-    /// Share of rays that enter where f has the less common sign; `None` if all signs agree.
+    /// Share of rays that enter the domain where f has its rarer sign. `None` if all signs agree.
     pub fn minority(self) -> Option<f64> {
         let (less, more) = (self.below.min(self.above), self.below.max(self.above));
         (less > 0).then(|| less as f64 / (less + more) as f64)

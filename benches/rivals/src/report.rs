@@ -1,23 +1,22 @@
-//! The table: a row per surface and side, and a summary with a row per side.
+//! The table has a row per surface and renderer. A summary has a row per renderer.
 
 use crate::measure::Times;
 use crate::reference::Errors;
 use crate::side::EnclosureCalls;
 use std::fmt::Write as _;
 
-/// Results of one side on one surface.
+/// Results of one renderer on one surface.
 pub struct Row {
-    /// Name of the side.
+    /// Name of the renderer.
     pub side: String,
-    /// Times of the pictures.
     pub times: Times,
     /// Errors of the last picture, if they are measured.
     pub errors: Option<Errors>,
-    /// Calls for bounds of f in the last picture, if they are counted.
+    /// Calls that computed bounds of f for the last picture, if they are counted.
     pub enclosure_calls: Option<EnclosureCalls>,
-    /// Times relative to each method, in the order of the columns.
+    /// The renderer's time divided by that of each method, in the order of the columns.
     pub ratios: Vec<f64>,
-    /// Reason why the picture is not the zero set, if so.
+    /// Reason why the picture is not exactly the zero set, if it is not.
     pub remark: Option<String>,
 }
 
@@ -28,7 +27,7 @@ pub struct Report {
 }
 
 impl Report {
-    /// Prints the head of a table that has ratios to these methods.
+    /// Prints the head of the table. Each of `methods` gets a column of ratios.
     pub fn new(methods: Vec<String>) -> Self {
         let mut head = format!("{:12}{:14}{:>10}{:>7}", "surface", "side", "ms", "± %");
         for method in &methods {
@@ -38,7 +37,6 @@ impl Report {
         Self { methods, rows: Vec::new() }
     }
 
-    /// Prints a row.
     pub fn add(&mut self, surface: &'static str, row: Row) {
         let mark = if row.remark.is_some() { "*" } else { "" };
         let name = format!("{}{mark}", row.side);
@@ -59,7 +57,7 @@ impl Report {
         self.rows.push((surface, row));
     }
 
-    /// Prints for each side the geometric means and the worst cases, and then the remarks.
+    /// Prints each renderer's geometric mean and worst ratio to every method, then all remarks.
     pub fn summarise(&self) {
         println!(
             "\nGeometric mean and worst (least) ratio to each method over the surfaces that a side can draw:\n"

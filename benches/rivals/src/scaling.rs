@@ -1,12 +1,12 @@
-//! Speed-up by threads, compared with that of independent pictures.
+//! The speed-up by threads that share a picture, compared with that by independent pictures.
 
 use crate::ours::ZerosetSide;
 use crate::side::Side;
 use anyhow::Result;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-/// Number of pictures per measurement, drawn one after another as while a view turns. With a single
-/// picture, the time to wake threads would dominate.
+/// Number of pictures per measurement, drawn one after another. With a single picture, the time to
+/// wake threads would dominate.
 const IN_A_ROW: usize = 32;
 
 /// Pictures drawn at the same time, each with threads of its own.

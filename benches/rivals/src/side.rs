@@ -4,10 +4,10 @@ use anyhow::Result;
 
 /// A renderer that is prepared for one surface and size.
 pub trait Side {
-    /// Name in the table.
+    /// Name of the renderer in the table.
     fn name(&self) -> String;
 
-    /// Side of the square picture, in pixels.
+    /// Number of columns, and of rows, of the picture.
     fn size(&self) -> usize;
 
     /// Number of pictures per call of [`Side::draw`].
@@ -18,28 +18,27 @@ pub trait Side {
     /// Draws the picture; this call is measured.
     ///
     /// # Errors
-    /// If it cannot draw.
+    /// If the renderer cannot draw the picture.
     fn draw(&mut self) -> Result<()>;
 
-    /// Distances of the last picture from the eye in world units, row by row from the top. Pixels
-    /// of the background have infinity.
+    /// Returns the distances from the eye to what the last picture shows. They are in world units,
+    /// row by row from the top; the background is at infinity.
     fn distances(&self) -> Vec<f64>;
 
-    /// Number and size of the calls for bounds of f in the last picture, if they are counted.
+    /// Calls that computed bounds of f for the last picture, if they are counted.
     fn enclosure_calls(&self) -> Option<EnclosureCalls> {
         None
     }
 
-    /// A remark, if the picture does not show exactly the zero set.
+    /// Reason why the picture is not exactly the zero set, if it is not.
     fn remark(&self) -> Option<String> {
         None
     }
 }
 
-/// Calls for bounds of a function.
+/// Calls that computed bounds of a function.
 #[derive(Clone, Copy, Debug)]
 pub struct EnclosureCalls {
-    /// Number of calls.
     pub calls: u64,
     /// Mean number of boxes per call.
     pub lanes: f64,

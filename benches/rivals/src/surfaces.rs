@@ -12,17 +12,17 @@ use zeroset_trace::{Camera, Projection, RayGrid};
 
 /// A surface with its domain.
 pub struct Surface {
-    /// Name in the C++.
+    /// Name in the C++ code.
     pub name: &'static str,
-    /// Half the edge of the domain, a cube around the origin. Distances are multiples of it.
+    /// Half the edge of the domain, which is a cube around the origin.
     pub half: f64,
     /// Whether the domain cuts the surface open.
     pub is_cut: bool,
-    /// Text of a document that has this domain.
+    /// Text of the surface's document, which states the same domain.
     text: &'static str,
 }
 
-/// A surface whose text is a function file of `crates/chart/data`.
+/// Defines a surface by a function file of `crates/chart/data`.
 macro_rules! surface {
     ($name:literal, $file:literal, $half:expr, $is_cut:expr) => {
         Surface {
@@ -48,7 +48,7 @@ pub const SURFACES: [Surface; 10] = [
     surface!("gyroid", "gyroid", std::f64::consts::TAU, true),
 ];
 
-/// Position of the eye, in half extents. The target is the origin.
+/// Position of the eye, in multiples of `half`. The eye looks at the origin.
 pub const EYE: DVec3 = DVec3::new(2.0, 1.5, 3.0);
 /// Field of view, in degrees.
 pub const FOV: f64 = 40.0;
@@ -63,10 +63,10 @@ impl Surface {
         document.map_err(|errors| anyhow::anyhow!("{}: {errors}", self.name))
     }
 
-    /// The domain.
+    /// Returns the domain.
     ///
     /// # Errors
-    /// If the cube is invalid, or the document has another domain.
+    /// If the cube is invalid, or the document states another domain.
     pub fn region(&self) -> Result<Region> {
         let half = DVec3::splat(self.half);
         let region = Region::new(-half, half).context(self.name)?;

@@ -1,6 +1,7 @@
 //! fidget's renderer, which prunes voxels from front to back by intervals in native code.
 //!
-//! It draws solids, f < 0. So the sign of f is chosen such that most rays start outside.
+//! It draws the solid f < 0. So the sign of f is chosen such that most rays enter the domain
+//! outside the solid.
 
 use crate::reference::Entries;
 use crate::side::Side;
@@ -21,7 +22,7 @@ pub struct Voxels {
     shape: JitShape,
     config: RenderConfig,
     rays: RayGrid,
-    /// Inverse depth at z = 0 of fidget's world, and its increase up to z = 1.
+    /// The inverse depth at z = 0 in fidget's world, and how much it grows up to z = 1.
     inverse_depth: [f64; 2],
     is_parallel: bool,
     entries: Entries,
@@ -58,9 +59,9 @@ impl Voxels {
     }
 }
 
-/// The matrix from fidget's world, which is within ±1, to space. It reproduces zeroset's rays: z is
-/// linear in the inverse depth along them. Also returns the inverse depth at z = 0 and its increase
-/// up to z = 1, which is in front of the domain.
+/// Returns the matrix from fidget's world, with coordinates within ±1, to space. It reproduces
+/// zeroset's rays: along each, z is linear in the inverse depth. Also returns the inverse depth at
+/// z = 0 and its growth up to z = 1, a plane in front of the domain.
 fn screen(rays: &RayGrid, half: f64) -> (Matrix4<f32>, [f64; 2]) {
     let (eye, forward) = (rays.eye(), rays.forward());
     let reach = (FOV / 2.0).to_radians().tan();
@@ -81,7 +82,7 @@ fn screen(rays: &RayGrid, half: f64) -> (Matrix4<f32>, [f64; 2]) {
     (matrix, [middle, growth])
 }
 
-/// The function as typed, which fidget simplifies.
+/// Converts the function as typed. fidget simplifies it.
 fn tree(graph: &Graph, root: NodeId) -> Result<Tree> {
     let needed = graph.reachable(&[root]);
     let mut trees: Vec<Option<Tree>> = vec![None; graph.len()];
@@ -147,8 +148,8 @@ impl Side for Voxels {
             if depth == 0 {
                 return f64::INFINITY;
             }
-            // `depth` is one more than the first voxel inside. The voxel before that one, on the
-            // near side, is outside.
+            // `depth` is the index of the first voxel inside, plus one. Indices grow towards the
+            // eye, so voxel `depth` is outside.
             let z = (f64::from(depth) - 0.5 - size / 2.0) * 2.0 / size;
             self.rays.ray_of(pixel).distance(1.0 / (middle + growth * z))
         };

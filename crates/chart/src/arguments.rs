@@ -13,12 +13,12 @@ use zeroset_trace::{METHODS, Method, Precision};
 
 /// Measure and chart the methods of zeroset: speed against accuracy.
 ///
-/// Exit codes: 0; 1 if `check` finds different counts or hashes; 2 for errors that the user can
-/// fix.
+/// Exit codes: 0 for success; 1 if `check` finds different counts or hashes; 2 for errors that the
+/// user can fix.
 #[derive(Debug, Parser)]
 #[command(name = "zeroset-chart", version, about)]
 pub struct ChartArguments {
-    /// What to do.
+    /// Subcommand to run.
     #[command(subcommand)]
     pub command: ChartCommand,
 }
@@ -32,28 +32,28 @@ pub enum ChartCommand {
     Stability(StabilityArguments),
     /// Trace given or random rays with each method and with the certified tracer
     ///
-    /// Other programs can then be compared on the same rays. Writes .npy files of float64. `rays`
-    /// has an origin and a direction of any length per row. `domain` has the ends of x, y and z.
-    /// Each method has a file of its name. Its rows hold 0 for a proven miss, 1 for a proven hit or
-    /// 2 for undecided, then the two ends of the hit's bracket, then the drawn distance.
-    /// `certified` has rows of 0 for no root, 1 for a root or 2 for open, then the bounds of the
-    /// first root. Distances are from the origin in world units, and NaN where there are none.
+    /// Writes .npy files of float64, so that other programs can be compared on the same rays. A row
+    /// of `rays` is an origin and a direction of any length. `domain` has the ends of x, y and z.
+    /// Each method has a file of its name. Its rows are the status (0 for a proven miss, 1 for a
+    /// proven hit, 2 for undecided), the two ends of the hit's bracket and the drawn distance. A
+    /// row of `certified` is 0 for no root, 1 for a root or 2 for open, then the two bounds of the
+    /// first root. Distances are from the origin in world units; a missing distance is NaN.
     Rays(RaysArguments),
     /// Time kernels and pictures in three arithmetics: unsound, widened and rounded up
     ///
-    /// Writes `rigour.csv`, with a surface's kernel or picture in one arithmetic per row, and
-    /// `rigour.svg`.
+    /// Writes `rigour.svg` and `rigour.csv`. A row of the table is one kernel or picture of a
+    /// surface in one arithmetic.
     Rigour(RigourArguments),
     /// Time compilation by formula size, for the gallery and for generated sums and products
     ///
-    /// Writes `compile.csv`, with a formula per row, `compile-time.svg` and `compile-code.svg`.
+    /// Writes `compile-time.svg`, `compile-code.svg` and `compile.csv`, with a row per formula.
     Compile(CompileArguments),
     /// Draw the charts of a directory's rows again, as `run` does at its end
     Draw {
         /// Directory that `run` has written
         directory: PathBuf,
     },
-    /// Measure a directory's rows again: counts and hashes must be the same
+    /// Measure a directory's rows again, and report counts and hashes that differ
     Check {
         /// Directory that `run` has written
         directory: PathBuf,
@@ -63,13 +63,13 @@ pub enum ChartCommand {
 /// The option that selects methods.
 #[derive(Args, Debug)]
 pub struct Methods {
-    /// Methods, separated by commas; all if not given
+    /// Methods, separated by commas; all methods if none is given
     #[arg(long, value_delimiter = ',', value_parser = PossibleValuesParser::new(METHODS.iter().map(|m| m.name)))]
     methods: Vec<String>,
 }
 
 impl Methods {
-    /// The selected methods, in the order of the table; all if none is named.
+    /// The selected methods, in the order of the table; all methods if none is named.
     pub fn chosen(&self) -> Vec<&'static Method> {
         let names = &self.methods;
         let is_chosen =
@@ -81,33 +81,33 @@ impl Methods {
 /// Arguments of `run`.
 #[derive(Args, Debug)]
 pub struct RunArguments {
-    /// Surfaces: names of `zeroset gallery --list`, or of the ten that are measured by default
+    /// Names of surfaces: those of `zeroset gallery --list`, or of the ten measured by default
     pub surfaces: Vec<String>,
     /// Methods to measure.
     #[command(flatten)]
     pub methods: Methods,
-    /// Depths, for methods that read one
+    /// Depths, for methods that have this option
     #[arg(long, value_delimiter = ',', default_value = "6,8,10,12", value_name = "DEPTHS",
         value_parser = clap::value_parser!(u32).range(1..=i64::from(Precision::F64.max_depth())))]
     max_depth: Vec<u32>,
-    /// Tolerances in pixels, for methods that read one
+    /// Tolerances in pixels, for methods that have this option
     #[arg(long, value_delimiter = ',', default_value = "2,0.5,0.1,0.01", value_name = "PIXELS",
         value_parser = tolerance)]
     tolerances: Vec<f64>,
-    /// Steps along a ray, for methods that read them
+    /// Numbers of steps along a ray, for methods that have this option
     #[arg(long, value_delimiter = ',', default_value = "64,256,1024", value_name = "NUMBERS",
         value_parser = clap::value_parser!(u32).range(2..))]
     steps: Vec<u32>,
-    /// Precisions, for methods that read one
+    /// Precisions, for methods that have this option
     #[arg(long, value_delimiter = ',', default_value = "f32,f64,auto", value_name = "NAMES",
         value_parser = precision_name)]
     precision: Vec<String>,
-    /// Side of the square pictures in pixels; several sizes, separated by commas, chart time
-    /// against resolution
+    /// Side of the square pictures in pixels; several sizes, separated by commas, give a chart of
+    /// time against resolution
     #[arg(long, visible_alias = "size", value_delimiter = ',', default_value = "256", value_name = "PIXELS",
         value_parser = number(8..=8192))]
     sizes: Vec<usize>,
-    /// Number of views of each surface, in turn standard, around, close, grazing, inside
+    /// Number of views of each surface; their kinds are standard, around, close, grazing, inside
     #[arg(long, default_value_t = 8, value_parser = number(1..=1000))]
     views: usize,
     /// Seed of views, sampled pixels and the order of measurements
@@ -116,16 +116,16 @@ pub struct RunArguments {
     /// Number of times that each picture is measured
     #[arg(long, default_value_t = 15, value_parser = number(1..=100_000))]
     repeats: usize,
-    /// Threads that pictures are drawn on
+    /// Number of threads that draw a picture
     #[arg(long, default_value_t = 1, value_parser = number(1..=1024))]
     pub threads: usize,
     /// Approximate number of pixels per picture that the certified tracer checks; 0 for all
     #[arg(long, default_value_t = 1024, value_parser = number(0..=u32::MAX.into()))]
     samples: usize,
-    /// Directory of the results; rows that are already there are kept
+    /// Directory for the results; rows that it already has are kept
     #[arg(short, long, value_name = "DIRECTORY")]
     pub output: PathBuf,
-    /// Small trial run: two views, three repeats, 64 pixels in a row
+    /// Small trial run: at most two views, three repeats and 64×64 pixels
     #[arg(long)]
     quick: bool,
 }
@@ -133,13 +133,12 @@ pub struct RunArguments {
 /// Arguments of `rays`.
 #[derive(Args, Debug)]
 pub struct RaysArguments {
-    /// A surface: a name of `zeroset gallery --list`, or one of the ten that are measured by
-    /// default
+    /// A surface: a name of `zeroset gallery --list`, or one of the ten measured by default
     pub surface: String,
     /// Rays from an .npy file of float64: an origin and a direction per row, six numbers
     #[arg(long, value_name = "FILE", conflicts_with = "random")]
     pub rays: Option<PathBuf>,
-    /// Number of random rays, from around the domain to points in it
+    /// Number of random rays, which start around the domain and aim at points in it
     #[arg(long, default_value_t = 1000, value_parser = number(1..=10_000_000))]
     pub random: usize,
     /// Seed of the random rays
@@ -151,7 +150,7 @@ pub struct RaysArguments {
     /// Tolerance of a hit, as a share of the domain's diagonal
     #[arg(long, default_value_t = 1e-6, value_name = "SHARE", value_parser = tolerance)]
     pub within: f64,
-    /// Directory of the files
+    /// Directory for the files
     #[arg(short, long, value_name = "DIRECTORY")]
     pub output: PathBuf,
 }
@@ -159,7 +158,7 @@ pub struct RaysArguments {
 /// Arguments of `rigour`.
 #[derive(Args, Debug)]
 pub struct RigourArguments {
-    /// Surfaces without parameters and poles, named as for `run`; the ten of `run` if not given
+    /// Surfaces without parameters and poles, named as for `run`; the ten of `run` if none is given
     pub surfaces: Vec<String>,
     /// Side of the square pictures, in pixels
     #[arg(long, default_value_t = 256, value_name = "PIXELS", value_parser = number(8..=8192))]
@@ -170,7 +169,7 @@ pub struct RigourArguments {
     /// Seed of the boxes and the order of measurements
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Directory of rows and chart
+    /// Directory for the rows and the chart
     #[arg(short, long, value_name = "DIRECTORY")]
     pub output: PathBuf,
 }
@@ -187,7 +186,7 @@ pub struct CompileArguments {
     /// Seed of the numbers in sums and products, and of the order of measurements
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Directory of rows and charts
+    /// Directory for the rows and the charts
     #[arg(short, long, value_name = "DIRECTORY")]
     pub output: PathBuf,
 }
@@ -195,7 +194,7 @@ pub struct CompileArguments {
 /// Arguments of `stability`.
 #[derive(Args, Debug)]
 pub struct StabilityArguments {
-    /// Cases by name; all of tests/data/stability if not given
+    /// Names of cases; all cases of tests/data/stability if none is given
     pub cases: Vec<String>,
     /// Methods that draw the cases.
     #[command(flatten)]
@@ -203,7 +202,7 @@ pub struct StabilityArguments {
     /// Time limit of each picture, in seconds
     #[arg(long, default_value = "10", value_name = "SECONDS", value_parser = seconds)]
     pub budget: Duration,
-    /// Directory of table, rows and contact sheet
+    /// Directory for the table, the rows and the contact sheet
     #[arg(short, long, value_name = "DIRECTORY")]
     pub output: PathBuf,
 }
@@ -230,7 +229,7 @@ fn precision_name(text: &str) -> Result<String, String> {
 }
 
 impl RunArguments {
-    /// The values to measure, for each option.
+    /// The values to measure for each option.
     pub fn values(&self) -> Values {
         Values {
             depths: distinct(self.max_depth.iter().copied()),

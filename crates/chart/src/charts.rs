@@ -13,7 +13,7 @@ use crate::row::Row;
 use std::path::Path;
 use zeroset_trace::{DEPTH, METHODS, Precision, STEPS, TOLERANCE};
 
-/// All charts that the rows can fill: those over all surfaces, then those of single surfaces.
+/// All charts that have rows: first those over all surfaces, then those of single surfaces.
 pub fn charts(rows: &[Row]) -> [Vec<Figure>; 2] {
     let rows = MeasuredRows::of(rows);
     let Some(size) = rows.common_size() else { return Default::default() };
@@ -24,7 +24,7 @@ pub fn charts(rows: &[Row]) -> [Vec<Figure>; 2] {
     [all, errors::by_surface(&same)]
 }
 
-/// Draws all charts that the rows can fill into a directory; returns their number.
+/// Draws all charts that have rows into a directory; returns the number of charts.
 ///
 /// # Errors
 /// If a chart cannot be drawn or written.
@@ -36,7 +36,7 @@ pub fn draw_all(rows: &[Row], directory: &Path) -> Result<usize, ChartError> {
     Ok(charts.len())
 }
 
-/// Rows whose method is known, with their configurations.
+/// Rows whose method this version knows, each with its configuration.
 #[derive(Clone, Debug)]
 struct MeasuredRows<'a>(Vec<(&'a Row, Configuration)>);
 
@@ -64,7 +64,7 @@ impl<'a> MeasuredRows<'a> {
         sizes.into_iter().max_by_key(|size| (number(size), *size))
     }
 
-    /// The rows of each method in one precision: `auto` if it was measured, else the first one.
+    /// The rows of each method in one precision: `auto` if measured, else the first measured one.
     fn in_one_precision(&self) -> Self {
         let best = |method: &str| {
             let of_method = self.0.iter().filter(|(_, other)| other.method.name == method);
@@ -77,7 +77,7 @@ impl<'a> MeasuredRows<'a> {
         Self(self.0.iter().filter(|(_, one)| is_best(one)).copied().collect())
     }
 
-    /// A quantity's geometric mean over views, surface by surface.
+    /// For each surface, the geometric mean of a quantity over the surface's rows.
     fn by_surface(&self, value: impl Fn(&Row) -> Option<f64>) -> Vec<f64> {
         let surfaces = self.surfaces().into_iter();
         surfaces.filter_map(|surface| self.mean_on(surface, &value)).collect()
@@ -89,7 +89,7 @@ impl<'a> MeasuredRows<'a> {
     }
 }
 
-/// Value in place of an error of 0 pixels in means. It is far below what a picture shows.
+/// Stands for an error of 0 in geometric means, in pixels. Pictures cannot show such a small error.
 const LEAST: f64 = 1e-6;
 
 /// The geometric mean, with values raised to at least [`LEAST`]; 0 if all values are 0.
@@ -100,7 +100,7 @@ fn mean(values: &[f64]) -> Option<f64> {
     geometric_mean(&values.iter().map(|value| value.max(LEAST)).collect::<Vec<_>>())
 }
 
-/// The lower and upper quartile, if there are several values.
+/// The lower and upper quartile; `None` if there are fewer than two values.
 fn bar(values: &[f64]) -> Option<[f64; 2]> {
     let quartiles = Quartiles::of(values).filter(|_| values.len() > 1)?;
     Some([quartiles.lower, quartiles.upper])
@@ -132,7 +132,7 @@ fn series(configuration: &Configuration) -> PlotSeries {
     }
 }
 
-/// Configurations grouped by method and precision. A group differs only in numbers.
+/// Configurations grouped by method and precision. Within a group, only numeric options differ.
 fn families(rows: &MeasuredRows<'_>) -> Vec<Vec<Configuration>> {
     let configurations = distinct(rows.0.iter().map(|(_, configuration)| *configuration));
     let families = grouped(configurations, |one| (one.method, one.precision));
@@ -146,7 +146,7 @@ fn letters(rows: &MeasuredRows<'_>) -> Vec<&'static str> {
     letters.into_iter().filter(|(option, _)| has(*option)).map(|(_, letter)| letter).collect()
 }
 
-/// A legend's notes: what the pictures have in common, then the lines of `further`.
+/// Notes of a legend: properties that the pictures share, then the lines of `further`.
 fn notes<'a>(rows: &MeasuredRows<'_>, further: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     let Some((row, _)) = rows.0.first() else { return Vec::new() };
     let surfaces = rows.surfaces();

@@ -12,31 +12,30 @@ use crate::surfaces::ChartSurface;
 use crate::views::View;
 use std::path::Path;
 
-/// Greatest accepted relative change of a time. Two runs on an otherwise idle machine differ by
-/// less.
+/// Greatest accepted relative change of a time. Runs on an otherwise idle machine differ by less.
 pub const TIME_TOLERANCE: f64 = 0.15;
 
-/// Differences between results and a repetition of them.
+/// Differences between stored results and a second measurement.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Differences {
     /// Number of rows compared.
     pub rows: usize,
     /// Counts or hashes that differ, one line each.
     pub counts: Vec<String>,
-    /// Rows whose time changed by more than [`TIME_TOLERANCE`] relative to the other rows of their
-    /// view, one line each.
+    /// Rows whose time changed by more than [`TIME_TOLERANCE`], one line each. A change that all
+    /// rows of a view share is divided out.
     pub times: Vec<String>,
 }
 
 /// Measures every row of `directory` again, without writing any.
 ///
 /// # Errors
-/// If there are no rows, or they cannot be repeated by this version.
+/// If there are no rows, or this version cannot repeat them.
 pub fn check(directory: &Path) -> Result<Differences, ChartError> {
     let store = Store::existing(directory)?;
     let machine = Environment::this();
     let mut differences = Differences::default();
-    // Rows that were measured together are measured together again.
+    // Rows with the same surface, view and conditions are measured together, as they were before.
     let batches = grouped(&store.rows, |row| (&row.surface, &row.view, row.conditions()));
     let bar = progress(batches.len());
     for ((surface, view, conditions), old) in batches {
@@ -61,7 +60,7 @@ pub fn check(directory: &Path) -> Result<Differences, ChartError> {
 
 impl Differences {
     fn add(&mut self, old: &[&Row], new: &[Row]) {
-        // A change that all times of a view share comes from the machine.
+        // A change that all times of a view share comes from the machine, so it is divided out.
         let ratios: Vec<f64> = old.iter().zip(new).map(|(a, b)| b.total_ms / a.total_ms).collect();
         let common = crate::quantile::quantile(&ratios, 0.5).unwrap_or(1.0);
         for ((old, new), ratio) in old.iter().zip(new).zip(ratios) {

@@ -42,7 +42,7 @@ pub fn difference(reference: &RootReference, buffer: &GBuffer) -> RgbImage {
 /// Encodes a picture as a PNG file.
 ///
 /// # Errors
-/// If it is too large for one.
+/// If the picture is too large for the format.
 pub fn png(image: &RgbImage) -> Result<Vec<u8>, ChartError> {
     let mut bytes = Cursor::new(Vec::new());
     image.write_to(&mut bytes, ImageFormat::Png).map_err(ChartError::of_chart("picture"))?;

@@ -55,22 +55,22 @@ pub enum ChartError {
 }
 
 impl ChartError {
-    /// Converter of a surface's errors for `map_err`.
+    /// For `map_err`: turns an error of a surface into a [`ChartError`].
     pub fn of_surface<E: ToString>(surface: &str) -> impl Fn(E) -> Self {
         move |why| Self::ChartSurface { surface: surface.to_owned(), why: why.to_string() }
     }
 
-    /// Converter of a chart's errors for `map_err`.
+    /// For `map_err`: turns an error of a chart into a [`ChartError`].
     pub fn of_chart<E: ToString>(name: &str) -> impl Fn(E) -> Self {
         move |why| Self::Chart { name: name.to_owned(), why: why.to_string() }
     }
 
-    /// Converter of a file's I/O errors for `map_err`.
+    /// For `map_err`: turns an I/O error of a file into a [`ChartError`].
     pub fn of_file(path: &Path) -> impl Fn(std::io::Error) -> Self {
         move |why| Self::File { path: path.to_owned(), why }
     }
 
-    /// Converter of errors in a file's content for `map_err`.
+    /// For `map_err`: turns an error in a file's content into a [`ChartError`].
     pub fn of_content<E: ToString>(path: &Path) -> impl Fn(E) -> Self {
         move |why| Self::Content { path: path.to_owned(), why: why.to_string() }
     }

@@ -7,8 +7,8 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use zeroset_trace::{GBuffer, RayGrid, Status};
 
-/// Counts and sizes of errors at some pixels. Pixels that the reference leaves open count in `open`
-/// only.
+/// Counts and sizes of errors at some pixels. Pixels that the reference leaves open count only in
+/// `samples` and `open`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PixelErrors {
     /// Number of pixels compared.
@@ -17,37 +17,37 @@ pub struct PixelErrors {
     pub open: usize,
     /// Pixels with a root.
     pub roots: usize,
-    /// Pixels with a root on which nothing is painted.
+    /// Pixels that have a root, but show nothing.
     pub missed: usize,
-    /// Pixels without a root on which something is painted.
+    /// Pixels that have no root, but show something.
     pub phantom: usize,
     /// Pixels drawn nearer to the next root than to the first.
     pub wrong_root: usize,
     /// Pixels with the status undecided.
     pub undecided: usize,
-    /// Pixels with a false status: a miss where there is a root, or a hit where there is none or
-    /// another root comes first.
+    /// Pixels with a false status: a miss on a ray with a root, or a hit on a ray without a root or
+    /// at a later root.
     pub false_claims: usize,
     /// Pixels drawn at their first root. Distances and normals are measured at these.
     pub painted: usize,
-    /// Distance from the root as a multiple of the pixel's footprint there: median, 99.9 % quantile
-    /// and maximum.
+    /// Distance from the root, as a multiple of the pixel's footprint at the root: median, 99.9 %
+    /// quantile and maximum.
     pub off_pixels: Option<[f64; 3]>,
     /// Distance from the root in world units: median, 99.9 % quantile and maximum.
     pub off: Option<[f64; 3]>,
-    /// Angle between the drawn normal and that of the root, in degrees: median, 99.9 % quantile and
-    /// maximum.
+    /// Angle between the drawn normal and the root's normal, in degrees: median, 99.9 % quantile
+    /// and maximum.
     pub normal_degrees: Option<[f64; 3]>,
 }
 
-/// The mistake at a painted pixel.
+/// A mistake at a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mistake {
     /// A root is not painted.
     Missed,
     /// Something is painted where there is no root.
     Phantom,
-    /// Another root than the first is painted.
+    /// A root other than the first is painted.
     WrongRoot,
 }
 
@@ -61,8 +61,8 @@ fn is_next(root: &Root, drawn: f64) -> bool {
     root.next.is_some_and(|next| outside(&[next], drawn) < outside(&root.pieces, drawn))
 }
 
-/// The mistake of a pixel drawn at this distance, which is infinite if nothing is painted. `None`
-/// if the pixel is right or the reference leaves it open.
+/// The mistake of a pixel that is drawn at the distance `drawn`, or infinity if nothing is painted.
+/// `None` if the pixel is right or the reference leaves it open.
 pub fn mistake(truth: &Truth, drawn: f64) -> Option<Mistake> {
     match truth {
         Truth::Open => None,
@@ -73,7 +73,7 @@ pub fn mistake(truth: &Truth, drawn: f64) -> Option<Mistake> {
 }
 
 impl PixelErrors {
-    /// The errors of a picture that `rays` drew, at the reference's pixels.
+    /// The errors of a picture at the reference's pixels. `rays` are the picture's rays.
     pub fn new(reference: &RootReference, rays: &RayGrid, buffer: &GBuffer) -> Self {
         let mut errors = Self { samples: reference.pixels.len(), ..Self::default() };
         let [mut off_pixels, mut off, mut degrees] = [const { Vec::new() }; 3];

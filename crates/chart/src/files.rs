@@ -6,17 +6,16 @@ use std::fs;
 use std::io::Write;
 use std::path::Path;
 
-/// Writes a file atomically, by renaming a temporary one.
+/// Writes a file atomically: a temporary file is written and then renamed.
 ///
 /// # Errors
-/// If it cannot be written.
+/// If the file cannot be written.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), ChartError> {
     let refuse = ChartError::of_file(path);
     let directory = path.parent().unwrap_or(Path::new("."));
     fs::create_dir_all(directory).map_err(&refuse)?;
     let mut builder = tempfile::Builder::new();
-    // Temporary files are readable by their owner only, but results should be as readable as
-    // others.
+    // A temporary file is readable by its owner only. Results get the usual permissions.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let mut file = builder.tempfile_in(directory).map_err(&refuse)?;
@@ -28,7 +27,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), ChartError> {
 /// Writes rows as a CSV table with a header, atomically.
 ///
 /// # Errors
-/// If it cannot be written.
+/// If the table cannot be written.
 pub fn write_csv<R: Serialize>(
     path: &Path,
     rows: impl IntoIterator<Item = R>,

@@ -6,7 +6,7 @@ use zeroset_trace::{
     DEPTH, Method, MethodOption, PRECISION, Precision, STEPS, TOLERANCE, TraceOptions,
 };
 
-/// The values that each option takes.
+/// The values to measure for each option.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Values {
     /// Depths.
@@ -19,7 +19,7 @@ pub struct Values {
     pub precisions: Vec<String>,
 }
 
-/// A method with some of its options set; `None` for options that it does not read.
+/// A method with some of its options set. An option that the method does not read is `None`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Configuration {
     /// The method.
@@ -39,9 +39,8 @@ pub fn precision(name: &str) -> Option<Precision> {
     [Precision::Auto, Precision::F32, Precision::F64].into_iter().find(|p| p.to_string() == name)
 }
 
-/// The options of a method that are varied. On-off switches are left to `benches/frame.rs`. If a
-/// method reads depth or steps, its tolerance only ends the refinement of hits and keeps its
-/// default.
+/// The options of a method that the grid varies. On-off switches are left to `benches/frame.rs`. If
+/// a method reads depth or steps, the tolerance only refines hits, so it is not varied.
 fn varied(method: &'static Method) -> impl Iterator<Item = MethodOption> {
     let has_other = method.reads.iter().any(|option| [DEPTH, STEPS].contains(option));
     let is_varied = move |option: &MethodOption| {
@@ -60,7 +59,7 @@ pub fn configurations(methods: &[&'static Method], values: &Values) -> Vec<Confi
             of_method =
                 of_method.into_iter().flat_map(|one| one.with_each(option, values)).collect();
         }
-        // A depth beyond the precision's limit would give the picture of that limit again.
+        // A depth beyond the precision's limit gives the same picture as the limit.
         of_method.retain(|one| one.depth <= one.precision.map(Precision::max_depth).or(one.depth));
         all.extend(of_method);
     }
@@ -106,7 +105,8 @@ impl Configuration {
         numbers.into_iter().filter_map(|(option, word, number)| Some((option, word, number?)))
     }
 
-    /// The numeric options, each after its letter: d for depth, t for tolerance, s for steps.
+    /// The numeric options as text: d and the depth, t and the tolerance, s and the number of
+    /// steps.
     pub fn label(&self) -> String {
         let numbers = self.numbers().map(|(_, word, number)| format!("{}{number}", &word[..1]));
         numbers.collect::<Vec<_>>().join(" ")

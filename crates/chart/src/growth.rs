@@ -1,5 +1,5 @@
-//! Compile time by expression size: from text to the kernels of the method `affine`, for the
-//! gallery's surfaces and for generated formulas.
+//! Compile time by expression size, from text to the kernels of the method `affine`. The formulas
+//! are the gallery's and generated ones.
 
 mod chart;
 mod formulas;
@@ -24,8 +24,8 @@ use zeroset_scene::view;
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{Method, TraceOptions};
 
-/// Results of a formula. Times are in milliseconds on one thread: the least over all rounds. Every
-/// round does the same work, so other load on the processor can only add to a time.
+/// Results of one formula. A time, in milliseconds on one thread, is the least over all rounds.
+/// Every round does the same work, so other load on the processor can only add to a time.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)] // names of columns
 pub struct GrowthRow {
@@ -44,7 +44,7 @@ pub struct GrowthRow {
     pub kernels: usize,
     /// Size of all kernels' code, in bytes.
     pub code_bytes: usize,
-    /// Whether some kernels compute affine forms. A formula that is too large for them is drawn by
+    /// Whether some kernels compute affine forms. Formulas too large for these are drawn by
     /// intervals.
     pub forms: bool,
     pub repeats: usize,
@@ -69,8 +69,7 @@ pub fn growth(arguments: &CompileArguments) -> Result<String, ChartError> {
     let mut order: Vec<usize> = (0..formulas.len()).collect();
     let mut rounds: Vec<Vec<GrowthRow>> = vec![Vec::new(); formulas.len()];
     let mut rows = Vec::new();
-    // The first round warms up. Rounds make a disturbance affect many formulas once, not one
-    // formula always.
+    // The first round warms up. Rounds spread a disturbance over many formulas.
     for round in 0..=repeats {
         random.shuffle(&mut order);
         for &number in &order {
@@ -144,7 +143,7 @@ fn compile(
     })
 }
 
-/// Combines a formula's rounds: each time is its least value over the rounds.
+/// Combines a formula's rounds: each time is the least over the rounds.
 fn combine_rounds(rounds: &[GrowthRow]) -> GrowthRow {
     let least = |time: fn(&GrowthRow) -> f64| rounds.iter().map(time).fold(f64::INFINITY, f64::min);
     GrowthRow {
@@ -156,7 +155,7 @@ fn combine_rounds(rounds: &[GrowthRow]) -> GrowthRow {
     }
 }
 
-/// A table of how times and code grow with nodes, and of the largest formula's values.
+/// A table of times and code size: their growth with nodes, and values for the largest formula.
 fn table(rows: &[GrowthRow]) -> String {
     let Some(largest) = rows.iter().max_by_key(|row| row.nodes) else { return String::new() };
     let (formulas, nodes) = (rows.len(), largest.nodes);

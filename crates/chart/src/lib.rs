@@ -1,9 +1,9 @@
 //! Measures and charts the speed and accuracy of every method of `zeroset`.
 //!
-//! A measurement is of a surface, a view of [`views`] and a configuration of [`grid`]: a method
-//! with values of its options. [`measure`] takes the times. [`errors`] compares pictures with a
-//! [`mod@reference`] from the certified tracer. Both become a [`row`] of a [`store`], and charts
-//! and pages are drawn from rows alone.
+//! A measurement has a surface, a view of [`views`] and a configuration of [`grid`]: a method with
+//! values of its options. [`measure`] takes the times. [`errors`] compares pictures with a
+//! [`mod@reference`] from the certified tracer. Times and errors make up a [`row`] of a [`store`].
+//! Charts and pages are drawn from rows alone.
 //!
 //! Methods are known here only by their rows in [`METHODS`](zeroset_trace::METHODS).
 

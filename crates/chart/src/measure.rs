@@ -1,4 +1,4 @@
-//! Times of pictures. In each round every configuration draws once, in a random order.
+//! Times of pictures. In each round, every configuration draws once, in a random order.
 
 use crate::error::ChartError;
 use crate::grid::Configuration;
@@ -30,7 +30,7 @@ fn milliseconds(time: Duration) -> f64 {
     time.as_secs_f64() * 1e3
 }
 
-/// A pool of this many threads, separate from the one that computes references.
+/// A pool of this many threads, separate from the pool that computes references.
 ///
 /// # Panics
 /// If the system cannot create the threads.
@@ -38,9 +38,9 @@ pub fn pool(threads: usize) -> ThreadPool {
     ThreadPoolBuilder::new().num_threads(threads).build().expect("the system gives threads")
 }
 
-/// Measures all `configurations` from one view. Each draws a first picture, for which it compiles,
-/// then one to warm up, and then `repeats` measured ones. Calls `advance` after the first pictures
-/// and after each round.
+/// Measures all `configurations` from one view. Each configuration draws a first picture, a picture
+/// to warm up, and `repeats` measured pictures. The time of the first picture includes compilation.
+/// Calls `advance` after the first pictures and after each round.
 ///
 /// # Errors
 /// If a kernel cannot be compiled.
@@ -73,7 +73,7 @@ pub fn measure(
     let mut times = vec![Vec::with_capacity(repeats); configurations.len()];
     let mut order: Vec<usize> = (0..configurations.len()).collect();
     let mut rng = rng(&format!("{seed} {} order", surface.name));
-    // An extra first round compiles the kernels.
+    // The extra first round compiles the kernels, and is not measured.
     for round in 0..=repeats {
         rng.shuffle(&mut order);
         for &index in &order {

@@ -11,7 +11,7 @@ use crate::row::Row;
 use crate::store::Store;
 use std::path::PathBuf;
 
-/// Writes the page of the results, `index.html`, into their directory; returns its path.
+/// Writes the page `index.html` into the directory of the results; returns its path.
 ///
 /// # Errors
 /// If a chart cannot be drawn, a surface has no picture, or the page cannot be written.

@@ -1,7 +1,7 @@
-//! The Pareto front: points that no other point beats in one coordinate without losing in the
-//! other.
+//! The Pareto front: the points for which no other point is better in one coordinate and no worse
+//! in the other.
 
-/// Indices of the points on the front, from left to right. Of equal points the first is kept.
+/// Indices of the points on the front, from left to right. If points are equal, the first is kept.
 pub fn front(points: &[[f64; 2]]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..points.len()).collect();
     order.sort_by(|&a, &b| {

@@ -24,13 +24,13 @@ pub struct Figure {
     pub x: String,
     /// Label of the vertical axis, with its unit.
     pub y: String,
-    /// Names of places 0, 1, 2 … of the horizontal axis, which is logarithmic if there are none.
+    /// Names of the places 0, 1, 2 … on the horizontal axis. If empty, the axis is logarithmic.
     pub places: Vec<String>,
     /// The series, from back to front.
     pub series: Vec<PlotSeries>,
-    /// Label and points of a wide pale line behind all others.
+    /// Label and points of a wide pale line behind all other lines.
     pub front: Option<(String, Vec<[f64; 2]>)>,
-    /// Height of a horizontal line.
+    /// Value at which a horizontal line is drawn.
     pub level: Option<f64>,
     /// Further lines of the legend.
     pub notes: Vec<String>,
@@ -50,9 +50,9 @@ impl Figure {
 /// Marks of one color and shape.
 #[derive(Clone, Debug, Default)]
 pub struct PlotSeries {
-    /// Name in the legend; empty if it is not listed.
+    /// Name in the legend. If empty, the legend does not list the series.
     pub name: String,
-    /// Number of its color.
+    /// Number of the color of the series. Colors repeat after the last.
     pub color: usize,
     /// Shape of the marks.
     pub shape: MarkShape,
@@ -67,7 +67,7 @@ pub struct PlotSeries {
 /// A value of a series.
 #[derive(Clone, Debug, Default)]
 pub struct PlotMark {
-    /// Coordinates.
+    /// Values on the horizontal and the vertical axis.
     pub at: [f64; 2],
     /// Ends of a vertical bar through the mark.
     pub bar: Option<[f64; 2]>,
@@ -85,6 +85,6 @@ pub enum MarkShape {
     Square,
     /// A triangle.
     Triangle,
-    /// No mark, and a thick bar.
+    /// A thick bar without a mark.
     Bar,
 }

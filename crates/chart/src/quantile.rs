@@ -19,7 +19,7 @@ impl Quartiles {
     }
 }
 
-/// The one of the values below which about this share of them lies; `None` if there are none.
+/// The value with about this share of all values below it; `None` if there are no values.
 pub fn quantile(values: &[f64], share: f64) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);

@@ -109,7 +109,7 @@ fn random(region: &Region, count: usize, seed: u64) -> Vec<Ray> {
     (0..count).map(ray).collect()
 }
 
-/// A method's results, and its time per ray in nanoseconds, without compilation.
+/// A method's results, and its time per ray in nanoseconds. The time excludes compilation.
 fn follow(
     method: &Method,
     surface: &ChartSurface,
@@ -117,7 +117,7 @@ fn follow(
     rays: &[Ray],
     within: f64,
 ) -> Result<(Vec<RayResult>, f64), ChartError> {
-    // The tolerance is one pixel, which the segments below make as wide as `within`.
+    // The tolerance is one pixel. Each segment below has a pixel that is `within` wide.
     let options = TraceOptions { tolerance: 1.0, depth: 16, ..TraceOptions::default() };
     let tracer = method
         .prepare(program.surface(0), &surface.region, options)
@@ -139,14 +139,14 @@ fn follow(
     Ok((found, time * 1e9 / rays.len().max(1) as f64))
 }
 
-/// A method's row: status, bracket and drawn distance.
+/// A row of a method's file: status, bracket and drawn distance.
 fn place(found: &RayResult, ray: &Ray) -> [f64; 4] {
     let [near, far] = found.bracket.map(|t| ray.distance(t));
     let drawn = if found.drawn.is_finite() { ray.distance(found.drawn) } else { f64::NAN };
     [f64::from(found.status as u8), near, far, drawn]
 }
 
-/// The certified tracer's row: kind of truth and bounds of the root.
+/// A row of the certified tracer's file: kind of truth and bounds of the root.
 fn certain(truth: &Truth) -> [f64; 3] {
     match truth {
         Truth::Miss => [0.0, f64::NAN, f64::NAN],
@@ -167,7 +167,7 @@ fn is_false(found: &RayResult, ray: &Ray, truth: &Truth) -> bool {
         (Status::Miss, Truth::Root(_)) | (Status::Hit, Truth::Miss) => true,
         (Status::Hit, Truth::Root(root)) => {
             let bracket = found.bracket.map(|t| ray.distance(t));
-            // Methods without brackets claim only that there is a root.
+            // A hit without a bracket claims only that there is a root.
             let meets = |piece: &[f64; 2]| piece[0] <= bracket[1] && bracket[0] <= piece[1];
             bracket[0].is_finite() && !root.pieces.iter().any(meets)
         }

@@ -44,7 +44,7 @@ fn sampled(Sampling { size, samples, seed, .. }: Sampling) -> Vec<usize> {
 }
 
 impl RootReference {
-    /// A reference of these pixels, which is not stored.
+    /// A reference with these results. It is not stored.
     pub fn of(pixels: Vec<(usize, Truth)>) -> Self {
         Self { origin: String::new(), pixels }
     }

@@ -1,6 +1,7 @@
 //! The cost of sound rounding, by comparison of three arithmetics. The unsound one rounds to
-//! nearest. The widened one rounds to nearest and then moves each bound outward by further
-//! operations, for use where the rounding mode cannot be set. The product itself rounds up.
+//! nearest. The widened one rounds to nearest, and then moves each bound outward by further
+//! operations; it suits machines whose rounding mode cannot be set. The third rounds up, as zeroset
+//! itself does.
 //!
 //! Kernels are timed on the inputs that a picture gives them. Whole pictures are timed in each
 //! arithmetic, too.
@@ -94,7 +95,7 @@ fn table(rows: &[RigourRow]) -> String {
     [head.to_owned(), line("", names)].into_iter().chain(lines).collect()
 }
 
-/// A surface, and the conditions that it is measured under.
+/// A surface, and the conditions under which it is measured.
 struct Plan<'a> {
     surface: &'a ChartSurface,
     view: &'a View,
@@ -103,7 +104,7 @@ struct Plan<'a> {
     machine: &'a Environment,
 }
 
-/// The kernels for a query, one per arithmetic in the order of [`Arithmetic::ALL`].
+/// The three kernels for a query, one per arithmetic in the order of [`Arithmetic::ALL`].
 fn three<T: KernelPrecision, Q: Query>(
     sets: &[KernelSet; 3],
 ) -> Result<ByArithmetic<'_, Q, T>, KernelError>
@@ -114,7 +115,7 @@ where
     Ok([unsound.kernel()?, widened.kernel()?, upward.kernel()?])
 }
 
-/// A task to be timed: `run` repeats it, and each repetition evaluates `lanes` lanes or pixels.
+/// A timed task. `run` repeats the task, and each repetition evaluates `lanes` lanes or pixels.
 struct TimedTask<'a> {
     run: Box<dyn Fn(usize) + 'a>,
     lanes: usize,
@@ -127,7 +128,7 @@ impl Plan<'_> {
         let set = |arithmetic, records| {
             KernelSet::new(self.program, arithmetic, records).map_err(&refuse)
         };
-        // A picture in the sound arithmetic records the inputs of its kernels.
+        // Tracing a picture in the arithmetic that rounds up records the inputs of its kernels.
         let asked = set(Arithmetic::Upward, true)?;
         self.picture(&asked, T::PRECISION)?;
         let [unsound, widened, upward] = Arithmetic::ALL.map(|arithmetic| set(arithmetic, false));
@@ -151,7 +152,7 @@ impl Plan<'_> {
         Ok(rows)
     }
 
-    /// Rows with the kernels' times on some of `inputs`, and with the given `widths`.
+    /// Rows with the kernels' times on some of `inputs`. The rows get the given `widths`.
     fn kernel_rows<T: KernelPrecision, Q: Query>(
         &self,
         asked: Workload,
@@ -165,7 +166,7 @@ impl Plan<'_> {
         }
         let lanes = inputs.iter().map(Input::count).sum();
         let tasks = kernels.map(|kernel| {
-            // Called through a trait object, as the product's kernels are.
+            // Tracers call kernels through a trait object, so this call does, too.
             let kernel: &dyn Kernel<Q, T> = kernel;
             let run = move |times: usize| {
                 let mut output = Q::Output::<T>::default();
@@ -188,7 +189,7 @@ impl Plan<'_> {
         sets: &[KernelSet; 3],
         precision: Precision,
     ) -> Result<Vec<RigourRow>, ChartError> {
-        // These pictures compile the kernels before any time is taken.
+        // These untimed pictures compile the kernels.
         let mut undecided = Vec::new();
         for set in sets {
             undecided.push(self.picture(set, precision)?);
@@ -225,7 +226,7 @@ impl Plan<'_> {
         Ok(undecided)
     }
 
-    /// Times the three tasks in rounds of random order; rows are in the order of
+    /// Times the three tasks in rounds of random order. Rows are in the order of
     /// [`Arithmetic::ALL`].
     fn timed(
         &self,

@@ -1,4 +1,4 @@
-//! A row of results: a surface from a view by a configuration, with everything needed to repeat it.
+//! A row of results: a surface, a view and a configuration, with everything needed to repeat it.
 
 use crate::error::ChartError;
 use crate::errors::PixelErrors;
@@ -26,8 +26,8 @@ pub struct Conditions {
     pub samples: usize,
 }
 
-/// A row of results. Times are in milliseconds. Distances are in world units unless the name says
-/// pixels.
+/// A row of results. Times are in milliseconds. Distances are in world units, or in pixels if the
+/// field's name says so.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)] // names of columns; docs/performance.md says what is measured
 pub struct Row {
@@ -68,7 +68,7 @@ pub struct Row {
     pub missed: usize,
     pub phantom: usize,
     pub wrong_root: usize,
-    /// Pixels with a false status: these are wrong even if all undecided pixels are right.
+    /// Pixels with a false status. They are wrong even if all undecided pixels are right.
     pub false_claims: usize,
     pub undecided: usize,
     pub painted: usize,
@@ -202,7 +202,7 @@ impl Row {
         }
     }
 
-    /// The conditions that the row was measured under.
+    /// The conditions of the row's measurement.
     pub fn conditions(&self) -> Conditions {
         let Self { size, threads, seed, repeats, samples, .. } = *self;
         Conditions { size, threads, seed, repeats, samples }

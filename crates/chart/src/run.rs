@@ -16,7 +16,8 @@ use rayon::ThreadPool;
 use std::path::Path;
 use zeroset_testkit::certified::BUDGET;
 
-/// Measures the rows that the directory lacks, and stores them view by view. Returns their number.
+/// Measures the rows that the directory lacks, and stores them view by view. Returns the number of
+/// new rows.
 ///
 /// # Errors
 /// If a surface is unknown or cannot be drawn, or the directory has results of another machine or
@@ -59,7 +60,7 @@ pub fn run(arguments: &RunArguments) -> Result<usize, ChartError> {
     Ok(store.rows.len() - before)
 }
 
-/// One view of one surface, and the conditions that it is measured under.
+/// One view of one surface, and the conditions of its measurement.
 pub struct RunBatch<'a> {
     /// The surface.
     pub surface: &'a ChartSurface,
@@ -79,7 +80,7 @@ impl RunBatch<'_> {
             && row.configuration().is_ok_and(|other| other == *configuration)
     }
 
-    /// Measures these configurations and compares their pictures with the reference. References are
+    /// Measures configurations, and compares their pictures with the reference. The reference is
     /// stored in the directory `references`.
     ///
     /// # Errors

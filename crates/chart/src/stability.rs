@@ -1,8 +1,8 @@
 //! Results of every method on formulas on which methods for implicit surfaces are known to fail.
 //!
-//! The cases are those of `tests/data/stability`. The reference is the certified tracer. For rays
-//! that it leaves open, for example where f touches 0, the roots stored with the cases take its
-//! place.
+//! The cases are those of `tests/data/stability`. The reference is the certified tracer. The tracer
+//! leaves some rays open, for example where f touches 0; for these, the reference is the roots
+//! stored with the cases.
 
 mod case;
 mod outcome;
@@ -42,14 +42,14 @@ pub struct Verdict {
     pub ms: f64,
     /// Errors that determine the class.
     pub errors: PixelErrors,
-    /// The difficulty of the case.
+    /// The difficulty of the case's formula.
     pub hazard: String,
     /// Reason why there is no picture, if there is none.
     pub refusal: Option<String>,
 }
 
-/// Draws cases by methods, each picture within the budget. Writes table, rows and contact sheet,
-/// and returns the table.
+/// Draws cases by methods, each picture within the time budget. Writes a table, rows and a contact
+/// sheet, and returns the table.
 ///
 /// # Errors
 /// If there is no such case, or the directory cannot be written.
@@ -94,8 +94,8 @@ fn refused(case: &Case, method: &Method, why: String) -> Verdict {
     }
 }
 
-/// Draws a case by a method. Returns the verdict, and the picture with a picture of its errors, if
-/// there is one.
+/// Draws a case by a method. Returns the verdict. If there is a picture, returns it and a picture
+/// of its errors, too.
 fn judged(
     case: &Case,
     reference: &RootReference,
@@ -126,7 +126,7 @@ fn judged(
     (verdict, Some([shown, wrong]))
 }
 
-/// A line for each case, with a column for each method, and then each method's outcomes.
+/// A table with a line per case and a column per method, followed by the number of each outcome.
 fn table(verdicts: &[Verdict], methods: &[&'static Method]) -> String {
     let line = |name: &str, cells: Vec<String>| format!("{name:20}{}\n", cells.concat());
     let names = methods.iter().map(|method| format!("{:32}", method.name)).collect();

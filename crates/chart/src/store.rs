@@ -1,4 +1,4 @@
-//! A directory of results, `rows.json`, which `rows.csv` repeats.
+//! A directory of results. `rows.csv` repeats the rows of `rows.json`.
 
 use crate::error::ChartError;
 use crate::files::{write, write_csv};
@@ -15,7 +15,7 @@ pub struct Store {
 }
 
 impl Store {
-    /// Opens the results in `directory`; there are none if it has no file of rows.
+    /// Opens the results in `directory`. If it has no file of rows, there are no results.
     ///
     /// # Errors
     /// If the rows cannot be read.
@@ -29,7 +29,7 @@ impl Store {
     /// Opens the results in `directory`, which must have some.
     ///
     /// # Errors
-    /// If there are none, or they cannot be read.
+    /// If there are no results, or they cannot be read.
     pub fn existing(directory: &Path) -> Result<Self, ChartError> {
         let path = directory.join(ROWS);
         let bytes = fs::read(&path).map_err(ChartError::of_file(&path))?;
@@ -47,10 +47,10 @@ impl Store {
         fs::read_to_string(self.path(COMMANDS)).unwrap_or_default()
     }
 
-    /// Adds a command to the list, unless it is already there.
+    /// Adds a command to the list, unless the list has it.
     ///
     /// # Errors
-    /// If it cannot be written.
+    /// If the list cannot be written.
     pub fn keep_command(&self, command: &str) -> Result<(), ChartError> {
         let mut commands = self.commands();
         if !commands.lines().any(|line| line == command) {

@@ -21,10 +21,9 @@ pub struct ChartSurface {
     pub name: String,
     /// Text of the function file.
     pub text: String,
-    /// Document read from the text. It has one surface, unless [`ChartSurface::read`] read it,
-    /// which allows several.
+    /// Document read from the text. It has one surface; only [`ChartSurface::read`] allows several.
     pub document: Document,
-    /// The domain: given, or the document's, or one found by intervals.
+    /// The domain: the given one, the document's, or one found by intervals.
     pub region: Region,
 }
 
@@ -33,7 +32,7 @@ pub fn names() -> Vec<&'static str> {
     FILES.files().filter_map(|file| file.path().file_stem()?.to_str()).collect()
 }
 
-/// The distinct surfaces of these names; if there are no names, the ten that are measured by
+/// The distinct surfaces of these names. If there are no names, the ten that are measured by
 /// default.
 ///
 /// # Errors

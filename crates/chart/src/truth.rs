@@ -1,7 +1,7 @@
 //! The truth about rays, proven by the certified tracer.
 //!
-//! It is independent of the methods: the tracer shares no code with kernels or traversers. Only
-//! normals come from a kernel. It evaluates the derivatives at the certified root in `f64`.
+//! It is independent of the methods: the tracer shares no code with kernels or methods. Only
+//! normals come from a kernel, which evaluates the derivatives at the certified root in `f64`.
 
 use crate::error::ChartError;
 use crate::surfaces::ChartSurface;
@@ -21,14 +21,14 @@ pub enum Truth {
     Miss,
     /// The ray meets a zero.
     Root(Root),
-    /// The ray comes near a zero and may touch it, or the budget ran out.
+    /// The ray may touch a zero, or the budget ran out.
     Open,
 }
 
 /// The first zero along a ray.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Root {
-    /// Intervals of distance, one of which holds the zero; no other zero lies before or between
+    /// Intervals of distance, one of which holds the zero. No other zero lies before or between
     /// them.
     pub pieces: Vec<[f64; 2]>,
     /// Interval of distance that holds the next zero, if that is certain.
@@ -119,8 +119,8 @@ impl<'a> Certifier<'a> {
         Truth::Root(Root { pieces, next: self.next(ray, &crossing), normal })
     }
 
-    /// The crossing after the first. To find it, a ray is traced that starts behind the first
-    /// crossing. That ray equals the given one up to rounding.
+    /// The crossing after `first`. To find it, a second ray starts behind `first`. Up to rounding,
+    /// it lies on the same line as `ray`.
     fn next(&self, ray: &Ray, first: &Crossing) -> Option<[f64; 2]> {
         let behind = Ray { origin: ray.at(first.far), direction: ray.direction };
         let next = self.trace(&behind).crossing?;

@@ -1,7 +1,7 @@
 //! Views of surfaces: a standard one, and others drawn from a seed.
 //!
-//! Points on surfaces are found by the certified tracer, so that views do not depend on the methods
-//! that are compared.
+//! Some views need points on the surface. The certified tracer finds these points, so views do not
+//! depend on the methods that are compared.
 
 use crate::error::ChartError;
 use crate::surfaces::ChartSurface;
@@ -14,15 +14,14 @@ use zeroset_trace::{Camera, Projection};
 
 /// Field of view in degrees, in every view.
 const FOV: f64 = 40.0;
-/// Offset of the standard eye from the middle of the domain, in half extents, as in Knoll et al.
-/// 2007.
+/// Offset of the standard eye from the domain's middle, in half extents (Knoll et al. 2007).
 const STANDARD: DVec3 = DVec3::new(2.0, 1.5, 3.0);
 /// Number of rays tried to find a point on a surface.
 const TRIES: usize = 400;
-/// Steps per half extent that coordinates are rounded to, which keeps their decimals short.
+/// Coordinates are multiples of a half extent over this number, which keeps their decimals short.
 const STEPS: f64 = 65536.0;
 
-/// Kinds of views in order. Further views repeat all of them but the standard one.
+/// Kinds of views, in order. Further views repeat this list without the standard view.
 const KINDS: [ViewKind; 8] = [
     ViewKind::Standard,
     ViewKind::Around,
@@ -39,13 +38,13 @@ const KINDS: [ViewKind; 8] = [
 enum ViewKind {
     /// The standard view of the literature.
     Standard,
-    /// The standard distance, in a random direction.
+    /// At the standard distance, in a random direction.
     Around,
     /// A fifth of a half extent in front of a random point of the surface.
     Close,
     /// Beside a random point of the surface, just above its tangent plane.
     Grazing,
-    /// A random place in the domain.
+    /// At a random place in the domain.
     Inside,
 }
 
@@ -58,9 +57,9 @@ pub struct View {
     pub camera: Camera,
 }
 
-/// The first `count` views of a surface. Each depends only on the seed, the surface's name and the
-/// view's number. If no point on the surface is found, views near it are replaced by views around
-/// it.
+/// The first `count` views of a surface. A view depends only on the seed, the surface's name and
+/// the view's number. If no point of the surface is found, a view around the surface replaces each
+/// close or grazing view.
 ///
 /// # Errors
 /// If the function cannot be compiled.
@@ -123,7 +122,7 @@ pub fn direction(rng: &mut Rng) -> DVec3 {
     }
 }
 
-/// A point where the function crosses 0, visible from outside, with its normal towards the viewer.
+/// A point where the function crosses 0, visible from outside, and its normal towards the viewer.
 fn point(surface: &ChartSurface, rng: &mut Rng) -> Result<Option<(DVec3, DVec3)>, ChartError> {
     let certifier = Certifier::new(surface, BUDGET)?;
     let (centre, half) = (surface.region.centre(), surface.region.half_extent());

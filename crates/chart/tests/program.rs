@@ -1,4 +1,4 @@
-//! Tests of the program: rows are written and repeated, and damaged rows are detected.
+//! Tests of the program: it writes and repeats rows, and detects damaged rows.
 
 use std::fs;
 use std::path::Path;
@@ -96,11 +96,11 @@ fn difficult_formulas_are_named_after_what_becomes_of_them() {
         words.map(str::to_owned).collect::<Vec<_>>()
     };
     assert_eq!(outcomes("thin-cylinder"), ["sound", "sound"]);
-    // Multiple roots are made simple before any method traces them.
+    // Rewriting makes multiple roots simple before any method traces them.
     assert_eq!(outcomes("seventh-power"), ["sound", "sound"]);
     assert_eq!(outcomes("double-sphere"), ["sound", "sound"]);
-    // At these sizes, slabs and thresholds chosen for a unit cube would miss everything. The two
-    // radii have no stored roots, so the certified tracer alone judges them.
+    // At these sizes, slabs and thresholds chosen for a unit cube would miss everything. These
+    // cases have no stored roots, so the certified tracer alone judges them.
     assert_eq!(outcomes("radius-1e-6"), ["sound", "sound"]);
     assert_eq!(outcomes("radius-1000"), ["sound", "sound"]);
     let sheet = fs::read(directory.path().join("stability.png")).expect("a sheet");
@@ -125,7 +125,7 @@ fn rigour_has_a_price() {
         chart(&["rigour", "sphere", "gyroid", "--size", "64", "--repeats", "3", "-o", path]);
     assert!(output.status.success(), "{output:?}");
     let rows: Vec<rigour::RigourRow> = parsed(&directory.path().join("rigour.csv"));
-    // One row for each of 2 surfaces, 4 workloads (three kernels and a picture), 2 precisions and 3
+    // A row for each of 2 surfaces, 4 workloads (3 kernels and a picture), 2 precisions, 3
     // arithmetics.
     assert_eq!(rows.len(), 2 * 4 * 2 * 3, "{rows:?}");
     for row in &rows {
@@ -134,12 +134,12 @@ fn rigour_has_a_price() {
         match row.arithmetic.as_str() {
             "unsound" => assert_eq!(row.times_unsound, 1.0),
             "upward" => assert!(row.width.is_none_or(|width| width == 1.0), "{row:?}"),
-            // More operations give wider bounds.
+            // The widened arithmetic has at least the width of the rounded-up one.
             _ => assert!(row.width.is_none_or(|width| width >= 1.0), "{row:?}"),
         }
     }
-    // At points, all width comes from rounding. The unsound arithmetic has less of it than rounding
-    // up, and the widened one has more.
+    // At points, all width comes from rounding. Compared with rounding up, the unsound arithmetic
+    // has less width, and the widened one has more.
     let of = |arithmetic: &'static str| rows.iter().filter(move |row| row.arithmetic == arithmetic);
     for ((unsound, widened), upward) in of("unsound").zip(of("widened")).zip(of("upward")) {
         if unsound.asked == Workload::Boxes {
@@ -244,7 +244,7 @@ fn rays_are_followed_and_kept_for_others() {
     }
     assert!(seen[0] > 20 && seen[1] > 20, "{seen:?}");
 
-    // The same rays, read back, give the same hits. A file of another shape is refused.
+    // Rays that are read back give the same hits. A file of another shape is refused.
     let again = tempfile::tempdir().expect("a directory");
     let (given, there) = (directory.path().join("rays.npy"), again.path());
     let arguments = |file: &Path| {

@@ -1,4 +1,4 @@
-//! All frames in one file: animated PNG, GIF, or raw bytes.
+//! Animations: all frames of a sequence in one file, as animated PNG, GIF, or raw bytes.
 
 use super::png_file::PictureOrigin;
 use anyhow::{Result, bail, ensure};
@@ -13,11 +13,11 @@ pub enum AnimationFormat {
     Png,
     /// GIF: 256 colors per frame.
     Gif,
-    /// Rows of red, green and blue bytes, from the top, frame after frame.
+    /// Raw bytes: red, green and blue of each pixel. Rows run from the top, frame after frame.
     Raw,
 }
 
-/// Greatest width and height of a GIF.
+/// Largest width or height of a GIF, in pixels.
 const GIF_SIDE: usize = u16::MAX as usize;
 
 /// Highest frame rate that every GIF viewer shows. Delays are in hundredths of a second, and
@@ -28,10 +28,10 @@ const GIF_FPS: u16 = 50;
 const GIF_SPEED: i32 = 10;
 
 impl AnimationFormat {
-    /// Returns the format for a path: by its extension, or raw for `-`.
+    /// Returns the animation's format: by the extension of `path`, or raw if `path` is `-`.
     ///
     /// # Errors
-    /// If the extension is unknown, or the format cannot hold such pictures.
+    /// If the extension is unknown, or a GIF cannot have this size or frame rate.
     pub fn of(path: &Path, size: [usize; 2], fps: u16) -> Result<Self> {
         let extension = path.extension().and_then(|extension| extension.to_str());
         let extension = extension.map(str::to_ascii_lowercase);
@@ -71,7 +71,7 @@ impl<W: Write> Animation<W> {
     /// Begins an animation that repeats forever.
     ///
     /// # Errors
-    /// If `out` fails.
+    /// If writing to `out` fails.
     pub fn begin(
         format: AnimationFormat,
         out: W,
@@ -101,7 +101,7 @@ impl<W: Write> Animation<W> {
     /// Adds a frame, given as rows of red, green and blue bytes.
     ///
     /// # Errors
-    /// If the sink fails.
+    /// If writing fails.
     pub fn add(&mut self, rgb: &[u8]) -> io::Result<()> {
         match &mut self.sink {
             FrameSink::Png(writer) => writer.write_image_data(rgb)?,
@@ -122,7 +122,7 @@ impl<W: Write> Animation<W> {
     /// Finishes the file.
     ///
     /// # Errors
-    /// If the sink fails.
+    /// If writing fails.
     pub fn end(self) -> io::Result<()> {
         match self.sink {
             FrameSink::Png(writer) => Ok(writer.finish()?),

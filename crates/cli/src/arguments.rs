@@ -18,7 +18,7 @@ use zeroset_trace::{METHODS, Method, MethodOption, OPTIONS, Projection, TraceOpt
 /// Default number of rays traced in a pixel that lies on an edge.
 pub const DEFAULT_AA: usize = 16;
 
-/// Shown below the options of `render --help`.
+/// Text shown below the options of `render --help`.
 const MORE: &str =
     "--help-all also lists arrays of what is proven, and options of methods, light and sequences.";
 
@@ -93,7 +93,7 @@ pub struct InteractiveArgs {
     pub preview: bool,
 }
 
-/// A document, and the values it is used with.
+/// A document, with the values of its parameters, its time and its domain.
 #[derive(Debug, Args)]
 pub struct DocumentArgs {
     /// Read a formula such as 'x^2+y^2+z^2=1', a file, a name from `zeroset gallery --list`, or
@@ -136,7 +136,7 @@ impl ValueArgs {
         self.define.iter().map(split).collect()
     }
 
-    /// Returns the time, if one was given.
+    /// Returns the value of `--time`, if it was given.
     ///
     /// # Errors
     /// If it is not a finite number.
@@ -190,7 +190,7 @@ pub struct RenderArgs {
 }
 
 impl RenderArgs {
-    /// Returns how the domain is clipped.
+    /// Returns the clip plane and the shape that the domain is clipped to.
     pub fn cut(&self) -> Clipping {
         Clipping { plane: self.camera.clip(), to: self.clip_to }
     }
@@ -420,7 +420,7 @@ pub struct ShadingArgs {
     #[arg(long)]
     pub legend: bool,
 
-    /// Trace 1, 4, 16 or 64 rays in a pixel on an edge (arrays hold one ray per pixel)
+    /// Trace 1, 4, 16 or 64 rays in a pixel on an edge (output arrays: center ray only)
     #[arg(long, value_name = "N", default_value_t = DEFAULT_AA)]
     pub aa: usize,
 

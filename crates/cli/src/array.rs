@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use zeroset_render::picture::{Picture, Precision};
 use zeroset_trace::GBuffer;
 
-/// A kind of array that can be written.
+/// A kind of array that `render` can write to a file.
 #[derive(Debug)]
 pub struct ArrayRow {
     /// Name of the flag, without the dashes.
@@ -17,11 +17,12 @@ pub struct ArrayRow {
     pub needs_normals: bool,
     /// Whether the array needs the brackets of hits.
     pub needs_brackets: bool,
-    /// Starts a file with this many rows and columns, for a picture computed in this precision.
+    /// Begins a file for a picture of this many rows and columns that is computed in this
+    /// precision.
     pub begin: fn(Box<dyn Write>, [usize; 2], Precision) -> NewRowWriter,
 }
 
-/// A file's row writer, or the error if the file could not be started.
+/// A writer for an array's rows, or the error if its file could not be begun.
 pub type NewRowWriter = io::Result<Box<dyn RowWriter>>;
 
 /// A file that is written row by row.
@@ -58,7 +59,7 @@ pub const ARRAYS: &[ArrayRow] = &[
         needs_normals: false,
         needs_brackets: false,
         begin: |out, [rows, columns], precision| match precision {
-            // Kernels of this precision compute in `f32`, so the distance needs no more.
+            // Kernels of this precision compute in `f32`, which is also enough for distances.
             Precision::F32 => array(out, &[rows, columns], |picture, array| {
                 array.extend(distances(&picture.buffer).map(|distance| distance as f32))
             }),
@@ -107,7 +108,7 @@ pub const ARRAYS: &[ArrayRow] = &[
             array(out, &[rows, columns], |picture, array| {
                 let buffer = &picture.buffer;
                 let drawn = |pixel: usize| buffer.is_drawn(pixel).then_some(buffer.surface[pixel]);
-                // The number fits an `i16`, since a text has at most a thousand surfaces.
+                // A surface's number fits an `i16`, since a text has at most a thousand surfaces.
                 let number = |pixel| drawn(pixel).map_or(-1, |surface| surface as i16);
                 array.extend((0..buffer.status.len()).map(number))
             })
@@ -148,7 +149,7 @@ impl Args for Arrays {
 
 type Writer<T> = NpyWriter<T, Box<dyn Write>>;
 
-/// Starts an array of this shape in C order. `add` appends the values of each strip.
+/// Begins an array of this shape, in C order. For each strip, `add` appends the strip's values.
 fn array<T, F>(out: Box<dyn Write>, shape: &[usize], add: F) -> NewRowWriter
 where
     T: AutoSerialize + Copy + 'static,

@@ -55,7 +55,7 @@ impl WordPosition {
         let statement = head[head.rfind(['\n', ';']).map_or(0, |at| at + 1)..].trim_start();
         let first = statement.split(|c: char| !c.is_alphabetic()).next().unwrap_or("");
         let behind = statement[first.len()..].trim_start();
-        // A setting's name may also be defined as a value: `light = 3` is an ordinary definition.
+        // A text may define a setting's name as a value: `light = 3` is an ordinary definition.
         let sets = behind.starts_with(['=', '*', '/', '^', '<', '>']) && !behind.is_empty();
         let begins = statement.is_empty();
         let in_setting = !begins && !sets && words().any(|word| word == (first, WordKind::Setting));
@@ -110,7 +110,7 @@ pub fn token_classes(line: &str) -> Vec<(Range<usize>, TokenClass)> {
     found
 }
 
-/// Whether a bracket is still open, so that another line has to follow.
+/// Whether a bracket of the text is still open, so that another line has to follow.
 pub fn is_open(text: &str) -> bool {
     let code = text.lines().map(|line| line.split('#').next().unwrap_or(line));
     let depth: i64 = code
@@ -124,8 +124,8 @@ pub fn is_open(text: &str) -> bool {
     depth > 0 && !text.trim_start().starts_with(':') && abandoned_formula(text).is_none()
 }
 
-/// Splits a text whose last line is a command after an unfinished formula into formula and command.
-/// The command shows that the formula was abandoned. Returns `None` for any other text.
+/// Splits a text into an unfinished formula and the command on its last line. The command shows
+/// that the formula was abandoned. Returns `None` for any other text.
 pub fn abandoned_formula(text: &str) -> Option<(&str, &str)> {
     let (above, last) = text.trim_end().rsplit_once('\n')?;
     let name = last.trim_start().strip_prefix(':')?.split_whitespace().next()?;
@@ -147,7 +147,7 @@ mod tests {
         assert_eq!(candidates("é²x", 5).0, 0);
     }
 
-    /// Returns the beginning of a line that a word of this kind can complete.
+    /// Returns the start of a line in which a word of this kind may come next.
     fn before(kind: WordKind) -> &'static str {
         match kind {
             WordKind::Setting | WordKind::Program => "",

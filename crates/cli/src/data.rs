@@ -1,4 +1,4 @@
-//! The directory of data that is kept after the program ends: history, last document, tips shown.
+//! The directory for data that outlast the program: history, last document, number of tips shown.
 
 use super::output::OutputFile;
 use std::path::PathBuf;

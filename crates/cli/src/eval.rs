@@ -1,7 +1,8 @@
 //! The command `zeroset eval`: JSON lines in, JSON lines out.
 //!
-//! Kernels compute in `f32` or `f64`. Numbers are read as the nearest `f64`; for `f32` kernels,
-//! points are rounded to nearest and boxes outward. The kernels' results are written exactly.
+//! Kernels compute in `f32` or `f64`. A number is read as the nearest `f64`. For `f32` kernels,
+//! points are rounded to nearest, and boxes are rounded outward. The results of kernels are written
+//! exactly.
 
 use super::arguments::EvalArgs;
 use super::number;
@@ -20,7 +21,7 @@ use zeroset_scene::kernels::Evaluator;
 use zeroset_scene::program::Program;
 use zeroset_syntax::Options;
 
-/// Longest line that is accepted, in bytes. The parser limits a formula to fewer.
+/// Longest accepted line, in bytes. The parser's limit for a formula is lower.
 const LONGEST_LINE: u64 = 4 << 20;
 
 /// Largest number of compiled formulas in the cache. A full cache is cleared.
@@ -71,13 +72,13 @@ pub fn run(arguments: &EvalArgs) -> Result<ExitCode> {
 
 /// Compiled formulas by their text.
 struct FormulaCache {
-    /// Precision for lines that do not name one.
+    /// Precision for lines that name no precision.
     precision: Precision,
     reference: bool,
     compiled: HashMap<String, Program>,
 }
 
-/// The point at which, or the box over which, a formula is evaluated.
+/// The point or the box at which a formula is evaluated.
 enum PointOrBox {
     At([f64; 3]),
     Over([Interval; 3]),
@@ -178,7 +179,7 @@ fn sample<T: KernelFloat>(
     point: [f64; 3],
 ) -> Value {
     let out = gradient.eval_all(&Points::near(&[point]));
-    // Rounding can give a number where the function has no value, such as for atan(1/x) at 0. An
+    // Rounding can give a number where the function has no value, for example atan(1/x) at 0. An
     // enclosure around the exact point, not rounded to `T`, can prove that there is no value.
     let facts = if point.iter().all(|c| c.is_finite()) {
         bounds_and_facts(bounds, point.map(|c| Interval { lo: c, hi: c })).1

@@ -60,13 +60,13 @@ fn explain_in<T: KernelFloat>(
             note.render(Some(&source.from.to_string()), &source.text, notes::colored_output());
         writeln!(text, "{shown}\n")?;
     }
-    // A formula without a region can be explained too, over all of space.
+    // A formula without a region is explained over all of space.
     let region = view::region(document, subject.domain, None).map(|(region, _)| region);
     if let Err(error) = &region {
         writeln!(text, "no surface  {error}")?;
     }
     let domain = region.as_ref().map_or([Interval::ENTIRE; 3], view::bounds);
-    // If there is no region, any will do, since kernels depend only on the domain.
+    // Without a region, take any region: the kernels depend only on the domain.
     let region = region.or_else(|_| Region::new(-DVec3::ONE, DVec3::ONE))?;
     let [x, y, z] = domain.map(|ends| [ends.lo, ends.hi].map(coordinate).join(", "));
     writeln!(text, "domain      x in [{x}], y in [{y}], z in [{z}]")?;

@@ -31,7 +31,8 @@ impl OutputArgs {
     }
 }
 
-/// The requested files, opened before rendering. The row is `None` for the picture itself.
+/// The requested files, opened before rendering. The file of an array has the array's row of
+/// `ARRAYS`. The file of the picture itself has `None`.
 pub struct Files(Vec<(Option<&'static ArrayRow>, OutputFile)>);
 
 impl Files {
@@ -71,7 +72,7 @@ impl Files {
         files.finish()
     }
 
-    /// Starts the files of a picture with this size and precision; its rows are added later.
+    /// Starts the files of a picture with this size and precision. Its rows are added later.
     ///
     /// # Errors
     /// If a file cannot be written.
@@ -113,7 +114,8 @@ impl OpenFiles {
         Ok(())
     }
 
-    /// Makes the files appear under their names, the picture last: if it exists, so do all others.
+    /// Makes the files appear under their names, the picture last. If the picture exists, so do all
+    /// arrays.
     ///
     /// # Errors
     /// If a file cannot be written.

@@ -16,7 +16,6 @@ use zeroset_render::picture::Settings;
 use zeroset_render::png_file::write_png;
 use zeroset_scene::gallery::{Example, examples};
 
-/// The name of the contact sheet.
 const SHEET: &str = "contact-sheet.png";
 
 pub fn run(arguments: &GalleryArgs) -> Result<ExitCode> {

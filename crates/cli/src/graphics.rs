@@ -1,9 +1,9 @@
 //! Pictures in a terminal, by the protocols of kitty and iTerm2, or as sixels.
 //!
-//! The crate `icy_sixel` encodes sixels, since these need a palette. The other protocols send a
-//! base64 PNG with a few parameters, which takes little code. The crates for them do more than is
-//! needed: `viuer` queries the terminal without a time limit and writes to standard output itself,
-//! and `ratatui-image` depends on `ratatui`.
+//! The crate `icy_sixel` encodes sixels, since these need a palette. kitty and iTerm2 take a base64
+//! PNG with a few parameters, which needs little code. Crates for these protocols do too much:
+//! `viuer` queries the terminal without a time limit and writes to standard output itself, and
+//! `ratatui-image` depends on `ratatui`.
 
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
@@ -27,7 +27,7 @@ const CHUNK: usize = 4096;
 /// Device attribute that a terminal reports if it supports sixels.
 const SIXEL: &str = "4";
 
-/// What the environment variables reveal about a terminal's support for graphics.
+/// Support for graphics, as far as the environment variables reveal it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum GraphicsSupport {
     /// The terminal supports this protocol.
@@ -67,13 +67,13 @@ impl Protocol {
     /// attributes. `None` if the terminal shows only characters.
     pub fn from_answer(answer: &str) -> Option<Self> {
         let attributes = answer.strip_prefix("\x1b[?")?.strip_suffix('c')?;
-        // The first number identifies the kind of terminal.
+        // Skip the first number, which identifies the kind of terminal.
         attributes.split(';').skip(1).any(|one| one == SIXEL).then_some(Self::Sixel)
     }
 
-    /// Returns the text that shows a picture (three bytes per pixel) at the cursor. The picture is
-    /// scaled to these columns and rows of characters; only sixels are not. `None` if encoding
-    /// fails.
+    /// Returns the text that shows a picture (three bytes per pixel) at the cursor, or `None` if
+    /// encoding fails. The picture is scaled to this many columns and rows of characters, unless it
+    /// is sent as sixels.
     pub fn encode(
         self,
         rgb: &[u8],

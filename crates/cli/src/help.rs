@@ -4,7 +4,7 @@ use super::theme::{GROUND, INK};
 use std::fmt::Write as _;
 use zeroset_render::overlay::Canvas;
 
-/// Keys and their actions, the mouse first.
+/// Rows of the help: a key or an action of the mouse, and its effect.
 const ROWS: &[(&str, &str)] = &[
     ("drag", "turn"),
     ("right drag", "move"),
@@ -72,8 +72,8 @@ const PAD: usize = 10;
 /// Padding in a small window, in font pixels.
 const LITTLE_PAD: usize = 3;
 
-/// Draws the help in the middle. Large letters are preferred to small ones, and then two columns to
-/// one. If nothing fits, the rows are wrapped like text and may be cut off.
+/// Draws the help in the middle of the window. Prefers large letters, then two columns. If even one
+/// column of small letters does not fit, the rows are wrapped like text and may be cut off.
 pub fn draw(canvas: &mut Canvas) {
     let size = |lines: &[String], canvas: &Canvas| {
         let pad = PAD * canvas.scale;

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-/// Number of entered lines that are kept, here as well as in the prompt and in the history file.
+/// Greatest number of lines kept in a history: here, in the prompt, and in the history file.
 pub const KEPT_LINES: usize = 1000;
 
 /// The latest lines entered.
@@ -22,8 +22,8 @@ impl History {
         self.lines.push_back(line);
     }
 
-    /// Returns the lines entered after the first `known` ones, oldest first, as far as they are
-    /// kept. Sets `known` to the number of all lines entered so far.
+    /// Returns the lines in the history, oldest first, without the first `known` lines ever
+    /// entered. Sets `known` to the number of all lines entered so far.
     pub fn since(&self, known: &mut usize) -> Vec<String> {
         let kept = known.saturating_sub(self.dropped);
         *known = self.dropped + self.lines.len();

@@ -23,7 +23,7 @@ pub fn run(arguments: &InteractiveArgs) -> Result<ExitCode> {
                 // The thread's panic has already been reported on standard error.
                 thread.join().unwrap_or(Ok(()))?;
             }
-            // The prompt may still be waiting for a key, with the terminal in the prompt's mode.
+            // The prompt may still be waiting for a key, and has changed the terminal's modes.
             restore_terminal();
         }
         #[cfg(not(feature = "window"))]

@@ -1,4 +1,4 @@
-//! The command line: one module per subcommand, and what they share.
+//! The command line: one module per subcommand, and modules that subcommands share.
 //!
 //! Results go to standard output or files; notes and errors go to standard error. The exit code is
 //! 0 for success, 1 for undecided pixels under `--strict`, 2 for a user error and 3 for an internal
@@ -54,9 +54,7 @@ use std::process::ExitCode;
 
 /// The exit code for undecided pixels under `--strict`.
 const UNDECIDED: u8 = 1;
-/// The exit code of a user error, such as a formula that cannot be read.
 const USER_ERROR: u8 = 2;
-/// The exit code of an internal error.
 const INTERNAL_ERROR: u8 = 3;
 
 /// Runs the command line and returns the process's exit code.
@@ -101,8 +99,8 @@ fn dispatch() -> anyhow::Result<ExitCode> {
     }
 }
 
-/// Splits `-Dname=value` and `-ofile.png` into flag and value. Formulas may begin with `-`, so such
-/// an argument would otherwise be taken for a formula.
+/// Splits `-Dname=value` and `-ofile.png` into flag and value. Unsplit, they would be taken for
+/// formulas, which may begin with `-`.
 fn split_attached_value(argument: OsString) -> Vec<OsString> {
     if let Some(text) = argument.to_str() {
         let attached = |flag: &str| text.strip_prefix(flag).filter(|value| !value.is_empty());

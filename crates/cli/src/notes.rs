@@ -7,7 +7,7 @@ use std::io::{IsTerminal, Write};
 #[error("{0}")]
 pub struct FormattedError(pub String);
 
-/// Reports an error and its causes on one line. A [`FormattedError`] is printed as it is.
+/// Prints an error and its causes on one line. Prints a [`FormattedError`] unchanged.
 pub fn error(error: &anyhow::Error) {
     if let Some(diagnostic) = error.downcast_ref::<FormattedError>() {
         return say(&diagnostic.0);
@@ -15,7 +15,7 @@ pub fn error(error: &anyhow::Error) {
     say(&format!("{}: {error:#}", label("error", "31")));
 }
 
-/// Reports a note, which is not an error.
+/// Prints a note, which is not an error.
 pub fn note(text: &str) {
     say(&format!("{}: {text}", label("note", "36")));
 }

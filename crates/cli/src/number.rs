@@ -2,8 +2,8 @@
 
 use serde_json::{Number, Value};
 
-/// Parses a JSON number, or a string with `inf`, `-inf`, `nan`, a decimal or a hexadecimal float
-/// such as `-0x1.8p-3`.
+/// Parses a JSON number or a string. The string holds `inf`, `-inf`, `nan`, a decimal, or a
+/// hexadecimal float such as `-0x1.8p-3`.
 ///
 /// # Errors
 /// A message that says what is wrong.
@@ -67,7 +67,7 @@ fn hexadecimal(text: &str) -> Option<f64> {
     if !(-1074..=1023).contains(&top) || exponent < lowest {
         return None;
     }
-    // The power of two is split so that no factor leaves the range of `f64`.
+    // Scale in two steps, so that neither factor leaves the range of `f64`.
     let half = exponent / 2;
     Some(odd as f64 * power_of_two(half) * power_of_two(exponent - half))
 }

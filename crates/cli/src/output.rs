@@ -7,7 +7,7 @@ use zeroset_render::atomic_file::AtomicFile;
 
 /// A file being written, which appears under its name at the end.
 pub struct OutputFile {
-    /// The path as given, for messages.
+    /// The path as the user gave it, for messages.
     path: PathBuf,
     sink: OutputSink,
 }
@@ -33,7 +33,7 @@ impl OutputFile {
         Ok(Self { path: path.to_owned(), sink })
     }
 
-    /// Whether both outputs write to one file, so that one would replace the other.
+    /// Whether both outputs write to one file, so that one of them would be lost.
     pub fn is_same(&self, other: &Self) -> bool {
         match (&self.sink, &other.sink) {
             (OutputSink::File(one), OutputSink::File(other)) => one.is_same(other),
@@ -65,7 +65,7 @@ impl OutputFile {
         }
     }
 
-    /// Returns a write error that names the path.
+    /// Adds the file's path to a write error.
     pub fn failed(&self, error: std::io::Error) -> anyhow::Error {
         anyhow::Error::new(error).context(format!("cannot write '{}'", self.path.display()))
     }
@@ -112,7 +112,7 @@ fn print_bytes(bytes: &[u8]) -> Result<()> {
     written(std::io::stdout().write_all(bytes))
 }
 
-/// Flushes standard output after a write with this result. A closed pipe is no error.
+/// Flushes standard output if `result` of the last write is a success. A closed pipe is no error.
 ///
 /// # Errors
 /// If the write or the flush failed.

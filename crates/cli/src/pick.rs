@@ -15,7 +15,7 @@ pub struct Pick<'a> {
     pixel: usize,
     /// Approximate error of the point, in world units.
     reach: f64,
-    /// The painted point; `None` where the background is visible.
+    /// The visible surface point; `None` where the background is visible.
     pub point: Option<DVec3>,
 }
 
@@ -45,8 +45,8 @@ impl<'a> Pick<'a> {
         Some(Self { rendering, pixel, reach, point })
     }
 
-    /// Returns one line: the coordinates, the surface's number if there are several, and whether
-    /// the pixel is undecided.
+    /// Returns the coordinates in one line. Adds the surface's number if there are several
+    /// surfaces, and says whether the pixel is undecided.
     pub fn coordinates(&self) -> Option<String> {
         let p = self.point?;
         let digits = digits(self.reach);
@@ -61,8 +61,8 @@ impl<'a> Pick<'a> {
         Some(format!("{surface}x {:.digits$}  y {:.digits$}  z {:.digits$}{open}", p.x, p.y, p.z))
     }
 
-    /// Returns several lines: coordinates, value, normal, what is proven and why, and a command
-    /// that evaluates the point again.
+    /// Describes the pixel in several lines: status with its reason, coordinates, value and normal.
+    /// The last line is a command that evaluates the point again.
     pub fn describe(&self) -> String {
         let buffer = &self.rendering.picture.buffer;
         let (column, row) = (self.pixel % buffer.width, self.pixel / buffer.width);
@@ -91,7 +91,7 @@ impl<'a> Pick<'a> {
         let echo = self.rendering.document.surfaces.get(surface).map_or("", |s| s.echo.as_str());
         let model = &self.rendering.model;
         let precision = model.precision();
-        // The shortest digits that identify the float.
+        // Show the fewest digits that identify the float.
         let show = |value: f64| match precision {
             Precision::F32 => (value as f32).to_string(),
             Precision::Auto | Precision::F64 => value.to_string(),
@@ -117,7 +117,8 @@ impl<'a> Pick<'a> {
     }
 }
 
-/// Number of decimals of a coordinate with this error. The last one is the error's first digit.
+/// Number of decimals for a coordinate with the error `reach`: down to the first digit of the
+/// error.
 fn digits(reach: f64) -> usize {
     (-reach.log10().floor()).clamp(0.0, 17.0) as usize
 }
@@ -130,8 +131,7 @@ fn formula(request: &Request, surface: usize) -> String {
     let mut drawings = 0;
     let part = |start: usize| {
         let end = text[start..].find(['\n', ';']).map_or(text.len(), |end| start + end);
-        // A statement with an open bracket continues on the next lines, through the end of the line
-        // that closes the bracket.
+        // A statement with an open bracket ends on the line that closes the bracket.
         let mut end = end;
         while super::completion::is_open(&text[start..end]) && end < text.len() {
             end = text[end + 1..].find(['\n', ';']).map_or(text.len(), |more| end + 1 + more);

@@ -1,4 +1,4 @@
-//! The origin of a picture, as its PNG file tells it.
+//! The origin of a picture: the command and the text it was made from, stored in its PNG file.
 
 use std::path::Path;
 use zeroset_live::quote;
@@ -6,12 +6,12 @@ use zeroset_live::quote;
 /// The origin of a picture, as stored in its file.
 #[derive(Clone, Default, PartialEq, Eq)]
 pub struct PictureOrigin {
-    /// Keyword and text of each chunk. The texts are the command that renders the picture, and the
-    /// text of the document.
+    /// Keyword and text of each PNG chunk: one chunk for the command that renders the picture, one
+    /// for the document.
     pub chunks: Vec<(&'static str, String)>,
 }
 
-/// Flags that do not affect the pictures, and whether a value follows each flag.
+/// Each flag that does not affect pictures, and whether a value follows the flag.
 const IRRELEVANT_FLAGS: [(&str, bool); 3] =
     [("--shard", true), ("--resume", false), ("--threads", true)];
 
@@ -32,7 +32,7 @@ impl PictureOrigin {
         Self { chunks: vec![("Comment", kept.join(" ")), ("Description", text.to_owned())] }
     }
 
-    /// Returns an origin that consists of this command only.
+    /// Returns an origin that holds this command and no document.
     pub fn command(command: &str) -> Self {
         Self { chunks: vec![("Comment", command.to_owned())] }
     }

@@ -10,24 +10,24 @@ use std::sync::OnceLock;
 use std::time::Duration;
 use zeroset_render::picture::Picture;
 
-/// Columns and rows of the terminal, if it does not report them.
+/// Assumed size in characters of a terminal that reports no size.
 const COLUMNS: usize = 80;
 const ROWS: usize = 24;
-/// Largest number of columns of a picture. A larger one would scroll out of view.
+/// Largest number of columns of a picture, so that the whole picture stays in view.
 const MOST_COLUMNS: usize = 120;
-/// Lines left for the prompt and the messages above it.
+/// Rows left free for the prompt and the messages above it.
 const RESERVED_ROWS: usize = 4;
-/// Width and height of a character in pixels, if the terminal does not report them. Also the
-/// largest ones used, which keeps the data small.
+/// Assumed width and height of a character in pixels, if the terminal does not report them. Larger
+/// reported sizes are reduced to these, to keep the data small.
 const CHARACTER: (usize, usize) = (8, 16);
-/// Width and height of a character for sixels, if the terminal does not report them. Sixels are not
-/// scaled, so these are the sizes of a small font.
+/// Assumed width and height of a character for sixels, in pixels. This is the size of a small font,
+/// since sixels are not scaled.
 const SMALL_CHARACTER: (usize, usize) = (6, 12);
 
-/// Longest wait for the terminal's answer to a query. It passes once if there is no answer.
+/// Longest wait for the terminal's answer. Only the first call of [`protocol`] waits.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Returns the columns and rows of characters that a picture may take.
+/// Returns the number of columns and rows of characters that a picture may take.
 fn characters() -> (usize, usize) {
     let number = |name: &str| std::env::var(name).ok()?.parse::<usize>().ok();
     let known = terminal::size().map(|(characters, _)| characters);

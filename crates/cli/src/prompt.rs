@@ -21,9 +21,9 @@ use std::time::{Duration, Instant};
 use zeroset_live::COMMANDS;
 use zeroset_syntax::WordKind;
 
-/// Pause in typing after which a fault is reported.
+/// Faults are reported after a pause in typing of this length.
 const PAUSE: Duration = Duration::from_millis(300);
-/// Interval at which the pause is checked.
+/// Interval between checks whether faults should be reported.
 const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Reads and executes lines until the input or the session ends. With `preview`, shows pictures in
@@ -41,7 +41,6 @@ pub fn run(session: &Arc<Session>, preview: bool) -> anyhow::Result<()> {
     read_lines(session, preview).map_err(|error| anyhow!("the prompt has stopped: {error}"))
 }
 
-/// Message about input that is not UTF-8.
 const NOT_TEXT: &str = "the terminal sent bytes that are not UTF-8 text; the line is left out";
 
 fn show(session: &Session) {
@@ -86,8 +85,7 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
                 forget_line(&typing);
                 line
             }
-            // As in a shell, Ctrl-C drops the typed line. It ends the session only if that is
-            // empty.
+            // As in a shell, Ctrl-C drops the typed line. On an empty line it ends the session.
             Err(ReadlineError::Interrupted) if forget_line(&typing) => {
                 session.live.type_line("");
                 continue;
@@ -109,7 +107,7 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
             Err(error) => {
                 session.print_with(None);
                 if interactive {
-                    // The terminal is gone, and so is its user.
+                    // Without a terminal nobody can type, so the session ends.
                     session.end();
                 }
                 return Err(error);
@@ -118,7 +116,7 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
         if !line.trim().is_empty() {
             session.recall([line.clone()]);
         }
-        // The window may have entered other lines while this one was typed.
+        // While this line was typed, the window may have entered other lines.
         learn(session, &mut editor, &mut known)?;
         if let Some(history) = &history {
             // Append at once, so that no line is lost if the program crashes.
@@ -128,7 +126,8 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
             abandoned_formula(&line).map_or(vec![&*line], |(open, command)| vec![open, command]);
         for line in parts {
             match session.enter(line, |to| session.png(to.as_deref(), session.live.revision())) {
-                // If nothing has changed, show no picture, so that the output stays in view.
+                // If the line changed nothing, show no picture, so that the line's output stays in
+                // view.
                 Ok(_) if preview && !line.trim().is_empty() && !session.has_ended() => {
                     session.fit_terminal();
                     let shown = session.live.request();
@@ -146,7 +145,7 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
     Ok(())
 }
 
-/// Adds the session's new lines to the editor's history.
+/// Adds to the editor's history all lines of the session's history after the first `known`.
 fn learn(
     session: &Session,
     editor: &mut Editor<PromptHelper, FileHistory>,
@@ -158,7 +157,8 @@ fn learn(
     Ok(())
 }
 
-/// Time of the last key, whether the line has any text, and the last request whose fault was shown.
+/// State of the line: time of the last key, whether there is any text, and the revision of the last
+/// request whose fault was reported.
 struct Typing {
     at: Instant,
     is_begun: bool,
@@ -214,7 +214,7 @@ impl Completer for PromptHelper {
 impl Hinter for PromptHelper {
     type Hint = String;
 
-    /// Called at every key; also updates the picture from the line.
+    /// Called at every key. Also updates the picture from the line.
     fn hint(&self, line: &str, pos: usize, _: &Context<'_>) -> Option<String> {
         {
             let mut typing = lock(&self.typing);

@@ -25,13 +25,12 @@ use zeroset_trace::Camera;
 /// Largest number of frames. An hour at 60 frames per second has less than a quarter as many.
 const MOST_FRAMES: usize = 1_000_000;
 
-/// A whole turn, in degrees.
 const WHOLE_TURN: f64 = 360.0;
 
-/// A requested sequence, and the part of it that is rendered here.
+/// A requested sequence, and the shard of it that this process renders.
 pub struct SequenceRequest {
     sequence: Sequence,
-    /// Number of this shard, counted from 0, and the number of all shards.
+    /// Number of the shard, counted from 0, and the total number of shards.
     shard: (usize, usize),
 }
 
@@ -115,10 +114,10 @@ fn part(text: &str) -> Option<(usize, usize)> {
     (1..=of).contains(&one).then(|| (one - 1, of))
 }
 
-/// Renders and writes the frames.
+/// Renders the frames and writes them.
 ///
 /// # Errors
-/// If a frame cannot be rendered or written; earlier frames stay.
+/// If a frame cannot be rendered or written. Files of earlier frames stay.
 pub fn run(
     arguments: &RenderArgs,
     asked: &SequenceRequest,
@@ -146,7 +145,7 @@ pub fn run(
     Ok(if undecided { ExitCode::from(UNDECIDED) } else { ExitCode::SUCCESS })
 }
 
-/// Returns the format of a single file for all frames; `None` if each frame has its own files.
+/// Returns the format if one file holds all frames; `None` if each frame has its own files.
 fn one_file(wanted: &OutputArgs, fps: u16) -> Result<Option<AnimationFormat>> {
     if let Some(path) = &wanted.output
         && numbered(path, 0)?.is_none()
@@ -198,7 +197,8 @@ fn numbered(path: &Path, frame: usize) -> Result<Option<PathBuf>> {
     Ok((places == 1).then(|| name.into()))
 }
 
-/// Numbers of frames rendered, kept, with undecided pixels, and without a visible surface.
+/// Four counts of frames: rendered, already there, with undecided pixels, without a visible
+/// surface.
 #[derive(Default)]
 struct FrameCounts {
     made: usize,
@@ -289,7 +289,8 @@ impl<'a> FrameRenderer<'a> {
         Ok(Self { subject, overrides, time, sequence, settings, stage, around, progress })
     }
 
-    /// Renders a frame with the kernels of `last` if possible, and stores its model there.
+    /// Renders a frame, if possible with the kernels of the model `last`. The frame's model
+    /// replaces it.
     fn render_frame(
         &mut self,
         frame: usize,
@@ -316,8 +317,8 @@ impl<'a> FrameRenderer<'a> {
         Ok((camera, picture))
     }
 
-    /// Writes each frame to its own files. With `of` shards, every `of`-th frame is rendered here,
-    /// starting at frame `shard`.
+    /// Writes each frame to its own files. Of `of` shards, numbered from 0, the one with the number
+    /// `shard` renders every `of`-th frame, beginning with frame `shard`.
     fn files(
         mut self,
         wanted: &OutputArgs,
@@ -340,8 +341,8 @@ impl<'a> FrameRenderer<'a> {
             let is_there = |picture: &PathBuf| {
                 let written = |path: &Path| path.metadata().and_then(|file| file.modified()).ok();
                 let last = written(picture);
-                // An array does not record its origin. If another sequence has replaced it, it is
-                // newer than the picture.
+                // An array does not record its origin. An array newer than the picture belongs to
+                // another sequence.
                 let is_of_it = |(_, array): &(_, PathBuf)| {
                     array.is_file() && written(array).is_some_and(|time| Some(time) <= last)
                 };

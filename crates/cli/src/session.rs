@@ -1,4 +1,4 @@
-//! A live picture and the files around it, shared by prompt and window.
+//! A session: the live picture, its document's watched file, and the history of prompt and window.
 
 use super::arguments::InteractiveArgs;
 use super::data::store_text;
@@ -27,18 +27,18 @@ use zeroset_scene::gallery::{example, examples};
 /// The gallery surface that is shown if no document is given.
 const DEFAULT_SURFACE: &str = "gyroid";
 
-/// A terminal picture with fewer pixels than a square of this side is saved at the default size.
+/// A terminal picture is saved at the default size if it is smaller than a square of this side.
 const MIN_SAVED_SIDE: usize = 128;
 
 /// Longest wait for a picture that is to be saved or shown in the terminal.
 const PATIENCE: Duration = Duration::from_mins(5);
 
-/// Why a line was refused.
+/// The reason why a line was refused.
 pub struct LineError {
-    /// One line of plain text.
+    /// The reason as one line of plain text.
     #[cfg_attr(not(feature = "window"), allow(dead_code))]
     pub summary: String,
-    /// The full message for the terminal, with carets.
+    /// The reason in full, for the terminal, with carets.
     pub full: String,
 }
 
@@ -57,13 +57,13 @@ impl From<Refusal> for LineError {
     }
 }
 
-/// Shows a message above the line that is being typed, and returns whether it succeeded.
+/// Shows a message above the line that is being typed. Returns whether it was shown.
 pub type Printer = Box<dyn FnMut(&str) -> bool + Send>;
 
-/// A live picture and the files around it.
+/// A live picture, with the state that prompt and window share.
 pub struct Session {
     pub live: Live,
-    /// The file that the document came from, and its watch.
+    /// Path of the file that the document came from, and the running watch on that file.
     file: Mutex<Option<(PathBuf, Watch)>>,
     /// Shows messages in the terminal while the prompt is running.
     printer: Mutex<Option<Printer>>,
@@ -71,9 +71,10 @@ pub struct Session {
     history: Mutex<History>,
     /// Held while a picture is saved, so that no two saves choose the same name.
     saving: Mutex<()>,
-    /// A note that the file cannot be read, not yet shown in the window.
+    /// A note that the file cannot be read. The window shows it and takes it from here.
     notice: Mutex<Option<String>>,
-    /// An existing file that `:save` refused to overwrite; entering the line again overwrites it.
+    /// An existing file that `:save` refused to overwrite. Entering the line again overwrites the
+    /// file.
     refused_overwrite: Mutex<Option<PathBuf>>,
     /// Whether pictures have the terminal's size, not the window's.
     in_terminal: AtomicBool,
@@ -88,7 +89,7 @@ pub struct Session {
 
 /// Locks a mutex of a session, even after a panic in another thread.
 pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    // A panic leaves none of this state half changed.
+    // A panic leaves no part of a session's state half changed.
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -157,8 +158,9 @@ impl Session {
         }
     }
 
-    /// Starts to watch the file that the document came from, if there is one. Only texts that
-    /// differ from `read` are reported. Without `read`, the file's current content takes its place.
+    /// Watches the file that the document came from, if there is one. Loads the file's text
+    /// whenever it differs from the text loaded last. At first, `read` counts as loaded, or else
+    /// the file's text.
     pub fn watch(self: &Arc<Self>, read: Option<&str>) {
         let path = self.path();
         let mut file = lock(&self.file);
@@ -209,19 +211,19 @@ impl Session {
         }
     }
 
-    /// Leaves the faults of all requests so far to the window; the terminal does not show them.
+    /// Shows the faults of all requests so far in the window only, not in the terminal.
     #[cfg(feature = "window")]
     pub fn report_in_window(&self) {
         self.reported_in_window.fetch_max(self.live.revision(), Ordering::Relaxed);
     }
 
-    /// Takes the note that the file cannot be read, if there is a new one.
+    /// Takes the note that the file cannot be read, if there is one that was not yet shown.
     #[cfg(feature = "window")]
     pub fn notice(&self) -> Option<String> {
         lock(&self.notice).take()
     }
 
-    /// Whether the terminal shows the fault of this request.
+    /// Whether the terminal shows the fault of the request with this revision.
     pub fn reports_in_terminal(&self, revision: u64) -> bool {
         revision > self.reported_in_window.load(Ordering::Relaxed)
     }
@@ -242,14 +244,14 @@ impl Session {
         lines.into_iter().for_each(|line| history.add(line));
     }
 
-    /// Returns the lines entered after the first `known` ones, oldest first, as far as they are
-    /// kept. Sets `known` to the number of all lines entered so far.
+    /// Returns the lines in the history, oldest first, without the first `known` lines ever
+    /// entered. Sets `known` to the number of all lines entered so far.
     pub fn history_since(&self, known: &mut usize) -> Vec<String> {
         lock(&self.history).since(known)
     }
 
-    /// Shows the picture of a changed file above the line that is being typed, unless a newer
-    /// request comes first.
+    /// Shows the reloaded file's picture above the line that is being typed. Does nothing if a
+    /// newer request replaces the picture.
     fn show_reloaded(&self, revision: u64) {
         if let Some(seen) = self.live.finished(revision, PATIENCE) {
             let text = preview::text(&seen.picture, &seen.summary());
@@ -260,7 +262,7 @@ impl Session {
         }
     }
 
-    /// Sets the prompt's printer of messages, or removes it.
+    /// Sets the prompt's message printer, or removes it.
     pub fn print_with(&self, printer: Option<Printer>) {
         *lock(&self.printer) = printer;
     }
@@ -273,8 +275,8 @@ impl Session {
         }
     }
 
-    /// Executes a line from prompt or window. The closure `png` saves the picture, under the given
-    /// name if there is one. Returns the message that was shown in the terminal, if any.
+    /// Executes a line from prompt or window. If the line saves a picture, calls `png` with the
+    /// line's file name, if it has one. Returns the message that was shown in the terminal, if any.
     ///
     /// # Errors
     /// If the line is refused.
@@ -366,11 +368,11 @@ impl Session {
         Ok(())
     }
 
-    /// Waits for the fine picture of the request with this revision, saves it, and shows the
-    /// command that reproduces it.
+    /// Saves the fine picture of the request with this revision, and shows the command that
+    /// reproduces it. Waits for the picture.
     ///
     /// # Errors
-    /// If the picture is not finished in time or is replaced by a newer request, or if it cannot be
+    /// If the picture is not finished in time, a newer request replaces it, or it cannot be
     /// written.
     pub fn png(&self, to: Option<&str>, mut revision: u64) -> Result<()> {
         let _one_at_a_time = lock(&self.saving);
@@ -427,7 +429,7 @@ impl Session {
     /// Requests pictures that fit the terminal's current size.
     pub fn fit_terminal(&self) {
         self.in_terminal.store(true, Ordering::Relaxed);
-        // In a terminal, axes take more space than they are worth.
+        // Show no axes, since they would take too much of a small picture.
         if self.live.request().axes != Axes::Off {
             self.live.set_axes(Axes::Off);
         }

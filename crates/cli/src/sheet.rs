@@ -6,11 +6,9 @@ use zeroset_render::overlay::Canvas;
 
 /// Width and height of a small picture, in pixels.
 const SIDE: u32 = 224;
-/// Space around a small picture, in pixels.
 const MARGIN: u32 = 8;
 /// Height of the line with a picture's name, in pixels.
 const LABEL: u32 = 22;
-/// Number of small pictures per row.
 const COLUMNS: u32 = 13;
 
 const PAPER: Rgb<u8> = Rgb([255, 255, 255]);

@@ -9,8 +9,8 @@ use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 use zeroset_syntax::Options;
 use zeroset_trace::Camera;
 
-/// Returns a model of the example and a camera for pictures with these settings. Returns `None`
-/// once `wanted` returns false.
+/// Returns the example's model and a camera, for pictures with these settings. Returns `None` if
+/// `wanted` returns false before both are ready.
 ///
 /// # Errors
 /// If the example cannot be read, compiled or framed.

@@ -36,7 +36,7 @@ impl Subject {
         Ok(subject)
     }
 
-    /// Finds the text, and reads it by `read`.
+    /// Finds the text, and lets `read` turn it into a document.
     ///
     /// # Errors
     /// If the text is missing or invalid.
@@ -59,7 +59,7 @@ impl Subject {
         }
     }
 
-    /// Reports the document's notes, about text that was read in a possibly surprising way.
+    /// Prints the document's notes. A note tells how the parser understood an ambiguous text.
     pub fn show_notes(&self) {
         for note in &self.document.notes {
             let Source { from, text } = &self.source;
@@ -68,7 +68,7 @@ impl Subject {
     }
 }
 
-/// Reports that `--time` has no effect, if it is given but the document does not use it.
+/// Reports that `--time` has no effect, if the flag is given but `document` does not use the time.
 pub fn note_time(time: Option<f64>, document: &Document) {
     if time.is_some() && !view::depends_on_time(document) {
         notes::note("--time changes nothing: `t` occurs nowhere in the formula");

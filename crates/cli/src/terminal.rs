@@ -1,5 +1,5 @@
-//! The size and the modes of the terminal, and queries to it. The modes are restored when a window
-//! ends while a line is being typed. Only Unix is supported.
+//! The size and the modes of the terminal, and queries to it. If a window ends while a line is
+//! being typed, the terminal's modes are restored. Only Unix is supported.
 
 #[cfg(unix)]
 use rustix::termios::{LocalModes, OptionalActions, SpecialCodeIndex};
@@ -19,7 +19,7 @@ pub fn size() -> Option<(TerminalSize, Option<TerminalSize>)> {
     Some((characters, pair((size.ws_xpixel / size.ws_col, size.ws_ypixel / size.ws_row))))
 }
 
-/// Returns `None`: the size is unknown here.
+/// Returns `None`, since the size is known on Unix only.
 #[cfg(not(unix))]
 pub fn size() -> Option<(TerminalSize, Option<TerminalSize>)> {
     None
@@ -40,7 +40,7 @@ pub enum QueryAnswer {
 const LONGEST: usize = 64;
 
 /// Queries the terminal for its primary device attributes (DA1). Call this before anything else
-/// reads from it. Keys that are typed before the answer are dropped, as the prompt would drop them.
+/// reads from the terminal. Drops keys typed between query and answer.
 #[cfg(unix)]
 pub fn ask(limit: Duration) -> QueryAnswer {
     use std::io::{IsTerminal, Write};
@@ -49,8 +49,8 @@ pub fn ask(limit: Duration) -> QueryAnswer {
         return QueryAnswer::NotAsked;
     }
     let Ok(before) = rustix::termios::tcgetattr(&input) else { return QueryAnswer::NotAsked };
-    // The answer has no newline and must not be echoed. An interrupt would leave the terminal in
-    // this mode, so interrupts are disabled.
+    // The answer has no newline and must not be echoed. Interrupts are disabled, since an interrupt
+    // would leave the terminal without echo.
     let mut silent = before.clone();
     silent.local_modes.remove(LocalModes::ECHO | LocalModes::ICANON | LocalModes::ISIG);
     silent.special_codes[SpecialCodeIndex::VMIN] = 0;
@@ -64,7 +64,7 @@ pub fn ask(limit: Duration) -> QueryAnswer {
     } else {
         read_answer(&input, limit).map_or(QueryAnswer::Late, QueryAnswer::Given)
     };
-    // The modes were read just before. If they cannot be restored, the terminal is gone.
+    // Restore the modes that were just read. If this fails, the terminal is gone.
     let _ = rustix::termios::tcsetattr(&input, OptionalActions::Now, &before);
     answer
 }
@@ -75,7 +75,7 @@ pub fn ask(_: Duration) -> QueryAnswer {
     QueryAnswer::NotAsked
 }
 
-/// Whether input arrives within this time.
+/// Whether a byte can be read within this time.
 #[cfg(unix)]
 fn is_ready(input: &std::io::Stdin, limit: Duration) -> bool {
     use rustix::event::{PollFd, PollFlags, Timespec, poll};
@@ -84,7 +84,7 @@ fn is_ready(input: &std::io::Stdin, limit: Duration) -> bool {
 }
 
 /// Reads an answer byte by byte, so that nothing after it is consumed. Bypasses the buffer of
-/// standard input, since the prompt would miss bytes left in it.
+/// standard input, since the prompt would miss bytes left there.
 #[cfg(unix)]
 fn read_answer(input: &std::io::Stdin, limit: Duration) -> Option<String> {
     let end = std::time::Instant::now() + limit;

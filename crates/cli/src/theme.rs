@@ -2,13 +2,13 @@
 
 use zeroset_render::overlay::Rgb;
 
-/// Background of text.
+/// Color behind text.
 pub const GROUND: Rgb = 0x0020_2028;
-/// Text.
+/// Color of text.
 pub const INK: Rgb = 0x00f0_f0f4;
-/// Less important text.
+/// Color of less important text.
 pub const DIM: Rgb = 0x00a0_a0ac;
-/// A slider's track beyond its value.
+/// Color of a slider's track beyond its value.
 pub const TRACK: Rgb = 0x0060_6070;
-/// The chosen item, and a slider's track up to its value.
+/// Color of the chosen item, and of a slider's track up to its value.
 pub const CHOSEN: Rgb = 0x0070_a8e8;

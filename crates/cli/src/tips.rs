@@ -1,4 +1,4 @@
-//! Tips for new users. The window shows each once; a file counts the tips shown.
+//! Tips for new users. The window shows each tip once. A file counts the tips shown so far.
 
 #[cfg(feature = "window")]
 use super::data::data_directory;
@@ -13,13 +13,12 @@ pub const TIPS: &[&str] = &[
     "Tip: Ctrl-Z takes back whatever you did; click a point to have its coordinates in the terminal",
 ];
 
-/// Name of the file that counts the tips shown.
 const COUNT_FILE: &str = "tips";
 
 #[cfg(feature = "window")]
 /// Returns the next tip that was not shown yet, and counts it as shown.
 pub fn next() -> Option<&'static str> {
-    // Without a data directory to store the count in, the first tip would be shown every time.
+    // Without a data directory to keep the count, the first tip would appear every time.
     let shown = match std::fs::read_to_string(data_directory()?.join(COUNT_FILE)) {
         Ok(text) => text.trim().parse().unwrap_or(TIPS.len()),
         Err(_) => 0,

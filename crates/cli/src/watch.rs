@@ -21,9 +21,9 @@ const POLL: Duration = Duration::from_secs(1);
 /// A change of the file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Change {
-    /// The new text, which may be incomplete.
+    /// The file's new text, perhaps incomplete.
     Text(String),
-    /// The file can no longer be read, for this reason.
+    /// The file cannot be read any more, for this reason.
     Lost(String),
 }
 
@@ -41,9 +41,9 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// Calls `report` on a new thread whenever the file's text has changed. The first text is
-    /// compared with `text`. An empty file is ignored, since some editors empty a file before
-    /// writing it.
+    /// Calls `report` on a new thread whenever the file's text has changed. At first, the file's
+    /// text is compared with `text`. An empty file is ignored, since some editors empty a file
+    /// before writing it.
     ///
     /// # Errors
     /// If the file's directory cannot be named.
@@ -57,7 +57,7 @@ impl Watch {
         let (stop, messages) = channel();
         let events = stop.clone();
         let watcher = notify::recommended_watcher(move |event: notify::Result<notify::Event>| {
-            // Reading the file is an event too, and must not cause another read.
+            // Reading the file causes an event, which must not cause another read.
             if event.map_or(true, |event| !event.kind.is_access() || is_close(&event)) {
                 let _ = events.send(Message::Event);
             }
@@ -74,7 +74,7 @@ impl Watch {
     }
 }
 
-/// Whether a writer has closed the file.
+/// Whether the event tells that a writer has closed the file.
 fn is_close(event: &notify::Event) -> bool {
     use notify::event::{AccessKind, AccessMode, EventKind};
     event.kind == EventKind::Access(AccessKind::Close(AccessMode::Write))
@@ -199,7 +199,7 @@ mod tests {
             self.directory.path().join("surface.zset")
         }
 
-        /// Waits for the picture of `text`, and asserts that there always is a picture.
+        /// Waits until the fine picture of `text` is shown. Asserts that there always is a picture.
         fn follows(&self, text: &str) {
             let until = Instant::now() + LIMIT;
             loop {
@@ -220,14 +220,14 @@ mod tests {
         std::fs::write(path, text).expect("written");
     }
 
-    /// vim and many others rename a new file over the old one.
+    /// Renames a new file over the old one, like vim and many other editors.
     fn rename_over(path: &Path, text: &str) {
         let other = path.with_extension("swp");
         overwrite(&other, text);
         std::fs::rename(other, path).expect("renamed");
     }
 
-    /// vim with a backup moves the old file away first.
+    /// Moves the old file away first, like vim with a backup.
     fn move_away(path: &Path, text: &str) {
         let backup = path.with_extension("zset~");
         std::fs::rename(path, &backup).expect("renamed");
@@ -235,7 +235,7 @@ mod tests {
         std::fs::remove_file(backup).expect("removed");
     }
 
-    /// Writes in two pieces, with pauses during which the file is incomplete.
+    /// Writes the text in two halves, with a pause before each. In between, the file is incomplete.
     fn piecemeal(path: &Path, text: &str) {
         let mut file = File::create(path).expect("created");
         for half in [&text[..text.len() / 2], &text[text.len() / 2..]] {

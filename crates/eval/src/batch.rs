@@ -1,19 +1,18 @@
 //! The data that kernels read and write: batches of 16 lanes, whatever the width of a register.
 //!
-//! In a batch each quantity is contiguous and aligned to 64 bytes. A kernel processes a register at
-//! a time, up to the number of lanes in use. Results in other lanes are meaningless.
+//! Each quantity of a batch is contiguous and aligned to 64 bytes. A kernel processes one register
+//! after another, up to the number of lanes in use. Results in other lanes are meaningless.
 
 use crate::lanes::{LANES, Lanes};
 use crate::real::Real;
 use zeroset_interval::{Facts, Interval};
 
-/// Memory that a kernel reads or writes. It begins with a number of quantities, each a value per
-/// lane.
+/// Memory that a kernel reads or writes. It begins with quantities, which have a value per lane.
 ///
-/// Only the types of this module implement this trait. They are `repr(C)`: quantity k starts `k`
-/// times the size of [`Lanes`] after the beginning.
+/// Only the types of this module implement this trait. They are `repr(C)`: quantity k is at offset
+/// `k` times the size of [`Lanes`].
 pub trait Batch<T: Real>: sealed::Sealed + Clone + Default + Send + Sync + 'static {
-    /// Number of quantities.
+    /// Number of quantities of the batch.
     const QUANTITIES: usize;
 
     /// Returns the quantity with this number.
@@ -21,24 +20,24 @@ pub trait Batch<T: Real>: sealed::Sealed + Clone + Default + Send + Sync + 'stat
     /// # Panics
     /// If there is no such quantity.
     fn quantity(&self, number: usize) -> &Lanes<T>;
-    /// Like [`Batch::quantity`], but mutable.
+    /// Mutable version of [`Batch::quantity`].
     fn quantity_mut(&mut self, number: usize) -> &mut Lanes<T>;
 }
 
 /// A batch that a kernel reads.
 pub trait Input<T: Real>: Batch<T> {
-    /// Number of lanes in use, from the first on: 1 to [`LANES`].
+    /// Number of lanes in use, from 1 to [`LANES`]. They are the first lanes of the batch.
     fn count(&self) -> usize;
-    /// Returns whether the lanes in use are within `domain`. Always true for queries that do not
-    /// need this.
+    /// Returns whether the lanes in use are within `domain`. Always true if the query does not need
+    /// it.
     fn is_within(&self, domain: &[Interval; 3]) -> bool;
 }
 
-/// A batch that a kernel writes. Up to four masks of [`LANES`] bits follow the quantities; the
-/// lowest bit is for the first lane. Kernels write all masks as one word of 64 bits, so that
+/// A batch that a kernel writes. Up to four masks of [`LANES`] bits follow the quantities. The
+/// lowest bit of a mask is for the first lane. Kernels write all masks as one word of 64 bits, so
 /// reading a mask need not wait for several writes.
 pub trait Output<T: Real>: Batch<T> {
-    /// Number of masks.
+    /// Number of masks of the batch.
     const MASKS: usize;
 
     /// Returns the mask with this number.
@@ -46,7 +45,7 @@ pub trait Output<T: Real>: Batch<T> {
     /// # Panics
     /// If there is no such mask.
     fn mask(&self, number: usize) -> u16;
-    /// Like [`Output::mask`], but mutable.
+    /// Mutable version of [`Output::mask`].
     fn mask_mut(&mut self, number: usize) -> &mut u16;
 }
 
@@ -108,14 +107,14 @@ output!(Values<T>:);
 output!(Gradients<T>:);
 
 batch! {
-    /// Boxes. Each coordinate is the pair (−lo, hi), so that rounding both up rounds outward.
+    /// Boxes. Each coordinate is stored as −lo and hi, so that rounding both up rounds outward.
     Boxes {
-        /// Per axis, the negated lower ends.
+        /// Per axis, the negated lower ends of the boxes.
         neg_lo: [Lanes<T>; 3] = 3,
-        /// Per axis, the upper ends.
+        /// Per axis, the upper ends of the boxes.
         hi: [Lanes<T>; 3] = 3,
         ;
-        /// Lanes in use.
+        /// Number of lanes in use.
         count: u32,
     }
 }
@@ -123,131 +122,132 @@ batch! {
 batch! {
     /// Points.
     Points {
-        /// Per axis, the coordinates.
+        /// Per axis, the coordinates of the points.
         at: [Lanes<T>; 3] = 3,
         ;
-        /// Lanes in use.
+        /// Number of lanes in use.
         count: u32,
     }
 }
 
 batch! {
-    /// Segments of rays: the points origin + t·direction, for t from `near` to `far`. `error`
-    /// bounds, per coordinate, how far the real point may be from that sum, computed exactly from
-    /// these floats. It includes the rounding in kernels ([`Segments::allow_rounding`]).
+    /// Segments of rays. A segment holds the points origin + t·direction, for t from `near` to
+    /// `far`. In each coordinate the real point is within `error` of this sum. The error includes
+    /// rounding in kernels ([`Segments::allow_rounding`]).
     Segments {
-        /// Per axis, the point at t = 0.
+        /// Per axis, the coordinate of the ray's point at t = 0.
         origin: [Lanes<T>; 3] = 3,
-        /// Per axis, the change of the point while t grows by 1.
+        /// Per axis, the change of the coordinate if t grows by 1.
         direction: [Lanes<T>; 3] = 3,
-        /// Per axis, the largest error of the point.
+        /// Per axis, the largest error of the coordinate.
         error: [Lanes<T>; 3] = 3,
-        /// Lower end of t.
+        /// Lower end of the segment's range of t.
         near: Lanes<T> = 1,
-        /// Upper end of t.
+        /// Upper end of the segment's range of t.
         far: Lanes<T> = 1,
         ;
-        /// Lanes in use.
+        /// Number of lanes in use.
         count: u32,
     }
 }
 
 batch! {
-    /// Tiles of rays, each a segment deep: the points `o + a·oₐ + b·o_b + t·(d + a·dₐ + b·d_b)`,
-    /// for screen coordinates (a, b) within `half` of `centre`, and t from `near` to `far`. Points
-    /// are within `error` of these, as in [`Segments`].
+    /// Tiles of rays, cut to a range of t. A tile holds the points `o + a·oₐ + b·o_b + t·(d + a·dₐ
+    /// + b·d_b)`, for screen coordinates (a, b) within `half` of `centre` and t from `near` to
+    /// `far`. Real points are within `error` of these points, as in [`Segments`].
     ///
-    /// The origins and directions are the same in all lanes, since they belong to one picture.
+    /// Origins and directions are the same in all lanes, since all tiles belong to one picture.
     Tiles {
         /// Screen coordinates of the tile's center.
         centre: [Lanes<T>; 2] = 2,
         /// Half the extent of the tile, per screen axis.
         half: [Lanes<T>; 2] = 2,
-        /// Lower end of t.
+        /// Lower end of the tile's range of t.
         near: Lanes<T> = 1,
-        /// Upper end of t.
+        /// Upper end of the tile's range of t.
         far: Lanes<T> = 1,
-        /// `o`, `oₐ` and `o_b`, each per axis.
+        /// The components of `o`, then those of `oₐ`, then those of `o_b`.
         origin: [Lanes<T>; 9] = 9,
-        /// `d`, `dₐ` and `d_b`, each per axis.
+        /// The components of `d`, then those of `dₐ`, then those of `d_b`.
         direction: [Lanes<T>; 9] = 9,
-        /// Per axis, the largest error of the point.
+        /// Per axis, the largest error of a point's coordinate.
         error: [Lanes<T>; 3] = 3,
         ;
-        /// Lanes in use.
+        /// Number of lanes in use.
         count: u32,
     }
 }
 
 batch! {
-    /// The parts of segments that may hold zeros. Masks have a bit per lane, the lowest for the
-    /// first.
+    /// The parts of segments that may hold zeros. Bit k of a mask is for lane k.
     Contractions {
-        /// Lower end of the part that may hold zeros.
+        /// Lower end of t in the part that may hold zeros.
         near: Lanes<T> = 1,
-        /// Upper end of the part that may hold zeros.
+        /// Upper end of t in the part that may hold zeros.
         far: Lanes<T> = 1,
         ;
-        /// Lanes that may have a zero. If the bit is clear, the segment has no zero in the domain.
+        /// Lanes whose segment may have a zero. In other lanes the segment has no zero in the
+        /// domain.
         possible: u16,
-        /// Lanes proven to have a zero if the whole segment lies in the domain: the function is
-        /// continuous on it, and its values at the two ends have opposite signs, neither of them 0.
+        /// Lanes whose segment is proven to have a zero, provided that the whole segment lies in
+        /// the domain. The function is then continuous on it, and has values of opposite signs at
+        /// its ends.
         crossing: u16,
     }
 }
 
 batch! {
-    /// Where zeros may lie in tiles, and a linear approximation of the function. It has symbols
-    /// `εₐ`, `ε_b` and `ε` from −1 to 1, for the two screen axes and for t = `middle` + `half`·ε.
-    /// The function's value is within `error` of `value` + Σ `slope`·ε.
+    /// The parts of tiles that may hold zeros, and a linear approximation of the function. Its
+    /// symbols `εₐ`, `ε_b` and `ε` run from −1 to 1: two along the screen axes, the last along t =
+    /// `middle` + `half`·ε. The function is within `error` of `value` + Σ `slope`·symbol.
     Planes {
-        /// Lower end of the part of t that may hold zeros, on any ray of the tile.
+        /// Lower end of t in the part that may hold zeros, on any ray of the tile.
         near: Lanes<T> = 1,
-        /// Upper end of that part.
+        /// Upper end of t in that part, on any ray of the tile.
         far: Lanes<T> = 1,
-        /// Value of the approximation where all symbols are 0.
+        /// Value of the approximation if all symbols are 0.
         value: Lanes<T> = 1,
-        /// Coefficient of each symbol: the two screen axes, then t.
+        /// Coefficient of each symbol, in the order `εₐ`, `ε_b`, `ε`.
         slope: [Lanes<T>; 3] = 3,
         /// Largest error of the linear approximation.
         error: Lanes<T> = 1,
-        /// Middle of the segment of t.
+        /// Middle of the tile's range of t.
         middle: Lanes<T> = 1,
-        /// At least half the length of the segment.
+        /// At least half the length of the tile's range of t.
         half: Lanes<T> = 1,
         ;
-        /// Lanes that may have a zero on some ray of the tile, as in [`Contractions`].
+        /// Lanes whose tile may have a zero on some ray, as in [`Contractions`].
         possible: u16,
-        /// Lanes proven to have a zero on every ray of the tile, as in [`Contractions`].
+        /// Lanes whose tile is proven to have a zero on every ray, as in [`Contractions`].
         crossing: u16,
     }
 }
 
 batch! {
-    /// Bounds of a function over boxes, and facts. Masks have a bit per lane, the lowest for the
-    /// first.
+    /// Bounds of a function over boxes, and facts. Bit k of a mask is for lane k.
     Enclosures {
-        /// Negated lower ends: never NaN, never −∞. Meaningless if the function is defined nowhere.
+        /// Negated lower bounds, never NaN and never −∞. If the function is defined nowhere in the
+        /// box, they are meaningless.
         neg_lo: Lanes<T> = 1,
-        /// Upper ends: never NaN, never −∞.
+        /// Upper bounds, never NaN and never −∞.
         hi: Lanes<T> = 1,
         ;
         /// Lanes in which the function is defined nowhere in the box.
         nowhere: u16,
-        /// Lanes in which the function is defined throughout the box.
+        /// Lanes in which the function is defined in the whole box.
         defined: u16,
-        /// Lanes in which the function is defined and continuous throughout the box.
+        /// Lanes in which the function is defined and continuous in the whole box.
         continuous: u16,
     }
 }
 
-/// Results of tests for zeros in boxes. Masks have a bit per lane, the lowest for the first.
+/// Results of tests for zeros in boxes. Bit k of a mask is for lane k.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[repr(C, align(64))]
 pub struct Zeros {
-    /// Lanes that may have a zero. If the bit is clear, the box holds no zero.
+    /// Lanes whose box may hold a zero. In other lanes the box holds no zero.
     pub possible: u16,
-    /// Lanes without known finite bounds: perhaps there is an asymptote and no zero.
+    /// Lanes without finite bounds of the function: the box may hold a pole instead of a zero.
     pub unbounded: u16,
     /// Lanes in which the function is not known to be continuous.
     pub jumping: u16,
@@ -268,55 +268,54 @@ impl<T: Real> Batch<T> for Zeros {
 }
 
 batch! {
-    /// Bounds of a function and its gradient over boxes. Masks have a bit per lane, the lowest for
-    /// the first.
+    /// Bounds of a function and its gradient over boxes. Bit k of a mask is for lane k.
     GradientEnclosures {
-        /// Negated lower ends of the function.
+        /// Negated lower bounds of the function.
         neg_lo: Lanes<T> = 1,
-        /// Upper ends of the function.
+        /// Upper bounds of the function.
         hi: Lanes<T> = 1,
-        /// Per axis, the negated lower ends of the partial derivative.
+        /// Per axis, the negated lower bounds of the partial derivative.
         gradient_neg_lo: [Lanes<T>; 3] = 3,
-        /// Per axis, the upper ends of the partial derivative.
+        /// Per axis, the upper bounds of the partial derivative.
         gradient_hi: [Lanes<T>; 3] = 3,
         ;
-        /// Lanes in which the function is Lipschitz continuous in the box. Only there do the bounds
-        /// of the gradient hold, at all points where it exists.
+        /// Lanes in which the function is Lipschitz continuous in the box. Only in these lanes do
+        /// the gradient's bounds hold, at each point where the gradient exists.
         lipschitz: u16,
-        /// Lanes in which the function is differentiable at each point of the box, at least toward
-        /// other points of the box.
+        /// Lanes in which the function is differentiable at each point of the box. On the boundary,
+        /// derivatives may be one-sided.
         differentiable: u16,
     }
 }
 
 batch! {
-    /// Values of a function at points: NaN where it is undefined, or infinite at a pole.
+    /// Values of a function at points: NaN where it is undefined, but infinite at a pole.
     Values {
-        /// The values.
+        /// The function's values.
         value: Lanes<T> = 1,
         ;
     }
 }
 
 batch! {
-    /// Values and gradients at points: NaN or infinite where they do not exist.
+    /// Values and gradients of a function at points: NaN or infinite where they do not exist.
     Gradients {
-        /// The values.
+        /// The function's values.
         value: Lanes<T> = 1,
-        /// Per axis, the partial derivatives.
+        /// Per axis, the partial derivatives of the function.
         gradient: [Lanes<T>; 3] = 3,
         ;
     }
 }
 
-/// Largest rounding error of a coordinate in a kernel, in units ([`Real::UNIT`]) of the summed
-/// magnitudes of its terms. Each term is rounded up to six times. Each rounding errs by at most one
-/// unit of the term.
+/// Bound on a coordinate's rounding error in a kernel: this number of units ([`Real::UNIT`]) times
+/// the sum of the magnitudes of the coordinate's terms. Each term is rounded at most six times, by
+/// at most one unit of the term each time.
 pub const PATH_UNITS: f64 = 8.0;
 
-/// Adds the rounding error of a coordinate in a kernel to `error`. `magnitude` is the sum of its
-/// terms' magnitudes, and `met` the largest magnitude of an intermediate result. Errors by
-/// underflow are at most `scale` times the least normal number.
+/// Adds to `error` a bound on a coordinate's rounding error in a kernel. `magnitude` is the sum of
+/// the magnitudes of the coordinate's terms. `met` is the largest magnitude of an intermediate
+/// result. Errors by underflow are at most `scale` times the least normal number.
 #[inline]
 fn with_rounding<T: Real>(error: T, magnitude: f64, met: f64, scale: f64) -> T {
     let [least, largest]: [f64; 2] = [T::LEAST_NORMAL, T::LARGEST].map(Into::into);
@@ -327,7 +326,7 @@ fn with_rounding<T: Real>(error: T, magnitude: f64, met: f64, scale: f64) -> T {
 }
 
 impl<T: Real> Segments<T> {
-    /// Adds the rounding errors of kernels to `error`.
+    /// Adds bounds on the rounding errors of kernels to `error`.
     pub fn allow_rounding(&mut self) {
         for lane in 0..LANES {
             let t = size(self.near[lane]).max(size(self.far[lane]));
@@ -342,7 +341,7 @@ impl<T: Real> Segments<T> {
 }
 
 impl<T: Real> Tiles<T> {
-    /// Adds the rounding errors of kernels to `error`.
+    /// Adds bounds on the rounding errors of kernels to `error`.
     pub fn allow_rounding(&mut self) {
         for lane in 0..(self.count as usize).min(LANES) {
             let t = size(self.near[lane]).max(size(self.far[lane]));
@@ -373,7 +372,7 @@ fn size<T: Real>(number: T) -> f64 {
 }
 
 impl<T: Real> Enclosures<T> {
-    /// The facts that are proven about the function over one box.
+    /// The facts that are proven about the function over the box of `lane`.
     pub fn facts(&self, lane: usize) -> Facts {
         [
             (self.nowhere, Facts::NOWHERE),
@@ -387,7 +386,7 @@ impl<T: Real> Enclosures<T> {
 }
 
 impl<T: Real> Boxes<T> {
-    /// Returns batches of `boxes`, in order, with ends rounded outward.
+    /// Returns batches of all `boxes` in order, with ends rounded outward.
     pub fn around(boxes: &[[Interval; 3]]) -> Vec<Self> {
         let batches = boxes.chunks(LANES).map(|chunk| {
             let mut batch = Self { count: chunk.len() as u32, ..Self::default() };
@@ -402,7 +401,7 @@ impl<T: Real> Boxes<T> {
         batches.collect()
     }
 
-    /// Returns a batch of the boxes in `lanes`, in order. There must be at least one.
+    /// Returns a batch of the boxes in `lanes`, in order. `lanes` must not be empty.
     pub(crate) fn gathered(&self, lanes: u16) -> Self {
         let mut out = Self { count: lanes.count_ones(), ..Self::default() };
         for (to, lane) in (0..LANES).filter(|lane| lanes >> lane & 1 == 1).enumerate() {
@@ -416,7 +415,7 @@ impl<T: Real> Boxes<T> {
 }
 
 impl<T: Real> Points<T> {
-    /// Returns batches of `points`, in order, with coordinates rounded to nearest.
+    /// Returns batches of all `points` in order, with coordinates rounded to nearest.
     pub fn near<P: Copy + Into<[f64; 3]>>(points: &[P]) -> Vec<Self> {
         let batches = points.chunks(LANES).map(|chunk| {
             let mut batch = Self { count: chunk.len() as u32, ..Self::default() };
@@ -455,7 +454,7 @@ macro_rules! input_anywhere {
                 self.count as usize
             }
 
-            /// Samples carry no bounds, and results for rays only hold inside the domain.
+            /// Always true: samples carry no bounds, and results for rays hold only in the domain.
             fn is_within(&self, _: &[Interval; 3]) -> bool {
                 true
             }

@@ -8,8 +8,7 @@ use zeroset_interval::Interval;
 
 /// Values of all parameters for one picture.
 ///
-/// Each value is a real number known by bounds, because what was typed need not be a float. Clones
-/// share the values.
+/// A typed number need not be a float, so bounds enclose each value. Clones share the values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Binding<T: Real = f32> {
     quantities: Arc<[Lanes<T>]>,
@@ -17,7 +16,7 @@ pub struct Binding<T: Real = f32> {
 }
 
 impl<T: Real> Binding<T> {
-    /// Binds each parameter to bounds of its value.
+    /// Creates a binding from the bounds of each parameter's value.
     pub fn new(parameters: &[Interval]) -> Self {
         let bounds: Arc<[Interval]> =
             parameters.iter().map(|bounds| outward::<T>(*bounds)).collect();
@@ -32,8 +31,8 @@ impl<T: Real> Binding<T> {
         Self::new(&[])
     }
 
-    /// The quantities that kernels read: −lo, hi and a value near the middle of the bounds of each
-    /// parameter, each in all lanes.
+    /// The quantities that kernels read. Each parameter has three: −lo and hi of its bounds, and a
+    /// value near the middle of the bounds. All lanes of a quantity are equal.
     pub fn quantities(&self) -> &[Lanes<T>] {
         &self.quantities
     }
@@ -43,8 +42,8 @@ impl<T: Real> Binding<T> {
         &self.bounds
     }
 
-    /// Returns whether each parameter lies within its range. If so, code that was compiled for
-    /// these ranges is valid for this binding.
+    /// Returns whether each parameter lies within its range in `ranges`. Code compiled for these
+    /// ranges is then valid for this binding.
     pub fn is_within(&self, ranges: &[Interval]) -> bool {
         let inside = |(b, range): (&Interval, &Interval)| range.lo <= b.lo && b.hi <= range.hi;
         self.bounds.len() == ranges.len() && self.bounds.iter().zip(ranges).all(inside)

@@ -1,8 +1,8 @@
-//! Zero tests of functions that jump: the function is enclosed over one branch of a box at a time.
+//! Zero tests of functions that jump: a box is enclosed branch by branch.
 //!
-//! At a jump, the enclosure of a function is the hull of both branches, and contains 0 even if
-//! neither branch does. If the branches cover the box and none of them contains a zero, neither
-//! does the box. The interval rules define which operations split a box, and how.
+//! At a jump, the enclosure of a function is the hull of both branches. It contains 0 even if
+//! neither branch does. The branches together cover the box. If none of them has a zero, neither
+//! has the box. The interval rules define which operations have branches.
 
 use crate::real::Real;
 use crate::tape::{Step, Tape, may_vanish};
@@ -13,26 +13,28 @@ use zeroset_interval::{
 };
 use zeroset_ops::Op;
 
-/// Largest number of combinations of branches.
+/// Largest number of combinations of branches in one kernel.
 const COMBINATIONS: usize = 8;
-/// Largest number of operations over all combinations; with more, fewer jumps are split.
+/// Largest number of operations in one kernel, over all combinations. In a longer tape fewer jumps
+/// are split.
 const OPERATIONS: usize = 4_000;
 
-/// The steps of a tape that split boxes, and how their branches are combined.
+/// The steps of a tape that have branches, and the combinations of these branches.
 #[derive(Clone, Debug)]
 pub(crate) struct Branches {
-    /// The choices between branches. A combination selects one branch of each choice.
+    /// The choices between branches. A combination takes one branch of each choice.
     choices: Vec<Choice>,
-    /// Per step, the choice that it makes, if any.
+    /// For each step, the index of the choice that it makes, if any.
     makes: Vec<Option<usize>>,
-    /// Per step, the choices that its value depends on, one bit for each choice.
+    /// For each step, the choices that its value depends on, as a set of bits.
     depends: Vec<u32>,
-    /// Number of enclosures to compute, over all combinations.
+    /// Number of operations to enclose, over all combinations.
     operations: usize,
 }
 
 /// A choice between the branches of a split. Several steps may share a choice. In each box, the
-/// first of them that jumps then makes the choice, and later ones are enclosed over the whole box.
+/// first of these steps that jumps makes the choice. The later ones are then enclosed over the
+/// whole box.
 #[derive(Clone, Copy, Debug)]
 struct Choice {
     split: Split,
@@ -46,8 +48,8 @@ impl Choice {
 }
 
 impl Branches {
-    /// Finds the branches of a tape. `None` if the last output depends on no step that splits
-    /// boxes, or if code for two branches would be too long.
+    /// Finds the branches of a tape. `None` if the last output depends on no step with branches, or
+    /// if code for two branches would be too long.
     pub fn new<T: Real>(tape: &Tape<T>) -> Option<Self> {
         let mut combinations = COMBINATIONS;
         while combinations > 1 {
@@ -69,8 +71,8 @@ impl Branches {
         let mut choices: Vec<Choice> = Vec::new();
         let mut makes = vec![None; splits.len()];
         let mut left = combinations;
-        // Split jumps before poles: the rational form has cleared most poles already, or they are
-        // no jumps of the whole function.
+        // Jumps are split before poles. The rational form has cleared most poles, and at the other
+        // poles the whole function may not jump.
         for poles in [false, true] {
             let first = choices.len();
             let mut next = first;
@@ -96,7 +98,8 @@ impl Branches {
     }
 
     fn find_dependences<T: Real>(&mut self, tape: &Tape<T>) {
-        // Per choice, the choices that determine whether one of the earlier steps has made it.
+        // For each choice, the choices that decide in which lanes an earlier step has made that
+        // choice.
         let mut made = vec![0_u32; self.choices.len()];
         for (index, step) in tape.steps().iter().enumerate() {
             let Step::Apply(_, operands) = step else {
@@ -113,18 +116,17 @@ impl Branches {
         }
     }
 
-    /// Number of combinations that differ in the choices of the bit set `depends`.
+    /// Number of combinations that differ in the choices of the set `depends`.
     fn variants(&self, depends: u32) -> usize {
         let chosen = self.choices.iter().enumerate().filter(|(k, _)| depends >> k & 1 == 1);
         chosen.map(|(_, choice)| choice.parts().len()).product()
     }
 
-    /// Number of enclosures to compute, over all combinations.
     pub fn operations(&self) -> usize {
         self.operations
     }
 
-    /// All combinations, each with a branch per choice.
+    /// All combinations: lists with one branch per choice.
     fn combinations(&self) -> Vec<Vec<Branch>> {
         let mut all = vec![Vec::new()];
         for choice in &self.choices {
@@ -142,7 +144,7 @@ impl Branches {
     }
 }
 
-/// Finds one of `choices` with this split. The search starts at `next` and wraps around.
+/// Returns the index of a choice with this split. The search starts at `next` and wraps around.
 fn shared(choices: &[Choice], split: Split, next: usize) -> Option<usize> {
     let mut turn = (0..choices.len()).map(|k| (next + k) % choices.len());
     turn.find(|&k| choices[k].split == split)
@@ -158,18 +160,19 @@ fn split<T: Real>(tape: &Tape<T>, index: usize) -> Split {
     }
 }
 
-/// The evaluation of a tape in one combination of branches.
+/// The evaluation of a tape for one combination of branches.
 struct Combination<V> {
     parts: Vec<Branch>,
     values: Vec<Operand<V>>,
-    /// Per shared choice, the lanes in which a step so far has made it.
+    /// For each shared choice, the lanes in which an earlier step has made it.
     made: Vec<Fact<V>>,
-    /// Per step of a shared choice, the lanes in which the choice is made after that step.
+    /// For each step with a shared choice, the lanes in which this step or an earlier one has made
+    /// the choice.
     made_at: Vec<Fact<V>>,
 }
 
 impl<V: Copy> Combination<V> {
-    /// Returns whether `other` has the same branches for the choices of a bit set.
+    /// Returns whether both combinations have the same branches for the set `choices`.
     fn agrees(&self, other: &Self, choices: u32) -> bool {
         let mut pairs = self.parts.iter().zip(&other.parts).enumerate();
         pairs.all(|(choice, (a, b))| choices >> choice & 1 == 0 || a == b)
@@ -177,7 +180,7 @@ impl<V: Copy> Combination<V> {
 }
 
 impl<T: Real> Tape<T> {
-    /// Computes in which lanes all outputs may be 0 together, in some combination of branches.
+    /// Returns the lanes in which all outputs may be 0 together, in some combination of branches.
     pub(crate) fn possible_branches<M: Machine>(
         &self,
         m: &mut M,
@@ -230,8 +233,8 @@ impl<T: Real> Tape<T> {
     }
 }
 
-/// Encloses an operation in one combination. Also returns the lanes in which its choice is made
-/// afterwards.
+/// Encloses an operation in one combination. Also returns the lanes in which this or an earlier
+/// operation has made its shared choice.
 fn enclose_step<T: Real, M: Machine>(
     m: &mut M,
     branches: &Branches,
@@ -250,12 +253,12 @@ fn enclose_step<T: Real, M: Machine>(
     }
     let whole = enclose(m, T::FORMAT, op, &operands);
     let made = now.made[choice];
-    // In lanes where the operation does not jump, it makes no choice.
+    // An operation makes no choice in lanes in which it does not jump.
     let jumps = whole.facts.continuous.not(m, T::FORMAT);
     (pick(m, T::FORMAT, made, &whole, &part), made.or(m, jumps))
 }
 
-/// `whole` in the lanes of `mask`, else `part`.
+/// Takes `whole` in the lanes of `mask`, else `part`.
 fn pick<M: Machine>(
     m: &mut M,
     format: Format,
@@ -292,7 +295,6 @@ mod tests {
     use zeroset_ir::{Axis, Graph, NodeId};
     use zeroset_ops::Op;
 
-    /// A graph under construction.
     #[derive(Default)]
     struct GraphBuilder(Graph);
 
@@ -316,7 +318,7 @@ mod tests {
             Tape::branches(&self.0, &[root], &Assumptions::none(0))
         }
 
-        /// Whether `root` is proven to have no zero for x, y and z in these ranges.
+        /// Returns whether `root` is proven to have no zero for x, y and z in `ranges`.
         fn is_empty(&self, root: NodeId, ranges: [[f32; 2]; 3]) -> bool {
             let tape = self.branches(root).expect("it jumps");
             let ends = ranges.map(|[lo, hi]| Interval { lo: lo.into(), hi: hi.into() });
@@ -325,9 +327,9 @@ mod tests {
         }
     }
 
-    /// Seven jumps have three choices between them. The fourth and the seventh share one, and the
-    /// fourth jumps in only one branch of the second. In this branch the seventh must not choose
-    /// again, so it depends on the second as well.
+    /// Seven steps jump, but there are only three choices. The fourth and the seventh step share a
+    /// choice. The fourth jumps in only one branch of the second. In that branch the seventh must
+    /// not choose again, so it depends on the second as well.
     #[test]
     fn a_choice_already_made_by_another_jump_is_not_made_again() {
         let mut builder = GraphBuilder::default();
@@ -353,10 +355,10 @@ mod tests {
             sum = builder.weighted(jump, n, sum);
         }
         let near = [[0.875, 1.125], [0.5, 0.5], [0.875, 1.125]];
-        // At x = 1.1, z = 0.9: 100·1 + 10·0 + 1.
+        // The root is 0 near x = 1.1, z = 0.9, where the sum is 100·1 + 10·0 + 1.
         let root = builder.plus(sum, -101);
         assert!(!builder.is_empty(root, near));
-        // The function takes the values 0, 1, 101 and 110 (and 111 at z = 1).
+        // The sum takes the values 0, 1, 101 and 110 (and 111 at z = 1).
         for (value, is_taken) in [(0, true), (1, true), (50, false), (110, true), (115, false)] {
             let root = builder.plus(sum, -value);
             assert_eq!(!builder.is_empty(root, near), is_taken, "{value}");
@@ -369,7 +371,7 @@ mod tests {
         let [x, y, _] = Axis::ALL.map(|axis| builder.0.variable(axis));
         let smooth = builder.of(Op::Add, &[x, y]);
         assert!(builder.branches(smooth).is_none());
-        // Only the last of several roots counts.
+        // Only the last of several roots decides whether a tape has branches.
         let jump = builder.of(Op::Floor, &[x]);
         let tape =
             |roots: &[NodeId]| Tape::<f32>::branches(&builder.0, roots, &Assumptions::none(0));

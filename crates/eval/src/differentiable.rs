@@ -1,14 +1,14 @@
-//! Intervals with two more facts: whether a function is Lipschitz continuous or differentiable.
+//! Enclosures with two more facts: whether a function is Lipschitz continuous or differentiable.
 //!
-//! With enclosures of the derivatives, these facts make slopes rigorous. On a segment within a box
-//! in which the function is Lipschitz continuous, it changes no more than its slopes allow.
+//! If a function is Lipschitz continuous in a box, bounds of its derivatives limit how much it
+//! changes along a segment in the box. Without that fact, bounds of derivatives prove nothing.
 
 use crate::real::Real;
 use crate::value_kind::{Intervals, Loader, ValueKind, Vector, parameter_bounds};
 use zeroset_interval::{Enclosure, Exponent, Fact, Interval, Machine, Term};
 use zeroset_ops::{Class, Law, Op};
 
-/// An enclosure, and how smooth the expression is over the box.
+/// An enclosure, with facts about how smooth the expression is over the box.
 #[derive(Clone, Copy, Debug)]
 pub struct Smooth<V> {
     pub value: Enclosure<V>,
@@ -92,8 +92,9 @@ impl ValueKind for Smoothness {
     }
 }
 
-/// The value of an operation with its facts. A fact holds if it holds for the operands, and for the
-/// operation over the operands' bounds.
+/// Adds the two facts to `value`, the result of an operation. In general, a fact holds if it holds
+/// for all operands, and for the operation over the operands' bounds. For choices, fallbacks and
+/// restrictions, only the operand counts that gives the value.
 fn smooth<T: Real, M: Machine>(
     m: &mut M,
     op: Op,
@@ -116,7 +117,7 @@ fn smooth<T: Real, M: Machine>(
                 let differs = differs::<T, M>(m, a, f64::from(corner));
                 away = away.and(m, differs);
             }
-            // The magnitude has slopes 1 and −1 at its corner. At the corners of other functions
+            // At its corner, the magnitude has slopes 1 and −1. At the corners of other functions,
             // slopes are infinite.
             let is_magnitude = row.class == Class::Function(Law::Magnitude);
             (if is_magnitude { continuous } else { away }, away)
@@ -128,7 +129,7 @@ fn smooth<T: Real, M: Machine>(
         },
         Class::Extremum => (continuous, apart(m, &a.value.value, &operands[1].value.value)),
         Class::Choice => {
-            // The bounds of the condition hold only at points where it is defined.
+            // The condition's bounds hold only at points where the condition is defined.
             let defined = a.value.value.facts.defined;
             let negative = below::<T, M>(m, a, 0.0).and(m, defined);
             let other = at_least::<T, M>(m, a, 0.0).and(m, defined);
@@ -143,7 +144,7 @@ fn smooth<T: Real, M: Machine>(
                 differentiable: choose(b.differentiable, c.differentiable),
             };
         }
-        // Where the first operand and the result are defined, they are equal.
+        // The result equals the first operand wherever that operand and the result are defined.
         Class::Fallback | Class::Restriction(_) => {
             let defined = value.facts.defined.and(m, a.value.value.facts.defined);
             return Smooth {
@@ -165,7 +166,7 @@ fn both<V: Copy>(fact: Fact<V>) -> (Fact<V>, Fact<V>) {
     (fact, fact)
 }
 
-/// Lanes in which an operand is above `number` throughout the box.
+/// Lanes in which the operand `a` is above `number` in the whole box.
 fn above<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64) -> Fact<M::V> {
     if a.range.lo > number {
         return Fact::True;
@@ -174,7 +175,7 @@ fn above<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64) ->
     Fact::Lanes(m.lt(a.value.value.neg_lo, number))
 }
 
-/// Lanes in which an operand is at least `number` throughout the box.
+/// Lanes in which the operand `a` is at least `number` in the whole box.
 fn at_least<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64) -> Fact<M::V> {
     if a.range.lo >= number {
         return Fact::True;
@@ -183,7 +184,7 @@ fn at_least<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64)
     Fact::Lanes(m.le(a.value.value.neg_lo, number))
 }
 
-/// Lanes in which an operand is below `number` throughout the box.
+/// Lanes in which the operand `a` is below `number` in the whole box.
 fn below<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64) -> Fact<M::V> {
     if a.range.hi < number {
         return Fact::True;
@@ -192,16 +193,16 @@ fn below<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64) ->
     Fact::Lanes(m.lt(a.value.value.hi, number))
 }
 
-/// Lanes in which an operand differs from `number` throughout the box.
+/// Lanes in which the operand `a` differs from `number` in the whole box.
 fn differs<T: Real, M: Machine>(m: &mut M, a: &Term<Smooth<M::V>>, number: f64) -> Fact<M::V> {
     let above = above::<T, M>(m, a, number);
     below::<T, M>(m, a, number).or(m, above)
 }
 
-/// Lanes in which two operands are never equal.
+/// Lanes in which the operands `a` and `b` have disjoint bounds.
 fn apart<M: Machine>(m: &mut M, a: &Enclosure<M::V>, b: &Enclosure<M::V>) -> Fact<M::V> {
     let mut less = |a: &Enclosure<M::V>, b: &Enclosure<M::V>| {
-        // Tests a.hi < b.lo without a sum, which would be rounded.
+        // Tests a.hi < b.lo without computing a sum, which would be rounded.
         let lo = m.neg(b.neg_lo);
         Fact::Lanes(m.lt(a.hi, lo))
     };

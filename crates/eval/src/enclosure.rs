@@ -1,22 +1,21 @@
-//! Bounds and facts of formulas over a whole domain, from one pass over their graph.
+//! Bounds and facts of expressions over a whole domain, from one pass over their graph.
 
 use crate::tape::Assumptions;
 use zeroset_interval::{Decorated, Facts, Interval, fold};
 use zeroset_ir::{Graph, Node, NodeId};
 
-/// The bounds of `root`, and the facts proven of it, for all points and parameters within
-/// `assumptions`.
+/// The bounds and facts of `root`, for all points and parameters within `assumptions`.
 ///
 /// # Panics
-/// If `assumptions` has no bounds for a parameter that is used.
+/// If `assumptions` has no bounds for a parameter that `root` uses.
 pub fn enclose(graph: &Graph, root: NodeId, assumptions: &Assumptions) -> (Interval, Facts) {
     enclose_all(graph, &[root], assumptions)[0]
 }
 
-/// Like [`enclose`], for several roots in one pass.
+/// The bounds and facts of each root, as [`enclose`] returns them, from one pass over the graph.
 ///
 /// # Panics
-/// If `assumptions` has no bounds for a parameter that is used.
+/// If `assumptions` has no bounds for a parameter that a root uses.
 pub fn enclose_all(
     graph: &Graph,
     roots: &[NodeId],

@@ -1,15 +1,15 @@
-//! Affine forms along rays: the domain of values in which segments are narrowed.
+//! Affine forms along rays: the domain of values with which segments are narrowed.
 
 use crate::value_kind::Loader;
 use zeroset_interval::{Contraction, Form, Format, Machine, contract};
 use zeroset_ir::Axis;
 
-/// How coordinates depend on `N` symbols, of which the last runs along a ray.
+/// The way in which coordinates depend on `N` symbols. The last symbol runs along a ray.
 pub(crate) trait Path<const N: usize> {
-    /// Numbers of the quantities that hold the ends of a segment.
+    /// Indices of the input's quantities that hold the lower and the upper end of t.
     const ENDS: [usize; 2];
 
-    /// Returns the form of a coordinate.
+    /// Returns the affine form of a coordinate.
     fn coordinate<M: Machine>(
         m: &mut M,
         loader: &mut impl Loader<M>,
@@ -18,13 +18,13 @@ pub(crate) trait Path<const N: usize> {
     ) -> Form<M::V, N>;
 }
 
-/// Path along segments of rays; its quantities are those of [`Segments`](crate::Segments).
+/// The path along segments of rays. It reads the quantities of [`Segments`](crate::Segments).
 pub(crate) struct SegmentPath;
 
-/// Path through tiles of rays; its quantities are those of [`Tiles`](crate::Tiles).
+/// The path through tiles of rays. It reads the quantities of [`Tiles`](crate::Tiles).
 pub(crate) struct TilePath;
 
-/// A range of t along a ray: `middle` ± `half` contains a segment from end to end.
+/// A range of t along a ray. `middle` ± `half` contains the segment from end to end.
 #[derive(Clone, Copy)]
 pub struct RayRange<V> {
     pub middle: V,
@@ -60,7 +60,7 @@ impl Path<1> for SegmentPath {
     ) -> Form<M::V, 1> {
         let [origin, direction, error] =
             [0, 3, 6].map(|first| loader.input(m, first + axis as usize));
-        // The rounding of these operations is included in the batch's `error`.
+        // `error` already includes the rounding of these operations.
         let (centre, slope) = m.unrounded(|m| {
             let slope = m.mul(depth.half, direction);
             (m.mul_add(direction, depth.middle, origin), slope)
@@ -78,19 +78,21 @@ impl Path<3> for TilePath {
         depth: RayRange<M::V>,
         axis: Axis,
     ) -> Form<M::V, 3> {
-        // Load again for each axis: a value that lives longer would be spilled and reloaded.
+        // These quantities are loaded again for each axis. If they were kept, they would be
+        // spilled.
         let centre = [0, 1].map(|quantity| loader.input(m, quantity));
         let reach = [2, 3].map(|quantity| loader.input(m, quantity));
         let [o, o_a, o_b] = [6, 9, 12].map(|first| loader.input(m, first + axis as usize));
         let [d, d_a, d_b] = [15, 18, 21].map(|first| loader.input(m, first + axis as usize));
         let error = loader.input(m, 24 + axis as usize);
         let RayRange { middle, half } = depth;
-        // Rays diverge: products of screen coordinates and depth are counted as errors.
+        // Rays diverge, so a coordinate has products of screen coordinates and t. They count as
+        // errors.
         let sizes = [d_a, d_b].map(|d| m.abs(d));
         let spread = m.mul(reach[0], sizes[0]);
         let spread = m.mul_add(sizes[1], reach[1], spread);
         let error = m.mul_add(spread, half, error);
-        // The rounding of these operations, too, is included in the batch's `error`.
+        // `error` already includes the rounding of these operations.
         let (centre, slopes) = m.unrounded(|m| {
             let [across, upward] = [(o_a, d_a, 0), (o_b, d_b, 1)].map(|(o, d, axis)| {
                 let per_unit = m.mul_add(middle, d, o);
@@ -116,7 +118,7 @@ pub(crate) fn contract_path<P: Path<N>, M: Machine, const N: usize>(
     depth: RayRange<M::V>,
     form: &Form<M::V, N>,
 ) -> Contraction<M::V> {
-    // Load again: a value that lives longer would be spilled and reloaded.
+    // The ends are loaded again. If they were kept during the evaluation, they would be spilled.
     let ends = P::ENDS.map(|quantity| loader.input(m, quantity));
     contract(m, format, form, [depth.middle, depth.half], ends)
 }

@@ -2,16 +2,16 @@
 
 use std::ops::{Deref, DerefMut};
 
-/// Number of lanes of a batch.
+/// Number of lanes in a batch.
 pub const LANES: usize = 16;
 
-/// One quantity of a batch: a value per lane.
+/// One quantity of a batch, with a value per lane.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(64))]
 pub struct Lanes<T>(pub [T; LANES]);
 
 impl<T: Copy> Lanes<T> {
-    /// Returns the same value in all lanes.
+    /// Returns a quantity that has `value` in all lanes.
     pub fn splat(value: T) -> Self {
         Self([value; LANES])
     }

@@ -2,10 +2,10 @@
 //!
 //! A [`Tape`] is a graph laid out for evaluation, on any [`Machine`](zeroset_interval::Machine) and
 //! with any [kind of values](ValueKind). A [`Query`] defines what a kernel reads and what its
-//! result means; a [`Kernel`] answers it. [`Reference`] does so in software; other crates compile
-//! native code. All exist in `f32` and in `f64`, by a type parameter [`Real`] that defaults to
-//! `f32`. [`SurfaceKernels`] are the kernels of one function. This crate knows neither code
-//! generation nor rays.
+//! result means. A [`Kernel`] answers a query: [`Reference`] in software, and other crates with
+//! native code. [`SurfaceKernels`] are the kernels of one function. All exist in `f32` and in
+//! `f64`: the type parameter [`Real`] defaults to `f32`. This crate knows neither code generation
+//! nor rays.
 
 mod batch;
 mod binding;

@@ -1,8 +1,8 @@
-//! The queries about a function, each with a contract of its own, and the kernels that answer them.
+//! The queries about a function, each with its own contract, and the kernels that answer them.
 //!
-//! All results but samples are proofs. They hold if kernels are evaluated under the assumptions
-//! that their code was compiled for: boxes within the domain, parameters within their ranges. Debug
-//! builds assert that.
+//! All results but samples are proofs. They hold under the assumptions for which the kernel was
+//! compiled: boxes are within the domain, and parameters within their ranges. Debug builds assert
+//! these assumptions.
 
 use crate::batch::{
     Boxes, Contractions, Enclosures, GradientEnclosures, Gradients, Input, Output, Planes, Points,
@@ -21,9 +21,9 @@ use zeroset_ir::Axis;
 
 /// A query, represented by a type.
 pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
-    /// Name of the query in a word or two, for reports.
+    /// Name of the query for reports, one or two words long.
     const NAME: &'static str;
-    /// Number of expressions that a tape must compute to answer the query.
+    /// Number of expressions that a tape must compute for the query.
     const OUTPUTS: usize;
     /// The kind of values that a tape computes.
     type Kind: ValueKind;
@@ -37,9 +37,9 @@ pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
     /// Checks that a tape and a binding fit this query.
     ///
     /// # Panics
-    /// If the tape computes another number of expressions, or if its number of parameters is not
-    /// that of the binding. In debug builds also if a value is outside the range that the tape
-    /// assumes.
+    /// If the number of expressions that the tape computes does not fit the query, or if the tape
+    /// and the binding differ in their number of parameters. In debug builds also if a parameter's
+    /// value is outside the range that the tape assumes.
     fn check<T: Real>(tape: &Tape<T>, binding: &Binding<T>) {
         assert_eq!(tape.outputs(), Self::OUTPUTS, "expressions that answer for {}", Self::NAME);
         assert_eq!(tape.parameters(), binding.bounds().len(), "parameters");
@@ -54,8 +54,8 @@ pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
     /// Checks that an input fits the assumptions of a tape.
     ///
     /// # Panics
-    /// If no lane is in use, or more than [`LANES`]. In debug builds also if a lane is outside the
-    /// domain that the tape assumes.
+    /// If no lanes are in use, or more than [`LANES`]. In debug builds also if the data of a lane
+    /// are outside the domain that the tape assumes.
     #[inline]
     fn check_input<T: Real>(tape: &Tape<T>, input: &Self::Input<T>) {
         assert!((1..=LANES).contains(&input.count()), "{} lanes in use", input.count());
@@ -86,11 +86,11 @@ pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
         is_bounded: bool,
     ) -> QueryResult<M::V>;
 
-    /// Computes the result on `m`: its quantities and its masks.
+    /// Computes the query's result on `m`.
     ///
     /// # Panics
-    /// If the tape computes another number of expressions, or only finds zeros ([`Tape::branches`])
-    /// and this is another query.
+    /// If the number of expressions that the tape computes does not fit the query, or if the tape
+    /// is made by [`Tape::branches`] and the query is not [`FindZeros`].
     fn answer<T: Real, M: Machine>(
         tape: &Tape<T>,
         m: &mut M,
@@ -105,27 +105,27 @@ pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
 /// A value that a tape computes for query `Q` on machine `M`.
 pub type QueryValue<Q, M> = <<Q as Query>::Kind as ValueKind>::Value<<M as Machine>::V>;
 
-/// The result of a query as values of a machine.
+/// The result of a query, as values of a machine.
 pub struct QueryResult<V> {
-    /// Values in the order of the output's quantities.
+    /// The values, in the order of the output's quantities.
     pub quantities: Vec<V>,
-    /// Facts in the order of the output's masks.
+    /// The facts, in the order of the output's masks.
     pub masks: Vec<Fact<V>>,
 }
 
 /// An evaluator of one query about one function.
 pub trait Kernel<Q: Query, T: Real = f32>: Send + Sync {
-    /// Evaluates the lanes in use.
+    /// Evaluates the lanes of `input` that are in use.
     ///
     /// # Panics
-    /// If no lane is in use, or more than [`LANES`]. In debug builds also if a box reaches out of
-    /// the domain that the kernel was compiled for.
+    /// If no lanes are in use, or more than [`LANES`]. In debug builds also if a box reaches out of
+    /// the domain for which the kernel was compiled.
     fn eval(&self, input: &Q::Input<T>, output: &mut Q::Output<T>);
 
     /// Returns the results for all `inputs`, in order.
     ///
     /// # Panics
-    /// As [`Kernel::eval`].
+    /// If [`Kernel::eval`] panics for an input.
     fn eval_all(&self, inputs: &[Q::Input<T>]) -> Vec<Q::Output<T>> {
         let answer = |input| {
             let mut output = Q::Output::<T>::default();
@@ -136,38 +136,38 @@ pub trait Kernel<Q: Query, T: Real = f32>: Send + Sync {
     }
 }
 
-/// Bounds of the function's values over a box. At each real point of the box where the function is
-/// defined, its value is within them. The facts tell where it is defined and continuous.
+/// Bounds of the function over a box. They contain the function's value at each real point of the
+/// box where it is defined. The facts tell where the function is defined and continuous.
 #[derive(Clone, Copy, Debug)]
 pub struct Enclose;
 
-/// A test whether a box may hold a zero of the function. If the bit of a lane in
-/// [`Zeros::possible`] is clear, its box holds no zero. A set bit claims nothing.
+/// A test whether a box may hold a zero of the function. If a lane's bit in [`Zeros::possible`] is
+/// clear, its box is proven to hold no zero. A set bit proves nothing.
 #[derive(Clone, Copy, Debug)]
 pub struct FindZeros;
 
-/// Bounds of the function's gradient over a box, and whether the function is differentiable in the
-/// box. The tape computes the function and its three partial derivatives.
+/// Bounds of the function and its gradient over a box, and whether the function is Lipschitz
+/// continuous and differentiable in it. The tape computes the function and its three partial
+/// derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct EncloseGradient;
 
-/// Narrows a segment of a ray to a part that contains all zeros on it in the domain. Also tells
-/// whether the signs at the ends of the segment prove a zero.
+/// Narrows a segment of a ray to a part that contains all zeros on the segment within the domain.
+/// Also tells whether the function's signs at the segment's ends prove a zero.
 #[derive(Clone, Copy, Debug)]
 pub struct ContractSegments;
 
 /// Like [`ContractSegments`], but for all rays of a tile at once. Also returns a linear
-/// approximation of the function.
+/// approximation of the function over the tile.
 #[derive(Clone, Copy, Debug)]
 pub struct ContractTiles;
 
-/// Approximate value of the function at a point, computed in `T` and rounded up. No error bound is
-/// claimed.
+/// Approximate value of the function at a point, computed in `T`. It has no error bound.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample;
 
-/// Approximate value and gradient at a point, as for [`Sample`]. The tape computes the function and
-/// its three partial derivatives.
+/// Approximate value and gradient of the function at a point. Like those of [`Sample`], they have
+/// no error bounds. The tape computes the function and its three partial derivatives.
 #[derive(Clone, Copy, Debug)]
 pub struct SampleGradient;
 
@@ -291,8 +291,7 @@ impl Query for EncloseGradient {
         let (function, derivatives) = values.split_first().expect("a function");
         let (mut lipschitz, mut differentiable) = (function.lipschitz, function.differentiable);
         for derivative in derivatives {
-            // At points where the formula of a derivative is undefined, its bounds do not bound the
-            // derivative.
+            // A derivative's bounds hold only at points where its formula is defined.
             lipschitz = lipschitz.and(m, derivative.value.facts.defined);
             differentiable = differentiable.and(m, derivative.value.facts.defined);
         }

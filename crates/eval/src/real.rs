@@ -1,11 +1,11 @@
-//! The two float types in which kernels compute.
+//! The two float types with which kernels compute.
 
 use crate::lanes::Lanes;
 use std::fmt::Debug;
 use std::ops::Neg;
 use zeroset_interval::{Format, Interval, Vector128 as Vector, round::f32_up};
 
-/// A float type in which kernels compute: `f32` or `f64`.
+/// A float type with which kernels compute: `f32` or `f64`.
 pub trait Real:
     sealed::Sealed
     + Copy
@@ -18,9 +18,9 @@ pub trait Real:
     + Sync
     + 'static
 {
-    /// Format of the lanes.
+    /// Format of a lane on a machine.
     const FORMAT: Format;
-    /// Number of lanes of a vector of the [software machine](zeroset_interval::Software).
+    /// Number of lanes in a vector of the [software machine](zeroset_interval::Software).
     const VECTOR_LANES: usize;
     /// Largest finite number.
     const LARGEST: Self;
@@ -34,11 +34,12 @@ pub trait Real:
     fn nearest(value: f64) -> Self;
     /// Returns `value` rounded up.
     fn above(value: f64) -> Self;
-    /// Loads the vector with this index from `lanes`, which hold several vectors.
+    /// Loads one vector of `lanes`; `index` counts vectors.
     fn load(lanes: &Lanes<Self>, index: usize) -> Vector;
-    /// Stores `vector` in `lanes` as the vector with this index.
+    /// Stores `vector` in `lanes`; `index` counts vectors.
     fn store(vector: Vector, index: usize, lanes: &mut Lanes<Self>);
-    /// Returns a bit per lane, the lowest for the first lane: set if the mask is.
+    /// Returns one bit per lane, the lowest for the first lane. A bit is set if the mask is set in
+    /// its lane.
     fn bits(mask: Vector) -> u32;
 }
 
@@ -103,9 +104,9 @@ pub(crate) fn outward<T: Real>(bounds: Interval) -> Interval {
     Interval { lo: -T::above(-bounds.lo).into(), hi: T::above(bounds.hi).into() }
 }
 
-/// Returns a number of `T` within the bounds and near their middle; 0 if the bounds are infinite.
+/// Returns a number of `T` within `bounds`, near their middle. It is 0 if both bounds are infinite.
 pub(crate) fn middle<T: Real>(bounds: Interval) -> f64 {
-    // Some constants are known only to be real, such as 0 times a number beyond all floats.
+    // Some constants have infinite bounds, such as 0 times a number beyond all floats.
     let middle = if bounds == Interval::ENTIRE { 0.0 } else { 0.5 * bounds.lo + 0.5 * bounds.hi };
     let most = T::LARGEST.into();
     let nearest: f64 = T::nearest(middle.clamp(-most, most)).into();

@@ -9,9 +9,9 @@ use crate::value_kind::Loader;
 use std::marker::PhantomData;
 use zeroset_interval::{Software, Vector128 as Vector};
 
-/// Answers a query in software: a tape with its parameters bound.
+/// Answers a query in software, with a tape and its bound parameters.
 ///
-/// Results have the same bits as those of native kernels, but take some hundred times as long.
+/// Results are bit for bit those of native kernels, but take some hundred times as long.
 #[derive(Clone, Debug)]
 pub struct Reference<Q: Query, T: Real = f32> {
     tape: Tape<T>,
@@ -20,18 +20,19 @@ pub struct Reference<Q: Query, T: Real = f32> {
 }
 
 impl<Q: Query, T: Real> Reference<Q, T> {
-    /// Creates an evaluator of `tape` under `binding`.
+    /// Creates an evaluator of `tape` with the parameters of `binding`.
     ///
     /// # Panics
-    /// If the tape computes another number of expressions than the query needs, or if its number of
-    /// parameters is not that of the binding. In debug builds also if a value is outside its range.
+    /// If the number of expressions that the tape computes does not fit the query, or if the tape
+    /// and the binding differ in their number of parameters. In debug builds also if a parameter's
+    /// value is outside its range.
     pub fn new(tape: Tape<T>, binding: Binding<T>) -> Self {
         Q::check(&tape, &binding);
         Self { tape, binding, query: PhantomData }
     }
 }
 
-/// A reader of a batch, one vector after another.
+/// A reader of a batch that reads one vector of each quantity.
 struct BatchReader<'a, Q: Query, T: Real> {
     input: &'a Q::Input<T>,
     binding: &'a Binding<T>,

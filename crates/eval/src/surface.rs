@@ -16,10 +16,10 @@ pub type KernelError = Arc<dyn Error + Send + Sync>;
 /// A kernel, or the reason why it is not available.
 pub type KernelResult<'a, Q, T> = Result<&'a dyn Kernel<Q, T>, KernelError>;
 
-/// The kernels of one function, in either precision.
+/// The kernels of one function, in `f32` and in `f64`.
 ///
-/// A kernel is compiled when it is first requested, so request only what a picture needs. Kernels
-/// that an implementation leaves out are not available.
+/// A kernel is compiled when it is first requested, so a caller should request only what a picture
+/// needs. An implementation may leave out kernels, which are then not available.
 pub trait SurfaceKernels: Send + Sync {
     /// Returns the kernels that compute in `f32`.
     fn single(&self) -> &dyn Kernels<f32> {
@@ -31,7 +31,8 @@ pub trait SurfaceKernels: Send + Sync {
     }
 }
 
-/// The kernels of one function in one precision. Each may fail to compile; the error is the reason.
+/// The kernels of one function in one precision. Each method returns an error if its kernel is not
+/// available.
 #[allow(clippy::missing_errors_doc, reason = "the same for each, and said above")]
 pub trait Kernels<T: Real>: Sync {
     /// The kernel that tests whether boxes may hold a zero.
@@ -43,17 +44,18 @@ pub trait Kernels<T: Real>: Sync {
         Err(Arc::new(NoKernel))
     }
     /// The kernels that bound the numerator and the denominator of the function's rational form, if
-    /// it has one. Where the function is defined, it is 0 where the numerator is and the
-    /// denominator is not. Its poles are where the denominator is 0.
+    /// it has one. Within its domain of definition, the function is 0 where the numerator is 0 and
+    /// the denominator is not. The function has poles where the denominator is 0.
     fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError> {
         Err(Arc::new(NoKernel))
     }
-    /// The kernel that narrows segments of rays to their zeros. It computes the numerator of the
+    /// The kernel that narrows segments of rays to their zeros. It uses the numerator of the
     /// function's rational form if there is one, else the function.
     fn segments(&self) -> KernelResult<'_, ContractSegments, T> {
         Err(Arc::new(NoKernel))
     }
-    /// Like [`Kernels::segments`], for tiles of rays.
+    /// The kernel that narrows tiles of rays to their zeros, for the function that
+    /// [`Kernels::segments`] uses.
     fn tiles(&self) -> KernelResult<'_, ContractTiles, T> {
         Err(Arc::new(NoKernel))
     }
@@ -89,7 +91,7 @@ pub enum PartSurface {
 
 /// A float type that selects the kernels of a surface.
 pub trait KernelFloat: Real {
-    /// The kernels of a surface that compute in this type.
+    /// Returns the kernels of a surface that compute in this type.
     fn kernels(surface: &dyn SurfaceKernels) -> &dyn Kernels<Self>;
 }
 
@@ -105,7 +107,7 @@ impl KernelFloat for f64 {
     }
 }
 
-/// The error that a surface has no kernel for a query.
+/// The error for a query that a surface has no kernel for.
 #[derive(Clone, Copy, Debug)]
 struct NoKernel;
 
@@ -118,16 +120,17 @@ impl fmt::Display for NoKernel {
 impl Error for NoKernel {}
 impl<T: Real> Kernels<T> for NoKernel {}
 
-/// A test for zeros by up to three forms of a function. Each is evaluated only if the one before
-/// leaves lanes undecided.
+/// A test for zeros that evaluates up to three forms of a function. A further form is evaluated
+/// only for lanes that the earlier forms leave undecided.
 pub struct ZeroTest<T: Real> {
     /// The function itself.
     pub function: Box<dyn Kernel<FindZeros, T>>,
-    /// The numerator of the rational form, which has the same zeros in the domain of definition. It
-    /// proves poles empty, and has finite bounds at a root near a pole.
+    /// The numerator of the function's rational form, which has the function's zeros in the domain
+    /// of definition. It is finite near poles. So it proves that a pole is no zero, and bounds
+    /// roots near a pole.
     pub numerator: Option<Box<dyn Kernel<FindZeros, T>>>,
-    /// The function branch by branch ([`Tape::branches`](crate::Tape::branches)), evaluated where
-    /// the function may jump.
+    /// The function branch by branch ([`Tape::branches`](crate::Tape::branches)). It is evaluated
+    /// in lanes where the function may jump.
     pub branches: Option<Box<dyn Kernel<FindZeros, T>>>,
 }
 
@@ -135,8 +138,7 @@ impl<T: Real> Kernel<FindZeros, T> for ZeroTest<T> {
     #[inline]
     fn eval(&self, boxes: &Boxes<T>, zeros: &mut Zeros) {
         self.function.eval(boxes, zeros);
-        // Bits of lanes that are not in use have no meaning, and must not cause further
-        // evaluations.
+        // Bits of unused lanes have no meaning and must not cause further evaluations.
         zeros.possible &= u16::MAX >> (u16::BITS - boxes.count);
         if let Some(numerator) = &self.numerator
             && zeros.possible != 0
@@ -154,8 +156,8 @@ impl<T: Real> Kernel<FindZeros, T> for ZeroTest<T> {
     }
 }
 
-/// Evaluates some lanes of a batch, gathered if they are at most half of it. The result says
-/// nothing about other lanes.
+/// Evaluates the boxes in `lanes` of a batch. If they are at most half of the boxes in use, they
+/// are first gathered in a batch of their own. The result is meaningless in other lanes.
 fn eval_lanes<T: Real>(kernel: &dyn Kernel<FindZeros, T>, boxes: &Boxes<T>, lanes: u16) -> Zeros {
     let mut zeros = Zeros::default();
     if 2 * lanes.count_ones() > boxes.count {
@@ -180,7 +182,8 @@ mod tests {
     use zeroset_ir::{Axis, Graph};
     use zeroset_ops::Op;
 
-    /// Unused lanes hold zeros here, outside the domain: evaluating these would panic.
+    /// Unused lanes hold boxes at the origin, outside the domain: a kernel that evaluated them
+    /// would panic.
     #[test]
     fn lanes_that_are_not_in_use_are_asked_no_further() {
         let mut graph = Graph::new();

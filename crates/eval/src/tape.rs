@@ -1,5 +1,5 @@
-//! A graph laid out for evaluation: one step per node, operands first, with bounds that hold for
-//! every sample.
+//! A graph laid out for evaluation. Each node becomes a step, after its operands. Each step has
+//! bounds that its value never leaves while inputs meet the tape's assumptions.
 
 use crate::branches::Branches;
 use crate::lanes::Lanes;
@@ -17,17 +17,17 @@ use zeroset_interval::{
 use zeroset_ir::{Axis, Graph, Node, NodeId};
 use zeroset_ops::Op;
 
-/// Bounds that code relies on: all boxes and parameters are within them.
+/// Bounds that code relies on. All boxes and parameters must be within them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Assumptions {
-    /// Bounds of x, y and z.
+    /// Bounds of the coordinates x, y and z.
     pub domain: [Interval; 3],
-    /// Bounds of each parameter, by number.
+    /// Bounds of each parameter, indexed by the parameter's number.
     pub parameters: Vec<Interval>,
 }
 
 impl Assumptions {
-    /// Assumes nothing about the coordinates or about `parameters` parameters.
+    /// Assumptions that bound neither the coordinates nor any of `parameters` parameters.
     pub fn none(parameters: usize) -> Self {
         Self { domain: [Interval::ENTIRE; 3], parameters: vec![Interval::ENTIRE; parameters] }
     }
@@ -49,16 +49,16 @@ pub type Operands = SmallVec<[usize; 3]>;
 pub enum Step {
     /// Reads a coordinate.
     Coordinate(Axis),
-    /// Reads a parameter, by its number.
+    /// Reads the parameter with this number.
     Parameter(u32),
-    /// A constant: its bounds, and its kind of exponent.
+    /// A constant: its bounds, and which kind of exponent it would be.
     Constant(Interval, Exponent),
     /// An operation on earlier steps.
     Apply(Op, Operands),
 }
 
 impl Step {
-    /// The kind of exponent that the step's value is.
+    /// The step's kind as an exponent.
     pub fn exponent(&self) -> Exponent {
         match self {
             Self::Constant(_, exponent) => *exponent,
@@ -73,7 +73,7 @@ pub struct Tape<T: Real = f32> {
     steps: Vec<Step>,
     ranges: Vec<Interval>,
     outputs: Vec<usize>,
-    /// Bounds that the steps rely on. Like constants and ranges, they have ends in `T`.
+    /// Bounds that the steps rely on. Their ends are numbers of `T`.
     assumptions: Arc<Assumptions>,
     format: PhantomData<T>,
     branches: Option<Arc<Branches>>,
@@ -82,7 +82,7 @@ pub struct Tape<T: Real = f32> {
 }
 
 impl<T: Real> Tape<T> {
-    /// Lays out the steps that `roots` need, with the range of each under `assumptions`.
+    /// Lays out the steps that `roots` need. Computes the range of each step under `assumptions`.
     ///
     /// # Panics
     /// If a parameter has no bounds in `assumptions`.
@@ -133,11 +133,10 @@ impl<T: Real> Tape<T> {
         self
     }
 
-    /// Lays out steps that find where `roots` may all be 0, branch by branch where they jump. They
-    /// answer [`FindZeros`](crate::FindZeros) and nothing else.
+    /// Lays out steps that find where `roots` may all be 0. Jumps are evaluated branch by branch.
+    /// The tape can answer only [`FindZeros`](crate::FindZeros).
     ///
-    /// `None` if the last root does not jump, or if code for two branches would have too many
-    /// steps.
+    /// `None` if the last root does not jump, or if code for two branches would be too long.
     ///
     /// # Panics
     /// If there is no root, or a parameter has no bounds in `assumptions`.
@@ -152,7 +151,7 @@ impl<T: Real> Tape<T> {
         self.branches.is_some()
     }
 
-    /// The steps, operands before users.
+    /// The steps in order: operands precede the steps that use them.
     pub fn steps(&self) -> &[Step] {
         &self.steps
     }
@@ -162,22 +161,22 @@ impl<T: Real> Tape<T> {
         self.ranges[index]
     }
 
-    /// Indices of the steps that compute the expressions.
+    /// Indices of the steps whose values are the outputs.
     pub fn outputs_at(&self) -> &[usize] {
         &self.outputs
     }
 
-    /// The kind of exponent that the last operand of an operation is.
+    /// The kind of the last of `operands` as an exponent.
     pub(crate) fn exponent(&self, operands: &[usize]) -> Exponent {
         operands.last().map_or(Exponent::Real, |&i| self.steps[i].exponent())
     }
 
-    /// Number of expressions computed.
+    /// Number of expressions that the tape computes.
     pub fn outputs(&self) -> usize {
         if self.branches.is_some() { 1 } else { self.outputs.len() }
     }
 
-    /// The bounds that the code relies on, rounded outward to `T`.
+    /// The bounds that the steps rely on, rounded outward to `T`.
     pub fn assumptions(&self) -> &Assumptions {
         &self.assumptions
     }
@@ -187,8 +186,8 @@ impl<T: Real> Tape<T> {
         self.assumptions.parameters.len()
     }
 
-    /// Number of operations: steps other than coordinates, parameters and constants. A step that is
-    /// repeated for several branches counts each time.
+    /// Number of operations, that is of steps other than coordinates, parameters and constants. A
+    /// step that is repeated for several branches counts each time.
     pub fn operations(&self) -> usize {
         if let Some(branches) = &self.branches {
             return branches.operations();
@@ -196,7 +195,7 @@ impl<T: Real> Tape<T> {
         self.steps.iter().filter(|step| matches!(step, Step::Apply(..))).count()
     }
 
-    /// Returns whether the bounds of the first output are finite in every sample.
+    /// Returns whether the range of the first output's value is finite.
     pub fn is_bounded(&self) -> bool {
         let (range, largest) = (self.ranges[self.outputs[0]], T::LARGEST.into());
         -largest <= range.lo && range.hi <= largest
@@ -205,7 +204,7 @@ impl<T: Real> Tape<T> {
     /// Computes all outputs on `m`, as the values that query `Q` needs.
     ///
     /// # Panics
-    /// If the tape is one of [`Tape::branches`], which only find zeros.
+    /// If the tape is made by [`Tape::branches`], and so only finds zeros.
     pub fn evaluate<Q: Query, M: Machine>(
         &self,
         m: &mut M,
@@ -282,8 +281,8 @@ impl<T: Real> Tape<T> {
         if self.is_coarse { coarse::<T>(range) } else { range }
     }
 
-    /// Computes in which lanes all outputs may be 0 together, branch by branch; `None` if this tape
-    /// is not one of [`Tape::branches`].
+    /// Computes branch by branch in which lanes all outputs may be 0 together. `None` if the tape
+    /// is not made by [`Tape::branches`].
     pub(crate) fn vanishing_together<M: Machine>(
         &self,
         m: &mut M,
@@ -294,7 +293,7 @@ impl<T: Real> Tape<T> {
     }
 }
 
-/// The lanes in which a value may be 0.
+/// Lanes in which `value` may be 0.
 pub(crate) fn may_vanish<M: Machine>(
     m: &mut M,
     format: Format,
@@ -307,13 +306,13 @@ pub(crate) fn may_vanish<M: Machine>(
     holds_zero.and(m, somewhere)
 }
 
-/// Values of operations that were computed together with their [twin](zeroset_ops::OpRow::twin) and
-/// are not used yet. Keys are the operation and the step of its operand.
+/// Values that were computed together with their [twin](zeroset_ops::OpRow::twin) and are not used
+/// yet. A key is an operation and the step of its operand.
 struct Twins<V>(HashMap<(Op, usize), V>);
 
 impl<V> Twins<V> {
-    /// Returns the value of `op` at a step, either stored or computed by `both`. In the latter case
-    /// the twin's value is stored. `None` if the two are not computed together.
+    /// Returns the value of `op` for an operand. If the value is not stored, `both` computes it and
+    /// its twin's value, which is then stored. `None` if the operation is not computed with a twin.
     fn take(&mut self, op: Op, operand: usize, both: impl FnOnce() -> Option<[V; 2]>) -> Option<V> {
         let twin = op.row().twin?;
         if let Some(value) = self.0.remove(&(op, operand)) {
@@ -325,13 +324,13 @@ impl<V> Twins<V> {
     }
 }
 
-/// Limit on the relative amount by which bounds of an elementary function over part of a box may
-/// exceed its bounds over the whole box. They may, since approximations are not exactly monotone.
-/// The limit is far above twice the error of each bound.
+/// Limit on how far an elementary function's bounds over part of a box may exceed its bounds over
+/// the whole box, as a fraction of the bound. They may exceed them because approximations are not
+/// exactly monotone. The limit is far above twice the error of each bound.
 const NOT_MONOTONE: f64 = 1.0 / 1_048_576.0;
 
-/// A step's value over everything that `assumptions` allow. Since rules are isotone, it contains
-/// the step's value in every kernel.
+/// Encloses a step over all values that `assumptions` allow. By isotone rules, narrower operands
+/// give no wider bounds. So the result contains the step's value in every kernel.
 fn range_of<T: Real>(
     step: &Step,
     values: &[Operand<Vector>],
@@ -349,7 +348,7 @@ fn range_of<T: Real>(
         Step::Apply(op, operands) => {
             let operands: Vec<_> = operands.iter().map(|&i| values[i]).collect();
             let value = enclose(&mut Software::new(), T::FORMAT, *op, &operands);
-            // Subtracting from 0 and adding to 0 turn a zero of either sign into +0.
+            // The subtraction and the addition of 0 turn a zero of either sign into +0.
             let (lo, hi) = (0.0 - first::<T>(value.neg_lo), 0.0 + first::<T>(value.hi));
             let nowhere =
                 T::bits(value.facts.nowhere.mask(&mut Software::new(), T::FORMAT)) & 1 == 1;
@@ -389,9 +388,10 @@ fn first<T: Real>(vector: Vector) -> f64 {
     lanes[0].into()
 }
 
-/// Widens a range to contain the bounds over a branch, which may exceed it. Each end moves by a
-/// share of its magnitude, but at least by `excess`, the largest error of an enclosure below the
-/// normal numbers. An end at 0 stays, because no approximation changes the sign of a value.
+/// Widens a range so that it contains the bounds over a part of the box, which may exceed it. Each
+/// end moves by a fraction of its magnitude, but at least by `excess`, the largest error of an
+/// enclosure below the normal numbers. An end at 0 stays, because no approximation changes the sign
+/// of a value.
 fn inflate(range: Interval, excess: f64) -> Interval {
     let out = |end: f64, sign: f64| match end {
         0.0 => end,

@@ -1,7 +1,6 @@
-//! Branches over a box: parts in which a function that jumps has one value, or stays on one side of
-//! a pole.
+//! Branches of a box. On a branch, a function that jumps has one value, or a divisor has one sign.
 //!
-//! This module splits a box by one function only; it does not combine the branches of several.
+//! This module splits a box by one function only. It combines no branches of several functions.
 
 use crate::bounds::Interval;
 use crate::enclosure::Exponent;
@@ -9,9 +8,9 @@ use zeroset_ops::{Class, Continuity, Law, Op};
 
 /// The part of a box over which an operation is enclosed.
 ///
-/// A function that jumps splits a box into two or three branches by its own value. A function with
-/// a pole splits it into two, by the sign of its divisor. The branches of one [`Split`] cover the
-/// box, so a claim that holds over each branch holds over the box.
+/// A function that jumps splits a box into two or three branches, by the function's value. A
+/// function with a pole splits a box into two, by the sign of its divisor. The branches of a
+/// [`Split`] cover the box, so a claim that holds on each branch holds on the box.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Branch {
     /// The whole box.
@@ -32,7 +31,7 @@ pub enum Branch {
 pub enum Split {
     /// The box is not split.
     Whole,
-    /// Two branches, split where the divisor changes sign.
+    /// Two branches, split at a pole by the sign of the divisor.
     AtPole,
     /// Two branches, split at a jump.
     AtJump,
@@ -41,7 +40,7 @@ pub enum Split {
 }
 
 impl Split {
-    /// Returns how `op` splits a box over which its operands lie within `ranges`, one per operand.
+    /// Returns how `op` splits a box. Over the box, each operand lies within its entry of `ranges`.
     /// `exponent` is the last operand's kind as an exponent.
     pub fn of(op: Op, ranges: &[Interval], exponent: Exponent) -> Self {
         let straddles = |range: &Interval| range.lo < 0.0 && range.hi > 0.0;
@@ -52,7 +51,7 @@ impl Split {
         }
         let is_pole = match row.class {
             Class::Quotient => straddles(&ranges[1]),
-            // An even power tends to the same infinity on both sides of its pole.
+            // Only odd powers have different signs on the two sides of their pole.
             Class::Power => match exponent {
                 Exponent::Integer(n) => n < 0 && n % 2 != 0 && straddles(&ranges[0]),
                 Exponent::Real | Exponent::LargeInteger { .. } => false,
@@ -72,7 +71,7 @@ impl Split {
         if is_pole { Self::AtPole } else { Self::Whole }
     }
 
-    /// The branches, which together cover the box.
+    /// Returns the branches of the split, which together cover the box.
     pub fn branches(self) -> &'static [Branch] {
         match self {
             Self::Whole => &[Branch::Whole],

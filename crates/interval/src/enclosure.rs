@@ -3,14 +3,14 @@
 use crate::bounds::Interval;
 use crate::machine::{Format, Machine};
 
-/// Lanes of enclosures: negated lower ends, upper ends, and facts about the domain of definition.
+/// Enclosures in lanes: negated lower bounds, upper bounds and facts.
 #[derive(Clone, Copy, Debug)]
 pub struct Enclosure<V> {
-    /// The negated lower ends. Never NaN, never −∞.
+    /// The negated lower bounds, never NaN and never −∞.
     pub neg_lo: V,
-    /// The upper ends. Never NaN, never −∞.
+    /// The upper bounds, never NaN and never −∞.
     pub hi: V,
-    /// Facts about the expression's domain of definition and continuity.
+    /// Facts about where the expression is defined and continuous.
     pub facts: Claims<V>,
 }
 
@@ -26,20 +26,21 @@ impl<V: Copy> Enclosure<V> {
         Enclosure { neg_lo: f(self.neg_lo), hi: f(self.hi), facts: self.facts.map(f) }
     }
 
-    /// Combines the facts with those of an operation's own domain.
+    /// Combines the facts, those of the operands, with `own`, the operation's claims about its
+    /// domain.
     pub(crate) fn restricted<M: Machine<V = V>>(self, m: &mut M, own: &Claims<V>) -> Self {
         Self { facts: self.facts.and(m, own), ..self }
     }
 }
 
-/// Proven facts about an expression's domain of definition, three per lane.
+/// Three facts per lane about where an expression is defined and continuous.
 #[derive(Clone, Copy, Debug)]
 pub struct Claims<V> {
     /// Lanes where the expression is defined at no point of the box.
     pub nowhere: Fact<V>,
-    /// Lanes where it is defined at every point of the box.
+    /// Lanes where the expression is defined at every point of the box.
     pub defined: Fact<V>,
-    /// Lanes where it is defined and continuous at every point of the box.
+    /// Lanes where the expression is defined and continuous at every point of the box.
     pub continuous: Fact<V>,
 }
 
@@ -47,9 +48,8 @@ impl<V: Copy> Claims<V> {
     pub(crate) const TOTAL: Self =
         Self { nowhere: Fact::False, defined: Fact::True, continuous: Fact::True };
 
-    /// The claims of an operation that is continuous where it is defined. `nowhere` has the lanes
-    /// where it is defined at no point of the box, `throughout` the lanes where it is defined at
-    /// every point.
+    /// The claims of an operation that is continuous where it is defined. It is defined at no point
+    /// of the box in the lanes `nowhere`, and at every point in the lanes `throughout`.
     pub(crate) fn of_domain(nowhere: Fact<V>, throughout: Fact<V>) -> Self {
         Self { nowhere, defined: throughout, continuous: throughout }
     }
@@ -83,7 +83,7 @@ impl<V: Copy> Claims<V> {
     }
 }
 
-/// A truth value per lane: a constant when the code is compiled, or a mask.
+/// A truth value per lane: a mask, or a constant that is known when code is compiled.
 #[derive(Clone, Copy, Debug)]
 pub enum Fact<V> {
     /// False in every lane.
@@ -95,7 +95,7 @@ pub enum Fact<V> {
 }
 
 impl<V: Copy> Fact<V> {
-    /// Lanes where both hold.
+    /// Returns the lanes where both facts hold.
     #[must_use]
     pub fn and<M: Machine<V = V>>(self, m: &mut M, other: Self) -> Self {
         match (self, other) {
@@ -105,7 +105,7 @@ impl<V: Copy> Fact<V> {
         }
     }
 
-    /// Lanes where either holds.
+    /// Returns the lanes where at least one of the facts holds.
     #[must_use]
     pub fn or<M: Machine<V = V>>(self, m: &mut M, other: Self) -> Self {
         match (self, other) {
@@ -115,7 +115,7 @@ impl<V: Copy> Fact<V> {
         }
     }
 
-    /// Lanes where it does not hold.
+    /// Returns the lanes where the fact does not hold.
     #[must_use]
     pub fn not<M: Machine<V = V>>(self, m: &mut M, format: Format) -> Self {
         match self {
@@ -147,7 +147,7 @@ impl<V: Copy> Fact<V> {
         }
     }
 
-    /// The fact as a mask.
+    /// Returns the fact as a mask.
     pub fn mask<M: Machine<V = V>>(self, m: &mut M, format: Format) -> V {
         match self {
             Self::False => m.bits(format, 0),
@@ -157,27 +157,27 @@ impl<V: Copy> Fact<V> {
     }
 }
 
-/// A value in lanes, and what is known about it when the code is compiled.
+/// A value per lane, and what is known about the values when code is compiled.
 #[derive(Clone, Copy, Debug)]
 pub struct Term<W> {
     /// The value in each lane.
     pub value: W,
-    /// Interval that contains every lane's bounds whenever the code runs.
+    /// Interval that contains the bounds of every lane whenever the code runs.
     pub range: Interval,
-    /// What kind of exponent the value is. Matters only if the value is an exponent.
+    /// The value's kind as an exponent, which matters only if an operation uses it as one.
     pub exponent: Exponent,
 }
 
-/// An operand of a rule.
+/// An enclosure as an operand of a rule.
 pub type Operand<V> = Term<Enclosure<V>>;
 
 /// The kind of an operand as an exponent, on which the domain of a power depends.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Exponent {
-    /// Not a constant integer: bases below 0 are outside the domain of the power.
+    /// Not a constant integer. The domain of the power then has no bases below 0.
     #[default]
     Real,
-    /// This constant integer.
+    /// A constant integer that fits `i32`.
     Integer(i32),
     /// A constant integer that does not fit `i32`.
     LargeInteger {
@@ -186,7 +186,7 @@ pub enum Exponent {
     },
 }
 
-/// The sign that an operand's range proves.
+/// The sign that an operand's range proves for all its values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Sign {
     Nonneg,
@@ -195,14 +195,14 @@ pub(crate) enum Sign {
 }
 
 impl<W> Term<W> {
-    /// Another value with the same range and exponent kind.
+    /// Returns `value` with this term's range and kind as an exponent.
     pub fn with<U>(&self, value: U) -> Term<U> {
         Term { value, range: self.range, exponent: self.exponent }
     }
 }
 
 impl<V: Copy> Operand<V> {
-    /// An operand that is not a constant integer.
+    /// Returns an operand that is not a constant integer.
     pub fn new(value: Enclosure<V>, range: Interval) -> Self {
         Self { value, range, exponent: Exponent::Real }
     }

@@ -3,25 +3,25 @@
 use std::fmt;
 use std::ops::BitOr;
 
-/// Properties of a function that are proven over a box, besides its bounds: a set of three bits.
+/// Facts that are proven about a function over a box, besides its bounds: a set of three bits.
 ///
-/// A missing bit claims nothing. [`Facts::NOWHERE`] excludes the other two.
+/// A bit that is not set claims nothing. [`Facts::NOWHERE`] never occurs with another bit.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct Facts(u32);
 
 impl Facts {
     /// Nothing is proven.
     pub const NONE: Self = Self(0);
-    /// Defined at no point of the box: the enclosure is empty, regardless of its bounds.
+    /// The function is defined at no point of the box. Its enclosure is empty, whatever the bounds.
     pub const NOWHERE: Self = Self(1);
-    /// Defined at every point of the box.
+    /// The function is defined at every point of the box.
     pub const DEFINED: Self = Self(2);
-    /// Defined and continuous at every point of the box.
+    /// The function is defined and continuous at every point of the box.
     pub const CONTINUOUS: Self = Self(4);
     /// Both [`Facts::DEFINED`] and [`Facts::CONTINUOUS`].
     pub const TOTAL: Self = Self(6);
 
-    /// Whether every bit of `other` is set here.
+    /// Returns whether this set has every bit of `other`.
     pub const fn has(self, other: Self) -> bool {
         self.0 & other.0 == other.0
     }

@@ -9,29 +9,29 @@ use crate::software::{Software, Vector128};
 use crate::unbounded::{product, quotient};
 use zeroset_ops::{Class, Op};
 
-/// Bounds and facts of an expression, and its kind as an exponent.
+/// Bounds, facts and kind of exponent of an expression.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Decorated {
-    /// Interval that contains all its values.
+    /// Interval that contains all values of the expression.
     pub bounds: Interval,
-    /// Facts about its domain of definition and continuity.
+    /// Facts about where the expression is defined and continuous.
     pub facts: Facts,
-    /// Its kind as an exponent.
+    /// The expression's kind as an exponent.
     pub exponent: Exponent,
 }
 
 impl From<(Interval, Facts)> for Decorated {
-    /// Bounds and facts of an operand that is not a constant integer.
+    /// Takes the bounds and facts of an operand that is not a constant integer.
     fn from((bounds, facts): (Interval, Facts)) -> Self {
         Self { bounds, facts, exponent: Exponent::Real }
     }
 }
 
-/// Encloses `op` over boxes of operands in `f64`, rounded outward, and returns bounds and facts.
+/// Encloses `op` over boxes of operands in `f64`, rounded outward. Returns bounds and facts.
 ///
-/// If the result is defined nowhere, its bounds are all reals. Bounds of sums, products, quotients,
-/// squares, square roots, minima, maxima, choices and roundings to integers are the tightest. This
-/// holds for infinite operands, too, where kernels may be less tight.
+/// If the result is defined nowhere, its bounds are all reals. Bounds are the tightest for sums,
+/// products, quotients, squares, square roots, minima, maxima, choices and roundings to integers.
+/// They are the tightest even for infinite operands, for which kernels may be less tight.
 ///
 /// ```
 /// use zeroset_interval::{Facts, Interval, fold};
@@ -88,7 +88,7 @@ pub fn fold<V: Copy + Into<Decorated>>(op: Op, operands: &[V]) -> (Interval, Fac
         | Class::Fallback
         | Class::Restriction(_)
         | Class::Function(_)
-        | Class::FunctionOfTwo => Interval { lo: 0.0 - neg_lo, hi: hi + 0.0 }, // 0 for −0
+        | Class::FunctionOfTwo => Interval { lo: 0.0 - neg_lo, hi: hi + 0.0 }, // turns −0 into 0
     };
     (bounds, facts)
 }

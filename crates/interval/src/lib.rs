@@ -1,9 +1,9 @@
 //! Intervals with outward rounding, and the rule of every operation on them.
 //!
 //! A rule is written once, over the lane operations of a [`Machine`] that rounds up. An interval is
-//! the pair (−lo, hi), so rounding both up rounds outward. The [`Software`] machine runs rules in
-//! this crate, for constants, range analysis and the reference evaluator. Another crate emits
-//! native code from the same rules. This crate knows neither graphs nor code generation.
+//! stored as −lo and hi, so rounding both up rounds outward. The [`Software`] machine runs the
+//! rules in this crate, for constants, range analysis and the reference evaluator. Another crate
+//! compiles the same rules to native code. This crate knows neither graphs nor code generation.
 
 mod bounds;
 mod branch;

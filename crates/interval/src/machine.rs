@@ -1,6 +1,6 @@
-//! The lane operations over which every rule is written.
+//! The lane operations in which every rule is written.
 
-/// The type of a vector's lanes, with their number in 128 bits.
+/// The type of a vector's lanes, and their number in 128 bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Format {
     /// Four lanes of `f32`.
@@ -10,7 +10,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// Returns `f32` or `f64`, the argument that belongs to this format.
+    /// Returns the argument for this format.
     pub(crate) fn pick<T>(self, f32: T, f64: T) -> T {
         match self {
             Self::F32 => f32,
@@ -19,9 +19,9 @@ impl Format {
     }
 }
 
-/// Whether this processor has an instruction that computes a·b + c with one rounding. If so,
-/// compiled code uses it, and [`Software::new`](crate::Software::new) returns a machine that rounds
-/// the same way.
+/// Returns whether this processor has an instruction that computes a·b + c with one rounding. If
+/// so, compiled code uses it, and [`Software::new`](crate::Software::new) returns a machine that
+/// rounds in the same way.
 #[must_use]
 pub fn has_fma() -> bool {
     #[cfg(target_arch = "x86_64")]
@@ -32,18 +32,18 @@ pub fn has_fma() -> bool {
 
 /// The lane operations of a processor that rounds up.
 ///
-/// Rules are written once over this trait. One implementation emits native code, the other
-/// ([`Software`](crate::Software)) computes. Both give the same bits, except for NaN, which no rule
-/// returns. Arithmetic rounds to +∞, subnormals are kept, and only [`Machine::mul_add`] fuses. All
-/// operands of a call have the same [`Format`]. A mask is a vector whose lanes are all ones or all
-/// zeros. Vectors have 128 bits here; wider ones work as well, since every lane is treated alike.
+/// One implementation emits native code; the other, [`Software`](crate::Software), computes. Both
+/// give the same bits, except for NaN, which no rule returns. Arithmetic rounds to +∞ and keeps
+/// subnormals, and only [`Machine::mul_add`] fuses. All operands of a call have the same
+/// [`Format`]. A mask is a vector whose lanes are all ones or all zeros. Vectors have 128 bits
+/// here. Wider vectors work as well, since every lane is treated alike.
 pub trait Machine {
     /// A vector.
     type V: Copy + Send + Sync + 'static;
 
-    /// Returns a vector with `value` in all lanes; it must be exact in `format`.
+    /// Returns a vector with `value` in all lanes. `value` must be exact in `format`.
     fn number(&mut self, format: Format, value: f64) -> Self::V;
-    /// Returns a vector with the same bits in all lanes (the low 32 for `F32`).
+    /// Returns a vector with `bits` in all lanes. `F32` takes the low 32 bits.
     fn bits(&mut self, format: Format, bits: u64) -> Self::V;
 
     /// a + b.
@@ -52,12 +52,12 @@ pub trait Machine {
     fn sub(&mut self, a: Self::V, b: Self::V) -> Self::V;
     /// a · b.
     fn mul(&mut self, a: Self::V, b: Self::V) -> Self::V;
-    /// a · b + c, rounded once where the processor [can](crate::has_fma), else after each step.
-    /// With one rounding, a finite product that overflows is not ∞ before c is added: with c = −∞
-    /// the result is −∞, not NaN. On x86-64 the instruction overwrites a, so pass a value there
-    /// that is not needed again.
+    /// a · b + c, rounded once where the processor [can](crate::has_fma), else after each step. If
+    /// rounded once, a finite product that overflows is not ∞ before c is added: for c = −∞ the
+    /// result is −∞, not NaN. On x86-64 the instruction overwrites a, so a should be a value that
+    /// is not used again.
     fn mul_add(&mut self, a: Self::V, b: Self::V, c: Self::V) -> Self::V;
-    /// a · b − c, rounded as by [`Machine::mul_add`].
+    /// a · b − c, rounded like [`Machine::mul_add`].
     fn mul_sub(&mut self, a: Self::V, b: Self::V, c: Self::V) -> Self::V {
         let opposite = self.neg(c);
         self.mul_add(a, b, opposite)
@@ -70,24 +70,24 @@ pub trait Machine {
     fn neg(&mut self, a: Self::V) -> Self::V;
     /// |a|, exactly.
     fn abs(&mut self, a: Self::V) -> Self::V;
-    /// a where a < b, else b: b if either is NaN.
+    /// a where a < b, else b. If either is NaN, the result is b.
     fn min(&mut self, a: Self::V, b: Self::V) -> Self::V;
-    /// a where a > b, else b: b if either is NaN.
+    /// a where a > b, else b. If either is NaN, the result is b.
     fn max(&mut self, a: Self::V, b: Self::V) -> Self::V;
     /// Largest integer ≤ a.
     fn floor(&mut self, a: Self::V) -> Self::V;
     /// Smallest integer ≥ a.
     fn ceil(&mut self, a: Self::V) -> Self::V;
-    /// a without its fraction, rounded toward 0.
+    /// a rounded toward 0 to an integer.
     fn trunc(&mut self, a: Self::V) -> Self::V;
-    /// The integer nearest to a, halves to even.
+    /// The integer nearest to a. A number halfway between two integers goes to the even one.
     fn nearest(&mut self, a: Self::V) -> Self::V;
 
-    /// Mask of a < b; false for NaN.
+    /// Mask of the lanes where a < b; false for NaN.
     fn lt(&mut self, a: Self::V, b: Self::V) -> Self::V;
-    /// Mask of a ≤ b; false for NaN.
+    /// Mask of the lanes where a ≤ b; false for NaN.
     fn le(&mut self, a: Self::V, b: Self::V) -> Self::V;
-    /// Mask of a = b; false for NaN.
+    /// Mask of the lanes where a = b; false for NaN.
     fn eq(&mut self, a: Self::V, b: Self::V) -> Self::V;
     /// Bitwise and.
     fn and(&mut self, a: Self::V, b: Self::V) -> Self::V;
@@ -98,7 +98,7 @@ pub trait Machine {
     /// a where the mask is set, else b.
     fn select(&mut self, mask: Self::V, a: Self::V, b: Self::V) -> Self::V;
 
-    /// a where the sign bit of `sign` is set, else b: −0 and negative NaN select a.
+    /// a where the sign bit of `sign` is set, else b. So −0 and negative NaN select a.
     fn select_signed(&mut self, sign: Self::V, a: Self::V, b: Self::V) -> Self::V;
 
     /// a + b of the lanes' bits as integers, wrapping.
@@ -110,15 +110,15 @@ pub trait Machine {
     /// The lanes' bits shifted right, filled with zeros.
     fn shift_right(&mut self, a: Self::V, by: u8) -> Self::V;
 
-    /// All `f32` lanes as two vectors of `f64`, the lower half first. Exact.
+    /// Converts all `f32` lanes exactly to two vectors of `f64`, the lower half first.
     fn widen(&mut self, a: Self::V) -> [Self::V; 2];
     /// The inverse of [`Machine::widen`], rounded up.
     fn narrow(&mut self, halves: [Self::V; 2]) -> Self::V;
 
-    /// Applies `routine` to each row of inputs, all `F64`. Native code does so in a loop, which
-    /// contains the code of `routine` only once: a kernel with nine cosines compiles in half the
-    /// time and runs a sixth faster. Values computed inside `routine` may be used only through its
-    /// results.
+    /// Applies `routine` to each row of `inputs`, all `F64`. Native code does so in a loop, which
+    /// contains the code of `routine` only once. A kernel with nine cosines then compiles in half
+    /// the time and runs a sixth faster. Values computed inside `routine` may be used only through
+    /// its results.
     fn repeat<const ROWS: usize, const IN: usize, const OUT: usize>(
         &mut self,
         inputs: [[Self::V; IN]; ROWS],
@@ -131,27 +131,27 @@ pub trait Machine {
     }
 
     // The methods below have no effect on a machine that rounds up. They serve a machine that
-    // rounds to nearest and then widens each result: they tell it which results to widen.
+    // rounds to nearest and widens each result: they tell it which results to widen.
 
-    /// Runs `routine`, whose results need not be bounds: they are exact, or the caller accounts for
-    /// their rounding.
+    /// Runs `routine`, whose results are exact or have their rounding counted by the caller. So a
+    /// machine that rounds to nearest need not widen them.
     fn unrounded<R>(&mut self, routine: impl FnOnce(&mut Self) -> R) -> R
     where
         Self: Sized,
     {
         routine(self)
     }
-    /// Rounds a bound outward that [`Machine::unrounded`] computed, if nothing else accounts for
-    /// its last rounding.
+    /// Rounds a bound from [`Machine::unrounded`] outward. Needed for a bound whose last rounding
+    /// the caller does not count.
     fn outward(&mut self, bound: Self::V) -> Self::V {
         bound
     }
-    /// Clamps `bound` to `most`, a limit that rules rely on. Rounding up never exceeds `most`, so
-    /// only other machines need to clamp. `most` is exact in `format`.
+    /// Clamps `bound` to `most`, a limit that rules rely on. A machine that rounds up never exceeds
+    /// it, so only other machines clamp. `most` is exact in `format`.
     fn clamp_to(&mut self, _format: Format, bound: Self::V, _most: f64) -> Self::V {
         bound
     }
-    /// Whether affine forms include rounding in their errors.
+    /// Returns whether affine forms include rounding in their errors.
     fn counts_rounding(&self) -> bool {
         true
     }

@@ -1,7 +1,7 @@
 //! Values of operations at points, written once over [`Machine`].
 //!
-//! These values carry no error bounds: they shade pictures and start searches. Where an operation
-//! is undefined the value is NaN, or infinite at a pole.
+//! The values have no error bounds: they shade pictures and start searches. A value is NaN if the
+//! operation is undefined, or infinite at a pole.
 
 use crate::bounds::Interval;
 use crate::enclosure::Exponent;
@@ -9,8 +9,8 @@ use crate::machine::{Format, Machine};
 use crate::rules::{Approximation, Approximator, Base, HalfPi, Rule, by_halves};
 use zeroset_ops::Op;
 
-/// Evaluates `op` over lanes of operands, all in `format`. `exponent` is the last operand's kind as
-/// an exponent.
+/// Evaluates `op` at points, given as lanes of operands in `format`. `exponent` is the last
+/// operand's kind as an exponent.
 ///
 /// # Panics
 /// If the number of operands is not the arity of `op`.
@@ -38,7 +38,7 @@ pub fn evaluate<M: Machine>(
         }
         Op::Sqr => rule.m.mul(a, a),
         Op::Sqrt => {
-            // A difference may be −0, and so is its root. The reciprocal of −0 has the wrong sign.
+            // If a is −0, its root is −0, whose reciprocal would have the wrong sign.
             let root = rule.m.sqrt(a);
             rule.m.abs(root)
         }
@@ -76,7 +76,7 @@ pub fn evaluate<M: Machine>(
             rule.m.sub(a, multiple)
         }
         Op::Atan2 => rule.angle_of(a, operands[1]),
-        // NaN if either operand is NaN, which min and max alone would drop.
+        // The result is NaN if either operand is NaN. `min` and `max` alone would drop the NaN.
         Op::Min => {
             let least = rule.m.min(a, operands[1]);
             rule.nan_where_unordered(least, a, operands[1])
@@ -119,8 +119,8 @@ pub fn evaluate<M: Machine>(
     }
 }
 
-/// Evaluates `op` and its [twin](zeroset_ops::OpRow::twin) over lanes of their operand, which lies
-/// in `range`. Returns `None` if the two share no work in that range.
+/// Evaluates `op` and its [twin](zeroset_ops::OpRow::twin) at points. Their operand lies in
+/// `range`. Returns `None` if the two share no work in that range.
 pub fn evaluate_sincos<M: Machine>(
     m: &mut M,
     format: Format,
@@ -143,7 +143,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     fn nan(&mut self) -> M::V {
-        // A quiet NaN with fixed bits, so that arithmetic with it is the same on every machine.
+        // A quiet NaN with fixed bits. So arithmetic with it gives the same bits on every machine.
         let bits = self.format.pick(u64::from(f32::NAN.to_bits()), f64::NAN.to_bits());
         self.m.bits(self.format, bits)
     }
@@ -154,7 +154,7 @@ impl<M: Machine> Rule<'_, M> {
         self.nan_unless(ordered, value)
     }
 
-    /// Applies an elementary routine at points; NaN at NaN.
+    /// Applies an elementary routine at points. The result at NaN is NaN.
     fn at_halves(
         &mut self,
         a: M::V,
@@ -176,7 +176,7 @@ impl<M: Machine> Rule<'_, M> {
         })
     }
 
-    /// Applies a routine for finite operands; the function is infinite where its operand is.
+    /// Applies a routine for finite operands. At an infinite operand, the result is that operand.
     fn unbounded_at(
         &mut self,
         a: M::V,
@@ -188,7 +188,7 @@ impl<M: Machine> Rule<'_, M> {
         self.m.select(unbounded, a, value)
     }
 
-    /// Applies a routine for operands from −1 to 1, both included if `closed`.
+    /// Applies a routine for operands from −1 to 1. The ends belong to its domain if `closed`.
     fn within_one_at(
         &mut self,
         a: M::V,
@@ -201,11 +201,10 @@ impl<M: Machine> Rule<'_, M> {
         self.nan_unless(inside, value)
     }
 
-    /// The angle of the point (b, a); NaN at the origin and where a or b is NaN.
+    /// The angle of the point (b, a). It is NaN at the origin, and where a or b is NaN.
     fn angle_of(&mut self, a: M::V, b: M::V) -> M::V {
         let zero = self.zero();
-        // Adding 0 turns −0 into +0. A zero of either sign then counts as above the x-axis and
-        // right of the y-axis.
+        // Adding 0 turns −0 into +0, which counts as above the x-axis and right of the y-axis.
         let (a, b) = (self.m.add(a, zero), self.m.add(b, zero));
         let [value] = by_halves(self.m, self.format, [a, b], |approx, [a, b]| {
             let near = approx.angle(a, b);
@@ -283,7 +282,7 @@ impl<M: Machine> Rule<'_, M> {
         let exponent_is_number = self.m.eq(b, b);
         let defined = self.m.and(positive, exponent_is_number);
         let value = self.nan_unless(defined, value);
-        // 0^b = 0 for b > 0.
+        // 0^b is 0 for b > 0.
         let is_zero = self.m.eq(a, zero);
         let up = self.gt(b, zero);
         let at_zero = self.m.and(is_zero, up);

@@ -1,14 +1,15 @@
-//! Arithmetic rounded up, in software: the results of one lane of a kernel under rounding mode +∞.
+//! Arithmetic rounded up, in software: the results of a kernel's lane under rounding mode +∞.
 //!
-//! Nothing here reads or sets the rounding mode of the processor. Each function computes the result
+//! The functions neither read nor set the processor's rounding mode. Each computes the result
 //! rounded to nearest and corrects it by the sign of its exact error. NaN and infinities behave as
 //! in IEEE 754.
 
-/// `f32` results rounded up. Sums, products and remainders of two `f32` are computed in `f64`.
-/// Products and remainders are exact there; sums carry their error along.
+/// `f32` results rounded up, by computing in `f64`. Products and remainders of two `f32` are exact
+/// in `f64`; the errors of sums are computed too.
 pub mod f32_up {
-    /// Returns `value + error`, rounded up to `f32`. `|error|` is at most half an ulp of `value`,
-    /// or NaN where `value` is not finite. The next float above −∞ is the lowest finite one.
+    /// Returns `value + error`, rounded up to `f32`. `error` is at most half an ulp of `value` in
+    /// size, or NaN if `value` is not finite. A value below every `f32` gives the lowest finite
+    /// `f32`.
     fn demote(value: f64, error: f64) -> f32 {
         let nearest = value as f32;
         let back = f64::from(nearest);
@@ -16,45 +17,45 @@ pub mod f32_up {
         if below { nearest.next_up() } else { nearest }
     }
 
-    /// `value` rounded up.
+    /// Returns `value` rounded up to `f32`.
     pub fn from_f64(value: f64) -> f32 {
         demote(value, 0.0)
     }
 
-    /// `a + b`.
+    /// Returns `a + b`.
     pub fn add(a: f32, b: f32) -> f32 {
         let (a, b) = (f64::from(a), f64::from(b));
         let sum = a + b;
         demote(sum, super::sum_error(a, b, sum))
     }
 
-    /// `a − b`.
+    /// Returns `a − b`.
     pub fn sub(a: f32, b: f32) -> f32 {
         add(a, -b)
     }
 
-    /// `a · b`; the product of two 24-bit significands is exact in `f64`.
+    /// Returns `a · b`. The product of two 24-bit significands is exact in `f64`.
     pub fn mul(a: f32, b: f32) -> f32 {
         demote(f64::from(a) * f64::from(b), 0.0)
     }
 
-    /// `a · b + c`, rounded once.
+    /// Returns `a · b + c`, rounded once.
     pub fn mul_add(a: f32, b: f32, c: f32) -> f32 {
         let (product, c) = (f64::from(a) * f64::from(b), f64::from(c));
         let sum = product + c;
         demote(sum, super::sum_error(product, c, sum))
     }
 
-    /// `a / b`.
+    /// Returns `a / b`.
     pub fn div(a: f32, b: f32) -> f32 {
         let (a, b) = (f64::from(a), f64::from(b));
         let quotient = a / b;
-        // The remainder a − q·b is representable, so the fused product is exact.
+        // The remainder a − q·b of the quotient q is a float, so `mul_add` computes it exactly.
         let remainder = (-quotient).mul_add(b, a);
         demote(quotient, if b > 0.0 { remainder } else { -remainder })
     }
 
-    /// √a; NaN for a < 0.
+    /// Returns √a, or NaN for a < 0.
     pub fn sqrt(a: f32) -> f32 {
         let a = f64::from(a);
         let root = a.sqrt();
@@ -64,25 +65,25 @@ pub mod f32_up {
 
 /// `f64` results rounded up.
 pub mod f64_up {
-    /// For exponents in this range, the error of a product, quotient or root is a float.
+    /// Exponents by which a product, quotient or root can be scaled exactly.
     const EXACT_ERROR_EXPONENTS: std::ops::RangeInclusive<i32> = -400..=400;
 
-    /// `a + b`.
+    /// Returns `a + b`.
     pub fn add(a: f64, b: f64) -> f64 {
         let sum = a + b;
         if sum.is_finite() {
             return if super::sum_error(a, b, sum) > 0.0 { sum.next_up() } else { sum };
         }
-        // A sum of finite numbers is finite, so rounding up cannot give −∞.
+        // The sum of finite numbers is a finite number, so rounding it up cannot give −∞.
         if a.is_finite() && b.is_finite() { sum.max(-f64::MAX) } else { sum }
     }
 
-    /// `a − b`.
+    /// Returns `a − b`.
     pub fn sub(a: f64, b: f64) -> f64 {
         add(a, -b)
     }
 
-    /// `a · b`.
+    /// Returns `a · b`.
     pub fn mul(a: f64, b: f64) -> f64 {
         let special = !a.is_finite() || !b.is_finite() || a == 0.0 || b == 0.0;
         if special {
@@ -93,7 +94,7 @@ pub mod f64_up {
         scale(product, a.mul_add(b, -product), i + j)
     }
 
-    /// `a · b + c`, rounded once.
+    /// Returns `a · b + c`, rounded once.
     pub fn mul_add(a: f64, b: f64, c: f64) -> f64 {
         if c.is_infinite() && a.is_finite() && b.is_finite() {
             return c; // a·b alone may overflow
@@ -104,7 +105,8 @@ pub mod f64_up {
         if c == 0.0 {
             return mul(a, b);
         }
-        // Both terms as integers with exponents: the product has 105 or 106 bits, c has 53.
+        // The product becomes an integer of 105 or 106 bits, c one of 53 bits, each with an
+        // exponent.
         let integer = |a: f64| {
             let (a, exponent) = split(a);
             ((a * power(52)) as i128, exponent - 52)
@@ -112,8 +114,7 @@ pub mod f64_up {
         let ((a, i), (b, j), (c, k)) = (integer(a), integer(b), integer(c));
         let (product, places) = (a * b, k - (i + j));
         match places {
-            // Bits of c below the product's last place matter only as a sign that the result is
-            // inexact.
+            // Bits of c below the product's last place only show that the result is inexact.
             ..0 => {
                 let below = places.unsigned_abs().min(64);
                 round_up(product + (c >> below), c % (1 << below) != 0, i + j)
@@ -127,14 +128,13 @@ pub mod f64_up {
     }
 
     /// Returns (`integer` + δ) · 2^`exponent` rounded up, where 0 < δ < 1 if `more`, else δ = 0. If
-    /// `more`, `integer` has more than 54 bits.
+    /// `more`, `integer` must have more than 54 bits.
     fn round_up(integer: i128, more: bool, exponent: i32) -> f64 {
-        // For a negative number, rounding up and δ both reduce the magnitude.
+        // If the number is negative, rounding up and δ both reduce its magnitude.
         let down = integer < 0;
         let size = integer.unsigned_abs() - u128::from(down && more);
         let bits = 128 - size.leading_zeros() as i32;
-        // Number of bits below the result's last place, which is at least that of the least
-        // subnormal.
+        // Number of bits below the result's last place, which is at least 2^−1074.
         let cut = (bits - 53).max(-1074 - exponent).max(0);
         let (kept, rest) = if cut < 128 { (size >> cut, size % (1 << cut)) } else { (0, size) };
         let up = !down && (more || rest != 0);
@@ -148,7 +148,7 @@ pub mod f64_up {
         }
     }
 
-    /// `a / b`.
+    /// Returns `a / b`.
     pub fn div(a: f64, b: f64) -> f64 {
         let special = !a.is_finite() || !b.is_finite() || a == 0.0 || b == 0.0;
         if special {
@@ -160,7 +160,7 @@ pub mod f64_up {
         scale(quotient, if b > 0.0 { remainder } else { -remainder }, i - j)
     }
 
-    /// √a; NaN for a < 0.
+    /// Returns √a, or NaN for a < 0.
     pub fn sqrt(a: f64) -> f64 {
         if a.is_nan() || a <= 0.0 || a == f64::INFINITY {
             return a.sqrt();
@@ -171,7 +171,7 @@ pub mod f64_up {
         scale(root, (-root).mul_add(root, a), i / 2)
     }
 
-    /// Returns a finite nonzero number as `(m, e)`, where `m · 2^e` is exact and 1 ≤ |m| < 2.
+    /// Returns m and e with `a = m · 2^e` exactly and 1 ≤ |m| < 2. `a` must be finite and not 0.
     fn split(a: f64) -> (f64, i32) {
         let exponent = |a: f64| ((a.to_bits() >> 52) & 0x7ff) as i32 - 1023;
         let unit = |a: f64| f64::from_bits((a.to_bits() & !(0x7ff << 52)) | (1023 << 52));
@@ -183,7 +183,7 @@ pub mod f64_up {
         }
     }
 
-    /// 2^n; the result must be normal.
+    /// Returns 2^n, which must be a normal float.
     fn power(n: i32) -> f64 {
         f64::from_bits(((n + 1023) as u64) << 52)
     }
@@ -195,9 +195,9 @@ pub mod f64_up {
             let nearest = value * power(n); // exact: no underflow
             return if error > 0.0 { nearest.next_up() } else { nearest };
         }
-        // At most one step rounds, after at most two exact ones. Undoing the steps compares the
-        // result with the exact value.
-        let clamped = n.clamp(-1200, 1200); // beyond, the result is 0 or infinite in any case
+        // Of the two multiplications, only the second may round. Undoing both shows in which
+        // direction.
+        let clamped = n.clamp(-1200, 1200); // for other n the result is 0 or ∞
         let half = clamped / 2;
         let nearest = value * power(half) * power(clamped - half);
         let back = nearest * power(-half) * power(half - clamped);
@@ -206,11 +206,10 @@ pub mod f64_up {
     }
 }
 
-/// Returns the exact error of `sum = a + b` rounded to nearest (Dekker's fast two-sum), or 0 if the
-/// sum is not finite.
+/// Returns the exact error of `sum = a + b` rounded to nearest, or 0 if the sum is not finite.
 ///
-/// Subtracting the larger operand first is exact and cannot overflow: the difference is about the
-/// smaller operand. Knuth's two-sum, which needs no order, overflows for sums like −MAX/2 + MAX.
+/// This is Dekker's fast two-sum. Subtracting the larger operand first is exact and cannot
+/// overflow. Knuth's two-sum needs no order, but overflows for sums like −MAX/2 + MAX.
 fn sum_error(a: f64, b: f64, sum: f64) -> f64 {
     if !sum.is_finite() {
         return 0.0;

@@ -6,24 +6,24 @@ use crate::round::{f32_up, f64_up};
 /// The lanes of a vector, as bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Vector128 {
-    /// Four `f32`.
+    /// Four lanes of `f32`.
     F32([u32; 4]),
-    /// Two `f64`.
+    /// Two lanes of `f64`.
     F64([u64; 2]),
 }
 
 impl Vector128 {
-    /// Four `f32` lanes.
+    /// Returns a vector of four `f32`.
     pub fn from_f32(lanes: [f32; 4]) -> Self {
         Self::F32(lanes.map(f32::to_bits))
     }
 
-    /// Two `f64` lanes.
+    /// Returns a vector of two `f64`.
     pub fn from_f64(lanes: [f64; 2]) -> Self {
         Self::F64(lanes.map(f64::to_bits))
     }
 
-    /// The lanes as bits of `f32`.
+    /// Returns the bits of the four `f32` lanes.
     ///
     /// # Panics
     /// If the lanes are `f64`.
@@ -34,7 +34,7 @@ impl Vector128 {
         }
     }
 
-    /// The lanes as bits of `f64`.
+    /// Returns the bits of the two `f64` lanes.
     ///
     /// # Panics
     /// If the lanes are `f32`.
@@ -45,7 +45,7 @@ impl Vector128 {
         }
     }
 
-    /// The lanes as `f32`.
+    /// Returns the four `f32` lanes.
     ///
     /// # Panics
     /// If the lanes are `f64`.
@@ -53,7 +53,7 @@ impl Vector128 {
         self.bits_32().map(f32::from_bits)
     }
 
-    /// The lanes as `f64`.
+    /// Returns the two `f64` lanes.
     ///
     /// # Panics
     /// If the lanes are `f32`.
@@ -62,18 +62,17 @@ impl Vector128 {
     }
 }
 
-/// A [`Machine`] that computes each lane in software. It rounds up regardless of the processor's
-/// rounding mode.
+/// A [`Machine`] that computes each lane in software, whatever the processor's rounding mode is.
 #[derive(Clone, Copy, Debug)]
 pub struct Software {
     fuses: bool,
 }
 
 impl Software {
-    /// Machines with and without an instruction for a·b + c.
+    /// The machine with one rounding for a·b + c, and the machine with two.
     pub const BOTH: [Self; 2] = [Self { fuses: true }, Self { fuses: false }];
 
-    /// The machine that rounds a·b + c as this processor does.
+    /// Returns the machine that rounds a·b + c as this processor does.
     #[must_use]
     pub fn new() -> Self {
         Self { fuses: has_fma() }

@@ -1,13 +1,12 @@
-//! The tightest products and quotients of intervals, even for infinite ends and divisors that
-//! contain 0.
+//! The tightest products and quotients of intervals, even for infinite ends and divisors with 0.
 //!
-//! Kernels are this tight only on finite operands, since they guard against 0·∞ with few
-//! instructions.
+//! Kernels guard against 0·∞ with few instructions, so they are this tight only for finite
+//! operands.
 
 use crate::bounds::Interval;
 use crate::round::f64_up;
 
-/// a·b, where the product of an infinite end and 0 is 0.
+/// Encloses a·b. The product of 0 and an infinite end is 0.
 pub(crate) fn product(a: Interval, b: Interval) -> Interval {
     let largest = |[a_lo, a_hi]: [f64; 2]| {
         let times = |x: f64, y: f64| if x == 0.0 || y == 0.0 { 0.0 } else { f64_up::mul(x, y) };
@@ -17,7 +16,7 @@ pub(crate) fn product(a: Interval, b: Interval) -> Interval {
     Interval { lo: 0.0 - largest([-a.lo, -a.hi]), hi: 0.0 + largest([a.lo, a.hi]) }
 }
 
-/// a/b over all numbers in b but 0. For b = [0, 0] the bounds claim nothing.
+/// Encloses a/b for all divisors in b but 0. For b = [0, 0] the bounds have no meaning.
 pub(crate) fn quotient(a: Interval, b: Interval) -> Interval {
     if a == Interval::ZERO {
         return a;
@@ -29,7 +28,7 @@ pub(crate) fn quotient(a: Interval, b: Interval) -> Interval {
         let negated = |a: Interval| Interval { lo: -a.hi, hi: -a.lo };
         return quotient(negated(a), negated(b));
     }
-    // A positive bound is largest over the smallest divisor, a negative one over the largest.
+    // The divisor for the largest bound is b.lo if the bound is positive, b.hi if it is negative.
     let bound = |end: f64| match end {
         0.0 => 0.0,
         end if end < 0.0 => f64_up::div(end, b.hi),
@@ -45,23 +44,22 @@ mod tests {
 
     const ENDS: [f64; 9] =
         [f64::NEG_INFINITY, -3.0, -1.0, -0.25, 0.0, 0.5, 1.0, 7.0, f64::INFINITY];
-    /// Finite substitute for an infinite end; its reciprocal is a substitute for the numbers next
-    /// to 0.
+    /// A finite substitute for infinite ends. Its reciprocal stands for the numbers next to 0.
     const HUGE: f64 = 1e100;
 
     fn intervals() -> Vec<Interval> {
         ENDS.iter().flat_map(|lo| ENDS.iter().filter_map(|hi| Interval::new(*lo, *hi))).collect()
     }
 
-    /// Numbers in the interval at which a product or quotient comes near its extremes.
+    /// Numbers of the interval at which a product or quotient comes near its extremes.
     fn members(a: Interval) -> Vec<f64> {
         let candidates = ENDS.map(|end| end.clamp(-HUGE, HUGE));
         let near = [-1.0 / HUGE, 1.0 / HUGE];
         candidates.into_iter().chain(near).filter(|x| a.contains(*x)).collect()
     }
 
-    /// Checks that bounds contain all samples, and that each end is close to a sample, or infinite
-    /// if samples are huge.
+    /// Checks that bounds contain all samples, and that each end is close to a sample. An end may
+    /// be infinite if samples are huge.
     fn check(of: fn(Interval, Interval) -> Interval, f: fn(f64, f64) -> f64) {
         for a in intervals() {
             for b in intervals() {

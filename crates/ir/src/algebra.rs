@@ -1,9 +1,9 @@
 //! Builders of expressions that simplify at once: they drop factors 1 and terms 0, and compute with
 //! exact numbers.
 //!
-//! They serve passes that create many trivial terms. A factor 0 removes the other factor together
-//! with its domain of definition. So these builders are for derivatives and rational forms, not for
-//! [`simplify`](crate::simplify()).
+//! Derivatives and rational forms use these builders, since they create many trivial terms. A
+//! factor 0 removes the other factor, even where the other is undefined. So
+//! [`simplify`](crate::simplify()) must not use these builders.
 
 use crate::constant::Constant;
 use crate::graph::{Graph, NodeId};
@@ -17,12 +17,10 @@ fn negated(graph: &Graph, id: NodeId) -> Option<NodeId> {
     graph.operands(id, Op::Neg).map(|operands| operands[0])
 }
 
-/// Returns whether `id` is the number 0.
 pub(crate) fn is_zero(graph: &Graph, id: NodeId) -> bool {
     is_integer(graph, id, 0)
 }
 
-/// Returns whether `id` is the number 1.
 pub(crate) fn is_one(graph: &Graph, id: NodeId) -> bool {
     is_integer(graph, id, 1)
 }
@@ -45,7 +43,7 @@ pub(crate) fn sub(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
     sum(graph, Op::Sub, a, b)
 }
 
-/// `a + b`, or `a - b` if `op` is [`Op::Sub`].
+/// Adds the node `a + b`, or `a - b` if `op` is [`Op::Sub`].
 pub(crate) fn sum(graph: &mut Graph, op: Op, a: NodeId, b: NodeId) -> NodeId {
     let minus = op == Op::Sub;
     if is_zero(graph, b) {
@@ -87,7 +85,7 @@ pub(crate) fn mul(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
     graph.apply(Op::Mul, &[a, b])
 }
 
-/// `a / b`; not simplified if `b` is the number 0.
+/// Adds the node `a / b`. The quotient is not simplified if `b` is the number 0.
 pub(crate) fn div(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
     if is_one(graph, b) || (is_zero(graph, a) && !is_zero(graph, b)) {
         return a;
@@ -108,7 +106,7 @@ pub(crate) fn pow(graph: &mut Graph, a: NodeId, b: NodeId) -> NodeId {
     }
 }
 
-/// `a` to an integer power.
+/// Adds the node `a^exponent`.
 pub(crate) fn powi(graph: &mut Graph, a: NodeId, exponent: i64) -> NodeId {
     match exponent {
         0 => graph.integer(1),

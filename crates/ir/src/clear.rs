@@ -1,7 +1,7 @@
 //! Rational forms: a function with poles as a quotient of two functions without poles.
 //!
-//! Near a pole every enclosure of `1/x − y` is unbounded and proves nothing. The numerator `1 −
-//! x·y` is bounded. If it has no zero, neither has the function, at the pole or elsewhere.
+//! Near a pole every enclosure of `1/x − y` is unbounded and proves nothing. Its numerator `1 −
+//! x·y` is bounded. If the numerator has no zero in a box, the function has none there.
 
 use crate::algebra::{div, is_one, is_zero, mul, neg, powi, sum};
 use crate::graph::{Graph, Node, NodeId};
@@ -9,17 +9,18 @@ use crate::variability::{Variability, variabilities};
 use std::collections::{BTreeMap, BTreeSet};
 use zeroset_ops::{Class, Op};
 
-/// Largest number of distinct factors in a denominator. Quotients with more are left as they are:
-/// each further factor would cost a product of all others.
+/// Largest number of distinct factors in a denominator. A quotient with more factors stays as it
+/// is, because each factor would cost a product of all others.
 const FACTOR_LIMIT: usize = 16;
-/// Largest exponent of a factor; higher powers are not cleared.
+/// Largest exponent of a factor. Poles of higher powers are not cleared.
 const EXPONENT_LIMIT: u32 = 64;
 
 /// A function f in rational form.
 ///
-/// Within the domain of definition of f, its zeros are the points where the numerator is 0. Where
-/// the denominator is 0, f is undefined. The quotient equals f, except after a division by a
-/// function with poles: then they may differ by a factor that has no zero in the domain.
+/// Within its domain of definition, f is 0 exactly where the numerator is 0. At points where the
+/// denominator is 0, f is undefined. Numerator over denominator equals f, unless f divides by a
+/// function with poles. Then the two may differ by a factor that has no zero in the domain of
+/// definition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RationalForm {
     /// Node that is 0 where f is 0.
@@ -28,18 +29,18 @@ pub struct RationalForm {
     pub denominator: NodeId,
 }
 
-/// Product of powers: the exponent of each base.
+/// A product of powers, as the exponent of each base.
 type Factors = BTreeMap<NodeId, u32>;
 
-/// The fraction `numerator · Π above / Π below`. No base in `above`, `below` or `excluded` is 0 in
-/// the domain.
+/// The fraction `numerator · Π above / Π below`. No base in `above`, `below` or `excluded` is 0 at
+/// a point where the fraction is defined.
 #[derive(Clone)]
 struct Fraction {
     numerator: NodeId,
-    /// Factors of the numerator that were denominators of a divisor.
+    /// Further factors of the numerator, which come from the denominators of divisors.
     above: Factors,
     below: Factors,
-    /// Bases that were both above and below, and have been cancelled.
+    /// Bases that were both in `above` and in `below`, and were cancelled.
     excluded: BTreeSet<NodeId>,
 }
 
@@ -53,7 +54,7 @@ impl Fraction {
         self.above.is_empty() && self.below.is_empty() && self.excluded.is_empty()
     }
 
-    /// Cancels bases that are both above and below. Returns `None` if the fraction has grown too
+    /// Cancels bases that are both in `above` and in `below`. Returns `None` if the fraction is too
     /// large.
     fn reduced(mut self) -> Option<Self> {
         let common: Vec<(NodeId, u32)> = self
@@ -90,7 +91,7 @@ fn raised(factors: &Factors, exponent: u32) -> Factors {
     factors.iter().map(|(base, n)| (*base, n.saturating_mul(exponent))).collect()
 }
 
-/// `numerator · Π factors`
+/// Adds the node `numerator · Π factors`, where `node` is the numerator.
 fn product(graph: &mut Graph, mut node: NodeId, factors: &Factors) -> NodeId {
     for (base, n) in factors {
         let power = powi(graph, *base, i64::from(*n));
@@ -104,7 +105,7 @@ fn product(graph: &mut Graph, mut node: NodeId, factors: &Factors) -> NodeId {
 ///
 /// Poles of divisions, negative powers and tangents are cleared, also within sums, products,
 /// quotients and integer powers. Poles inside other functions stay. Divisions by expressions
-/// without coordinates stay as well, since these have no poles in space.
+/// without coordinates stay too, because such divisions have no poles in space.
 pub fn clear(graph: &mut Graph, root: NodeId) -> Option<RationalForm> {
     let mut variabilities = variabilities(graph);
     variabilities.truncate(root.index() + 1);
@@ -124,8 +125,8 @@ pub fn clear(graph: &mut Graph, root: NodeId) -> Option<RationalForm> {
         fractions[id.index()] = fraction.and_then(Fraction::reduced).filter(|f| !f.is_whole());
     }
     let fraction = fractions[root.index()].take()?;
-    // No base in `above` or `excluded` is 0 in the domain. So the numerator omits these bases, and
-    // the denominator includes them.
+    // No base in `above` or `excluded` is 0 where the function is defined. So the numerator omits
+    // these bases, and the denominator includes them.
     let mut below = fraction.below;
     for base in fraction.above.into_keys().chain(fraction.excluded) {
         below.entry(base).or_insert(1);
@@ -193,8 +194,7 @@ fn combine(
     }
 }
 
-/// The sum or difference over the least common denominator: factors that both denominators share
-/// occur once.
+/// The sum or difference of `a` and `b` over their least common denominator.
 fn added(graph: &mut Graph, op: Op, a: &Fraction, b: &Fraction) -> Fraction {
     let mut below = a.below.clone();
     for (base, n) in &b.below {
@@ -239,9 +239,9 @@ fn power(graph: &mut Graph, a: &Fraction, exponent: u32) -> Fraction {
     }
 }
 
-/// `1/a`, or `None` if `a` is the number 0 or has too many factors.
+/// The fraction `1/a`, or `None` if `a` is the number 0 or has too many factors.
 fn inverted(graph: &mut Graph, a: &Fraction, variabilities: &[Variability]) -> Option<Fraction> {
-    // Split the numerator into factors, so that other denominators can share them.
+    // The numerator of `a` is split into factors, so that other denominators can share them.
     let mut below = a.above.clone();
     let mut numerator = graph.integer(1);
     let mut pending = vec![(a.numerator, 1_u32)];
@@ -250,8 +250,8 @@ fn inverted(graph: &mut Graph, a: &Fraction, variabilities: &[Variability]) -> O
             return None;
         }
         let node = graph.node(id).clone();
-        // Nodes beyond the table are new. They are exact numbers, or at least one of their operands
-        // varies.
+        // Nodes beyond the table of variabilities were added by this pass. Each is an exact number,
+        // or an operation with an operand that varies.
         let fixed = variabilities.get(id.index()).is_some_and(|rank| *rank != Variability::Varying)
             || matches!(node, Node::Constant(_));
         let class = match &node {
@@ -337,8 +337,8 @@ mod tests {
 
     #[test]
     fn poles_with_the_same_bounds_are_not_the_same_pole() {
-        // The two numbers are 1/3 to 157 digits, which is too long to be kept exactly. They have
-        // the same bounds.
+        // Both numbers have 158 digits, too long to be exact. They become enclosures with equal
+        // bounds.
         let digits = "3".repeat(157);
         let builder = TestGraphBuilder::default();
         let [x, y, z] = builder.xyz();
@@ -400,8 +400,8 @@ mod tests {
                 }
                 compared += 1;
                 assert!(d != 0.0 || ed > 0.0, "{}", context());
-                // If the function is clearly not 0, the numerator must not be exactly 0, and vice
-                // versa.
+                // If the function is clearly not 0, the numerator must not be exactly 0. If the
+                // numerator is clearly not 0, the function must not be exactly 0.
                 assert!(f.abs() <= ef || n.abs() + en > 0.0, "{}", context());
                 assert!(n.abs() <= en || f.abs() + ef > 0.0, "{}", context());
             }

@@ -2,7 +2,8 @@
 
 use crate::graph::{Graph, Node, NodeId};
 
-/// Returns a graph that holds only what `roots` need, in the same order, and the roots in it.
+/// Returns a graph that holds only the nodes that `roots` need, in the same order, and the ids of
+/// the roots in that graph.
 ///
 /// # Panics
 /// If a root does not belong to `graph`.
@@ -10,7 +11,7 @@ pub fn compact(graph: &Graph, roots: &[NodeId]) -> (Graph, Vec<NodeId>) {
     replaced(graph, roots, |_, _, _| None)
 }
 
-/// Like [`compact`], but `replacement` may supply a node of the new graph in place of a copy.
+/// Like [`compact`], but `replacement` may supply a node of the copy in place of a copied node.
 pub(crate) fn replaced(
     graph: &Graph,
     roots: &[NodeId],
@@ -29,7 +30,7 @@ pub(crate) fn replaced(
     (copy, roots)
 }
 
-/// Adds a copy of `node` to `graph`; `place` translates its operands.
+/// Adds a copy of `node` to `graph`. The function `place` returns the id of an operand's copy.
 pub(crate) fn copy_node(
     graph: &mut Graph,
     node: &Node,
@@ -46,7 +47,7 @@ pub(crate) fn copy_node(
     }
 }
 
-/// The id of a node's copy in the new graph. The node must have been copied already.
+/// The id of the copy of node `id` in the new graph. The node must have been copied already.
 pub(crate) fn place(places: &[Option<NodeId>], id: NodeId) -> NodeId {
     places[id.index()].expect("operands come before their users")
 }

@@ -5,25 +5,25 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive, Zero};
 use zeroset_interval::{Decorated, Exponent, Facts, Interval};
 
-/// Exact numerators and denominators stay below this many bits; larger results become enclosures.
+/// Largest number of bits of an exact numerator or denominator. Larger results become enclosures.
 pub(crate) const EXACT_BITS: u64 = 512;
-/// Largest order of magnitude of an exact decimal. Beyond it, up or down, decimals are far outside
-/// the floats, and are enclosed at once.
+/// Largest decimal exponent, up or down, of an exact decimal. Decimals beyond it are far outside
+/// the range of floats, and become enclosures.
 const EXPONENT_LIMIT: i64 = 2000;
-/// Largest number of digits that are evaluated. Further digits would cost quadratic time, but move
-/// either end of an `f64` enclosure by at most its last place. The enclosure is widened to cover
-/// them instead.
+/// Largest number of digits of a decimal that are evaluated; more would cost quadratic time.
+/// Further digits move the ends of an `f64` enclosure by at most their last place. The enclosure is
+/// widened to cover them.
 const KEPT_DIGITS: usize = 1200;
 
-/// A real constant. It is exact while it is a rational number of moderate size or has a name;
-/// otherwise two floats enclose it.
+/// A real constant. Rational numbers of moderate size and named numbers are exact. Two floats
+/// enclose any other number.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Constant {
     /// A rational number.
     Exact(BigRational),
     /// An irrational number with a name.
     Named(NamedConstant),
-    /// Some real number within these bounds, which are stored as the bits of an [`Interval`] to be
+    /// A real number known only by its bounds: the bits of an [`Interval`], so that they can be
     /// compared and hashed. Two constants with the same bounds need not be the same number.
     Enclosed([u64; 2]),
 }
@@ -45,7 +45,7 @@ impl NamedConstant {
     /// All named constants.
     pub const ALL: [Self; 4] = [Self::Pi, Self::Tau, Self::E, Self::Phi];
 
-    /// Its name in formulas.
+    /// The constant's name in formulas.
     pub fn name(self) -> &'static str {
         match self {
             Self::Pi => "pi",
@@ -55,11 +55,11 @@ impl NamedConstant {
         }
     }
 
-    /// The two neighboring floats around the number.
+    /// The two neighboring floats that enclose the constant.
     fn bounds(self) -> Interval {
-        // The doubles nearest to π, τ and e are below them (OEIS A000796, A001113). The double
-        // nearest to φ = 1.618033988749894848204586834365638117720309… (A001622) is above:
-        // 1.6180339887498949025…
+        // The doubles nearest to π, τ and e are below these numbers (OEIS A000796, A001113). The
+        // double nearest to φ is 1.6180339887498949025…, above φ =
+        // 1.618033988749894848204586834365638117720309… (A001622).
         let lo = match self {
             Self::Pi => std::f64::consts::PI,
             Self::Tau => std::f64::consts::TAU,
@@ -82,7 +82,8 @@ impl Constant {
             .then(|| Self::Exact(BigRational::new(numerator.into(), denominator.into())))
     }
 
-    /// The rational number `value`, enclosed if it is too large to be kept exactly.
+    /// The rational number `value`. The constant is an enclosure if the number is too large to be
+    /// exact.
     pub fn rational(value: BigRational) -> Self {
         if bits(&value) <= EXACT_BITS {
             Self::Exact(value)
@@ -91,7 +92,8 @@ impl Constant {
         }
     }
 
-    /// Some number within `bounds`; exact if they contain only one.
+    /// A number known only to be within `bounds`. The constant is exact if `bounds` contains only
+    /// one number, of moderate size.
     pub fn enclosed(bounds: Interval) -> Self {
         match bounds.singleton().and_then(BigRational::from_float) {
             Some(value) if bits(&value) <= EXACT_BITS => Self::Exact(value),
@@ -99,8 +101,8 @@ impl Constant {
         }
     }
 
-    /// The value of a decimal like `12`, `.5`, `1.` or `2.5e-3`: exact unless it is too large or
-    /// too long. `None` if `text` is not a decimal.
+    /// The value of a decimal like `12`, `.5`, `1.` or `2.5e-3`. The constant is an enclosure if
+    /// the decimal is too large, too small or too long. `None` if `text` is not a decimal.
     pub fn decimal(text: &str) -> Option<Self> {
         let (mantissa, exponent) = match text.split_once(['e', 'E']) {
             Some((mantissa, exponent)) => (mantissa, Some(exponent)),
@@ -118,8 +120,8 @@ impl Constant {
                 if unsigned.is_empty() || !unsigned.bytes().all(|b| b.is_ascii_digit()) {
                     return None;
                 }
-                // All characters are digits, so parsing fails only if the exponent does not fit 64
-                // bits.
+                // All characters are digits, so parsing fails only if the exponent does not fit
+                // `i64`.
                 let saturated = if text.starts_with('-') { i64::MIN / 2 } else { i64::MAX / 2 };
                 text.parse().unwrap_or(saturated)
             }
@@ -129,7 +131,7 @@ impl Constant {
             return Some(Self::integer(0));
         }
         let scale = exponent - fraction.len() as i64;
-        // The value is in [10^(magnitude − 1), 10^magnitude).
+        // The decimal is in [10^(magnitude − 1), 10^magnitude).
         let magnitude = scale + significant.len() as i64;
         if magnitude > EXPONENT_LIMIT {
             return Some(Self::enclosed(Interval { lo: f64::MAX, hi: f64::INFINITY }));
@@ -167,7 +169,7 @@ impl Constant {
         }
     }
 
-    /// The rational number, if it is known exactly.
+    /// The rational number, or `None` if the constant is irrational or enclosed.
     pub fn exact(&self) -> Option<&BigRational> {
         match self {
             Self::Exact(value) => Some(value),
@@ -175,12 +177,12 @@ impl Constant {
         }
     }
 
-    /// The number as an `i64`, if it is an integer that fits.
+    /// The number as an `i64`, or `None` if it is no integer or does not fit.
     pub fn as_integer(&self) -> Option<i64> {
         self.exact().filter(|value| value.is_integer()).and_then(|value| value.numer().to_i64())
     }
 
-    /// The kind of exponent that the number is: a small integer, a large integer or a real number.
+    /// The number's kind as an exponent: a small integer, a large integer or a real number.
     pub fn exponent(&self) -> Exponent {
         match self.exact() {
             Some(value) if value.is_integer() => {
@@ -191,7 +193,7 @@ impl Constant {
         }
     }
 
-    /// The number's bounds, facts and kind of exponent.
+    /// The number's bounds, its facts and its kind as an exponent.
     pub fn value(&self) -> Decorated {
         Decorated { bounds: self.bounds(), facts: Facts::TOTAL, exponent: self.exponent() }
     }
@@ -207,7 +209,7 @@ impl Constant {
     }
 }
 
-/// Number of bits of the numerator or of the denominator, whichever is larger.
+/// The larger of the numbers of bits of the numerator and the denominator.
 pub(crate) fn bits(value: &BigRational) -> u64 {
     value.numer().bits().max(value.denom().bits())
 }
@@ -220,18 +222,18 @@ fn enclose(value: &BigRational) -> Interval {
     }
 }
 
-/// The integer as a float, if it has at most 53 bits and so is represented exactly.
+/// `value` as a float, if it has at most 53 bits and so is a float exactly.
 fn small(value: &BigInt) -> Option<f64> {
     let is_small = value.bits() <= u64::from(f64::MANTISSA_DIGITS);
     value.to_i64().filter(|_| is_small).map(|value| value as f64)
 }
 
-/// The tightest `f64` interval around a quotient of integers of at most 53 bits, if `denominator >
-/// 0`.
+/// The tightest `f64` interval around a quotient of integers of at most 53 bits, for a
+/// `denominator` above 0.
 fn enclose_quotient(numerator: f64, denominator: f64) -> Interval {
     let near = numerator / denominator;
-    // The remainder of a division rounded to nearest is a float unless something underflows.
-    // Quotients are within 2^±53 here, so `rest` is exact.
+    // `rest` is exact: the remainder of a division rounded to nearest is a float unless something
+    // underflows. Nothing does, since quotients are within 2^±53.
     let rest = near.mul_add(-denominator, numerator);
     Interval {
         lo: if rest < 0.0 { near.next_down() } else { near },
@@ -245,7 +247,7 @@ fn enclose_large(value: &BigRational) -> Interval {
         let positive = enclose_large(&-value);
         return Interval { lo: -positive.hi, hi: -positive.lo };
     }
-    // The guess may be rounded in any direction: exact comparisons correct it.
+    // The guess may be too large or too small, which the exact comparisons below correct.
     let mut lo = value.to_f64().filter(|guess| !guess.is_nan()).unwrap_or(f64::MAX).min(f64::MAX);
     let exact = |x: f64| BigRational::from_float(x).unwrap_or_else(BigRational::zero);
     while exact(lo) > *value {
@@ -272,7 +274,7 @@ mod tests {
         assert_eq!(bounds("0.5"), (0.5, 0.5));
         assert_eq!(bounds("1."), (1.0, 1.0));
         assert_eq!(bounds("1e8"), (1e8, 1e8));
-        // 0.1 as a double is above one tenth.
+        // The double nearest to 0.1 is above one tenth.
         assert_eq!(bounds("0.1"), (0.1_f64.next_down(), 0.1));
         assert_eq!(bounds("1e400"), (f64::MAX, f64::INFINITY));
         assert_eq!(bounds("1e99999999999999999999"), (f64::MAX, f64::INFINITY));
@@ -306,7 +308,8 @@ mod tests {
 
     #[test]
     fn known_constants_lie_inside_their_bounds() {
-        // Integer arithmetic on published digits does not depend on how floats are parsed.
+        // Published digits are read as integers, so the test does not rely on how floats are
+        // parsed.
         let digits =
             |text: &str| Constant::decimal(text).and_then(|c| c.exact().cloned()).expect("exact");
         for (constant, text) in [

@@ -1,28 +1,28 @@
 //! Symbolic partial derivatives.
 //!
-//! Forward accumulation: one loop over the nodes finds the three partial derivatives of each, as
-//! nodes of the same graph. Unlike reverse accumulation, it keeps the branches of a choice apart,
-//! so the derivative of the branch not taken need not exist. It also encloses derivatives of min
-//! and max by a hull, not by a sum. The rules are the column `derivative` of the table of
-//! operations.
+//! One loop over the nodes adds the three partial derivatives of each node to the same graph
+//! (forward accumulation). Unlike reverse accumulation, this keeps the branches of a choice apart:
+//! the derivative of an untaken branch need not exist. It also encloses derivatives of min and max
+//! by a hull, not by a sum. The rules are the column `derivative` of the table of operations.
 
 use crate::algebra::{add, div, is_zero, mul, neg, pow, sub};
 use crate::graph::{Axis, Graph, Node, NodeId};
 use zeroset_ops::{Class, Op, TABLE};
 
-/// Adds the partial derivatives of `root` by x, y and z to `graph`, and returns them.
+/// Adds the partial derivatives of `root` by x, y and z to `graph`, and returns their nodes.
 ///
-/// Each is the derivative wherever `root` is differentiable and the rules' intermediate results
-/// exist. Where two operands of min or max are equal, it is the mean of their derivatives. At other
-/// kinks it is the derivative of one side or lies between both. Jumps contribute nothing. A
-/// partial derivative may be defined in a smaller domain than `root` (`sqrt` at 0) or in a larger
-/// one.
+/// The nodes equal the true partial derivatives wherever `root` is differentiable and the rules'
+/// intermediate results exist. If the two operands of min or max are equal, the rules take the mean
+/// of the operands' derivatives. At any other kink they take the derivative of one side, or a value
+/// between those of both sides. Jumps contribute nothing. A partial derivative may be defined in a
+/// smaller domain than `root` (`sqrt` at 0) or in a larger one.
 ///
 /// The graph grows by at most a small constant times the number of nodes that `root` needs.
 ///
 /// ```
 /// use zeroset_ir::{Axis, Graph, gradient};
 /// use zeroset_ops::Op;
+///
 /// let mut graph = Graph::new();
 /// let x = graph.variable(Axis::X);
 /// let root = graph.apply(Op::Sin, &[x]);
@@ -32,7 +32,7 @@ use zeroset_ops::{Class, Op, TABLE};
 pub fn gradient(graph: &mut Graph, root: NodeId) -> [NodeId; 3] {
     let ids = graph.needed_by(root);
     let (zero, one) = (graph.integer(0), graph.integer(1));
-    // Only nodes up to the root have an entry: nodes that the rules add are not differentiated.
+    // `partials` ends with the root: nodes that the rules add are not differentiated.
     let mut partials = vec![[zero; 3]; root.index() + 1];
     for id in ids {
         match graph.node(id).clone() {
@@ -54,7 +54,7 @@ pub fn gradient(graph: &mut Graph, root: NodeId) -> [NodeId; 3] {
     partials[root.index()]
 }
 
-/// The derivative of `op(operands)`, given the operands' derivatives `inner`.
+/// The derivative of `op(operands)`; `inner` holds the derivatives of the operands.
 fn chain(graph: &mut Graph, op: Op, operands: &[NodeId], inner: &[NodeId]) -> NodeId {
     let row = op.row();
     if row.class == Class::Extremum && inner[0] == inner[1] {
@@ -68,7 +68,7 @@ fn chain(graph: &mut Graph, op: Op, operands: &[NodeId], inner: &[NodeId]) -> No
 
 type Combine = fn(&mut Graph, NodeId, NodeId) -> NodeId;
 
-/// Parses the derivative of a row into nodes. Panics if the formula is malformed.
+/// Parses a row's formula for the derivative into nodes. Panics if the formula is malformed.
 struct FormulaParser<'a> {
     graph: &'a mut Graph,
     operands: &'a [NodeId],
@@ -98,8 +98,8 @@ impl FormulaParser<'_> {
         self.joined(first, Self::power, [("*", mul), ("/", div)])
     }
 
-    /// Combines `first` with all parts that follow it. Each part follows one of the two symbols in
-    /// `by`.
+    /// Parses further parts and combines `first` with them. One of the two symbols in `by` must
+    /// stand before each part.
     fn joined(
         &mut self,
         first: NodeId,
@@ -283,7 +283,8 @@ mod tests {
                 let central = (c - b) / (2.0 * STEP);
                 let wide = (d - a) / (4.0 * STEP);
                 let narrow = (f - e) / (1.4 * STEP);
-                // If the steps disagree, there is a kink, a jump or a steep bend nearby.
+                // If the three difference quotients disagree, a kink, a jump or a steep bend is
+                // near.
                 let close = |other: f64| (central - other).abs() <= 1e-6 * (1.0 + central.abs());
                 if !close(wide) || !close(narrow) {
                     continue;

@@ -1,7 +1,7 @@
 //! Printing of expressions in the project's language.
 //!
-//! The text reads back as the same graph, except for constants known by their bounds only. Printing
-//! does not recurse, so deep graphs are safe; [`TEXT_LIMIT`] limits the length.
+//! The text reads back as the same graph, except for constants known only by their bounds. Printing
+//! does not recurse, so a deep graph cannot overflow the stack. [`TEXT_LIMIT`] limits the length.
 
 use crate::constant::Constant;
 use crate::graph::{Graph, Node, NodeId};
@@ -9,11 +9,11 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use zeroset_ops::{Class, Notation};
 
-/// Length in bytes beyond which text is cut off with `…`. A shared expression is written out at
-/// each use, so text may be exponentially longer than its graph.
+/// Length in bytes at which text is cut off with `…`. A shared expression is printed at each use,
+/// so text may be exponentially longer than its graph.
 pub const TEXT_LIMIT: usize = 1 << 12;
 
-/// Operator precedence of a piece of text. Brackets are needed where a higher one is required.
+/// Operator precedence of a text. The text needs brackets in a context of higher precedence.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Precedence {
     Sum,
@@ -28,8 +28,8 @@ enum Piece {
     Node(NodeId, Precedence),
 }
 
-/// The text of `id`, with only the brackets that reading back needs. Parameters are called by
-/// `names`; those beyond its end are called `p0`, `p1`, … by their number.
+/// The text of node `id`, with only the brackets that reading back needs. Parameter n is called
+/// `names[n]`; if `names` has fewer entries, `p0`, `p1`, ….
 pub fn display(graph: &Graph, id: NodeId, names: &[&str]) -> String {
     let mut text = String::new();
     let mut pending = vec![Piece::Node(id, Precedence::Sum)];
@@ -118,8 +118,7 @@ fn spell(graph: &Graph, id: NodeId, names: &[&str]) -> (Precedence, Vec<Piece>) 
     }
 }
 
-/// The precedence and text of a number: a decimal of few digits, a quotient, a name, or bounds
-/// `[lo, hi]`.
+/// The precedence and text of a constant: a short decimal, a quotient, a name or bounds.
 fn number(constant: &Constant) -> (Precedence, String) {
     let value = match constant {
         Constant::Exact(value) => value,
@@ -137,7 +136,7 @@ fn number(constant: &Constant) -> (Precedence, String) {
 }
 
 fn decimal(value: &BigRational) -> Option<String> {
-    /// Most digits after the point: longer fractions read better as quotients.
+    /// Largest number of digits after the point. Longer fractions read better as quotients.
     const PLACES: usize = 6;
     let mut denominator = value.denom().clone();
     let mut places = 0;

@@ -2,8 +2,8 @@
 
 use thiserror::Error;
 
-/// Largest number of nodes that a pass accepts or creates. Code for more would take seconds to
-/// compile.
+/// Largest number of nodes that a pass accepts or creates. Code for a larger graph would take
+/// seconds to compile.
 pub const NODE_LIMIT: usize = 1 << 18;
 
 /// The reason why a graph cannot be simplified.

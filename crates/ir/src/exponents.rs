@@ -1,8 +1,8 @@
 //! Replacement of parameters in exponents by their values.
 //!
 //! The domain of definition of a power depends on whether its exponent is an integer. So the exact
-//! value of a parameter in an exponent decides which function is meant, and changing it requires
-//! compiling again.
+//! value of a parameter in an exponent decides which function is meant. Changing such a value
+//! requires compiling again.
 
 use crate::compact::{compact, copy_node, place};
 use crate::constant::Constant;
@@ -10,9 +10,9 @@ use crate::graph::{Graph, Node, NodeId};
 use crate::variability::{Variability, variabilities};
 use zeroset_ops::Class;
 
-/// Returns the expressions with parameters replaced by `values` in each exponent that depends on no
-/// coordinate. The index of a value is the parameter's number. Values of parameters in no such
-/// exponent have no effect, not even on the order of nodes.
+/// Replaces the parameters in each exponent that depends on no coordinate. Parameter n becomes
+/// `values[n]`. Returns the resulting graph and its roots. The values of other parameters have no
+/// effect, not even on the order of nodes.
 ///
 /// # Panics
 /// If a root does not belong to `graph`, or a parameter to be replaced has no value.

@@ -17,10 +17,10 @@ pub enum Axis {
 }
 
 impl Axis {
-    /// All three, in order.
+    /// All three axes, in order.
     pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
 
-    /// Its name in formulas.
+    /// The axis's name in formulas.
     pub fn name(self) -> &'static str {
         match self {
             Self::X => "x",
@@ -30,23 +30,24 @@ impl Axis {
     }
 }
 
-/// Index of a node in its [`Graph`]. Operands have smaller ids than the nodes that use them.
+/// Index of a node in its [`Graph`]. A node's operands have smaller ids than the node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct NodeId(u32);
 
 impl NodeId {
-    /// The index of the node in per-node tables.
+    /// The id as an index into tables with an entry for each node.
     pub fn index(self) -> usize {
         self.0 as usize
     }
 }
 
-/// A computation: an input, a constant or an operation.
+/// A node's computation: an input, a constant or an operation.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Node {
-    /// A coordinate of the sample point.
+    /// A coordinate of the point at which the expression is evaluated.
     Variable(Axis),
-    /// A named value that may change without recompiling (a slider or the time), by its number.
+    /// The parameter with this number. The parameter's value, of a slider or the time, may change
+    /// without recompiling.
     Parameter(u32),
     /// A fixed real number.
     Constant(Constant),
@@ -57,7 +58,7 @@ pub enum Node {
 /// One to three operands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Operands {
-    // Unused slots repeat the first operand, so that equality and hashing need no length.
+    // Unused slots repeat the first operand, so equality and hashing need no length.
     ids: [NodeId; 3],
     len: u8,
 }
@@ -77,8 +78,8 @@ impl std::ops::Deref for Operands {
     }
 }
 
-/// A growing set of expressions. Each is stored once, so passes may take equal nodes for equal
-/// numbers. A constant known only by its bounds may be any number within them, so each such
+/// A growing set of expressions. Each expression is stored once, so passes may take equal nodes for
+/// equal numbers. A constant known only by its bounds may be any number within them, so each such
 /// constant gets a node of its own.
 ///
 /// Two graphs are equal if they hold the same nodes in the same order.
@@ -118,7 +119,7 @@ impl Graph {
         &self.nodes[id.index()]
     }
 
-    /// The constant at `id`, or `None` if the node is not a constant.
+    /// The constant at node `id`, or `None` if the node is not a constant.
     ///
     /// # Panics
     /// If `id` belongs to a larger graph.
@@ -129,12 +130,12 @@ impl Graph {
         }
     }
 
-    /// The exact value of the constant at `id`; `None` if it is enclosed, or not a constant.
+    /// The exact value of node `id`; `None` if the node is an enclosed constant or not a constant.
     pub(crate) fn exact(&self, id: NodeId) -> Option<&BigRational> {
         self.number(id)?.exact()
     }
 
-    /// The operands of `id`, if it applies `op`.
+    /// The operands of node `id` if the node applies `op`, else `None`.
     pub(crate) fn operands(&self, id: NodeId, op: Op) -> Option<&[NodeId]> {
         match self.node(id) {
             Node::Apply(found, operands) if *found == op => Some(operands),
@@ -142,28 +143,28 @@ impl Graph {
         }
     }
 
-    /// All nodes, operands before users.
+    /// All nodes in order: operands precede the nodes that use them.
     pub fn iter(&self) -> impl DoubleEndedIterator<Item = (NodeId, &Node)> {
         self.nodes.iter().enumerate().map(|(index, node)| (NodeId(index as u32), node))
     }
 
-    /// The nodes from index `first` on: those added since the graph had `first` nodes.
+    /// The nodes from index `first` on: those added after the graph had `first` nodes.
     pub fn since(&self, first: usize) -> impl Iterator<Item = (NodeId, &Node)> {
         let later = self.nodes.get(first..).unwrap_or_default();
         later.iter().zip(first..).map(|(node, index)| (NodeId(index as u32), node))
     }
 
-    /// Returns the node of a coordinate, added if it is new.
+    /// Returns the node of a coordinate. Adds the node if the graph has none yet.
     pub fn variable(&mut self, axis: Axis) -> NodeId {
         self.intern(Node::Variable(axis))
     }
 
-    /// Returns the node of the parameter with this number, added if it is new.
+    /// Returns the node of the parameter with this number. Adds the node if the graph has none yet.
     pub fn parameter(&mut self, number: u32) -> NodeId {
         self.intern(Node::Parameter(number))
     }
 
-    /// Returns the node of a number. A constant known only by its bounds gets a new node each time.
+    /// Returns the node of a constant. A constant known only by its bounds always gets a new node.
     pub fn constant(&mut self, value: Constant) -> NodeId {
         match value {
             Constant::Exact(_) | Constant::Named(_) => self.intern(Node::Constant(value)),
@@ -176,17 +177,17 @@ impl Graph {
         self.constant(Constant::integer(value))
     }
 
-    /// Returns the node of `op` applied to `operands`, as written: nothing is simplified.
+    /// Returns the node of `op` applied to `operands`, which is not simplified.
     ///
     /// # Panics
-    /// If the number of operands is not the arity of `op`, or one of them does not exist.
+    /// If the number of operands is not the arity of `op`, or an operand does not exist.
     pub fn apply(&mut self, op: Op, operands: &[NodeId]) -> NodeId {
         assert_eq!(operands.len(), op.arity(), "{op:?}");
         assert!(operands.iter().all(|id| id.index() < self.nodes.len()), "unknown operand");
         self.intern(Node::Apply(op, Operands::new(operands)))
     }
 
-    /// The existing node of `op` applied to `operands`, if there is one.
+    /// The existing node of `op` applied to `operands`, or `None`.
     pub(crate) fn find(&self, op: Op, operands: &[NodeId]) -> Option<NodeId> {
         self.index.get(&Node::Apply(op, Operands::new(operands))).copied()
     }
@@ -206,13 +207,13 @@ impl Graph {
         id
     }
 
-    /// The nodes that `root` depends on, itself included, operands before users.
+    /// All nodes that `root` needs, itself included. Operands precede the nodes that use them.
     pub(crate) fn needed_by(&self, root: NodeId) -> Vec<NodeId> {
         let needed = self.reachable(&[root]);
         self.iter().map(|(id, _)| id).filter(|id| needed[id.index()]).collect()
     }
 
-    /// For each node, by index, whether one of `roots` depends on it. This includes the roots.
+    /// For each node, by index, whether the node is a root or some root depends on it.
     pub fn reachable(&self, roots: &[NodeId]) -> Vec<bool> {
         let mut needed = vec![false; self.nodes.len()];
         for root in roots {

@@ -1,27 +1,27 @@
-//! Hoisting of expressions that depend on parameters alone, and so are the same at every point of a
-//! picture.
+//! Hoisting of expressions that depend on parameters alone, and so have the same value at every
+//! point of a picture.
 //!
-//! This pass only finds and replaces such expressions. The caller evaluates them.
+//! This pass finds and replaces such expressions. The caller evaluates them.
 
 use crate::compact::{compact, replaced};
 use crate::graph::{Graph, Node, NodeId};
 use crate::variability::{Variability, variabilities};
 
-/// A graph in which parameters have replaced the expressions of parameters alone.
+/// A graph in which fresh parameters replace the expressions that depend on parameters alone.
 #[derive(Clone, Debug)]
 pub struct Hoisted {
-    /// The graph after the replacement, with only what the roots need.
+    /// The resulting graph. It holds only the nodes that the roots need.
     pub graph: Graph,
-    /// The roots in the new graph.
+    /// The roots in the resulting graph.
     pub roots: Vec<NodeId>,
-    /// Number of each fresh parameter, ascending, and the node of the original graph that computes
-    /// its value. Where that is undefined, everything that uses the parameter is undefined.
+    /// Each fresh parameter's number, ascending, and the node of the original graph that computes
+    /// its value. If that value is undefined, so is everything that uses the parameter.
     pub uniforms: Vec<(u32, NodeId)>,
 }
 
-/// Replaces each maximal expression that depends on parameters but on no coordinate by a fresh
-/// parameter, so that it is evaluated once per picture and not once per sample. Bare parameters and
-/// constants stay.
+/// Replaces expressions that depend on parameters but on no coordinate by fresh parameters. The
+/// expressions can then be evaluated once per picture, not once per sample. Only the largest such
+/// expressions are replaced. Bare parameters and constants stay.
 ///
 /// Fresh parameters are numbered from `first`, or from one past the largest number in use,
 /// whichever is larger.
@@ -29,6 +29,7 @@ pub struct Hoisted {
 /// ```
 /// use zeroset_ir::{Axis, Graph, hoist};
 /// use zeroset_ops::Op;
+///
 /// let mut graph = Graph::new();
 /// let (x, w) = (graph.variable(Axis::X), graph.parameter(0));
 /// let sin = graph.apply(Op::Sin, &[w]);
@@ -48,7 +49,7 @@ pub fn hoist(graph: &Graph, roots: &[NodeId], first: u32) -> Hoisted {
     for (id, node) in graph.iter() {
         match node {
             Node::Parameter(number) => fresh = fresh.max(number.saturating_add(1)),
-            // An expression is maximal if it is an operand of a node that depends on coordinates.
+            // An expression is replaced as a whole if a node that depends on coordinates uses it.
             Node::Apply(_, operands)
                 if needed[id.index()] && variabilities[id.index()] == Variability::Varying =>
             {

@@ -1,8 +1,7 @@
-//! The expression graph: hash-consed nodes over exact constants.
+//! The expression graph: its nodes are hash-consed, and its constants are exact where possible.
 //!
 //! This crate knows nothing of text, kernels or pictures. A graph only grows, and operands always
-//! precede the nodes that use them. Ids are therefore in topological order, and every pass is one
-//! loop.
+//! precede the nodes that use them. So ids are in topological order, and every pass is one loop.
 
 mod algebra;
 mod clear;

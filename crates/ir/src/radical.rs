@@ -1,9 +1,9 @@
-//! Replacement of the function of an equation by one with the same zeros, all of them simple where
-//! possible.
+//! Replacement of an equation's function by one with the same zeros. Multiple zeros become simple
+//! if possible.
 //!
 //! At a double root a function touches 0 without a change of sign, so no evaluation can prove the
-//! zero. The zeros of a square, or of a factor that is a square, are those of its base. A sum of
-//! even powers is 0 where all of them are. The sum of the bases' squares is 0 at the same points,
+//! zero. A square, alone or as a factor, has the same zeros as its base. A sum of even powers is 0
+//! where all of the powers are 0. The sum of the squares of their bases is 0 at the same points,
 //! and less flat there.
 
 mod sum;
@@ -13,23 +13,23 @@ use crate::univariate;
 use sum::of_even_powers;
 use zeroset_ops::Op;
 
-/// Functions with more factors than this are not changed.
+/// Largest number of factors. A function with more factors is left as it is.
 const FACTOR_LIMIT: usize = 256;
 
-/// Operations that are 0 exactly where their operand is, but touch 0, bend or are steep there.
+/// Operations that are 0 exactly where their operand is 0, but may touch 0, bend or be steep there.
 /// Powers with a positive integer exponent are handled in the same way.
 const ZERO_WITH_OPERAND: [Op; 7] =
     [Op::Abs, Op::Sqr, Op::Cbrt, Op::Sinh, Op::Tanh, Op::Asinh, Op::Atan];
 
-/// Operations that are 0 where their first operand is, unless they are undefined there.
+/// Operations that are 0 where their first operand is 0, unless they are undefined there.
 const ZERO_WITH_FIRST_OPERAND: [Op; 5] =
     [Op::Div, Op::WhereNonneg, Op::WherePositive, Op::WhereNonzero, Op::WhereDefined];
 
-/// Returns a function that is defined where `root` is and has the same zeros. Multiple zeros become
+/// Returns a function with the zeros and the domain of definition of `root`. Multiple zeros become
 /// simple if they come from powers of factors, or from a polynomial in one variable. The function
-/// is added to `graph`; it is `root` itself if there is nothing to simplify.
+/// is added to `graph`. It is `root` itself if there is nothing to simplify.
 ///
-/// The sign may differ from that of `root`: it is that of a product in which squares count once.
+/// The function's sign may differ from the sign of `root`, because bases replace their squares.
 pub fn radical(graph: &mut Graph, root: NodeId) -> NodeId {
     // Divisors and restrictions are kept, so that the domain stays the same.
     let mut around = Vec::new();
@@ -47,8 +47,8 @@ pub fn radical(graph: &mut Graph, root: NodeId) -> NodeId {
     simple
 }
 
-/// The product of the distinct factors of `root`. `None` if this is not simpler than `root`, or if
-/// there are no factors.
+/// Adds the product of the distinct factors of `root`. `None` if there are no factors, or if the
+/// product is not simpler than `root`.
 fn product(graph: &mut Graph, root: NodeId) -> Option<NodeId> {
     let mut found = Vec::new();
     let mut is_simpler = factors(graph, root, &[Op::Neg], &ZERO_WITH_OPERAND, &mut found)?;
@@ -72,10 +72,9 @@ fn product(graph: &mut Graph, root: NodeId) -> Option<NodeId> {
     Some(others.iter().fold(*first, |product, factor| graph.apply(Op::Mul, &[product, *factor])))
 }
 
-/// Adds the distinct factors of `root` to `found`. Factors that apply an operation of `same` or
-/// `simpler`, or a positive integer power, are replaced by their operand. Returns whether a
-/// repeated factor, a power or an operation of `simpler` was dropped. `None` if there are too many
-/// factors.
+/// Adds the distinct factors of `root` to `found`. A positive integer power, or an operation of
+/// `same` or `simpler`, is replaced by the factors of its operand. Returns whether a repeated
+/// factor, a power or an operation of `simpler` was dropped. `None` if there are too many factors.
 fn factors(
     graph: &Graph,
     root: NodeId,
@@ -112,7 +111,7 @@ fn factors(
     Some(is_simpler)
 }
 
-/// The value of a node, if it is an integer above 0.
+/// The value of node `id`, if it is an integer above 0.
 fn whole(graph: &Graph, id: NodeId) -> Option<i64> {
     graph.number(id)?.as_integer().filter(|n| *n > 0)
 }
@@ -141,7 +140,7 @@ mod tests {
             g.apply(Op::Pow, &[sum, three])
         });
         assert_eq!(cube, "x + y");
-        // (x y)² · (−3 y) · tanh z
+        // The function is (x y)² · (−3 y) · tanh z.
         let many = shown(|g, [x, y, z]| {
             let product = g.apply(Op::Mul, &[x, y]);
             let square = g.apply(Op::Sqr, &[product]);
@@ -186,7 +185,7 @@ mod tests {
             g.apply(Op::Add, &[one, other])
         });
         assert_eq!(flat, "sqr(x) + sqr(y)");
-        // −3 x⁴ y² − y² z²
+        // The function is −3 x⁴ y² − y² z².
         let common = shown(|g, [x, y, z]| {
             let [fourth, square, last] = [power(g, x, 4), power(g, y, 2), power(g, z, 2)];
             let [one, other] =
@@ -239,7 +238,7 @@ mod tests {
             g.apply(Op::Pow, &[x, minus])
         };
         assert_eq!(shown(inverse), "the same");
-        // 2 · 3² has no zero.
+        // The number 2 · 3² has no zero, and so no factor to keep.
         let number = |g: &mut Graph, _: [NodeId; 3]| {
             let (two, three) = (g.integer(2), g.integer(3));
             let square = g.apply(Op::Sqr, &[three]);

@@ -7,7 +7,7 @@ use zeroset_ops::{Op, TABLE};
 #[derive(Default)]
 pub(crate) struct TestGraphBuilder(pub(crate) RefCell<Graph>);
 
-/// A node of a [`TestGraphBuilder`], with operators.
+/// A node of a [`TestGraphBuilder`], which Rust's operators combine.
 #[derive(Clone, Copy)]
 pub(crate) struct TestExpr<'a> {
     builder: &'a TestGraphBuilder,
@@ -94,9 +94,8 @@ operator!(Sub, sub, Op::Sub);
 operator!(Mul, mul, Op::Mul);
 operator!(Div, div, Op::Div);
 
-/// The value of every node at a point, in `f64`, or `None` where it is undefined.
-///
-/// Each value comes with a generous bound on its rounding error: tests skip unstable points.
+/// The value of every node at a point, in `f64`, and a generous bound on the value's rounding
+/// error. `None` where the node is undefined. An infinite bound marks a value that tests must skip.
 pub(crate) fn evaluate(graph: &Graph, at: [f64; 3], parameters: &[f64]) -> Vec<Option<(f64, f64)>> {
     let mut values: Vec<Option<(f64, f64)>> = Vec::with_capacity(graph.len());
     let mut fixed: Vec<bool> = Vec::with_capacity(graph.len());
@@ -116,7 +115,8 @@ pub(crate) fn evaluate(graph: &Graph, at: [f64; 3], parameters: &[f64]) -> Vec<O
             Node::Apply(Op::SelectNegative, operands) => {
                 values[operands[0].index()].and_then(|(a, e)| {
                     let chosen = values[operands[if a < 0.0 { 1 } else { 2 }].index()];
-                    // If the sign is uncertain, an infinite error marks the choice as unstable.
+                    // If the condition's sign is uncertain, an infinite error marks the choice as
+                    // unstable.
                     chosen.map(|(v, w)| (v, if a.abs() <= e { f64::INFINITY } else { w }))
                 })
             }
@@ -133,7 +133,7 @@ pub(crate) fn evaluate(graph: &Graph, at: [f64; 3], parameters: &[f64]) -> Vec<O
                             && fixed[operands[1].index()]
                             && matches!(graph.node(operands[1]), Node::Apply(..));
                         if computed && v[0].0 - v[0].1 <= 0.0 {
-                            // Floats cannot tell whether an exponent like 4/2 is an integer.
+                            // In floats it is unknown whether an exponent like 4/2 is an integer.
                             return Some((0.0, f64::INFINITY));
                         }
                         point(*op, &v, integer)
@@ -150,7 +150,7 @@ pub(crate) fn evaluate(graph: &Graph, at: [f64; 3], parameters: &[f64]) -> Vec<O
 fn point(op: Op, v: &[(f64, f64)], integer: bool) -> Option<(f64, f64)> {
     let (a, ea) = v[0];
     let (b, eb) = v.get(1).copied().unwrap_or((0.0, 0.0));
-    // Returns an infinite error if the operand may be on either side of 0, where a domain ends.
+    // The error is infinite if the operand may be on either side of 0, where a domain ends.
     let unsure = |x: f64, e: f64| if x.abs() <= e { f64::INFINITY } else { 0.0 };
     let jump = |x: f64, e: f64| {
         if (x - x.round()).abs() <= e || (x + 0.5 - (x + 0.5).round()).abs() <= e {
@@ -159,7 +159,7 @@ fn point(op: Op, v: &[(f64, f64)], integer: bool) -> Option<(f64, f64)> {
             0.0
         }
     };
-    // The logarithm to the base whose natural logarithm is `of_base`.
+    // The logarithm of `a` to a base whose natural logarithm is `of_base`.
     let logarithm = |of_base: f64| {
         if a <= 0.0 {
             return if -a <= ea && ea > 0.0 { Some((0.0, f64::INFINITY)) } else { None };
@@ -263,7 +263,7 @@ fn point(op: Op, v: &[(f64, f64)], integer: bool) -> Option<(f64, f64)> {
                 return if exact { None } else { Some((0.0, f64::INFINITY)) };
             }
             let cut = if b < 0.0 { unsure(a, ea) } else { 0.0 };
-            // An exact 0 is on the upper side of the cut.
+            // If `a` is exactly 0, it is on the upper side of the cut.
             let cut = if ea == 0.0 { 0.0 } else { cut };
             ((a + 0.0).atan2(b + 0.0), cut + 4.0 * (ea + eb) / a.hypot(b))
         }
@@ -290,7 +290,7 @@ fn point(op: Op, v: &[(f64, f64)], integer: bool) -> Option<(f64, f64)> {
         }
         Op::WhereDefined => (a, if eb.is_finite() { ea } else { eb }),
     };
-    // NaN and ∞ arise from overflow only.
+    // A value is NaN or ∞ only after an overflow.
     if !value.is_finite() {
         return Some((0.0, f64::INFINITY));
     }
@@ -314,7 +314,7 @@ impl Random {
         (self.next() % end as u64) as usize
     }
 
-    /// A coordinate in [-2, 2], often an integer or a half, where domains end and powers are exact.
+    /// A random coordinate in [-2, 2], often an integer or a half, since many domains end at those.
     pub(crate) fn coordinate(&mut self) -> f64 {
         match self.below(4) {
             0 => self.below(5) as f64 - 2.0,
@@ -323,8 +323,7 @@ impl Random {
         }
     }
 
-    /// A random graph of up to `size` operations over coordinates, two parameters and small
-    /// constants.
+    /// A random graph of up to `size` operations on coordinates, two parameters and constants.
     pub(crate) fn graph(&mut self, size: usize) -> (Graph, NodeId) {
         let mut graph = Graph::new();
         let mut nodes: Vec<NodeId> = Axis::ALL.iter().map(|axis| graph.variable(*axis)).collect();
@@ -338,7 +337,7 @@ impl Random {
         nodes.push(graph.constant(Constant::Named(NamedConstant::Pi)));
         let leaves = nodes.len();
         for _ in 0..size {
-            // Most rules are about sums, products and powers, so these are drawn more often.
+            // Sums, products and powers are drawn more often, because most rules are about them.
             let op = match self.below(3) {
                 0 => [Op::Add, Op::Sub, Op::Mul, Op::Mul, Op::Div, Op::Neg, Op::Sqr, Op::Pow]
                     [self.below(8)],

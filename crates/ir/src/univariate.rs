@@ -8,22 +8,22 @@ use num_traits::{One, Zero};
 use std::collections::HashMap;
 use zeroset_ops::Op;
 
-/// Polynomials of a higher degree are left alone.
+/// Largest degree of a polynomial. Polynomials of higher degree are left as they are.
 const DEGREE_LIMIT: usize = 64;
-/// Polynomials are left alone if a numerator or denominator has more bits than this.
+/// Largest number of bits of a coefficient's numerator or denominator.
 const BITS_LIMIT: u64 = 4096;
-/// Expressions with more nodes are left alone.
+/// Largest number of nodes of an expression. Larger expressions are left as they are.
 const NODE_LIMIT: usize = 2048;
-/// Budget of exact arithmetic for all factors of one function, in products of two 64-bit words:
-/// some tenths of a second.
+/// Budget of exact arithmetic for all factors of one function. It counts products of two 64-bit
+/// words and takes some tenths of a second.
 pub(crate) const WORK_LIMIT: u64 = 2_500_000;
 
-/// Coefficients from the constant term on; the last is not 0.
+/// The coefficients of a polynomial, from the constant term on. The last coefficient is not 0.
 type Coefficients = Vec<BigRational>;
 
-/// Adds a polynomial to `graph` that has the zeros of `root`, each of them simple. `None` if `root`
-/// is not a polynomial in one variable with a multiple root, if it is too large, or if `work` is
-/// used up. The cost is taken from `work`.
+/// Adds a polynomial to `graph` whose zeros are those of `root`, each of them simple. `None` if
+/// `root` is not a polynomial in one variable with a multiple root, if it is too large, or if
+/// `work` is used up. The cost is subtracted from `work`.
 pub(crate) fn squarefree(graph: &mut Graph, root: NodeId, work: &mut u64) -> Option<NodeId> {
     let (axis, polynomial) = expanded(graph, root, work)?;
     let common = gcd(polynomial.clone(), derivative(&polynomial), work)?;
@@ -115,7 +115,7 @@ fn sum(a: &Coefficients, b: &Coefficients) -> Coefficients {
     trimmed(sum)
 }
 
-/// The product, or `None` if it is too large or `work` is used up.
+/// The product of two polynomials, or `None` if it is too large or `work` is used up.
 fn product(a: &Coefficients, b: &Coefficients, work: &mut u64) -> Option<Coefficients> {
     if a.is_empty() || b.is_empty() {
         return Some(Coefficients::new());
@@ -133,8 +133,8 @@ fn product(a: &Coefficients, b: &Coefficients, work: &mut u64) -> Option<Coeffic
     is_moderate(&product).then_some(product)
 }
 
-/// Takes from `work` the cost of one product of two numbers, and of the gcd needed to add it to
-/// another number. `None` if `work` is used up.
+/// Subtracts from `work` the cost of multiplying `a` and `b`, and of the gcd that adding the
+/// product to a number takes. `None` if `work` is used up.
 fn spend(work: &mut u64, a: &BigRational, b: &BigRational) -> Option<()> {
     let words = |value: &BigRational| 1 + bits(value) / 64;
     *work = work.checked_sub((words(a) + words(b)).pow(2))?;
@@ -151,7 +151,7 @@ fn derivative(polynomial: &Coefficients) -> Coefficients {
     trimmed(polynomial.iter().enumerate().skip(1).map(term).collect())
 }
 
-/// Quotient and remainder, or `None` if numbers grow too large or `work` is used up.
+/// Quotient and remainder of polynomials; `None` if they grow too large or `work` is used up.
 fn divided(
     mut rest: Coefficients,
     by: &Coefficients,
@@ -175,8 +175,8 @@ fn divided(
     Some((quotient, rest))
 }
 
-/// The common divisor with leading coefficient 1, by Euclid's algorithm, or `None` if numbers grow
-/// too large or `work` is used up.
+/// The greatest common divisor by Euclid's algorithm, with leading coefficient 1. `None` if numbers
+/// grow too large or `work` is used up.
 fn gcd(mut a: Coefficients, mut b: Coefficients, work: &mut u64) -> Option<Coefficients> {
     while let Some(last) = b.last() {
         let monic = scaled(&b, &last.recip());
@@ -191,8 +191,7 @@ mod tests {
     use super::*;
     use crate::display::display;
 
-    /// The squarefree part, as text, of a polynomial in x with these coefficients, the constant
-    /// first.
+    /// The text of the squarefree part of a polynomial in x, given by its coefficients.
     fn simple(coefficients: &[i64]) -> Option<String> {
         let mut graph = Graph::new();
         let x = graph.variable(Axis::X);
@@ -208,13 +207,13 @@ mod tests {
 
     #[test]
     fn multiple_roots_become_simple() {
-        // (x − 1)⁷
+        // The polynomial (x − 1)⁷.
         assert_eq!(simple(&[-1, 7, -21, 35, -35, 21, -7, 1]).as_deref(), Some("x + (-1)"));
-        // (x² − 2)², whose roots are irrational
+        // The polynomial (x² − 2)², whose roots are irrational.
         assert_eq!(simple(&[4, 0, -4, 0, 1]).as_deref(), Some("sqr(x) + (-2)"));
-        // (x − 1)² (x + 2)
+        // The polynomial (x − 1)² (x + 2).
         assert!(simple(&[2, -3, 0, 1]).is_some());
-        // (x² + 1)² has no real root, nor has the result.
+        // The polynomial (x² + 1)² has no real root, and neither has the result.
         assert_eq!(simple(&[1, 0, 2, 0, 1]).as_deref(), Some("sqr(x) + 1"));
     }
 

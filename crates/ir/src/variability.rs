@@ -5,15 +5,16 @@ use crate::graph::{Graph, Node};
 /// The inputs that an expression depends on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Variability {
-    /// No input.
+    /// An expression without inputs.
     Constant,
-    /// Parameters only.
+    /// An expression that depends on parameters only.
     Uniform,
-    /// Coordinates, and perhaps parameters.
+    /// An expression that depends on coordinates, and perhaps on parameters.
     Varying,
 }
 
-/// The variability of each node, by index, as it is written: `x - x` counts as varying.
+/// The variability of each node, by index. It is that of the expression as written: `x - x` counts
+/// as varying.
 pub fn variabilities(graph: &Graph) -> Vec<Variability> {
     let mut variabilities: Vec<Variability> = Vec::with_capacity(graph.len());
     for (_, node) in graph.iter() {

@@ -20,8 +20,8 @@ impl ExecutableMemory {
 
 impl Drop for ExecutableMemory {
     fn drop(&mut self) {
-        // SAFETY: the module is taken once, here. No use of its memory outlives this value: an
-        // entry is copied only for the duration of a call that borrows its `Code`.
+        // SAFETY: the module is taken once, here. No use of its memory outlives this value: a copy
+        // of an entry exists only during a call that borrows its `Code`.
         unsafe {
             ManuallyDrop::take(&mut self.0).free_memory();
         }
@@ -45,7 +45,7 @@ impl Code {
         Self { _memory: memory, entry, bytes, width }
     }
 
-    /// Entry point of the function. It must not be called after this value is dropped.
+    /// Entry point of the function. It must not be called after the `Code` is dropped.
     #[inline]
     pub fn entry(&self) -> KernelEntry {
         self.entry

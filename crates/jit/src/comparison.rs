@@ -1,8 +1,8 @@
 //! Kernels in other arithmetics than [`Native`](crate::Native) uses, to measure what rigor costs.
 //!
-//! A picture must never be based on results of these kernels. So they have a type of their own, and
-//! exist only with a feature of the crate. They use the same rules as [`Native`](crate::Native),
-//! but over a [`Machine`] that rounds in another way.
+//! A picture must never be based on results of these kernels. So they have their own type and exist
+//! only with the feature `comparison`. They use the same rules as [`Native`](crate::Native), but
+//! their [`Machine`] rounds differently.
 
 use crate::code::Code;
 use crate::compiler::{BatchPointers, compile_for_comparison};
@@ -16,13 +16,13 @@ use zeroset_interval::{Format, Machine, has_fma};
 /// A way to round results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Arithmetic {
-    /// To nearest, without counting the rounding in affine forms. **Not sound**: bounds may miss
+    /// To nearest. Affine forms ignore their rounding errors. **Not sound**: bounds may miss
     /// values.
     Unsound,
-    /// To nearest, with further operations that move each bound up to the next float. This is usual
-    /// where no rounding mode can be set. Sound.
+    /// To nearest; further operations then move each bound up to the next float. Systems that
+    /// cannot set a rounding mode usually do this. Sound.
     Widened,
-    /// Up, by the processor's rounding mode, as [`Native`](crate::Native) does.
+    /// To +∞, by the processor's rounding mode, as in [`Native`](crate::Native).
     Upward,
 }
 
@@ -31,7 +31,8 @@ impl Arithmetic {
     pub const ALL: [Self; 3] = [Self::Unsound, Self::Widened, Self::Upward];
 }
 
-/// A kernel in some arithmetic. All are compiled by the same tier, so only the arithmetic differs.
+/// A kernel in a chosen arithmetic. All these kernels use one tier, so they differ only in
+/// arithmetic.
 pub struct ComparisonKernel<Q: Query, T: Real = f32> {
     code: Code,
     arithmetic: Arithmetic,
@@ -93,7 +94,7 @@ struct Nearest<'a, 'b, 'c> {
     emitter: &'a mut Emitter<'b, 'c>,
     /// Whether this arithmetic moves bounds up to the next float.
     widens: bool,
-    /// Whether the results emitted next are moved up.
+    /// Like `widens`, but false within [`Machine::unrounded`].
     is_widening: bool,
 }
 
@@ -108,19 +109,20 @@ impl<T: Real> Loader<Nearest<'_, '_, '_>> for BatchPointers<T> {
 }
 
 impl Nearest<'_, '_, '_> {
-    /// Returns `result`, or the next float above it if results are being moved up.
+    /// Returns `result`, or the next float above it if `is_widening`.
     fn widened(&mut self, result: LaneVector) -> LaneVector {
         if self.is_widening { self.next_up(result) } else { result }
     }
 
-    /// Returns the next float up: its bits plus 1, or minus 1 if it is negative. +∞ and NaN stay.
+    /// Returns the next float above `a`: the bits of `a` plus 1, or minus 1 if `a` is negative. +∞
+    /// and NaN stay the same.
     fn next_up(&mut self, a: LaneVector) -> LaneVector {
         let m = &mut *self.emitter;
         let format = m.format(a);
         let (zero, two) = (m.number(format, 0.0), m.bits(format, 2));
         let infinity = m.number(format, f64::INFINITY);
-        let a = m.add(a, zero); // +0 for −0
-        let finite = m.lt(a, infinity); // a lane that is set is −1
+        let a = m.add(a, zero); // −0 becomes +0
+        let finite = m.lt(a, infinity); // a set lane is the integer −1
         let sign = m.shift_right(a, if format == Format::F32 { 30 } else { 62 });
         let twice = m.and(sign, two);
         let moved = m.int_sub(a, finite);
@@ -128,7 +130,7 @@ impl Nearest<'_, '_, '_> {
     }
 }
 
-/// Operations that are exact, or whose rounded results are no bounds.
+/// Emits operations unchanged: they are exact, or their results are no bounds.
 macro_rules! kept {
     ($($name:ident($($operand:ident: $kind:ty),*) -> $result:ty;)*) => {
         $(fn $name(&mut self, $($operand: $kind),*) -> $result {
@@ -137,7 +139,7 @@ macro_rules! kept {
     };
 }
 
-/// Operations that round, and whose results may be bounds.
+/// Emits operations that round. Their results may be bounds, so they are moved up if `is_widening`.
 macro_rules! rounded {
     ($($name:ident($($operand:ident: $kind:ty),*);)*) => {
         $(fn $name(&mut self, $($operand: $kind),*) -> LaneVector {
@@ -215,7 +217,8 @@ impl Machine for Nearest<'_, '_, '_> {
         self.widened(once)
     }
 
-    /// Clamps a bound only where rules rely on it: for signs, domains from −1 to 1, and finiteness.
+    /// Clamps a bound only where rules rely on the clamp: for signs, domains from −1 to 1, and
+    /// finiteness.
     fn clamp_to(&mut self, format: Format, bound: LaneVector, most: f64) -> LaneVector {
         let huge = match format {
             Format::F32 => f64::from(f32::MAX / 2.0),

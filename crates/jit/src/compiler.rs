@@ -23,17 +23,18 @@ use std::sync::OnceLock;
 use zeroset_eval::{Batch, LANES, Lanes, Loader, Output, Query, QueryResult, Real, Tape};
 use zeroset_interval::Fact;
 
-/// Largest number of operations in a kernel: with more, even the fast tier takes too long.
+/// Largest number of operations in a kernel. More would take too long to compile, even in
+/// [`Tier::Fast`].
 const OPERATION_LIMIT: usize = 20_000;
-/// Largest number of instructions in a kernel, which make 2 MB of code. Some operations take more
-/// than a hundred instructions.
+/// Largest number of instructions in a kernel, which make 2 MB of code. A single operation may take
+/// more than a hundred instructions.
 const INSTRUCTION_LIMIT: usize = 200_000;
 /// Largest stack of a kernel, in bytes: a quarter of a thread's default stack.
 const STACK_LIMIT: u32 = 512 << 10;
-/// Kernels with more instructions than this are compiled by the fast tier. Backtracking register
-/// allocation takes about 1.2 µs per instruction, so larger kernels would come near 2 ms. Code of
-/// the fast tier runs up to 1.2 times as long (up to 1.7 times for polynomials, which must be huge
-/// to get here).
+/// Kernels with more instructions than this use [`Tier::Fast`]. [`Tier::Optimizing`] takes about
+/// 1.2 µs per instruction, so larger kernels would come near 2 ms. Code from the fast tier runs up
+/// to 1.2 times as long. For polynomials this factor is up to 1.7, but only huge polynomials reach
+/// this size.
 const FAST_TIER_FROM: usize = 1_200;
 
 /// The effort that code generation spends.
@@ -45,17 +46,18 @@ pub enum Tier {
     Fast,
 }
 
-/// The code that probes the stack before use, so that a large frame cannot skip the guard page.
+/// The source of the code that probes the stack. Without probes, a large frame could skip the guard
+/// page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StackProbe {
-    /// The code that Cranelift generates.
+    /// Cranelift.
     Code,
-    /// Code that is added when Cranelift's code is widened.
+    /// The module `wide`, when it widens Cranelift's code.
     #[cfg_attr(not(target_arch = "x86_64"), expect(dead_code, reason = "nobody does"))]
     Widened,
 }
 
-/// The code generation target for this processor, built once per setting.
+/// The code generation target for this processor, built once per tier and probe.
 pub fn target(tier: Tier, probe: StackProbe) -> Result<OwnedTargetIsa, Error> {
     static TARGETS: [[OnceLock<Option<OwnedTargetIsa>>; 2]; 2] =
         [const { [const { OnceLock::new() }; 2] }; 2];
@@ -68,9 +70,9 @@ pub fn target(tier: Tier, probe: StackProbe) -> Result<OwnedTargetIsa, Error> {
             };
             let flag = |is_set: bool| if is_set { "true" } else { "false" };
             for (name, value) in [
-                // The graph has no common subexpressions left. The optimizer moves constants out of
-                // the loop and then spills them: compiling takes 1.3 times as long, for code that
-                // is 2 % slower over the gallery.
+                // Cranelift's optimizer does not pay. The graph has no common subexpressions left,
+                // and the optimizer moves constants out of the loop and then spills them. Compiling
+                // takes 1.3 times as long; the code is 2 % slower over the gallery.
                 ("opt_level", "none"),
                 ("regalloc_algorithm", allocator),
                 ("enable_verifier", flag(cfg!(debug_assertions))),
@@ -102,7 +104,7 @@ fn check_processor() -> Result<(), Error> {
 }
 
 /// Widths in bytes of the vectors that kernels can use on this processor, the widest first. A
-/// kernel uses the widest, or a narrower one if that would need too much stack.
+/// kernel uses the widest vectors, or narrower ones if those would need too much stack.
 pub fn vector_widths() -> impl Iterator<Item = usize> {
     #[cfg(target_arch = "x86_64")]
     let wider = Width::ALL.into_iter().filter(|width| width.is_possible()).map(Width::bytes);
@@ -114,12 +116,12 @@ pub fn vector_widths() -> impl Iterator<Item = usize> {
 /// Compiles a tape for a query, with vectors of at most `widest` bytes.
 ///
 /// # Panics
-/// If the tape computes another number of expressions than the query needs.
+/// If the tape computes more or fewer expressions than the query needs.
 pub fn compile<Q: Query, T: Real>(tape: &Tape<T>, widest: usize) -> Result<Code, Error> {
     generate(|width| build::<Q, T>(tape, width), None, widest)
 }
 
-/// Like [`compile`], but `other` computes the result on a machine that wraps the emitter. Always
+/// Like [`compile`], but `other` computes the result, on a machine that wraps the emitter. Always
 /// uses the optimizing tier.
 #[cfg(feature = "comparison")]
 pub fn compile_for_comparison<Q: Query, T: Real>(
@@ -131,8 +133,8 @@ pub fn compile_for_comparison<Q: Query, T: Real>(
 }
 
 /// Generates code in memory. `write` creates intermediate code for vectors of a given number of
-/// bytes. The widest vectors up to `widest` are tried first. Without a `tier`, the code's size
-/// decides which one to use.
+/// bytes. The widest vectors up to `widest` bytes are tried first. Without a `tier`, the code's
+/// size decides which tier to use.
 fn generate(
     write: impl Fn(usize) -> Result<Function, Error>,
     tier: Option<Tier>,
@@ -175,8 +177,8 @@ pub fn generate_at(function: Function, width: usize) -> Result<Code, Error> {
     Err(Error::Unsupported("vectors of this width for every operation"))
 }
 
-/// Generates code for vectors wider than Cranelift's. `None` if it would use too much of the stack,
-/// or cannot be widened.
+/// Generates code for vectors wider than Cranelift's. Returns `None` if the code would use too much
+/// stack or cannot be widened.
 #[cfg(target_arch = "x86_64")]
 pub fn generate_wide(
     function: Function,
@@ -236,7 +238,7 @@ fn check_stack(bytes: u32) -> Result<(), Error> {
 /// If the formula is too large.
 ///
 /// # Panics
-/// If the tape computes another number of expressions than the query needs.
+/// If the tape computes more or fewer expressions than the query needs.
 pub fn intermediate_code<Q: Query, T: Real>(tape: &Tape<T>) -> Result<String, Error> {
     Ok(build::<Q, T>(tape, VECTOR)?.display().to_string())
 }
@@ -247,7 +249,8 @@ pub fn signature() -> Signature {
 
 /// The signature of a function with this number of integer arguments and no result.
 pub fn signature_of(arguments: usize) -> Signature {
-    // The convention of the trampoline in assembly, whatever the system's own is.
+    // The convention that the assembly in `rounding` expects, even if the operating system's
+    // differs.
     let convention = if cfg!(all(target_vendor = "apple", target_arch = "aarch64")) {
         CallConv::AppleAarch64
     } else {
@@ -282,7 +285,7 @@ impl<T: Real> Loader<Emitter<'_, '_>> for BatchPointers<T> {
     }
 }
 
-/// A loader for counting, which reads nothing.
+/// A loader that reads nothing, for counting operations.
 struct NullLoader;
 
 impl Loader<Counter> for NullLoader {
@@ -301,7 +304,7 @@ fn build<Q: Query, T: Real>(tape: &Tape<T>, width: usize) -> Result<Function, Er
     build_with::<Q, T>(tape, width, |emitter, cursor| Q::answer(tape, emitter, cursor))
 }
 
-/// Like [`build`], but `write` computes the result.
+/// Like [`build`], but `write` emits the code that computes the result.
 fn build_with<Q: Query, T: Real>(
     tape: &Tape<T>,
     width: usize,
@@ -328,8 +331,8 @@ fn build_with<Q: Query, T: Real>(
         unreachable!("the signature has five parameters");
     };
     let (body, end) = (builder.create_block(), builder.create_block());
-    // Parameters of the block: the input and output batch, advanced to the next lanes; the number
-    // of the first of these lanes; and the masks so far.
+    // Parameters of the loop's block: the addresses of the next lanes in the input and output
+    // batch, the number of the first of these lanes, and the masks found so far.
     let [input, output, lane, masks] = [(); 4].map(|()| builder.append_block_param(body, I64));
     let zero = builder.ins().iconst(I64, 0);
     builder.ins().jump(body, &args(&[inputs, outputs, zero, zero]));
@@ -403,7 +406,7 @@ pub fn offset<T: Real>(quantity: usize) -> i32 {
     (size_of::<Lanes<T>>() * quantity) as i32
 }
 
-/// Loads the next lanes of a quantity of the batch at `base`.
+/// Emits a load of one vector of a quantity's lanes. `base` is the address for quantity 0.
 pub fn load<T: Real>(m: &mut Emitter<'_, '_>, base: Value, quantity: usize) -> LaneVector {
     let flags = trusted();
     LaneVector::Value(m.builder().ins().load(

@@ -55,7 +55,7 @@ impl Machine for Counter {
         narrow(halves: [(); 2]) -> () = ();
     }
 
-    /// The routine counts once, since native code runs it in a loop.
+    /// Counts the routine once, since native code runs it in a loop.
     fn repeat<const ROWS: usize, const IN: usize, const OUT: usize>(
         &mut self,
         _: [[(); IN]; ROWS],

@@ -27,10 +27,10 @@ pub enum Error {
     TooDeep {
         /// Bytes of stack needed.
         bytes: u32,
-        /// Most bytes of stack allowed.
+        /// Largest number of bytes allowed.
         limit: u32,
     },
-    /// The code generator failed, which is a defect. This is its report.
+    /// The code generator failed with this report. Such a failure is always a defect.
     #[error("code generation failed: {0}")]
     Codegen(String),
 }

@@ -9,8 +9,8 @@ use std::marker::PhantomData;
 use std::sync::Arc;
 use zeroset_eval::{Binding, Input, Kernel, Query, Real, Tape};
 
-/// Native code that answers a query, for all parameter values within its assumptions. Clones share
-/// the code, which is freed with the last of them.
+/// Native code that answers a query. It is valid for all parameter values within the tape's
+/// assumptions. Clones share the code; dropping the last clone frees it.
 #[derive(Clone)]
 pub struct Compiled<Q: Query, T: Real = f32> {
     code: Arc<Code>,
@@ -22,16 +22,16 @@ impl<Q: Query, T: Real> Compiled<Q, T> {
     /// Compiles `tape` for this processor.
     ///
     /// # Errors
-    /// If the processor is not supported or the formula too large.
+    /// If the processor is not supported or the formula is too large.
     ///
     /// # Panics
-    /// If the tape computes another number of expressions than the query needs.
+    /// If the tape computes more or fewer expressions than the query needs.
     pub fn new(tape: Tape<T>) -> Result<Self, Error> {
         Self::of_width(tape, usize::MAX)
     }
 
-    /// Like [`Compiled::new`], but with vectors of at most `widest` bytes, to compare with
-    /// processors that have no wider ones.
+    /// Like [`Compiled::new`], but with vectors of at most `widest` bytes. Measurements use it to
+    /// imitate processors with narrower vectors.
     ///
     /// # Errors
     /// As for [`Compiled::new`].
@@ -51,8 +51,8 @@ impl<Q: Query, T: Real> Compiled<Q, T> {
     /// Binds values to the parameters of the code.
     ///
     /// # Panics
-    /// If the number of parameters differs. In debug builds also if a value is outside the range
-    /// that the tape assumes.
+    /// If `binding` has more or fewer parameters than the tape. In debug builds also if a
+    /// parameter's value is outside the range that the tape assumes.
     pub fn bind(&self, binding: Binding<T>) -> Native<Q, T> {
         Q::check(&self.tape, &binding);
         Native { compiled: self.clone(), binding }
@@ -71,9 +71,9 @@ impl<Q: Query, T: Real> Compiled<Q, T> {
 
 /// A kernel in native code.
 ///
-/// It runs with the rounding mode set to +∞. Afterwards the mode is the default, to nearest, as
-/// Rust code assumes everywhere; the caller's exception flags are lost. A caller that uses another
-/// mode must set it again.
+/// A call sets the rounding mode to +∞ and ends in the default mode, to nearest. Rust code assumes
+/// the default everywhere; a caller that uses another mode must set it again. The caller's
+/// exception flags are lost.
 #[derive(Clone)]
 pub struct Native<Q: Query, T: Real = f32> {
     compiled: Compiled<Q, T>,
@@ -84,11 +84,11 @@ impl<Q: Query, T: Real> Native<Q, T> {
     /// Compiles `tape` for this processor and binds its parameters.
     ///
     /// # Errors
-    /// If the processor is not supported or the formula too large.
+    /// If the processor is not supported or the formula is too large.
     ///
     /// # Panics
-    /// If the tape computes another number of expressions than the query needs, or as for
-    /// [`Compiled::bind`].
+    /// If the tape computes more or fewer expressions than the query needs, or if
+    /// [`Compiled::bind`] panics.
     pub fn new(tape: Tape<T>, binding: Binding<T>) -> Result<Self, Error> {
         Ok(Compiled::new(tape)?.bind(binding))
     }
@@ -111,9 +111,9 @@ impl<Q: Query, T: Real> Kernel<Q, T> for Native<Q, T> {
         let Compiled { code, tape, .. } = &self.compiled;
         Q::check_input(tape, input);
         // SAFETY: the code was compiled for this query and format. It reads and writes batches in
-        // the layout of the sealed trait `Batch`, and at most the lanes that were checked to exist.
-        // `bind` has checked that there are as many parameters as in the tape. Batches are aligned
-        // by their type. Kernels do not unwind.
+        // the layout of the sealed trait `Batch`, and only the lanes that `check_input` has
+        // checked. `bind` has checked that there are as many parameters as in the tape. Batches are
+        // aligned by their type. Kernels do not unwind.
         unsafe {
             call_rounding_up(
                 code.entry(),

@@ -21,26 +21,26 @@ const VECTOR_ALIGNMENT: u8 = 4;
 pub enum LaneVector {
     /// Computed at run time.
     Value(Value),
-    /// Known when compiling: these bits.
+    /// A constant with these bits.
     Constant(Format, u128),
 }
 
 /// A machine that emits each operation into the current block of a function.
 ///
-/// Vectors always have a float type; integer operations reinterpret them. No operation is a library
-/// call on x86-64 with SSE4.1 or on `AArch64`: multiply-adds are fused only if [`has_fma`].
+/// Vectors always have a float type; integer operations reinterpret them. On x86-64 with SSE4.1 and
+/// on `AArch64`, no operation is a library call. So multiply-adds are fused only if [`has_fma`].
 ///
-/// Each constant is a single value, loaded once. If it were loaded at each use, the loads would not
-/// become operands of instructions whose results are used twice, as nearly all results in affine
-/// forms are. Frames would take 3 % more instructions on Barth's sextic, 7 % on the gyroid.
+/// Each constant is a single value, loaded once. Cranelift would not merge repeated loads into
+/// instructions whose results are used twice, as nearly all results in affine forms are. Loading at
+/// each use would cost 3 % more instructions per frame on Barth's sextic, 7 % on the gyroid.
 pub struct Emitter<'a, 'b> {
     builder: &'a mut FunctionBuilder<'b>,
     /// Bytes of a vector when the code runs: a multiple of [`VECTOR`].
     width: usize,
     /// Constants in use, by type and bits.
     constants: HashMap<(Type, u128), Value>,
-    /// Fused multiply-adds, by operands. They are reused, since each use of an affine form computes
-    /// its error again.
+    /// Fused multiply-adds by operands, for reuse. Each use of an affine form asks for the form's
+    /// error again.
     fused: HashMap<[Value; 3], Value>,
 }
 
@@ -55,7 +55,7 @@ impl<'a, 'b> Emitter<'a, 'b> {
         self.builder
     }
 
-    /// Returns the Cranelift value of a vector. A constant gets one when it is first used.
+    /// Returns the Cranelift value of a vector. A constant gets its value at its first use.
     pub fn value(&mut self, vector: LaneVector) -> Value {
         let (format, bits) = match vector {
             LaneVector::Value(value) => return value,
@@ -72,7 +72,7 @@ impl<'a, 'b> Emitter<'a, 'b> {
         value
     }
 
-    /// Returns the sign bits of a vector's lanes, the lowest for the first lane.
+    /// Returns the sign bits of a vector's lanes as an integer. Its lowest bit is the first lane's.
     pub fn sign_bits(&mut self, vector: LaneVector) -> Value {
         let value = self.value(vector);
         let (_, integers) = self.integers(value);
@@ -89,8 +89,8 @@ impl<'a, 'b> Emitter<'a, 'b> {
         self.builder.ins().bitcast(to, flags, value)
     }
 
-    /// Joins two parts of 64 bits into a vector. A part is given by its first byte, counted through
-    /// both vectors.
+    /// Joins two 64-bit parts of `a` and `b` into a vector. `parts` has the first byte of each
+    /// part; the bytes of `b` count from 16.
     fn shuffle(&mut self, a: Value, b: Value, parts: [u8; 2]) -> Value {
         let is_one = a == b;
         let a = self.cast(I8X16, a);
@@ -119,7 +119,6 @@ impl<'a, 'b> Emitter<'a, 'b> {
         (ty, self.cast(integer, a))
     }
 
-    /// Returns the format of a vector's lanes.
     pub fn format(&self, a: LaneVector) -> Format {
         match a {
             LaneVector::Constant(format, _) => format,
@@ -136,7 +135,7 @@ impl<'a, 'b> Emitter<'a, 'b> {
 pub struct RowLoop {
     slot: StackSlot,
     body: Block,
-    /// The address of the row.
+    /// Address of the current row.
     row: Value,
     last: Value,
     width: usize,
@@ -213,7 +212,7 @@ pub fn type_of(format: Format) -> Type {
     }
 }
 
-/// The bits of a vector with the same lane everywhere.
+/// The bits of a vector whose lanes all have these bits.
 fn splat(format: Format, bits: u64) -> u128 {
     match format {
         Format::F32 => {
@@ -231,7 +230,7 @@ fn sign_bits(format: Format) -> u128 {
     }
 }
 
-/// An instruction of one float operand.
+/// Emits an instruction with one float operand.
 macro_rules! unary {
     ($($name:ident => $instruction:ident),* $(,)?) => {$(
         fn $name(&mut self, a: LaneVector) -> LaneVector {
@@ -241,7 +240,7 @@ macro_rules! unary {
     )*};
 }
 
-/// An instruction of two operands.
+/// Emits an instruction with two operands.
 macro_rules! binary {
     ($($name:ident => $instruction:ident),* $(,)?) => {$(
         fn $name(&mut self, a: LaneVector, b: LaneVector) -> LaneVector {
@@ -251,7 +250,7 @@ macro_rules! binary {
     )*};
 }
 
-/// An instruction on the lanes as integers.
+/// Emits an instruction on the lanes as integers.
 macro_rules! integer {
     ($($name:ident => $instruction:ident),* $(,)?) => {$(
         fn $name(&mut self, a: LaneVector, b: LaneVector) -> LaneVector {
@@ -263,7 +262,7 @@ macro_rules! integer {
     )*};
 }
 
-/// A shift of the lanes as integers.
+/// Emits a shift of the lanes as integers.
 macro_rules! shift {
     ($($name:ident => $instruction:ident),* $(,)?) => {$(
         fn $name(&mut self, a: LaneVector, by: u8) -> LaneVector {
@@ -306,7 +305,7 @@ impl Machine for Emitter<'_, '_> {
             return self.sub(product, c);
         }
         let ((a, b), c) = (self.values(a, b), self.value(c));
-        // On x86-64 the negation becomes part of the instruction.
+        // On x86-64 the negation becomes part of the multiply-add.
         let c = self.builder.ins().fneg(c);
         LaneVector::Value(self.builder.ins().fma(a, b, c))
     }
@@ -331,8 +330,8 @@ impl Machine for Emitter<'_, '_> {
         let format = self.format(a);
         self.and(a, LaneVector::Constant(format, !sign_bits(format)))
     }
-    // On x86-64 this pattern becomes one minps or maxps; fmin and fmax would take seven
-    // instructions.
+    // On x86-64 a comparison and a `bitselect` become one minps or maxps; fmin and fmax would take
+    // seven instructions.
     fn min(&mut self, a: LaneVector, b: LaneVector) -> LaneVector {
         let (a, b) = self.values(a, b);
         let less = self.compare(FloatCC::LessThan, a, b);
@@ -353,8 +352,8 @@ impl Machine for Emitter<'_, '_> {
     fn eq(&mut self, a: LaneVector, b: LaneVector) -> LaneVector {
         self.comparison(FloatCC::Equal, a, b)
     }
-    // A set lane of a mask has its sign bit set, so a blend by sign bits works for masks too. It is
-    // faster than the code for bitselect.
+    // A set lane of a mask has its sign bit set, so a blend by sign bits works for masks too. The
+    // blend is faster than the code for bitselect.
     fn select(&mut self, mask: LaneVector, a: LaneVector, b: LaneVector) -> LaneVector {
         self.select_signed(mask, a, b)
     }

@@ -1,5 +1,5 @@
-//! Native kernels: a tape is compiled by Cranelift, runs with the rounding mode set to +∞, and is
-//! freed when dropped.
+//! Native kernels. Cranelift compiles a tape to code that runs with the rounding mode set to +∞.
+//! The code is freed when its last handle is dropped.
 //!
 //! This is the only crate with unsafe code, in three files: `rounding` (the call), `code` (the
 //! memory) and `kernel` (the safe handles). A fourth, `comparison`, is for measurements only. The

@@ -1,12 +1,12 @@
 //! The calls into native code, the one place where the rounding mode changes.
 
-/// First instruction of a kernel. Kernels use the System V convention on `x86_64` and AAPCS64 on
-/// `aarch64`, on any operating system. Their arguments are the input batch, the output batch, the
-/// number of lanes in use, the parameters, and guard words (reserved, null).
+/// Address of a kernel's first instruction. Kernels use the System V convention on `x86_64` and
+/// AAPCS64 on `aarch64`, on any operating system. Their arguments are the input batch, the output
+/// batch, the number of lanes in use, the parameters, and guard words (reserved, null).
 pub type KernelEntry = *const u8;
 
-/// Values of MXCSR that mask all exceptions and keep subnormals. The first rounds to +∞, the second
-/// to nearest, which is the default.
+/// Two values of MXCSR: for rounding to +∞, and for rounding to nearest, the default. Both mask all
+/// exceptions and keep subnormals.
 #[cfg(target_arch = "x86_64")]
 static ROUND_UP: u32 = 0x5f80;
 #[cfg(target_arch = "x86_64")]
@@ -40,7 +40,8 @@ pub unsafe fn call_rounding_to_nearest(
 /// Calls `entry` with the rounding mode set to +∞, then restores the default mode.
 ///
 /// # Safety
-/// `entry` must be a kernel that may read and write behind these pointers. It must not unwind.
+/// `entry` must be a kernel that may read and write the memory at these pointers. It must not
+/// unwind.
 #[inline]
 pub unsafe fn call_rounding_up(
     entry: KernelEntry,
@@ -49,12 +50,12 @@ pub unsafe fn call_rounding_up(
     count: usize,
     parameters: *const u8,
 ) {
-    // SAFETY: the block declares every register that a function of this convention may change.
-    // `entry` is in a register that the callee preserves, and MXCSR is left at the default that
-    // Rust assumes. The stack pointer is restored. Until then it is aligned for a kernel's widest
-    // vectors, counting a return address and a saved register; otherwise each would span two cache
-    // lines. The two statics are plain memory. The caller vouches for the memory that the callee
-    // accesses.
+    // SAFETY: the block declares every register that a function of this convention may change. The
+    // callee preserves R12 and R13, which hold `entry` and the stack pointer. MXCSR ends at the
+    // default that Rust assumes. The two statics are plain memory. The caller vouches for the
+    // memory that the callee accesses. The kernel's frame begins at a multiple of 64 bytes, below a
+    // return address and a saved register. Otherwise each of its widest vectors would span two
+    // cache lines.
     #[cfg(target_arch = "x86_64")]
     unsafe {
         std::arch::asm!(
@@ -77,7 +78,7 @@ pub unsafe fn call_rounding_up(
             clobber_abi("sysv64"),
         );
     }
-    // SAFETY: as above. FPCR bits 23:22 = 01 round to +∞, and 0 is the default. The callee
+    // SAFETY: as above. In FPCR, 01 in bits 23:22 rounds to +∞; 0 is the default. The callee
     // preserves x20 to x22.
     #[cfg(target_arch = "aarch64")]
     unsafe {

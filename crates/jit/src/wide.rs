@@ -1,12 +1,12 @@
 //! Widening of machine code from vectors of 128 bits, the widest that Cranelift generates, to 256
 //! and 512 bits.
 //!
-//! A kernel does the same to each lane, so an instruction for more lanes is the same instruction in
-//! a wider encoding. The further lanes are next in the memory of a batch. Each constant is
-//! repeated, and spilled values lie farther apart on the stack. Only instructions that move halves
-//! of vectors differ. The [emitter](crate::lanes) uses two kinds of them, which are recognized
-//! here. With 512 bits a comparison gives a bit per lane, which is expanded to a vector. Code with
-//! an unknown instruction is not widened.
+//! A kernel treats all lanes alike, so most instructions only need a wider encoding. The additional
+//! lanes follow in the memory of a batch. Each constant is repeated to fill a vector, and spilled
+//! values lie farther apart on the stack. Only instructions that move halves of vectors become
+//! different ones. The [emitter](crate::lanes) uses two kinds of them, which this module
+//! recognizes. At 512 bits a comparison writes one bit per lane, and a further instruction expands
+//! the bits to a vector. Code with an unknown instruction is not widened.
 
 mod bytes;
 mod encodings;
@@ -23,9 +23,9 @@ use std::collections::HashMap;
 /// Bytes of a vector in Cranelift's code.
 const NARROW: usize = 16;
 
-/// Address that is assumed for code while it is decoded. All references in it are relative.
+/// Address assumed for the code while it is decoded. Any will do, since references are relative.
 const ORIGIN: u64 = 0x1000;
-/// The stack may grow by less than this without a probe.
+/// The stack may grow by fewer bytes than this without a probe.
 const PAGE: i64 = 4096;
 
 /// Vectors that are wider than Cranelift's.
@@ -49,8 +49,8 @@ impl Width {
         }
     }
 
-    /// Returns whether this processor has instructions for such vectors, and keeps its clock rate
-    /// while it runs them. The first processors with 512 bits, before Ice Lake, lower it.
+    /// Returns whether this processor has such vectors and keeps its clock rate while it uses them.
+    /// Processors before Ice Lake lower their clock rate for 512 bits.
     pub fn is_possible(self) -> bool {
         match self {
             Self::Zmm => {
@@ -78,7 +78,7 @@ impl Width {
         }
     }
 
-    /// The register that holds the lower half of the vector.
+    /// The register of half this width whose lowest part is `register`.
     fn half(self, register: Register) -> Register {
         match self {
             Self::Zmm => Self::Ymm.whole(register),
@@ -87,13 +87,13 @@ impl Width {
     }
 }
 
-/// Translates a function to vectors of this width. Its instructions are for 128 bits, but its
-/// offsets of quantities, and of the first `slots` bytes of its stack, must be for this width
-/// already. The function must not probe the stack; the result does. Returns `None` if the function
-/// has anything unknown, or if the result would take more than `stack` bytes.
+/// Translates a function to vectors of `width`. `code` has instructions for 128 bits. But its
+/// offsets of quantities, and those within the first `slots` bytes of its stack, must be for
+/// `width` already. `code` must not probe the stack; the result does. Returns `None` if `code` has
+/// anything unknown, or if the result would take more than `stack` bytes of stack.
 pub fn widened(code: &[u8], width: Width, slots: u32, stack: u32) -> Option<Vec<u8>> {
     if !slots.is_multiple_of(width.bytes() as u32) {
-        // The slots have gaps, whose layout is unknown.
+        // There are gaps between the slots, in an unknown layout.
         return None;
     }
     let frame = StackLayout {
@@ -139,7 +139,7 @@ pub fn widened(code: &[u8], width: Width, slots: u32, stack: u32) -> Option<Vec<
                 return None;
             }
         }
-        // A branch to the old instruction must lead to the first instruction that replaces it.
+        // A branch to the narrow instruction must lead to the first instruction that replaces it.
         for (k, instruction) in written[first..].iter_mut().enumerate() {
             instruction.set_ip(if k == 0 { ip } else { 0 });
         }
@@ -153,8 +153,8 @@ pub fn widened(code: &[u8], width: Width, slots: u32, stack: u32) -> Option<Vec<
     bytes(&written, &constants.bytes, width.bytes())
 }
 
-/// Decodes the instructions of a function, without the constants behind them. `None` if an
-/// instruction is invalid, or if a branch does not lead to the start of one.
+/// Decodes the instructions of a function, without the constants behind them. Returns `None` if an
+/// instruction is invalid, or if a branch leads into the middle of one.
 fn instructions(code: &[u8]) -> Option<Vec<Instruction>> {
     let mut decoder = Decoder::with_ip(64, code, ORIGIN, DecoderOptions::NONE);
     let (mut all, mut farthest) = (Vec::new(), ORIGIN);
@@ -174,7 +174,6 @@ fn instructions(code: &[u8]) -> Option<Vec<Instruction>> {
     None
 }
 
-/// The target of a branch.
 fn target(instruction: &Instruction) -> Option<u64> {
     (instruction.op0_kind() == OpKind::NearBranch64).then(|| instruction.near_branch_target())
 }
@@ -184,7 +183,8 @@ fn is_of_integers(instruction: &Instruction) -> bool {
     use Mnemonic::{Add, And, Cmp, Lea, Mov, Or, Pop, Push, Shl, Shlx, Shr, Shrx, Sub, Test, Xor};
     match instruction.mnemonic() {
         Mnemonic::Call => false,
-        // The new addresses of constants are not known, only their contents.
+        // Constants move. This module adapts instructions that read constants, but not their
+        // addresses.
         Lea => !instruction.is_ip_rel_memory_operand(),
         Add | And | Cmp | Mov | Or | Pop | Push | Shl | Shlx | Shr | Shrx | Sub | Test | Xor => {
             true
@@ -201,7 +201,7 @@ struct ConstantPool {
 }
 
 impl ConstantPool {
-    /// Position in the pool of the constant at `address` in the old code.
+    /// Position in the pool of the constant at `address` in the narrow code.
     fn place(&mut self, code: &[u8], address: u64, is_vector: bool) -> Option<usize> {
         let Self { width, places, bytes } = self;
         if let Some(place) = places.get(&address) {
@@ -226,20 +226,20 @@ impl ConstantPool {
 /// The layout of the stack: slots, whose size stays the same, then spilled values.
 struct StackLayout {
     slots: i64,
-    /// Largest size allowed.
+    /// Largest number of bytes allowed.
     most: i64,
-    /// Factor by which offsets beyond the slots grow.
+    /// Factor by which widening enlarges the area of the spilled values.
     times: i64,
 }
 
 impl StackLayout {
-    /// Returns the new offset of a value on the stack.
+    /// Converts an offset on the narrow code's stack to one on the widened code's stack.
     fn moved(&self, offset: i64) -> i64 {
         if offset < self.slots { offset } else { self.slots + self.times * (offset - self.slots) }
     }
 
-    /// Replaces an instruction if it allocates or frees stack. Returns whether it does. `None` if
-    /// it changes the stack pointer in an unknown way.
+    /// Replaces an instruction that allocates or frees stack, and returns true. Returns false for
+    /// other instructions, and `None` if one changes the stack pointer in an unknown way.
     fn takes(&self, instruction: &Instruction, written: &mut Vec<Instruction>) -> Option<bool> {
         if instruction.op0_register() != Register::RSP {
             return Some(false);
@@ -250,7 +250,7 @@ impl StackLayout {
             Code::Add_rm64_imm8 | Code::Add_rm64_imm32 => {
                 written.push(change(Code::Add_rm64_imm32, bytes())?);
             }
-            // Restores the stack pointer, whatever the size.
+            // Restores the stack pointer, whatever the frame's size.
             Code::Mov_r64_rm64 | Code::Mov_rm64_r64
                 if instruction.op1_register() == Register::RBP =>
             {
@@ -261,8 +261,8 @@ impl StackLayout {
         Some(true)
     }
 
-    /// Allocates stack page by page, so that the guard page at its end is not skipped. `None` if
-    /// `bytes` exceeds the largest size allowed.
+    /// Allocates stack page by page, so that the guard page at the stack's end is not skipped.
+    /// Returns `None` if `bytes` exceeds the largest size allowed.
     fn make(&self, mut bytes: i64, written: &mut Vec<Instruction>) -> Option<()> {
         if !(self.slots..=self.most).contains(&bytes) {
             return None;

@@ -10,18 +10,18 @@ use zeroset_ir::{Axis, Graph};
 use zeroset_jit::Native;
 use zeroset_ops::Op;
 
-/// Cycles of a short run, a hundredth of the long one.
+/// Cycles of a short run: a hundredth of the long run.
 const CYCLES: usize = 2000;
 const ALLOWED_KILOBYTES: i64 = 2048;
 
-/// Resident memory of this process.
 fn resident_kilobytes() -> i64 {
     let status = std::fs::read_to_string("/proc/self/status").expect("readable");
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).expect("a size");
     line.trim().trim_end_matches("kB").trim().parse().expect("a number")
 }
 
-/// Compiles, runs and drops one of a few formulas; returns the bytes of code.
+/// Compiles, runs and drops the kernel of one of a few formulas. Returns the size of its code in
+/// bytes.
 fn cycle(n: usize) -> usize {
     let mut graph = Graph::new();
     let [x, y, _] = Axis::ALL.map(|axis| graph.variable(axis));
@@ -39,7 +39,7 @@ fn cycle(n: usize) -> usize {
 fn cycles_leave_resident_memory_within_two_megabytes() {
     let cycles = std::env::var("ZEROSET_CYCLES").ok();
     let cycles = cycles.map_or(CYCLES, |text| text.parse().expect("a number"));
-    // The first cycles fill tables and the allocator's pools.
+    // The first cycles fill tables and the allocator's pools, so their memory is not counted.
     let warm: usize = (0..200).map(cycle).sum();
     let before = resident_kilobytes();
     let code: usize = (0..cycles).map(cycle).sum();

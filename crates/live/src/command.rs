@@ -14,7 +14,6 @@ use zeroset_space::Region;
 use zeroset_style::StandardView;
 use zeroset_trace::OPTIONS;
 
-/// A parsed line.
 enum Line<'a> {
     /// Only whitespace.
     Empty,
@@ -40,7 +39,7 @@ pub struct CommandRow {
 /// Name of the command that adds a surface.
 const ADD: &str = "add";
 
-/// Name of the command that chooses the method. Those of the method options follow it.
+/// Name of the command that chooses the method. Commands of method options follow in [`COMMANDS`].
 const METHOD: &str = "method";
 
 /// All commands, in the order of the help, including one for each method option.
@@ -50,7 +49,7 @@ pub static COMMANDS: LazyLock<Vec<CommandRow>> = LazyLock::new(|| {
         name: option.command,
         arguments: option.arguments,
         doc: option.prompt_help,
-        // [`Live::enter`] sets the option itself.
+        // Never called, since [`Live::enter`] sets method options itself.
         run: |_, _| None,
     });
     let method = ROWS.iter().position(|row| row.name == METHOD).unwrap_or(0);
@@ -136,7 +135,7 @@ impl Live {
     /// Enters a line: a formula, definition or setting of the document, or a command.
     ///
     /// # Errors
-    /// If the document would have errors, or the command has one.
+    /// If the document would have errors, or the command is wrong.
     pub fn enter(&self, line: &str) -> Result<Reply, Refusal> {
         match read(line).map_err(Refusal::Command)? {
             Line::Empty => {
@@ -184,7 +183,7 @@ fn set(live: &Live, text: &str) -> Option<Result<Reply, Refusal>> {
     let (name, value) = (name.trim(), value.trim());
     let plain = |c: char| c.is_alphanumeric() || c == '_';
     let valid = !name.is_empty() && name.chars().all(plain) && !value.is_empty();
-    // Accept only a single definition.
+    // Accept one definition only.
     if !valid || value.contains(['\n', ';', '=']) {
         return None;
     }
@@ -240,7 +239,7 @@ fn read(text: &str) -> Result<Line<'_>, String> {
 }
 
 impl CommandRow {
-    /// The command and its arguments, as a line of help shows them.
+    /// Returns the command with its arguments, as the help shows them.
     pub fn usage(&self) -> String {
         format!(":{} {}", self.name, self.arguments).trim_end().to_owned()
     }

@@ -42,12 +42,13 @@ impl Live {
     }
 }
 
-/// The choice that shows no plane. `Off` is needed only if the document sets a plane.
+/// The choice that shows no plane. It has to be `Off` only if the document sets a plane.
 fn none(own: Option<HalfSpace>) -> ClipChoice {
     if own.is_some() { ClipChoice::Off } else { ClipChoice::Document }
 }
 
-/// Sets, removes or reports the clipping plane. Returns `None` if `text` is not a plane.
+/// Sets or removes the clipping plane. For an empty `text`, reports it. Returns `None` if `text` is
+/// neither a plane nor `off`.
 pub(super) fn clip(live: &Live, text: &str) -> Option<Result<Reply, Refusal>> {
     let request = live.request();
     let own = || request.read().ok().and_then(|document| typed_clip(&document));

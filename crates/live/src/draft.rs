@@ -7,15 +7,15 @@ use zeroset_scene::view::number;
 use zeroset_syntax::ast::Statement;
 use zeroset_syntax::{Limits, parse, setting_word};
 
-/// The text after `line` is entered.
+/// Returns `text` after `line` is entered.
 ///
 /// - A definition replaces the one with the same name; a single value is replaced in place.
 /// - A drawing replaces all others, or is added to them if `adding`. It is never hidden.
-/// - A setting such as `domain`, `view` or `color` replaces the earlier one.
-/// - A new number keeps the range of the old value, widened to hold it.
+/// - A setting such as `domain`, `view` or `color` replaces earlier lines of that setting.
+/// - A new number keeps the range of the old value, widened to hold the number.
 ///
-/// Text and line may contain errors, which are reported when the result is read. If the text has
-/// errors that `line` does not correct, the result is `line` alone.
+/// `text` and `line` may contain errors, which are reported when the result is read. If the text
+/// has errors that `line` does not correct, the result is `line` alone.
 pub fn entered(text: &str, line: &str, adding: bool) -> String {
     let limits = Limits::default();
     let line = line.trim();
@@ -54,7 +54,7 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     for (span, _) in old.iter().rev().filter(|(_, one)| replaced(one)) {
         kept.replace_range(statement_piece(&joined, span), "");
     }
-    // If a program needs an old function, keep both. The later definition takes effect.
+    // If the text needs a function's old definition, keep both. The later definition takes effect.
     if parse(&kept, &limits).is_err() {
         return joined;
     }
@@ -68,7 +68,7 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     kept.trim_start_matches('\n').to_owned()
 }
 
-/// Returns whether a line consists of definitions only, with which the text parses.
+/// Returns whether a line has only definitions, and the text parses once they are added.
 pub(super) fn completes(text: &str, line: &str) -> bool {
     let limits = Limits::default();
     parse(line, &limits).is_ok_and(|all| all.iter().all(|one| name(one).is_some()))
@@ -108,8 +108,8 @@ fn drawings(text: &str) -> Vec<Range<usize>> {
     statements.iter().filter(draws).map(statement_span).collect()
 }
 
-/// Returns whether entering a line into a text adds a drawing. This depends on the text: `x = r`
-/// alone may define `r`, but is a drawing if the text defines `r`.
+/// Returns whether entering a line into a text adds a drawing. The text matters: `x = r` may define
+/// `r`, but is a drawing if the text already defines `r`.
 pub(super) fn draws(text: &str, line: &str) -> bool {
     let joined = format!("{text}\n{line}");
     scene_word(line).is_none() && drawings(&joined).iter().any(|span| span.start > text.len())
@@ -134,7 +134,7 @@ fn is_typed(statement: &Statement) -> bool {
     span.start < span.end
 }
 
-/// The text with one value replaced in place, so that parameters keep their order. `None` unless
+/// The text with one value replaced in place, which keeps the order of parameters. `None` unless
 /// `line` is a single definition of a value that the text defines exactly once.
 fn with_value_replaced(
     base: &str,
@@ -175,7 +175,7 @@ pub(super) fn with_value(text: &str, name: &str, value: &str, range: &str) -> Op
             let (low, high) = (number(&text[low])?, number(&text[high])?);
             Some((low..=high).contains(&number(value)?))
         };
-        // A value from the command line may lie outside the range, which is then extended.
+        // A value from the command line may lie outside the range. Then extend the range.
         let extended = || entered(text, &format!("{name} = {value}"), false);
         return Some(if holds() == Some(false) { extended() } else { with(value) });
     }
@@ -214,7 +214,8 @@ fn statement_span(statement: &Statement) -> Range<usize> {
 }
 
 /// The part of the text to remove with a statement. It starts after the last line break or
-/// semicolon before the statement, and ends after the next one or the comment behind the statement.
+/// semicolon before the statement. It ends with the next line break or semicolon, or with the line
+/// of a comment that comes first.
 fn statement_piece(text: &str, span: &Range<usize>) -> Range<usize> {
     let start = text[..span.start].rfind(['\n', ';']).map_or(0, |at| at + 1);
     let rest = &text[span.end..];

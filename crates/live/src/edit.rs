@@ -83,8 +83,9 @@ impl Live {
         })
     }
 
-    /// Replaces the document by the result of `work`, which gets the request and the last text that
-    /// parsed. Returns the new document. The edit is part of `gesture`, if there is one.
+    /// Replaces the document by the result of `work`. The arguments of `work` are the request and
+    /// the last text that parsed. Returns the new document; `None` if it draws nothing. With a
+    /// `gesture`, the edit is part of the gesture's undo step.
     pub(super) fn edit(
         &self,
         gesture: Option<Gesture>,
@@ -113,7 +114,7 @@ impl Live {
 }
 
 impl Edit {
-    /// Reads an edited text, in which the edit has `defined` these names.
+    /// Reads an edited text. The edit defines the names `defined`.
     ///
     /// # Errors
     /// If the text has an error, or a formula has no surface.
@@ -140,8 +141,8 @@ impl Edit {
     }
 }
 
-/// The text with `line` entered, and whether that is a new document. A formula that replaces a
-/// gallery surface makes a new document, without the gallery's domain, view and comments.
+/// The text with `line` entered, and whether the text is a new document. A formula that replaces a
+/// gallery surface begins a new document, without the gallery's domain, view and comments.
 fn with_line(request: &Request, readable: &str, line: &str, adding: bool) -> (String, bool) {
     let base = base(request, readable, line);
     match request.source {
@@ -152,8 +153,8 @@ fn with_line(request: &Request, readable: &str, line: &str, adding: bool) -> (St
     }
 }
 
-/// The text that `line` is entered into: the document if it parses, alone or with `line`, or else
-/// `readable`. If the document uses values given on the command line, their definitions are added.
+/// The text into which `line` is entered. This is the document if it parses, alone or with `line`.
+/// Else it is the document with the values given on the command line if that parses, or `readable`.
 pub(super) fn base<'a>(request: &'a Request, readable: &'a str, line: &str) -> Cow<'a, str> {
     let is_read = |text: &str| parse(text, &Limits::default()).is_ok();
     // An empty document stays empty.

@@ -1,6 +1,6 @@
 //! Equivalents of other programs' formulas, in one table for the help and the README.
 
-/// Each row has a program, a formula in its syntax, and the equivalent formula here.
+/// Each row: another program, a formula in that program's syntax, and the same formula here.
 pub const EQUIVALENTS: &[(&str, &str, &str)] = &[
     ("Desmos", "z = {x < 0: x^2, x}", "the same; a slider is `a = 1 in [0, 5]`"),
     (

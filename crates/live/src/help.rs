@@ -15,7 +15,7 @@ const EQUIVALENTS_TOPIC: &str = "coming";
 /// The command whose help also explains the words of the window's status line.
 const STATUS: &str = "status";
 
-/// Returns help on a function, command or word. Without a name, lists all of them.
+/// Returns help on a function, command or word. For an empty name, lists all of these.
 pub(super) fn help(name: &str) -> Result<Reply, Refusal> {
     if name.is_empty() {
         return say(everything());

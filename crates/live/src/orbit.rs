@@ -28,7 +28,7 @@ const FARTHEST: f64 = 1e3;
 /// Largest share of the picture that the region's box fills when it is fitted.
 const FILLED: f64 = 0.88;
 
-/// Angle of a drag across the picture's whole height.
+/// Angle of the turn by a drag across the picture's whole height.
 const TURN: f64 = PI;
 
 impl Orbit {
@@ -81,7 +81,7 @@ impl Orbit {
         Camera::new(target + back * self.distance * scale, target, up, projection)
     }
 
-    /// Unit vectors toward the eye, to the right in the picture and up in the picture.
+    /// Three unit vectors: toward the eye, to the right in the picture, and up in the picture.
     fn directions(&self) -> (DVec3, DVec3, DVec3) {
         let (a, b) = axes(self.pole);
         let (sine, cosine) = self.azimuth.sin_cos();
@@ -90,8 +90,8 @@ impl Orbit {
         (level * run + self.pole * rise, right, self.pole * run - level * rise)
     }
 
-    /// Length of a pixel's side in the plane through the target, in half extents, for a picture of
-    /// `height` pixels.
+    /// Length of a pixel's side in the plane through the target, in half extents of the region. The
+    /// picture has `height` rows.
     fn unit(&self, height: usize) -> f64 {
         let visible = match self.projection {
             Projection::Orthographic { height } => height,
@@ -125,17 +125,16 @@ impl Orbit {
         }
     }
 
-    /// Fits the box of `shown` into a picture of this size in pixels, with space around it for
-    /// labels. The side from which it is viewed stays. The orbit's lengths are in half extents of
-    /// `region`.
+    /// Fits the box of `shown` into a picture of this size in pixels, with space for labels. The
+    /// direction of the view stays. The orbit's lengths are in half extents of `region`.
     pub fn fit(&mut self, shown: &Region, region: &Region, width: usize, height: usize) {
         let scale = region.half_extent();
         self.target = (shown.centre() - region.centre()) / scale;
         let (back, right, up) = self.directions();
         let aspect = width.max(1) as f64 / height.max(1) as f64;
         let half = (shown.high() - shown.low()) / (2.0 * scale);
-        // For each corner: its distance from the picture's middle, in half heights of the picture,
-        // and its distance from the target toward the eye.
+        // Two distances for each corner: from the picture's middle, in half heights of the picture,
+        // and from the target toward the eye.
         let corners = (0..8).map(|n: i32| {
             let side = |axis: usize| if n >> axis & 1 == 1 { half[axis] } else { -half[axis] };
             let corner = DVec3::new(side(0), side(1), side(2));

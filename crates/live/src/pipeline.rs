@@ -58,7 +58,7 @@ pub struct Request {
     pub source: DocumentSource,
     /// Text of the document.
     pub text: Arc<str>,
-    /// Names with values that override those of the text.
+    /// Names and values of parameters. They override the values in the text.
     pub overrides: Vec<(String, String)>,
     /// The time `t`, which overrides the value in the text.
     pub time: Option<f64>,
@@ -123,8 +123,7 @@ pub struct Rendering {
     pub picture: Picture,
     /// Set if a finer picture follows.
     pub coarse: bool,
-    /// Time to read the document, close to zero if it was reused. The times of later stages are in
-    /// the picture.
+    /// Time to read the document; close to 0 if reused. The picture has the times of later stages.
     pub parse: Duration,
     /// Time from the request to this picture.
     pub latency: Duration,
@@ -182,7 +181,7 @@ impl Fault {
         }
     }
 
-    /// The undefined single letter, if that is the only error.
+    /// The undefined single letter, if no other error exists.
     pub fn missing_letter(&self) -> Option<char> {
         match &self.reason {
             FaultReason::Text(errors) => missing_letter(errors),
@@ -209,7 +208,7 @@ pub struct Snapshot {
     pub rendering: Option<Arc<Rendering>>,
     /// The error of the latest request, if it has one.
     pub fault: Option<Arc<Fault>>,
-    /// Revision of the latest request that is finished.
+    /// Revision of the latest finished request.
     pub settled: u64,
 }
 
@@ -229,9 +228,9 @@ struct PipelineState {
     revision: u64,
     requested: Instant,
     snapshot: Snapshot,
-    /// Set while the user or the clock moves values. An automatic view holds still until they stop.
+    /// Set while the user or the clock moves values. Meanwhile an automatic view holds still.
     moving: bool,
-    /// How the automatic view changes next.
+    /// The next change of an automatic view.
     next_view: NextView,
     stop: bool,
 }
@@ -241,9 +240,9 @@ struct PipelineState {
 enum NextView {
     /// Immediately, since the user waits for the picture.
     Immediate,
-    /// Later: a new view is due, but values are still moving.
+    /// Later. The view should change, but values are still moving.
     Deferred,
-    /// By gliding, now that values have stopped.
+    /// By gliding, since values have stopped.
     Gliding,
 }
 
@@ -281,7 +280,7 @@ impl Pipeline {
         state.revision
     }
 
-    /// Sets whether values are moving. Returns whether they have stopped and a new view is due.
+    /// Sets whether values are moving. Returns whether a deferred change of the view is due.
     pub fn set_moving(&self, moving: bool) -> bool {
         let mut state = self.shared.lock();
         state.moving = moving;
@@ -297,8 +296,8 @@ impl Pipeline {
         self.shared.lock().snapshot.clone()
     }
 
-    /// Waits until `done` returns true for the results and the latest revision. Returns whether
-    /// that happened in time.
+    /// Waits until `done` returns true for the results and the latest revision. Returns false on
+    /// timeout.
     pub fn wait(&self, timeout: Duration, done: impl Fn(&Snapshot, u64) -> bool) -> bool {
         let state = self.shared.lock();
         let waiting = |state: &mut PipelineState| !done(&state.snapshot, state.revision);
@@ -312,13 +311,13 @@ impl Drop for Pipeline {
         self.shared.lock().stop = true;
         self.shared.changed.notify_all();
         if let Some(worker) = self.worker.take() {
-            // The panic has already been reported.
+            // A panic of the worker has already been reported.
             let _ = worker.join();
         }
     }
 }
 
-/// The undefined single letter, if that is the only error.
+/// The undefined single letter, if no other error exists.
 pub(super) fn missing_letter(errors: &Errors) -> Option<char> {
     let letter = |error: &zeroset_syntax::Error| match &error.kind {
         ErrorKind::UnknownName { name, letter } => {
@@ -331,7 +330,7 @@ pub(super) fn missing_letter(errors: &Errors) -> Option<char> {
     errors.iter().all(|error| letter(error) == Some(first)).then_some(first)
 }
 
-/// Returns whether both have the same text, overrides and time.
+/// Returns whether both requests have the same text, overrides and time.
 pub(super) fn same_document(one: &Request, other: &Request) -> bool {
     one.text == other.text && one.overrides == other.overrides && one.time == other.time
 }

@@ -51,7 +51,7 @@ pub enum Refusal {
 }
 
 impl Refusal {
-    /// The undefined single letter, if that is the only error.
+    /// The undefined single letter, if no other error exists.
     pub fn missing_letter(&self) -> Option<char> {
         match self {
             Self::Text { errors, .. } => missing_letter(errors),

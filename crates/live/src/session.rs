@@ -1,5 +1,4 @@
-//! The live document and its picture, for everything that types, drags and shows pictures. Knows no
-//! commands.
+//! The live document and its picture, for all that types, drags and shows them. Knows no commands.
 
 use super::draft::with_value;
 use super::orbit::Orbit;
@@ -26,7 +25,7 @@ pub struct Live {
     pipeline: Pipeline,
 }
 
-/// A move of a value that has been postponed.
+/// A postponed move of a value.
 type Move = Box<dyn FnOnce(&Live) + Send>;
 
 #[derive(Default)]
@@ -44,12 +43,12 @@ pub(super) struct SessionState {
     /// Values that have been dragged, with their definitions before the drag.
     pub dragged: Vec<Dragged>,
     pub undo: Undo,
-    /// Number of edits that block moves of values.
+    /// Number of edits that block moves of values at present.
     first: usize,
     /// The blocked moves. For each gesture, only the latest is kept.
     waiting: Vec<(Gesture, Move)>,
     revision: u64,
-    /// The revision at which the document last became empty. Results up to it are not shown.
+    /// Revision at which the document last became empty. Results up to this revision are not shown.
     cleared_at: u64,
 }
 
@@ -139,15 +138,14 @@ impl Live {
         }
     }
 
-    /// Waits until the latest request has its fine picture or an error. Returns whether that
-    /// happened in time.
+    /// Waits until the latest request has its fine picture or an error. Returns false on timeout.
     pub fn wait(&self, timeout: Duration) -> bool {
         let revision = self.lock().revision;
         self.pipeline.wait(timeout, |seen, _| seen.settled >= revision)
     }
 
-    /// Waits for the fine picture of the request with this revision. Returns `None` on timeout, if
-    /// the request has an error, or if there is a newer request.
+    /// Waits for the fine picture of the request with this revision. Returns `None` on timeout, on
+    /// an error of the request, and after a newer request.
     pub fn finished(&self, revision: u64, timeout: Duration) -> Option<Arc<Rendering>> {
         self.pipeline.wait(timeout, |seen, latest| seen.settled >= revision || latest > revision);
         let Snapshot { rendering, fault, .. } = self.snapshot();
@@ -155,8 +153,7 @@ impl Live {
         rendering.filter(|seen| seen.revision == revision && !seen.coarse && !is_wrong)
     }
 
-    /// Waits for a picture or error newer than revision `known`. Returns whether one arrived in
-    /// time.
+    /// Waits for a picture or error newer than revision `known`. Returns false on timeout.
     pub fn wait_for_news(&self, timeout: Duration, known: u64) -> bool {
         self.pipeline.wait(timeout, |seen, _| {
             let rendering = seen.rendering.as_ref().map_or(0, |rendering| rendering.revision);
@@ -164,8 +161,8 @@ impl Live {
         })
     }
 
-    /// Waits until a picture of the latest request has all its pixels, some of which may be
-    /// undecided until a finer picture. Returns whether that happened in time.
+    /// Waits until a picture of the latest request has all its pixels. A finer picture may still
+    /// decide some of them. Returns false on timeout.
     pub fn wait_for_full(&self, timeout: Duration) -> bool {
         let revision = self.lock().revision;
         self.pipeline.wait(timeout, |seen, _| {
@@ -213,9 +210,9 @@ impl Live {
         self.lock().request.settings.clone()
     }
 
-    /// Runs `work`, which may be slow, without the lock, and then applies its result. If the
-    /// document has changed meanwhile, `work` runs again. From the third try on, moves of values
-    /// are blocked.
+    /// Runs `work` without the lock, since it may be slow, and applies its result. If the document
+    /// has changed meanwhile, runs `work` again. From the third try on, moves of values are
+    /// blocked.
     pub(super) fn change_after<W, R>(
         &self,
         work: impl Fn(&Checkpoint) -> Result<W, Refusal>,
@@ -238,7 +235,7 @@ impl Live {
         }
     }
 
-    /// Moves a value, or queues the move while an edit blocks it.
+    /// Moves a value. While an edit blocks moves, queues the move and returns the default result.
     pub(super) fn move_value<R: Default>(
         &self,
         gesture: Gesture,
@@ -256,7 +253,8 @@ impl Live {
     }
 
     /// Replaces the document by `text`. With `again`, `text` is a newer version of the same
-    /// document. Then the view stays, and so do dragged values whose definitions have not changed.
+    /// document. Then the view stays. Dragged values stay, too, if their definitions have not
+    /// changed.
     pub fn load(&self, source: DocumentSource, text: &str, again: bool) {
         let is_readable = parse(text, &Limits::default()).is_ok();
         let given: Arc<str> = text.into();
@@ -334,7 +332,7 @@ impl Live {
     pub fn turn(&self, turn: impl FnOnce(&mut Orbit)) {
         let Some(seen) = self.snapshot().rendering else { return };
         self.change_by(Some(Gesture::View), |request| {
-            // The requested orbit may be newer than the one of the visible picture.
+            // Start from the requested orbit, which may be newer than that of the visible picture.
             let orbit = request
                 .orbit
                 .get_or_insert_with(|| Orbit::from_camera(&seen.camera, &seen.view_anchor));
@@ -342,8 +340,8 @@ impl Live {
         });
     }
 
-    /// Fits the whole region into the picture, viewed from the same side. Does nothing before the
-    /// first picture.
+    /// Fits the whole region into the picture. The direction of the view stays. Does nothing before
+    /// the first picture.
     pub fn fit(&self) {
         let Some(seen) = self.snapshot().rendering else { return };
         let Settings { width, height, .. } = self.settings();
@@ -374,12 +372,12 @@ impl Live {
         self.change(|_| {});
     }
 
-    /// Changes the request, but not its text.
+    /// Changes parts of the request other than its text.
     pub(super) fn change(&self, change: impl FnOnce(&mut Request)) {
         self.change_by(None, change);
     }
 
-    /// Like [`Live::change`]. With a gesture, the change is part of its undo step.
+    /// Like [`Live::change`]. With a gesture, the change is part of the gesture's undo step.
     pub(super) fn change_by(&self, gesture: Option<Gesture>, change: impl FnOnce(&mut Request)) {
         let mut state = self.lock();
         let before = state.checkpoint();
@@ -387,13 +385,12 @@ impl Live {
         self.record(&mut state, before, gesture);
     }
 
-    /// Undoes the last step: a line entered, a setting, a turn or a drag. Returns whether there was
-    /// one.
+    /// Undoes the last step: a line, a setting, a turn or a drag. Returns whether there was a step.
     pub fn undo(&self) -> bool {
         self.step(Undo::back)
     }
 
-    /// Redoes the last undone step. Returns whether there was one.
+    /// Redoes the last undone step. Returns whether there was a step.
     pub fn redo(&self) -> bool {
         self.step(Undo::forth)
     }
@@ -410,8 +407,8 @@ impl Live {
         true
     }
 
-    /// Sets whether a mouse button is held. Turning or dragging while it is held is one step of
-    /// [`Live::undo`].
+    /// Sets whether a mouse button is held. While it is held, all turning or dragging is one undo
+    /// step.
     pub fn hold(&self, held: bool) {
         self.lock().undo.hold(held);
     }
@@ -445,7 +442,7 @@ impl Live {
     }
 }
 
-/// `text`, with each dragged value set to its value in the text `present`.
+/// Copies the value of each dragged parameter from the text `present` into `text`.
 fn with_dragged(text: &str, present: &str, dragged: &[Dragged]) -> String {
     dragged.iter().fold(text.to_owned(), |text, one| {
         let moved = || {
@@ -494,7 +491,7 @@ mod tests {
         let tries = AtomicUsize::new(0);
         let work = |checkpoint: &Checkpoint| {
             let value = tries.fetch_add(1, Ordering::Relaxed) as f64 + 1.0;
-            // Like the window's event loop, which must never wait.
+            // Move the value from another thread, like the window's event loop. It must never wait.
             let (live, slider) = (Arc::clone(&live), slider.clone());
             let moves = thread::spawn(move || {
                 live.drag(&slider, value + 0.5);
@@ -506,7 +503,7 @@ mod tests {
         };
         let changed = live.change_after(work, |state, text| state.request.text = text.into());
         assert!(changed.is_ok());
-        // Moves make the first two tries obsolete, and then wait until the third is applied.
+        // During the first two tries, drags change the document. During the third, they are queued.
         assert_eq!(tries.into_inner(), 3);
         assert_eq!(live.text(), TEXT.replace("r = 0", "r = 3") + "\nz = 0");
         live.drag(&slider, 4.0);

@@ -1,4 +1,4 @@
-//! Commands for picture settings. Each sets a value if one is given, or reports the current one.
+//! Commands for picture settings. Each command sets the given value, or reports the current one.
 
 use super::reply::{Refusal, Reply, refused, say};
 use super::session::Live;
@@ -44,8 +44,7 @@ pub(super) fn switch(word: &str) -> Option<bool> {
     }
 }
 
-/// Refuses a `name` that is not in the table. For an empty name, lists the table, with a star at
-/// the row in use.
+/// Refuses a `name` that is not in the table. Without a name, lists the table and marks `used`.
 fn listed<'a>(
     kind: &str,
     name: &str,
@@ -89,7 +88,7 @@ pub(super) fn option(live: &Live, option: &MethodOption, text: &str) -> Result<R
     ))
 }
 
-/// A note if the current method does not use this option; else empty.
+/// Returns a note if the current method does not use this option, or else an empty text.
 fn unused_note(settings: &Settings, option: &MethodOption) -> String {
     let method = settings.method;
     if method.reads.contains(option) {

@@ -23,7 +23,7 @@ pub struct Slider {
     pub low: f64,
     /// Upper end of the range, above the lower end.
     pub high: f64,
-    /// Set for the time `t`, which the clock moves too.
+    /// True for the slider of the time `t`, which the clock also moves.
     pub is_time: bool,
 }
 
@@ -47,14 +47,14 @@ impl Slider {
         width > 0.0 && width.is_finite()
     }
 
-    /// `value`, clamped to the range. If it is NaN, the slider's current value.
+    /// Returns `value`, clamped to the range, or the slider's current value if `value` is NaN.
     fn within(&self, value: f64) -> f64 {
         let value = if value.is_nan() { self.value } else { value };
         value.max(self.low).min(self.high)
     }
 
-    /// `value`, clamped to the range and rounded to as few digits as distinguish values that differ
-    /// by `step`.
+    /// Clamps `value` to the range. Rounds it to as few digits as distinguish values that differ by
+    /// `step`.
     pub fn rounded(&self, value: f64, step: f64) -> f64 {
         let value = self.within(value);
         let digits = self.digits(step);
@@ -98,7 +98,7 @@ fn default_range(value: f64) -> (f64, f64) {
 }
 
 impl Rendering {
-    /// The sliders, in document order. The time is one of them if a surface depends on it.
+    /// The sliders, in document order. The time has a slider if a surface depends on it.
     pub fn sliders(&self) -> Vec<Slider> {
         let document = &self.document;
         let moves =
@@ -108,22 +108,21 @@ impl Rendering {
 }
 
 impl Live {
-    /// Sets a value as dragging does, clamped to its slider's range. Returns the latest revision.
-    /// The document changes at once, or after an edit that is blocking moves. A definition without
-    /// a range gets the slider's range, so that code is compiled once for all values.
+    /// Sets the slider's value as dragging does, clamped to the slider's range. Returns the latest
+    /// revision. If an edit blocks moves, the value is set after the edit. A definition without a
+    /// range gets the slider's range, so that code is compiled once for all values.
     ///
     /// Consecutive calls are one step of [`Live::undo`].
     pub fn drag(&self, slider: &Slider, value: f64) -> u64 {
         self.request_value(slider, &format_value(slider.within(value)), true)
     }
 
-    /// Like [`Live::drag`], for the clock. Does not record an undo step.
+    /// Like [`Live::drag`], but for the clock. It records no undo step.
     pub fn pass(&self, slider: &Slider, value: f64) -> u64 {
         self.request_value(slider, &format_value(slider.within(value)), false)
     }
 
-    /// Restores the value that the document had before it was dragged. Returns whether it was
-    /// dragged.
+    /// Restores the slider's value from before it was dragged. Returns whether it had been dragged.
     pub fn restore(&self, slider: &Slider) -> bool {
         let before = |one: &Dragged| (one.name == slider.name).then(|| one.value.clone());
         let Some(value) = self.lock().dragged.iter().find_map(before) else { return false };

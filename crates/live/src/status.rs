@@ -81,7 +81,7 @@ pub(super) fn describe(snapshot: &Snapshot) -> String {
     text
 }
 
-/// The options that the methods of a picture use, fallbacks included, in the order of [`OPTIONS`].
+/// The options of a picture's method and of its fallback methods, in the order of [`OPTIONS`].
 fn read_options(rendering: &Rendering) -> impl Iterator<Item = &'static MethodOption> + '_ {
     let fallbacks = rendering.picture.fallbacks.iter().map(|(_, fallback)| fallback.method);
     let methods: Vec<_> = fallbacks.chain([rendering.request.settings.method]).collect();
@@ -100,8 +100,8 @@ impl Rendering {
         Some(self.blank?.describe(&|ends| format!(":domain {ends}")))
     }
 
-    /// A short line with time, size, method with its options, undecided pixels and compile time.
-    /// For a blank picture, the reason.
+    /// A short line with time, size, method, method options, undecided pixels and compile time. For
+    /// a blank picture, the reason instead.
     pub fn summary(&self) -> String {
         if let Some(why) = self.why_blank() {
             return why;

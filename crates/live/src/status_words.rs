@@ -65,8 +65,8 @@ fn why(reason: UndecidedReason) -> &'static str {
 }
 
 impl Rendering {
-    /// A short line in plain words: progress or what is proven, time, size, and the method unless
-    /// it is the default. For a blank picture, the reason.
+    /// A short line in plain words: the progress, or else what is proven, with time and size. Names
+    /// a method other than the default. For a blank picture, gives the reason.
     pub fn in_words(&self) -> String {
         if let Some(why) = self.why_blank() {
             return why;
@@ -97,7 +97,7 @@ impl Rendering {
         parts.join(" · ")
     }
 
-    /// What is proven about the picture, in words.
+    /// Tells in words what is proven about the picture.
     fn proven(&self) -> String {
         let reasons = UndecidedReason::ALL.into_iter().zip(self.picture.buffer.reasons());
         let open: Vec<(UndecidedReason, usize)> = reasons.filter(|(_, count)| *count > 0).collect();

@@ -91,8 +91,8 @@ impl StyledDrawing {
         surfaces.map(one).collect()
     }
 
-    /// The style lines needed above this drawing, if `before` is the drawing above it. Only lines
-    /// that begin with these `words` are returned.
+    /// The style lines needed above this drawing if `before` is the drawing above it. Returns only
+    /// lines that begin with these `words`.
     fn lines(&self, before: Option<&Self>, words: &[&str]) -> Vec<String> {
         let (color, opacity, hidden) =
             before.map_or(DEFAULT_STYLE, |one| (one.color.as_str(), one.opacity, one.hidden));
@@ -117,7 +117,7 @@ fn percent(share: f64) -> f64 {
 
 /// Applies `change` to the drawings of a text, and rewrites all style lines that begin with these
 /// `words`. Returns the new text and its document. Returns `None` if style lines cannot express the
-/// change, as in a program.
+/// change. An example is a change within a program.
 fn changed(
     text: &str,
     options: &Options<'_>,
@@ -176,7 +176,7 @@ fn changed(
     Some((new, said))
 }
 
-/// The range of a style line with the line break or semicolon behind it, if no comment comes first.
+/// The range of a style line. It includes a line break or semicolon right behind the line.
 fn whole(text: &str, line: &Range<usize>) -> Range<usize> {
     let rest = &text[line.end..];
     let blank = rest.len() - rest.trim_start_matches([' ', '\t']).len();
@@ -217,7 +217,7 @@ impl Live {
                 drawn[number - 1].opacity = opacity.clamp(0.0, 1.0);
             }))
         });
-        // A move that waits for an edit is not refused, so this succeeds.
+        // A change that waits for an edit has not been refused, so report success.
         set.unwrap_or(Ok(()))
     }
 
@@ -269,7 +269,7 @@ impl Live {
     }
 }
 
-/// The text without one drawing. The other drawings keep their style. Errors are as for
+/// The text without one drawing. The other drawings keep their style. The errors are those of
 /// [`without_drawing`].
 pub(super) fn without(text: &str, options: &Options<'_>, number: usize) -> Result<String, usize> {
     let plain = without_drawing(text, number)?;
@@ -285,8 +285,8 @@ pub(super) fn without(text: &str, options: &Options<'_>, number: usize) -> Resul
     if look(&plain).is_none_or(|now| now == wanted) {
         return Ok(plain);
     }
-    // Style lines with no drawing below them would apply to drawings above. So the drawing is first
-    // moved to the end, with the style of the drawing before it.
+    // A style line below the last drawing would apply to drawings above it. So move the drawing to
+    // the end first, and give it the style of the drawing before it.
     let last = changed(text, options, &STYLE_WORDS, |drawn| {
         let one = drawn.remove(number - 1);
         let like = drawn.last().unwrap_or(&one).clone();
@@ -296,7 +296,7 @@ pub(super) fn without(text: &str, options: &Options<'_>, number: usize) -> Resul
     Ok(moved.filter(|text| look(text).as_ref() == Some(&wanted)).unwrap_or(plain))
 }
 
-/// The error for a surface number above `count`, the number of surfaces.
+/// The error for a surface number outside 1 to `count`, the number of surfaces.
 pub(super) fn no_surface(number: usize, count: usize) -> Refusal {
     Refusal::Command(match count {
         0 => "nothing is drawn".to_owned(),
@@ -356,7 +356,7 @@ mod tests {
             set("color viridis(z, -1, 1)\nopacity 0.5\nx = 1", 0, 0.123_456).as_deref(),
             Some("color viridis(z, -1, 1)\nopacity 12.35%\nx = 1")
         );
-        // A style line would have to stand inside a statement of the program.
+        // Refused, since it would need a style line inside a statement of the program.
         assert_eq!(set("float d = length(p) - 1.;", 0, 0.5), None);
     }
 

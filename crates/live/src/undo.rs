@@ -5,7 +5,6 @@ use std::mem;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Largest number of undo steps.
 const MAX_STEPS: usize = 200;
 
 /// Longest pause between two changes that belong to one gesture.
@@ -28,7 +27,7 @@ pub(super) struct Dragged {
     pub name: String,
     /// The value before it was dragged, as typed.
     pub value: String,
-    /// The right side of the definition before the drag, with the range. Empty if there was none.
+    /// Right side of the definition before the drag, with the range. Empty without a definition.
     pub side: String,
 }
 
@@ -42,7 +41,7 @@ pub(super) struct Checkpoint {
 }
 
 impl Checkpoint {
-    /// Returns whether both are equal, apart from the picture's size and the axes.
+    /// Returns whether both states are equal, apart from the picture's size and the axes.
     fn is_same(&self, other: &Self) -> bool {
         let mut framed = self.clone();
         framed.copy_size_and_axes(other);
@@ -68,7 +67,7 @@ pub(super) struct Undo {
 }
 
 impl Undo {
-    /// Records that the state changed from `before` to `now`.
+    /// Records a change from `before` to `now`. A change that continues a gesture joins its step.
     pub fn note(&mut self, before: Checkpoint, now: &Checkpoint, gesture: Option<Gesture>) {
         if before.is_same(now) {
             return;

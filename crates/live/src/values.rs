@@ -9,7 +9,7 @@ use zeroset_syntax::{Limits, parse};
 /// Name of the time.
 pub(super) const TIME: &str = "t";
 
-/// Byte ranges in a text of a value's definition.
+/// Place of a value's definition in a text.
 pub(super) struct Place {
     /// Byte range of the value.
     pub body: Range<usize>,
@@ -48,7 +48,7 @@ pub(super) fn defined(line: &str) -> Vec<String> {
     statements.iter().filter_map(name).map(str::to_owned).collect()
 }
 
-/// A value as typed, and the right side of its definition with the range.
+/// The value of `name` as typed, and the right side of its definition, which includes the range.
 pub(super) fn right_side(text: &str, name: &str) -> Option<(String, String)> {
     let Place { body, range } = place(text, name)?;
     let value = text.get(body.clone())?.to_owned();
@@ -59,9 +59,9 @@ pub(super) fn right_side(text: &str, name: &str) -> Option<(String, String)> {
     Some((value, side))
 }
 
-/// The range to append to `line`, a new definition of `name`, so that the range in `text` is kept.
-/// It is widened to hold the new value. `None` if `text` has no range, if `line` has one, or if a
-/// value is not a number.
+/// Returns the range that `text` gives to `name`, as an ending for `line`, a new definition of
+/// `name`. The range is widened to hold the new value. `None` if `text` gives no range, if `line`
+/// gives one, or if a value is not a number.
 pub(super) fn kept_range(text: &str, line: &str, name: &str) -> Option<String> {
     let (low, high) = place(text, name)?.range?;
     let Place { body, range: None } = place(line, name)? else { return None };
@@ -75,7 +75,7 @@ pub(super) fn kept_range(text: &str, line: &str, name: &str) -> Option<String> {
 /// The shortest text that reads as this number.
 pub(super) fn format_value(value: f64) -> String {
     let size = value.abs();
-    // Avoids `-0`.
+    // Write -0 as 0.
     if value == 0.0 {
         "0".to_owned()
     } else if (1e-6..1e15).contains(&size) {

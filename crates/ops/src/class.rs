@@ -1,11 +1,11 @@
-//! Kinds of operation, by the laws of algebra that they obey. Simplification, conversion to
-//! rational form and printing use these laws.
+//! Kinds of operation, by the laws of algebra that they obey. The laws serve simplification,
+//! conversion to rational form and printing.
 //!
 //! Most functions obey no law, so adding one seldom needs a new kind.
 
 use crate::Op;
 
-/// The kind of an operation.
+/// The kind of an operation, which states its laws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
     /// −a
@@ -22,13 +22,13 @@ pub enum Class {
     Power,
     /// a − b·⌊a/b⌋
     Remainder,
-    /// The smallest or the largest operand.
+    /// The smaller or the larger of two operands.
     Extremum,
-    /// The second or the third operand, by the sign of the first.
+    /// The second operand where the first is negative, else the third.
     Choice,
     /// The first operand where it is defined, else the second.
     Fallback,
-    /// The first operand, where the second meets a condition.
+    /// The first operand, defined only where the second meets a condition.
     Restriction(Restriction),
     /// A function of one operand.
     Function(Law),
@@ -36,8 +36,9 @@ pub enum Class {
     FunctionOfTwo,
 }
 
-/// The condition under which a restriction keeps its first operand. The simplifier nests
-/// restrictions in this order, the first one innermost.
+/// The condition on the second operand of a restriction: the restriction is defined only where the
+/// condition holds. The simplifier nests restrictions in the order of these variants, the first
+/// variant innermost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Restriction {
     /// The second operand is defined.
@@ -50,49 +51,50 @@ pub enum Restriction {
     Positive,
 }
 
-/// The law by which a function of one operand simplifies, besides its parity and its exact values.
+/// The law by which the simplifier rewrites a function of one operand. The table states the
+/// function's parity and known values separately.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Law {
     /// No law.
     Plain,
-    /// |c·a| = |c|·|a|, and |a| is a or −a where the sign of a is known.
+    /// |c·a| = |c|·|a|, and |a| is a or −a if the sign of a is known.
     Magnitude,
-    /// 1 or −1 where the sign of the operand is known.
+    /// The value is 1 or −1 if the sign of the operand is known.
     Sign,
-    /// Integers are unchanged, and the value at a rational number is exact.
+    /// Rounds to an integer. An integer is its own value, and values at rational numbers are
+    /// computed exactly.
     Rounding(Rounding),
-    /// a − ⌊a⌋: the value at a rational number is exact.
+    /// a − ⌊a⌋. Values at rational numbers are computed exactly.
     Fraction,
     /// √(a²) = |a|
     SquareRoot,
     /// ∛(a³) = a
     CubeRoot,
-    /// f(g(a)) = a wherever g(a) is defined, where g is this operation. The simplifier uses the law
-    /// only if the domain of g is [`All`](crate::Domain::All) or
-    /// [`Positive`](crate::Domain::Positive).
+    /// f(g(a)) = a wherever g(a) is defined, for this operation g. The simplifier uses the law only
+    /// if the domain of g is [`All`](crate::Domain::All) or [`Positive`](crate::Domain::Positive).
     Undoes(Op),
 }
 
-/// How a function rounds a number to an integer.
+/// The way in which a function rounds a number to an integer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rounding {
     /// The largest integer that is not above the number.
     Down,
     /// The smallest integer that is not below the number.
     Up,
-    /// The nearest integer, halves to even.
+    /// The nearest integer. A number halfway between two integers goes to the even one.
     Nearest,
-    /// The nearest integer of no larger magnitude.
+    /// The nearest integer whose magnitude is not larger than that of the number.
     TowardZero,
 }
 
-/// Effect of the operand's sign on the value of a function.
+/// Effect of the operand's sign on a function's value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Parity {
     /// f(−a) = f(a)
     Even,
     /// f(−a) = −f(a)
     Odd,
-    /// Neither law holds, or the function has several operands.
+    /// The function is neither even nor odd, or has several operands.
     Neither,
 }

@@ -1,18 +1,19 @@
 //! Functions that are formulas over other functions, written in the language itself.
 
-/// A function defined by a formula. Functions of one name differ in their number of parameters.
+/// A function defined by a formula. Functions of the same name differ in their number of
+/// parameters.
 #[derive(Debug)]
 pub struct Composed {
-    /// The name by which it is called.
+    /// The name by which formulas call the function.
     pub name: &'static str,
-    /// Other accepted names.
+    /// Other names that formulas may use for the function.
     pub aliases: &'static [&'static str],
     /// Parameter names, as used in `body`.
     pub parameters: &'static [&'static str],
-    /// The formula. Its names are those of built-in functions and constants, even if the user
-    /// redefines them. It may call internal operations of the table.
+    /// The formula. A name in it always means the built-in function or constant, even if the user
+    /// redefines that name. The formula may call internal operations of the table.
     pub body: &'static str,
-    /// One line for help.
+    /// One line of help about the function.
     pub doc: &'static str,
 }
 
@@ -49,8 +50,8 @@ pub static COMPOSED: &[Composed] = &[
     row("asech", &["arsech", "arcsech"], &["a"], "acosh(1/a)", "inverse hyperbolic secant; defined for 0 < a <= 1"),
     row("acsch", &["arcsch", "arccsch"], &["a"], "asinh(1/a)", "inverse hyperbolic cosecant; undefined at 0"),
     row("acoth", &["arcoth", "arccoth"], &["a"], "atanh(1/a)", "inverse hyperbolic cotangent; defined for |a| > 1"),
-    // The Taylor polynomials are valid bounds of sin(a)/a for all a, so they change no value. They
-    // keep enclosures narrow near 0, where the enclosure of the quotient is infinite.
+    // For all a, sin(a)/a lies between the two Taylor polynomials, so min and max change no value.
+    // Near 0 the enclosure of sin(a)/a is infinite. The polynomials keep the result narrow.
     row("sinc", &[], &["a"], "otherwise(min(max(sin(a)/a, 1-a^2/6), 1-a^2/6+a^4/120), where_defined(1, a))", "sin(a)/a, and 1 at 0"),
     row("exp2", &[], &["a"], "2^a", "2 to the power a"),
     row("expm1", &[], &["a"], "exp(a)-1", "exp(a) - 1"),

@@ -1,12 +1,11 @@
-//! Special forms: words of the language that are written like functions but whose arguments are not
-//! a plain list of numbers.
+//! Special forms: they look like functions, but their arguments are not a plain list of numbers.
 
 /// The meaning of a special form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum FormKind {
-    /// A choice between values: conditions and values alternate, and a default value may come last.
+    /// A choice between values. Conditions and values alternate, and a default value may come last.
     Choose,
-    /// A choice whose pieces are in brackets, the value before the condition.
+    /// A choice written as bracketed pieces, each with its value before its condition.
     Pieces,
     /// A sum over a range of whole numbers.
     Sum,
@@ -31,11 +30,11 @@ pub enum VectorFunction {
     Dot,
     /// The vector product.
     Cross,
-    /// A vector of length 1.
+    /// The vector of length 1 in the direction of a given vector.
     Normalize,
     /// The distance between two points.
     Distance,
-    /// A vector mirrored in a plane.
+    /// The mirror image of a vector in the plane that has a given unit normal.
     Reflect,
     /// A matrix with rows and columns exchanged.
     Transpose,
@@ -44,16 +43,16 @@ pub enum VectorFunction {
 }
 
 impl VectorFunction {
-    /// The name under which it is printed.
+    /// The name under which the function is printed.
     ///
     /// # Panics
-    /// Never: every function has a row.
+    /// Never: the table has a row for every function.
     pub fn name(self) -> &'static str {
         let row = FORMS.iter().find(|form| form.meaning == FormKind::OfVectors(self));
         row.expect("each has a row").name
     }
 
-    /// Number of arguments.
+    /// Number of arguments that the function takes.
     pub fn arity(self) -> usize {
         match self {
             Self::Normalize | Self::Transpose | Self::Determinant => 1,
@@ -65,15 +64,15 @@ impl VectorFunction {
 /// A special form and its spellings.
 #[derive(Debug)]
 pub struct SpecialForm {
-    /// The name under which it is printed.
+    /// The name under which the form is printed.
     pub name: &'static str,
-    /// Other accepted names.
+    /// Other names that formulas may use for the form.
     pub aliases: &'static [&'static str],
-    /// Its meaning.
+    /// The meaning of the form.
     pub meaning: FormKind,
-    /// An example of its use.
+    /// An example of how the form is used.
     pub usage: &'static str,
-    /// One line for help.
+    /// One line of help about the form.
     pub doc: &'static str,
 }
 
@@ -87,7 +86,7 @@ const fn row(
     SpecialForm { name, aliases, meaning, usage, doc }
 }
 
-/// Every form.
+/// Every special form, one row each.
 #[rustfmt::skip] // one row a line
 pub static FORMS: &[SpecialForm] = &[
     row("if", &["which", "where", "ifelse"], FormKind::Choose, "if(x < 0, x^2, x)", "a choice, also {x < 0: x^2, x}; conditions are tried in turn, and without a last value it is undefined where none holds"),
@@ -111,7 +110,7 @@ pub static FORMS: &[SpecialForm] = &[
     row("reflect", &[], FormKind::OfVectors(VectorFunction::Reflect), "reflect(p, n)", "p - 2 dot(n, p) n"),
 ];
 
-/// Returns the form with this name (exact spelling, aliases included).
+/// Returns the special form with this name or alias, in exact spelling.
 pub fn form(name: &str) -> Option<&'static SpecialForm> {
     FORMS.iter().find(|form| form.name == name || form.aliases.contains(&name))
 }

@@ -1,10 +1,10 @@
 //! The table of operations that `zeroset` can compute, one row each.
 //!
 //! A native [`Op`] is a node of the expression graph with its own interval rule. A [`Composed`]
-//! function is a formula over other functions, written in the language itself. Both share one name
-//! space with the special forms. Look-up in the parser, completion, help, suggestions, random
-//! generators and table-driven tests are derived from [`TABLE`], [`COMPOSED`] and [`FORMS`]. This
-//! crate knows only names and properties: it neither computes nor parses.
+//! function is a formula over other functions, in the language itself. Both share one name space
+//! with the special forms. Name look-up, completion, help, suggestions, random generators and
+//! table-driven tests use [`TABLE`], [`COMPOSED`] and [`FORMS`]. This crate knows only names and
+//! properties: it neither computes nor parses.
 
 mod class;
 mod composed;
@@ -18,33 +18,33 @@ pub use forms::{FORMS, FormKind, SpecialForm, VectorFunction, form};
 pub use op::{Continuity, Domain, Notation, Op, OpRow};
 pub use table::TABLE;
 
-/// Returns the native operation that a user may call by `name` (exact spelling, aliases included).
+/// Returns the native operation that a user may call by this name or alias, in exact spelling.
 ///
-/// Infix and internal operations have names for printing but cannot be called. If several
-/// operations of different arity have this name, the first one in the table is returned; see
+/// Infix and internal operations have names for printing, but a user cannot call them by name. If
+/// operations of different arity share the name, the result is the first one in the table; see
 /// [`natives`].
 pub fn native(name: &str) -> Option<&'static OpRow> {
     natives(name).next()
 }
 
-/// Returns the native operations that a user may call by `name`, one per arity.
+/// Returns all native operations that a user may call by `name`, one per arity.
 pub fn natives(name: &str) -> impl Iterator<Item = &'static OpRow> {
     callable().filter(move |row| row.name == name || row.aliases.contains(&name))
 }
 
-/// Returns the native operations that a user may call.
+/// Returns all native operations that a user may call.
 fn callable() -> impl Iterator<Item = &'static OpRow> {
     TABLE.iter().filter(|row| {
         matches!(row.notation, Notation::Function | Notation::Infix { callable: true, .. })
     })
 }
 
-/// Returns the composed functions with this name (exact spelling, aliases included), one per arity.
+/// Returns the composed functions with this name or alias, in exact spelling, one per arity.
 pub fn composed(name: &str) -> impl Iterator<Item = &'static Composed> {
     COMPOSED.iter().filter(move |f| f.name == name || f.aliases.contains(&name))
 }
 
-/// Returns every callable name, aliases included, in table order: for completion and suggestions.
+/// Returns every name that can be called, with aliases, in the order of the tables.
 pub fn names() -> impl Iterator<Item = &'static str> {
     let native = callable().map(|row| (row.name, row.aliases));
     let composed = COMPOSED.iter().map(|f| (f.name, f.aliases));
@@ -95,7 +95,7 @@ mod tests {
     #[test]
     fn no_name_means_two_things() {
         let mut seen: HashMap<(&str, usize), &str> = HashMap::new();
-        // An operation that cannot be called has a name for printing only.
+        // An operation that cannot be called has a name only for printing, so it is skipped.
         for row in TABLE.iter().filter(|row| native(row.name).is_some()) {
             for name in std::iter::once(&row.name).chain(row.aliases) {
                 assert!(seen.insert((name, usize::from(row.arity)), row.name).is_none(), "{name}");

@@ -1,11 +1,11 @@
-//! The native operations and the properties that a row of the table states.
+//! The native operations, and the properties that the table states of each.
 
 use crate::class::{Class, Parity};
 
 /// A native operation: a node of the expression graph with its own interval rule.
 ///
-/// The order is that of [`TABLE`](crate::TABLE). No match on this type may have a wildcard arm, so
-/// that the compiler lists every match that a new operation needs to be added to.
+/// The variants are in the order of [`TABLE`](crate::TABLE). No match on this type may have a
+/// wildcard arm. The compiler then lists every match that a new operation must be added to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[allow(missing_docs)] // each variant is documented by its row
 pub enum Op {
@@ -54,7 +54,7 @@ pub enum Op {
 }
 
 impl Op {
-    /// The row of this operation.
+    /// The row of the table that describes this operation.
     pub fn row(self) -> &'static OpRow {
         &crate::TABLE[self as usize]
     }
@@ -70,62 +70,64 @@ impl Op {
 pub struct OpRow {
     /// The operation that the row describes.
     pub op: Op,
-    /// The name by which it is printed and called.
+    /// The name by which the operation is printed and called.
     pub name: &'static str,
-    /// Other accepted names.
+    /// Other names that formulas may use for the operation.
     pub aliases: &'static [&'static str],
     /// Number of operands.
     pub arity: u8,
-    /// Its notation in a formula.
+    /// Notation of the operation in a formula.
     pub notation: Notation,
-    /// Its domain of definition, for operands that are themselves defined.
+    /// Domain of definition of the operation, for operands that are themselves defined.
     pub domain: Domain,
-    /// Its continuity within its domain.
+    /// Continuity of the operation within its domain of definition.
     pub continuity: Continuity,
-    /// Integers at which a function may be continuous without a derivative. Wherever else it is
-    /// continuous, it has a derivative. `None` if the points without a derivative are unknown.
+    /// For a function: integer operands at which it may be continuous but not differentiable. At
+    /// other operands it is differentiable wherever it is continuous. `None` if these integers are
+    /// unknown. Other operations do not use this field.
     pub corners: Option<&'static [i32]>,
-    /// Its kind, by the laws of algebra that it obeys.
+    /// Kind of the operation, by the laws of algebra that it obeys.
     pub class: Class,
-    /// Effect of the operand's sign on its value.
+    /// Effect of the operand's sign on the operation's value.
     pub parity: Parity,
-    /// Pairs of argument and value, both integers, of a function of one operand. They follow from
-    /// no law.
+    /// Pairs of an integer operand and the function's value there, an integer. Only functions of
+    /// one operand have such pairs, and no law implies them.
     pub values: &'static [(i32, i32)],
-    /// Numerator and denominator of an operation that has poles: two functions without poles.
+    /// For an operation with poles: its numerator and its denominator, two functions without poles.
     pub quotient: Option<[Op; 2]>,
-    /// A function of the same operand that shares most of the work, so that both are computed
-    /// together.
+    /// A function that shares most of its work with this one, as the cosine does with the sine. For
+    /// one operand, both are computed together.
     pub twin: Option<Op>,
     /// Largest number of floats, in `f32` and in `f64`, by which the enclosure at a point may be
-    /// wider than the tightest one. It applies to bounds that come from an approximation, which are
-    /// not exactly monotone in the operands' bounds. `None` if the bounds come from correctly
-    /// rounded arithmetic alone; claiming `None` otherwise is unsound.
+    /// wider than the tightest enclosure. Bounds with an excess come from approximations, which are
+    /// not exactly monotone in the operands' bounds. `None` if all bounds come from correctly
+    /// rounded arithmetic; claiming `None` otherwise is unsound.
     pub excess: Option<[u64; 2]>,
-    /// Its derivative with respect to some variable: a formula over the operands `a`, `b`, `c`,
-    /// their derivatives `da`, `db`, `dc`, small integers and the operations of the table.
+    /// The operation's derivative with respect to some variable. It is a formula over the operands
+    /// `a`, `b`, `c`, their derivatives `da`, `db`, `dc`, small integers and operations of the
+    /// table.
     pub derivative: &'static str,
-    /// One line for help.
+    /// One line of help about the operation.
     pub doc: &'static str,
 }
 
 /// The notation of an operation in a formula.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Notation {
-    /// By its name, with arguments in brackets.
+    /// The name, with arguments in brackets.
     Function,
-    /// By a symbol.
+    /// A symbol, such as `+`.
     Infix {
         /// The symbol, as printed.
         symbol: &'static str,
-        /// Whether `name(…)` is accepted as well.
+        /// Whether formulas may also call the operation as `name(…)`.
         callable: bool,
     },
-    /// No notation: the operation arises from other notation or from simplification.
+    /// No notation of its own: the operation arises from other notation or from simplification.
     Internal,
 }
 
-/// Domain of definition of an operation, as a condition on its operands.
+/// The domain of definition of an operation, as a condition on its operands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Domain {
     /// No condition: all reals.
@@ -150,17 +152,18 @@ pub enum Domain {
     CosineNonzero,
     /// Not all operands are 0.
     AnyNonzero,
-    /// The domain of a power. An integer exponent ≥ 0 allows all bases, a negative one all bases ≠
-    /// 0. Any other exponent needs a base > 0, or a base = 0 with an exponent > 0.
+    /// The domain of a power. If the exponent is an integer ≥ 0, it holds all bases; if it is a
+    /// negative integer, all bases but 0. For any other exponent it holds bases > 0, and a base 0
+    /// if the exponent is > 0.
     Power,
 }
 
 /// The continuity of an operation within its domain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Continuity {
-    /// Everywhere in its domain.
+    /// The operation is continuous everywhere in its domain.
     Domain,
-    /// Everywhere but at its jumps: at integers, half integers, zero, multiples or a cut, as its
-    /// help line says.
+    /// The operation jumps where its help line says: at integers, half integers, 0, multiples or a
+    /// cut.
     Jumps,
 }

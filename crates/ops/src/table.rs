@@ -6,12 +6,12 @@ use Class::Function;
 use Continuity::Jumps;
 use Parity::{Even, Odd};
 
-/// Default row: a callable function that is continuous where it is defined. Omitting a property is
-/// safe: only laws that a row states are used, and bounds count as approximate.
+/// Default row: a function that formulas may call, continuous where it is defined. A row may omit
+/// laws: only stated laws are used. A row without `excess` counts as approximate.
 ///
-/// For functions of one operand in `f32`, `excess` is proven by trying all operands. The other
-/// values of `excess` come from seeded searches for the worst case, within bounds that the rules
-/// prove. The tests `exhaustive` and `tight` check every row.
+/// For functions of one operand in `f32`, trying all operands proves `excess`. The other values of
+/// `excess` are the worst that seeded searches found. They are within bounds that the rules prove.
+/// The tests `exhaustive` and `tight` check every row.
 const BASE: OpRow = OpRow {
     op: Op::Neg,
     name: "",
@@ -31,10 +31,10 @@ const BASE: OpRow = OpRow {
     doc: "",
 };
 
-/// A function that has a derivative wherever it is continuous.
+/// Default row of a function that has a derivative wherever it is continuous.
 const SMOOTH: OpRow = OpRow { corners: Some(&[]), ..BASE };
 
-/// A smooth function whose bounds come from correctly rounded arithmetic alone.
+/// The row [`SMOOTH`] for an operation whose bounds come only from correctly rounded arithmetic.
 const EXACT: OpRow = OpRow { excess: None, ..SMOOTH };
 
 const fn infix(symbol: &'static str) -> Notation {
@@ -89,8 +89,8 @@ pub static TABLE: &[OpRow] = &[
     OpRow { op: Op::Log10, name: "log10", aliases: &["log_10"], domain: Domain::Positive,
         values: &[(1, 0)],
         derivative: "da/(a*ln(10))", doc: "logarithm to base 10; defined for a > 0", ..SMOOTH },
-    // Angles beyond 2^23 in `f32` and 2^33 in `f64` are not reduced: there the bounds of sine and
-    // cosine are [-1, 1], and the bounds of the tangent are infinite.
+    // Angles beyond 2^23 in `f32` and 2^33 in `f64` are not reduced. For such angles the bounds of
+    // sine and cosine are [-1, 1], and those of the tangent are infinite.
     OpRow { op: Op::Sin, name: "sin",
         parity: Odd, values: &[(0, 0)], twin: Some(Op::Cos),
         derivative: "cos(a)*da", doc: "sine of an angle in radians", ..SMOOTH },
@@ -150,8 +150,9 @@ pub static TABLE: &[OpRow] = &[
         class: Class::Power,
         derivative: "b*a^(b-1)*da+a^b*ln(a)*db",
         doc: "a to the power b; a >= 0 unless b is an integer constant",
-        // The excess holds for real exponents. An integer power n takes about 2 log2 |n|
-        // multiplications. Each rounds by 1 ulp, which adds up to |n| ulps.
+        // This excess holds for real exponents. A power by an integer n takes about 2 log2 |n|
+        // multiplications. Each rounds by up to 1 ulp, and squaring doubles earlier errors:
+        // together at most |n| ulps.
         excess: Some([2, 64]), ..SMOOTH },
     OpRow { op: Op::Mod, name: "mod", arity: 2, domain: Domain::LastNonzero, continuity: Jumps,
         class: Class::Remainder,
@@ -163,7 +164,7 @@ pub static TABLE: &[OpRow] = &[
         derivative: "(b*da-a*db)/(sqr(a)+sqr(b))",
         doc: "angle in (-pi, pi] of the point (b, a), given as atan2(a, b); \
             undefined at the origin, jumps where a = 0 and b < 0",
-        // In `f64` the excess is 4 unless the angle is below 2^-799.
+        // In `f64` the excess is 6 only for angles below 2^-799, else 4.
         excess: Some([2, 6]), ..SMOOTH },
     OpRow { op: Op::Min, name: "min", aliases: &["union", "minimum", "fmin"], arity: 2,
         class: Class::Extremum,

@@ -1,8 +1,8 @@
 //! Files that appear whole or not at all.
 //!
-//! Content is written to an unnamed file. At the end it is copied next to the target and renamed
-//! over it. [`AtomicFile::create`] checks beforehand that this is possible, so an unwritable target
-//! is reported before rendering. An interrupted run leaves no files behind.
+//! Content is written to an unnamed file. At the end the file is copied next to the target, and the
+//! copy is renamed over the target. [`AtomicFile::create`] checks beforehand that this is possible,
+//! so an unwritable target is reported before rendering. An interrupted run leaves no files behind.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, Write};
@@ -16,7 +16,7 @@ const MOST_LINKS: usize = 40;
 pub struct AtomicFile(Sink);
 
 enum Sink {
-    /// An unnamed file and its final path. An interrupted run leaves nothing behind.
+    /// An unnamed file, and the path at which its content will appear.
     Renamed(BufWriter<File>, PathBuf),
     /// A device or a pipe. It is written directly, since a rename would replace it.
     Direct(BufWriter<File>),
@@ -52,7 +52,7 @@ impl AtomicFile {
         Ok(Self(Sink::Renamed(unnamed, directory.canonicalize()?.join(name))))
     }
 
-    /// Whether both write to one file, so that one would replace the other.
+    /// Returns whether both files have the same target, so that one would replace the other.
     pub fn is_same(&self, other: &Self) -> bool {
         match (&self.0, &other.0) {
             (Sink::Renamed(_, one), Sink::Renamed(_, other)) => one == other,
@@ -88,7 +88,7 @@ impl Write for AtomicFile {
     }
 }
 
-/// Copies the content to a new file beside `target`, and renames that over it.
+/// Copies the content to a new file beside `target`, and renames the copy over `target`.
 fn copy_and_rename(mut written: File, target: &Path) -> io::Result<()> {
     let mut file = temporary(target.parent().unwrap_or(Path::new(".")))?;
     written.rewind()?;
@@ -97,7 +97,8 @@ fn copy_and_rename(mut written: File, target: &Path) -> io::Result<()> {
         #[cfg(unix)]
         {
             use std::os::unix::fs::{MetadataExt, fchown};
-            // Only a superuser can change the owner. For others this fails, which does no harm.
+            // Only a superuser can change the owner. For other users the call fails, which does no
+            // harm.
             let _ = fchown(file.as_file(), Some(replaced.uid()), Some(replaced.gid()));
         }
         // A private file stays private.

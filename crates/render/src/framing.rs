@@ -1,8 +1,8 @@
 //! The automatic camera: as near as the visible points allow, and no edge-on view of flat surfaces.
 //!
-//! The visible points come from a small picture of the whole region. Points behind them lie within
-//! the same outline, so only the outline has to fit. Nothing here is a proof, and nothing depends
-//! on the picture's method or on threads.
+//! The visible points come from a small picture of the whole region. Hidden points lie within the
+//! same outline, so only the visible points have to fit. Nothing here is a proof, and nothing
+//! depends on the picture's method or on threads.
 
 use crate::model::Model;
 use crate::picture::Settings;
@@ -19,7 +19,7 @@ const SIDE: usize = 64;
 /// Share of the picture's shorter side that the visible points fill.
 const FILLED: f64 = 0.86;
 
-/// Share of the picture's width or height that the box fills; axis labels need the rest.
+/// Share of the picture's width or height that the box fills. The margin is for axis labels.
 const FILLED_BY_DOMAIN: f64 = 0.8;
 
 /// Radius around a visible point that must also be in the picture, in pixels of the small picture.
@@ -28,13 +28,13 @@ const SPOT_RADIUS: f64 = 0.75;
 /// Least number of visible points. With fewer, the camera shows the whole region.
 const LEAST: usize = 8;
 
-/// A surface is flat if its thickness is below this share of its width. It is then viewed from a
-/// direction whose angle to the surface has at least this sine.
+/// A surface is flat if its thickness is below `THIN` of its width. A flat surface is viewed from a
+/// direction whose angle to the surface has at least the sine `LEAST_SINE`.
 const THIN: f64 = 0.15;
 const LEAST_SINE: f64 = 0.5;
 
 /// For a camera that turns around its target: number of sides from which small pictures are taken,
-/// and number of camera positions from which their points must fit.
+/// and number of camera positions from which the points in these pictures must fit.
 const ROUND_SIDES: usize = 4;
 const ROUND_STEPS: usize = 24;
 
@@ -47,10 +47,10 @@ const SIDES: [DVec3; 5] = [
     DVec3::new(-3.0, 2.0, 2.6),
 ];
 
-/// The camera for pictures of `model`, which was compiled from `document`. Settings in `choice` or
-/// the document stay. If neither sets another side, an eye, a target, a field of view or a height,
-/// the visible points are fitted into the picture. Returns `None` once `wanted` returns false.
-///
+/// The camera for pictures of `model`, which was compiled from `document`. Camera settings in
+/// `choice` or the document are kept. If neither sets an eye, a target, a scale, or a view other
+/// than the default, the visible points are fitted into the picture. Returns `None` once `wanted`
+/// returns false.
 /// # Errors
 /// If eye and target coincide, if the up direction is parallel to the view, or if a number is out
 /// of range.
@@ -64,8 +64,8 @@ pub fn camera_while(
     camera_over(&[model], document, choice, settings, model.region(), false, wanted)
 }
 
-/// Like [`camera_while`], for pictures of several models over the same region. If the camera turns
-/// about its target, the points visible from all sides must fit.
+/// Like [`camera_while`], for pictures of several models over the same region. If `is_turned`, the
+/// camera will turn about its target, and the points visible from all sides must fit.
 ///
 /// # Errors
 /// As [`camera_while`].
@@ -104,7 +104,7 @@ pub fn camera_over(
     } else {
         view.fitted(side, &seen, FILLED)
     };
-    // If floats cannot represent the fitted camera, use the usual one.
+    // If floats cannot represent the fitted camera, the camera shows the whole region.
     Ok(Some(fitted.unwrap_or(usual)))
 }
 
@@ -125,7 +125,7 @@ pub fn camera(
     }
 }
 
-/// The camera that shows the whole region, unless another one is chosen.
+/// The camera that shows the whole region, unless `choice` or the document sets another one.
 ///
 /// # Errors
 /// As [`camera_while`].
@@ -138,7 +138,7 @@ pub(crate) fn whole(
     Ok(usual(document, region, choice, settings)?.0)
 }
 
-/// The camera for the whole region, and data for fitting another one if that is allowed.
+/// The camera for the whole region, and data for a fitted camera: `None` if the view is fixed.
 fn usual(
     document: &Document,
     region: &Region,
@@ -254,7 +254,7 @@ impl FreeView {
 
     /// A camera on the side of `back` whose eye can turn around its target about an upright axis.
     /// It fits the points that `look` finds from all sides. Returns `usual` if that camera is not
-    /// valid in floats, and `None` once `look` does.
+    /// valid in floats, and `None` once `look` returns `None`.
     fn fitted_around(
         &self,
         back: DVec3,
@@ -287,7 +287,7 @@ impl FreeView {
         };
         let everywhere: Vec<Spot> = (0..ROUND_STEPS).flat_map(around).collect();
         let Ok(camera) = self.fitted(back, &everywhere, FILLED) else { return Ok(Some(*usual)) };
-        // Move the target along the view to the upright axis.
+        // Move eye and target together, so that the target lies on the upright axis.
         let (eye, target) = (camera.eye(), camera.target());
         let off = (target - centre).reject_from(axis);
         let on_axis = Camera::new(eye - off, target - off, usual.up(), camera.projection());
@@ -299,13 +299,14 @@ impl FreeView {
         (self.fov.to_radians() / 2.0).tan()
     }
 
-    /// The nearest camera on the side of `back` that shows all spots within this share of the
+    /// The nearest camera on the side of `back` that shows all spots within `share` of the
     /// picture's shorter side.
     fn fitted(&self, back: DVec3, spots: &[Spot], share: f64) -> Result<Camera, CameraError> {
         self.fitted_within(back, spots, [share * self.slope() * self.aspect.min(1.0); 2])
     }
 
-    /// The nearest camera that shows all spots within these slopes, sideways and upward.
+    /// The nearest camera that shows all spots within the slopes `broad` sideways and `high`
+    /// upward.
     fn fitted_within(
         &self,
         back: DVec3,

@@ -1,4 +1,4 @@
-//! The compiled surfaces of a document over one region, which are drawn from any camera.
+//! The compiled surfaces of a document over one region. They can be drawn from any camera.
 
 mod antialias;
 mod layers;
@@ -48,7 +48,8 @@ struct DocumentStyle {
     look: Option<&'static Look>,
     background: Option<SrgbColor>,
     lines: PictureLines,
-    /// The value for contour lines if none is given, which is z. `None` without contour lines.
+    /// The value z, for contour lines whose value the document does not name. `None` without
+    /// contour lines.
     height: Option<PointValue>,
     /// Values of the parameters, indexed by parameter number.
     parameters: Vec<f64>,
@@ -91,8 +92,8 @@ impl Model {
         Ok(model.expect("wanted to the end"))
     }
 
-    /// Like [`Model::new`], but can be cancelled. It returns `None` once `wanted` returns false,
-    /// which is checked between kernels. The code serves all regions within `reach`, which must
+    /// Like [`Model::new`], but can be cancelled. It checks `wanted` between kernels, and returns
+    /// `None` once `wanted` returns false. The code serves all regions within `reach`, which must
     /// contain `region`.
     ///
     /// # Errors
@@ -191,7 +192,7 @@ impl Model {
         self.styles.len()
     }
 
-    /// Numbers of the visible surfaces.
+    /// Indices of the visible surfaces.
     fn visible_surfaces(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.surfaces()).filter(|surface| !self.styles[*surface].hidden)
     }
@@ -201,15 +202,15 @@ impl Model {
         self.precision
     }
 
-    /// Returns value and gradient at a point. The function is the typed one or a [simpler
-    /// one](Program::is_reduced) with the same zeros. The point is rounded to the model's
-    /// precision, or to `f64` for [`Precision::Auto`]. All results are NaN if there is no such
-    /// surface, or its code fails to compile.
+    /// Returns the value and the gradient of a surface's function at a point. The function is the
+    /// typed one or a [simpler one](Program::is_reduced) with the same zeros. The point is rounded
+    /// to the model's precision, or to `f64` for [`Precision::Auto`]. All results are NaN if there
+    /// is no such surface, or its code fails to compile.
     pub fn sample(&self, surface: usize, point: DVec3) -> (f64, [f64; 3]) {
         self.sample_of(&self.program, surface, point)
     }
 
-    /// Like [`Model::sample`], but always for the typed function. `document` must be the model's.
+    /// Like [`Model::sample`], but always for the typed function. `document` is that of the model.
     pub fn sample_typed(
         &self,
         document: &Document,
@@ -233,9 +234,9 @@ impl Model {
         values.flatten().unwrap_or(UNKNOWN)
     }
 
-    /// Returns whether some surface's function cannot be distinguished from 0 at any of
-    /// [`FLAT_POINTS`] points of the region. Then it is 0 everywhere, or smaller than its rounding
-    /// errors.
+    /// Returns whether some visible surface's function cannot be distinguished from 0 at each of
+    /// [`FLAT_POINTS`] points of the region. Such a function is 0 everywhere, or smaller than its
+    /// rounding errors.
     fn is_flat<T: KernelFloat>(&self) -> Result<bool, ProgramError> {
         let (low, high) = (self.region.low(), self.region.high());
         let points = (1..=FLAT_POINTS).map(|n| {
@@ -280,8 +281,8 @@ impl Model {
     }
 }
 
-/// A segment shorter than this share of the longest bracket may stay undecided in a preview. The
-/// same holds for rays that affect only colors.
+/// A segment shorter than this share of the longest bracket may stay undecided in a preview, and on
+/// rays that only affect colors.
 const PREVIEWED: f64 = 1.0 / 32.0;
 
 /// Method options for the rays of a picture, for a surface of this kind.
@@ -294,7 +295,7 @@ fn options(settings: &Settings, kind: SurfaceKind) -> TraceOptions {
     }
 }
 
-/// Compiles the kernels that pictures of a surface need, in parallel, while they are `wanted`.
+/// Compiles the kernels that pictures of a surface need, in parallel, while `wanted` returns true.
 ///
 /// # Errors
 /// If a kernel fails to compile.
@@ -339,7 +340,7 @@ fn sample<T: KernelFloat>(surface: &dyn SurfaceKernels, point: DVec3) -> Option<
     Some((out[0].value[0].into(), out[0].gradient.map(|lanes| lanes[0].into())))
 }
 
-/// Progress callback: finished pixels, and all pixels. Called from several threads.
+/// Progress callback: gets the numbers of finished and of all pixels. Called from several threads.
 pub type ProgressCallback<'a> = &'a (dyn Fn(usize, usize) + Sync);
 
 /// Draws all surfaces of `document` in `region` from `camera`.
@@ -358,7 +359,7 @@ pub fn render(
 
 /// Number of points at which a function is tested for being 0 everywhere.
 const FLAT_POINTS: usize = 64;
-/// Multiples of these numbers, modulo 1, fill a cube evenly (Roberts 2018, generalised golden
+/// Multiples of these numbers, modulo 1, fill a cube evenly (Roberts 2018, generalized golden
 /// ratios).
 const FLAT_STEPS: DVec3 = DVec3::new(0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9);
 

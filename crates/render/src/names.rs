@@ -1,4 +1,4 @@
-//! Names of settings, in one table for each setting, for the command line, prompt and messages.
+//! Names of the values of settings, for command line, prompt and messages: one table per setting.
 
 use crate::picture::{Normals, Precision};
 use zeroset_scene::view::ClipShape;

@@ -13,7 +13,7 @@ use axes::draw_box;
 use ticks::ticks;
 use zeroset_syntax::Document;
 
-/// Number of picture rows for each unit of letter size. The size is rounded.
+/// Number of picture rows per unit of letter size. The letter size is rounded.
 const ROWS: usize = 640;
 
 /// Height of all legends together, as a share of the picture's height.
@@ -22,7 +22,7 @@ const TALL: f64 = 0.42;
 /// Largest number of letters in a legend's title.
 const LONGEST: usize = 24;
 
-/// Choice of what is drawn over a picture.
+/// The choice of axes and legends over a picture.
 #[derive(Clone, Copy)]
 pub struct Overlay {
     /// Set to draw the region's box with ticks.
@@ -32,7 +32,8 @@ pub struct Overlay {
 }
 
 impl Overlay {
-    /// With or without axes. A legend comes with axes unless the document chooses otherwise.
+    /// An overlay with or without axes. A legend comes with axes unless the document chooses
+    /// otherwise.
     pub fn new(axes: bool, document: &Document) -> Self {
         Self { axes, legend: document.picture.legend.unwrap_or(axes) }
     }
@@ -49,7 +50,7 @@ impl Overlay {
     }
 
     /// Draws axes and legends over a picture in the upper `height` rows of the canvas. Legends
-    /// begin at the picture's top, or with `to_bottom` end at its bottom.
+    /// begin at the picture's top. If `to_bottom`, they end at its bottom instead.
     pub fn draw(self, canvas: &mut Canvas, shown: PictureView<'_>, height: usize, to_bottom: bool) {
         if self.axes {
             draw_box(canvas, shown, height);
@@ -79,7 +80,7 @@ impl Overlay {
 }
 
 /// Draws legends one below another at the right edge of a picture in the upper `height` rows of the
-/// canvas. They begin at the picture's top, or with `to_bottom` end at its bottom.
+/// canvas. They begin at the picture's top. If `to_bottom`, they end at its bottom instead.
 fn draw_legends(canvas: &mut Canvas, shown: PictureView<'_>, height: usize, to_bottom: bool) {
     let legends = &shown.picture.legends;
     let (ink, space) = (shown.ink(), 10 * canvas.scale);
@@ -99,7 +100,7 @@ fn draw_legend(canvas: &mut Canvas, legend: &Legend, top: usize, tall: usize, in
     let marks = if extent > 0.0 {
         ticks(legend.low, legend.high).0
     } else {
-        // A single value, rounded to four digits since the rest may be rounding errors.
+        // A single value, rounded to four digits since further digits may be rounding errors.
         let value = format!("{:.3e}", legend.low).parse().unwrap_or(legend.low);
         vec![(legend.low, f64::to_string(&value))]
     };

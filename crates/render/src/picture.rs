@@ -26,14 +26,13 @@ pub struct Settings {
     pub method: &'static Method,
     /// Options of the method.
     pub options: TraceOptions,
-    /// Set if a finer picture follows. Rays that are slow to decide are then left undecided sooner,
-    /// and painted.
+    /// Set if a finer picture follows. Rays that are slow to decide then stay undecided, but are
+    /// painted.
     pub is_preview: bool,
     /// Set to keep the brackets of hits.
     pub brackets: bool,
-    /// Set to keep normals even if this picture does not need them later. Without them it is drawn
-    /// faster, but is traced again by [`Model::relight`](crate::model::Model::relight) and
-    /// `settle`.
+    /// Set to keep the picture's normals in any case. A picture without normals is drawn faster,
+    /// but [`Model::relight`](crate::model::Model::relight) and `settle` must trace it again.
     pub keeps_normals: bool,
     /// Time limit for tracing. Pixels not reached by then are undecided and unpainted.
     pub budget: Option<Duration>,
@@ -43,20 +42,20 @@ pub struct Settings {
     pub shadow_depth: Option<u32>,
     /// Source of normals. `None` if neither colors nor normals are wanted.
     pub normals: Option<Normals>,
-    /// How undecided pixels are drawn.
+    /// The style of undecided pixels.
     pub undecided: UndecidedStyle,
-    /// Lighting and background. `None` for those of the document, or else the first look.
+    /// Lighting and background. `None` for the document's look, or else the first of all looks.
     pub look: Option<&'static Look>,
     /// Set to compute ambient occlusion, if the look has it.
     pub occlusion: bool,
-    /// Pattern of rays whose mean color a pixel on an edge gets. Proofs always concern the ray
-    /// through the center of the pixel.
+    /// Pattern of rays through a pixel on an edge. The pixel gets their mean color. Proofs always
+    /// concern the ray through the center of the pixel.
     pub antialias: Pattern,
     /// Position of the light. `None` for a light far above and to the left of the camera.
     pub light: Option<DVec3>,
-    /// Share of ambient light, within [0, 1]. `None` for that of the look.
+    /// Share of ambient light, within [0, 1]. `None` for the look's share.
     pub ambient: Option<f32>,
-    /// Background color. `None` for that of the document, or else of the look.
+    /// Background color. `None` for the document's color, or else the look's.
     pub background: Option<LinearRgb>,
 }
 
@@ -157,9 +156,9 @@ pub struct Picture {
     pub buffer: GBuffer,
     /// Red, green and blue bytes (sRGB) of each pixel. Empty if no colors were requested.
     pub rgb: Vec<u8>,
-    /// The method that traced the surfaces. If a fallback method traced all of them, that method.
+    /// The method that traced the surfaces. It is a fallback only if that traced all surfaces.
     pub method: &'static Method,
-    /// Numbers of the surfaces that were traced by a fallback method, with that method.
+    /// The surfaces that a fallback method traced, by number, with their fallbacks.
     pub fallbacks: Vec<(usize, Fallback)>,
     /// Precision of the kernels.
     pub precision: Precision,
@@ -213,7 +212,7 @@ impl Picture {
         all.open.unreached += open.unreached;
         all.work += part.work;
         all.edge_rays += part.edge_rays;
-        // A later part may have compiled further kernels.
+        // A later strip may have compiled further kernels.
         (all.code_bytes, all.kernels) = (part.code_bytes, part.kernels.clone());
         self.flat |= other.flat;
     }
@@ -244,7 +243,8 @@ impl Picture {
         let parts: Vec<(UndecidedReason, usize)> =
             UndecidedReason::ALL.into_iter().zip(counts).filter(|(_, count)| *count > 0).collect();
         if let [(UndecidedReason::Unproven, _)] = parts[..] {
-            // Some surfaces may have been traced by a fallback, which then left these pixels open.
+            // Some surfaces may have been traced by a fallback, which then left these pixels
+            // undecided.
             let fallback = self.fallbacks.first().map(|(_, fallback)| fallback.method);
             let who = fallback.map_or("this method", |method| method.name);
             let what = match fallback.unwrap_or(self.method).proves {
@@ -274,7 +274,7 @@ pub struct Statistics {
     pub pixels: PixelCounts,
     /// Statistics of undecided pixels.
     pub open: UndecidedStatistics,
-    /// Evaluations of kernels, without those for antialiasing.
+    /// Evaluations of kernels, except for antialiasing.
     pub work: KernelStats,
     /// Number of rays for antialiasing.
     pub edge_rays: usize,
@@ -291,10 +291,10 @@ pub struct Statistics {
 pub struct UndecidedStatistics {
     /// Number of pixels for each of [`UndecidedReason::ALL`].
     pub reasons: [usize; UndecidedReason::ALL.len()],
-    /// Number of undecided pixels that are not painted. Rays of methods that prove nothing do not
-    /// count, nor do rays without a bound of the slope.
+    /// Number of undecided pixels that are not painted. Two kinds do not count: pixels that a
+    /// method without proofs leaves unproven, and pixels whose rays have no bound of the slope.
     pub blank: usize,
-    /// Number of those unpainted pixels that were not reached in time.
+    /// Number of these `blank` pixels that were not reached in time.
     pub unreached: usize,
 }
 

@@ -3,10 +3,10 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Refuses a path that asks for another format than PNG. A path without an extension asks for none.
+/// Refuses a path with another extension than `png`.
 ///
 /// # Errors
-/// One sentence, if it does.
+/// If the path has another extension. The error is one sentence.
 pub fn check_png(path: &Path) -> Result<(), String> {
     if path.extension().is_none_or(|extension| extension.eq_ignore_ascii_case("png")) {
         return Ok(());
@@ -18,10 +18,11 @@ pub fn check_png(path: &Path) -> Result<(), String> {
     ))
 }
 
-/// Writes a picture as PNG (sRGB), from rows of red, green and blue bytes, with texts by keyword.
+/// Writes a picture as PNG (sRGB), with `texts` (keyword, text). `rgb` has red, green and blue
+/// bytes.
 ///
 /// # Errors
-/// If the sink fails.
+/// If writing to `out` fails.
 pub fn write_png(
     out: impl Write,
     rgb: &[u8],
@@ -34,8 +35,8 @@ pub fn write_png(
     Ok(())
 }
 
-/// Returns an encoder that writes a PNG (sRGB) of this width and height to `out`, with texts by
-/// keyword.
+/// Returns an encoder that writes a PNG (sRGB) of this width and height to `out`, with `texts`
+/// (keyword, text).
 ///
 /// # Errors
 /// If a text cannot be written.

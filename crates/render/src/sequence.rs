@@ -54,10 +54,10 @@ pub struct Stage {
     camera: Camera,
 }
 
-/// Why a sequence cannot be drawn.
+/// The reason why a sequence cannot be drawn.
 #[derive(Debug, thiserror::Error)]
 pub enum SequenceError {
-    /// The document has errors with the values of this frame.
+    /// With this frame's values, the document has errors.
     #[error("frame {frame}: {errors}")]
     Text {
         /// Number of the frame, from 0.
@@ -108,7 +108,8 @@ impl Sequence {
             zeroset_syntax::read(text, &Options { overrides: &overrides, ..*options })?;
         let point = |value: f64| Interval::point(value).map(Constant::enclosed);
         for sweep in &self.sweeps {
-            // Values are passed as decimal text, which may be read as one ulp beyond these floats.
+            // A value is passed as decimal text, which may be read as one ulp beyond the sweep's
+            // ends.
             let low = sweep.from.min(sweep.to).next_down();
             let high = sweep.from.max(sweep.to).next_up();
             let mut parameters = document.parameters.iter_mut();
@@ -120,8 +121,8 @@ impl Sequence {
     }
 
     /// Chooses region and camera for all frames. Frames without a surface are skipped. The camera
-    /// fits what is visible. It fits the whole box instead if `shows_domain`, or if the time for
-    /// choosing runs out.
+    /// fits the visible points. It fits the whole box instead if `shows_domain` is true, or if the
+    /// time for choosing runs out.
     ///
     /// # Errors
     /// If the text has errors, if no frame has a surface, or if region or camera are not valid.
@@ -203,7 +204,7 @@ fn turned(camera: &Camera, degrees: f64) -> Result<Camera, CameraError> {
     Camera::new(eye, camera.target(), up, camera.projection())
 }
 
-/// The smallest region that contains both.
+/// The smallest region that contains both regions, and the result of both searches.
 fn both(
     (one, found): &(Region, Option<AutoDomain>),
     (other, found_too): &(Region, Option<AutoDomain>),

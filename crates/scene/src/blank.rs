@@ -9,14 +9,14 @@ use crate::view;
 use zeroset_space::Region;
 use zeroset_syntax::Document;
 
-/// Why nothing is visible.
+/// The reason why a picture shows nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Blank {
     /// The document hides every surface.
     Hidden,
     /// The function has no value anywhere in the domain.
     Undefined,
-    /// The surface is proven empty, in the region and wherever it was searched for.
+    /// The region lies within ±[`REACH`], where the surface is proven to have no point.
     Empty,
     /// The surface lies elsewhere, or is too small to be visible in this region.
     Elsewhere(AutoDomain),
@@ -25,9 +25,9 @@ pub enum Blank {
 }
 
 impl Blank {
-    /// Finds out why nothing of `document` is visible in `region`. `undefined`: whether the
-    /// function has no value in the region. `searched`: the domain that was found, if there was a
-    /// search.
+    /// Finds out why nothing of `document` is visible in `region`. `undefined` is true if the
+    /// function has no value in the region. `searched` is the result of an earlier search for a
+    /// domain, if there was such a search.
     pub fn find(
         document: &Document,
         region: &Region,
@@ -79,7 +79,7 @@ fn differs(found: &AutoDomain, region: &Region) -> bool {
     beyond || largest < LOST * (high - low).max_element()
 }
 
-/// Features smaller than this share of the domain may fall between pixels.
+/// A domain is small if its longest side is below this share of the region's.
 const LOST: f64 = 1.0 / 64.0;
 
 #[cfg(test)]

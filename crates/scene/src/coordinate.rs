@@ -8,7 +8,7 @@ pub fn coordinate(value: f64) -> String {
     let times = value / FRAC_PI_4;
     let is_near = times.abs() < 1e6 && (times - times.round()).abs() < 1e-9;
     let text = multiple_of_pi(times / 4.0);
-    // The float next to the one nearest to a multiple of π/4 must not be shown as that multiple.
+    // Only the float nearest to a multiple of π/4 is shown as that multiple.
     if is_near && number(&text) == Some(value) { text } else { value.to_string() }
 }
 

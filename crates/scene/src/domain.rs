@@ -2,9 +2,9 @@
 //! (`--domain auto`).
 //!
 //! If a surface is proven to lie in some box, however large, halving tightens that box. Otherwise a
-//! window is chosen that shows the surface's features. The effort is limited in evaluations, so the
-//! same document has the same domain on every machine. This module depends neither on cameras nor
-//! on pictures.
+//! window is chosen that shows the surface's features. The limit counts evaluations, not time, so
+//! the same document has the same domain on every machine. This module depends neither on cameras
+//! nor on pictures.
 
 mod centre;
 mod climb;
@@ -30,19 +30,19 @@ use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::Op;
 use zeroset_space::{Cell, CellSearch, places_about};
 
-/// Half the side of the window on a surface without a scale of its own.
+/// Half the side of the domain of an empty surface, and of the window on one without a scale.
 const DEFAULT_HALF: f64 = 2.0;
 
-/// Number of times that a box is halved by intervals, and then by affine forms too.
+/// Number of halvings of a box: first with intervals alone, then also with affine forms.
 const BOX_DEPTH: u32 = 6;
 const FINE_DEPTH: u32 = 7;
 
-/// Half the extent of the largest cube that is searched for a surface that cannot be proven bounded
-/// everywhere.
+/// Half the side of the largest cube that is searched, for a surface that cannot be proven bounded
+/// in all of space.
 pub const REACH: f64 = 1_099_511_627_776.0; // 2^40
 
-/// Largest number of evaluations in a search, for all surfaces together. Evaluations at infinity
-/// have a limit of their own.
+/// Largest number of evaluations in a search, for all surfaces together. `WORK_AT_INFINITY` is a
+/// separate limit for evaluations at infinity.
 const WORK: u64 = 400_000;
 const WORK_AT_INFINITY: u64 = 20_000;
 
@@ -52,33 +52,33 @@ const WORK_AT_ONCE: u64 = 6_000;
 /// Space left around a bounded surface, as a share of its extent on each axis.
 const SPACE: f64 = 0.05;
 
-/// A domain, and what was found in it.
+/// A domain, and the result of the search that found it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AutoDomain {
     /// The corner with the smallest coordinates.
     pub low: [f64; 3],
     /// The corner with the largest coordinates.
     pub high: [f64; 3],
-    /// The place of the surface, as far as it is known.
+    /// Whether the surface is proven empty or bounded.
     pub finding: Finding,
     /// Number of evaluations that the search took.
     pub work: u64,
 }
 
-/// The place of a surface, as far as it is known. The finding for several surfaces is the greatest
+/// Whether a surface is proven empty or bounded. The finding for several surfaces is the greatest
 /// of their findings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Finding {
-    /// The surface has no point: proven.
+    /// The surface is proven to have no point.
     Empty,
-    /// The surface has no point within ±[`REACH`]: proven.
+    /// The surface is proven to have no point within ±[`REACH`].
     EmptyNear,
-    /// No point of the surface lies outside the domain: proven.
+    /// The whole surface is proven to lie in the domain.
     Bounded,
-    /// No point of the surface within ±[`REACH`] lies outside the domain: proven.
+    /// The part of the surface within ±[`REACH`] is proven to lie in the domain.
     BoundedNear,
-    /// As [`Finding::Unbounded`], but the surface looks better in the
-    /// [ball](zeroset_space::Region::with_ball) in that box.
+    /// The surface could not be proven bounded. The domain is a window, and the surface looks
+    /// better in the window's [ball](zeroset_space::Region::with_ball).
     UnboundedInBall,
     /// The surface could not be proven bounded. The domain is a window: a box.
     Unbounded,
@@ -97,20 +97,20 @@ impl Finding {
         }
     }
 
-    /// Returns whether no point was found.
+    /// Returns whether the surface is proven empty, at least within ±[`REACH`].
     pub fn is_empty(self) -> bool {
         matches!(self, Self::Empty | Self::EmptyNear)
     }
 
-    /// Returns whether the whole surface is in the domain.
+    /// Returns whether the surface is proven to lie in the domain, at least within ±[`REACH`].
     pub fn is_bounded(self) -> bool {
         matches!(self, Self::Bounded | Self::BoundedNear)
     }
 }
 
 /// Chooses a domain that shows all surfaces of `program`, which must have been built for all of
-/// space. `wanted` is queried between evaluations. Once it is false, it must stay false, and `None`
-/// is returned.
+/// space. The search calls `wanted` between evaluations. Once `wanted` returns false, it must keep
+/// returning false, and the result is `None`.
 ///
 /// # Errors
 /// If a kernel cannot be compiled.
@@ -145,8 +145,8 @@ pub fn find_while(
     Ok(wanted().then_some(AutoDomain { low, high, finding, work }))
 }
 
-/// The part of `whole` that may hold a surface, as one box. Found by intervals, then by affine
-/// forms too.
+/// A box around all parts of `whole` that may hold a surface. Intervals find it, then affine forms
+/// tighten it.
 fn tighten<'a>(
     program: &'a Program,
     search: &mut CellSearch<'a>,
@@ -162,14 +162,15 @@ fn tighten<'a>(
     Ok(search.tight(hull, FINE_DEPTH))
 }
 
-/// Half a side of the domain around a surface that is a point.
+/// Half the side of the domain around a surface that is a point.
 const POINT: f64 = 1.0;
-/// A box with sides of at most this many ulps is a point. A box smaller than `TINY` may be one.
+/// A surface is a point if the longest side of its box has at most `FLOATS` ulps. If that side is
+/// shorter than `TINY`, the function's values decide.
 const FLOATS: f64 = 16.0;
 const TINY: f64 = 1e-6;
 
-/// The domain around a bounded surface that lies in `hull`: `hull` with some space around it. A
-/// hull that is thin, as of a curve, is thickened.
+/// The domain around a bounded surface that lies in `hull`: a cube around a point, otherwise `hull`
+/// with some space. A thin hull, such as a curve's, is thickened.
 fn around(program: &Program, hull: &Cell) -> Cell {
     if is_point(program, hull) {
         let place = hull.centre().map(|along| rounded(along, POINT / 100.0));
@@ -178,10 +179,10 @@ fn around(program: &Program, hull: &Cell) -> Cell {
     thickened(with_margin(hull), THIN)
 }
 
-/// Returns whether the surface is a point, or floats cannot distinguish it from one. Either the box
-/// is a few ulps wide, or it is tiny and the function may be 0 at each of 27 places in it. The
-/// latter happens near the origin, where the values of x²+y²+z² underflow. A surface that encloses
-/// a volume has other values there, however small it is and whatever factor its function has.
+/// Returns whether the surface is a point, or floats cannot distinguish it from one. Either its box
+/// is a few ulps wide, or the box is tiny and the function may be 0 at each of 27 places in it:
+/// near the origin, the values of x²+y²+z² underflow. The function of a surface that encloses a
+/// volume is not 0 at some of these places, however small the box is.
 fn is_point(program: &Program, hull: &Cell) -> bool {
     let (graph, parameters) = (program.graph(), program.values().to_vec());
     let may_vanish = |place: [f64; 3]| {
@@ -236,8 +237,8 @@ fn everything_near(search: &CellSearch<'_>) -> Option<Cell> {
     (0..40).rev().take_while(is_clear).last().map(cube)
 }
 
-/// Weights for which the highest powers of the three axes have the same weighted degree, if there
-/// are any.
+/// Weights of x, y and z that give their highest powers the same weighted degree, if there are any:
+/// 1, 2, 2 for x⁴+y²+z².
 fn pure_weights(graph: &Graph, root: NodeId) -> impl Iterator<Item = [u32; 3]> {
     let mut powers: Vec<[Option<u32>; 3]> = Vec::with_capacity(graph.len());
     for (_, node) in graph.iter() {
@@ -275,7 +276,7 @@ fn gcd(a: u32, b: u32) -> u32 {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
-/// A box around the windows on all surfaces, and whether each window looks better clipped to a
+/// A box around the windows on all surfaces, and whether all surfaces look better clipped to a
 /// ball.
 fn windows(program: &Program, search: &CellSearch<'_>) -> Result<(Cell, bool), ProgramError> {
     let (graph, parameters) = (program.graph(), program.values());
@@ -332,7 +333,8 @@ fn thickened(mut cell: Cell, share: f64) -> Cell {
     cell
 }
 
-/// The box made valid. An axis without finite, increasing bounds gets a range around its middle.
+/// The box, with invalid bounds replaced. An axis without finite, increasing bounds gets a range
+/// around its middle.
 fn valid_box(mut cell: Cell) -> Cell {
     let largest = cell.largest();
     for axis in 0..3 {
@@ -355,17 +357,17 @@ fn rounded(place: f64, grain: f64) -> f64 {
     if near.is_finite() { near } else { place }
 }
 
-/// A coordinate as a multiple of the largest power of ten up to `grain`; `whole` rounds it. The
-/// result is not finite if the power or the multiple overflows.
+/// Rounds a coordinate to a multiple of the largest power of ten up to `grain`. `whole` rounds the
+/// number of multiples. The result is not finite if the power or the multiple overflows.
 fn in_grains(place: f64, grain: f64, whole: impl Fn(f64) -> f64) -> f64 {
     let power = grain.log10().floor();
-    // Division by the reciprocal of the power of ten gives the nearest decimal.
+    // Dividing by a power of ten gives the float nearest to the decimal.
     let grain = 10.0_f64.powf(power.abs());
     if power < 0.0 { whole(place * grain) / grain } else { whole(place / grain) * grain }
 }
 
-/// The cube around a place with this half extent, both rounded to few digits. Around the origin,
-/// the half extent is exact.
+/// The cube of half side `half` around a place. Its bounds are rounded to few digits, but are exact
+/// along an axis on which the place is 0.
 fn cube_about(place: [f64; 3], half: f64) -> Cell {
     let end = |along: f64, side: f64| {
         if along == 0.0 { side } else { rounded(along + side, half / 1000.0) }

@@ -1,4 +1,4 @@
-//! The gallery: function files that are embedded in the program, so that no checkout is needed.
+//! The gallery: function files embedded in the program. No source checkout is needed.
 
 use include_dir::{Dir, include_dir};
 

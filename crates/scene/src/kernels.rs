@@ -1,5 +1,5 @@
-//! The kernels of surfaces. A kernel is compiled when it is first requested, once for all values of
-//! the parameters, and its code size is counted.
+//! The kernels of surfaces. A kernel is compiled once, at its first request, for all values of the
+//! parameters. The size of its code is counted.
 //!
 //! Simplification and parameter values come from other modules. This module does not depend on what
 //! kernels compute.
@@ -18,8 +18,8 @@ use zeroset_eval::{
 use zeroset_interval::{Format, Interval};
 use zeroset_jit::{Compiled, Threaded};
 
-/// Limit of machine code for all kernels of a document, in bytes. This much takes about a second to
-/// compile. The largest single surface that kernels can hold needs half of it.
+/// Limit of machine code for all kernels of a document, in bytes. That much code takes about a
+/// second to compile. The largest single surface that kernels can hold needs half of it.
 const CODE_BYTES: usize = 8 << 20;
 
 /// The evaluator that runs kernels.
@@ -28,29 +28,29 @@ pub enum Evaluator {
     /// Native code.
     #[default]
     Native,
-    /// The reference evaluator: the same bits, but some hundred times slower.
+    /// The reference evaluator: equal results bit for bit, but some hundred times slower.
     Reference,
 }
 
-/// A kernel that was compiled.
+/// A record of a compiled kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CompiledKernel {
-    /// Index of its surface.
+    /// Index of the kernel's surface.
     pub surface: usize,
-    /// Name of the query that it answers.
+    /// Name of the query that the kernel answers.
     pub question: &'static str,
-    /// Form of the surface's function that it computes.
+    /// Form of the surface's function in the kernel.
     pub form: KernelSource,
-    /// Floating-point format that it computes in.
+    /// Floating-point format of the kernel.
     pub format: Format,
     /// Size of the machine code in bytes; 0 for the reference evaluator.
     pub bytes: usize,
-    /// Size of its vectors in bytes; 0 for the reference evaluator.
+    /// Size in bytes of one vector of the kernel; 0 for the reference evaluator.
     pub vector_bytes: usize,
 }
 
 impl CompiledKernel {
-    /// The name of the format that it computes in.
+    /// The name of the kernel's floating-point format.
     pub fn floats(&self) -> &'static str {
         match self.format {
             Format::F32 => "f32",
@@ -58,7 +58,7 @@ impl CompiledKernel {
         }
     }
 
-    /// The reason why a picture needs it.
+    /// The reason why a picture needs the kernel.
     pub fn reason(&self) -> &'static str {
         match (self.form, self.question) {
             (_, question) if question == ContractTiles::NAME => "to find the surface, tile by tile",
@@ -125,7 +125,7 @@ fn within_limit(made: &[CompiledKernel]) -> Result<(), ProgramError> {
     Ok(())
 }
 
-/// The steps of a kernel before parameter values are bound, and the uniforms that they read.
+/// The code of a kernel before parameter values are bound, and the uniforms that the code reads.
 struct UnboundKernel<Q: Query, T: Real> {
     steps: Steps<Q, T>,
     uniforms: Uniforms,
@@ -138,11 +138,11 @@ enum Steps<Q: Query, T: Real> {
     Reference(Tape<T>),
 }
 
-/// Code that is compiled at most once, or the error if that failed; `None` if the surface has no
-/// such form.
+/// A kernel of some form in two variants. Each variant is compiled at most once. It holds the error
+/// if compiling failed, and `None` if the surface has no such form.
 ///
-/// Slot 0 has code whose uniforms are computed beforehand. Slot 1 has code without uniforms, for
-/// parameter values at which a uniform is undefined.
+/// Slot 0 has code that reads uniforms. Slot 1 has code without uniforms, for parameter values at
+/// which a uniform is undefined.
 type Slot<Q, T> = [Once<Option<UnboundKernel<Q, T>>>; 2];
 
 /// The code of one surface in one precision.
@@ -161,7 +161,7 @@ struct SurfaceCode<T: Real> {
     gradients: Slot<SampleGradient, T>,
 }
 
-/// The code of one surface.
+/// The code of one surface, in both precisions.
 #[derive(Default)]
 struct SurfaceCodes {
     single: Arc<SurfaceCode<f32>>,
@@ -173,7 +173,6 @@ pub(crate) struct CodeStore {
     pub simplified: Arc<Simplified>,
     pub ledger: KernelList,
     evaluator: Evaluator,
-    /// The code of each surface.
     codes: Vec<SurfaceCodes>,
 }
 
@@ -219,7 +218,7 @@ impl CodeStore {
 /// A kernel to which parameter values are bound.
 type Bound<Q, T> = Box<dyn Kernel<Q, T>>;
 
-/// A value that is created at most once, or the error if that failed.
+/// A value that is created at most once, or the error if its creation failed.
 type Once<K> = OnceLock<Result<K, KernelError>>;
 
 /// The kernels of one surface in one precision, bound to the present parameter values.
@@ -335,8 +334,7 @@ impl<T: WholeFloat> Bindings<T> {
     ) -> Result<Option<Bound<Q, T>>, KernelError> {
         for (slot, hoisted) in slot.iter().zip([true, false]) {
             if slot.get().is_none() {
-                // This is checked before compiling, so that no code is compiled that is not valid
-                // for the present values.
+                // Code that is not valid for the present values is not even compiled.
                 let steps = self.store.simplified.steps(self.surface, form, hoisted);
                 if let Ok(Some((_, uniforms))) = &steps
                     && uniforms.values(&self.values).is_none()
@@ -362,7 +360,7 @@ impl<T: WholeFloat> Bindings<T> {
         unreachable!("a program's values are within what it assumes")
     }
 
-    /// As [`Bindings::bind`], for forms that every surface has, or that this one is known to have.
+    /// As [`Bindings::bind`], but panics if the surface has no such form.
     fn bind_always<Q: Query>(
         &self,
         slot: &Slot<Q, T>,
@@ -405,7 +403,7 @@ impl<T: WholeFloat> Bindings<T> {
         Ok(cleared.map_err(|error| Arc::new(error) as KernelError)?.is_some())
     }
 
-    /// The numerator of the rational form, or else the function.
+    /// The numerator of the rational form. If there is none, or for a solid, the function.
     fn without_poles(&self) -> Result<KernelSource, KernelError> {
         // The boundary of a solid includes the places where its function changes sign at a pole.
         let is_cleared = !self.is_solid() && self.has_cleared()?;

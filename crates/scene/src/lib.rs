@@ -1,9 +1,9 @@
 //! A document over a domain: its kernels, and where to look at it.
 //!
 //! A [`program::Program`] is a document simplified over a domain, with values bound to its
-//! parameters. Its surfaces compile kernels when a method first requests them. [`domain`] finds a
-//! domain where none is given. [`view`] derives region and camera from the document and the
-//! caller's choices. Nothing here knows pixels, files or terminals.
+//! parameters. Its kernels are compiled when a method first requests them. [`domain`] finds a
+//! domain if none is given. [`view`] derives region and camera from the document and the caller's
+//! choices. Nothing here knows pixels, files or terminals.
 
 pub mod blank;
 mod box_tree;

@@ -23,7 +23,7 @@ pub struct Program {
     enclosures: Vec<(Interval, Facts)>,
 }
 
-/// Time without a range is assumed to stay within ± this. Beyond that, code is compiled again.
+/// Time without a range is assumed to stay within ±`TIME`. For other times, code is compiled again.
 const TIME: f64 = 16.0;
 
 impl Program {
@@ -37,7 +37,7 @@ impl Program {
         Ok(program)
     }
 
-    /// As [`Program::new`], but accepts constant and undefined formulas too.
+    /// As [`Program::new`], but also accepts constant and undefined formulas.
     ///
     /// # Errors
     /// If a formula is too large.
@@ -89,8 +89,8 @@ impl Program {
         Ok(Self::of(Arc::new(store), values(document)))
     }
 
-    /// The same program, run by `evaluator`. It shares no kernels with this one, and counts its own
-    /// from 0.
+    /// The same program, run by `evaluator`. The result shares no kernels with `self`, and its list
+    /// of kernels starts empty.
     #[must_use]
     pub fn on(&self, evaluator: Evaluator) -> Self {
         let store = CodeStore::new(Arc::clone(&self.store.simplified), evaluator);
@@ -98,8 +98,8 @@ impl Program {
     }
 
     /// The same program with the parameter values of another document. `None` if that document
-    /// differs in more than values, or if the values are outside the assumed bounds. A slider is
-    /// assumed to stay within its range.
+    /// differs in more than values, or if the values are outside the assumed bounds. The assumed
+    /// bounds of a slider are its range.
     ///
     /// # Errors
     /// If a formula depends on no coordinate or is defined nowhere.
@@ -111,9 +111,8 @@ impl Program {
         Some(program.check(document).map(|()| program))
     }
 
-    /// Returns whether the code is valid for `document`. The document must differ in values only
-    /// from the one that the program was built from, and the values must be within the assumed
-    /// bounds.
+    /// Returns whether the code is valid for `document`. The document may differ from the program's
+    /// own document only in parameter values, and only within the assumed bounds.
     pub fn serves(&self, document: &Document) -> bool {
         let Simplified { typed: before, assumptions, solid: solids, .. } = &*self.store.simplified;
         let assumed = document.parameters.iter().map(assumed);
@@ -122,7 +121,8 @@ impl Program {
             && typed(document) == *before
     }
 
-    /// The same program with the time ranging over its whole loop. Its proofs hold at each time.
+    /// The same program for all times in the range of the time, if it has one. Its proofs hold at
+    /// every such time.
     #[must_use]
     pub fn over_time(&self, document: &Document) -> Self {
         let assumed = &self.store.simplified.assumptions.parameters;
@@ -152,7 +152,7 @@ impl Program {
     }
 
     /// Refuses a function that is constant or undefined in all of space. [`Program::remarks`]
-    /// reports a function that is so in this domain only.
+    /// reports a function that is constant in this domain only.
     fn check(&self, document: &Document) -> Result<(), ProgramError> {
         let surfaces = 0..document.surfaces.len();
         if surfaces.clone().all(|k| !self.is_undefined(k) && self.constant(k).is_none()) {
@@ -210,7 +210,7 @@ impl Program {
         &self.values
     }
 
-    /// Numbers of nodes, as typed and after simplification, of all surfaces together.
+    /// Numbers of nodes of all surfaces together: as typed, and after simplification.
     pub fn nodes(&self) -> (usize, usize) {
         (self.store.simplified.nodes_before, count(self.graph(), self.roots()))
     }
@@ -226,8 +226,8 @@ impl Program {
         self.enclosures[surface].1.has(Facts::NOWHERE)
     }
 
-    /// A surface, whose kernels are compiled on request. Programs that differ in values only share
-    /// the code.
+    /// A surface, whose kernels are compiled on request. Programs that differ only in parameter
+    /// values share the code.
     ///
     /// # Panics
     /// If there is no such surface.
@@ -315,8 +315,8 @@ fn formula(surface: &zeroset_syntax::Surface) -> (String, bool) {
     }
 }
 
-/// A phrase about a constant function. `plain`: whether it was typed as one expression rather than
-/// as two sides of an equation.
+/// A phrase about a constant function. `plain` is true if the function was typed as one expression,
+/// not as two sides of an equation.
 fn describe(bounds: Interval, plain: bool) -> String {
     let it = if plain { "it is" } else { "its two sides differ by" };
     let value = match bounds.singleton() {
@@ -354,8 +354,8 @@ mod tests {
         assert_eq!((tape.operations(), tape.parameters()), (4, 3));
     }
 
-    /// Where a uniform is undefined, code without uniforms is compiled. The next value at which it
-    /// is undefined reuses that code.
+    /// If a uniform is undefined, code without uniforms is compiled. Later parameter values at
+    /// which the uniform is undefined reuse that code.
     #[test]
     fn code_is_made_once_for_values_that_exist_and_once_for_others() {
         let document = |r: f64| {
@@ -405,7 +405,7 @@ mod tests {
         for formula in ["1/0", "sqrt(-1)", "sqrt(-1-x^2)", "ln(-abs(x))-1"] {
             assert!(message(formula).contains("defined nowhere"), "{formula}");
         }
-        // A formula that is undefined on this domain only is remarked on, not refused.
+        // A formula that is undefined only on this domain is not refused.
         let elsewhere = program("sqrt(x-5)+y").expect("defined elsewhere");
         assert!(elsewhere.is_undefined(0));
         assert!(!program("sqrt(x)+y").expect("defined").is_undefined(0));

@@ -1,4 +1,4 @@
-//! Simplified surfaces, valid for any parameter values, and the tapes that are built from them.
+//! Simplified surfaces, and the tapes that are built from them.
 //!
 //! This module depends neither on which tapes are requested nor on what they are used for.
 
@@ -9,15 +9,15 @@ use thiserror::Error;
 use zeroset_eval::{Assumptions, KernelError, Real, Tape};
 use zeroset_ir::{Graph, IrError, NodeId, clear, compact, gradient, simplify};
 
-/// The part of a program that does not depend on the parameters' values while they are within their
-/// assumed bounds.
+/// The simplified surfaces of a program. They are valid for all parameter values within the assumed
+/// bounds.
 pub(crate) struct Simplified {
     pub graph: Graph,
     pub roots: Vec<NodeId>,
-    /// Graph and roots before constants are folded to bounds, so that derivatives simplify as well
-    /// as the functions.
+    /// Graph and roots before constants are folded to bounds. Derivatives are taken of this form,
+    /// so that they simplify as well as the functions.
     pub symbolic: (Graph, Vec<NodeId>),
-    /// Graph and roots as typed, with exponents fixed. The graphs above were built from them.
+    /// Graph and roots as typed, with fixed exponents. The graphs above were built from them.
     pub typed: (Graph, Vec<NodeId>),
     pub assumptions: Assumptions,
     /// Number of nodes as typed.
@@ -35,9 +35,9 @@ pub(crate) struct Simplified {
 pub struct ClearedGraph {
     /// The graph.
     pub graph: Graph,
-    /// Numerator: it is 0 where the function is.
+    /// The numerator, which is 0 where the function is 0.
     pub numerator: NodeId,
-    /// Denominator: it is 0 at the poles.
+    /// The denominator, which is 0 at the poles.
     pub denominator: NodeId,
     /// The function.
     pub function: NodeId,
@@ -48,9 +48,9 @@ pub struct ClearedGraph {
 pub enum KernelSource {
     /// The function.
     Function,
-    /// The numerator of its rational form.
+    /// The numerator of the function's rational form.
     Numerator,
-    /// The denominator of its rational form.
+    /// The denominator of the function's rational form.
     Denominator,
     /// The function, and the numerator of its rational form if it has one, evaluated branch by
     /// branch. Only for a function that may jump.
@@ -71,7 +71,7 @@ impl fmt::Display for KernelSource {
     }
 }
 
-/// Why a document that parses cannot be drawn.
+/// The reason why a document that parses cannot be drawn.
 #[derive(Debug, Error)]
 pub enum ProgramError {
     /// A formula has the same value at every point.
@@ -159,8 +159,8 @@ impl Simplified {
         Ok(cleared.as_ref().map_err(Clone::clone)?.as_ref())
     }
 
-    /// A surface's function before constants are folded, in a graph of its own: work on one surface
-    /// must not take time for all others.
+    /// A surface's function before constants are folded. Its graph holds no other surface, which
+    /// would only cost time.
     fn symbolic(&self, surface: usize) -> (Graph, NodeId) {
         let (graph, roots) = &self.symbolic;
         let (graph, roots) = compact(graph, &[roots[surface]]);

@@ -1,10 +1,9 @@
-//! Values for compiled code that depend on parameters alone, so that other parameter values need no
-//! compilation.
+//! Uniforms: inputs of compiled code that depend on parameters alone. With them, other parameter
+//! values need no compilation.
 //!
-//! Code reads the parameters, and uniforms computed from them. It is valid for parameters within
-//! assumed ranges. This module computes the inputs of the code for the present parameters, and
-//! reports when the code is not valid for them. It depends neither on documents nor on what the
-//! code computes.
+//! Code reads the parameters and the uniforms. It is valid while the parameters are within assumed
+//! ranges. This module computes these inputs for the present parameters, and reports when the code
+//! is not valid for them. The module depends neither on documents nor on what the code computes.
 
 use zeroset_eval::Assumptions;
 use zeroset_interval::{Facts, Interval};
@@ -21,9 +20,9 @@ pub struct Uniforms {
 }
 
 impl Uniforms {
-    /// Splits the graph of `roots` into uniforms, which are computed beforehand, and a graph of the
-    /// rest. Without `hoisted`, there are no uniforms. The rest is valid wherever the parameters
-    /// are within `assumptions`.
+    /// Splits the graph of `roots` into uniforms and a graph that reads them. The returned graph
+    /// and roots are valid while the parameters are within `assumptions`. Without `hoisted`, there
+    /// are no uniforms.
     ///
     /// # Panics
     /// If `assumptions` has no bounds for a parameter.
@@ -51,9 +50,9 @@ impl Uniforms {
         &self.assumed
     }
 
-    /// The inputs for these values of the parameters. `None` if the tape is not valid for them: an
-    /// input is outside its assumed bounds, or a uniform may be undefined. Code without uniforms
-    /// serves in the latter case, since the uniform may belong to a branch that is not taken.
+    /// The inputs of the tape for these parameter values. `None` if the tape is not valid for them:
+    /// an input is outside its assumed bounds, or a uniform may be undefined. In the second case,
+    /// code without uniforms can be used: the uniform may belong to an untaken branch.
     ///
     /// # Panics
     /// If a parameter has no value.

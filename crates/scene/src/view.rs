@@ -14,22 +14,22 @@ use zeroset_style::{FOV, StandardView};
 use zeroset_syntax::{Document, DomainLine, Parameter, ParameterKind, PointValue, SurfaceColor};
 use zeroset_trace::{Camera, CameraError, Projection};
 
-/// The domain to look at.
+/// The caller's choice of a domain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum DomainChoice {
-    /// The document's domain, or as [`DomainChoice::Auto`] if it gives no domain.
+    /// The document's domain. If the document gives none, the same as [`DomainChoice::Auto`].
     #[default]
     Document,
-    /// The domain in which intervals find the surface.
+    /// The domain that an interval search for the surface finds.
     Auto,
-    /// This box: lower and upper bound of x, y and z.
+    /// A box: the lower and upper bounds of x, y and z.
     Bounds([f64; 6]),
 }
 
 impl FromStr for DomainChoice {
     type Err = String;
 
-    /// Reads `auto`, one number or six. Does not check that the numbers bound a box.
+    /// Reads `auto`, one number or six numbers. Does not check that the numbers bound a box.
     fn from_str(text: &str) -> Result<Self, String> {
         if text.trim() == "auto" {
             return Ok(Self::Auto);
@@ -45,7 +45,7 @@ impl FromStr for DomainChoice {
     }
 }
 
-/// The plane that clips a domain.
+/// The caller's choice of a clipping plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum ClipChoice {
     /// The document's clipping plane, if it has one.
@@ -53,12 +53,12 @@ pub enum ClipChoice {
     Document,
     /// No plane, even if the document has one.
     Off,
-    /// This half-space is kept.
+    /// A plane that keeps this half-space.
     Plane(HalfSpace),
 }
 
 impl ClipChoice {
-    /// The clipping plane, given the document's own plane `own`.
+    /// The plane that clips, where `own` is the document's plane.
     pub fn or(self, own: Option<HalfSpace>) -> Option<HalfSpace> {
         match self {
             Self::Document => own,
@@ -88,8 +88,8 @@ impl FromStr for ClipChoice {
 /// The shape that a domain is clipped to.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ClipShape {
-    /// The document's choice. Without one, the ball if the domain was found by a search and looks
-    /// better so, else the box.
+    /// The document's shape, if it gives one. Otherwise the ball, if a search found the domain and
+    /// the surface looks better in a ball; else the box.
     #[default]
     Auto,
     /// The [ball](Region::with_ball) in the domain's box.
@@ -98,12 +98,12 @@ pub enum ClipShape {
     Box,
 }
 
-/// Clipping of a domain.
+/// A choice of how to clip a domain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Clipping {
     /// The clipping plane.
     pub plane: ClipChoice,
-    /// The shape.
+    /// The shape to clip to.
     pub to: ClipShape,
 }
 
@@ -126,9 +126,10 @@ pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
     text.split(',').map(one).collect()
 }
 
-/// A choice of camera. A field that is `None` is taken from the document. If the document does not
-/// set it either, it is chosen to show the whole domain from [`VIEWS[0]`](zeroset_style::VIEWS).
-/// The `framing` of the render crate then moves the camera as near as the visible part allows.
+/// The caller's choice of a camera. A field that is `None` is taken from the document. If the
+/// document does not set it either, the camera shows the whole domain from
+/// [`VIEWS[0]`](zeroset_style::VIEWS). The module `framing` of the render crate then moves the
+/// camera as near as the visible part allows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CameraChoice {
     /// A standard view. It replaces the document's eye and upward direction.
@@ -143,7 +144,7 @@ pub struct CameraChoice {
     pub projection: Option<Projection>,
 }
 
-/// Why a document cannot be shown as requested.
+/// The reason why a document cannot be shown as requested.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// The camera is invalid.
@@ -157,12 +158,12 @@ pub enum SceneError {
     Program(#[from] ProgramError),
 }
 
-/// Returns the region of `document` that is looked at, and the result of the search if there was
-/// one.
+/// Returns the region of `document` to look at, and the result of the search for a domain, if one
+/// was needed.
 ///
 /// # Errors
-/// If a range is empty or not finite, if the plane has no normal, or if a search is needed but
-/// there is no surface.
+/// If a range is empty or not finite, if the clipping plane has no normal, or if a search is needed
+/// but there is no surface.
 ///
 /// # Panics
 /// Never: this search is not cancelled.
@@ -174,11 +175,11 @@ pub fn region(
     Ok(region_while(&mut None, document, choice, cut, &|| true)?.expect("wanted to the end"))
 }
 
-/// As [`region`], but can be cancelled: returns `None` once `wanted` is false, which is queried
-/// during the search. Once false, it must stay false.
+/// As [`region`], but can be cancelled. The search calls `wanted` repeatedly. Once `wanted` returns
+/// false, it must keep returning false, and the result is `None`.
 ///
-/// `search` holds the program of the previous search, and is set to that of this one. The program
-/// is reused without compiling if the documents differ in values only.
+/// `search` holds the program of the previous search, and receives the program of this one. The
+/// previous program is reused without compiling if the documents differ only in parameter values.
 ///
 /// # Errors
 /// As [`region`].
@@ -234,7 +235,7 @@ pub fn typed_clip(document: &Document) -> Option<HalfSpace> {
     })
 }
 
-/// The box from `low` to `high`, clipped to its ball if `is_round`, and by the plane `clip`.
+/// The box from `low` to `high`, cut by the plane `clip`, and by the box's ball if `is_round`.
 ///
 /// # Errors
 /// If the box is empty or not finite, or the plane has no normal.
@@ -249,8 +250,8 @@ pub fn clipped(
     clip.map_or(Ok(whole), |clip| whole.with_clip(clip))
 }
 
-/// Finds the surface by intervals, whatever domain the document gives. Parameters have their
-/// present values; time covers its whole loop.
+/// Searches for the surface with intervals, and ignores the document's domain. Parameters have
+/// their present values; time covers its whole loop.
 ///
 /// # Errors
 /// If there is no surface, or a kernel cannot be compiled.
@@ -262,9 +263,7 @@ pub fn search(document: &Document) -> Result<AutoDomain, ProgramError> {
 }
 
 /// As [`search`], but can be cancelled, and reuses the program of the previous search if possible.
-/// Returns `None` once `wanted` is false, which is queried between kernels and evaluations.
-/// # Errors
-/// As [`search`].
+/// Calls `wanted` between kernels and evaluations, and returns `None` once `wanted` returns false.
 fn search_while(
     search: &mut Option<Program>,
     document: &Document,
@@ -278,8 +277,8 @@ fn search_while(
     domain::find_while(&program.over_time(document), wanted)
 }
 
-/// Returns whether [`search`] gives the same result for two documents. They must differ only in
-/// values of parameters, each within its range.
+/// Returns whether [`search`] gives the same result for two documents. The documents must differ
+/// only in values of parameters, each within its range.
 pub fn same_search(one: &Document, other: &Document) -> bool {
     let parameters = one.parameters.iter().zip(&other.parameters);
     { parameters }.all(|(one, other)| {
@@ -327,8 +326,8 @@ pub fn camera(
     let given_eye = choice.eye.or(typed_eye);
     let eye = given_eye.unwrap_or(target + offset * region.half_extent());
     let up = choice.up.or(typed_up).unwrap_or_else(|| {
-        // A given eye may look straight down. Then y is the upward direction, as in the view from
-        // the top.
+        // An eye set by the caller or the document may look straight down. Then y is the upward
+        // direction, as in the view from the top.
         let vertical = given_eye.is_some() && (target - eye).cross(view_up) == DVec3::ZERO;
         if vertical { DVec3::Y } else { view_up }
     });
@@ -340,9 +339,9 @@ pub fn camera(
     Camera::new(eye, target, up, projection)
 }
 
-/// The camera that shows the box of `region` from a standard view. Its distance is a fixed multiple
-/// of half the largest extent. With the default [`FOV`], the six sides show all of a cube; the
-/// default view shows all but the tips of some corners.
+/// The camera that shows the box of `region` from a standard view. Its distance from the center is
+/// a fixed multiple of half the largest extent. With the default [`FOV`], the views from the six
+/// sides show all of a cube. The default view shows all but the tips of some corners.
 ///
 /// # Errors
 /// If `projection` is out of range.
@@ -355,14 +354,14 @@ pub fn standard_camera(
     Camera::new(centre + offset * region.half_extent(), centre, view.up.into(), projection)
 }
 
-/// The `f64` nearest to a constant expression such as `1/3`. `None` if the text is not one, or its
-/// value is not finite.
+/// The `f64` nearest to a constant expression such as `1/3`. `None` if the text is no such
+/// expression, or if its value is not finite.
 pub fn number(text: &str) -> Option<f64> {
     let value = nearest(&zeroset_syntax::constant(text).ok()?);
     value.is_finite().then_some(value)
 }
 
-/// Returns whether nothing that `document` draws depends on this parameter.
+/// Returns whether nothing that `document` draws depends on `parameter`.
 pub fn is_idle(document: &Document, parameter: &Parameter) -> bool {
     let roots: Vec<NodeId> = document.surfaces.iter().map(|surface| surface.root).collect();
     let needed = document.graph.reachable(&roots);
@@ -377,14 +376,14 @@ pub fn is_idle(document: &Document, parameter: &Parameter) -> bool {
     !is_drawn && !colors.chain(lines).any(paints)
 }
 
-/// Returns whether the time `t` occurs in something that `document` draws.
+/// Returns whether anything that `document` draws depends on the time `t`.
 pub fn depends_on_time(document: &Document) -> bool {
     let mut times = document.parameters.iter().filter(|one| one.kind == ParameterKind::Time);
     times.any(|time| !is_idle(document, time))
 }
 
-/// The `f64` nearest to a typed number. Cameras and domains consist of floats, so the same digits
-/// mean the same in a file and in a flag.
+/// The `f64` nearest to a typed number. Cameras and domains consist of such floats, so the same
+/// digits have the same value in a file and in a flag.
 pub fn nearest(constant: &Constant) -> f64 {
     let bounds = constant.bounds();
     let exact = constant.exact().and_then(ToPrimitive::to_f64);

@@ -1,4 +1,4 @@
-//! Ambient occlusion from a smaller picture of the same scene, for parts of a picture that is too
+//! Ambient occlusion from a smaller picture of the same scene, for strips of a picture that is too
 //! large to be held whole.
 
 use crate::edges::slope;
@@ -6,13 +6,13 @@ use rayon::prelude::*;
 use zeroset_trace::GBuffer;
 use zeroset_trace::RayGrid;
 
-/// Largest difference in depth at which a point of the smaller picture counts as on the same part
-/// of a surface. In widths of a pixel of that picture, and multiplied by the slope.
+/// Points of the two pictures are on the same part of a surface if their depths differ by at most
+/// this. The unit is a pixel width of the smaller picture, times the slope.
 const FAR: f64 = 4.0;
 
-/// Sets each painted point's occlusion to that around the same place in `small`: the mean of the
-/// four nearest pixels that are on the same part of the same surface. A picture of the same size
-/// gives its own values.
+/// Sets each painted point's occlusion to the mean over the four pixels of `small` that are nearest
+/// in the picture. Only pixels that show the same part of the same surface count. If `small` is as
+/// large as the picture, its values are copied.
 pub fn borrow_occlusion(
     buffer: &mut GBuffer,
     rays: &RayGrid,

@@ -11,16 +11,15 @@ pub struct LinearRgb(pub [f32; 3]);
 /// A table that converts an amount of light exactly to the nearest sRGB byte, by one lookup and one
 /// addition.
 ///
-/// Floats with the same upper 16 bits have at most two different bytes, which are adjacent. The
-/// table entry for these upper bits has the lower of the two bytes in its own upper half. Its lower
-/// half is chosen so that adding the lower 16 bits of the float carries into the byte where the
-/// higher byte begins.
+/// Amounts that agree in their upper 16 bits have at most two different bytes, which are adjacent.
+/// Their common table entry has the smaller byte in its upper half. Adding an amount's lower 16
+/// bits to the entry carries into the byte if the amount belongs to the larger byte.
 pub(crate) struct SrgbTable([u32; ENTRIES]);
 
 /// Number of bits in the lower half of a float.
 const LOWER: u32 = 16;
 
-/// Largest amount that is black: byte 1 begins at 1.5e-4.
+/// Amounts up to this are black: byte 1 begins at 1.5e-4.
 pub(crate) const BLACK: f32 = 1.0 / 8192.0;
 
 /// Number of entries. The upper halves from black to full light differ only in their last 11 bits.
@@ -32,8 +31,8 @@ impl SrgbTable {
     pub fn get() -> &'static Self {
         static CODES: OnceLock<SrgbTable> = OnceLock::new();
         CODES.get_or_init(|| {
-            // For each byte, the least amount that belongs to the next one: the curve's value half
-            // way between the two, rounded up.
+            // For each byte, the least amount that belongs to the next byte: the curve's value half
+            // way between both bytes, rounded up.
             let next: Vec<u32> = (0..255)
                 .map(|byte| {
                     let half_way = decode((f64::from(byte) + 0.5) / 255.0);
@@ -130,7 +129,7 @@ mod tests {
         let codes = SrgbTable::get();
         let least = BLACK.to_bits();
         let most = 1.0_f32.to_bits();
-        // Floats lie an odd number apart, so that their lower halves differ.
+        // The samples are an odd number of floats apart, so that their lower halves differ.
         let step = 48 * 1021;
         for level in levels() {
             for first in (least..=most - step).step_by(step as usize) {

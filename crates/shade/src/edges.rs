@@ -9,7 +9,7 @@ use zeroset_trace::GBuffer;
 use zeroset_trace::painted::SHADED_ROWS;
 use zeroset_trace::{RayGrid, SIDE};
 
-/// Least cosine of the angle between two normals, about 20 degrees, that is not yet an edge.
+/// Two normals make an edge if the cosine of their angle is below this (about 20 degrees).
 const LEAST_COSINE: f32 = 0.94;
 /// A step in depth is an edge if it is more than this many times a pixel's width, and more than
 /// this many times the step that the slope causes.
@@ -32,7 +32,7 @@ pub fn edges(buffer: &GBuffer, rays: &RayGrid) -> Vec<bool> {
                 edges[edge + column..=edge + column + 1].fill(true);
             });
         }
-        // Adjacent rows, including the rows just above and just below the band.
+        // Pairs of adjacent rows, including the rows just above and just below the band.
         for row in top.max(1)..=rows.end.min(height - 1) {
             let (above, below) = (pairs.painted(row - 1), pairs.painted(row));
             let here = row * width;
@@ -57,7 +57,7 @@ struct EdgeDetector<'a> {
     level: Level,
 }
 
-/// The quantities of some pixels in a row that are compared.
+/// The compared quantities of adjacent pixels in a row.
 struct PixelRun<'a> {
     drawn: &'a [f64],
     /// Empty if the picture has only one surface.
@@ -78,12 +78,12 @@ impl<'a> PixelRun<'a> {
     }
 }
 
-/// One bit per lane.
+/// The bits of all lanes.
 const ALL: u32 = (1 << LANES) - 1;
 
-/// Compares sixteen pairs of pixels, from the `k`th on. Returns those that may have an edge between
-/// them, as bits: these few comparisons rule out most pairs. Depths may differ by `at_eye` plus
-/// `growth` times the smaller one.
+/// Compares sixteen pairs of pixels, of which the `k`th is the first. Returns a bit for each pair
+/// that may have an edge; most pairs have none. Between pixels without an edge, depths differ by at
+/// most `at_eye` plus `growth` times the smaller depth.
 #[inline(always)]
 fn differing<S: Simd>(
     simd: S,
@@ -107,7 +107,7 @@ fn differing<S: Simd>(
         let (a, b) = (u16x16::from_slice(simd, a), u16x16::from_slice(simd, b));
         bits |= a.simd_ne(b).to_bitmask();
     }
-    // If the picture has no caps, both are `None`.
+    // If the picture has no caps, both slices are `None`.
     if one.cap.get(here.clone()) != other.cap.get(here.clone()) {
         return ALL & !empty as u32;
     }
@@ -127,9 +127,9 @@ fn differing<S: Simd>(
 }
 
 impl EdgeDetector<'_> {
-    /// The columns of a row that may have an edge to the right: from the one before the first
-    /// painted pixel to the last painted one, but not the last column. Empty if no pixel is
-    /// painted.
+    /// The columns of a row that may have an edge at their right border. They reach from the column
+    /// before the first painted pixel to the last painted pixel, without the picture's last column.
+    /// Empty if no pixel is painted.
     fn painted(&self, row: usize) -> Range<usize> {
         let width = self.rays.width();
         let drawn = &self.buffer.drawn[row * width..][..width];
@@ -185,7 +185,7 @@ impl EdgeDetector<'_> {
         }
         let [n, m] = pixels.map(|pixel| buffer.normal[pixel]);
         let [one, other] = pixels.map(|pixel| (buffer.surface[pixel], buffer.is_cap(pixel)));
-        // Normals point toward f > 0, so those of different sides of a surface differ, too.
+        // Normals point toward f > 0, so they differ between the two sides of a surface.
         let is_even = n[0] * m[0] + n[1] * m[1] + n[2] * m[2] >= LEAST_COSINE;
         let footprint = self.rays.footprint(a.min(b));
         one != other || !is_even || step > STEEPER * footprint * self.slope(pixels, is_row).max(1.0)
@@ -207,8 +207,8 @@ fn slope_along(normal: [f32; 3], rays: &RayGrid, pixel: usize, axis: DVec3) -> f
     (normal.dot(axis) / normal.dot(along)).abs()
 }
 
-/// The largest change of depth from pixel to pixel in the picture, in widths of a pixel, for this
-/// normal and a unit vector `along` the ray.
+/// The steepest change of depth per pixel in the picture, in widths of a pixel, for this normal.
+/// `along` is a unit vector along the ray.
 pub fn slope(normal: [f32; 3], along: Vec3) -> f32 {
     // The tangent of the angle between normal and view.
     let cosine = Vec3::from_array(normal).dot(along);
@@ -216,7 +216,7 @@ pub fn slope(normal: [f32; 3], along: Vec3) -> f32 {
 }
 
 /// Returns whether a pixel shows a crease of a surface: its normal differs from that of one of the
-/// four pixels beside it.
+/// four pixels beside it, or only one of the two is on a cap.
 pub fn is_creased(buffer: &GBuffer, rays: &RayGrid, pixel: usize) -> bool {
     let normal = |pixel: usize| Vec3::from_array(buffer.normal[pixel]);
     let differs = |other: usize| {

@@ -21,14 +21,15 @@ const WIDTH: f64 = 0.05;
 impl Light {
     /// A distant light that moves with the camera, above it and to its left.
     pub fn above_left(rays: &RayGrid) -> Self {
-        // About 50 degrees off the view, and more above than beside it. In the default view of a
-        // cube, the three visible faces then differ clearly, and the top is the brightest.
+        // The light is about 50 degrees off the view direction, and more above it than beside it.
+        // In the default view of a cube, the three visible faces then differ clearly, and the top
+        // is the brightest.
         let towards = -rays.forward() + 1.1 * rays.up() - 0.35 * rays.right();
         Self::Directional(towards.normalize())
     }
 
-    /// The light as a disc: sixteen places on it. Its radius is a 20th of its distance from
-    /// `centre`, ten times that of the sun.
+    /// Sixteen places on the light, taken as a disc. The disc's radius is a 20th of its distance
+    /// from `centre`. For the sun, this ratio is ten times smaller.
     pub fn widened(&self, centre: DVec3) -> [Self; TURNS] {
         let (way, distance) = self.towards(centre);
         let (across, upward) = way.try_normalize().unwrap_or(DVec3::Z).any_orthonormal_pair();

@@ -30,7 +30,7 @@ pub enum NormalSource<'a, T: Real = f32> {
         kernel: &'a (dyn Kernel<SampleGradient, T> + 'a),
         /// The kernels for points at which the gradient is out of range in `T`.
         double: &'a (dyn Kernels<f64> + 'a),
-        /// Whether `double` is used for all points, since `T` places them too coarsely.
+        /// Whether `double` is used for all points, since floats of `T` are too coarse for them.
         everywhere: bool,
     },
     /// Central differences of values one step to either side on each axis, as in Knoll et al. 2007.
@@ -40,7 +40,7 @@ pub enum NormalSource<'a, T: Real = f32> {
 /// Number of points for which substitutes are computed together.
 const BATCH: usize = 256;
 
-/// Factor from a failed step of the differences to the next.
+/// If differences over a step fail, the next step is this many times as long.
 const STEP_GROWTH: f64 = 8.0;
 
 /// Number of step lengths that are tried.
@@ -62,7 +62,7 @@ pub fn normals<T: Real>(
     buffer.each_rows(SHADED_ROWS, |mut rows| source.compute_normals(&mut rows, rays, step, None))
 }
 
-/// The part of a ray behind its painted point, and the step along it, in units of t.
+/// The part of a ray behind its painted point, and the step along it, in units of the ray's t.
 struct Rest {
     ray: Ray,
     step: f64,
@@ -72,7 +72,7 @@ struct Rest {
 struct BandNormals<'a> {
     /// The picture's normals; empty if it does not keep them.
     kept: &'a mut [[f32; 3]],
-    /// Normals that are not kept, until colors are computed; empty until one is stored.
+    /// Normals that are needed only until colors are computed. Empty until one is stored.
     own: Vec<[f32; 3]>,
     pixels: usize,
 }
@@ -92,8 +92,8 @@ impl BandNormals<'_> {
 }
 
 impl<T: Real> NormalSource<'_, T> {
-    /// As [`normals`], for some rows. With a canvas, colors are computed too. Normals that are not
-    /// kept are computed for colors only.
+    /// As [`normals`], for some rows. With a canvas, colors are also computed. Normals that are not
+    /// kept are computed only for the colors.
     pub fn compute_normals(
         &self,
         rows: &mut Rows<'_>,
@@ -162,8 +162,8 @@ impl<T: Real> NormalSource<'_, T> {
             .collect()
     }
 
-    /// Differences of values, which are twice the step times the gradient. They are one-sided where
-    /// the function is undefined on one side, and 0 where they do not exist.
+    /// Differences of values along each axis: the gradient times twice the step. A difference is
+    /// one-sided if the function is undefined on one side, and 0 if too few values exist.
     fn differences(
         &self,
         points: impl Iterator<Item = DVec3>,
@@ -333,7 +333,8 @@ mod tests {
 
     #[test]
     fn a_gradient_just_behind_the_painted_point_serves() {
-        // Defined only from half a step behind the point on: y > −0.9995.
+        // The gradient is defined only for y > −0.9996: at half a step behind the point, but not at
+        // it.
         let edge = |[_, y, _]: [f32; 3]| {
             if y > -0.9996 { [1.0, 0.0, 0.0] } else { [f32::NAN; 3] }
         };
@@ -343,7 +344,7 @@ mod tests {
 
     #[test]
     fn beyond_the_edge_of_the_domain_one_sided_differences_serve() {
-        // Undefined for y > −1, just behind the painted point.
+        // The function is undefined for y > −1, just behind the painted point.
         let edge = |[_, y, z]: [f32; 3]| if y > -1.0 { f32::NAN } else { y + z };
         let half = std::f32::consts::FRAC_1_SQRT_2;
         let normal = normal_of(NormalSource::Central(&Plain(edge, ())));
@@ -374,7 +375,7 @@ mod tests {
         }
     }
 
-    /// A gradient along x + 2y + 3z in `f64`, of any size.
+    /// A gradient of (1, 2, 3) times a factor, in `f64`.
     struct Steep(f64);
 
     impl Kernel<SampleGradient, f64> for Steep {

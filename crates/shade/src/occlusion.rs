@@ -1,8 +1,8 @@
 //! Ambient occlusion: the share of each painted point's surroundings that is hidden by other
 //! painted points nearby. It is averaged over neighbors on the same part of a surface.
 //!
-//! No function is evaluated: parts of a surface that the picture does not show hide nothing. So
-//! this only affects appearance.
+//! No function is evaluated, and parts of a surface that the picture does not show hide nothing.
+//! Occlusion affects only the appearance.
 
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
@@ -10,14 +10,14 @@ use zeroset_trace::GBuffer;
 use zeroset_trace::RayGrid;
 use zeroset_trace::SurfaceIds;
 
-/// Number of sampling patterns, one for each pixel of a small square. Each pattern samples other
-/// directions, and the mean over the square covers all of them.
+/// Number of sampling patterns, one for each pixel of a small square. The patterns sample different
+/// directions, and the mean over the square covers all directions.
 pub const TURNS: usize = 16;
-/// Number of pixels on the side of that square.
+/// Number of pixels on a side of the square.
 const SIDE: usize = TURNS.isqrt();
 
-/// The number of a pixel's sampling pattern, by its column and row. Patterns of neighbors are far
-/// apart in number (Bayer 1973).
+/// The number of a pixel's sampling pattern, by its column and row. The numbers of neighboring
+/// pixels are far apart (Bayer 1973).
 pub fn turn([column, row]: [usize; 2]) -> usize {
     const TURN: [[usize; SIDE]; SIDE] =
         [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
@@ -29,11 +29,11 @@ pub fn turn([column, row]: [usize; 2]) -> usize {
 const LOOKS: usize = 6;
 /// The golden angle, in radians. Places at its multiples are spread evenly.
 const GOLDEN: f32 = 2.399_963_2;
-/// Largest distance of sampled places in the picture, as a share of its height, however near they
-/// are in space.
+/// Sampled places are at most this far from a pixel, as a share of the picture's height. The limit
+/// matters if the surface is near the eye.
 const WIDEST: f64 = 0.125;
-/// Sine of the elevation above the tangent plane below which a point hides nothing. Pixels do not
-/// resolve lower elevations.
+/// A point hides nothing if the sine of its elevation above the tangent plane is below this. Pixels
+/// do not resolve lower elevations.
 const FLAT: f32 = 0.08;
 /// Factor by which the mean contribution of the samples is multiplied to give the hidden share.
 const STRENGTH: f32 = 2.6;
@@ -48,8 +48,8 @@ struct ShadedPoint {
     surface: u16,
 }
 
-/// Ambient occlusion in screen space: the painted points of a picture, one array per quantity. The
-/// allocator would return a single large array to the system.
+/// Ambient occlusion in screen space: the painted points of a picture. Each quantity has its own
+/// array: the allocator would return one large array for all to the system.
 pub struct AmbientOcclusion<'a> {
     rays: &'a RayGrid,
     at: Vec<Vec3>,
@@ -98,8 +98,8 @@ impl<'a> AmbientOcclusion<'a> {
     }
 
     /// Sets `buffer.occlusion`: the share of each painted point's surroundings that is hidden by
-    /// points within `reach`, in world units. Once `wanted` is false, further rows stay as they
-    /// are.
+    /// points within `reach`, in world units. Once `wanted` returns false, further rows stay as
+    /// they are.
     pub fn occlusion(&self, buffer: &mut GBuffer, reach: f64, wanted: &(dyn Fn() -> bool + Sync)) {
         let rays = self.rays;
         let widest = WIDEST * rays.height() as f64;
@@ -206,8 +206,8 @@ mod tests {
     use super::*;
     use zeroset_trace::{Camera, Projection};
 
-    /// Two walls that meet at a right angle along the middle column. `inward`: whether the camera
-    /// is inside the corner; otherwise it is outside.
+    /// Two walls that meet at a right angle along the middle column. If `inward`, the camera is
+    /// inside the corner, and otherwise outside.
     fn corner(inward: bool) -> (GBuffer, RayGrid) {
         let projection = Projection::Orthographic { height: 4.0 };
         let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
@@ -238,8 +238,8 @@ mod tests {
             let row: Vec<u8> = (0..64).map(column).collect();
             assert!(row[4] < 10 && row[60] < 10, "far from the corner");
             assert_eq!(row[31] > 60 && row[32] > 60, inward, "at the corner");
-            // The square reaches one pixel farther to the left than to the right, and sampled
-            // places are not symmetric.
+            // The two sides may differ a little: the square reaches one pixel farther to the left,
+            // and sampled places are not symmetric.
             assert!((24..32).all(|k| row[k].abs_diff(row[64 - k]) < 16));
         }
     }
@@ -252,7 +252,7 @@ mod tests {
         let before = buffer.shadow.clone();
         near.mean(&mut buffer.shadow);
         assert_eq!(buffer.shadow, before);
-        // Each of these pixels has the mean over all patterns.
+        // Each of the pixels compared has the mean over all sixteen patterns.
         let shadow = |pixel: usize| (16 * turn([pixel % 64, pixel / 64])) as u8;
         buffer.shadow = (0..64 * 64).map(shadow).collect();
         near.mean(&mut buffer.shadow);

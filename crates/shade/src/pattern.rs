@@ -13,8 +13,8 @@ pub struct Pattern {
     places: Option<&'static [[usize; 2]]>,
 }
 
-/// Four rays, one in each column and each row, so that a nearly upright or level edge never meets
-/// two at once.
+/// Four rays, one in each column and each row. A nearly vertical or horizontal edge never meets two
+/// of them at once.
 const FOUR: [[usize; 2]; 4] = [[1, 0], [3, 1], [0, 2], [2, 3]];
 
 impl Pattern {
@@ -46,8 +46,7 @@ impl Pattern {
         self.places.is_none()
     }
 
-    /// The patches of a finer picture that make up a pixel, by the number of columns and rows
-    /// before each.
+    /// The column and row, among a pixel's positions, at which each of its patches begins.
     ///
     /// # Panics
     /// If the pattern has only one ray.
@@ -57,7 +56,8 @@ impl Pattern {
         (0..across * across).map(move |n| [n % across, n / across].map(|place| SIDE * place))
     }
 
-    /// For each position of a pixel, whether it has a ray: patch by patch, and row by row in each.
+    /// For each position of a pixel, whether it has a ray. The order is patch by patch, and row by
+    /// row in each patch.
     pub fn rays(&self) -> Vec<bool> {
         let mut rays = vec![self.is_full(); self.side * self.side];
         for [column, row] in self.places.unwrap_or_default() {

@@ -57,13 +57,15 @@ impl Paint {
 /// The settings of a picture's appearance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Appearance {
-    /// Colors by surface id; they repeat for further surfaces. If empty, the default pairs.
+    /// Colors by surface id; they repeat for further surfaces. An empty list means the default
+    /// pairs.
     pub surfaces: Vec<SurfaceColors>,
     /// Color of pixels where nothing is painted.
     pub background: LinearRgb,
-    /// Share of the light that comes from everywhere, within [0, 1].
+    /// Share of ambient light, within [0, 1].
     pub ambient: f32,
-    /// Strengths of the lights. Its background and ambient share are ignored.
+    /// The look that gives the strengths of the lights. Its background and ambient share are
+    /// ignored.
     pub look: Look,
     /// The light that casts shadows.
     pub light: Light,
@@ -72,15 +74,16 @@ pub struct Appearance {
 }
 
 impl SurfaceColors {
-    /// Colors for a surface without its own. The first pair is warm and cool, and can be told apart
-    /// in every common form of color blindness (Okabe and Ito, "Color Universal Design", 2008).
+    /// Colors for a surface without colors of its own. The first pair is warm and cool. Its two
+    /// colors can be told apart in every common form of color blindness (Okabe and Ito, "Color
+    /// Universal Design", 2008).
     pub fn default_for(surface: usize) -> Self {
         let pair = DEFAULT_PAIRS[surface % DEFAULT_PAIRS.len()];
         let [positive, negative] = pair.map(LinearRgb::from_srgb);
         Self { positive, negative, cut: cut(positive) }
     }
 
-    /// The colors of a surface with this outer side. The inner side is darker and less colorful.
+    /// The colors of a surface with this color outside. The inner side is darker and less colorful.
     pub fn around(outer: LinearRgb) -> Self {
         let [red, green, blue] = outer.0;
         let grey = 0.2126 * red + 0.7152 * green + 0.0722 * blue;
@@ -127,7 +130,7 @@ const DEFAULT_PAIRS: [[[u8; 3]; 2]; 4] = [
     [[230, 159, 0], [0, 114, 178]],   // orange, blue
     [[240, 228, 66], [86, 180, 233]], // yellow, sky blue
     [[213, 94, 0], [0, 158, 115]],    // vermilion, bluish green
-    [[204, 121, 167], [92, 92, 104]], // reddish purple, grey
+    [[204, 121, 167], [92, 92, 104]], // reddish purple, gray
 ];
 
 /// The picture as sRGB bytes: red, green, blue, row by row from the top left.
@@ -150,8 +153,8 @@ pub fn shade(
     shade_with(Level::new(), buffer, rays, appearance, paint)
 }
 
-/// As [`shade`], with vectors of this level. The bytes do not depend on their width, except for the
-/// rounding of fused products and sums.
+/// As [`shade`], with vectors of this level. The bytes do not depend on the vectors' width, except
+/// for the rounding of fused products and sums.
 fn shade_with(
     level: Level,
     buffer: &GBuffer,

@@ -1,4 +1,4 @@
-//! Search for boxes that may hold a point of a surface, by halving, with a limit on evaluations.
+//! Searches for boxes that may hold a point of a surface, by halving boxes within a limit of work.
 
 use rayon::prelude::*;
 use std::cell::Cell as Counter;
@@ -16,32 +16,32 @@ pub struct Cell {
 }
 
 impl Cell {
-    /// The cube around the origin with this half extent.
+    /// The cube around the origin with half extent `half`.
     pub fn cube(half: f64) -> Self {
         Self { low: [-half; 3], high: [half; 3] }
     }
 
-    /// The cube around `place` with this half extent.
+    /// The cube around `place` with half extent `half`.
     pub fn about(place: [f64; 3], half: f64) -> Self {
         Self { low: place.map(|along| along - half), high: place.map(|along| along + half) }
     }
 
-    /// The extent along an axis.
+    /// The box's extent along an axis.
     pub fn extent(&self, axis: usize) -> f64 {
         self.high[axis] - self.low[axis]
     }
 
-    /// The largest extent.
+    /// The largest of the box's three extents.
     pub fn largest(&self) -> f64 {
         (0..3).map(|axis| self.extent(axis)).fold(0.0, f64::max)
     }
 
-    /// The largest magnitude of a coordinate in it.
+    /// The largest magnitude of a coordinate in the box.
     pub fn reach(&self) -> f64 {
         (0..3).map(|axis| self.high[axis].max(-self.low[axis])).fold(0.0, f64::max)
     }
 
-    /// The center.
+    /// The box's center.
     pub fn centre(&self) -> [f64; 3] {
         [0, 1, 2].map(|axis| self.low[axis].midpoint(self.high[axis]))
     }
@@ -58,12 +58,12 @@ impl Cell {
         }
     }
 
-    /// Returns whether `other` lies inside.
+    /// Returns whether `other` lies inside this box.
     pub fn holds(&self, other: &Self) -> bool {
         (0..3).all(|axis| self.low[axis] <= other.low[axis] && other.high[axis] <= self.high[axis])
     }
 
-    /// The eight boxes that result from halving all sides. They cover this box despite rounding.
+    /// The eight boxes that result from halving all sides. Together they cover this box exactly.
     fn parts(self) -> impl Iterator<Item = Self> {
         let middle = self.centre();
         (0..8).map(move |n| {
@@ -76,7 +76,8 @@ impl Cell {
     }
 }
 
-/// The 27 places at −1, 0 or 1 steps from `place` along each axis. The middle one is `place`.
+/// `place` moved along each axis by −1, 0 or 1 times the axis's element of `steps`: 27 places. The
+/// 14th is `place` itself.
 pub fn places_about(place: [f64; 3], steps: [f64; 3]) -> impl Iterator<Item = [f64; 3]> {
     (0..27).map(move |n: i32| {
         let sides = [n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1].map(f64::from);
@@ -84,17 +85,17 @@ pub fn places_about(place: [f64; 3], steps: [f64; 3]) -> impl Iterator<Item = [f
     })
 }
 
-/// A search for the cells that may hold a point of some surface, with a limit on evaluations.
+/// A search for cells that may hold a point of a surface, with a limit on evaluations.
 pub struct CellSearch<'a> {
     /// The surfaces' kernels, in interval arithmetic.
     pub surfaces: Vec<&'a dyn Kernel<FindZeros, f64>>,
-    /// The surfaces' kernels in affine arithmetic, evaluated for cells that intervals do not prove
-    /// empty. This list is empty until the kernels are worth compiling.
+    /// The surfaces' kernels in affine arithmetic. They are evaluated for cells that interval
+    /// arithmetic does not prove empty. The list is empty until the kernels are worth compiling.
     pub forms: Vec<&'a dyn Kernel<ContractTiles, f64>>,
-    /// Returns whether the search is still wanted. Queried between evaluations; once false, it must
-    /// stay false.
+    /// Returns whether the search is still wanted. It is called between evaluations. Once it has
+    /// returned false, it must return false forever.
     pub wanted: &'a dyn Fn() -> bool,
-    /// Number of evaluations left. At 0, no further cell is proven empty.
+    /// Number of evaluations left. Once it is 0, no cell can be proven empty.
     pub work: Counter<u64>,
 }
 
@@ -104,14 +105,14 @@ impl CellSearch<'_> {
         (self.wanted)()
     }
 
-    /// Takes evaluations from `work`, and returns whether there were enough left.
+    /// Takes `evaluations` from `work`. Returns whether that many were left.
     pub fn spend(&self, evaluations: u64) -> bool {
         let left = self.work.get();
         self.work.set(left.saturating_sub(evaluations));
         left >= evaluations
     }
 
-    /// The function's values at places. Each takes one evaluation.
+    /// The kernel's values at `places`. Each place takes one evaluation from `work`.
     pub fn values(&self, kernel: &dyn Kernel<Sample, f64>, places: &[[f64; 3]]) -> Vec<f64> {
         self.spend(places.len() as u64);
         let mut values = Vec::with_capacity(places.len());
@@ -123,8 +124,8 @@ impl CellSearch<'_> {
         values
     }
 
-    /// The cells that are not proven empty, in order. If the search is no longer wanted, the result
-    /// is empty, so that every search ends.
+    /// Returns the cells that are not proven empty, in the given order. If the search is no longer
+    /// wanted, returns none, so that every search ends.
     pub fn open(&self, cells: &[Cell]) -> Vec<Cell> {
         if !self.is_wanted() {
             return Vec::new();
@@ -149,15 +150,16 @@ impl CellSearch<'_> {
         })
     }
 
-    /// The cells that may hold a point, in order. `possible` returns these as a mask for up to
-    /// sixteen cells. Once the evaluations are used up, all cells remain.
+    /// Returns the cells that may hold a point of a surface, in the given order. `possible` tests
+    /// up to sixteen cells and returns a bit for each that may. Once the evaluations are used up,
+    /// untested cells are returned, too.
     fn remaining<K: Sync>(
         &self,
         cells: &[Cell],
         kernels: &[K],
         possible: impl Fn(&[Cell], &[K]) -> u16 + Sync,
     ) -> Vec<Cell> {
-        // Evaluations are paid for in order, so that results do not depend on threads.
+        // Evaluations are taken from `work` in order, so that results do not depend on threads.
         let paid = |cells: &'_ [Cell]| self.spend((cells.len() * kernels.len()) as u64);
         let batches: Vec<_> = cells.chunks(LANES).map(|cells| (cells, paid(cells))).collect();
         let open = |&(cells, is_paid): &(&[Cell], bool)| {
@@ -172,8 +174,7 @@ impl CellSearch<'_> {
         }
     }
 
-    /// Returns whether everything outside a box is proven empty, however far away. The space around
-    /// it is divided into boxes with infinite ends.
+    /// Returns whether the space outside `inner`, divided into 26 infinite boxes, is proven empty.
     pub fn nothing_outside(&self, inner: &Cell) -> bool {
         let parts = (0..27).filter(|n| *n != 13).map(|n: usize| {
             let place = [n % 3, n / 3 % 3, n / 9];
@@ -191,7 +192,7 @@ impl CellSearch<'_> {
         self.open(&parts.collect::<Vec<_>>()).is_empty() && self.is_wanted()
     }
 
-    /// Returns whether the space between a box and a larger box around it is proven empty.
+    /// Returns whether the space between `inner` and a larger box `outer` is proven empty.
     pub fn nothing_between(&self, inner: &Cell, outer: &Cell) -> bool {
         let mut left = vec![*outer];
         for _ in 0..SHELL_DEPTH {
@@ -204,9 +205,9 @@ impl CellSearch<'_> {
         left.is_empty() && self.is_wanted()
     }
 
-    /// A box around the cells of `whole` that are not proven empty. The smallest cells have 2 to
-    /// minus `depth` of its sides. The search is repeated on the resulting box as long as that
-    /// shrinks. `None` if everything is proven empty.
+    /// A box around the cells of `whole` that are not proven empty, or `None` if all of `whole` is.
+    /// The smallest cells have 2^−`depth` of `whole`'s sides. The search is repeated on the
+    /// resulting box as long as each search shrinks the box noticeably.
     pub fn tight(&self, mut whole: Cell, depth: u32) -> Option<Cell> {
         for _ in 0..ROUNDS {
             let hull = self.hull(&whole, depth)?;
@@ -222,7 +223,8 @@ impl CellSearch<'_> {
         Some(whole)
     }
 
-    /// The smallest box around the smallest cells of `whole` that are not proven empty.
+    /// The smallest box around the cells at depth `finest` that are not proven empty. Once no
+    /// evaluations are left, coarser cells count, too.
     fn hull(&self, whole: &Cell, finest: u32) -> Option<Cell> {
         let mut hull: Option<Cell> = None;
         let mut open = vec![(*whole, 0)];
@@ -243,7 +245,7 @@ impl CellSearch<'_> {
     }
 }
 
-/// Up to sixteen cells as boxes of a batch.
+/// Converts up to sixteen cells to a batch of boxes.
 fn boxes(cells: &[Cell]) -> Boxes<f64> {
     let mut boxes = Boxes { count: cells.len() as u32, ..Boxes::default() };
     for (lane, cell) in cells.iter().enumerate() {
@@ -255,7 +257,7 @@ fn boxes(cells: &[Cell]) -> Boxes<f64> {
     boxes
 }
 
-/// Up to sixteen cells as tiles of rays parallel to z, whose screen coordinates are x and y.
+/// Converts up to sixteen cells to tiles of rays parallel to z. Screen coordinates are x and y.
 fn tiles(cells: &[Cell]) -> Tiles<f64> {
     let mut tiles = Tiles { count: cells.len() as u32, ..Tiles::default() };
     for (lane, cell) in cells.iter().enumerate() {
@@ -275,18 +277,19 @@ fn tiles(cells: &[Cell]) -> Tiles<f64> {
     tiles
 }
 
-/// Least number of batches that are worth several threads.
+/// Smallest number of batches for which several threads are used.
 const PARALLEL: usize = 16;
 
-/// Largest number of halvings of the space between two boxes, and number of undecided cells beyond
-/// which halving stops. If a surface passes through that space, more halvings only cost time.
+/// Limits for [`CellSearch::nothing_between`]: the largest number of halvings, and the number of
+/// undecided cells beyond which halving stops. If a surface passes between the boxes, more halvings
+/// only cost time.
 const SHELL_DEPTH: u32 = 6;
 const SHELL_CELLS: usize = 2048;
 
-/// A box is searched again if a side shrinks below this share of its length, at most `ROUNDS`
-/// times.
+/// A box is searched again if one of its sides shrank below `SNUG` of the side's former length.
+/// `ROUNDS` is the maximum number of searches.
 const SNUG: f64 = 0.75;
 const ROUNDS: u32 = 400;
 
-/// A side shorter than this share of the longest does not cause another search.
+/// A side shorter than this share of the box's longest side does not cause another search.
 const NARROW: f64 = 1e-3;

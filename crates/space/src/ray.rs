@@ -10,7 +10,7 @@ use glam::DVec3;
 pub struct Ray {
     /// The point at t = 0: the eye, or a point of the eye's plane in an orthographic picture.
     pub origin: DVec3,
-    /// The vector from t to t + 1, of any length but 0.
+    /// The step from the point at t to the point at t + 1, of any length but 0.
     pub direction: DVec3,
 }
 
@@ -21,13 +21,14 @@ impl Ray {
         self.origin + self.direction * t
     }
 
-    /// The distance of the point at `t` from the origin in world units: t times the direction's
+    /// The distance in world units from the origin to the point at `t`: t times the direction's
     /// length.
     pub fn distance(&self, t: f64) -> f64 {
         t * self.direction.length()
     }
 
-    /// The t of the point at a distance in world units: the inverse of [`Ray::distance`].
+    /// The t of the point at `distance` from the origin, in world units: the inverse of
+    /// [`Ray::distance`].
     pub fn parameter(&self, distance: f64) -> f64 {
         distance / self.direction.length()
     }

@@ -1,7 +1,7 @@
 //! The region in which a surface is looked for: a box, optionally cut by a half-space and a ball.
 //!
-//! Bounds are rounded away from the region, so that no part of a ray inside it is lost. Nothing
-//! here knows functions or pixels.
+//! Bounds are rounded outward, so that no part of a ray inside the region is lost. Nothing here
+//! knows functions or pixels.
 
 mod ball;
 
@@ -10,14 +10,14 @@ pub use ball::{Ball, Chord};
 use glam::DVec3;
 use thiserror::Error;
 
-/// Largest magnitude of a coordinate. The squares of larger ones could overflow in `f32` kernels.
-/// The limit also holds for `f64`, so that a domain does not depend on the precision.
+/// Largest magnitude of a coordinate. Squares of larger coordinates could overflow in `f32`
+/// kernels. The limit also holds for `f64`, so that a domain does not depend on the precision.
 const LARGEST_COORDINATE: f64 = 1e18;
 
 /// The points `p` with `normal · p ≤ offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfSpace {
-    /// Normal of the boundary plane, out of the half-space; of any length but 0.
+    /// Normal of the boundary plane, pointing out of the half-space, of any length but 0.
     pub normal: DVec3,
     /// Largest value of `normal · p` in the half-space.
     pub offset: f64,
@@ -47,7 +47,7 @@ pub enum RegionError {
         /// Upper bound of the coordinate.
         high: f64,
     },
-    /// A range holds no interval.
+    /// The lower bound of a coordinate's range is not below the upper bound.
     #[error(
         "the {axis} range of the domain, {low} to {high}, is empty: the first bound must be the smaller"
     )]
@@ -59,30 +59,30 @@ pub enum RegionError {
         /// Upper bound of the coordinate.
         high: f64,
     },
-    /// The half-space has no boundary plane, or its numbers are out of range.
+    /// The half-space's normal is zero, or one of its numbers is out of range.
     #[error(
         "the clipping plane a,b,c,d needs finite numbers, and a, b, c not all zero nor all below 1e-150 or one above 1e150"
     )]
     Plane,
 }
 
-/// The point where a ray enters a region from outside.
+/// The place where a ray enters a region from outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Entry {
     /// Bounds of the t at which the ray crosses the face.
     pub t: (f64, f64),
     /// The face's unit normal, pointing out of the region.
     pub normal: DVec3,
-    /// Whether the ray certainly meets the region, despite rounding.
+    /// Whether the ray is proven to meet the region, despite rounding.
     pub certain: bool,
 }
 
 impl Region {
-    /// The box between two corners.
+    /// The box with the corners `low` and `high`.
     ///
     /// # Errors
-    /// If a coordinate of `low` is not below that of `high`, or exceeds 1e18 in magnitude, or is
-    /// NaN.
+    /// If a coordinate is NaN or exceeds 1e18 in magnitude, or that of `low` is not below that of
+    /// `high`.
     pub fn new(low: DVec3, high: DVec3) -> Result<Self, RegionError> {
         for (axis, (low, high)) in
             ['x', 'y', 'z'].into_iter().zip(low.to_array().into_iter().zip(high.to_array()))
@@ -98,16 +98,17 @@ impl Region {
         Ok(Self { low, high, clip: None, ball: None })
     }
 
-    /// The same box, cut by a half-space.
+    /// This region, cut by the half-space `clip`.
     ///
     /// # Errors
-    /// If the plane's numbers are not finite, or its normal is zero.
+    /// If a number of `clip` is not finite, or the square of its normal's length is 0 or infinite.
     pub fn with_clip(self, clip: HalfSpace) -> Result<Self, RegionError> {
         let valid = clip.normal.try_normalize().is_some() && clip.offset.is_finite();
         if valid { Ok(Self { clip: Some(clip), ..self }) } else { Err(RegionError::Plane) }
     }
 
-    /// The same region, cut by the ball about the box's center that touches its farthest faces.
+    /// This region, cut by a ball around the box's center. The ball's radius is
+    /// [`Region::half_extent`].
     #[must_use]
     pub fn with_ball(self) -> Self {
         let ball = Ball { centre: self.centre(), radius: self.half_extent() };
@@ -124,22 +125,22 @@ impl Region {
         self.high
     }
 
-    /// The half-space that cuts the box.
+    /// The half-space that cuts the box, if any.
     pub fn clip(&self) -> Option<HalfSpace> {
         self.clip
     }
 
-    /// The ball that cuts the box.
+    /// The ball that cuts the box, if any.
     pub fn ball(&self) -> Option<Ball> {
         self.ball
     }
 
-    /// Returns whether part of the box is cut away.
+    /// Returns whether a half-space or a ball cuts the box.
     pub fn is_cut(&self) -> bool {
         self.clip.is_some() || self.ball.is_some()
     }
 
-    /// The center of the box, whatever is cut away.
+    /// The center of the box, cut or not.
     pub fn centre(&self) -> DVec3 {
         (self.low + self.high) / 2.0
     }
@@ -149,21 +150,22 @@ impl Region {
         (self.high - self.low).max_element() / 2.0
     }
 
-    /// Bounds of the t ≥ 0 at which points of `ray` lie inside the region, rounded outward, so that
-    /// no point inside is left out. `None` if there is no such point.
+    /// Bounds of the t ≥ 0 at which points of `ray` lie inside the region, rounded outward. `None`
+    /// if no point does.
     pub fn span(&self, ray: &Ray) -> Option<(f64, f64)> {
         let [near, far] = self.ends::<true>(ray)?;
         (near <= far).then_some((near, far))
     }
 
-    /// Bounds of a range of t ≥ 0 in which all points of `ray` certainly lie inside the region.
-    /// They are not in order if no point does.
+    /// The first and last t ≥ 0 between which all points of `ray` are proven to lie inside the
+    /// region. If there are no such t, the first exceeds the last.
     pub fn inner(&self, ray: &Ray) -> [f64; 2] {
         self.ends::<false>(ray).unwrap_or([f64::INFINITY, f64::NEG_INFINITY])
     }
 
-    /// The ends of the range of t ≥ 0 in which points lie inside, rounded outward or inward. `None`
-    /// or not in order if no point does.
+    /// The first and last t ≥ 0 at which points of `ray` lie inside the region, rounded outward if
+    /// `OUTWARD`, else inward. If no point lies inside, the result is `None`, or the first exceeds
+    /// the last.
     #[inline]
     fn ends<const OUTWARD: bool>(&self, ray: &Ray) -> Option<[f64; 2]> {
         let (mut near, mut far) = (0.0_f64, f64::INFINITY);
@@ -174,9 +176,9 @@ impl Region {
         }
         if let Some(clip) = &self.clip {
             let (room, slope) = clip.relation(ray);
-            // The half-space holds the t with t·slope ≤ room, where slope and room are known within
-            // bounds. As t ≥ 0, the smallest slope and the largest room give the widest range. The
-            // largest slope and the smallest room give the narrowest.
+            // The half-space holds the t with t·slope ≤ room. Both numbers have bounds. As t ≥ 0,
+            // the smallest slope and the largest room give the widest range of t. The largest slope
+            // and the smallest room give the narrowest.
             let (slope, room) = if OUTWARD { (slope.0, room.1) } else { (slope.1, room.0) };
             let end = room / slope;
             if slope > 0.0 {
@@ -196,11 +198,11 @@ impl Region {
         Some([near, far])
     }
 
-    /// The point where the ray enters. `None` if it starts inside, or never enters.
+    /// The place where the ray enters the region. `None` if the ray starts inside or never enters.
     pub fn entry(&self, ray: &Ray) -> Option<Entry> {
         let (mut near, mut far) = ((0.0_f64, 0.0_f64), f64::INFINITY);
         let mut normal = None;
-        // Records that the ray crosses a face from outside. The last such face gives the normal.
+        // Records that the ray crosses a face from outside. The last face crossed gives the normal.
         let mut cross = |crossing: (f64, f64), face: DVec3| {
             if crossing.0 > near.0 {
                 normal = Some(face);
@@ -235,8 +237,8 @@ impl Region {
         Some(Entry { t: near, normal, certain: near.1 <= far })
     }
 
-    /// Bounds of the t at which the ray enters and leaves the slab of one axis. `None` if the ray
-    /// runs parallel to the slab, outside of it.
+    /// Bounds of the t at which the ray enters the slab of one axis, and of the t at which it
+    /// leaves. `None` if the ray runs parallel to the slab, outside of it.
     fn slab(&self, ray: &Ray, axis: usize) -> Option<((f64, f64), (f64, f64))> {
         let (origin, direction) = (ray.origin[axis], ray.direction[axis]);
         let (low, high) = (self.low[axis], self.high[axis]);
@@ -255,12 +257,12 @@ impl Region {
 }
 
 impl HalfSpace {
-    /// Bounds of `offset − normal · origin` and of `normal · direction`.
+    /// Bounds of `offset − normal · origin`, then of `normal · direction`.
     fn relation(&self, ray: &Ray) -> ((f64, f64), (f64, f64)) {
         let bounds = |value: f64, magnitude: f64| {
-            // Six operations have an error of at most half an ulp each, on terms below `magnitude`.
-            // The factor 16 also covers the rounding of `magnitude`; the last term covers
-            // underflow.
+            // Each of six operations has an error of at most half an ulp, on terms below
+            // `magnitude`. The factor 16 also covers the rounding of `magnitude`. The last term
+            // covers underflow.
             let error = 16.0 * (f64::EPSILON / 2.0) * magnitude + f64::MIN_POSITIVE;
             ((value - error).next_down(), (value + error).next_up())
         };
@@ -272,13 +274,12 @@ impl HalfSpace {
     }
 }
 
-/// A lower bound of (a − b) / c, given the result of these two operations rounded to nearest: at
-/// most two ulps away.
+/// A lower bound of (a − b) / c, given the float result, which is at most two ulps away.
 fn down(value: f64) -> f64 {
     value.next_down().next_down().next_down()
 }
 
-/// An upper bound, like [`down`].
+/// An upper bound of (a − b) / c, given the float result, which is at most two ulps away.
 fn up(value: f64) -> f64 {
     value.next_up().next_up().next_up()
 }

@@ -5,7 +5,7 @@ use colorous::Gradient;
 /// A map from numbers to colors: a row of [`COLOR_MAPS`].
 #[derive(Clone, Copy, Debug)]
 pub struct ColorMap {
-    /// The name that selects it.
+    /// The name that selects the map.
     pub name: &'static str,
     gradient: Gradient,
 }
@@ -38,8 +38,8 @@ impl ColorMap {
         const { &COLOR_MAPS }.iter().find(|map| map.name == name)
     }
 
-    /// The color at `share` as sRGB bytes: 0 is the first color, 1 the last. Values outside [0, 1]
-    /// are clamped; NaN counts as 0.
+    /// The color at `share` as sRGB bytes: 0 is the map's first color, 1 its last. A `share`
+    /// outside [0, 1] is clamped; NaN counts as 0.
     pub fn bytes(&self, share: f64) -> [u8; 3] {
         let share = if share > 0.0 { share.min(1.0) } else { 0.0 };
         self.gradient.eval_continuous(share).as_array()

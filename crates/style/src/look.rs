@@ -3,27 +3,27 @@
 /// The lights and the background of a picture: a row of [`LOOKS`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
-    /// The name that selects it.
+    /// The name that selects the look.
     pub name: &'static str,
-    /// One line that describes it.
+    /// One line that describes the look.
     pub help: &'static str,
-    /// Color where nothing is painted, as sRGB bytes.
+    /// Color of pixels in which nothing is painted, as sRGB bytes.
     pub background: [u8; 3],
-    /// Share of the light that is ambient, within [0, 1]. The lights below share the rest.
+    /// Share of the light that is ambient, within [0, 1]. The key and fill lights share the rest.
     pub ambient: f32,
-    /// Strength of ambient light from below, relative to 1 from above.
+    /// Strength of ambient light from below. Ambient light from above has strength 1.
     pub ground: f32,
     /// Strength of the key light, which casts shadows.
     pub key: f32,
-    /// Strength of the fill light from the other side, which brightens the shadows.
+    /// Strength of the fill light, which comes from the viewer's right and brightens shadows.
     pub fill: f32,
-    /// Strength of the rim light from behind, which is visible where a surface turns away.
+    /// Strength of the rim light, which comes from behind and brightens the edges of a surface.
     pub rim: f32,
     /// Strength of the key light's white highlight.
     pub highlight: f32,
-    /// Darkening of a surface where it turns away, from 0 to 1. At 1 it draws outlines.
+    /// Strength, from 0 to 1, of outlines: dark edges where a surface turns from the viewer.
     pub outline: f32,
-    /// Whether nearby points take away ambient light.
+    /// Whether nearby points of a surface reduce the ambient light.
     pub occlusion: bool,
 }
 

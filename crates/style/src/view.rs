@@ -3,19 +3,19 @@
 /// A view that needs no coordinates: a row of [`VIEWS`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StandardView {
-    /// The name that selects it.
+    /// The name that selects the view.
     pub name: &'static str,
-    /// The eye's offset from the target, in half extents of the region.
+    /// The eye's offset from the target. The unit is half the region's extent.
     pub offset: [f64; 3],
-    /// The upward direction, of length 1.
+    /// The direction that appears upright in the picture, of length 1.
     pub up: [f64; 3],
 }
 
-/// Length of every offset, which is that of (2, −3, 1.5).
+/// Length of every offset: the length of (2, −3, 1.5).
 const DISTANCE: f64 = 3.905_124_837_953_327;
 
-/// All views. The first is the default, from the right, the front and above. z is up, and `front`
-/// looks along +y.
+/// All views. The first is the default: the eye is to the right, in front and above. The z axis
+/// points up, and the view `front` looks along +y.
 pub const VIEWS: [StandardView; 7] = [
     StandardView { name: "iso", offset: [2.0, -3.0, 1.5], up: UPRIGHT },
     StandardView { name: "front", offset: [0.0, -DISTANCE, 0.0], up: UPRIGHT },

@@ -1,7 +1,7 @@
-//! The language of zeroset: from a text to an expression graph, with diagnostics that point at
-//! places in the text.
+//! Reads the language of zeroset: turns a text into an expression graph, with diagnostics that
+//! point at places in the text.
 //!
-//! A text passes through these stages. Each is a folder that depends only on those before it:
+//! A text passes through stages. Each stage is a folder that depends only on the folders before it:
 //!
 //! - `messages`: errors and notes, for all stages.
 //! - `lex`: characters to tokens. It bounds the text's size, maps every spelling to one token and
@@ -9,11 +9,11 @@
 //! - `tree`: tokens to syntax trees in which every name is resolved.
 //! - `lower`: syntax trees to the expression graph, with definitions expanded.
 //! - `picture`: lines about the picture, such as `view`.
-//! - `dialect`: translates programs and commands of other systems to statements of this language,
-//!   before trees are built.
+//! - `dialect`: programs and commands of other systems to statements of this language, before trees
+//!   are built.
 //! - `document`: runs all stages in turn. [`read`] is its entry point.
 //!
-//! Nothing here evaluates a picture, prints or reads files.
+//! Nothing here computes a picture, prints or reads files.
 //! ```
 //! use zeroset_syntax::{Options, read};
 //! let document = read("2x sin y = z^2", &Options::default())?;

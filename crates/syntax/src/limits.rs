@@ -1,6 +1,6 @@
-//! Limits on the size of a text. The error for a text beyond a limit states the limit.
+//! Limits on the size of a text. The error for a text that exceeds a limit states the limit.
 
-/// Limits on a text and on what is built from it.
+/// Limits on a text, its syntax trees and its expression graph.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
     /// Size of the text, in bytes.
@@ -11,12 +11,12 @@ pub struct Limits {
     pub depth: usize,
     /// Number of nodes in the expression graph, with definitions expanded.
     pub nodes: usize,
-    /// Number of surfaces; each is compiled to code of its own.
+    /// Number of surfaces. Each surface is compiled separately.
     pub surfaces: usize,
 }
 
 impl Default for Limits {
-    /// One mebibyte, 100,000 tokens, 200 levels, 65,536 nodes, 1,000 surfaces.
+    /// One mebibyte, 100,000 tokens, a nesting depth of 200, 65,536 nodes, 1,000 surfaces.
     fn default() -> Self {
         Self { bytes: 10 << 20, symbols: 2_000_000, depth: 200, nodes: 1 << 20, surfaces: 1000 }
     }

@@ -1,11 +1,11 @@
-//! The table of settings. Each is a line about the picture that begins with the setting's word.
+//! The table of settings. A setting is a line about the picture that begins with a known word.
 
-/// A word that begins a line about the picture.
+/// A row of the table: a word that begins a line about the picture.
 pub(crate) struct SettingRow {
     pub word: &'static str,
     /// The setting that the line changes.
     pub kind: SettingKind,
-    /// How to write the line, for messages.
+    /// How to write the line, for error messages.
     pub hint: &'static str,
 }
 
@@ -27,7 +27,6 @@ pub(crate) enum SettingKind {
     Contours,
 }
 
-/// Creates a row of the table.
 const fn plain(word: &'static str, kind: SettingKind, hint: &'static str) -> SettingRow {
     SettingRow { word, kind, hint }
 }
@@ -39,7 +38,7 @@ const COLOR: SettingRow = SettingRow {
            perhaps how opaque it is behind that, as `50%`",
 };
 
-/// All settings.
+/// All settings and their words.
 pub(crate) const SETTINGS: &[SettingRow] = &[
     SettingRow {
         word: "domain",
@@ -88,8 +87,8 @@ pub(crate) fn setting(word: &str) -> Option<&'static SettingRow> {
     SETTINGS.iter().find(|setting| setting.word == word)
 }
 
-/// The main spelling of a setting's word, such as `color` for `colour`. Returns `None` if no line
-/// about the picture begins with `word`.
+/// The main spelling of a setting's word, such as `color` for `colour`; `None` if no line about the
+/// picture begins with `word`.
 pub fn setting_word(word: &str) -> Option<&'static str> {
     let found = setting(word)?;
     let first = SETTINGS.iter().find(|other| other.kind == found.kind);

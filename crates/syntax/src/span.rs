@@ -1,4 +1,4 @@
-//! Places in a text, as byte offsets. Lines and columns are left to the code that shows the text.
+//! Places in a text, as byte offsets. Nothing here knows lines and columns.
 
 use std::ops::Range;
 
@@ -12,7 +12,7 @@ pub struct Span {
 }
 
 impl Span {
-    /// The bytes `start..end`.
+    /// The span of the bytes `start..end`.
     pub const fn new(start: usize, end: usize) -> Self {
         Self { start, end }
     }
@@ -22,7 +22,7 @@ impl Span {
         Self::new(offset, offset)
     }
 
-    /// The smallest span that covers both spans.
+    /// The smallest span that covers `self` and `other`.
     #[must_use]
     pub fn to(self, other: Self) -> Self {
         Self::new(self.start.min(other.start), self.end.max(other.end))

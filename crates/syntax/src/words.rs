@@ -1,5 +1,5 @@
-//! All words of the language and their kinds, for help, completion and highlighting. They come from
-//! the tables that the parser uses. Nothing here knows how words are displayed.
+//! All words of the language and their kinds, for help, completion and highlighting. The words come
+//! from the tables that the parser uses. Nothing here knows how words are displayed.
 
 use crate::picture::paint::POINT_NAMES;
 use crate::settings::SETTINGS;
@@ -10,17 +10,17 @@ use zeroset_style::{COLOR_MAPS, LOOKS, VIEWS};
 /// Kind of a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum WordKind {
-    /// A function, which takes arguments in brackets.
+    /// A function. Its arguments are in brackets.
     Function,
     /// A coordinate, time, or a constant.
     Value,
-    /// A word that joins conditions, or stands before a range.
+    /// A word that joins conditions, or the word before a range.
     Operator,
     /// A word that begins a line about the picture.
     Setting,
-    /// A word inside a line about the picture.
+    /// A word that stands inside a line about the picture.
     InSetting,
-    /// A word of programs.
+    /// A word that is used in programs.
     Program,
 }
 
@@ -36,7 +36,7 @@ const PROGRAM: &[(&str, &str)] = &[
     ("lambda", "f = lambda x, y, z: x + y"),
 ];
 
-/// Words of the kind `Operator`, each with an example that contains it.
+/// Words of the kind [`WordKind::Operator`], each with an example that contains it.
 const OPERATORS: &[(&str, &str)] = &[
     ("and", "x < 1 and y < 1"),
     ("or", "x < 1 or y < 1"),
@@ -55,7 +55,7 @@ const VALUES: &[(&str, &str)] = &[
     ("theta", "the angle around the z axis, where it is not defined: r = 1 + cos(3 theta)"),
 ];
 
-/// All words. A word with several meanings occurs once for each kind.
+/// All words. A word that has several meanings occurs once for each kind.
 pub fn words() -> impl Iterator<Item = (&'static str, WordKind)> {
     use WordKind::*;
     let functions = zeroset_ops::names().chain(ROOT_NAMES.iter().copied());
@@ -76,17 +76,17 @@ pub fn words() -> impl Iterator<Item = (&'static str, WordKind)> {
         .chain(PROGRAM.iter().map(first).map(|word| (word, Program)))
 }
 
-/// All functions, constants and coordinates of the language, aliases included.
+/// All functions, constants and coordinates of the language, with their aliases.
 ///
-/// Besides the functions in the tables of `zeroset_ops` there is `root(a, n)`, the n-th root of a.
-/// If n is written as an odd whole number, negative numbers have roots too. Any other n is read as
-/// `a^(1/n)`, for a ≥ 0.
+/// Besides the functions in the tables of `zeroset_ops`, the list contains `root(a, n)`, the n-th
+/// root of a. If n is written as an odd whole number, negative numbers have roots too. Any other n
+/// is read as `a^(1/n)`, for a ≥ 0.
 pub fn language_names() -> impl Iterator<Item = &'static str> {
     let is_name = |kind| matches!(kind, WordKind::Function | WordKind::Value);
     words().filter(move |(_, kind)| is_name(*kind)).map(|(name, _)| name)
 }
 
-/// One line of help for a word; `None` for functions of `zeroset_ops` and unknown words.
+/// A line of help for a word; `None` for unknown words, and for functions of `zeroset_ops`.
 pub fn word_help(word: &str) -> Option<String> {
     let found = |table: &[(&'static str, &'static str)]| {
         table.iter().find(|(name, _)| *name == word).map(|(_, text)| *text)

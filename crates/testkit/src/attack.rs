@@ -8,17 +8,17 @@ use proptest::test_runner::{Config, RngSeed, TestCaseError, TestRunner};
 use std::cell::RefCell;
 use std::path::Path;
 
-/// Length of an input in bytes. Generators draw no more than that.
+/// Lengths of random inputs, in bytes.
 const LENGTH: std::ops::Range<usize> = 4..256;
-/// Number of simpler inputs tried after a failure.
+/// Greatest number of simpler inputs that are tried after a failure.
 const SHRINKING: u32 = 500;
 
 /// Checks a property on each file of the directory `seeds`, then on random bytes. Returns the sum
 /// of the property's counts.
 ///
 /// # Panics
-/// If the property fails on a file, or on random bytes; these are made as simple as possible first.
-/// If the directory cannot be read.
+/// If the property fails on a file or on random bytes, or if the directory cannot be read. Failing
+/// bytes are made simpler before the panic.
 pub fn attack(
     property: &dyn Fn(&[u8]) -> Result<Tally, Failure>,
     seeds: &Path,
@@ -64,7 +64,7 @@ mod tests {
     #[test]
     fn a_failure_is_made_simple_and_says_how_to_repeat_it() {
         let failure = catch_unwind(|| {
-            // No source file contains these bytes.
+            // The seeds are source files, which have no byte above 250. Only random bytes fail.
             let few = |data: &[u8]| match data.iter().position(|byte| *byte > 250) {
                 Some(at) => Err(Failure::new(format!("{} at {at}", data[at]))),
                 None => Ok(Tally { compared: 1, defined: 1 }),

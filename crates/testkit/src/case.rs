@@ -1,6 +1,6 @@
-//! A function with the domain and parameters that its kernels are compiled for and run with.
+//! A function with its domain and parameters, from which kernels are compiled.
 //!
-//! The kind of kernel, and how it is compiled, is up to the caller.
+//! The caller chooses the kind of kernel and how it is compiled.
 
 use crate::random::{
     Adversarial, Ends, GraphOptions, Rng, point_in_box, random_box, random_domain, random_graph,
@@ -17,17 +17,17 @@ use zeroset_ir::{Graph, NodeId};
 pub struct Case {
     /// The graph as typed.
     pub graph: Graph,
-    /// The function.
+    /// The node of the function.
     pub root: NodeId,
-    /// The domain and the range of each parameter that are given to the compiler.
+    /// The domain and the parameters' ranges that compiled code may assume.
     pub assumptions: Assumptions,
     /// Bounds of each parameter's value when the code runs, within the assumed range.
     pub parameters: Vec<Interval>,
 }
 
 impl Case {
-    /// Returns a graph drawn by `options` over a random domain: all of space, or a box whose ends
-    /// need not be `f32`. The code may assume a parameter's bounds, a wider range, or nothing.
+    /// Returns a function drawn by `options`. Its domain is all of space, or a box whose ends need
+    /// not be `f32`. The code may assume a parameter's bounds, a wider range, or nothing.
     pub fn random(rng: &mut Rng, options: &GraphOptions) -> Self {
         let (graph, root) = random_graph(rng, options);
         let domain = random_domain(rng);
@@ -43,8 +43,8 @@ impl Case {
         Self { graph, root, assumptions, parameters }
     }
 
-    /// Returns a box for this case, rounded to floats. It exceeds the domain by one rounding at
-    /// most.
+    /// Returns a random box in the domain. Its ends are rounded outward to `T`, so it exceeds the
+    /// domain by one rounding at most.
     pub fn random_box<T: Adversarial>(&self, rng: &mut Rng) -> [[T; 2]; 3] {
         let anywhere: [[T; 2]; 3] = random_box(rng, Ends::Infinite);
         let mut region = anywhere;
@@ -54,7 +54,7 @@ impl Case {
         region
     }
 
-    /// Returns a real point of the domain within `region`.
+    /// Returns a random point that lies in the domain and in `region`.
     pub fn random_point<T: Adversarial>(&self, rng: &mut Rng, region: &[[T; 2]; 3]) -> [f64; 3] {
         let mut point = point_in_box(rng, region);
         for (value, bounds) in point.iter_mut().zip(self.assumptions.domain) {
@@ -63,7 +63,7 @@ impl Case {
         point
     }
 
-    /// Returns a value of each parameter as two equal bounds. The value is mostly an end.
+    /// Returns a value of each parameter as two equal bounds, mostly an end of its range.
     pub fn random_values(&self, rng: &mut Rng) -> Vec<(f64, f64)> {
         let drawn = self.parameters.iter().map(|bounds| {
             let value = match rng.u32(0..3) {
@@ -81,7 +81,7 @@ impl Case {
         self.graph.reachable(&[self.root]).into_iter().filter(|needed| *needed).count()
     }
 
-    /// Returns a line for `zeroset eval` with this case and a kernel of `T`, and the assumptions.
+    /// Returns a line for `zeroset eval` in the precision `T` with this case, and the assumptions.
     pub fn describe<T: Real>(&self, place: &Place) -> String {
         let values: Vec<(f64, f64)> = self.parameters.iter().map(|v| (v.lo, v.hi)).collect();
         let line = reproduce_in::<T>(&self.graph, self.root, &values, place);

@@ -18,7 +18,7 @@ use zeroset_ir::{Constant, Graph, NodeId};
 #[derive(Clone, Debug, PartialEq)]
 pub struct Certificate {
     /// Undecided pieces before the first certain crossing, in order and disjoint. The function has
-    /// no zero before the first of them, nor between them.
+    /// no zero before the first piece, nor between two pieces.
     pub unresolved: Vec<Unresolved>,
     /// The first certain crossing. If `None`, there is no zero outside the unresolved pieces.
     pub crossing: Option<Crossing>,
@@ -39,13 +39,13 @@ impl Certificate {
     }
 }
 
-/// Two distances between which the function is continuous and changes its sign, and so has a zero.
+/// Two distances. Between them the function is continuous and changes its sign, so it has a zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Crossing {
-    /// Lower end. The function is not 0 here. It has no zero from the last unresolved piece to
-    /// here.
+    /// Lower end, where the function is not 0. No zero lies between the last unresolved piece and
+    /// this end.
     pub near: f64,
-    /// Upper end. The function is not 0 here and has the other sign.
+    /// Upper end. Here the function is not 0 and has the other sign.
     pub far: f64,
     /// Whether the function is monotone between the ends, and so has just one zero there.
     pub simple: bool,
@@ -54,20 +54,21 @@ pub struct Crossing {
 /// A piece of a ray that may contain a zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unresolved {
-    /// Distance at which it starts.
+    /// Distance at which the piece starts.
     pub near: f64,
-    /// Distance at which it ends.
+    /// Distance at which the piece ends.
     pub far: f64,
-    /// The reason why it is undecided.
+    /// The reason why the piece is undecided.
     pub reason: UnresolvedReason,
 }
 
 /// The place where a line enters a box from outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoxEntry {
-    /// Bounds of the distance.
+    /// Bounds of the distance at which the line enters.
     pub distance: (f64, f64),
-    /// Whether the function is below 0 there, if that is certain. It is not where it is undefined.
+    /// Whether the function is below 0 at the entry, if that is certain. An undefined function is
+    /// not below 0.
     pub below: Option<bool>,
 }
 
@@ -80,7 +81,7 @@ pub enum UnresolvedReason {
     Jump,
     /// The function may be undefined.
     Undefined,
-    /// The ray enters or leaves the box here, so the zero may lie outside.
+    /// The ray enters or leaves the box in this piece, so the zero may lie outside the box.
     Edge,
     /// The budget of evaluations was used up.
     Budget,
@@ -102,8 +103,8 @@ impl Function {
         Self(FunctionOnLine::new(graph, root, parameters))
     }
 
-    /// Traces the part of `line` from its origin on and inside the box `region` (per axis, its
-    /// lower and upper end). It takes about `budget` evaluations at most.
+    /// Traces the part of `line` with t ≥ 0 inside the box `region`, which has a lower and an upper
+    /// end per axis. Takes about `budget` evaluations at most.
     pub fn trace(&self, line: &Line, region: &[[f64; 2]; 3], budget: u32) -> Certificate {
         Search::new(&self.0, line, budget).run(line.clip(region))
     }

@@ -4,7 +4,7 @@ use std::env;
 use std::fmt;
 
 /// A seed and a number of inputs. The environment variables `ZEROSET_SEED` and `ZEROSET_CASES`
-/// override them. Both are decimal, or hexadecimal after `0x`.
+/// override them. Each variable is decimal, or hexadecimal after `0x`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Effort {
     /// Seed of the random numbers. The n-th case starts from `seed + n`.
@@ -14,7 +14,7 @@ pub struct Effort {
 }
 
 impl Effort {
-    /// Returns and prints the values set in the environment, or else the given ones.
+    /// Returns the given values, unless the environment sets others. Prints the result.
     ///
     /// # Panics
     /// If a variable of the environment is set but is not a number.

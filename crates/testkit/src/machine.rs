@@ -2,8 +2,8 @@
 
 use std::fs::read_to_string;
 
-/// Returns the processor's name with its family and model, since a name may not determine these.
-/// Returns "unknown processor" where there is no `/proc/cpuinfo`.
+/// Returns the processor's name with its family and model, since several models may share a name.
+/// Returns "unknown processor" if there is no `/proc/cpuinfo`.
 pub fn processor() -> String {
     let text = read_to_string("/proc/cpuinfo").unwrap_or_default();
     let field = |name: &str| {

@@ -4,10 +4,11 @@ use crate::case::Case;
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, compact};
 
-/// Returns a case no larger than `case` for which `fails` still holds. Parts of the function are
-/// cut out one at a time while possible. Then irrelevant bounds of the domain are dropped.
+/// Returns a case no larger than `case` for which `fails` still holds. Cuts out one part of the
+/// function after another while `fails` holds. Then drops each bound of the domain without which
+/// `fails` still holds.
 ///
-/// With n nodes, `fails` is called a few times n² times at most.
+/// For n nodes, `fails` is called O(n²) times.
 pub fn minimise(case: &Case, fails: &mut dyn FnMut(&Case) -> bool) -> Case {
     let mut best = case.clone();
     while let Some(smaller) = smaller(&best).into_iter().find(|candidate| fails(candidate)) {
@@ -23,7 +24,7 @@ pub fn minimise(case: &Case, fails: &mut dyn FnMut(&Case) -> bool) -> Case {
     best
 }
 
-/// Returns every smaller case that cutting out one part gives.
+/// Returns every smaller case that results from cutting out one part.
 fn smaller(case: &Case) -> Vec<Case> {
     let needed = case.graph.reachable(&[case.root]);
     let nodes = || case.graph.iter().filter(|(id, _)| needed[id.index()]);
@@ -42,7 +43,7 @@ fn smaller(case: &Case) -> Vec<Case> {
     found
 }
 
-/// Replacement of a part that is cut out.
+/// A replacement for a part that is cut out.
 #[derive(Clone, Copy)]
 enum Replacement {
     Node(NodeId),

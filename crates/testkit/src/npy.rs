@@ -15,7 +15,7 @@ pub struct Array<T> {
 /// Reads an array of `f64`.
 ///
 /// # Errors
-/// If reading fails, or the data are no such array in C order.
+/// If reading fails, or the source is not an array of `f64` in C order.
 pub fn read_f64(source: impl Read) -> Result<Array<f64>> {
     read(source)
 }
@@ -23,7 +23,7 @@ pub fn read_f64(source: impl Read) -> Result<Array<f64>> {
 /// Reads an array of `f32`.
 ///
 /// # Errors
-/// If reading fails, or the data are no such array in C order.
+/// If reading fails, or the source is not an array of `f32` in C order.
 pub fn read_f32(source: impl Read) -> Result<Array<f32>> {
     read(source)
 }
@@ -31,12 +31,12 @@ pub fn read_f32(source: impl Read) -> Result<Array<f32>> {
 /// Reads an array of `u8`.
 ///
 /// # Errors
-/// If reading fails, or the data are no such array in C order.
+/// If reading fails, or the source is not an array of `u8` in C order.
 pub fn read_u8(source: impl Read) -> Result<Array<u8>> {
     read(source)
 }
 
-/// Returns the content of a file with these numbers in rows of `columns`.
+/// Returns the content of an `.npy` file with these numbers in rows of `columns`.
 ///
 /// # Errors
 /// If the last row is not full.

@@ -82,8 +82,8 @@ impl Claim {
 /// The oracle's claim about a function over a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BoxClaim {
-    /// Bounds of all values in the box. Its `defined` is [`Defined::Yes`] if the function is
-    /// defined throughout, and [`Defined::No`] if it is defined nowhere.
+    /// Bounds of all values in the box. Their `defined` is [`Defined::Yes`] if the function is
+    /// defined throughout the box, and [`Defined::No`] if it is defined nowhere in it.
     pub values: Claim,
     /// Whether the function is certainly defined and continuous throughout.
     pub continuous: bool,
@@ -94,11 +94,11 @@ pub struct BoxClaim {
 pub struct Oracle<'a> {
     graph: &'a Graph,
     roots: Vec<NodeId>,
-    /// Whether a root needs the node, per node.
+    /// Whether any root depends on a node, per node.
     needed: Vec<bool>,
-    /// Value of each node that is a constant.
+    /// Bounds of each node that is a constant; all reals for other nodes.
     constants: Vec<Span>,
-    /// Kind of each node if it is an exponent.
+    /// Kind of exponent that each node is, if it serves as one.
     exponents: Vec<Exponent>,
 }
 
@@ -132,20 +132,19 @@ impl<'a> Oracle<'a> {
         Self { graph, roots: roots.to_vec(), needed, constants, exponents }
     }
 
-    /// Returns what is certain at `point`, one claim per root.
+    /// Returns a claim about each root's value at `point`.
     ///
-    /// `parameters` holds two bounds of each parameter's value, by number. A parameter that is
-    /// missing, or whose bounds are not in order, may be any real number. A coordinate that is not
-    /// finite stands for any real number, too. The calling thread must round to nearest, as Rust
-    /// code always does.
+    /// The element n of `parameters` bounds the value of parameter n. A parameter that is missing,
+    /// or whose bounds are not in order, may be any real number. A coordinate that is not finite
+    /// stands for any real number, too. The calling thread must round to nearest, as Rust code
+    /// always does.
     pub fn at(&self, point: [f64; 3], parameters: &[(f64, f64)]) -> Vec<Claim> {
         let claims = self.claims(point.map(Span::point), parameters);
         self.roots.iter().map(|id| claims[id.index()]).collect()
     }
 
-    /// Returns what is certain over the box with these ranges of x, y and z, one claim per root.
-    /// `parameters` are as for [`Oracle::at`]. A range whose bounds are not in order contains all
-    /// reals.
+    /// Returns a claim about each root over the box with these ranges of x, y and z. `parameters`
+    /// are as for [`Oracle::at`]. A range whose bounds are not in order contains all reals.
     pub fn over(&self, ranges: [(f64, f64); 3], parameters: &[(f64, f64)]) -> Vec<BoxClaim> {
         let claims = self.claims(ranges.map(|(lo, hi)| Span::new(lo, hi)), parameters);
         let mut continuous: Vec<bool> = Vec::with_capacity(claims.len());
@@ -170,7 +169,7 @@ impl<'a> Oracle<'a> {
         self.roots.iter().map(claim).collect()
     }
 
-    /// Returns what is certain about each node.
+    /// Returns a claim about each node's value.
     fn claims(&self, coordinates: [Span; 3], parameters: &[(f64, f64)]) -> Vec<Claim> {
         let nowhere = Claim::new(Span::ENTIRE, Defined::No);
         let mut claims: Vec<Claim> = Vec::with_capacity(self.graph.len());
@@ -202,7 +201,7 @@ impl<'a> Oracle<'a> {
     }
 }
 
-/// Returns what is certain about each root at `point`. [`Oracle::at`] is faster for many points.
+/// Returns a claim about each root's value at `point`. [`Oracle::at`] is faster for many points.
 ///
 /// # Panics
 /// If a root does not belong to `graph`.
@@ -215,9 +214,9 @@ pub fn enclose_at(
     Oracle::new(graph, roots).at(point, parameters)
 }
 
-/// Returns two `f64` around an integer, which are equal if the integer is an `f64`.
+/// Returns two `f64` that enclose an integer. They are equal if the integer is an `f64`.
 fn around(integer: &BigInt) -> Span {
-    // The conversion rounds to within an ulp, so only exactness must be checked.
+    // `to_f64` is off by less than an ulp, so the floats next to it enclose the integer.
     let nearest = integer.to_f64().unwrap_or(f64::NAN);
     if BigInt::from_f64(nearest).as_ref() == Some(integer) {
         Span::point(nearest)

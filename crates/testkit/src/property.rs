@@ -1,7 +1,7 @@
 //! Properties that must hold for every input. Fuzz targets and tests check them on bytes.
 //!
-//! Each property draws its input from bytes or a seed, returns how much it compared, and prints a
-//! failing case so that it can be reproduced. The caller chooses the bytes.
+//! Each property draws its input from bytes or from a seed. It returns how much it compared, or a
+//! failing case that can be reproduced.
 
 mod agreement;
 mod contracting;
@@ -35,7 +35,8 @@ use crate::suite::{Failure, Tally};
 use crate::{Case, GraphOptions, Rng};
 use zeroset_ops::TABLE;
 
-/// Returns a case of any size, adversarial or plain, with parameters or without.
+/// Returns a random case with at most `largest` operations, adversarial or plain, with parameters
+/// or without.
 pub fn any_case(rng: &mut Rng, largest: u32) -> Case {
     let options = GraphOptions {
         size: rng.u32(1..=largest),
@@ -46,12 +47,12 @@ pub fn any_case(rng: &mut Rng, largest: u32) -> Case {
     Case::random(rng, &options)
 }
 
-/// Operations in the largest formula drawn from a fuzzer's bytes.
+/// Greatest number of operations in a formula drawn from a fuzzer's bytes.
 const LARGEST: u32 = 24;
-/// Operations in the largest formula that is differentiated. It is smaller, since derivatives grow.
+/// Greatest number of operations in a formula that is differentiated, since derivatives grow.
 const LARGEST_DIFFERENTIATED: u32 = 8;
 
-/// Checks [`read_and_print`] on a text in any encoding.
+/// Runs [`read_and_print`] on a text in any encoding.
 ///
 /// # Errors
 /// A message about the failure, and the text.
@@ -59,7 +60,7 @@ pub fn parse(data: &[u8]) -> Result<Tally, Failure> {
     read_and_print(data)
 }
 
-/// Checks [`check_simplification`] on a case drawn from bytes.
+/// Runs [`check_simplification`] on a case drawn from bytes.
 ///
 /// # Errors
 /// The contradiction, with a line that reproduces it.
@@ -69,7 +70,7 @@ pub fn simplify(data: &[u8]) -> Result<Tally, Failure> {
     check_simplification(&case, &mut rng)
 }
 
-/// Checks [`agree`] on a case, a kind of kernel and a precision drawn from bytes.
+/// Runs [`agree`] on a case, a kind of kernel and a precision drawn from bytes.
 ///
 /// # Errors
 /// The first input on which the evaluators differ, with a smaller case that still shows it.
@@ -88,7 +89,7 @@ pub fn jit_vs_reference(data: &[u8]) -> Result<Tally, Failure> {
     }
 }
 
-/// Checks [`enclose`] on a case and a precision drawn from bytes.
+/// Runs [`enclose`] on a case and a precision drawn from bytes.
 ///
 /// # Errors
 /// The first contradiction, shrunk, with a line that reproduces it.
@@ -104,7 +105,7 @@ pub fn jit_vs_oracle(data: &[u8]) -> Result<Tally, Failure> {
     }
 }
 
-/// Checks [`check_gradient_bounds`] on a case, an evaluator and a precision drawn from bytes.
+/// Runs [`check_gradient_bounds`] on a case, an evaluator and a precision drawn from bytes.
 ///
 /// # Errors
 /// The first contradiction, shrunk, with a line that reproduces it.
@@ -118,13 +119,13 @@ pub fn slopes(data: &[u8]) -> Result<Tally, Failure> {
     ask(native, &case, &mut rng, BOXES)
 }
 
-/// Checks [`check_contraction`] on a case, or [`linear`] on an operation. Bytes choose between
-/// them, and choose the input and the precision.
+/// Runs [`check_contraction`] on a case, or [`linear`] on an operation. Bytes choose the check, its
+/// input and the precision.
 ///
 /// # Errors
 /// The first contradiction.
 pub fn forms(data: &[u8]) -> Result<Tally, Failure> {
-    /// Batches per kernel, and vectors of operands per operation.
+    /// Number of batches per kernel, and of operand vectors per operation.
     const BATCHES: usize = 2;
     const VECTORS: usize = 8;
     let mut rng = Rng::from_bytes(data);
@@ -142,7 +143,7 @@ pub fn forms(data: &[u8]) -> Result<Tally, Failure> {
     Ok(Tally { compared: points, defined: planes })
 }
 
-/// Checks [`picture`] on a scene drawn from bytes.
+/// Runs [`picture`] on a scene drawn from bytes.
 ///
 /// # Errors
 /// The first false claim, with arguments of `zeroset render` that show it.
@@ -151,7 +152,7 @@ pub fn render(data: &[u8], draw: &dyn Fn(&Scene) -> Option<Vec<Pixel>>) -> Resul
     Scene::random(&mut rng).map_or(Ok(Tally::default()), |scene| picture(&scene, draw))
 }
 
-/// Checks [`check_zeros`] on a formula and a precision drawn from bytes.
+/// Runs [`check_zeros`] on a formula and a precision drawn from bytes.
 ///
 /// # Errors
 /// The first zero that the kernel denies.

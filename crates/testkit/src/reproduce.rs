@@ -66,7 +66,7 @@ pub fn reproduce(graph: &Graph, root: NodeId, parameters: &[(f64, f64)], place: 
     }
 }
 
-/// Like [`reproduce`], for kernels of `T`.
+/// Like [`reproduce`]. If `T` is `f64`, the line also selects this precision.
 ///
 /// # Panics
 /// If `root` does not belong to `graph`.
@@ -126,7 +126,7 @@ pub fn hexadecimal(value: f64) -> String {
 /// A text under construction.
 ///
 /// Shared sub-expressions and expressions too long for one line become definitions. In the graph
-/// `pieces`, each of them is a parameter with the definition's name.
+/// `pieces`, a parameter with the definition's name stands for the expression.
 #[derive(Default)]
 struct Document {
     pieces: Graph,
@@ -150,7 +150,7 @@ impl Document {
 
     fn define(&mut self, prefix: &str, number: usize, text: &str) -> NodeId {
         let (id, name) = self.name(prefix, number);
-        let _ = writeln!(self.definitions, "{name} = {text}"); // strings take all that is written
+        let _ = writeln!(self.definitions, "{name} = {text}"); // a string accepts everything
         id
     }
 

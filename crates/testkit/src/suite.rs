@@ -26,7 +26,7 @@ pub use slopes::{check_slopes, check_slopes_of_ops};
 /// Compiles a graph without parameters to a kernel.
 pub type CompileGraph<'a, Q, T = f32> = &'a dyn Fn(&Graph, NodeId) -> Box<dyn Kernel<Q, T>>;
 
-/// Amount of work behind a passing check. A test should require a minimum.
+/// Amount of work that a check did. Tests should require a minimum.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
     /// Number of comparisons of a kernel's result with an oracle's claim.

@@ -1,11 +1,11 @@
-//! Bands: rows of a picture that one thread fills at a time.
+//! Bands: rows of a picture. One thread fills a band at a time.
 
 use crate::painted::are_misses;
 use crate::ray_result::{LENGTH_ERROR, RayResult, Status, UndecidedReason};
 use std::cell::Cell;
 use std::ops::Range;
 
-/// Adjacent rows of a picture, into which results are written.
+/// Adjacent rows of a picture, into which a tracer writes results.
 pub struct Band<'a> {
     /// The first row, counted from the picture's top.
     pub top: usize,
@@ -18,31 +18,33 @@ pub struct Band<'a> {
     pub(crate) open_from: &'a mut [f64],
     pub(crate) drawn: &'a mut [f64],
     pub(crate) bracket: &'a mut [[f64; 2]],
-    /// Whether each pixel is wanted, row by row; empty if all are.
+    /// Whether each pixel is wanted, row by row. If empty, all are wanted.
     pub(crate) only: &'a [bool],
-    /// Results for surfaces traced before: proofs, and distances of painted points. Empty if this
-    /// is the first surface.
+    /// Results of surfaces traced before this one: each pixel's status, and the distance of its
+    /// painted point. Empty for the first surface.
     pub(crate) before: (&'a [Status], &'a [f64]),
-    /// Progress callback: gets the number of results since the last call.
+    /// Progress callback. Its argument is the number of results since the last call. It returns
+    /// whether more results are wanted.
     pub(crate) advance: &'a dyn Fn(usize) -> bool,
-    /// Number of results not yet reported.
+    /// Number of results that `advance` has not been told.
     pub(crate) found: Cell<usize>,
 }
 
 impl Band<'_> {
-    /// Reports progress, and returns whether the remaining results are still wanted. Must be called
-    /// regularly. Once this returns `false`, call [`Band::give_up`] for the remaining columns.
+    /// Reports progress, and returns whether the remaining results are wanted. Tracers must call
+    /// this regularly. After `false`, they must call [`Band::give_up`] for the remaining columns.
     pub fn is_wanted(&self) -> bool {
         (self.advance)(self.found.take())
     }
 
-    /// Returns whether a pixel is wanted, given its column and its row in the band.
+    /// Returns whether the pixel in this column and row of the band is wanted.
     #[inline]
     pub fn is_wanted_pixel(&self, column: usize, row: usize) -> bool {
         self.only.is_empty() || self.only[row * self.width + column]
     }
 
-    /// As [`Band::is_wanted_pixel`], for four pixels of a row, as bits. Bits beyond the row are 0.
+    /// Returns which of a row's four pixels from `column` on are wanted, as bits. Bits beyond the
+    /// row are 0. [`Band::only`] must not be empty.
     #[inline]
     pub(crate) fn wanted_of_four(&self, column: usize, row: usize) -> u16 {
         let Some(rest) = self.only.get(row * self.width + column..(row + 1) * self.width) else {
@@ -54,13 +56,13 @@ impl Band<'_> {
         rest.iter().enumerate().map(|(k, asked)| u16::from(*asked) << k).sum()
     }
 
-    /// Returns whether all pixels are wanted.
+    /// Returns whether all pixels of the band are wanted.
     pub fn wants_all(&self) -> bool {
         self.only.is_empty()
     }
 
-    /// Sets all misses from this column on to undecided, for lack of time: nothing is known about
-    /// these rays from the eye on. To leave them as misses would claim a proof.
+    /// Makes each miss from column `from` on undecided from the eye on, for lack of time. Its ray
+    /// was not followed, so a miss would claim a proof that does not exist.
     pub fn give_up(&mut self, from: usize) {
         for row in 0..self.height {
             for column in from..self.width {
@@ -69,16 +71,15 @@ impl Band<'_> {
         }
     }
 
-    /// Sets a pixel to undecided if it is a miss. A pixel with another result keeps it, since its
-    /// ray is proven empty up to there.
+    /// Makes a miss undecided, for lack of time. Any other result stays: its proof is valid.
     pub fn give_up_pixel(&mut self, column: usize, row: usize) {
         if self.status[row * self.width + column] == Status::Miss {
             self.set(column, row, &RayResult::GIVEN_UP);
         }
     }
 
-    /// Writes the result for a pixel's ray, given its column and its row in the band. Distances are
-    /// in world units.
+    /// Writes the result for the ray of the pixel in this column and row of the band. The result's
+    /// distances must be in world units.
     #[inline]
     pub fn set(&mut self, column: usize, row: usize, found: &RayResult) {
         let pixel = row * self.width + column;
@@ -100,8 +101,8 @@ impl Band<'_> {
         self.found.set(self.found.get() + pixels);
     }
 
-    /// Adds a result that lies behind all earlier ones on the same ray. If there is an earlier one,
-    /// its proof stays, and only the painted point may change.
+    /// Adds a result that lies behind all earlier results for the same pixel. An earlier hit or
+    /// undecided segment stays, and only its painted point may change.
     #[inline]
     pub fn add(&mut self, column: usize, row: usize, found: &RayResult) {
         let pixel = row * self.width + column;
@@ -112,8 +113,8 @@ impl Band<'_> {
         }
     }
 
-    /// Paints a point behind the start of an undecided segment, unless a nearer one is painted. The
-    /// part of the ray that is proven empty is never painted.
+    /// Paints a point of an undecided pixel, unless a nearer point is painted. A point before the
+    /// undecided segment is moved to the segment's start.
     #[inline]
     fn paint(&mut self, pixel: usize, distance: f64) {
         if self.status[pixel] == Status::Undecided {
@@ -121,8 +122,7 @@ impl Band<'_> {
         }
     }
 
-    /// As [`Band::add`] for a hit at `distance`, whose bracket is from `distance − off` to
-    /// `distance + off`.
+    /// As [`Band::add`], for a hit whose bracket is from `distance − off` to `distance + off`.
     #[inline]
     pub fn add_hit(&mut self, column: usize, row: usize, distance: f64, off: f64) {
         let pixel = row * self.width + column;
@@ -139,8 +139,9 @@ impl Band<'_> {
         }
     }
 
-    /// As [`Band::add_hit`] for the 4×4 pixels from this column and row on. Does nothing and
-    /// returns `false` if a pixel already has a result, or if brackets are kept.
+    /// As [`Band::add_hit`], for a square of 4×4 pixels whose first pixel is in this column and
+    /// row. If one of the pixels already has a result or the band keeps brackets, writes nothing
+    /// and returns `false`.
     #[inline]
     pub fn add_square_of_hits(
         &mut self,

@@ -10,25 +10,24 @@ use thiserror::Error;
 pub enum Projection {
     /// Rays start at the eye and spread.
     Perspective {
-        /// The angle between the picture's lowest and highest edge, in degrees, at least 1e-7 and
-        /// below 180.
+        /// The angle of view from the picture's lowest to its highest edge, in degrees. At least
+        /// 1e-7 and below 180.
         fov: f64,
     },
     /// Rays are parallel and start on the plane through the eye.
     Orthographic {
-        /// The height of the picture in world units, within 1e-300 and 1e100.
+        /// The height of the picture in world units, from 1e-300 to 1e100.
         height: f64,
     },
 }
 
 /// A camera. The eye may lie anywhere, also inside the domain.
 ///
-/// The rays are those of real geometry for the floats given here, up to rounding. Each direction is
-/// within 2⁻⁴⁹ radians of the ideal one. Perspective rays start at the eye exactly. Parallel rays
-/// are within 2⁻²⁰ of the picture's height of the ideal ones, from the eye's plane to the target's.
-/// In perspective, 2⁻⁴⁹ radians are 2⁻²⁰ of the narrowest field of view. A camera for which `f64`
-/// cannot achieve this is refused, so the rays of a picture with fewer than 10⁵ rows are all
-/// different.
+/// Rays differ from exact geometry only by rounding. Each direction is within 2⁻⁴⁹ radians of the
+/// exact one: 2⁻²⁰ of the narrowest field of view. Perspective rays start exactly at the eye.
+/// Between the eye's plane and the target's, a parallel ray is within 2⁻²⁰ of the picture's height
+/// of the exact ray. [`Camera::new`] refuses a camera for which `f64` cannot achieve this. So all
+/// rays of a picture with fewer than 10⁵ rows are different.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     eye: DVec3,
@@ -38,7 +37,7 @@ pub struct Camera {
     pub(crate) basis: Basis,
 }
 
-/// The picture's axes, each of length 1.
+/// The axes of a view in world coordinates, each of length 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Basis {
     pub forward: DVec3,
@@ -49,22 +48,22 @@ pub(crate) struct Basis {
 /// Why a camera is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum CameraError {
-    /// A coordinate is NaN, infinite or too large.
+    /// A coordinate is NaN, infinite or larger than 1e100.
     #[error("the {0} has a coordinate that is not a number within ±1e100")]
     NotFinite(&'static str),
-    /// The direction of view is undefined.
+    /// The eye and the target coincide, so there is no direction of view.
     #[error("the eye and the target are the same point, so there is no direction to look in")]
     EyeIsTarget,
-    /// The picture's upper edge is undefined.
+    /// The up vector is zero or along the view, so the picture has no upper edge.
     #[error("the up vector is zero or points along the view, so the picture has no upper edge")]
     UpAlongView,
     /// The field of view is out of range, or so small that rays would coincide.
     #[error("the field of view is {0} degrees; it must be at least 1e-7 and below 180")]
     FieldOfView(f64),
-    /// The height is out of range.
+    /// The orthographic height is out of range.
     #[error("the orthographic height is {0:?}; it must be from 1e-300 to 1e100")]
     Height(f64),
-    /// Parallel rays this close would coincide, or miss their pixels.
+    /// The orthographic height is so small that rounding could move parallel rays onto each other.
     #[error(
         "the orthographic height is {height:?}, too little for an eye and a target this far away: 64-bit floats can \
          tell the rays apart from a height of about {least:.1e} on"
@@ -72,22 +71,22 @@ pub enum CameraError {
     RaysCoincide {
         /// The given height.
         height: f64,
-        /// The least valid height, approximately.
+        /// Approximately the least height that this eye and target allow.
         least: f64,
     },
 }
 
-/// Least sine of the angle between view and `up`. Below it, `up` does not determine the picture's
-/// upper edge well enough.
+/// Least sine of the angle between the view and `up`. At a smaller angle, `up` does not determine
+/// the picture's upper edge well enough.
 const LEAST_SINE: f64 = 1e-9;
 
-/// Largest magnitude of a coordinate. The squares of larger ones could overflow.
+/// Largest magnitude of a coordinate. Squares of larger coordinates could overflow.
 const LARGEST: f64 = 1e100;
 
-/// Least field of view. In narrower ones, rows differ by less than the rounding of a direction.
+/// Least field of view, in degrees. In a narrower one, rows differ by less than rounding errors.
 const LEAST_FOV: f64 = 1e-7;
 
-/// Least height. At lower ones, fractions of a pixel could be below the least normal float.
+/// Least orthographic height. At a smaller one, fractions of a pixel could be subnormal floats.
 const LEAST_HEIGHT: f64 = 1e-300;
 
 /// Largest distance by which rounding may move a parallel ray, as a share of the picture's height:
@@ -95,12 +94,13 @@ const LEAST_HEIGHT: f64 = 1e-300;
 const LARGEST_DRIFT: f64 = 1.0 / 1_048_576.0; // 2^-20
 
 impl Camera {
-    /// A camera at `eye` that looks at `target`, with `up` as upright as the view allows.
+    /// A camera at `eye` that looks at `target`. In the picture, `up` is as upright as the view
+    /// allows.
     ///
     /// # Errors
-    /// If a coordinate is not within ±1e100, eye and target coincide, `up` does not determine a
-    /// direction across the view, the projection's parameter is out of range, or parallel rays
-    /// would be too close together for `f64`.
+    /// If a coordinate is not within ±1e100, or the projection's number is out of range. Also if
+    /// eye and target coincide, `up` is zero or nearly along the view, or parallel rays would be
+    /// too close together for `f64`.
     pub fn new(
         eye: DVec3,
         target: DVec3,
@@ -144,30 +144,30 @@ impl Camera {
         self.target
     }
 
-    /// The direction that appears upright, as given.
+    /// The direction that appears upright, as it was passed to [`Camera::new`].
     pub fn up(&self) -> DVec3 {
         self.up
     }
 
-    /// The mapping from space to the picture.
+    /// The mapping from space to the picture's plane.
     pub fn projection(&self) -> Projection {
         self.projection
     }
 }
 
 impl Basis {
-    /// The axes of a view, each within a few ulps of the real ones; `None` if `up` points along the
+    /// The axes of a view, each within a few ulps of the exact one. `None` if `up` is along the
     /// view.
     fn new(eye: DVec3, target: DVec3, up: DVec3) -> Option<Self> {
-        // high + low is exactly target − eye. The rest depends on directions only, so the vectors
-        // are first scaled to about 1.
+        // high + low is exactly target − eye. The axes depend only on the directions of the
+        // vectors, so all vectors are first scaled to lengths of about 1.
         let low = DVec3::from_array([0, 1, 2].map(|axis| difference(target[axis], eye[axis]).1));
         let high = target - eye;
         let (scale, up) = (scale_to_one(high), up * scale_to_one(up));
         let (high, low) = (high * scale, low * scale);
-        // (high + low) × up. The two products of a component nearly cancel where `up` is along the
-        // view, so they are computed exactly. The sine is at least LEAST_SINE, so the rounding here
-        // is below the result's last place.
+        // This is (high + low) × up. The two products of a component nearly cancel if `up` is
+        // almost along the view, so they are computed exactly. The sine is at least LEAST_SINE, so
+        // the remaining rounding is below the last place of the result.
         let component = |i: usize, j: usize| {
             let (one, other) = (high[i] * up[j], high[j] * up[i]);
             let rests = high[i].mul_add(up[j], -one) - high[j].mul_add(up[i], -other);
@@ -183,9 +183,9 @@ impl Basis {
         })
     }
 
-    /// A bound of the distance by which rounding moves a parallel ray aside, from the eye's plane
-    /// to the target's: an ulp of its origin, and two of its direction. Moves along the ray do not
-    /// count, so a view along an axis is exact from anywhere.
+    /// Bounds how far rounding moves a parallel ray aside between the eye's plane and the target's:
+    /// by an ulp of its origin and two ulps of its direction. Moves along the ray do not count, so
+    /// a view along an axis is exact from any distance.
     fn drift(&self, eye: DVec3, target: DVec3) -> f64 {
         let DVec3 { x, y, z } = self.forward;
         let aside = DVec3::new(y.hypot(z), z.hypot(x), x.hypot(y));
@@ -193,16 +193,16 @@ impl Basis {
     }
 }
 
-/// a − b as a rounded difference and its error. Their sum is exact (Knuth's `TwoSum`) unless
-/// something overflows.
+/// a − b as a rounded difference and its error. The sum of the two is exactly a − b (Knuth's
+/// `TwoSum`), unless something overflows.
 fn difference(a: f64, b: f64) -> (f64, f64) {
     let main = a - b;
     let taken = main - a;
     (main, (a - (main - taken)) - (b + taken))
 }
 
-/// The power of two that scales a vector's largest component to between ½ and 1, or to between 2⁻⁵²
-/// and 1 if it is subnormal.
+/// The power of two that scales the vector's largest component to between ½ and 1. A subnormal
+/// component is scaled to between 2⁻⁵² and 1.
 fn scale_to_one(vector: DVec3) -> f64 {
     let exponent = vector.abs().max_element().to_bits() >> 52;
     f64::from_bits((2045 - exponent) << 52)
@@ -220,7 +220,7 @@ mod tests {
 
     #[test]
     fn rays_follow_the_stated_formula() {
-        // The formula in scalar arithmetic, for one pixel that lies on no axis of symmetry.
+        // The formula in scalar arithmetic, for one pixel off the axes of symmetry.
         let (i, j, width, height) = (5.0, 11.0, 64.0, 48.0);
         let norm = |v: [f64; 3]| {
             let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
@@ -254,7 +254,7 @@ mod tests {
         let camera = camera(Projection::Orthographic { height: 3.0 });
         let (top, bottom) = (camera.rays(4, 6).ray(2, 0), camera.rays(4, 6).ray(2, 5));
         assert_eq!(top.direction, bottom.direction);
-        // Six rows of half a unit: the outer centers are 2.5 apart.
+        // Six rows have a height of half a unit each, so the outer rows' centers are 2.5 apart.
         assert!(((top.origin - bottom.origin).length() - 2.5).abs() < 1e-14);
     }
 
@@ -279,7 +279,7 @@ mod tests {
         let parallel = Projection::Orthographic { height: 3.0 };
         let refused = new(DVec3::splat(1e30), DVec3::Y, parallel);
         assert!(matches!(refused, Err(CameraError::RaysCoincide { height: 3.0, .. })));
-        // Along an axis, only the distance to the eye is rounded.
+        // In a view along an axis, rounding changes only the distance to the eye.
         assert!(new(DVec3::X * 4e38, DVec3::Y, parallel).is_ok());
     }
 }

@@ -14,54 +14,54 @@ use rayon::prelude::*;
 use std::cell::Cell;
 use zeroset_space::Ray;
 
-/// Number of rows in a band, the unit of work that threads share and that may be cancelled. It is
-/// also the side, in pixels, of the largest tiles.
+/// Number of rows in a band, which is the unit of a thread's work and of cancellation. It is also
+/// the side of the largest tiles, in pixels.
 pub const BAND_ROWS: usize = 16;
-/// Number of pixels in a list that one thread takes at a time.
+/// Number of pixels that one thread takes from a list at a time.
 const LIST: usize = 1024;
 
-/// A method that traces one surface for one picture.
+/// Runs a tracer on the rays of one picture.
 #[derive(Clone, Copy)]
 pub struct Driver<'a> {
     /// The rays of the picture.
     pub rays: &'a RayGrid,
-    /// The tracer that follows them.
+    /// The tracer that follows the rays.
     pub tracer: &'a dyn Tracer,
-    /// Progress callback: gets the number of pixels finished since the last call. Returns `false`
-    /// to end the work early. In a new picture, pixels that were not reached are then undecided and
-    /// not painted; in an existing one, they stay as they were.
+    /// Progress callback. Its argument is the number of pixels finished since the last call. It
+    /// returns `false` to end the work early. Pixels not reached are then undecided and not painted
+    /// in a new picture, and unchanged in an existing one.
     pub advance: &'a (dyn Fn(usize) -> bool + Sync),
 }
 
 impl Driver<'_> {
-    /// Traces all pixels into a buffer of misses.
+    /// Traces all pixels into a buffer whose pixels are all misses.
     ///
     /// # Panics
-    /// If the buffer has another size than the picture.
+    /// If the buffer's size differs from the picture's.
     pub fn picture(&self, buffer: &mut GBuffer) -> KernelStats {
         self.picture_where(&[], buffer)
     }
 
-    /// Traces the pixels that `only` selects, row by row; all if it is empty. Other pixels may get
-    /// results as a side effect: proofs, or nothing.
+    /// Traces the pixels that `only` selects, row by row; all pixels if `only` is empty. Other
+    /// pixels stay as they are, or get a valid result as a side effect.
     ///
     /// # Panics
-    /// If the buffer's size differs from the picture's, or the length of `only` differs from its
-    /// number of pixels.
+    /// If `buffer` or `only` does not have the picture's size.
     pub fn picture_where(&self, only: &[bool], buffer: &mut GBuffer) -> KernelStats {
         assert_eq!((buffer.width, buffer.height), (self.rays.width(), self.rays.height()));
         assert!(only.is_empty() || only.len() == buffer.status.len(), "one for each pixel");
         for_each_part(buffer.rows(BAND_ROWS), |mut rows| self.rows(&mut rows, only, None))
     }
 
-    /// Traces a new picture of the surface with this id. `kept` selects its optional quantities;
-    /// `only` selects pixels as in [`Driver::picture_where`]. Zeros behind the hits of other
-    /// surfaces in `before` need not be found. For each [`BAND_ROWS`] rows, calls `finish` with the
-    /// rows and their element of `parts`, while the rows are in the nearer caches.
+    /// Traces a new picture of the surface with id `surface`. `kept` selects the buffer's optional
+    /// quantities. `only` selects pixels as in [`Driver::picture_where`]. `before` holds the
+    /// results of other surfaces; zeros behind their hits need not be found. After each
+    /// [`BAND_ROWS`] rows, calls `finish` with these rows and their element of `parts`, while the
+    /// rows are still in the caches.
     ///
     /// # Panics
-    /// If there are fewer parts than bands of rows, or if `only` or `before` has another size than
-    /// the picture.
+    /// If `parts` has fewer elements than the picture has bands, or if the size of `only` or
+    /// `before` differs from the picture's.
     pub fn new_picture<E: Send>(
         &self,
         surface: u16,
@@ -95,7 +95,7 @@ impl Driver<'_> {
         let mut band = rows.band(only, before, &advance);
         if band.is_wanted() {
             self.tracer.band(self.rays, &mut band, &mut work);
-            // Pixels without a result are finished, too.
+            // Pixels for which the tracer set no result are finished, too.
             (self.advance)((band.width * band.height).saturating_sub(told.get()));
         } else {
             band.give_up(0);
@@ -104,12 +104,12 @@ impl Driver<'_> {
     }
 
     /// Sets `buffer.shadow` of painted points that the light does not reach. `towards` gets a
-    /// pixel's column and row, and its point. It returns the unit vector to the light and the
-    /// distance. Points already in shadow are skipped.
+    /// pixel's column and row, and its painted point. It returns the unit vector to the light and
+    /// the light's distance. Points already in shadow are skipped.
     ///
-    /// A shadow ray starts `offset` away from its point, in world units. A zero counts only behind
-    /// a place that is proven empty. Otherwise a surface would shade itself wherever enclosures are
-    /// wide.
+    /// A shadow ray starts `offset` away from the painted point, in world units. A zero on the
+    /// shadow ray counts only behind a segment that is proven empty. Otherwise a surface would
+    /// shade itself wherever enclosures are wide.
     pub fn shadows(
         &self,
         buffer: &mut GBuffer,
@@ -125,9 +125,9 @@ impl Driver<'_> {
             let ray = self.rays.ray(column, row);
             let t = ray.parameter(buffer.drawn[pixel]);
             let (way, distance) = towards([column, row], ray.at(t));
-            // The origin is moved off the surface toward the eye, then along the light.
+            // The origin is moved off the surface: toward the eye, then toward the light.
             let origin = ray.at(t - ray.parameter(offset)) + way * offset;
-            // Any zero in the way is enough, so its distance is not refined.
+            // Any zero before the light is enough, so a zero's distance is not refined.
             Segment {
                 ray: Ray { origin, direction: way },
                 to: distance,
@@ -141,13 +141,12 @@ impl Driver<'_> {
         })
     }
 
-    /// Follows rays onward, from one start per pixel, in world units. A pixel whose start is not
-    /// finite is not changed. The results hold only behind these starts, and prove nothing about
-    /// the ray before.
+    /// Follows each pixel's ray onward from its element of `starts`, a distance in world units. A
+    /// pixel whose start is not finite is not changed. The results prove nothing about the ray
+    /// before its start.
     ///
     /// # Panics
-    /// If the number of starts differs from the number of pixels, or the buffer's size differs from
-    /// the picture's.
+    /// If `starts` or `buffer` does not have the picture's size.
     pub fn behind(&self, starts: &[f64], start: Start, buffer: &mut GBuffer) -> KernelStats {
         assert_eq!((buffer.width, buffer.height), (self.rays.width(), self.rays.height()));
         assert_eq!(starts.len(), buffer.status.len());
@@ -175,8 +174,8 @@ impl Driver<'_> {
         })
     }
 
-    /// Follows one ray per given pixel, until cancelled. Passes results other than misses to
-    /// `tell`, with distances in world units.
+    /// Follows one ray for each of `pixels`, until the work is cancelled. Passes each pixel whose
+    /// ray is not a miss to `tell`, with its result. Distances in results are in world units.
     fn follow(
         &self,
         pixels: &[usize],

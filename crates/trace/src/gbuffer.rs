@@ -23,11 +23,11 @@ impl PixelCounts {
         dispatch!(Level::new(), simd => Self::of_with(simd, status))
     }
 
-    /// As [`PixelCounts::of`], compiled for vectors of this type.
+    /// As [`PixelCounts::of`], compiled for vectors of type `S`.
     #[inline(always)]
     fn of_with<S: Simd>(_: S, status: &[Status]) -> Self {
-        /// Number of pixels counted side by side, each in its own byte, so that whole vectors are
-        /// added.
+        /// Number of counters for each status, of one byte each, so that the compiler adds whole
+        /// vectors. Pixel n is counted by counter n modulo `SIDE`.
         const SIDE: usize = 64;
         let (sides, rest) = status.as_chunks::<SIDE>();
         let count = |status: Status| rest.iter().filter(|other| **other == status).count();
@@ -55,39 +55,37 @@ impl AddAssign for PixelCounts {
     }
 }
 
-/// The quantities of a picture's pixels: one array each, row by row from the top.
+/// The quantities of a picture's pixels. Each is an array, row by row from the top.
 #[derive(Clone, Debug, Default)]
 pub struct GBuffer {
     /// Pixels in a row.
     pub width: usize,
     /// Number of rows.
     pub height: usize,
-    /// Status: what is proven.
+    /// The proven status of each pixel.
     pub status: Vec<Status>,
-    /// Reason for an undecided pixel. Unspecified for other pixels, so that it need not be written.
+    /// Reason for an undecided pixel. Unspecified for other pixels, which saves writing it.
     pub(crate) reason: Vec<UndecidedReason>,
-    /// Distance of the start of an undecided pixel's first undecided segment. Unspecified for other
-    /// pixels.
+    /// Distance from an undecided pixel's ray origin to the start of its first undecided segment.
+    /// Unspecified for other pixels.
     pub(crate) open_from: Vec<f64>,
-    /// Bracket of a hit: distances between which the zero is proven to lie. NaN for other pixels.
-    /// Empty if brackets are not kept.
+    /// Bracket of a hit: the two distances between which its zero is proven to lie. NaN for other
+    /// pixels. Empty if brackets are not kept.
     pub bracket: Vec<[f64; 2]>,
-    /// Distance of the painted point from the ray's origin, in world units. Infinite where the
-    /// background shows, as in every miss; finite in every hit. Kernels in `f32` give it about 24
-    /// bits.
+    /// Distance of the painted point from the ray's origin, in world units. Infinite if nothing is
+    /// painted, as in every miss. Finite in every hit. With `f32` kernels, about 24 bits are right.
     pub drawn: Vec<f64>,
-    /// Id of the surface that is painted; meaningless where the background shows.
+    /// Id of the painted surface. Meaningless if nothing is painted.
     pub surface: SurfaceIds,
-    /// Unit normal of the painted point, toward f > 0. Meaningless where the background shows, or
-    /// if normals were not computed. Empty if they are not kept.
+    /// Unit normal at the painted point, toward f > 0. Meaningless if nothing is painted or normals
+    /// were not computed. Empty if normals are not kept.
     pub normal: Vec<[f32; 3]>,
-    /// Whether the painted point lies on a cap, a face of the region that cuts a solid open. Empty
-    /// if none does.
+    /// Whether the painted point lies on a cap. May be empty if no painted point does.
     pub cap: Vec<bool>,
-    /// Share of the light that is hidden from the painted point; 255 is all. Empty if no light is
-    /// hidden.
+    /// Share of the light that is hidden from the painted point. 255 means all. Empty if no light
+    /// is hidden.
     pub shadow: Vec<u8>,
-    /// Share of the painted point's surroundings that nearby points hide; 255 is all. Empty if
+    /// Share of the painted point's surroundings that nearby points hide. 255 means all. Empty if
     /// nothing is hidden.
     pub occlusion: Vec<u8>,
 }
@@ -110,7 +108,7 @@ impl Default for Kept {
     }
 }
 
-/// Distance of a hit, or of the start of the first undecided segment; infinite for a miss.
+/// Distance of a hit, or of the start of the first undecided segment. Infinite for a miss.
 pub(crate) fn distance(status: Status, open_from: f64, drawn: f64) -> f64 {
     match status {
         Status::Miss => f64::INFINITY,
@@ -121,10 +119,10 @@ pub(crate) fn distance(status: Status, open_from: f64, drawn: f64) -> f64 {
 
 static SPARES: BufferPool<GBuffer> = BufferPool::new(PICTURES);
 
-/// Number of rows that one thread sets to misses at a time.
+/// Number of rows that a thread sets to misses at a time.
 const ROWS: usize = 64;
 
-/// Quantities are compared only where they have a meaning.
+/// Compares quantities only in pixels for which they have a meaning.
 impl PartialEq for GBuffer {
     fn eq(&self, other: &Self) -> bool {
         let is_same = |pixel: usize| {
@@ -145,20 +143,19 @@ impl PartialEq for GBuffer {
 }
 
 impl GBuffer {
-    /// A picture of the given size in which every pixel is a miss, for the surface with this id.
-    /// Reuses the memory of a picture that was [handed back](Self::hand_back), if its size is
-    /// suitable.
+    /// A picture of one surface, in which every pixel is a miss. Reuses the memory of a picture
+    /// that was [handed back](Self::hand_back), if its size is suitable.
     pub fn new(width: usize, height: usize, surface: u16) -> Self {
         let mut new = Self::unset(width, height, surface, Kept::default());
         new.rows(ROWS).into_par_iter().for_each(|mut rows| rows.clear());
         new
     }
 
-    /// Turns this into a picture as [`GBuffer::new`] creates it, reusing its memory if that is
-    /// large enough.
+    /// Makes this picture equal to [`GBuffer::new`] with the same arguments. Reuses its memory if
+    /// that is large enough.
     ///
     /// # Panics
-    /// As [`GBuffer::hand_back`].
+    /// In debug builds, if a miss is painted or a hit is not.
     pub fn reset(&mut self, width: usize, height: usize, surface: u16) {
         self.check();
         self.resize(width, height, Kept::default());
@@ -166,8 +163,7 @@ impl GBuffer {
         self.rows(ROWS).into_par_iter().for_each(|mut rows| rows.clear());
     }
 
-    /// A picture of the given size, for the surface with this id. Its pixels are not initialized:
-    /// all rows must be cleared.
+    /// A picture of one surface, whose pixels are not initialized. The caller must clear all rows.
     pub(crate) fn unset(width: usize, height: usize, surface: u16, kept: Kept) -> Self {
         let spare = SPARES.take().filter(|spare| serves(spare.status.capacity(), width * height));
         let mut unset = spare.unwrap_or_default();
@@ -176,7 +172,7 @@ impl GBuffer {
         unset
     }
 
-    /// Asserts in debug builds that no miss is painted, and that every hit is.
+    /// Asserts in debug builds that every hit is painted and no miss is.
     fn check(&self) {
         let is_right = |(status, drawn): (&Status, &f64)| match status {
             Status::Miss => !drawn.is_finite(),
@@ -189,8 +185,8 @@ impl GBuffer {
     fn resize(&mut self, width: usize, height: usize, kept: Kept) {
         fn resize<T: Copy>(all: &mut Vec<T>, pixels: usize, value: T) {
             if all.capacity() < pixels {
-                // New pages are zero. They are mapped when first written, which many threads then
-                // do.
+                // The system maps new, zeroed pages at their first write. Many threads share that
+                // work later.
                 *all = vec![value; pixels];
             } else {
                 all.resize(pixels, value);
@@ -199,8 +195,7 @@ impl GBuffer {
         let pixels = width * height;
         (self.width, self.height) = (width, height);
         resize(&mut self.bracket, if kept.brackets { pixels } else { 0 }, [0.0; 2]);
-        // In new memory `drawn` is 0, so the status must not be that of a miss, which clearing
-        // would skip.
+        // In new memory `drawn` is 0, so no old status may stay a miss: clearing skips misses.
         if self.drawn.capacity() < pixels {
             self.status.clear();
         }
@@ -214,20 +209,21 @@ impl GBuffer {
         self.occlusion.clear();
     }
 
-    /// Leaves the memory to later pictures. Up to two buffers are kept until the process ends.
+    /// Leaves the picture's memory to later pictures. Up to two buffers are kept until the process
+    /// ends.
     ///
     /// # Panics
-    /// In debug builds, if a miss is painted or a hit is not. Later pictures rely on the opposite.
+    /// In debug builds, if a miss is painted or a hit is not.
     pub fn hand_back(self) {
         self.check();
         SPARES.hand_back(self);
     }
 
-    /// Writes the result for a pixel's ray, with distances in world units. A hit must be painted at
-    /// its own distance.
+    /// Writes the result for a pixel's ray. Its distances must be in world units. A hit must be
+    /// painted at its own distance.
     ///
     /// # Panics
-    /// If there is no such pixel.
+    /// If `pixel` is not in the picture.
     pub fn set(&mut self, pixel: usize, found: &RayResult) {
         debug_assert!(found.status != Status::Hit || found.distance == found.drawn);
         debug_assert!(found.status != Status::Miss || !found.drawn.is_finite());
@@ -241,19 +237,19 @@ impl GBuffer {
         }
     }
 
-    /// Distance from the ray's origin, in world units, of the hit or of the start of the first
-    /// undecided segment. Infinite for a miss. Kernels in `f32` give it about 24 bits.
+    /// Distance from the ray's origin to the pixel's hit, or to the start of its first undecided
+    /// segment, in world units. Infinite for a miss. With `f32` kernels, about 24 bits are right.
     ///
     /// # Panics
-    /// If there is no such pixel.
+    /// If `pixel` is not in the picture.
     pub fn distance(&self, pixel: usize) -> f64 {
         distance(self.status[pixel], self.open_from[pixel], self.drawn[pixel])
     }
 
-    /// The reason why a pixel is undecided; [`UndecidedReason::None`] for others.
+    /// The reason why a pixel is undecided; [`UndecidedReason::None`] for decided pixels.
     ///
     /// # Panics
-    /// If there is no such pixel.
+    /// If `pixel` is not in the picture.
     pub fn reason(&self, pixel: usize) -> UndecidedReason {
         if self.status[pixel] == Status::Undecided {
             self.reason[pixel]
@@ -262,12 +258,12 @@ impl GBuffer {
         }
     }
 
-    /// Returns whether a painted point lies on a face of the region that cuts a solid open.
+    /// Returns whether a pixel's painted point lies on a cap.
     pub fn is_cap(&self, pixel: usize) -> bool {
         self.cap.get(pixel).copied().unwrap_or_default()
     }
 
-    /// The same picture, which keeps brackets of later hits.
+    /// This picture, with an array for brackets. Hits already in the picture get no brackets.
     #[must_use]
     pub fn with_brackets(mut self) -> Self {
         self.bracket.clear();
@@ -275,15 +271,15 @@ impl GBuffer {
         self
     }
 
-    /// Keeps caps from here on.
+    /// Adds an array for caps, unless there is one.
     pub fn keep_caps(&mut self) {
         self.cap.resize(self.status.len(), false);
     }
 
-    /// Keeps only the given rows.
+    /// Removes all rows but `rows`.
     ///
     /// # Panics
-    /// If there are no such rows.
+    /// If `rows` are not rows of the picture.
     pub fn crop(&mut self, rows: Range<usize>) {
         fn keep<T>(all: &mut Vec<T>, pixels: &Range<usize>) {
             all.truncate(pixels.end);
@@ -304,8 +300,8 @@ impl GBuffer {
         keep(&mut self.occlusion, pixels);
     }
 
-    /// Sets every pixel to undecided, from the eye on, for lack of time: one more surface was not
-    /// traced. Painted points stay.
+    /// Sets every pixel to undecided from the eye on, for lack of time: a surface was not traced.
+    /// Painted points stay.
     pub fn give_up(&mut self) {
         self.status.fill(Status::Undecided);
         self.reason.fill(UndecidedReason::Budget);
@@ -315,11 +311,12 @@ impl GBuffer {
 
     /// Adds another surface to the picture. Each pixel keeps the nearer hit or undecided segment,
     /// and the nearer painted point. If an undecided segment and a hit are equally near, the
-    /// segment is kept. An undecided pixel is undecided from the start of a hit's bracket if that
-    /// is nearer. Without brackets, a hit's zero is assumed to be where it is painted.
+    /// segment is kept. If a hit's bracket begins before the undecided segment, the pixel is
+    /// undecided from the bracket's start on. Without brackets, a hit's zero is assumed to be at
+    /// the painted point.
     ///
     /// # Panics
-    /// If the sizes differ.
+    /// If the pictures differ in size.
     pub fn merge(&mut self, other: &Self) {
         assert_eq!((self.width, self.height), (other.width, other.height), "sizes differ");
         self.keep_as(other);
@@ -342,7 +339,7 @@ impl GBuffer {
             if let Some(bracket) = self.bracket.get_mut(pixel) {
                 let [mine, theirs] = [*bracket, other.bracket_of(pixel)];
                 *bracket = if self.status[pixel] == Status::Hit {
-                    // If both are hits, either may hold the first zero. `min` ignores NaN.
+                    // If both are hits, either bracket may hold the first zero. `min` ignores NaN.
                     [mine[0].min(theirs[0]), mine[1].min(theirs[1])]
                 } else {
                     [f64::NAN; 2]
@@ -354,19 +351,19 @@ impl GBuffer {
         }
     }
 
-    /// The bracket of a hit; NaN if it is not kept.
+    /// The bracket of a pixel's hit. NaN if brackets are not kept.
     fn bracket_of(&self, pixel: usize) -> [f64; 2] {
         self.bracket.get(pixel).copied().unwrap_or([f64::NAN; 2])
     }
 
-    /// Copies the proof of a pixel, except its bracket.
+    /// Copies a pixel's status, reason and undecided start from `other`, but not the bracket.
     fn take_proven(&mut self, other: &Self, pixel: usize) {
         self.status[pixel] = other.status[pixel];
         self.reason[pixel] = other.reason[pixel];
         self.open_from[pixel] = other.open_from[pixel];
     }
 
-    /// Copies the painted point of a pixel.
+    /// Copies a pixel's painted point, with its surface and light, from `other`.
     fn take_painted(&mut self, other: &Self, pixel: usize) {
         fn take<T: Copy + Default>(all: &mut [T], others: &[T], pixel: usize) {
             if let Some(mine) = all.get_mut(pixel) {
@@ -381,7 +378,7 @@ impl GBuffer {
         take(&mut self.occlusion, &other.occlusion, pixel);
     }
 
-    /// Adds arrays for caps and hidden light if `other` has them.
+    /// Adds arrays for caps, shadow and occlusion if `other` has them.
     pub fn keep_as(&mut self, other: &Self) {
         fn room<T: Copy + Default>(all: &mut Vec<T>, others: &[T], pixels: usize) {
             if !others.is_empty() {
@@ -394,10 +391,10 @@ impl GBuffer {
         room(&mut self.occlusion, &other.occlusion, pixels);
     }
 
-    /// Copies the pixels that `only` selects from another picture of the same rays.
+    /// Copies the pixels that `only` selects from `other`, a picture of the same rays.
     ///
     /// # Panics
-    /// If the sizes differ, or the length of `only` differs from the number of pixels.
+    /// If the pictures differ in size, or the length of `only` differs from the number of pixels.
     pub fn replace(&mut self, other: &Self, only: &[bool]) {
         assert_eq!((self.width, self.height), (other.width, other.height), "sizes differ");
         assert_eq!(only.len(), self.status.len(), "one for each pixel");
@@ -425,7 +422,7 @@ impl GBuffer {
         counts
     }
 
-    /// Returns whether something is painted in this pixel.
+    /// Returns whether a point is painted in this pixel.
     pub fn is_drawn(&self, pixel: usize) -> bool {
         self.drawn[pixel].is_finite()
     }
@@ -459,7 +456,7 @@ mod tests {
         assert_eq!((new.status[0], new.distance(0), new.drawn[0], new.surface[0]), expected);
         assert!(new.cap.is_empty() && new.shadow.is_empty() && new.occlusion.is_empty());
         assert!(new.reason(0) == UndecidedReason::None && new.bracket.is_empty());
-        // A hit in place of an undecided pixel does not show the old reason.
+        // A hit replaces an undecided result. The old reason must not show.
         new.set(
             0,
             &RayResult { status: Status::Hit, distance: 2.0, drawn: 2.0, ..RayResult::MISS },
@@ -493,8 +490,8 @@ mod tests {
 
     #[test]
     fn the_nearer_claim_and_the_nearer_paint_win_apart() {
-        // An undecided segment that paints nothing, before a hit: the proof is undecided, the
-        // painted point is the hit's.
+        // An undecided segment without a painted point lies before a hit. The pixel becomes
+        // undecided, but the hit's painted point stays.
         let mut buffer = pixel(Status::Hit, 5.0, 5.0, 0);
         buffer.merge(&pixel(Status::Undecided, 3.0, f64::INFINITY, 1));
         assert_eq!((buffer.status[0], buffer.distance(0)), (Status::Undecided, 3.0));
@@ -502,7 +499,7 @@ mod tests {
         // A hit in front of the undecided segment decides the pixel.
         buffer.merge(&pixel(Status::Hit, 2.0, 2.0, 2));
         assert_eq!((buffer.status[0], buffer.surface[0]), (Status::Hit, 2));
-        // The merged bracket holds the first zero of both surfaces.
+        // The bracket merged from two hits holds the nearer of their zeros.
         let bracketed = |near: f64, far: f64| {
             let mut buffer = pixel(Status::Hit, 0.5 * (near + far), 0.5 * (near + far), 0);
             buffer.bracket = vec![[near, far]];
@@ -515,7 +512,7 @@ mod tests {
         assert_eq!(two.bracket[0], [0.5, 2.0]);
         two.merge(&pixel(Status::Undecided, 0.25, 0.25, 1).with_brackets());
         assert!(two.status[0] == Status::Undecided && two.bracket[0][0].is_nan());
-        // Where a bracket begins before an undecided segment, the pixel is undecided from there.
+        // If a bracket begins before the undecided segment, the pixel is undecided from there on.
         for (hit_first, from, expected) in [(true, 1.25, 1.0), (false, 1.25, 1.0), (true, 0.5, 0.5)]
         {
             let open = pixel(Status::Undecided, from, from, 1).with_brackets();
@@ -526,7 +523,7 @@ mod tests {
             one.merge(&other);
             assert_eq!((one.status[0], one.distance(0)), (Status::Undecided, expected));
         }
-        // A miss changes nothing.
+        // Merging a miss changes nothing.
         let before = buffer.clone();
         buffer.merge(&GBuffer::new(1, 1, 3));
         assert_eq!(buffer, before);

@@ -13,40 +13,39 @@ use zeroset_space::Ray;
 /// Number of pixels on the side of a [`Patch`].
 pub const SIDE: usize = LANES.isqrt();
 
-/// A square of 4×4 pixels of a picture.
+/// A square of 4×4 pixels of a picture, which is traced on its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Patch {
-    /// The first column.
+    /// The square's first column.
     pub column: usize,
-    /// The first row.
+    /// The square's first row.
     pub row: usize,
-    /// Range of t in which zeros are wanted. A method may skip zeros outside of it.
+    /// Range of t in which zeros are wanted. A method may skip zeros outside it.
     pub between: [f64; 2],
 }
 
-/// The rays of a picture, one through each pixel's center; or the rays of some
-/// [patches](Self::patches) of it.
+/// The rays of a picture, one through the center of each pixel. Or the rays of some
+/// [patches](Self::patches) of a picture.
 #[derive(Clone, Debug)]
 pub struct RayGrid {
     width: usize,
     height: usize,
-    /// Position of the first pixel's center relative to the picture's middle, to the right and
-    /// upward, in halves of a pixel.
+    /// Position of the first pixel's center relative to the picture's middle: to the right, and
+    /// upward. The unit is half a pixel.
     first: [i64; 2],
-    /// Number of columns and rows of the picture before this part of it.
+    /// Column and row of the whole picture in which this part begins.
     pub corner: [usize; 2],
-    /// Bounds of the screen coordinates: half the width and height of the whole picture. A part of
-    /// a picture has the bounds of the whole, so that it is traced in the same way.
+    /// Bounds of the screen coordinates: half the whole picture's width and height. A part has the
+    /// bounds of the whole, so that it is traced in the same way.
     pub(crate) reach: [f64; 2],
     eye: DVec3,
     basis: Basis,
-    /// The direction of view, and the change of a ray's direction from half a pixel to the right,
-    /// and upward. In a parallel picture, the change of its origin. In `f32`, since they are needed
-    /// for each window.
+    /// The direction of view, then the change of a ray's direction per half pixel to the right and
+    /// per half pixel upward. In an orthographic picture, the ray's origin changes instead. Stored
+    /// in `f32`, since each window needs the numbers in `f32`.
     steps: [Vec3; 3],
-    /// Half the height of a pixel in screen coordinates, which is half the distance between
-    /// neighboring pixels. It is measured on the plane at distance 1, or in world units if rays are
-    /// parallel.
+    /// Half the distance between neighboring pixels, in screen coordinates. Perspective screen
+    /// coordinates are measured on the plane at distance 1 from the eye, others in world units.
     pub unit: f64,
     /// Whether the picture is orthographic.
     pub(crate) parallel: bool,
@@ -70,11 +69,11 @@ impl Camera {
 }
 
 impl RayGrid {
-    /// The rays of some columns and rows of the picture, counted from its left and upper edges.
-    /// They are equal to those of `self`, bit for bit.
+    /// The rays of some columns and rows, counted from the left and upper edges of `self`. They
+    /// equal the same rays of `self`, bit for bit.
     ///
     /// # Panics
-    /// If the ranges are not in the picture.
+    /// If the ranges exceed the picture.
     #[must_use]
     pub fn part(&self, columns: Range<usize>, rows: Range<usize>) -> Self {
         assert!(columns.end <= self.width && rows.end <= self.height, "outside of the picture");
@@ -84,8 +83,7 @@ impl RayGrid {
         Self { width: columns.len(), height: rows.len(), first, corner, ..self.clone() }
     }
 
-    /// The rays of the same picture (or part of a picture), with each pixel divided into `times`
-    /// columns and rows.
+    /// The rays of this picture or part, with each pixel divided into `times` columns and rows.
     #[must_use]
     pub fn finer(&self, times: usize) -> Self {
         let (width, height) = (self.width * times, self.height * times);
@@ -96,15 +94,15 @@ impl RayGrid {
         Self { width, height, first, corner, steps, unit, ..self.clone() }
     }
 
-    /// The rays of patches of the picture. Each row has the sixteen pixels of a patch, row by row.
-    /// The results may be drawn, but prove nothing, since zeros are found only within
-    /// [`Patch::between`].
+    /// The rays of patches of the picture. Each row of the result has the sixteen pixels of one
+    /// patch, row by row. Traced results may be drawn but prove nothing, since zeros are found only
+    /// within [`Patch::between`].
     #[must_use]
     pub fn patches(&self, patches: Arc<[Patch]>) -> Self {
         Self { width: LANES, height: patches.len(), patches: Some(patches), ..self.clone() }
     }
 
-    /// The patch in this row, if these are rays of patches.
+    /// The patch whose pixels are in this row; `None` if the grid does not consist of patches.
     #[inline]
     pub(crate) fn patch(&self, row: usize) -> Option<Patch> {
         self.patches.as_ref().map(|patches| patches[row])
@@ -116,8 +114,8 @@ impl RayGrid {
         self.patches.is_some()
     }
 
-    /// The indices of the pixels left of a pixel, right of it, above and below it; `None` outside
-    /// the picture or patch.
+    /// The indices of the pixels left of, right of, above and below a pixel. `None` for a neighbor
+    /// outside the picture or patch.
     pub fn beside(&self, pixel: usize) -> [Option<usize>; 4] {
         let width = if self.is_patched() { SIDE } else { self.width };
         let (column, rows) = (pixel % width, self.width * self.height / width);
@@ -135,7 +133,7 @@ impl RayGrid {
         ]
     }
 
-    /// Pixels in a row.
+    /// Number of pixels in a row.
     pub fn width(&self) -> usize {
         self.width
     }
@@ -145,7 +143,7 @@ impl RayGrid {
         self.height
     }
 
-    /// The position of the camera.
+    /// The position of the camera's eye.
     pub fn eye(&self) -> DVec3 {
         self.eye
     }
@@ -165,13 +163,13 @@ impl RayGrid {
         self.basis.up
     }
 
-    /// The ray through the center of the pixel in column `i` and row `j`; row 0 is on top.
+    /// The ray through the center of the pixel in column `i` and row `j`. Row 0 is on top.
     ///
     /// The ray's direction is `forward + (2(i+½)/width − 1)·s·(width/height)·right + (1 −
     /// 2(j+½)/height)·s·up`, where `s` is the tangent of half the vertical field of view.
     ///
-    /// In an orthographic picture the direction is `forward`. The other two terms move the origin
-    /// instead, and `s` is half the picture's height in world units. [`Camera`] bounds the rounding
+    /// In an orthographic picture the direction is `forward`. The other two terms then move the
+    /// origin, and `s` is half the picture's height in world units. [`Camera`] bounds the rounding
     /// errors of rays.
     #[inline]
     pub fn ray(&self, i: usize, j: usize) -> Ray {
@@ -185,24 +183,24 @@ impl RayGrid {
         }
     }
 
-    /// Screen coordinates of the point half way between the centers of two pixels, given the sum of
-    /// their columns and the sum of their rows. Columns and rows are those of the whole picture,
-    /// not of a patch.
+    /// Screen coordinates of the point halfway between the centers of two pixels. `columns` is the
+    /// sum of their columns, `rows` the sum of their rows. Both are counted in this picture or
+    /// part, never in a patch.
     ///
-    /// For screen coordinates a and b, a ray's direction is `forward` + a·`right` + b·`up`. In an
-    /// orthographic picture its origin is the eye + a·`right` + b·`up`.
+    /// A ray with screen coordinates a and b has the direction `forward` + a·`right` + b·`up`. In
+    /// an orthographic picture, its origin is the eye + a·`right` + b·`up`.
     #[inline]
     pub fn screen(&self, columns: usize, rows: usize) -> [f64; 2] {
         let [across, upward] = self.first;
         [across + columns as i64, upward - rows as i64].map(|place| place as f64 * self.unit)
     }
 
-    /// [Screen coordinates](Self::screen) along one axis of four points. `sum` is the sum of two
-    /// columns, or of two rows, for the first point, and `step` is its change from point to point.
+    /// [Screen coordinates](Self::screen) of four points along one axis. For the first point, `sum`
+    /// is the sum of two columns, or of two rows. From point to point it changes by `step`.
     #[inline(always)]
     pub(crate) fn screens(&self, axis: usize, sum: usize, step: usize) -> [f64; 4] {
         let [across, upward] = self.first;
-        // All numbers are integers until the last step, which rounds.
+        // All numbers are integers until the multiplication by the unit, which rounds.
         let (first, step) = if axis == 0 {
             (across + sum as i64, step as f64)
         } else {
@@ -211,31 +209,31 @@ impl RayGrid {
         [0.0, 1.0, 2.0, 3.0].map(|k| (first as f64 + k * step) * self.unit)
     }
 
-    /// The approximate width of a pixel at a distance from the eye. Both are in units of t, or both
-    /// in world units.
+    /// The approximate width of a pixel at a distance from the eye. Width and distance are both in
+    /// units of t, or both in world units.
     pub fn footprint(&self, distance: f64) -> f64 {
         let [at_eye, growth] = self.pixel();
         at_eye + growth * distance
     }
 
-    /// The approximate width of a pixel at t = 0, and its growth with t, in units of t.
+    /// The approximate width of a pixel at t = 0, and its growth per t, both in units of t.
     pub fn pixel(&self) -> [f64; 2] {
         let width = 2.0 * self.unit;
         if self.parallel { [width, 0.0] } else { [0.0, width] }
     }
 
-    /// The position of a pixel relative to the picture's middle, to the right and upward, in halves
-    /// of a pixel.
+    /// The position of a pixel's center relative to the picture's middle: to the right, and upward.
+    /// The unit is half a pixel.
     #[inline]
     fn offset(&self, i: usize, j: usize) -> [f64; 2] {
         let (i, j) = self.place(i, j);
-        // All numbers are integers until the last step, which rounds.
+        // All numbers are integers until the conversion to `f64`.
         let [across, upward] = self.first;
         [(across + 2 * i as i64) as f64, (upward - 2 * j as i64) as f64]
     }
 
-    /// The column and row of a pixel in the whole picture, not in a patch. A pixel of a window may
-    /// lie outside the picture.
+    /// The column and row of pixel (`i`, `j`) in the picture or part. In a grid of patches, `j` is
+    /// the patch and `i` the pixel in the patch. The pixel may lie outside the picture.
     #[inline]
     fn place(&self, i: usize, j: usize) -> (usize, usize) {
         match self.patch(j) {
@@ -249,8 +247,7 @@ impl RayGrid {
         self.ray(index % self.width, index / self.width)
     }
 
-    /// Columns and rows of a window's pixels in the whole picture, relative to those of its first
-    /// pixel.
+    /// Columns and rows of a window's pixels in the picture, relative to the window's first pixel.
     #[inline(always)]
     fn places(&self, window: PixelWindow) -> [Lanes<f32>; 2] {
         if self.is_patched() {
@@ -260,7 +257,7 @@ impl RayGrid {
         }
     }
 
-    /// The points on the rays of a window at these distances in world units:
+    /// The points on the rays of a window at `distances` in world units. They equal
     /// `ray.at(ray.parameter(distance))`, bit for bit.
     #[inline(always)]
     pub fn points<S: Simd>(
@@ -299,13 +296,13 @@ impl RayGrid {
         points
     }
 
-    /// The directions of the rays of a window, with an error of a few ulps of `f32`, which is
-    /// enough for colors.
+    /// The directions of a window's rays. Their error, a few ulps of `f32`, does not matter for
+    /// colors.
     #[inline(always)]
     pub fn ways<S: Simd>(&self, simd: S, window: PixelWindow) -> RayDirections<S> {
         let [forward, right, up] = self.steps;
-        // These are in halves of a pixel. They are integers, so a part of a picture has the same
-        // directions as the whole.
+        // The offsets are in halves of a pixel. They are integers, so a part of a picture has the
+        // same directions as the whole.
         let [across, upward] = self.offset(window.column, window.row).map(|offset| offset as f32);
         let [columns, rows] = self.places(window);
         let column = across + 2.0 * f32x16::from_slice(simd, &columns[..]);
@@ -324,8 +321,7 @@ impl RayGrid {
             let length = (1.0 + square).sqrt();
             let both = 1.0 / (length * (1.0 + length));
             let scale = both * (1.0 + length);
-            // 1 − 1/length, computed without cancellation, so that its relative error is small,
-            // too.
+            // This is 1 − 1/length without cancellation, so its relative error is small.
             let less = both * square;
             for axis in 0..3 {
                 aside[axis] = aside[axis].mul_sub(scale, forward[axis] * less);
@@ -335,9 +331,9 @@ impl RayGrid {
         RayDirections { to_eye, aside }
     }
 
-    /// The points on the rays of a window at these distances in world units. The error is a few
-    /// ulps of `f32`, relative to a point's coordinates or to its distance from the picture's
-    /// middle ray: far less than a pixel.
+    /// The points on the rays of a window at `distances` in world units. The error is a few ulps of
+    /// `f32`, relative to a point's coordinates or to its distance from the picture's middle ray.
+    /// That is far less than a pixel.
     #[inline(always)]
     pub fn points_along<S: Simd>(
         &self,
@@ -347,12 +343,12 @@ impl RayGrid {
     ) -> [Lanes<f32>; 3] {
         let low = f64x8::from_slice(simd, &distances[..8]);
         let high = f64x8::from_slice(simd, &distances[8..]);
-        // In a parallel picture, rays are the same distance apart everywhere.
+        // In an orthographic picture, rays are equally far apart everywhere.
         let reach = if self.parallel { f32x16::splat(simd, 1.0) } else { low.narrow(high) };
         let mut points = [Lanes::splat(0.0); 3];
         for (axis, points) in points.iter_mut().enumerate() {
             let (eye, forward) = (self.eye[axis], self.basis.forward[axis]);
-            // This is computed in f64, since the terms nearly cancel if the eye is far away.
+            // This is computed in `f64`, since the terms nearly cancel if the eye is far away.
             let middle = low.mul_add(forward, eye).narrow(high.mul_add(forward, eye));
             let point = ways.aside[axis].mul_add(reach, middle);
             point.store_slice(&mut points[..]);
@@ -366,17 +362,17 @@ impl RayGrid {
 pub struct RayDirections<S: Simd> {
     /// Unit vectors from the visible points to the eye.
     pub to_eye: [f32x16<S>; 3],
-    /// Offset of each ray from the middle ray of the whole picture, at the same distance from the
-    /// eye: as a share of that distance, or in world units if rays are parallel.
+    /// Offset of each ray's point from the point of the picture's middle ray at the same distance.
+    /// A share of that distance; in world units if rays are parallel.
     aside: [f32x16<S>; 3],
 }
 
-/// [`RayGrid::steps`] of a grid whose pixels are two `unit` apart.
+/// [`RayGrid::steps`] of a grid whose pixels are 2·`unit` apart.
 fn steps(basis: &Basis, unit: f64) -> [Vec3; 3] {
     [basis.forward, unit * basis.right, unit * basis.up].map(|way| way.as_vec3())
 }
 
-/// Columns and rows of a window's pixels relative to those of its first pixel, which is pixel
+/// Columns and rows of a window's pixels relative to the window's first pixel, which is pixel
 /// `first` of a patch. Not inlined, so that windows outside patches do not compute it.
 #[inline(never)]
 fn places_in_patch(first: usize) -> [Lanes<f32>; 2] {
@@ -390,7 +386,7 @@ fn places_in_patch(first: usize) -> [Lanes<f32>; 2] {
     [columns, rows]
 }
 
-/// The columns of sixteen adjacent pixels, from 0 on.
+/// The columns of sixteen adjacent pixels: 0 to 15.
 const ALONG: Lanes<f32> = {
     let mut along = [0.0; LANES];
     let mut lane = 1;
@@ -401,8 +397,8 @@ const ALONG: Lanes<f32> = {
     Lanes(along)
 };
 
-/// The tangent of half an angle in degrees. Near 180 it is computed from the difference from 180,
-/// which is exact.
+/// The tangent of half an angle in degrees. Above 90°, it is computed from 180° minus the angle.
+/// That difference is exact.
 fn half_tangent(degrees: f64) -> f64 {
     let half = |degrees: f64| (degrees.to_radians() / 2.0).tan();
     if degrees <= 90.0 { half(degrees) } else { half(180.0 - degrees).recip() }

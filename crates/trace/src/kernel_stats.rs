@@ -3,12 +3,12 @@
 use std::iter::Sum;
 use std::ops::AddAssign;
 
-/// Evaluations of one kind of kernel.
+/// Evaluations of kernels of one kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Count {
     /// Number of evaluations.
     pub calls: u64,
-    /// Number of lanes in them that were needed.
+    /// Number of lanes whose results were needed, summed over the evaluations.
     pub lanes: u64,
 }
 
@@ -17,15 +17,15 @@ pub struct Count {
 pub struct KernelStats {
     /// Evaluations over boxes.
     pub interval: Count,
-    /// Evaluations that narrow tiles.
+    /// Evaluations that narrow tiles: affine arithmetic over many rays.
     pub tiles: Count,
     /// Evaluations that narrow segments of single rays.
     pub segments: Count,
-    /// Values at points.
+    /// Evaluations of values at points.
     pub point: Count,
-    /// Values and gradients at points.
+    /// Evaluations of values and gradients at points.
     pub gradient: Count,
-    /// Rays that were given up because their packet had used up its steps.
+    /// Number of rays that were given up because they, or their packet, used up the allowed effort.
     pub given_up: u64,
 }
 

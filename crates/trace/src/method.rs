@@ -1,8 +1,8 @@
 //! Methods: the ways to find where rays first meet a surface.
 //!
-//! A method is a file with a row of [`METHODS`](crate::METHODS), which creates a [`Tracer`]. A
-//! method does not know which rays it gets, on which threads, or how its results are used: that is
-//! up to the [`Driver`](crate::Driver).
+//! A method is a file with a row of [`METHODS`](crate::METHODS), which creates a [`Tracer`]. The
+//! [`Driver`](crate::Driver) chooses rays and threads, and uses the results. Methods do not know
+//! the driver.
 
 use crate::band::Band;
 use crate::grid::RayGrid;
@@ -18,45 +18,46 @@ use zeroset_space::Region;
 /// A way to find where rays first meet a surface: a row of [`METHODS`](crate::METHODS).
 #[derive(Clone, Copy)]
 pub struct Method {
-    /// The name, in one word.
+    /// The method's name, in one word.
     pub name: &'static str,
-    /// One line of help.
+    /// One line of help about the method.
     pub help: &'static str,
-    /// The proofs that it gives for rays that meet the region. Every other ray is a miss.
+    /// The proofs that the method gives for rays that meet the region. A ray that misses the region
+    /// is a miss.
     pub proves: Proves,
-    /// The options that it reads. It ignores others.
+    /// The options that the method reads. It ignores others.
     pub reads: &'static [MethodOption],
-    /// Creates the tracer in `f32`, and in `f64`.
+    /// Two functions that create the tracer: in `f32`, then in `f64`.
     pub(crate) prepare: [Prepare; 2],
 }
 
 /// The input from which a tracer is prepared.
 #[derive(Clone, Copy)]
 pub(crate) struct Task<'a> {
-    /// The surface to be found.
+    /// The surface to find.
     pub surface: &'a dyn SurfaceKernels,
     /// The region in which rays are followed.
     pub region: &'a Region,
     pub options: TraceOptions,
 }
 
-/// Requests the surface's kernels, and prepares a tracer for the region.
+/// Requests a surface's kernels and prepares a tracer for it.
 pub(crate) type Prepare = fn(Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelError>;
 
 /// The proofs that a method can give for a ray through the region.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Proves {
-    /// The ray meets a zero, or it meets none.
+    /// Either that the ray meets a zero, or that it meets none.
     HitsAndMisses,
-    /// Only that a ray meets no zero. A point that is drawn may not exist.
+    /// Only that the ray meets no zero. A drawn point may not exist.
     Misses,
-    /// Nothing. A point that is drawn may not exist, and a point that exists may not be drawn.
+    /// Nothing. A drawn point may not exist, and an existing point may not be drawn.
     Nothing,
 }
 
 /// A method prepared for one surface.
 pub trait Tracer: Sync {
-    /// Follows rays, and writes the result for each to `found`, which has the same length.
+    /// Follows `rays`, and writes each ray's result to the ray's place in `found`.
     ///
     /// If possible, every four consecutive rays are those of 2×2 neighboring pixels, every sixteen
     /// those of 4×4 pixels, and so on.
@@ -68,28 +69,28 @@ pub trait Tracer: Sync {
         work: &mut KernelStats,
     );
 
-    /// The method that traces these rays if this one cannot.
+    /// The method that traces these rays if this method cannot trace them.
     fn fallback(&self, _: &RayGrid) -> Option<Fallback> {
         None
     }
 
-    /// Follows the rays of all pixels of a band, as long as it [is wanted](Band::is_wanted). All
-    /// pixels must be misses at first.
+    /// Follows the rays of all pixels of a band, as long as the band [is wanted](Band::is_wanted).
+    /// Before the call, all pixels must be misses.
     fn band(&self, rays: &RayGrid, band: &mut Band<'_>, work: &mut KernelStats) {
         by_squares(self, rays, band, work);
     }
 }
 
-/// A method that replaces the chosen one.
+/// A method that traces rays that the chosen method cannot trace.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fallback {
     /// The method that traces instead.
     pub method: &'static Method,
-    /// The reason, as a clause.
+    /// The reason why the chosen method cannot trace them, as a clause.
     pub why: String,
 }
 
-/// [`Tracer::band`] for methods that follow rays one by one.
+/// [`Tracer::band`] for methods that only have [`Tracer::follow`].
 pub(crate) fn by_squares<T: Tracer + ?Sized>(
     tracer: &T,
     rays: &RayGrid,
@@ -137,20 +138,20 @@ pub(crate) fn by_squares<T: Tracer + ?Sized>(
 pub struct Segment {
     /// The ray.
     pub ray: Ray,
-    /// The end; may be infinite.
+    /// The largest t, which may be infinite.
     pub to: f64,
-    /// Approximate width of a pixel at t = 0, and its growth with t, in units of t. Infinite if the
-    /// place of a hit does not matter.
+    /// Approximate width of a pixel at t = 0, and the growth of that width per t. Both are in units
+    /// of t. Infinite if the place of a hit does not matter.
     pub pixel: [f64; 2],
 }
 
 impl Segment {
-    /// The approximate width of a pixel at the point at `t`, in units of t.
+    /// The approximate width of a pixel at the ray's point at `t`, in units of t.
     pub(crate) fn footprint(&self, t: f64) -> f64 {
         self.pixel[0] + t * self.pixel[1]
     }
 
-    /// The [`Region::span`] of the segment; `None` if it does not meet the region.
+    /// The range of t in which the segment may be in the region. `None` if it misses the region.
     pub(crate) fn within(&self, region: &Region) -> Option<[f64; 2]> {
         let (near, last) = region.span(&self.ray)?;
         let far = last.min(self.to);
@@ -158,18 +159,18 @@ impl Segment {
     }
 }
 
-/// The start of segments.
+/// The place where segments start.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Start {
-    /// Anywhere. The first zero counts.
+    /// Any place. A segment's first zero counts.
     Anywhere,
-    /// On a surface. A zero counts only behind a place that is proven to have none.
+    /// A point of a surface. A zero counts only behind a part of the segment that is proven empty.
     OnSurface,
 }
 
 impl Method {
-    /// Requests the kernels that the method needs from a surface, and prepares to follow rays
-    /// through `region`.
+    /// Requests the kernels that the method needs from a surface. Prepares to follow rays through
+    /// `region`.
     ///
     /// # Errors
     /// If a kernel is not available.

@@ -1,4 +1,4 @@
-//! The table of methods, one file each. The command line, prompt, status line and JSON use it.
+//! The table of methods. Each has a file of its own. Help, status lines and JSON use the table.
 
 mod affine;
 mod bracket_gap;

@@ -1,45 +1,44 @@
-//! The options of methods: one table, from which command line, prompt, status line, JSON and charts
-//! follow.
+//! The options of methods, in one table. The command line, the prompt, the status line, JSON and
+//! charts are derived from it.
 
 use crate::scalar::Scalar;
 use std::fmt;
 use std::ops::RangeInclusive;
 
-/// Settings of a method. A method reads the options that its row names, and ignores the others.
+/// Values of all options. A method reads the options that its row names, and ignores the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[allow(clippy::struct_excessive_bools, reason = "each is an option of its own")]
 pub struct TraceOptions {
     /// The floats in which kernels compute.
     pub precision: Precision,
-    /// Number of times that the region is halved along a ray, from 1 to [`Precision::max_depth`];
-    /// larger numbers are clamped.
+    /// Number of times that the region is halved along a ray, from 1 to [`Precision::max_depth`].
+    /// Larger numbers are clamped.
     pub depth: u32,
-    /// Greatest distance, in pixels, between a hit and the place where it is reported. Proofs do
-    /// not depend on it.
+    /// Greatest distance, in pixels, from a zero to the reported hit. Proofs do not depend on it.
     pub tolerance: f64,
-    /// Number of samples on a ray's way through the region, or largest number of steps along it; at
-    /// least 2.
+    /// Number of samples on a ray's path through the region, or largest number of steps. At least
+    /// 2.
     pub steps: u32,
-    /// Whether segments are narrowed to where a form may vanish; otherwise they are only halved.
+    /// Whether segments are narrowed to where a form may vanish. Otherwise they are only halved.
     pub contract: bool,
-    /// Whether rays are traced together, tile by tile; otherwise each is traced alone.
+    /// Whether rays are traced together, tile by tile. Otherwise each ray is traced alone.
     pub tiles: bool,
     /// Whether intervals are tried on segments that affine forms leave undecided.
     pub intervals: bool,
     /// Length below which a segment may stay undecided, as a share of the longest bracket. At 0,
-    /// segments are narrowed to the limit of precision. At larger values they are painted sooner,
-    /// for a preview. Only methods that prove hits read it.
+    /// segments are narrowed to the limit of precision. Larger values suit a preview: segments are
+    /// narrowed less before they are painted. Only methods that prove hits read it.
     pub least: f64,
-    /// Whether a place where the function is unbounded counts as an asymptote rather than a root.
-    /// Its pixel is then undecided, and the place is not painted.
+    /// Whether a possible zero on a segment counts as an asymptote, not as a root, if the function
+    /// is unbounded on the segment. Then the pixel is undecided, and the place is not painted.
     pub suppress_asymptotes: bool,
 }
 
 impl TraceOptions {
-    /// Checks that each option is in its range.
+    /// Checks that the value of each option is in the option's range.
     ///
     /// # Errors
-    /// If one is not: its key in JSON, and the reason.
+    /// If a value is out of range. The text has the option's key in JSON and the reason.
     pub fn check(&self) -> Result<(), String> {
         let check = |option: &MethodOption| {
             let typed = (option.set)(&mut self.clone(), &(option.get)(self));
@@ -48,7 +47,7 @@ impl TraceOptions {
         OPTIONS.iter().try_for_each(check)
     }
 
-    /// Greatest length of a hit's bracket, in pixels: a hit is reported in its middle.
+    /// Greatest length of a hit's bracket, in pixels. The hit is reported in the bracket's middle.
     pub(crate) fn longest(&self) -> f64 {
         2.0 * self.tolerance
     }
@@ -70,29 +69,28 @@ impl Default for TraceOptions {
     }
 }
 
-/// The floats in which kernels compute. Enclosures are rigorous in all of them.
+/// The floats in which kernels compute. Enclosures are rigorous in each choice.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Precision {
-    /// 32 bits, and 64 for rays that are undecided in 32 bits. Methods that cannot combine both
+    /// 32 bits first, then 64 bits for rays that stay undecided. Methods that cannot combine both
     /// treat this as [`Precision::F32`].
     #[default]
     Auto,
-    /// 32 bits: twice as fast.
+    /// 32 bits: twice as fast as 64 bits.
     F32,
-    /// 64 bits: for slabs too thin for `f32`, and surfaces that `f32` cannot tell from their
-    /// surroundings.
+    /// 64 bits: for thinner slabs, and for surfaces that `f32` cannot tell from their surroundings.
     F64,
 }
 
 impl Precision {
-    /// Each precision with its name and one line of help.
+    /// Each precision, its name, and one line of help.
     pub const NAMES: &'static [(Self, &'static str, &'static str)] = &[
         (Self::Auto, "auto", "32 bits, rounded outward, and 64 for what these leave undecided"),
         (Self::F32, "f32", "32 bits, rounded outward"),
         (Self::F64, "f64", "64 bits, rounded outward; at most half as fast"),
     ];
 
-    /// The greatest depth at which slabs are still thicker than what rounding adds to them.
+    /// The greatest depth at which slabs are thicker than the rounding error of their planes.
     pub fn max_depth(self) -> u32 {
         match self {
             Self::Auto | Self::F32 => f32::MAX_DEPTH,
@@ -118,57 +116,56 @@ pub struct MethodOption {
     pub name: &'static str,
     /// Other names of the flag.
     pub aliases: &'static [&'static str],
-    /// The prompt's command that sets it; empty if it has no command.
+    /// The prompt's command that sets the option; empty if there is none.
     pub command: &'static str,
-    /// What may follow the command at the prompt.
+    /// The arguments that may follow the command at the prompt.
     pub arguments: &'static str,
-    /// Notation of a value; empty for a switch, which takes no value.
+    /// Notation of the option's value in help; empty for a switch, which takes no value.
     pub value: &'static str,
-    /// All values, each with one line of help; empty if they are numbers.
+    /// All possible values, each with one line of help; empty if they are numbers.
     pub values: fn() -> Vec<(&'static str, &'static str)>,
-    /// One line of help.
+    /// One line of help on the command line.
     pub help: &'static str,
     /// One line of help at the prompt.
     pub prompt_help: &'static str,
-    /// The key in JSON reports; empty for none.
+    /// The option's key in JSON reports; empty if reports leave it out.
     pub key: &'static str,
-    /// Whether short help lists it.
+    /// Whether short help lists the option.
     pub is_common: bool,
-    /// The axis label of charts that vary it; empty if charts do not.
+    /// The axis label of charts that vary the option; empty if charts do not.
     pub axis: &'static str,
-    /// The value as it is typed; `on` or `off` for a switch.
+    /// Returns the option's value as it is typed; `on` or `off` for a switch.
     pub get: fn(&TraceOptions) -> String,
-    /// Sets the value from its text.
+    /// Sets the option's value from its text.
     ///
     /// # Errors
-    /// If the text is no such value, or the value is out of range. The message names neither flag
-    /// nor command.
+    /// If the text is not a valid value. The message names neither the flag nor the command.
     pub set: fn(&mut TraceOptions, &str) -> Result<(), String>,
-    /// A phrase about the value in use.
+    /// Returns a phrase that describes the option's value.
     pub describe: fn(&TraceOptions) -> String,
-    /// Whether summaries show the value even if it is the default.
+    /// Whether summaries show the option's value even if it is the default.
     pub is_always_shown: bool,
-    /// The unit that follows the value in summaries.
+    /// The unit that follows the option's value in summaries.
     pub unit: &'static str,
 }
 
-/// Valid values of [`TraceOptions::steps`]. The least is one sample at each end of a ray's path. At
-/// the greatest, a picture takes minutes.
+/// Valid values of [`TraceOptions::steps`]. The smallest is one sample at each end of a ray's path.
+/// At the largest, a picture takes minutes.
 const STEPS_RANGE: RangeInclusive<u32> = 2..=1 << 20;
 
-/// The valid range of [`TraceOptions::tolerance`] and the reason for it, in words.
+/// A message that states the valid range of [`TraceOptions::tolerance`] and the reason for it.
 pub const TOLERANCES: &str = "a tolerance is a number of pixels, above 0, since no arithmetic finds a root exactly, and at \
      most 100; 0.5 is the default";
 
-/// Returns whether a picture can be made with this tolerance, in pixels.
+/// Returns whether `pixels` is a valid tolerance.
 pub fn is_tolerance(pixels: f64) -> bool {
     pixels > 0.0 && pixels <= 100.0
 }
 
-/// Checks that slabs of this depth are thick enough for floats of this precision.
+/// Checks that slabs at `depth` are thick enough for floats of this precision.
 ///
 /// # Errors
-/// If the slabs are too thin, or `depth` is 0. The message names neither flag nor command.
+/// If the slabs are too thin, or `depth` is 0. The message names neither the flag nor the command.
 pub fn check_depth(depth: u32, precision: Precision) -> Result<(), String> {
     let most = precision.max_depth();
     if (1..=most).contains(&depth) {
@@ -183,8 +180,8 @@ pub fn check_depth(depth: u32, precision: Precision) -> Result<(), String> {
     Err(format!("a depth is between 1 and {most}{hint}"))
 }
 
-/// The option that sets [`TraceOptions::precision`]. It comes before the depth, whose range it
-/// sets.
+/// The option that sets [`TraceOptions::precision`]. It comes before [`DEPTH`], whose range depends
+/// on it.
 pub const PRECISION: MethodOption = MethodOption {
     name: "precision",
     command: "precision",
@@ -197,7 +194,7 @@ pub const PRECISION: MethodOption = MethodOption {
     is_common: true,
     axis: "precision",
     get: |options| options.precision.to_string(),
-    // Slabs that are too thin for the new floats become as thin as they can be.
+    // If the depth is too large for the new precision, it becomes the largest valid depth.
     set: |options, text| {
         let row = Precision::NAMES.iter().find(|row| row.1 == text);
         let row = row.ok_or_else(|| format!("'{text}' is not one of auto, f32, f64"))?;
@@ -325,7 +322,7 @@ pub const NO_INTERVALS: MethodOption = MethodOption {
 pub static OPTIONS: [MethodOption; 7] =
     [PRECISION, DEPTH, STEPS, TOLERANCE, NO_CONTRACT, NO_TILES, NO_INTERVALS];
 
-/// Empty columns, which the rows of switches complete. A switch turns off a part of a method.
+/// The defaults of a row's columns. A switch turns off a part of a method.
 const SWITCH: MethodOption = MethodOption {
     name: "",
     aliases: &[],
@@ -346,25 +343,25 @@ const SWITCH: MethodOption = MethodOption {
 };
 
 impl MethodOption {
-    /// Returns whether it takes no value.
+    /// Returns whether the option is a switch, which takes no value.
     pub fn is_switch(&self) -> bool {
         self.value.is_empty()
     }
 
-    /// Returns whether the value is the default.
+    /// Returns whether the option has its default value in `options`.
     pub fn is_default(&self, options: &TraceOptions) -> bool {
         (self.get)(options) == (self.get)(&TraceOptions::default())
     }
 
-    /// The flag and its value, as on a command line; `None` if the value is the default.
+    /// The option as a flag with its value, as typed. `None` if the value is the default.
     pub fn flag(&self, options: &TraceOptions) -> Option<String> {
         let value =
             if self.is_switch() { String::new() } else { format!(" {}", (self.get)(options)) };
         (!self.is_default(options)).then(|| format!("--{}{value}", self.name))
     }
 
-    /// What a summary shows of this option: its value, or its name if it is a switch. `None` if
-    /// summaries do not show it because the value is the default.
+    /// The text that a summary shows for the option: its value, or its name if it is a switch.
+    /// `None` if the value is the default and summaries then omit it.
     pub fn short(&self, options: &TraceOptions) -> Option<String> {
         let is_shown = self.is_always_shown || !self.is_default(options);
         is_shown.then(|| {
@@ -389,7 +386,8 @@ impl fmt::Debug for MethodOption {
     }
 }
 
-/// Reads a whole number. Numbers beyond the range of `u32` become its ends, which no option allows.
+/// Reads a whole number. A number out of the range of `u32` becomes 0 or the largest `u32`, neither
+/// of which is a valid value.
 fn whole(text: &str) -> Result<u32, String> {
     let number: i128 = text.parse().map_err(|_| format!("'{text}' is not a whole number"))?;
     Ok(number.clamp(0, u32::MAX.into()) as u32)

@@ -1,9 +1,9 @@
-//! Packets of rays that cross the region together, slab by slab along one axis.
+//! Packets: rays that cross the region together, slab by slab along one axis.
 //!
 //! K is the axis on which the rays advance fastest. The region's extent along K is divided into
-//! slabs. A place along a ray is given by its share τ of that extent: 0 where rays enter, 1 where
-//! they leave. So a value of τ is the same plane for all rays of the packet. All numbers are floats
-//! of the kernel with explicit slack, and enclose the exact rays.
+//! slabs. τ is a ray's position along K as a share of that extent: 0 at the face where rays enter,
+//! 1 at the face where they leave. So a value of τ is the same plane for all rays of the packet.
+//! All numbers are floats of the kernel's type. With explicit slack, they enclose the exact rays.
 
 use crate::method::Segment;
 use crate::scalar::Scalar;
@@ -16,33 +16,33 @@ use zeroset_space::Region;
 /// Maximum number of rays in a packet.
 pub(crate) const PACKET_RAYS: usize = LANES;
 
-/// Up to sixteen rays, and what they share. Unused lanes repeat the last ray.
+/// Up to sixteen rays, and the slabs that they cross together. Unused lanes repeat the last ray.
 #[derive(Clone, Debug)]
 pub(crate) struct Packet<T: Scalar> {
     planes: SlabAxis,
     /// Number of rays.
     count: usize,
-    /// Per axis, the region's bounds as (−lo, hi), rounded outward.
+    /// The region's bounds on each axis as (−lo, hi), rounded outward.
     bounds: [[T; 2]; 3],
-    /// The rays' coordinates, by axis.
+    /// The rays' coordinates on each axis.
     coordinates: [Coordinate<T>; 3],
-    /// Per ray, the values of τ between which it may be in the region.
+    /// Per ray, the smallest and the largest τ at which it may be in the region.
     enter: Lanes<T>,
     leave: Lanes<T>,
 }
 
-/// Coordinates of up to [`PACKET_RAYS`] rays. Unused lanes repeat the last ray.
+/// Origins and directions of up to [`PACKET_RAYS`] rays. Unused lanes repeat the last ray.
 pub(crate) struct RayLanes {
     pub origin: [Lanes<f64>; 3],
     pub direction: [Lanes<f64>; 3],
-    /// Per ray, the largest t that is examined.
+    /// Per ray, the largest t to examine.
     to: Lanes<f64>,
-    /// Per ray, the width of a pixel and its growth: [`Segment::pixel`].
+    /// Per ray, the width of a pixel and its growth with t: [`Segment::pixel`].
     pub pixel: [Lanes<f64>; 2],
 }
 
 impl RayLanes {
-    /// Copies the rays' coordinates. There must be at least one ray.
+    /// Copies the segments' rays to lanes. There must be at least one segment.
     #[inline]
     pub fn new(segments: &[Segment]) -> Self {
         let zero = Lanes::splat(0.0);
@@ -61,7 +61,7 @@ impl RayLanes {
     }
 }
 
-/// The planes τ = 0 and τ = 1.
+/// The axis K, and the region's extent along it. The extent's first end is at τ = 0.
 #[derive(Clone, Copy, Debug)]
 struct SlabAxis {
     k: usize,
@@ -72,8 +72,8 @@ struct SlabAxis {
 }
 
 impl SlabAxis {
-    /// Returns τ at t for a ray with this origin and direction along K. The result is moved by more
-    /// than its error: forward if `outward` is 1, back if it is −1.
+    /// Returns the τ at `t` of a ray with this origin and direction along K. The result is moved by
+    /// more than its error: up if `outward` is 1, down if `outward` is −1.
     #[inline]
     fn share<T: Scalar>(&self, [origin, direction]: [f64; 2], t: f64, outward: f64) -> T {
         let Self { start, inverse, .. } = *self;
@@ -84,7 +84,7 @@ impl SlabAxis {
     }
 }
 
-/// One coordinate of the rays: within `slack` of `start + τ · extent`.
+/// One coordinate of each ray. At τ, it is within `slack` of `start + τ · extent`.
 #[derive(Clone, Copy, Debug, Default)]
 struct Coordinate<T> {
     start: Lanes<T>,
@@ -92,10 +92,10 @@ struct Coordinate<T> {
     slack: Lanes<T>,
 }
 
-/// Relative error of results computed in `f64` from coordinates of a ray's origin, which may be far
-/// away. Eight operations round by half a unit in the last place each.
+/// Relative error of eight operations in `f64`, which round by half a unit in the last place each.
+/// It is relative to the origin of a ray, which may be far away.
 const DOUBLE_ERROR: f64 = 4.0 * f64::EPSILON;
-/// Minimum speed of a packet's rays along K, as a share of that along their fastest axis.
+/// Minimum speed of a packet's rays along K, as a share of their speed along their fastest axis.
 const MIN_ADVANCE: f64 = 0.25;
 
 impl<T: Scalar> Packet<T> {
@@ -111,9 +111,9 @@ impl<T: Scalar> Packet<T> {
         }
     }
 
-    /// Takes these rays, one to [`PACKET_RAYS`], whose coordinates are `lines`. K becomes the
-    /// fastest axis of the first ray. Returns whether all rays advance together on K; otherwise
-    /// they need separate packets.
+    /// Takes the rays of `segments`, at most [`PACKET_RAYS`]. `lines` holds the same rays. K
+    /// becomes the fastest axis of the first ray. Returns whether all rays advance along K in the
+    /// same direction, and fast enough. Otherwise they need separate packets.
     #[inline(always)]
     #[allow(clippy::needless_bitwise_bool, reason = "all lanes at once")]
     pub fn take<S: Simd>(
@@ -129,7 +129,7 @@ impl<T: Scalar> Packet<T> {
         for lane in 0..PACKET_RAYS {
             let [x, y, z] = [0, 1, 2].map(|axis| lines.direction[axis][lane].abs());
             let along = lines.direction[k][lane];
-            // Written so that NaN directions are rejected too.
+            // The comparison is false for NaN, so NaN directions are rejected.
             let fast = |other: f64| along.abs() >= MIN_ADVANCE * other;
             together &= fast(x) & fast(y) & fast(z) & ((along > 0.0) == forward);
         }
@@ -145,7 +145,7 @@ impl<T: Scalar> Packet<T> {
         true
     }
 
-    /// Returns the t of a ray at the plane τ = `share`, or where it enters the region, if farther.
+    /// Returns the t of a ray at τ = `share`, or at its entry into the region if that is larger.
     pub fn distance(&self, share: T, lane: usize, segment: &Segment) -> f64 {
         let SlabAxis { k, start, extent, .. } = self.planes;
         let share = share.into().max(self.enter[lane].into());
@@ -153,8 +153,8 @@ impl<T: Scalar> Packet<T> {
         ((plane - segment.ray.origin[k]) / segment.ray.direction[k]).max(0.0)
     }
 
-    /// Writes boxes around the rays between two planes in order, clipped to the region. Only lanes
-    /// up to the last of `rays`, given as bits, are written.
+    /// Writes boxes around the rays' parts between the planes `from` ≤ `to`, clipped to the region.
+    /// `rays` has a bit for each wanted ray. Lanes after the last wanted ray are not written.
     #[inline(always)]
     pub fn boxes<S: Simd>(&self, simd: S, [from, to]: [T; 2], rays: u16, out: &mut Boxes<T>) {
         out.count = LANES as u32 - rays.leading_zeros();
@@ -165,7 +165,7 @@ impl<T: Scalar> Packet<T> {
                 let extent = part.load(extent);
                 let slack = part.load(slack);
                 let (a, b) = (start + extent * from, start + extent * to);
-                // If anything overflows, so does the slack, and the region's bounds remain.
+                // If anything overflows, the slack does too, and the box gets the region's bounds.
                 let lower = (slack - a.min(b)).min_precise(part.splat(neg_lo));
                 let upper = (slack + a.max(b)).min_precise(part.splat(hi));
                 part.store(lower, &mut out.neg_lo[axis]);
@@ -174,11 +174,10 @@ impl<T: Scalar> Packet<T> {
         }
     }
 
-    /// Writes the rays as segments whose t is τ, except for `near` and `far`.
+    /// Writes the rays as segments, whose t is τ. `near` and `far` are not written.
     #[inline(always)]
     pub fn lines<S: Simd>(&self, simd: S, out: &mut Segments<T>) {
-        // The slack holds for τ within [0, 1]. A generous bound of the rounding in kernels is
-        // added.
+        // The slack holds for τ within [0, 1]. A generous bound of rounding in kernels is added.
         let rounding = T::nearest(2.0 * T::PATH_ERROR);
         let least = T::LEAST_NORMAL + T::LEAST_NORMAL;
         for (axis, Coordinate { start, extent, slack }) in self.coordinates.iter().enumerate() {
@@ -191,13 +190,12 @@ impl<T: Scalar> Packet<T> {
         }
     }
 
-    /// Computes the coordinates of the rays, and the values of τ between which each is in the
-    /// region.
+    /// Computes the rays' coordinates, and the range of τ in which each ray may be in the region.
     #[inline(always)]
     fn place<S: Simd>(&mut self, simd: S, lines: &RayLanes, region: &Region) {
         let SlabAxis { k, start, extent, inverse } = self.planes;
-        // τ = (origin_k + t · d_k − start) / extent grows with t. `t0` is the t of τ = 0; `dt` is
-        // the difference to the t of τ = 1.
+        // τ = (origin_k + t · d_k − start) / extent grows with t. `t0` is the t at τ = 0. `dt` is
+        // the t at τ = 1 minus `t0`.
         let most = T::integer(1) + T::SHARE_ERROR;
         let (mut from, mut to) = (Lanes::splat(T::integer(0)), Lanes::splat(most));
         let (mut t0, mut dt) = ([0.0_f64; PACKET_RAYS], [0.0_f64; PACKET_RAYS]);
@@ -242,7 +240,7 @@ impl<T: Scalar> Packet<T> {
         self.clip(simd, lines, &t0, &dt, region);
     }
 
-    /// Restricts the rays to these values of τ. NaN restricts nothing.
+    /// Restricts each ray to the τ between its lanes of `from` and `to`. NaN restricts nothing.
     #[inline(always)]
     fn restrict_to<S: Simd>(&mut self, simd: S, from: &Lanes<T>, to: &Lanes<T>) {
         for part in parts::<S, T::Vector<S>>(simd, LANES) {
@@ -264,8 +262,8 @@ impl<T: Scalar> Packet<T> {
         let k = self.planes.k;
         let (mut from, mut to) = (Lanes::splat(T::integer(1)), Lanes::splat(-T::integer(1)));
         for (lane, segment) in segments.iter().enumerate() {
-            // The rays are restricted to the box already. The ends of the span are moved outward
-            // here, so only the ball restricts them further.
+            // The rays are already restricted to the box. `share` moves the ends of the span
+            // outward, so only the ball restricts the rays further.
             let Some((near, far)) = region.span(&segment.ray) else { continue };
             let ray = [segment.ray.origin, segment.ray.direction].map(|vector| vector[k]);
             let share = |t: f64, outward: f64| self.planes.share(ray, t, outward);
@@ -285,10 +283,9 @@ impl<T: Scalar> Packet<T> {
         region: &Region,
     ) {
         let Some(half) = region.clip() else { return };
-        // A ray is in the half-space where `room` + τ · `change` ≥ 0. `room` is offset − normal ·
-        // p, where p is the ray's point at τ = 0. Both numbers are sums of terms that may cancel.
-        // Each takes at most eight operations in `f64`, with an error of half a unit in the last
-        // place.
+        // A ray is in the half-space if `room` + τ · `change` ≥ 0. `room` is offset − normal · p,
+        // and p is the ray's point at τ = 0. Both numbers are sums whose terms may cancel. Each
+        // takes at most eight operations in `f64`, with an error of half a unit in the last place.
         let scale = 1.0 / half.normal.abs().max_element();
         let size = half.normal.abs();
         let [mut room, mut change, mut terms] = [Lanes::splat(T::integer(0)); 3];
@@ -315,7 +312,7 @@ impl<T: Scalar> Packet<T> {
         }
     }
 
-    /// Restricts some of the rays to τ with `room + τ · change ≥ 0`.
+    /// Restricts the rays of one vector to the τ with `room + τ · change ≥ 0`.
     #[inline(always)]
     fn cut<S: Simd>(
         &mut self,
@@ -332,14 +329,14 @@ impl<T: Scalar> Packet<T> {
         let never = change.simd_eq(zero) & room.simd_lt(zero);
         let first = rising.select(crossing - T::SHARE_ERROR, enter);
         let last = falling.select(crossing + T::SHARE_ERROR, leave);
-        // NaN restricts nothing: an overflow allows no conclusion.
+        // NaN restricts nothing, since it comes from an overflow.
         let nowhere = part.splat(-T::integer(1));
         let leave = never.select(nowhere, leave.min_precise(last));
         part.store(enter.max_precise(first), &mut self.enter);
         part.store(leave, &mut self.leave);
     }
 
-    /// Returns the rays whose part in the region meets the slab between these planes, as bits.
+    /// Returns the rays that may be in the region between the planes `from` and `to`, as bits.
     #[inline(always)]
     pub fn meets<S: Simd>(&self, simd: S, from: T, to: T) -> u16 {
         let mut meets = 0;
@@ -352,7 +349,7 @@ impl<T: Scalar> Packet<T> {
         meets & self.rays()
     }
 
-    /// Returns the rays that have a part in the region, as bits.
+    /// Returns the rays that may meet the region, as bits.
     #[inline(always)]
     pub fn inside<S: Simd>(&self, simd: S) -> u16 {
         let mut outside = 0;
@@ -364,7 +361,7 @@ impl<T: Scalar> Packet<T> {
         self.rays() & !outside
     }
 
-    /// Returns all rays, as bits.
+    /// Returns a bit for each ray of the packet.
     #[inline]
     pub fn rays(&self) -> u16 {
         u16::MAX >> (PACKET_RAYS - self.count)

@@ -1,54 +1,54 @@
-//! The painted pixels of a picture, in windows of sixteen pixels of a row that are computed
-//! together.
+//! The painted pixels of a picture, in windows: sixteen pixels of a row, computed together.
 //!
-//! This module does not depend on how the pixels are used.
+//! This module does not depend on what is computed for the pixels.
 
 use crate::ray_result::Status;
 use fearless_simd::{Level, dispatch, f64x8, prelude::*, u8x16};
 use zeroset_eval::LANES;
 
-/// Number of rows that one thread shades at a time: few enough for the nearest caches. The number
-/// of threads affects neither it nor the windows.
+/// Number of rows that one thread shades at a time: few enough for the nearest caches. Neither this
+/// number nor the windows depend on the number of threads.
 pub const SHADED_ROWS: usize = 8;
 
-/// Adjacent pixels of a row, one per lane. The window may extend beyond the row and the picture.
+/// Sixteen adjacent pixels of a row, one per lane. A window may extend beyond the row and the
+/// picture.
 #[derive(Clone, Copy, Debug)]
 pub struct PixelWindow {
     /// Column of the first pixel, from the left edge of the picture.
     pub column: usize,
-    /// Row, from the top of the picture.
+    /// Row of the window, from the top of the picture.
     pub row: usize,
-    /// Index of the first pixel in the arrays of the rows being processed.
+    /// Index of the window's first pixel in the arrays of the rows that are being processed.
     pub index: usize,
-    /// The lanes that are painted and wanted, as bits. Lane 0 is always set.
+    /// Lanes whose pixels are painted and wanted, as bits. Lane 0 is always set.
     pub wanted: u32,
 }
 
-/// All lanes.
+/// The bits of all lanes.
 pub const FULL: u32 = (1 << LANES) - 1;
 
 impl PixelWindow {
-    /// The lanes that are wanted.
+    /// The lanes whose pixels are wanted.
     #[inline]
     pub fn lanes(self) -> impl Iterator<Item = usize> {
         ones(self.wanted as u16)
     }
 
-    /// The indices of the pixels that are wanted.
+    /// The indices of the wanted pixels.
     #[inline]
     pub fn pixels(self) -> impl Iterator<Item = usize> {
         let index = self.index;
         self.lanes().map(move |lane| index + lane)
     }
 
-    /// Number of lanes up to the last that is wanted.
+    /// Number of lanes up to the last wanted one.
     #[inline]
     pub fn count(self) -> u32 {
         u32::BITS - self.wanted.leading_zeros()
     }
 
-    /// The elements of `all` for these pixels. Pixels beyond the end of `all` have the elements of
-    /// `spare`.
+    /// The elements of `all` for the window's pixels. For pixels beyond the end of `all`, the
+    /// elements of `spare`.
     #[inline]
     pub fn load<'a, T: Copy>(&self, all: &'a [T], spare: &'a mut [T; LANES]) -> &'a [T; LANES] {
         let Some(all) = all.get(self.index..) else { return spare };
@@ -59,7 +59,7 @@ impl PixelWindow {
         spare
     }
 
-    /// Stores the values of wanted lanes in `all`.
+    /// Stores the values of wanted lanes at the window's pixels in `all`.
     #[inline(always)]
     pub fn store<T: Copy>(&self, values: [T; LANES], all: &mut [T]) {
         let all = &mut all[self.index..];
@@ -69,9 +69,9 @@ impl PixelWindow {
         }
     }
 
-    /// As [`PixelWindow::store`], for colors. They were written a moment ago, sixteen bytes at a
-    /// time, and are read in the same pieces: a wider read would wait until all of its pieces are
-    /// in the nearest cache.
+    /// As [`PixelWindow::store`], for colors. The caller has just written `colors`, sixteen bytes
+    /// at a time. They are read in the same pieces: a wider read would wait until all of its pieces
+    /// have reached the nearest cache.
     #[inline(always)]
     pub fn store_colors(&self, colors: &[[u8; 3]; LANES], all: &mut [[u8; 3]]) {
         let all = &mut all[self.index..];
@@ -87,7 +87,7 @@ impl PixelWindow {
         }
     }
 
-    /// Stores the values of wanted lanes at the start of `all`.
+    /// Stores the values of wanted lanes in `all`, whose first element belongs to lane 0.
     #[inline(never)]
     fn store_runs<T: Copy>(&self, values: &[T; LANES], all: &mut [T]) {
         let mut left = self.wanted;
@@ -109,7 +109,7 @@ pub fn bits(holds: impl Fn(usize) -> bool) -> u32 {
         any |= holds(lane);
         all &= holds(lane);
     }
-    // Mostly no lane or all lanes are set, which is tested for several lanes at once.
+    // Mostly no lane or all lanes are set. Both cases are tested for several lanes at once.
     match (any, all) {
         (false, _) => 0,
         (_, true) => FULL,
@@ -117,7 +117,7 @@ pub fn bits(holds: impl Fn(usize) -> bool) -> u32 {
     }
 }
 
-/// The positions of the bits that are set: the inverse of [`bits`].
+/// The positions of the set bits: the inverse of [`bits`].
 #[inline]
 pub(crate) fn ones(mut bits: u16) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
@@ -127,9 +127,9 @@ pub(crate) fn ones(mut bits: u16) -> impl Iterator<Item = usize> {
     })
 }
 
-/// The windows over all painted pixels of a band that begins in row `first` of a picture of this
-/// width. `status` and `drawn` are those of the band's pixels. Each window starts with a painted
-/// pixel; no two overlap.
+/// The windows over all painted pixels of some rows, which begin in row `first` of a picture of
+/// this width. `status` and `drawn` hold these rows' pixels. Each window starts with a painted
+/// pixel. No two windows overlap.
 pub fn windows(
     vectors: Level,
     status: &[Status],
@@ -138,7 +138,7 @@ pub fn windows(
     width: usize,
 ) -> Vec<PixelWindow> {
     let width = width.max(1);
-    // Memory is reserved for the largest possible number of windows, since it is soon released.
+    // Memory is reserved for the largest number of windows, since it is soon released.
     let mut found = Vec::with_capacity(status.len().div_ceil(width) * width.div_ceil(LANES));
     dispatch!(vectors, simd => look(simd, status, drawn, first, width, &mut found));
     found
@@ -156,7 +156,7 @@ fn look<S: Simd>(
     for (row, (status, drawn)) in status.chunks(width).zip(drawn.chunks(width)).enumerate() {
         let mut column = 0;
         while column < drawn.len() {
-            // Most unpainted pixels are skipped by comparing one byte each.
+            // Most unpainted pixels are skipped by comparing one byte per pixel.
             if status[column..].first_chunk::<LANES>().is_some_and(are_misses) {
                 column += LANES;
                 continue;
@@ -181,16 +181,16 @@ fn look<S: Simd>(
     }
 }
 
-/// Returns whether all of these pixels are misses, so that nothing is painted.
+/// Returns whether all of these pixels are misses. Then none is painted.
 #[inline]
 pub(crate) fn are_misses<const N: usize>(status: &[Status; N]) -> bool {
     status.iter().fold(0, |any, status| any | *status as u8) == Status::Miss as u8
 }
 
-/// The painted pixels among the first sixteen, as bits.
+/// The painted pixels among the first sixteen of `status` and `drawn`, as bits.
 #[inline(always)]
 fn painted<S: Simd>(simd: S, status: &[Status], drawn: &[f64]) -> u32 {
-    // Decided pixels need one byte each: a hit is painted, and a miss is not.
+    // For a decided pixel the status suffices, one byte: a hit is painted, and a miss is not.
     if let Some(status) = status.first_chunk::<LANES>() {
         let mut bytes = [0; LANES];
         for (byte, status) in bytes.iter_mut().zip(status) {

@@ -1,6 +1,6 @@
 //! The result for one ray.
 
-/// The proof about the ray through a pixel's center.
+/// The proven status of the ray through a pixel's center.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Status {
@@ -9,34 +9,34 @@ pub enum Status {
     Miss = 0,
     /// The ray meets a zero.
     Hit = 1,
-    /// Neither is proven.
+    /// Neither a miss nor a hit is proven.
     Undecided = 2,
 }
 
-/// The reason why a ray is undecided, at its first undecided segment.
+/// The reason why a ray's first undecided segment is undecided.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u8)]
 pub enum UndecidedReason {
     /// The ray is decided, or the method gives no reason.
     #[default]
     None = 0,
-    /// The function comes as near to 0 as arithmetic can resolve, without a change of sign: it
+    /// The function is as near to 0 as arithmetic can resolve, but has no proven change of sign. It
     /// touches 0, or the surface meets itself.
     Touching = 1,
-    /// The function may be undefined there.
+    /// The function may be undefined on the segment.
     Undefined = 2,
-    /// The function may be discontinuous there.
+    /// The function may be discontinuous on the segment.
     Discontinuous = 3,
-    /// The effort allowed for the ray or the picture was used up.
+    /// The effort allowed for the ray or the picture is used up.
     Budget = 4,
-    /// The method proves nothing about such a ray, even if it draws something.
+    /// The method proves nothing about such a ray, even if it draws a point.
     Unproven = 5,
-    /// The function's slope has no known bound there, which the method needs.
+    /// The method needs a bound of the function's slope, and none is known on the segment.
     Steep = 6,
 }
 
 impl UndecidedReason {
-    /// All reasons, in the order of their numbers.
+    /// All reasons, in the order of their discriminants.
     pub const ALL: [Self; 7] = [
         Self::None,
         Self::Touching,
@@ -47,7 +47,7 @@ impl UndecidedReason {
         Self::Steep,
     ];
 
-    /// The reason in one word.
+    /// The reason's name, one word.
     pub fn name(self) -> &'static str {
         match self {
             Self::None => "other",
@@ -60,7 +60,7 @@ impl UndecidedReason {
         }
     }
 
-    /// The reason as a phrase after "undecided".
+    /// The reason as a phrase that follows the word "undecided".
     pub fn describe(self) -> &'static str {
         match self {
             Self::None => "without a reason that is known",
@@ -74,13 +74,13 @@ impl UndecidedReason {
     }
 }
 
-/// Bound of the relative error of a direction's length, and of products with it.
+/// Bound of the relative error of a direction's length, and of the length times a number.
 pub(crate) const LENGTH_ERROR: f64 = 8.0 * f64::EPSILON;
 
-/// The result for one ray. Distances are values of its parameter t.
+/// The result for one ray. All distances are values of the ray's parameter t.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayResult {
-    /// The proof, which does not depend on the distances.
+    /// The proven status, which does not depend on the distances.
     pub status: Status,
     /// Distance of the hit, or of the start of the first undecided segment; infinite for a miss.
     pub distance: f64,
@@ -102,12 +102,12 @@ impl RayResult {
         bracket: [f64::NAN; 2],
     };
 
-    /// Returns whether the ray is a miss.
+    /// Returns whether the result is a miss.
     pub(crate) fn is_miss(&self) -> bool {
         self.status == Status::Miss
     }
 
-    /// A ray about which nothing is known, for lack of time.
+    /// The result for a ray that was not followed, for lack of time.
     pub(crate) const GIVEN_UP: Self = Self {
         status: Status::Undecided,
         distance: 0.0,
@@ -115,8 +115,7 @@ impl RayResult {
         ..Self::MISS
     };
 
-    /// The same result with distances in world units. `length` is the length of the ray's
-    /// direction.
+    /// This result with distances in world units. `length` is the length of the ray's direction.
     pub(crate) fn scaled(self, length: f64) -> Self {
         let [near, far] = self.bracket.map(|t| t * length);
         Self {

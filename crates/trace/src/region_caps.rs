@@ -1,7 +1,7 @@
 //! Caps: the faces where the region cuts a solid open.
 //!
-//! A tracer finds the boundary f = 0. A solid f ≤ 0 is also visible where a ray enters the region
-//! inside the solid.
+//! A tracer finds the boundary f = 0 of a solid f ≤ 0. The solid is also visible where a ray enters
+//! the region inside the solid.
 
 use crate::driver::BAND_ROWS;
 use crate::gbuffer::GBuffer;
@@ -14,10 +14,10 @@ use zeroset_interval::{Facts, Interval};
 use zeroset_space::Ray;
 use zeroset_space::{Entry, Region};
 
-/// Number of rays whose entry points are enclosed at a time.
+/// Number of entry points that are enclosed at a time.
 const BATCH: usize = 256;
 
-/// Whether the point where a ray enters the region lies in the solid.
+/// Whether a ray's entry point lies in the solid.
 #[derive(Clone, Copy, PartialEq)]
 enum Inside {
     Yes,
@@ -25,11 +25,12 @@ enum Inside {
     Unknown(UndecidedReason),
 }
 
-/// Paints the cut faces of the solid f ≤ 0 over `buffer`, which holds its boundary, and updates the
-/// proofs. If f < 0 is proven at the point where a ray enters the region, that point is a hit. If
-/// f > 0 or f is undefined there, nothing changes. Otherwise the pixel is undecided from that point
-/// on. A ray that starts inside the region has no entry point. `only` selects pixels; empty selects
-/// all. Returns the number of evaluations.
+/// Paints the faces where the region cuts the solid f ≤ 0, and updates the proofs. `buffer` holds
+/// the solid's boundary. A ray's entry point is where it enters the region; a ray that starts
+/// inside has none. If f < 0 is proven there, and the ray certainly meets the region, the entry
+/// point is a hit. If it is proven that f > 0 or f is undefined there, nothing changes. Otherwise
+/// the pixel is undecided from the entry point on. `only` selects pixels; if empty, all. Returns
+/// the number of evaluations.
 pub fn cap<T: Real>(
     buffer: &mut GBuffer,
     rays: &RayGrid,
@@ -43,11 +44,11 @@ pub fn cap<T: Real>(
     })
 }
 
-/// As [`cap`], for some rows of a picture that [keeps](crate::Kept) caps and normals. `only` is for
-/// the whole picture.
+/// As [`cap`], for some rows of a picture that [keeps](crate::Kept) caps and normals. `only` has an
+/// element for each pixel of the whole picture.
 ///
 /// # Panics
-/// If caps or normals are not kept.
+/// If the picture does not keep caps and normals.
 pub fn cap_rows<T: Real>(
     rows: &mut Rows<'_>,
     rays: &RayGrid,
@@ -72,10 +73,9 @@ pub fn cap_rows<T: Real>(
         let (distance, pixel) = (ray.distance(entry.t.0), pixel - first);
         let (from, reason) = match inside {
             Inside::No => continue,
-            // A zero found at the face may lie before it because of rounding.
+            // A zero that the tracer found at the face may be slightly nearer, by rounding.
             Inside::Unknown(reason) => (rows.distance(pixel).min(distance), reason),
-            // This reason applies if the entry is not certain: the ray may pass by an edge of the
-            // region.
+            // The reason counts only if the entry is uncertain: the ray may pass by an edge.
             Inside::Yes => (distance, UndecidedReason::Touching),
         };
         let mut bracket = [f64::NAN; 2];
@@ -130,14 +130,14 @@ fn judge<T: Real>(
         .collect()
 }
 
-/// Bounds of one coordinate of the ray's entry point, which lies in the region's box.
+/// Bounds of one coordinate of the ray's entry point, clamped to the region's box.
 fn enclosed(ray: &Ray, entry: &Entry, region: &Region, axis: usize) -> Interval {
     let (origin, slope) = (ray.origin[axis], ray.direction[axis]);
     let ends = [slope * entry.t.0, slope * entry.t.1];
     let low = (origin + ends[0].min(ends[1]).next_down()).next_down();
     let high = (origin + ends[0].max(ends[1]).next_up()).next_up();
-    // Both ends are clamped on both sides, so that they stay in order even if rounding moved the
-    // point out of the box. A NaN, from overflow, becomes the box's own end.
+    // Both ends are clamped on both sides. So they stay in order even if rounding moved the point
+    // out of the box. A NaN, which comes from overflow, becomes a bound of the box.
     let (least, most) = (region.low()[axis], region.high()[axis]);
     Interval { lo: low.max(least).min(most), hi: high.min(most).max(least) }
 }
@@ -176,7 +176,7 @@ mod tests {
     fn the_front_face_is_painted_where_the_solid_reaches_it() {
         let region = Region::new(DVec3::splat(-1.0), DVec3::splat(1.0)).expect("valid");
         let buffer = picture(&region);
-        // Pixel centers are at x = −7/8, −5/8, … 7/8; the first five are left of 0.25.
+        // Pixel centers are at x = −7/8, −5/8, … 7/8. The first five are in the solid.
         for pixel in 0..64 {
             let expected = pixel % 8 < 5;
             assert_eq!(buffer.status[pixel] == Status::Hit, expected, "{pixel}");

@@ -1,5 +1,4 @@
-//! Rows of a picture that one thread takes from tracing to colors while they are in the nearer
-//! caches.
+//! Rows of a picture. One thread takes them from tracing to colors while they are in the caches.
 
 use crate::band::Band;
 use crate::gbuffer::{GBuffer, PixelCounts, distance};
@@ -15,11 +14,11 @@ use std::sync::{Mutex, PoisonError};
 /// Number of pixels that are set to misses at a time.
 const CLEARED: usize = 64;
 
-/// Adjacent rows of a [`GBuffer`], with all quantities of their pixels.
+/// Adjacent rows of a [`GBuffer`], with all quantities of the rows' pixels.
 pub struct Rows<'a> {
     /// The first row, counted from the picture's top.
     pub(crate) first: usize,
-    /// Pixels in a row.
+    /// Number of pixels in a row.
     pub(crate) width: usize,
     pub(crate) status: &'a mut [Status],
     pub(crate) reason: &'a mut [UndecidedReason],
@@ -27,17 +26,17 @@ pub struct Rows<'a> {
     pub(crate) bracket: &'a mut [[f64; 2]],
     pub(crate) open_from: &'a mut [f64],
     pub(crate) drawn: &'a mut [f64],
-    /// Ids for pixels that are painted.
+    /// Ids of the painted surfaces; meaningless for other pixels.
     pub(crate) surface: SurfaceIdSlice<'a>,
     /// Empty if normals are not kept.
     pub(crate) normal: &'a mut [[f32; 3]],
-    /// Like `shadow` and `occlusion`, empty if no pixel has the quantity.
+    /// May be empty if no pixel has a cap. Likewise `shadow` and `occlusion` if nothing is hidden.
     pub(crate) cap: &'a mut [bool],
     pub(crate) shadow: &'a mut [u8],
     pub(crate) occlusion: &'a mut [u8],
 }
 
-/// The quantities of adjacent pixels of a G-buffer that shading reads.
+/// The quantities that shading reads, for adjacent pixels of a G-buffer.
 #[derive(Clone, Copy)]
 pub struct Columns<'a> {
     /// Statuses: [`GBuffer::status`].
@@ -48,7 +47,7 @@ pub struct Columns<'a> {
     pub surface: SurfaceIdSlice<'a>,
     /// Normals: [`GBuffer::normal`]; may be empty.
     pub normal: &'a [[f32; 3]],
-    /// Whether painted points lie on caps: [`GBuffer::cap`]; may be empty.
+    /// Whether painted points lie on caps: [`GBuffer::cap`]. May be empty.
     pub cap: &'a [bool],
     /// Shares of hidden light: [`GBuffer::shadow`]; may be empty.
     pub shadow: &'a [u8],
@@ -57,10 +56,10 @@ pub struct Columns<'a> {
 }
 
 impl GBuffer {
-    /// The quantities that shading reads, for a range of pixels.
+    /// The quantities that shading reads, for the pixels of a range.
     ///
     /// # Panics
-    /// If the range is out of the picture.
+    /// If the range exceeds the picture.
     pub fn columns(&self, pixels: Range<usize>) -> Columns<'_> {
         Columns {
             status: &self.status[pixels.clone()],
@@ -73,8 +72,8 @@ impl GBuffer {
         }
     }
 
-    /// Runs `work` on the picture in parts of this many rows, on all threads, and returns the sum
-    /// of its results.
+    /// Divides the picture into parts of `rows` rows, and runs `work` on each part, on all threads.
+    /// Returns the sum of the results.
     ///
     /// # Panics
     /// If `work` panics, after the other threads have finished.
@@ -86,7 +85,7 @@ impl GBuffer {
         for_each_part(self.rows(rows), work)
     }
 
-    /// The picture in parts of this many rows, from the top. The last part may have fewer.
+    /// Divides the picture into parts of `rows` rows, from the top. The last may have fewer.
     pub(crate) fn rows(&mut self, rows: usize) -> Vec<Rows<'_>> {
         let width = self.width.max(1);
         let size = rows * width;
@@ -120,10 +119,10 @@ impl GBuffer {
     }
 }
 
-/// Runs `work` on each part of a picture, on all threads, and returns the sum of its results.
-/// Threads take parts from the middle of the picture outward. The last parts mostly have little in
-/// them, so all threads end at about the same time. (On two threads, a sphere takes 0.52 of its
-/// time on one thread, and 0.56 if any part may be the last.)
+/// Runs `work` on each part of a picture, on all threads. Returns the sum of the results. Threads
+/// take parts from the middle of the picture outward. The outermost parts mostly show little, so
+/// all threads end at about the same time. (On two threads, a sphere takes 0.52 of its time on one
+/// thread. With parts in arbitrary order, it would take 0.56.)
 ///
 /// # Panics
 /// If `work` panics, after the other threads have finished.
@@ -140,8 +139,8 @@ pub(crate) fn for_each_part<P: Send>(
         *all.lock().unwrap_or_else(PoisonError::into_inner) += own;
     };
     if threads <= 1 {
-        // Handing the only part to another thread would cost two waits: until that thread wakes,
-        // and until this one does.
+        // To hand the only part to another thread would cost two waits: until that thread wakes,
+        // and until this thread does.
         take();
     } else {
         rayon::scope(|scope| {
@@ -152,7 +151,7 @@ pub(crate) fn for_each_part<P: Send>(
     all.into_inner().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Orders parts alternately from both ends, toward the middle.
+/// Orders parts from the ends to the middle: the first, the last, the second, and so on.
 fn outside_first<P>(parts: Vec<P>) -> Vec<P> {
     let mut rest = parts.into_iter();
     let mut ordered = Vec::with_capacity(rest.len());
@@ -169,7 +168,7 @@ impl Rows<'_> {
         PixelCounts::of(self.status)
     }
 
-    /// The range of the rows' pixels in the picture.
+    /// The indices of the rows' pixels in the picture.
     pub fn pixels(&self) -> Range<usize> {
         let first = self.first * self.width;
         first..first + self.status.len()
@@ -180,11 +179,11 @@ impl Rows<'_> {
         dispatch!(Level::new(), simd => self.clear_with(simd));
     }
 
-    /// As [`Rows::clear`], compiled for vectors of this type.
+    /// As [`Rows::clear`], compiled for vectors of type `S`.
     #[inline(always)]
     fn clear_with<S: Simd>(&mut self, _: S) {
-        // Quantities without meaning for a miss are not written, which saves time. Neither are
-        // pixels that are already misses, from an earlier picture in this memory.
+        // Quantities without a meaning for a miss are not written, which saves time. Pixels that an
+        // earlier picture in this memory left as misses are not written either.
         let parts = self.status.chunks_mut(CLEARED).zip(self.drawn.chunks_mut(CLEARED));
         for (status, drawn) in parts {
             if !status.first_chunk::<CLEARED>().is_some_and(are_misses) {
@@ -198,18 +197,18 @@ impl Rows<'_> {
         self.occlusion.fill(0);
     }
 
-    /// Distance of a hit or of the first undecided segment: [`GBuffer::distance`].
+    /// Distance of a pixel's hit or first undecided segment: [`GBuffer::distance`].
     pub(crate) fn distance(&self, pixel: usize) -> f64 {
         distance(self.status[pixel], self.open_from[pixel], self.drawn[pixel])
     }
 
-    /// The windows over all painted pixels.
+    /// The windows over all painted pixels of the rows.
     pub fn windows(&self) -> Vec<PixelWindow> {
         windows(Level::new(), self.status, self.drawn, self.first, self.width)
     }
 
-    /// The normals, to be written, and the quantities that shading reads, without normals. The
-    /// normals are empty if they are not kept.
+    /// The normals, to be written, and the other quantities that shading reads. The normals are
+    /// empty if they are not kept.
     pub fn columns(&mut self) -> (&mut [[f32; 3]], Columns<'_>) {
         let columns = Columns {
             status: self.status,
@@ -223,8 +222,9 @@ impl Rows<'_> {
         (self.normal, columns)
     }
 
-    /// The band that a method writes its results to. `only` selects pixels of the picture; empty
-    /// selects all. `before` holds other surfaces; `advance` is as in [`Driver`](crate::Driver).
+    /// The band of these rows, which a tracer writes results to. `only` selects pixels of the
+    /// picture; if empty, all. `before` holds the results of other surfaces. `advance` is
+    /// [`Driver::advance`](crate::Driver::advance).
     pub(crate) fn band<'a>(
         &'a mut self,
         only: &'a [bool],

@@ -1,60 +1,59 @@
-//! The float types in which rays and slabs are followed, and vectors of them.
+//! The float types in which rays and slabs are followed, and vectors of these types.
 //!
-//! All operations here round to nearest. Their callers add the error as slack.
+//! All operations here round to nearest. Callers add the rounding error as slack.
 
 use crate::simd_chunks::parts;
 use fearless_simd::{SimdFloatElement, f32x16, f64x8, mask32x16, mask64x8, prelude::*};
 use std::ops::{Add, Mul};
 use zeroset_eval::{KernelFloat, LANES, Lanes, PATH_UNITS};
 
-/// Lanes of an `f64` vector: half of a batch.
+/// Number of lanes of an `f64` vector: half a batch.
 pub(crate) const HALF: usize = LANES / 2;
 
-/// A float type in which a tracer follows rays: that of its kernels.
+/// A float type in which a tracer follows rays. It is the type of the tracer's kernels.
 pub trait Scalar: KernelFloat + SimdFloatElement + Add<Output = Self> + Mul<Output = Self> {
-    /// A vector of as many numbers as a register holds.
+    /// A vector of this type that fills a register.
     type Vector<S: Simd>: SimdFloat<S, Element = Self>;
 
-    /// Largest depth of a traversal. Slabs of 2⁻²⁰ of the region are near the resolution of `f32`.
-    /// In `f64`, slabs of 2⁻⁴⁰ are still hundreds of times thicker than the rounding of a
-    /// coordinate of the region's size.
+    /// Largest depth of a traversal in slabs. Slabs of 2⁻²⁰ of the region are near the resolution
+    /// of `f32`. In `f64`, slabs of 2⁻⁴⁰ are still hundreds of times thicker than the rounding of a
+    /// coordinate.
     const MAX_DEPTH: u32;
-    /// Relative error of a coordinate at any τ. `start`, `extent`, the product of `extent` and τ,
-    /// the sum, and a last addend are each rounded. In `f32` these are five roundings of 2⁻²⁴ each,
-    /// and everything before was done in `f64`. In `f64`, computing `extent` takes three more
-    /// roundings of 2⁻⁵³, and the end of the region one. The bounds of 8 and 16 units are nearly
-    /// twice these sums.
+    /// Relative error of a coordinate `start` + τ·`extent`. Five steps round: `start`, `extent`,
+    /// the product, the sum, and a last addend. In `f32` each rounds by 2⁻²⁴; everything before is
+    /// in `f64`. In `f64` each rounds by 2⁻⁵³; `extent` takes three more roundings, and the end of
+    /// the region one. The bounds, 8·2⁻²⁴ and 16·2⁻⁵³, are nearly twice these sums.
     const COORDINATE_ERROR: Self;
-    /// Amount by which the ends of a range of τ are moved outward. It is above the error of a
-    /// quotient within [−1, 2]: at most 4 units in `f32`, and 10 in `f64`, where the operands are
-    /// rounded too.
+    /// Amount by which the ends of a range of τ are moved outward. It exceeds the error of a
+    /// quotient within [−1, 2]. That error is at most 4·2⁻²⁴ in `f32`. In `f64` it is at most
+    /// 10·2⁻⁵³, since the operands are rounded too.
     const SHARE_ERROR: Self;
-    /// Length of the shortest segments that are searched, as a share of the ray's length. Rounding
-    /// adds somewhat less.
+    /// Length of the shortest segments that are searched, as a share of the ray's length. It is a
+    /// little more than the length that rounding adds.
     const GRAIN: f64;
     /// Rounding error of coordinates in kernels, as a share of the sum of their terms' magnitudes.
     const PATH_ERROR: f64 = PATH_UNITS * Self::UNIT;
 
-    /// The float for an integer, exact below 2^[`Scalar::MAX_DEPTH`].
+    /// The float of an integer. It is exact below 2^[`Scalar::MAX_DEPTH`].
     #[inline]
     fn integer(value: u64) -> Self {
         Self::nearest(value as i64 as f64)
     }
-    /// 2^−`n` for n up to [`Scalar::MAX_DEPTH`].
+    /// 2^−`n`, for `n` up to [`Scalar::MAX_DEPTH`].
     #[inline]
     fn halved(n: u32) -> Self {
         Self::nearest(f64::from_bits((1023 - u64::from(n)) << 52))
     }
-    /// The numbers of all lanes, in two vectors.
+    /// The numbers of all lanes, as two `f64` vectors.
     fn wide<S: Simd>(simd: S, lanes: &Lanes<Self>) -> [f64x8<S>; 2];
-    /// Stores the numbers, rounded to nearest.
+    /// Stores two vectors in lanes, rounded to nearest.
     fn narrow<S: Simd>(numbers: [f64x8<S>; 2], lanes: &mut Lanes<Self>);
-    /// Moves the lanes in `kept` to the front, in order.
+    /// Moves the lanes whose bits are set in `kept` to the front, in order.
     fn pack<S: Simd>(simd: S, lanes: &mut Lanes<Self>, kept: u16);
-    /// Copies the lanes `from` of `some`, in order, to the lanes `to` of `others`. Both masks have
-    /// the same number of bits.
+    /// Copies lanes of `some` to lanes of `others`, in order. `from` and `to` have a bit for each
+    /// of these lanes, and equally many bits.
     fn copy<S: Simd>(simd: S, some: &Lanes<Self>, from: u16, others: &mut Lanes<Self>, to: u16);
-    /// Writes a number to the lanes `to`.
+    /// Writes `number` to the lanes whose bits are set in `to`.
     #[inline(always)]
     fn set<S: Simd>(simd: S, number: Self, lanes: &mut Lanes<Self>, to: u16) {
         for part in parts::<S, Self::Vector<S>>(simd, LANES) {
@@ -71,7 +70,7 @@ impl Scalar for f32 {
     const SHARE_ERROR: Self = 1.0 / 1_048_576.0; // 2^-20
     const GRAIN: f64 = 1.0 / 262_144.0; // 2^-18
 
-    // This and `halved` are evaluated for every slab, so they do not convert by way of `f64`.
+    // `integer` and `halved` are evaluated for every slab, so they do not convert by way of `f64`.
     #[inline]
     fn integer(value: u64) -> Self {
         value as i64 as Self

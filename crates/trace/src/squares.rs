@@ -1,13 +1,13 @@
-//! The order in which pixels of a band are followed: squares of neighbors, or patches.
+//! The order in which a band's pixels are followed: by squares of neighbors, or by patches.
 
 use crate::grid::SIDE;
 use zeroset_eval::LANES;
 
-/// Number of rays given to a method at once: 8×8 pixels, whose data stay in the nearest cache.
+/// Number of rays that a method gets at once: 8×8 pixels, whose data stay in the nearest cache.
 pub(crate) const RAYS: usize = 64;
 
-/// Columns and rows within a square, in Morton order: every four in sequence are 2×2 pixels, every
-/// sixteen 4×4.
+/// Columns and rows within a square, in Morton order. So every four in sequence are 2×2 pixels, and
+/// every sixteen are 4×4 pixels.
 const ORDER: [[usize; 2]; RAYS] = {
     let mut order = [[0; 2]; RAYS];
     let mut place = 0;
@@ -23,8 +23,8 @@ const ORDER: [[usize; 2]; RAYS] = {
     order
 };
 
-/// The pixels of a band, square by square. Squares of 2×2 that extend beyond the band repeat its
-/// last pixels.
+/// The pixels of a band, square by square. At the band's edges, squares of 2×2 pixels are completed
+/// by repeating the last column or row.
 pub(crate) fn squares(width: usize, height: usize) -> impl Iterator<Item = Vec<[usize; 2]>> {
     let side = RAYS.isqrt();
     let corners = (0..height.div_ceil(side))

@@ -1,9 +1,9 @@
-//! The surface that is painted in each pixel.
+//! Ids of the surfaces that are painted in a picture's pixels.
 
 use std::ops::{Index, Range};
 
-/// The id of the surface that is painted, per pixel; meaningless where the background shows. If all
-/// pixels have the same id, as in most pictures, it is stored once.
+/// The id of the painted surface, for each pixel. Meaningless if nothing is painted. If all pixels
+/// have the same id, as in most pictures, it is stored once.
 #[derive(Clone, Debug, Default)]
 pub struct SurfaceIds {
     all: u16,
@@ -12,16 +12,16 @@ pub struct SurfaceIds {
 }
 
 impl SurfaceIds {
-    /// Gives all pixels the same id.
+    /// Gives all pixels the id `number`.
     pub fn fill(&mut self, number: u16) {
         self.all = number;
         self.each.clear();
     }
 
-    /// Gives one of `pixels` pixels an id.
+    /// Gives a pixel the id `number`. `pixels` is the number of all pixels.
     ///
     /// # Panics
-    /// If there is no such pixel.
+    /// If `pixel` is not below `pixels`.
     pub fn set(&mut self, pixel: usize, number: u16, pixels: usize) {
         assert!(pixel < pixels, "pixel {pixel} of {pixels}");
         if self[pixel] != number {
@@ -30,13 +30,13 @@ impl SurfaceIds {
         }
     }
 
-    /// Keeps only the given pixels.
+    /// Removes all pixels outside the range.
     pub(crate) fn crop(&mut self, pixels: &Range<usize>) {
         self.each.truncate(pixels.end);
         self.each.drain(..pixels.start.min(self.each.len()));
     }
 
-    /// The ids of the given pixels.
+    /// The ids of the pixels in the range.
     pub fn part(&self, pixels: Range<usize>) -> SurfaceIdSlice<'_> {
         SurfaceIdSlice { all: self.all, each: self.each.get(pixels).unwrap_or_default() }
     }
@@ -50,11 +50,11 @@ impl Index<usize> for SurfaceIds {
     }
 }
 
-/// The ids of neighboring pixels.
+/// The ids of adjacent pixels.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SurfaceIdSlice<'a> {
-    /// The id of all pixels, if `each` is empty.
+    /// The id of all pixels if `each` is empty.
     pub all: u16,
-    /// One id per pixel, or empty.
+    /// One id per pixel. Empty if all have the id `all`.
     pub each: &'a [u16],
 }

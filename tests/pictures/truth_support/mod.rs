@@ -47,15 +47,14 @@ const CROSSES: u8 = 1;
 const TOUCHES: u8 = 2;
 const OPEN: u8 = 4;
 
-/// Corrected roots of `sin(40/x)-y`, by ray, computed with 50 digits. Here the stored reference is
-/// wrong by up to 1.2e-8, since a whole wave is only a millionth long.
+/// Corrected roots of `sin(40/x)-y` on two rays, computed with 50 digits. The stored roots are
+/// wrong by up to 1.2e-8 on these rays, since a whole wave is only a millionth long.
 const CORRECTED: [(&str, usize, f64); 2] = [
     ("essential-fast", 18 * SIDE + 38, 8.371_880_956_302_741),
     ("essential-fast", 41 * SIDE + 16, 6.423_417_971_048_07),
 ];
 
-/// Tolerance of distances: one part in 2²⁴ for `f32`, and the rounding of the reference's rays for
-/// both precisions.
+/// Tolerance of distances. It covers the rounding of the reference's rays and, for `f32`, 2⁻²⁴.
 pub fn rounding(precision: Precision) -> f64 {
     match precision {
         Precision::Auto | Precision::F32 => 1e-6,
@@ -63,8 +62,7 @@ pub fn rounding(precision: Precision) -> f64 {
     }
 }
 
-/// Compares results with a stored file line by line. With `ZEROSET_BLESS=1` it writes the file
-/// first.
+/// Compares results with a stored file line by line. `ZEROSET_BLESS=1` writes the file first.
 pub fn compare(name: &str, found: &str) {
     let path = path(name);
     if std::env::var_os("ZEROSET_BLESS").is_some() {

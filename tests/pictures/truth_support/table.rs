@@ -9,9 +9,9 @@ use zeroset_trace::{GBuffer, Status};
 pub struct Row {
     slug: String,
     counts: [usize; KINDS.len()],
-    /// Column and row of the rays of each listed kind.
+    /// Columns and rows of the rays of each listed kind.
     listed: [Vec<(usize, usize)>; KINDS.len()],
-    /// Distances between the painted point and the first root, in world units, sorted.
+    /// Sorted distances between painted points and first roots, in world units.
     errors: Vec<f64>,
     /// Thickness of a slab: 2^−depth of the domain's largest extent.
     slab: f64,
@@ -20,7 +20,7 @@ pub struct Row {
 /// The table, with a row for each surface.
 pub struct Table<'a>(pub &'a [Row]);
 
-/// The reference and the picture's result for a ray.
+/// A ray's reference, and its result in the picture.
 struct Ray {
     open: bool,
     zero: f64,
@@ -28,7 +28,7 @@ struct Ray {
     status: Status,
     distance: f64,
     drawn: f64,
-    /// Greatest distance of a painted root from the start of its slab, in world units.
+    /// Greatest distance from the start of a slab to the point painted for it, in world units.
     reach: f64,
 }
 
@@ -125,7 +125,7 @@ impl Ray {
         self.drawn.is_finite()
     }
 
-    /// Whether the painted point is in a slab behind the first undecided one.
+    /// Whether the painted point is behind the first undecided slab.
     fn is_behind(&self) -> bool {
         self.painted() && self.distance + self.reach < self.drawn
     }
@@ -151,7 +151,7 @@ impl Row {
                 status: buffer.status[index],
                 distance: buffer.distance(index),
                 drawn: buffer.drawn[index],
-                // Two slabs, each at most four times as long along a ray as along its axis.
+                // Two slabs. A slab is at most four times as long along a ray as along its axis.
                 reach: 8.0 * row.slab,
             };
             for (number, kind) in KINDS.iter().enumerate() {
@@ -177,7 +177,7 @@ impl Row {
         self.counts[number.expect("a column")]
     }
 
-    /// The upper median and the largest error; `None` if no ray has one.
+    /// The upper median and the largest of the errors; `None` if there are no errors.
     fn error(&self) -> Option<(f64, f64)> {
         Some((*self.errors.get(self.errors.len() / 2)?, *self.errors.last()?))
     }

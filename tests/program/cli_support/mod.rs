@@ -12,7 +12,6 @@ pub struct Sandbox {
     directory: tempfile::TempDir,
 }
 
-/// The result of a run.
 pub struct Run {
     pub code: Option<i32>,
     pub stdout: Vec<u8>,
@@ -45,7 +44,7 @@ impl Sandbox {
 
     /// Runs `zeroset` with these arguments and this standard input.
     pub fn run_with(&self, arguments: &[impl AsRef<std::ffi::OsStr>], input: &[u8]) -> Run {
-        // With files instead of pipes, neither side can block the other.
+        // Standard streams are files, so the test and the program cannot block each other.
         let outside = tempfile::tempdir().expect("a temporary directory");
         let file = |name: &str| outside.path().join(name);
         std::fs::write(file("in"), input).expect("written");

@@ -38,7 +38,7 @@ const WRONG: ErrorMeasure = ErrorMeasure {
     title: "Time against wrong pixels",
     axis: "wrong pixels (missed, phantom, wrong root), share of all",
     of: |row| Some(row.wrong_share()),
-    // Shares of 0 make a geometric mean meaningless.
+    // Shares can be 0, so their mean is arithmetic.
     mean: |shares| {
         let sum: f64 = shares.iter().sum();
         (!shares.is_empty()).then(|| sum / shares.len() as f64)
@@ -47,14 +47,14 @@ const WRONG: ErrorMeasure = ErrorMeasure {
 };
 const KINDS: [ErrorMeasure; 3] = [DISTANCE, MEDIAN, WRONG];
 
-/// The charts over all surfaces: means, with a thin line for each surface.
+/// The charts over all surfaces: means over surfaces, with a thin line for each surface.
 pub fn over_all(rows: &MeasuredRows<'_>) -> Vec<Figure> {
     let rows = rows.in_one_precision();
     let charts = KINDS.iter().map(|kind| chart(&rows, kind, None));
     charts.chain([claims(&rows)]).collect()
 }
 
-/// The charts of single surfaces, with a thin line for each view.
+/// The charts of each single surface, with a thin line for each view.
 pub fn by_surface(rows: &MeasuredRows<'_>) -> Vec<Figure> {
     let rows = rows.in_one_precision();
     let of_surface = |surface: &str| {
@@ -64,7 +64,7 @@ pub fn by_surface(rows: &MeasuredRows<'_>) -> Vec<Figure> {
     rows.surfaces().into_iter().flat_map(of_surface).collect()
 }
 
-/// A chart of one surface with its views, or of all surfaces.
+/// The chart of one surface, or of all surfaces if `surface` is `None`.
 fn chart(rows: &MeasuredRows<'_>, kind: &ErrorMeasure, surface: Option<&str>) -> Figure {
     let part = |row: &Row| if surface.is_some() { row.view.clone() } else { row.surface.clone() };
     let parts = distinct(rows.0.iter().map(|(row, _)| part(row)));
@@ -90,7 +90,7 @@ fn chart(rows: &MeasuredRows<'_>, kind: &ErrorMeasure, surface: Option<&str>) ->
     }
 }
 
-/// A method's means over all views or surfaces, with a thin line for each of them.
+/// The series of a family: means over `parts`, surfaces or views, with a thin line for each part.
 fn of_family(
     parts: &[MeasuredRows<'_>],
     family: &[Configuration],
@@ -119,7 +119,7 @@ fn of_family(
     PlotSeries { marks, behind, ..series(&family[0]) }
 }
 
-/// The range of wrong claims: from all undecided pixels being right to all of them being wrong.
+/// Chart of wrong claims. A bar's ends count undecided pixels as all right, and as all wrong.
 fn claims(rows: &MeasuredRows<'_>) -> Figure {
     let (mut places, mut all) = (Vec::new(), Vec::new());
     let mut painted =

@@ -1,4 +1,4 @@
-//! The cost of options: work by tolerance and depth, time by precision.
+//! Charts of options: work against tolerance and depth, and time by precision.
 
 use super::{MeasuredRows, bar, color, families, mean, notes, series, shape};
 use crate::grid::Configuration;
@@ -15,7 +15,7 @@ pub fn charts(rows: &MeasuredRows<'_>) -> Vec<Figure> {
     work.chain(precisions(rows)).collect()
 }
 
-/// Evaluated lanes per pixel, without those of gradient kernels.
+/// Number of lanes evaluated per pixel. Lanes of gradient kernels do not count.
 fn lanes(row: &Row) -> Option<f64> {
     let lanes = row
         .work()
@@ -29,12 +29,12 @@ fn work(rows: &MeasuredRows<'_>, option: MethodOption) -> Option<Figure> {
     let mut numbers: Vec<f64> = rows.0.iter().filter_map(|(_, one)| one.number(option)).collect();
     numbers.sort_by(f64::total_cmp);
     numbers.dedup();
-    // Whole numbers are placed evenly, not on a logarithmic axis.
+    // Whole option values are placed evenly, not on a logarithmic axis.
     let is_counted = numbers.iter().all(|number| number.fract() == 0.0);
     let mut all = Vec::new();
     for family in families(rows) {
         let mut line = series(&family[0]);
-        // Only one precision has bars, since those of several would cover one another.
+        // Bars of several precisions would overlap. Only `auto`, or no precision, has bars.
         let has_bars = matches!(family[0].precision, None | Some(Precision::Auto));
         for one in &family {
             let Some(number) = one.number(option) else { continue };

@@ -4,7 +4,8 @@ use super::{MeasuredRows, bar, families, mean, notes, series};
 use crate::groups::distinct;
 use crate::plot::{Figure, PlotMark};
 
-/// Time per pixel against size, with the middle configuration of each method. `None` for one size.
+/// Chart of the time per pixel against the size, for each method's middle configuration. `None` if
+/// the rows have a single size.
 pub fn chart(rows: &MeasuredRows<'_>) -> Option<Figure> {
     let rows = rows.in_one_precision();
     let mut sizes = distinct(rows.0.iter().map(|(row, _)| row.size));
@@ -31,7 +32,7 @@ pub fn chart(rows: &MeasuredRows<'_>) -> Option<Figure> {
     }
     let lines = ["geometric mean over surfaces,", "bars from quartile to quartile"];
     let mut notes = notes(&rows, lines);
-    // This removes the second note, which names one size only.
+    // The second note names one size only, so it is removed.
     notes.remove(1);
     Some(Figure {
         name: "time-size".to_owned(),

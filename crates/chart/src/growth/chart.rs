@@ -14,11 +14,11 @@ pub const QUANTITIES: [Quantity; 4] = [
     ("code", |row| row.code_bytes as f64),
 ];
 
-/// Least size, in nodes, that the exponent is fitted to. Below it, fixed costs dominate.
+/// Least number of nodes for fitting the exponent. Fixed costs dominate smaller formulas.
 const FIT_FROM_NODES: usize = 100;
 
-/// The exponent of growth: slope of the least-squares line through the logarithms. `None` if there
-/// are fewer than two different sizes from [`FIT_FROM_NODES`] on.
+/// The exponent of growth: slope of the least-squares line through the logarithms. `None` if fewer
+/// than two different sizes are at least [`FIT_FROM_NODES`].
 pub fn slope(rows: &[GrowthRow], value: fn(&GrowthRow) -> f64) -> Option<f64> {
     let points: Vec<[f64; 2]> = rows
         .iter()
@@ -32,7 +32,7 @@ pub fn slope(rows: &[GrowthRow], value: fn(&GrowthRow) -> f64) -> Option<f64> {
     (own > 0.0 && both.is_finite()).then_some(both / own)
 }
 
-/// Chart of the stages' times.
+/// Chart of the times to parse, simplify and compile.
 pub fn times(rows: &[GrowthRow]) -> Figure {
     Figure {
         name: "compile-time".to_owned(),
@@ -42,7 +42,7 @@ pub fn times(rows: &[GrowthRow]) -> Figure {
     }
 }
 
-/// Chart of the code's bytes.
+/// Chart of the size of the code.
 pub fn code(rows: &[GrowthRow]) -> Figure {
     Figure {
         name: "compile-code".to_owned(),

@@ -21,7 +21,7 @@ pub enum FormulaSource {
     Product,
 }
 
-/// Nodes per term: three products, three sums, a square or a product, and four numbers.
+/// Nodes per term of a sum: four numbers, three products, three sums, a square, and a sum of terms.
 const NODES: usize = 12;
 /// Ratio of successive sizes.
 const STEP: f64 = 1.5;

@@ -34,8 +34,8 @@ pub fn pictures(store: &Store) -> Result<String, ChartError> {
     Ok(text)
 }
 
-/// For each method, the middle one of its measured configurations, or of those in the precision
-/// `auto` if there are any.
+/// The middle configuration of each method. If the method was measured in the precision `auto`,
+/// only configurations in `auto` count.
 fn middle_configurations(rows: &[&Row]) -> Vec<Configuration> {
     let measured = distinct(rows.iter().filter_map(|row| row.configuration().ok()));
     let middle = |method: &Method| {

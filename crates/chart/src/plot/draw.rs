@@ -12,7 +12,8 @@ const SIZE: (u32, u32) = (980, 560);
 const LEFT: i32 = 78;
 const TOP: i32 = 44;
 const LEGEND: i32 = 250;
-/// Margin below the plot, and its increase per letter of upright names.
+/// Margin below the plot. If the names below it are vertical, the margin grows by `UPRIGHT` for
+/// each letter of the longest name.
 const BOTTOM: i32 = 58;
 const UPRIGHT: i32 = 6;
 /// Sizes of letters.
@@ -68,7 +69,7 @@ fn font(color: RGBColor, size: i32, at: (HPos, VPos)) -> TextStyle<'static> {
     style.pos(Pos::new(at.0, at.1))
 }
 
-/// Style of a front: wide and pale, to be visible behind the lines that it follows.
+/// Style of a Pareto front: wide and pale, so that it is visible behind other lines.
 fn front_style() -> ShapeStyle {
     RGBColor(120, 120, 60).mix(0.25).stroke_width(13)
 }

@@ -6,7 +6,7 @@ pub struct AxisScale {
     /// Logarithms of the axis' least and greatest value, margins included.
     low: f64,
     high: f64,
-    /// Logarithm that 0 is drawn at, if some value is 0.
+    /// Place of 0 on the scale of logarithms, if some value is 0.
     zero: Option<f64>,
     /// Number of named places; 0 if the axis is logarithmic.
     places: usize,
@@ -31,8 +31,7 @@ impl AxisScale {
         Self { low, high, zero, places: 0 }
     }
 
-    /// An axis with this many places at equal distances, for names. Their values are 0, 1, 2 and so
-    /// on.
+    /// An axis with named places at equal distances. The places have the values 0, 1, 2 and so on.
     pub fn named(places: usize) -> Self {
         Self { low: 0.0, high: 1.0, zero: None, places }
     }
@@ -42,7 +41,8 @@ impl AxisScale {
         (start, self.high)
     }
 
-    /// Position of a value, from 0 at the axis' start to 1 at its end; `None` if the axis lacks it.
+    /// Position of a value, from 0 at the axis' start to 1 at its end; `None` if it is not on the
+    /// axis.
     pub fn place(&self, value: f64) -> Option<f64> {
         if self.places > 0 {
             return Some((value + 0.5) / self.places as f64);
@@ -52,7 +52,7 @@ impl AxisScale {
         logarithm.is_finite().then(|| (logarithm - start) / (end - start))
     }
 
-    /// Position of the end of zero's band, if there is one.
+    /// Position at which zero's band ends, if there is a band.
     pub fn band(&self) -> Option<f64> {
         let (start, end) = self.ends();
         self.zero.map(|_| (self.low - start) / (end - start))
@@ -84,7 +84,7 @@ impl AxisScale {
 pub fn written(value: f64) -> String {
     let exponent = value.abs().log10().floor();
     if (-3.0..5.0).contains(&exponent) {
-        // Only the first digit counts; the rest is rounding error of a power.
+        // A tick has one significant digit; further digits are rounding errors of a power.
         let decimals = (-exponent).max(0.0) as usize;
         return format!("{value:.decimals$}");
     }

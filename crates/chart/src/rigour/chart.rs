@@ -6,7 +6,7 @@ use crate::plot::{Figure, MarkShape, PlotMark, PlotSeries};
 use crate::quantile::{geometric_mean, quantile};
 use zeroset_jit::comparison::Arithmetic;
 
-/// Pairs of task and precision that have rows, in the order of the axis.
+/// The pairs of workload and precision that have rows, in the order of the axis.
 pub fn places(rows: &[RigourRow]) -> Vec<(Workload, &'static str)> {
     let asked = [Workload::Boxes, Workload::Segments, Workload::Tiles, Workload::Picture];
     let all = asked.into_iter().flat_map(|asked| ["f32", "f64"].map(|floats| (asked, floats)));
@@ -16,7 +16,7 @@ pub fn places(rows: &[RigourRow]) -> Vec<(Workload, &'static str)> {
     all.filter(is_there).collect()
 }
 
-/// The rows of one task, precision and arithmetic, one per surface.
+/// The rows of one workload, precision and arithmetic, one row per surface.
 pub fn of<'a>(
     rows: &'a [RigourRow],
     asked: Workload,

@@ -10,7 +10,7 @@ use zeroset_interval::Interval;
 use zeroset_jit::comparison::ComparisonKernel;
 use zeroset_space::Region;
 
-/// Greatest number of batches that kernels are timed with. They fit into a cache near the core.
+/// Greatest number of batches that kernels are timed with. So few fit into a cache near the core.
 const BATCHES: usize = 16;
 /// Number of batches of boxes whose bounds are compared.
 const COMPARED_BATCHES: usize = 256;
@@ -19,13 +19,13 @@ const COMPARED_BATCHES: usize = 256;
 /// [`Arithmetic::ALL`](zeroset_jit::comparison::Arithmetic::ALL).
 pub type ByArithmetic<'a, Q, T> = [&'a ComparisonKernel<Q, T>; 3];
 
-/// Boxes at random places of a region, with this share of its width.
+/// Random boxes in a region. A box's width is the given share of the region's width.
 pub fn boxes<T: Real>(region: &Region, share: f64, rng: &mut Rng) -> Vec<Boxes<T>> {
     let (low, high) = (region.low(), region.high());
     let mut side = |axis: usize| {
         let width = high[axis] - low[axis];
         let lo = low[axis] + (1.0 - share) * rng.f64() * width;
-        // At width 0 both ends must be the same float.
+        // If `share` is 0, both ends must be the same float of type `T`.
         let lo = T::nearest(lo).into().clamp(low[axis], high[axis]);
         Interval { lo, hi: (lo + share * width).min(high[axis]) }
     };
@@ -33,7 +33,7 @@ pub fn boxes<T: Real>(region: &Region, share: f64, rng: &mut Rng) -> Vec<Boxes<T
     Boxes::around(&all)
 }
 
-/// Inputs at equal steps among those with the most lanes in use.
+/// At most `BATCHES` inputs, evenly spaced among those with the most lanes in use.
 pub fn chosen<T: Real, I: Input<T>>(all: &[I]) -> Vec<I> {
     let most = all.iter().map(Input::count).max().unwrap_or_default();
     let full: Vec<&I> = all.iter().filter(|input| input.count() == most).collect();
@@ -41,7 +41,7 @@ pub fn chosen<T: Real, I: Input<T>>(all: &[I]) -> Vec<I> {
     full.into_iter().step_by(step).cloned().collect()
 }
 
-/// For each arithmetic, the median ratio of the width of bounds to that of the rounded-up kernel.
+/// For each arithmetic, the median ratio of its widths of bounds to those of the rounded-up kernel.
 pub fn widths<T: Real>(
     kernels: &ByArithmetic<Enclose, T>,
     inputs: &[Boxes<T>],
@@ -51,8 +51,8 @@ pub fn widths<T: Real>(
     })
 }
 
-/// For each arithmetic, the median ratio of the length of narrowed segments to that of the
-/// rounded-up kernel. Ignores lanes without the surface.
+/// For each arithmetic, the median ratio of its lengths of narrowed segments to those of the
+/// rounded-up kernel. Lanes that cannot hold the surface do not count.
 pub fn lengths<T: Real>(
     kernels: &ByArithmetic<ContractSegments, T>,
     inputs: &[Segments<T>],
@@ -63,7 +63,7 @@ pub fn lengths<T: Real>(
     })
 }
 
-/// For each arithmetic, the median ratio of planes' errors to those of the rounded-up kernel.
+/// For each arithmetic, the median ratio of its planes' errors to those of the rounded-up kernel.
 pub fn errors<T: Real>(
     kernels: &ByArithmetic<ContractTiles, T>,
     inputs: &[Tiles<T>],

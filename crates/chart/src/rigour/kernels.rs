@@ -28,15 +28,15 @@ pub struct PrecisionKernels<T: Real> {
 
 type KernelSlot<Q, T> = OnceLock<Result<RecordingKernel<Q, T>, KernelError>>;
 
-/// A kernel, with its recorded inputs if it records them.
+/// A kernel that can record its inputs.
 pub struct RecordingKernel<Q: Query, T: Real> {
     kernel: ComparisonKernel<Q, T>,
     recorded: Option<Mutex<Vec<Q::Input<T>>>>,
 }
 
 impl<Q: Query, T: Real> RecordingKernel<Q, T> {
-    /// The kernel for a tracer. It is the compiled kernel itself, called like the product's, unless
-    /// inputs are recorded.
+    /// The kernel for a tracer. Unless inputs are recorded, it is the compiled kernel itself,
+    /// called as zeroset calls its kernels.
     fn for_tracer(&self) -> &dyn Kernel<Q, T> {
         if self.recorded.is_some() { self } else { &self.kernel }
     }
@@ -51,7 +51,7 @@ impl<Q: Query, T: Real> Kernel<Q, T> for RecordingKernel<Q, T> {
     }
 }
 
-/// A query that a set has a kernel for.
+/// A set with a kernel for the query `Q`.
 pub trait HasKernel<Q: Query, T: Real> {
     /// The kernel's slot.
     fn slot(&self) -> &KernelSlot<Q, T>;
@@ -116,7 +116,7 @@ impl SurfaceKernels for KernelSet {
     }
 }
 
-/// A precision, as a type that selects a set's kernels.
+/// A floating-point type, and the choice of a set's kernels in this type.
 pub trait KernelPrecision: KernelFloat {
     /// The precision.
     const PRECISION: Precision;
@@ -146,7 +146,7 @@ impl KernelSet {
     /// `records` is true.
     ///
     /// # Errors
-    /// One phrase, if the surface has parameters or poles, which need further kernels.
+    /// If the surface has parameters or poles, which need further kernels. The error is one phrase.
     pub fn new(program: &Program, arithmetic: Arithmetic, records: bool) -> Result<Self, String> {
         let has_poles = program.cleared(0).map_err(|error| error.to_string())?.is_some();
         if has_poles || !program.values().is_empty() {

@@ -29,8 +29,7 @@ pub fn name(arithmetic: Arithmetic) -> String {
     format!("{arithmetic:?}").to_lowercase()
 }
 
-/// A row of results. Times are medians and quartiles in nanoseconds per lane, or per pixel of
-/// pictures.
+/// A row of results. Times are medians and quartiles, in nanoseconds per lane or per pixel.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs)] // names of columns
 pub struct RigourRow {
@@ -47,11 +46,11 @@ pub struct RigourRow {
     pub times_unsound_upper: f64,
     /// Size of the kernel's code, in bytes.
     pub code_bytes: Option<usize>,
-    /// Width of bounds, length of narrowed segments or error of tiles, relative to the rounded-up
-    /// kernel: the median over lanes.
+    /// Width of bounds, length of narrowed segments or error of tiles, as a multiple of the
+    /// rounded-up kernel's: the median over lanes.
     pub width: Option<f64>,
-    /// Width of bounds at single points, relative to the rounded-up kernel: the median over lanes.
-    /// All of this width comes from rounding.
+    /// Width of bounds at single points, as a multiple of the rounded-up kernel's: the median over
+    /// lanes. At points, all width comes from rounding.
     pub width_at_points: Option<f64>,
     /// Number of undecided pixels.
     pub undecided: Option<usize>,

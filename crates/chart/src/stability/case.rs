@@ -30,7 +30,7 @@ pub struct Case {
     up: [f64; 3],
     #[serde(default)]
     fov: f64,
-    /// Index among the cases with stored roots, if this is one of them.
+    /// The case's index among those with stored roots; `None` if it has no stored roots.
     #[serde(skip)]
     place: Option<usize>,
 }
@@ -91,7 +91,7 @@ fn stored(place: usize) -> Result<Vec<Truth>, ChartError> {
     let mut touching = read_f64(&data!("touching.npy")[..]).map_err(&refuse)?.data.into_iter();
     let mut truths = Vec::new();
     let pixels = SIDE * SIDE;
-    // The distances of all cases are stored in sequence, so those of earlier cases are skipped.
+    // The distances of all cases are stored in sequence. Those of earlier cases are skipped.
     for (index, kind) in kinds.into_iter().take((place + 1) * pixels).enumerate() {
         let crossing = if kind & CROSSES == 0 { None } else { crossings.next() };
         let first = if kind & TOUCHES == 0 { crossing } else { touching.next() };

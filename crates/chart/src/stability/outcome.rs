@@ -25,15 +25,16 @@ pub enum Outcome {
     Unjudged,
 }
 
-/// Greatest share of wrong pixels in a sound picture, to allow for silhouettes.
+/// Greatest share of wrong pixels in a sound picture. It allows for silhouettes.
 const SOUND: f64 = 1.0 / 200.0;
-/// Greatest share of missing roots in a sound picture, since thin features cover few pixels.
+/// Greatest share of roots that a sound picture misses. Without this limit, a picture could miss a
+/// thin feature, which covers few pixels.
 const WHOLE: f64 = 1.0 / 50.0;
-/// Share of pixels painted without a root, above which they are a wall.
+/// Above this share of pixels, points painted without a root are a wall.
 const WALL: f64 = 1.0 / 20.0;
-/// Share of the wrong pixels that holes and phantoms must each reach to be noise.
+/// Holes and phantoms are noise if each is at least this share of the wrong pixels.
 const BOTH: f64 = 0.25;
-/// Greatest median distance from the root in a sound picture, in footprints.
+/// Greatest median distance from the root in a sound picture, in pixels' footprints.
 const NEAR: f64 = 1.0;
 
 impl Outcome {
@@ -54,7 +55,7 @@ impl Outcome {
         format!("{self:?}").to_lowercase()
     }
 
-    /// Classifies a picture with these errors; `is_late` tells that the time limit was reached.
+    /// Classifies a picture with these errors. `is_late` is true if the time limit was reached.
     pub fn of(errors: &PixelErrors, is_late: bool) -> Self {
         let decided = errors.decided() as f64;
         let (holes, phantoms) = ((errors.missed + errors.wrong_root) as f64, errors.phantom as f64);

@@ -1,6 +1,6 @@
-//! The contact sheet. It has a row for each case, and for each method the picture beside a picture
-//! of its errors. The letters are Noto Sans Mono (SIL Open Font License 1.1), as rasterized by the
-//! crate `noto-sans-mono-bitmap`.
+//! The contact sheet. It has a row for each case and a column for each method. A cell shows the
+//! picture beside a picture of its errors. The letters are Noto Sans Mono (SIL Open Font License
+//! 1.1), from the crate `noto-sans-mono-bitmap`.
 
 use super::{Outcome, SIDE, Verdict};
 use image::imageops::{self, FilterType};
@@ -8,7 +8,7 @@ use image::{Rgb, RgbImage};
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 use zeroset_trace::Method;
 
-/// Side of a picture on the sheet, which shows it at twice its size.
+/// Side of a picture on the sheet: pictures are shown at twice their size.
 const SHOWN: u32 = 2 * SIDE as u32;
 /// Margin around pictures.
 const MARGIN: u32 = 6;

@@ -28,7 +28,7 @@ pub struct Browser {
     scroll: usize,
 }
 
-/// Everything that the gallery's drawing depends on; for its pictures, a version number.
+/// Everything that the gallery's drawing depends on. The pictures are represented by `version`.
 #[derive(Clone, PartialEq)]
 pub struct GalleryContent {
     filter: String,
@@ -38,11 +38,11 @@ pub struct GalleryContent {
     version: u64,
 }
 
-/// Layout of the gallery's pictures, in pixels.
+/// Layout of the gallery's pictures. Lengths and positions are in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct GalleryLayout {
     columns: usize,
-    /// Number of visible rows, and index of the first visible row.
+    /// Number of visible rows. The first visible row is `first`.
     rows: usize,
     first: usize,
     left: usize,
@@ -53,8 +53,8 @@ struct GalleryLayout {
 }
 
 impl GalleryLayout {
-    /// Lays out the gallery in a window of this size, with letters of this scale, so that the
-    /// `chosen` picture is visible.
+    /// Lays out the gallery in a window of this size, with letters of this scale. Scrolls so that
+    /// the `chosen` picture is visible.
     fn new((width, height): (usize, usize), scale: usize, scroll: usize, chosen: usize) -> Self {
         let (side, gap, line) = (SIDE * scale, GAP * scale, Canvas::line_height_at(scale));
         let columns = (width.saturating_sub(gap) / (side + gap)).max(1);
@@ -66,14 +66,14 @@ impl GalleryLayout {
         Self { columns, rows, first, left, top, side, gap, line }
     }
 
-    /// The upper left corner of a picture.
+    /// Returns the upper left corner of the picture with this number.
     fn corner(&self, number: usize) -> (usize, usize) {
         let (row, column) = (number / self.columns - self.first, number % self.columns);
         let (across, down) = (self.side + self.gap, self.side + self.line + self.gap);
         (self.left + column * across, self.top + row * down)
     }
 
-    /// Returns the numbers of the visible pictures among `count` pictures.
+    /// Returns which of `count` pictures are visible, as a range of numbers.
     fn shown(&self, count: usize) -> Range<usize> {
         let first = (self.first * self.columns).min(count);
         first..(first + self.rows * self.columns).min(count)
@@ -101,7 +101,8 @@ impl Browser {
         }
     }
 
-    /// Returns the gallery indices of names that match the filter, first those that begin with it.
+    /// Returns the gallery indices of names that match the filter. Names that begin with it come
+    /// first.
     fn matches(&self) -> Vec<usize> {
         let examples = self.thumbnails.as_ref().map_or(&[][..], Thumbnails::examples);
         let filter = self.filter.trim().to_lowercase();
@@ -200,7 +201,7 @@ impl Window {
         }
     }
 
-    /// Scrolls by rows.
+    /// Scrolls by one row, up if `steps` is positive.
     pub(super) fn scroll_gallery(&mut self, steps: f64) {
         let count = self.browser.matches().len();
         let grid = self.grid();

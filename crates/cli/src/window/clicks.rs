@@ -1,6 +1,6 @@
 //! Detects clicks that begin and end between two polls of the mouse, such as a short tap on a
-//! touchpad. The window's library misses these. The X server reports every press; on other systems
-//! no missed clicks are known.
+//! touchpad. The window's library misses such clicks on X11, but the X server reports every press.
+//! On other systems no missed clicks are known.
 
 #[cfg(all(unix, not(target_os = "macos")))]
 pub use x11::Clicks;
@@ -10,7 +10,7 @@ pub use elsewhere::Clicks;
 
 #[cfg(not(all(unix, not(target_os = "macos"))))]
 mod elsewhere {
-    /// Reports no clicks.
+    /// A detector that reports no clicks.
     pub struct Clicks;
 
     impl Clicks {
@@ -36,10 +36,10 @@ mod x11 {
     /// Number of the left button.
     const LEFT: u32 = 1;
 
-    /// Presses reported by the X server, if there is a connection.
+    /// Detects missed clicks by the presses that the X server reports, if there is a connection.
     pub struct Clicks {
         server: Option<Server>,
-        /// Whether the server has reported a press that no poll has found as a held button.
+        /// Whether the server has reported a press of a button that no poll has found held.
         pressed: bool,
     }
 
@@ -55,11 +55,11 @@ mod x11 {
             Self { server, pressed: false }
         }
 
-        /// Whether the left button was pressed and released over this window between two polls, so
-        /// that the library missed it. Call this once after every poll of the mouse.
+        /// Whether the left button was pressed and released over this window between two polls, and
+        /// thus missed by the library. Call this once after every poll of the mouse.
         pub fn was_missed(&mut self, held: bool) -> bool {
             let Some(server) = &self.server else { return false };
-            // The library has polled since the press, and would report a button that is still held.
+            // The library has polled since the press. It would report a button that is still held.
             let missed = self.pressed && !held;
             self.pressed = server.presses() && !held;
             missed && server.is_under_pointer().unwrap_or(false)
@@ -77,7 +77,7 @@ mod x11 {
             Some(Self { connection, root, window })
         }
 
-        /// Whether the left button was pressed since the last call, over any window.
+        /// Whether the left button was pressed since the last call, wherever the pointer was.
         fn presses(&self) -> bool {
             let mut pressed = false;
             while let Ok(Some(event)) = self.connection.poll_for_event() {

@@ -1,5 +1,5 @@
-//! The content of the window: either the gallery, or the picture with texts, sliders and the list
-//! of surfaces over it. The content is drawn again only when it changes.
+//! Draws the window: either the gallery, or the picture with texts, sliders and the list of
+//! surfaces over it. Draws again only if something changes.
 
 use super::enlarge::enlarge;
 use super::page::Page;
@@ -33,7 +33,7 @@ pub struct Backdrop {
 #[derive(Clone, PartialEq)]
 pub struct Content {
     size: (usize, usize),
-    /// Address of the rendering, which stays alive while it is shown.
+    /// Address of the visible rendering. It stays valid, since a visible rendering is kept alive.
     rendering: Option<*const Rendering>,
     fault: Option<String>,
     wrong: bool,
@@ -58,19 +58,18 @@ impl Content {
     }
 }
 
-/// Layout of the lines of text at the bottom of the window, in pixels.
+/// Layout of the lines of text at the bottom of the window. Lengths are in pixels.
 struct Layout {
-    /// Margin around text.
     margin: usize,
     /// Width between the margins.
     room: usize,
     row: usize,
-    /// The top of the status line.
+    /// Top of the status line.
     bottom: i64,
 }
 
 impl Window {
-    /// Draws the window unless its content is unchanged, and returns whether it did.
+    /// Draws the window if its content has changed. Returns whether it was drawn.
     pub(super) fn draw(&mut self, seen: &Snapshot) -> Result<bool> {
         if self.message.as_ref().is_some_and(|(_, since)| since.elapsed() > MESSAGE_TIME) {
             self.message = None;
@@ -192,7 +191,7 @@ fn draw_status(
     if room >= status.chars().count() * canvas.advance() + taken + 2 * margin {
         canvas.write(&hover, right, text_y, DIM);
     } else if content.line.is_none() && content.message_above().is_none() {
-        // Both texts do not fit in one line, so the second gets a line of its own.
+        // Both texts do not fit in one line, so the right one gets a line of its own.
         canvas.label(&hover, right, bottom - row as i64, DIM);
     }
     let left = canvas.fitting(&status, room);

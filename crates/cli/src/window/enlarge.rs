@@ -2,10 +2,10 @@
 
 use zeroset_render::overlay::Rgb;
 
-/// Number of steps between two neighboring pixels.
+/// Number of steps from one pixel to the next.
 const ONE: usize = 256;
 
-/// A position between two pixels; `share` is its distance from the first, in steps.
+/// A position between two pixels. `share` is the distance from the first pixel, in steps.
 #[derive(Clone, Copy)]
 struct SamplePosition {
     first: usize,
@@ -13,7 +13,7 @@ struct SamplePosition {
     share: u32,
 }
 
-/// Returns the position of each of `to` pixels among `from` pixels over the same length.
+/// Spreads `to` pixels over the length of `from` pixels, and returns the position of each.
 fn places(from: usize, to: usize) -> Vec<SamplePosition> {
     let last = from.saturating_sub(1);
     let place = |n: usize| {
@@ -25,9 +25,9 @@ fn places(from: usize, to: usize) -> Vec<SamplePosition> {
     (0..to).map(place).collect()
 }
 
-/// Draws a picture into the upper `height` rows of `pixels`, each `width` pixels wide. Its size is
-/// `from`, and `rgb` holds rows of red, green and blue bytes. Colors are interpolated unless the
-/// sizes are equal.
+/// Draws the picture `rgb`, of size `from`, into the upper `height` rows of `pixels`. `rgb` holds
+/// rows of red, green and blue bytes, and a row of `pixels` has `width` pixels. Interpolates colors
+/// unless the sizes are equal.
 pub fn enlarge(rgb: &[u8], from: [usize; 2], pixels: &mut [Rgb], [width, height]: [usize; 2]) {
     let colors = rgb.as_chunks::<3>().0;
     let rows = pixels.chunks_exact_mut(width).take(height);
@@ -75,7 +75,7 @@ mod tests {
 
     #[test]
     fn a_coarse_picture_is_smooth_and_nowhere_beyond_its_colors() {
-        // Black on the left, white on the right.
+        // A picture of two pixels: black on the left, white on the right.
         let rgb = [[0; 3], [255; 3]].concat();
         let mut pixels = [7; 8];
         enlarge(&rgb, [2, 1], &mut pixels, [8, 1]);

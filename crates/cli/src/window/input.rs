@@ -5,7 +5,7 @@ use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::rc::Rc;
 
-/// A key or a letter. It is queued, so a key released before the next poll is not lost.
+/// A key or a letter. Events are queued, so a key released before the next poll is not lost.
 #[derive(Clone, Copy)]
 pub enum InputEvent {
     Letter(char),

@@ -1,4 +1,4 @@
-//! Keys in the window, and the line that is typed in it.
+//! Handles the window's keys, and edits the line that is typed in the window.
 
 use super::Window;
 use super::input::InputEvent;
@@ -53,8 +53,8 @@ impl Window {
         }
     }
 
-    /// Cancels the current drag, or else closes the typed line, or else the help and the page.
-    /// Never ends the program.
+    /// Cancels the current drag. Without a drag, closes the typed line; without a line, the help
+    /// and the page. Never ends the program.
     fn escape(&mut self) {
         self.candidates.clear();
         if self.mouse.cancel() {
@@ -111,7 +111,7 @@ impl Window {
         }
     }
 
-    /// Sets the undefined letter to 1, if it is the only error.
+    /// Defines the undefined letter as 1, if that letter is the only error.
     fn define_letter(&mut self) {
         let fault = self.session.live.snapshot().fault;
         let Some(letter) = fault.and_then(|fault| fault.missing_letter()) else { return };
@@ -216,7 +216,6 @@ impl Window {
         }
     }
 
-    /// Shows or hides the domain's box and axes.
     fn toggle_axes(&self) {
         let live = &self.session.live;
         let Some(seen) = live.snapshot().rendering else { return };
@@ -225,7 +224,7 @@ impl Window {
         live.set_axes(match (are_shown, are_usual) {
             (true, true) => Axes::Off,
             (false, false) => Axes::On,
-            // The default already shows or hides the axes as wanted.
+            // By default the axes are already in the desired state.
             (true, false) | (false, true) => Axes::Usual,
         });
     }

@@ -8,7 +8,7 @@ use zeroset_render::overlay::{Canvas, Rgb};
 const BRIGHT: Rgb = 0x00ff_ffff;
 const HIDDEN: Rgb = 0x0088_8894;
 
-/// Largest and smallest number of letters of a formula. Narrower lists show only colors.
+/// Largest and smallest number of letters shown of a formula. A narrower list shows only colors.
 const MAX_LETTERS: usize = 24;
 const MIN_LETTERS: usize = 8;
 /// Largest share of the window's width that the list takes.
@@ -21,13 +21,12 @@ const DELETE: usize = 12;
 /// A part of a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ListPart {
-    /// The color; a press hides or shows the surface.
+    /// The color. A press hides or shows the surface.
     Swatch,
-    /// The formula; dragging it moves the surface.
+    /// The formula. Dragging it moves the surface.
     Formula,
-    /// The track of the opacity, with the opacity at this position.
+    /// The track of the opacity. The number is the opacity at the pointer's position.
     Opacity(f64),
-    /// The delete sign.
     Delete,
 }
 
@@ -48,14 +47,14 @@ pub struct ListContent {
     pub list: List,
     pub surfaces: Vec<SurfaceEntry>,
     pub hovered: Option<(usize, ListPart)>,
-    /// The surface that is being dragged, and its new index.
+    /// Index of the dragged surface, and the index that it would get if dropped.
     pub dragged: Option<(usize, usize)>,
 }
 
 impl List {
-    /// Lays out `count` surfaces, of which the first `scroll` are scrolled out of view, with the
-    /// letters of `canvas`. The list is at the right of a picture of this size in pixels, whose
-    /// left `taken` columns are occupied. Returns `None` if there is no surface, or too little
+    /// Lays out the list at the right of a picture of this size in pixels, with the letters of
+    /// `canvas`. The list has `count` surfaces, and the first `scroll` are scrolled out of view.
+    /// The picture's left `taken` columns are occupied. Returns `None` without a surface or enough
     /// space.
     pub fn new(
         count: usize,
@@ -147,8 +146,7 @@ impl List {
 }
 
 impl ListContent {
-    /// Draws the list. The row under the pointer is brighter, and a line marks the place to which a
-    /// row is being dragged.
+    /// Draws the list. The row under the pointer is brighter. A line marks the target of a drag.
     pub fn draw(&self, canvas: &mut Canvas) {
         let Self { list, surfaces, hovered, dragged } = self;
         let (scale, dot) = (list.scale, list.scale as i64);

@@ -1,4 +1,4 @@
-//! The window, with mouse and keys. It runs on the main thread, and does not know how pictures are
+//! The window, with mouse and keys. It runs on the main thread. It does not know how pictures are
 //! rendered.
 
 mod browser;
@@ -40,9 +40,8 @@ use tasks::{TaskOutcome, enter_all};
 use zeroset_live::{Rendering, Snapshot};
 use zeroset_render::overlay::Canvas;
 
-/// Time that a message is shown.
 const MESSAGE_TIME: Duration = Duration::from_secs(8);
-/// A fault is shown when nothing has been typed for this long.
+/// A fault is shown after a pause in typing of this length.
 const PAUSE: Duration = Duration::from_millis(300);
 
 /// Interval between polls of mouse and keyboard.
@@ -52,7 +51,7 @@ const IDLE_POLL_INTERVAL: Duration = Duration::from_millis(20);
 const IDLE_AFTER: Duration = Duration::from_secs(2);
 /// Least time between two drawings of the window.
 const FRAME: Duration = Duration::from_millis(16);
-/// Least time between two drawings after [`IDLE_AFTER`] without activity, when only messages still
+/// Least time between two drawings after [`IDLE_AFTER`] without activity. Then only messages
 /// change.
 const IDLE_FRAME: Duration = Duration::from_millis(100);
 
@@ -69,14 +68,14 @@ pub struct Window {
     /// Lines to be entered, in order.
     lines: Sender<LineEdit>,
     outcomes: Receiver<TaskOutcome>,
-    /// Cloned for each thread that sends an outcome.
+    /// Channel for the outcomes of tasks. Each task's thread gets a clone.
     tell: Sender<TaskOutcome>,
     threads: Vec<JoinHandle<()>>,
     typed_keys: InputQueue,
     scale: Option<usize>,
     mouse: Mouse,
     clicks: Clicks,
-    /// The rendering that the sliders and surfaces belong to.
+    /// The rendering whose sliders and surfaces are shown.
     rendering: Option<Arc<Rendering>>,
     sliders: Sliders,
     surfaces: Surfaces,
@@ -86,14 +85,14 @@ pub struct Window {
     candidates: Vec<String>,
     typed: Instant,
     message: Option<(String, Instant)>,
-    /// When a tip was last shown.
+    /// Time of the last tip.
     tip: Instant,
     help: bool,
     /// A text over the picture, opened by a command or a key.
     page: Option<Page>,
     backdrop: Backdrop,
     drawn: Option<Content>,
-    /// When the window's content was last compared with the drawn content.
+    /// Time of the last check whether the window's content has changed.
     compared: Instant,
     title: String,
     /// Time of the last activity.
@@ -159,10 +158,10 @@ impl Window {
         })
     }
 
-    /// Shows the session until the session ends or the window is closed.
+    /// Runs the window until the session ends or the window is closed.
     ///
     /// # Errors
-    /// If the window can no longer be drawn to.
+    /// If drawing to the window fails.
     pub fn run(mut self) -> Result<()> {
         while self.native.is_open() && !self.session.has_ended() {
             let (width, height) = self.picture_size();
@@ -202,7 +201,7 @@ impl Window {
         Ok(())
     }
 
-    /// Takes the sliders and surfaces of the visible rendering, and lays them out.
+    /// Takes over the sliders and surfaces of the visible rendering, and lays them out.
     fn follow(&mut self, seen: &Snapshot) {
         let rendering = seen.rendering.as_ref();
         if self.rendering.as_ref().map(Arc::as_ptr) != rendering.map(Arc::as_ptr) {
@@ -228,7 +227,7 @@ impl Window {
         (width.max(1), height.max(1))
     }
 
-    /// Width and height of the window above the status line.
+    /// Width and height of the part of the window above the status line.
     fn picture_size(&self) -> (usize, usize) {
         let (width, height) = self.size();
         let status = Canvas::line_height_at(self.scale_at(height));
@@ -310,7 +309,6 @@ impl Window {
         seen.fault.as_deref().filter(|_| !self.sliders.is_moving())
     }
 
-    /// Shows the name of the document in the title bar.
     fn update_title(&mut self) {
         let live = &self.session.live;
         let name = live.request().source.to_string();

@@ -15,12 +15,12 @@ const CLICK_DISTANCE: f64 = 3.0;
 #[derive(Default)]
 pub struct Mouse {
     drag: Option<Drag>,
-    /// Last position, and whether a button was held.
+    /// Last position of the pointer, and whether a button was held there.
     last: Option<((f64, f64), bool)>,
     wheel: Wheel,
 }
 
-/// A pressed button, from the press until the release.
+/// A press of a button, and the movement since.
 struct Drag {
     start: (f64, f64),
     last: (f64, f64),
@@ -30,21 +30,17 @@ struct Drag {
     cancelled: bool,
 }
 
-/// The target of a drag.
 #[derive(Clone, Copy, PartialEq)]
 enum DragTarget {
-    /// Turns the view.
     Turn,
-    /// Moves the view.
     Pan,
-    /// Moves a slider.
     Slider,
     /// Changes an opacity or moves a row in the list of surfaces.
     Surface,
 }
 
 impl Mouse {
-    /// Ends a drag before the button is released, and returns whether there was one.
+    /// Cancels the current drag. Returns whether a drag was going on.
     pub fn cancel(&mut self) -> bool {
         let Some(drag) = &mut self.drag else { return false };
         drag.cancelled = true;
@@ -76,7 +72,7 @@ impl Window {
                 let drag = Drag { start, last, moves: true, what, cancelled: true };
                 self.mouse.drag.get_or_insert(drag);
             } else {
-                // A drag that began before the gallery opened ends here.
+                // End a drag that began before the gallery opened.
                 self.mouse.cancel();
                 self.let_go(seen);
             }
@@ -152,7 +148,7 @@ impl Window {
         Pick::at(seen.rendering.as_ref()?, at, self.picture_size())
     }
 
-    /// Describes the point visible at a position, in the window and in the terminal.
+    /// Describes the point visible at a position, both in the window and in the terminal.
     fn tell_point(&mut self, at: (f64, f64), seen: &Snapshot) {
         if let Some(text) = self.pick(at, seen).map(|pick| pick.describe()) {
             self.session.say(&text);
@@ -160,7 +156,7 @@ impl Window {
         }
     }
 
-    /// Zooms, moves the clipping plane, or scrolls a list.
+    /// Handles the wheel: zooms, moves the clipping plane, or scrolls a list.
     fn wheel(&mut self, at: (f64, f64), inside: bool) {
         let Some((_, counted)) = self.native.get_scroll_wheel() else { return };
         let steps = self.mouse.wheel.steps(counted).clamp(-5.0, 5.0);

@@ -15,12 +15,12 @@ pub struct Page {
 
 impl Page {
     pub fn new(text: &str) -> Self {
-        // The font lacks this character.
+        // The font lacks the character `…`.
         Self { text: text.trim_end().replace('…', ".."), scroll: 0 }
     }
 
-    /// Scrolls down by this many lines, or up if negative. `size` is the window's size in pixels,
-    /// and `scale` that of the letters.
+    /// Scrolls down by this many lines, or up if negative. `size` is the window's size in pixels.
+    /// `scale` is the scale of the letters.
     pub fn scroll(&mut self, lines: isize, size: (usize, usize), scale: usize) {
         let canvas = Canvas::new(size.0, size.1, Vec::new(), scale);
         let (all, shown) = (wrapped(&self.text, letters(&canvas)).len(), rows(&canvas));

@@ -6,7 +6,7 @@ use crate::theme::{CHOSEN, DIM, INK, TRACK};
 use zeroset_live::Slider;
 use zeroset_render::overlay::Canvas;
 
-/// Largest number of letters of a name, and of a value.
+/// Largest number of letters shown of a name, and of a value.
 const NAME: usize = 8;
 const VALUE: usize = 9;
 /// Longest and shortest track, in font pixels.
@@ -23,9 +23,9 @@ pub struct Panel {
 }
 
 impl Panel {
-    /// Lays out the sliders, of which the first `scroll` are scrolled out of view, with the letters
-    /// of `canvas`. The panel is at the left of a picture of this size in pixels, below its first
-    /// line. Returns `None` if there is no slider, or too little space.
+    /// Lays out the panel at the left of a picture of this size in pixels, below its first line.
+    /// Uses the letters of `canvas`. The first `scroll` sliders are scrolled out of view. Returns
+    /// `None` without a slider or enough space.
     pub fn new(
         sliders: &[Slider],
         scroll: usize,
@@ -51,7 +51,7 @@ impl Panel {
         self.rows.at(y).filter(|_| inside)
     }
 
-    /// Change of the value per pixel of the track.
+    /// Returns the change of the value for one pixel of the track.
     pub fn step(&self, slider: &Slider) -> f64 {
         (slider.high - slider.low) / (self.track.1 - self.track.0) as f64
     }
@@ -69,11 +69,11 @@ impl Panel {
     fn handle(&self, slider: &Slider) -> f64 {
         let (left, right) = (self.track.0 as f64, self.track.1 as f64);
         let share = (slider.value - slider.low) / (slider.high - slider.low);
-        // If the range overflows, the share is not finite.
+        // If the range overflows, the share is not finite. Then show the handle in the middle.
         left + if share.is_finite() { share.clamp(0.0, 1.0) } else { 0.5 } * (right - left)
     }
 
-    /// Draws the sliders, with the one under the pointer brighter.
+    /// Draws the sliders. The one under the pointer is brighter.
     pub fn draw(&self, canvas: &mut Canvas, sliders: &[Slider], hovered: Option<usize>) {
         let dot = self.scale as i64;
         let space = SPACE as i64 * dot;

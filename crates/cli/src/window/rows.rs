@@ -15,16 +15,16 @@ pub struct RowLayout {
     pub top: usize,
     /// Height of each row.
     pub height: usize,
-    /// First visible row, number of visible rows, and number of all rows.
+    /// Index of the first visible row, number of visible rows, and number of all rows.
     pub first: usize,
     pub shown: usize,
     count: usize,
 }
 
 impl RowLayout {
-    /// Lays out `count` rows, of which the first `scroll` are scrolled out of view, with the
-    /// letters of `canvas`. They lie below the picture's first line and above `bottom`. Returns
-    /// `None` if there is no row, or too little space.
+    /// Lays out `count` rows below the picture's first line and above `bottom`, with the letters of
+    /// `canvas`. The first `scroll` rows are scrolled out of view. Returns `None` without a row or
+    /// enough space.
     pub fn new(count: usize, scroll: usize, bottom: usize, canvas: &Canvas) -> Option<Self> {
         let height = canvas.line_height();
         let top = height + SPACE * canvas.scale;
@@ -71,7 +71,8 @@ impl RowLayout {
         canvas.fill(left as i64, self.top as i64, width, height, GROUND, 208);
     }
 
-    /// Writes the range of visible rows below them, unless all are visible; `all` adds the total.
+    /// Writes below the rows which of them are visible, such as 3-10, unless all are visible. `all`
+    /// adds the total.
     pub fn write_range(&self, canvas: &mut Canvas, left: i64, ink: Rgb, all: bool) {
         if self.scrolls() {
             let of = if all { format!(" of {}", self.count) } else { String::new() };

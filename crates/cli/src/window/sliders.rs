@@ -1,5 +1,5 @@
-//! Moves sliders by mouse, keys and clock. The next value is requested only when the previous one
-//! has its picture, so that pictures appear even if each takes long.
+//! Moves sliders by mouse, keys and clock. A slow picture is still shown: the next value is
+//! requested only when the previous value's picture is finished.
 
 use super::panel::Panel;
 use super::{FRAME, Window};
@@ -9,18 +9,18 @@ use zeroset_render::overlay::Canvas;
 
 /// Longest time between the two presses of a double click.
 const DOUBLE_CLICK: Duration = Duration::from_millis(400);
-/// Least time between requests while only a coarse picture is visible, so that a finer picture that
-/// comes within this time is shown.
+/// Least time between requests while only a coarse picture is visible. A finer picture that is
+/// finished within this time is shown.
 const COARSE_FRAME: Duration = Duration::from_millis(30);
-/// Longest wait for the picture of a value before the next value is requested.
+/// If a value's picture takes longer than this, the next value is requested without waiting for it.
 const MAX_WAIT: Duration = Duration::from_millis(250);
 /// Longest pause between key presses that count as one movement.
 const KEY_PAUSE: Duration = Duration::from_millis(700);
-/// Factor on the movement of a slider while Shift is held.
+/// A slider's movement is multiplied by this factor while Shift is held.
 const FINE: f64 = 0.1;
-/// Steps of an arrow key from one end of a slider to the other.
+/// An arrow key moves a slider from one end to the other in this many presses.
 const STEPS: f64 = 100.0;
-/// Number of values of time in one loop over its range.
+/// Number of values that `t` takes in one loop over its range.
 const TIME_STEPS: f64 = 5000.0;
 
 /// The sliders of the visible picture, and their movement.
@@ -34,16 +34,16 @@ pub struct Sliders {
     held: Option<(usize, f64)>,
     /// Name of the slider that was pressed last, and time of the press.
     pressed: Option<(String, Instant)>,
-    /// A slider and its new value, not requested yet.
+    /// A slider and the value that it was moved to, which is still to be requested.
     wanted: Option<(Slider, f64)>,
-    /// Revision and time of the last request.
+    /// Revision of the last request, and when it was made.
     sent: Option<(u64, Instant)>,
     playing: Option<Playing>,
     /// When a key last moved a slider.
     nudged: Option<Instant>,
 }
 
-/// Time at which the clock began to move `t`, and the value of `t` then.
+/// A running clock: when it began to move `t`, and the value of `t` at that time.
 struct Playing {
     since: Instant,
     from: f64,
@@ -74,14 +74,14 @@ impl Sliders {
         self.panel.map_or(0, |panel| panel.width)
     }
 
-    /// Returns the panel, the sliders to draw, and the index of the one under the pointer.
+    /// Returns the panel, the sliders to draw, and the index of the slider under the pointer.
     pub fn shown(&self) -> Option<(Panel, Vec<Slider>, Option<usize>)> {
         Some((self.panel?, self.all.clone(), self.hovered))
     }
 
     /// Adopts the sliders of a new picture.
     pub fn follow(&mut self, mut all: Vec<Slider>) {
-        // Values that are being dragged or wait for a request are newer than the picture.
+        // Keep dragged values, and values to be requested: they are newer than the picture's.
         for slider in &mut all {
             let asked = self.all.iter().find(|one| one.name == slider.name);
             let is_ahead = self.held.is_some() || self.wanted.is_some();
@@ -165,7 +165,8 @@ impl Window {
         sliders.want(index, rounded);
     }
 
-    /// Releases the slider and requests its last value, without waiting for the previous one.
+    /// Releases the slider. Requests its last value, even if the previous value's picture is
+    /// unfinished.
     pub(super) fn release_slider(&mut self) {
         self.sliders.held = None;
         self.sliders.sent = None;
@@ -187,8 +188,7 @@ impl Window {
         true
     }
 
-    /// Scrolls the sliders if the pointer is over them and some are not visible. Returns whether it
-    /// did.
+    /// If the pointer is over the sliders and some are not visible, scrolls them and returns true.
     pub(super) fn scroll_sliders(&mut self, steps: f64) -> bool {
         let sliders = &mut self.sliders;
         let panel = sliders.panel.filter(|_| sliders.hovered.is_some());
@@ -226,7 +226,7 @@ impl Window {
         sliders.want(index, value);
     }
 
-    /// Requests the new value, if the next request is due.
+    /// Requests the value that a slider was moved to, if a request is due.
     pub(super) fn send_value(&mut self, seen: &Snapshot) {
         if is_next_due(self.sliders.sent, seen) {
             self.ask_for_value();
@@ -246,8 +246,8 @@ impl Window {
     }
 }
 
-/// Whether the next value may be requested. The last request must have its picture and be `FRAME`
-/// old (`COARSE_FRAME` for a coarse picture), or else be older than `MAX_WAIT`.
+/// Whether the next value may be requested. The last request must be finished and at least `FRAME`
+/// old, or `COARSE_FRAME` if its picture is coarse. Failing that, it must be older than `MAX_WAIT`.
 pub fn is_next_due(sent: Option<(u64, Instant)>, seen: &Snapshot) -> bool {
     let fault = seen.fault.as_ref().map_or(0, |fault| fault.revision);
     let (latest, coarse) = match &seen.rendering {

@@ -11,7 +11,7 @@ use zeroset_render::overlay::Canvas;
 /// Change of an opacity by one press of an arrow key.
 const STEP: f64 = 0.05;
 
-/// The list of surfaces, and changes to them by the user.
+/// The list of surfaces, and the user's changes to them.
 #[derive(Default)]
 pub struct Surfaces {
     all: Vec<SurfaceEntry>,
@@ -21,9 +21,9 @@ pub struct Surfaces {
     scroll: usize,
     hovered: Option<(usize, ListPart)>,
     held: Option<ListDrag>,
-    /// Index of a surface, and its new opacity, which has not been requested yet.
+    /// A surface's index and the opacity that the user chose, which is still to be requested.
     opacity: Option<(usize, f64)>,
-    /// Revision and time of the last request of an opacity.
+    /// Revision and time of the last request to change an opacity.
     sent: Option<(u64, Instant)>,
 }
 
@@ -32,7 +32,7 @@ pub struct Surfaces {
 enum ListDrag {
     /// The opacity of the surface with this index.
     Opacity(usize),
-    /// The surface with this index, and its new index.
+    /// A surface: its present index, and the index that it would get if dropped.
     Row(usize, usize),
 }
 
@@ -52,14 +52,14 @@ impl Surfaces {
         if all.len() != self.all.len() {
             (self.held, self.hovered, self.opacity) = (None, None, None);
         }
-        // An opacity that waits for a request is newer than the picture.
+        // Keep an opacity that waits to be requested, since it is newer than the picture's.
         if let Some((index, opacity)) = self.opacity {
             all[index].opacity = opacity;
         }
         self.all = all;
     }
 
-    /// Lays out the list with the letters of `canvas`, in a picture of this size in pixels whose
+    /// Lays out the list with the letters of `canvas`. The picture has this size in pixels, and its
     /// left `taken` columns are occupied.
     pub fn lay_out(&mut self, taken: usize, size: (usize, usize), canvas: &Canvas) {
         let count = self.all.len();
@@ -165,14 +165,14 @@ impl Window {
         true
     }
 
-    /// Scrolls the list under the pointer if some rows are not visible. Returns whether it did.
+    /// If the pointer is over the list and some rows are not visible, scrolls it and returns true.
     pub(super) fn scroll_surfaces(&mut self, steps: f64) -> bool {
         let surfaces = &mut self.surfaces;
         let list = surfaces.list.filter(|_| surfaces.hovered.is_some());
         list.is_some_and(|list| list.rows.scroll(&mut surfaces.scroll, steps))
     }
 
-    /// Requests the new opacity, if the next request is due.
+    /// Requests the opacity that the user chose, if a request is due.
     pub(super) fn send_opacity(&mut self, seen: &Snapshot) {
         if is_next_due(self.surfaces.sent, seen) {
             self.ask_for_opacity();

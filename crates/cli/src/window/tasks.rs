@@ -8,7 +8,7 @@ use std::thread::spawn;
 
 /// Result of a task.
 pub enum TaskOutcome {
-    /// A line was entered, perhaps with a message to show, or was refused.
+    /// A line was entered or refused. An entered line may have a message to show.
     Entered(LineEdit, Result<Option<String>, LineError>),
     /// A picture was saved, or could not be saved.
     Saved(anyhow::Result<()>),
@@ -20,7 +20,7 @@ pub fn enter_all(session: &Arc<Session>, lines: &Receiver<LineEdit>, tell: &Send
     for line in lines {
         let result = session.enter(line.text().trim(), |to| {
             // Save on another thread, so that later lines need not wait for the picture. When the
-            // session ends, it makes a new request, which ends this wait.
+            // session ends, it makes a newer request, and that thread stops waiting.
             let revision = session.live.revision();
             anyhow::ensure!(!session.has_ended(), "not saved: the window was closed");
             let (session, tell) = (Arc::clone(session), tell.clone());

@@ -1,5 +1,5 @@
-//! Small pictures of the gallery, rendered one after another on a separate thread while the gallery
-//! is open. They are kept when it closes. The session's own picture has priority.
+//! The gallery's small pictures. A thread renders them one after another while the gallery is open.
+//! Finished pictures are kept when it closes. The session's own picture has priority.
 
 use crate::render::with_effects;
 use crate::session::{Session, lock};
@@ -62,18 +62,18 @@ impl Thumbnails {
         &self.shared.examples
     }
 
-    /// Returns the picture of the surface with this index, perhaps a coarse one.
+    /// Returns the picture of the surface with this gallery index, perhaps a coarse one.
     pub fn picture(&self, place: usize) -> Option<Arc<Thumbnail>> {
         lock(&self.shared.pictures).get(place)?.clone()
     }
 
-    /// Returns a number that changes with every new picture.
+    /// Returns a number that changes whenever a picture is rendered.
     pub fn version(&self) -> u64 {
         self.shared.version.load(Ordering::Relaxed)
     }
 
-    /// Starts to render the missing pictures, first those with indices in `first`. Call this
-    /// repeatedly while the gallery is visible.
+    /// Starts to render the missing pictures. The surfaces with the gallery indices `first` come
+    /// first. Call this repeatedly while the gallery is visible.
     pub fn want(&mut self, first: Vec<usize>, session: &Arc<Session>) {
         *lock(&self.shared.order) = first;
         // A thread that has been told to stop may still run. A later call then starts another.

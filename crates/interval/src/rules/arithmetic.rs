@@ -1,4 +1,4 @@
-//! Rules of + − · / and the absolute value.
+//! Rules of sum, product, quotient and absolute value.
 
 use super::Rule;
 use crate::bounds::Interval;
@@ -7,8 +7,8 @@ use crate::enclosure::{Claims, Enclosure, Fact, Operand, Sign};
 use crate::machine::Machine;
 
 impl<M: Machine> Rule<'_, M> {
-    /// Returns the given bounds with the combined facts of two operands: nowhere defined if either
-    /// is, otherwise only what both claim.
+    /// Returns bounds with the combined facts of two operands. The result is nowhere defined if
+    /// either operand is. Any other fact holds if it holds for both.
     pub(super) fn combine(
         &mut self,
         neg_lo: M::V,
@@ -26,7 +26,7 @@ impl<M: Machine> Rule<'_, M> {
         self.combine(neg_lo, hi, a, b)
     }
 
-    /// −min |a|, exact and never positive.
+    /// The exact value −min |a|, which is never positive.
     pub(super) fn neg_mignitude(&mut self, a: &Operand<M::V>) -> M::V {
         match a.sign() {
             Sign::Nonneg => a.value.neg_lo,
@@ -39,7 +39,7 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
-    /// max |a|, exact.
+    /// The exact value max |a|.
     pub(super) fn magnitude(&mut self, a: &Operand<M::V>) -> M::V {
         match a.sign() {
             Sign::Nonneg => a.value.hi,
@@ -58,7 +58,7 @@ impl<M: Machine> Rule<'_, M> {
         self.combine(neg_lo, hi, a, b)
     }
 
-    /// (−lo, hi) of a·b. Set `guard` if bounds may be infinite; then 0·∞ does not give NaN.
+    /// Bounds of a·b as −lo and hi. With `guard`, infinite bounds are allowed: 0·∞ gives no NaN.
     fn product(&mut self, a: &Operand<M::V>, b: &Operand<M::V>, guard: bool) -> (M::V, M::V) {
         match (a.sign(), b.sign()) {
             (Sign::Nonpos, _) => {
@@ -71,8 +71,8 @@ impl<M: Machine> Rule<'_, M> {
             }
             (Sign::Nonneg, _) if a.range.singleton().is_some() => self.product_nonneg(a, b, guard),
             (Sign::Nonneg, Sign::Nonneg) => {
-                // Lower ends are finite, so only hi·hi can be 0·∞. A constant operand comes first,
-                // so negating its lower end is free.
+                // Lower bounds are finite, so only hi·hi can be 0·∞. A constant operand comes
+                // first, because negating its lower bound is free.
                 let low = self.m.neg(a.value.neg_lo);
                 let neg_lo = self.m.mul(b.value.neg_lo, low);
                 let hi = self.m.mul(a.value.hi, b.value.hi);
@@ -84,7 +84,7 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
-    /// (−lo, hi) of a·b for a ≥ 0.
+    /// Bounds of a·b as −lo and hi, for a ≥ 0.
     fn product_nonneg(
         &mut self,
         a: &Operand<M::V>,
@@ -116,8 +116,8 @@ impl<M: Machine> Rule<'_, M> {
             let hi = [(a.hi, b.hi), (a_lo, b.hi), (a.neg_lo, b.neg_lo), (a_neg_hi, b.neg_lo)];
             return (self.largest_product(neg_lo), self.largest_product(hi));
         }
-        // For −lo and for hi, the sign of each end of b selects the end of a with the largest
-        // product: four products instead of eight (8 % on Barth's sextic).
+        // The sign of each end of b selects the end of a that gives the larger product. This takes
+        // four products instead of eight (saves 8 % on Barth's sextic).
         let mut largest = |at_hi: [M::V; 2], at_lo: [M::V; 2]| {
             let by_hi = self.m.select_signed(b.hi, at_hi[0], at_hi[1]);
             let by_lo = self.m.select_signed(b.neg_lo, at_lo[0], at_lo[1]);
@@ -129,15 +129,16 @@ impl<M: Machine> Rule<'_, M> {
         (neg_lo, hi)
     }
 
-    /// The largest of four products. `max` drops a NaN among the last three: it stands for 0, which
-    /// the product with the other end also reaches. A NaN in the first becomes +∞.
+    /// The largest of four products. A NaN is 0·∞. If the first product is NaN, the result is +∞. A
+    /// NaN among the others stands for 0, and `max` may drop it, because another product is then at
+    /// least 0.
     fn largest_product(&mut self, pairs: [(M::V, M::V); 4]) -> M::V {
         let [first, rest @ ..] = pairs.map(|(a, b)| self.m.mul(a, b));
         let largest = rest.into_iter().fold(first, |acc, p| self.m.max(p, acc));
         self.close(largest)
     }
 
-    /// The divisor b over a branch: limited to one side of 0 in lanes where it straddles 0.
+    /// The divisor b on a branch: on one side of 0 in lanes where b contains both signs.
     pub(super) fn divisor(&mut self, b: &Operand<M::V>, branch: Branch) -> Operand<M::V> {
         if branch == Branch::Whole {
             return *b;
@@ -162,14 +163,14 @@ impl<M: Machine> Rule<'_, M> {
             return self.quotient_positive(&a.negated(), &b.negated());
         }
         if b.range.hi <= 0.0 {
-            // Negating both operands keeps the bounds over b = [0, 0] within the bounds over all of
-            // b's range.
+            // Both operands are negated, so that the bounds for b = [0, 0] stay within those over
+            // larger boxes.
             return self.quotient(&a.negated(), &b.negated());
         }
         self.quotient(a, b)
     }
 
-    /// a / b for b > 0.
+    /// Encloses a / b for b > 0.
     fn quotient_positive(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
         let b_lo = self.m.neg(b.value.neg_lo);
         let b_hi = b.value.hi;
@@ -190,19 +191,19 @@ impl<M: Machine> Rule<'_, M> {
         self.combine(neg_lo, hi, a, b)
     }
 
-    /// The end of a positive divisor that makes `bound / divisor` largest.
+    /// The end of a positive divisor for which `bound / divisor` is largest.
     fn far_divisor(&mut self, bound: M::V, lo: M::V, hi: M::V) -> M::V {
         let zero = self.zero();
         let positive = self.gt(bound, zero);
         self.m.select(positive, lo, hi)
     }
 
-    /// a / b where b may contain 0.
+    /// Encloses a / b for b that may contain 0.
     fn quotient(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
         let zero = self.zero();
         let infinity = self.infinity();
-        // Where b reaches further below 0 than above, negate both operands. Then b ≥ 0 unless it
-        // straddles 0.
+        // Negate both operands in lanes where b reaches further below 0 than above. Then b ≥ 0
+        // unless it contains both signs.
         let flip = self.m.lt(b.value.hi, b.value.neg_lo);
         let (an, ah, bn, bh) = (a.value.neg_lo, a.value.hi, b.value.neg_lo, b.value.hi);
         let x_neg_lo = self.m.select(flip, ah, an);
@@ -212,13 +213,13 @@ impl<M: Machine> Rule<'_, M> {
         let y_lo = self.opposite_exactly(y_neg_lo);
         let mut straddles = self.gt(y_neg_lo, zero);
         if a.range.contains(0.0) {
-            // 0/b is 0. max(−lo, hi) is positive except for [0, 0].
+            // For a = [0, 0] the quotient is 0. For any other a, max(−lo, hi) is positive.
             let largest = self.m.max(an, ah);
             let nonzero = self.gt(largest, zero);
             straddles = self.m.and(straddles, nonzero);
         }
-        // The quotient is undefined for b = [0, 0]. A slightly larger divisor keeps the bounds in
-        // order and within the bounds over larger boxes, as later rules assume.
+        // The quotient is undefined for b = [0, 0]. A slightly larger divisor keeps the quotient's
+        // bounds in order, and within those over larger boxes. Later rules rely on both.
         let least = self.least_positive();
         let y_hi = self.m.max(y_hi, least);
         let neg_lo_by = self.far_divisor(x_neg_lo, y_lo, y_hi);
@@ -233,7 +234,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// Claims of an operation that is defined where `a` is not 0. It is defined nowhere in lanes
-    /// where `a` is [0, 0], and throughout in lanes where `a` does not contain 0.
+    /// where `a` is [0, 0], and everywhere in lanes where `a` does not contain 0.
     pub(super) fn nonzero(&mut self, a: &Operand<M::V>) -> Claims<M::V> {
         if !a.range.contains(0.0) {
             return Claims::TOTAL;
@@ -244,7 +245,7 @@ impl<M: Machine> Rule<'_, M> {
         let zero = self.zero();
         let largest = self.m.max(a.value.neg_lo, a.value.hi);
         let least = self.m.min(a.value.neg_lo, a.value.hi);
-        // max(−lo, hi) = 0 only for [0, 0]; min(−lo, hi) < 0 only if 0 is outside.
+        // max(−lo, hi) is 0 only for [0, 0]. min(−lo, hi) is below 0 only if 0 is outside.
         let nowhere = self.m.le(largest, zero);
         Claims::of_domain(Fact::Lanes(nowhere), Fact::Lanes(self.m.lt(least, zero)))
     }

@@ -18,8 +18,8 @@ impl<M: Machine> Rule<'_, M> {
         self.combine(neg_lo, hi, a, b)
     }
 
-    /// b where a < 0, c where a ≥ 0. If a has both signs, the result is the hull of b and c, or
-    /// over a branch just one of them.
+    /// Encloses b where a < 0, c where a ≥ 0. If a has both signs, the result is the hull of b and
+    /// c. On a branch it is only b or only c.
     pub(super) fn select_negative(
         &mut self,
         a: &Operand<M::V>,
@@ -32,7 +32,7 @@ impl<M: Machine> Rule<'_, M> {
         let mut nonneg = self.m.le(a.value.neg_lo, zero);
         match branch {
             Branch::Whole | Branch::Middle => {}
-            // In lanes where a has both signs, only this branch counts.
+            // In lanes where a has both signs, only the operand of this branch counts.
             Branch::Low => negative = self.not(nonneg),
             Branch::Rest | Branch::High => nonneg = self.not(negative),
         }
@@ -45,7 +45,7 @@ impl<M: Machine> Rule<'_, M> {
         let both_hi = self.m.max(b.hi, c.hi);
         let neg_lo = pick(self, b.neg_lo, c.neg_lo, both_neg_lo);
         let hi = pick(self, b.hi, c.hi, both_hi);
-        // A fact holds for the result if it holds for the chosen branch, or for both.
+        // A fact holds for the result if it holds for the operand that is chosen, or for both.
         let mut fact = |b: Fact<M::V>, c: Fact<M::V>| {
             let on_b = b.and(self.m, Fact::Lanes(negative));
             let on_c = c.and(self.m, Fact::Lanes(nonneg));
@@ -62,8 +62,8 @@ impl<M: Machine> Rule<'_, M> {
         own.and(self.m, &a.value.facts).with([neg_lo, hi])
     }
 
-    /// a where it is defined, else b. If a is defined in only part of the box, the result is the
-    /// hull of a and b, or over a branch just one of them.
+    /// Encloses a where a is defined, else b. If a is defined in only part of the box, the result
+    /// is the hull of a and b. On a branch it is only a or only b.
     pub(super) fn otherwise(
         &mut self,
         a: &Operand<M::V>,
@@ -94,20 +94,19 @@ impl<M: Machine> Rule<'_, M> {
         facts.with([neg_lo, hi])
     }
 
-    /// `a` with its own bounds, defined only where `b` is.
+    /// Encloses `a`, defined only where `b` is.
     pub(super) fn with_facts_of(
         &mut self,
         a: &Operand<M::V>,
         b: &Operand<M::V>,
     ) -> Enclosure<M::V> {
-        // b only has to be defined, not continuous.
+        // The result may be continuous even where b is not: b only has to be defined.
         let (own, other) = (a.value.facts, b.value.facts);
         let allowed = Claims { continuous: other.defined, ..other };
         Enclosure { facts: own.and(self.m, &allowed), ..a.value }
     }
 
-    /// `a`, restricted to where `b` lies in a domain; `domain` returns the claims of that
-    /// restriction.
+    /// Encloses `a`, defined only where `b` lies in a domain whose claims `domain` returns.
     pub(super) fn where_in(
         &mut self,
         a: &Operand<M::V>,

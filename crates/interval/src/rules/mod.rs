@@ -1,7 +1,7 @@
 //! The interval rule of every operation, written once over [`Machine`].
 //!
 //! A rule assumes only that operands lie within [`Operand::range`], and is then sound for every
-//! box. If an operand may be infinite, rules replace NaN bounds by +∞, so that none is returned.
+//! box. If an operand may be infinite, the rule replaces NaN bounds by +∞, so that no bound is NaN.
 
 pub mod affine;
 mod arithmetic;
@@ -34,12 +34,11 @@ pub fn enclose<M: Machine>(
     enclose_branch(m, format, op, operands, Branch::Whole)
 }
 
-/// Encloses `op` over one of the branches into which it splits the box of its operands. The result
-/// contains the values at all points of that branch where `op` is defined. It claims nothing about
-/// other points.
+/// Encloses `op` over a branch of the box of its operands. The result contains the values of `op`
+/// at all points of the branch where `op` is defined. It claims nothing about other points.
 ///
-/// In lanes where the operation is continuous throughout the box, every branch is the whole box.
-/// The same holds if the operation does not split boxes into such branches.
+/// Every branch is the whole box in lanes where the operation is continuous in the whole box. The
+/// same holds if the operation does not split boxes into such branches.
 ///
 /// # Panics
 /// If the number of operands is not the arity of `op`.
@@ -53,7 +52,7 @@ pub fn enclose_branch<M: Machine>(
     assert_eq!(operands.len(), op.arity(), "{op:?}");
     let mut rule = Rule { m, format };
     let row = op.row();
-    // The rule of powers calls `unrounded` and `outward` itself, for some of its parts.
+    // The rule of powers calls `unrounded` and `outward` itself, where it needs them.
     if row.excess.is_none() || row.class == Class::Power {
         return rule.enclose(op, operands, branch);
     }
@@ -115,8 +114,8 @@ impl<M: Machine> Rule<'_, M> {
     }
 }
 
-/// Encloses `op` and its [twin](zeroset_ops::OpRow::twin) over lanes of their operand. Returns
-/// `None` if the two share no work over the operand's range.
+/// Encloses `op` and its [twin](zeroset_ops::OpRow::twin) over the same operand. Returns `None` if
+/// the two share no work over the operand's range.
 pub fn enclose_sincos<M: Machine>(
     m: &mut M,
     format: Format,
@@ -131,7 +130,7 @@ pub fn enclose_sincos<M: Machine>(
     Some(if op == Op::Sin { [sin, cos] } else { [cos, sin] })
 }
 
-/// The machine and the format for which a rule is evaluated.
+/// The machine and the format with which a rule is evaluated.
 pub(crate) struct Rule<'a, M> {
     pub(crate) m: &'a mut M,
     pub(crate) format: Format,
@@ -154,7 +153,7 @@ impl<M: Machine> Rule<'_, M> {
         self.m.lt(b, a)
     }
 
-    /// The float of the format that is nearest to `number`.
+    /// The float nearest to `number` in the format.
     fn nearest(&mut self, number: f64) -> M::V {
         self.number(self.format.pick(f64::from(number as f32), number))
     }
@@ -173,7 +172,7 @@ impl<M: Machine> Rule<'_, M> {
         self.m.xor(mask, ones)
     }
 
-    /// a + b, where `None` stands for 0.
+    /// Computes a + b, where `None` stands for 0.
     fn sum_of(&mut self, a: Option<M::V>, b: Option<M::V>) -> Option<M::V> {
         match (a, b) {
             (Some(a), Some(b)) => Some(self.m.add(a, b)),
@@ -181,25 +180,25 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
-    /// `a` with NaN replaced by +∞.
+    /// Replaces NaN in `a` by +∞.
     fn close(&mut self, a: M::V) -> M::V {
         let infinity = self.infinity();
         self.m.min(a, infinity)
     }
 
-    /// The lower ends, with +0 for zero.
+    /// The lower ends of `a`; a zero becomes +0.
     fn lo(&mut self, a: &Enclosure<M::V>) -> M::V {
         self.opposite_exactly(a.neg_lo)
     }
 
-    /// −a, with +0 for zero.
+    /// Computes −a exactly; a zero becomes +0.
     fn opposite_exactly(&mut self, a: M::V) -> M::V {
         let zero = self.zero();
         self.m.unrounded(|m| m.sub(zero, a))
     }
 
     /// Runs `routine`, which encloses by approximations. Their stated errors include all rounding
-    /// except the last rounding of each bound.
+    /// but the last of each bound, which is rounded outward here.
     pub(crate) fn approximated<const N: usize>(
         &mut self,
         routine: impl FnOnce(&mut Rule<'_, M>) -> [Enclosure<M::V>; N],

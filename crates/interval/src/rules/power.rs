@@ -15,7 +15,7 @@ impl<M: Machine> Rule<'_, M> {
         a.value.facts.with(self.square_nonneg([neg_mig, mag]))
     }
 
-    /// [−lo, hi] of the square of a number ≥ 0, given [−lo, hi] of the number.
+    /// Bounds of the square of a number ≥ 0. Operand and result are [−lo, hi].
     fn square_nonneg(&mut self, [neg_lo, hi]: [M::V; 2]) -> [M::V; 2] {
         let lo = self.m.neg(neg_lo);
         [self.m.mul(neg_lo, lo), self.m.mul(hi, hi)]
@@ -29,7 +29,8 @@ impl<M: Machine> Rule<'_, M> {
             hi = self.m.max(hi, zero);
         }
         let hi = self.m.sqrt(hi);
-        // The root rounded up is one float too high exactly if its square exceeds the operand.
+        // The root `up` is rounded up. If its square exceeds the operand, `up` is one float too
+        // high for a lower bound. Else `up` is exact.
         let neg_lo = self.m.unrounded(|m| {
             let up = m.sqrt(lo);
             let square = m.mul(up, up);
@@ -57,7 +58,7 @@ impl<M: Machine> Rule<'_, M> {
             Exponent::Integer(n) => self.integer_power(a, n.unsigned_abs()),
             Exponent::LargeInteger { odd } => self.large_power(a, b, odd),
         };
-        // A constant exponent may come from an expression that is not defined everywhere.
+        // A constant exponent may come from an expression that is undefined in part of the box.
         self.with_facts_of(&Operand::new(value, Interval::ENTIRE), b)
     }
 
@@ -88,7 +89,7 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
-    /// aⁿ for |n| ≥ 2³¹, as |a|ⁿ for even n and a·|a|ⁿ⁻¹ for odd n.
+    /// Encloses aⁿ for |n| ≥ 2³¹: |a|ⁿ for even n, and a·|a|ⁿ⁻¹ for odd n.
     fn large_power(&mut self, a: &Operand<M::V>, n: &Operand<M::V>, odd: bool) -> Enclosure<M::V> {
         let range = Interval { lo: 0.0, hi: a.range.magnitude() };
         let magnitude = Operand::new(self.abs(a), range);
@@ -111,10 +112,10 @@ impl<M: Machine> Rule<'_, M> {
         value.restricted(self.m, &own)
     }
 
-    /// 1/aⁿ.
+    /// Encloses 1/aⁿ.
     fn reciprocal_power(&mut self, a: &Operand<M::V>, n: u32) -> Enclosure<M::V> {
         let value = self.integer_power(a, n);
-        // The base decides where 1/aⁿ is defined, since the range of aⁿ is not computed here.
+        // The base decides where 1/aⁿ is defined, because the range of aⁿ is not known here.
         let own = self.nonzero(a);
         let power = Operand::new(value, Interval::ENTIRE);
         let (one, minus_one) = (self.number(1.0), self.number(-1.0));
@@ -123,8 +124,8 @@ impl<M: Machine> Rule<'_, M> {
         value.facts.and(self.m, &own).with([quotient.neg_lo, quotient.hi])
     }
 
-    /// [−lo, hi] of the n-th power, n ≥ 1, of a number ≥ 0, given [−lo, hi] of the number. No
-    /// product is 0·∞: lower ends stay finite, and the powers of an upper end are all 0 or all
+    /// Bounds of the n-th power of a number ≥ 0, for n ≥ 1. Operand and result are [−lo, hi]. No
+    /// product is 0·∞: lower ends are finite, and the powers of an upper end are all 0 or all
     /// positive.
     fn power_nonneg(&mut self, ends: [M::V; 2], n: u32) -> [M::V; 2] {
         let times = |rule: &mut Self, [neg_lo, hi]: [M::V; 2], other: [M::V; 2]| {
@@ -134,7 +135,7 @@ impl<M: Machine> Rule<'_, M> {
         self.by_squaring(ends, n, times, Self::square_nonneg)
     }
 
-    /// The n-th power, n ≥ 1, by repeated squaring, with the given product and square.
+    /// The n-th power for n ≥ 1, by repeated squaring. `times` multiplies, `squared` squares.
     pub(crate) fn by_squaring<T: Copy>(
         &mut self,
         base: T,
@@ -158,29 +159,29 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
-    /// aⁿ rounded up, for odd n ≥ 3 and a of any sign.
+    /// Computes aⁿ rounded up, for odd n ≥ 3 and a of any sign.
     fn odd_power_up(&mut self, a: M::V, n: u32) -> M::V {
         let magnitude = self.m.abs(a);
         let negated = self.m.neg(magnitude);
         let [neg_lo, hi] = self.power_nonneg([negated, magnitude], n - 1);
         let lo = self.m.neg(neg_lo);
-        // The larger of a·lo and a·hi, where lo and hi bound |a|ⁿ⁻¹. No product is 0·∞: lo is
-        // finite, and hi = ∞ only for a ≠ 0.
+        // The result is the larger of a·lo and a·hi, where lo and hi bound |a|ⁿ⁻¹. No product is
+        // 0·∞, because lo is finite and hi is ∞ only for a ≠ 0.
         let far = self.m.mul(a, hi);
         let near = self.m.mul(a, lo);
         self.m.max(far, near)
     }
 
-    /// exp(b·ln a), and 0^b = 0 for b > 0.
+    /// Encloses exp(b·ln a), and 0^b = 0 for b > 0.
     fn real_power(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> Enclosure<M::V> {
         let (neg_lo, hi) = if a.range.hi > 0.0 {
             self.real_power_ends(a, b)
         } else {
-            // No base is positive, so the only possible value is 0.
+            // No base is positive, so 0 is the only possible value.
             (self.zero(), self.zero())
         };
         let value = self.combine(neg_lo, hi, a, b);
-        // Defined for a > 0, or a = 0 and b > 0.
+        // The power is defined for a > 0, and for a = 0 if b > 0.
         let (positive, nonneg, up) = (self.positive(a), self.nonneg(a), self.positive(b));
         let nowhere = positive.nowhere.and(self.m, up.nowhere);
         let nowhere = nowhere.or(self.m, nonneg.nowhere);
@@ -189,21 +190,21 @@ impl<M: Machine> Rule<'_, M> {
         value.restricted(self.m, &Claims::of_domain(nowhere, throughout))
     }
 
-    /// (−lo, hi) of a power whose base may be positive.
+    /// Bounds of a power as −lo and hi, for a base that may be positive.
     fn real_power_ends(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> (M::V, M::V) {
         let format = self.format;
         let (neg_lo, hi) = self.m.unrounded(|m| Rule { m, format }.approximated_power_ends(a, b));
         (self.m.outward(neg_lo), self.m.outward(hi))
     }
 
-    /// Like [`Self::real_power_ends`], without the last rounding; computed in `f64` for both
-    /// formats.
+    /// Like [`Self::real_power_ends`], but without the last rounding. Both formats compute in
+    /// `f64`.
     fn approximated_power_ends(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> (M::V, M::V) {
-        // If the base reaches 0, the logarithm starts at the least positive number. The result is
-        // corrected below.
+        // For a base that reaches 0, the logarithm starts at the least positive number. The result
+        // is corrected below.
         let [base_lo, base_hi] = self.positive_ends(a);
         let bounded = a.range.hi < f64::INFINITY;
-        // Contains the logarithm of every positive `f32`.
+        // The range contains the logarithm of every positive `f32`.
         let ln_range = Interval { lo: -104.0, hi: if bounded { 89.0 } else { f64::INFINITY } };
         let base_hi = if self.format == Format::F64 && !bounded {
             let finite = self.number(f64::MAX); // corrected below
@@ -230,7 +231,7 @@ impl<M: Machine> Rule<'_, M> {
         });
         let zero = self.zero();
         if self.format == Format::F64 && !bounded {
-            // As the base grows, powers grow without bound for b > 0, and tend to 0 for b < 0.
+            // As the base grows, powers grow without bound if b > 0, and tend to 0 if b < 0.
             let infinity = self.infinity();
             let unbounded = self.m.eq(a.value.hi, infinity);
             let (some_positive, some_negative) =
@@ -242,8 +243,8 @@ impl<M: Machine> Rule<'_, M> {
             neg_lo = self.m.select(vanishes, neg_lo_zero, neg_lo);
         }
         if a.range.lo <= 0.0 {
-            // 0^b is 0 for b > 0. As the base tends to 0, powers grow without bound for b < 0; for
-            // b ≥ 0 they are between 0 and the power of the least positive base.
+            // 0^b is 0 for b > 0. As the base tends to 0, powers grow without bound if b < 0. If b
+            // ≥ 0, they are between 0 and the power of the least positive base.
             let from_zero = self.m.le(zero, a.value.neg_lo);
             let some_positive = self.gt(b.value.hi, zero);
             let starts = self.m.and(from_zero, some_positive);
@@ -253,8 +254,8 @@ impl<M: Machine> Rule<'_, M> {
             let grows = self.m.and(from_zero, some_negative);
             let infinity = self.infinity();
             hi = self.m.select(grows, infinity, hi);
-            // The base is 0 alone. If 0^b is undefined, the bounds stay within the bounds over
-            // larger boxes with positive bases.
+            // In the lanes of `only_zero`, the base is 0. If 0^b is undefined, its bounds stay
+            // within those over larger boxes, which have positive bases.
             let no_positive = self.m.le(a.value.hi, zero);
             let only_zero = self.m.and(no_positive, some_positive);
             hi = self.m.select(only_zero, zero, hi);
@@ -268,7 +269,7 @@ mod tests {
     use crate::{Decorated, Exponent, Facts, Interval, fold};
     use zeroset_ops::Op;
 
-    /// A power over [lo, hi], with an exponent beyond `i32`.
+    /// Encloses a power of [lo, hi] whose exponent does not fit `i32`.
     fn power(lo: f64, hi: f64, n: i64) -> ([f64; 2], Facts) {
         let bounds = Interval::point(n as f64).expect("finite");
         let exponent = Exponent::LargeInteger { odd: n % 2 != 0 };
@@ -289,7 +290,7 @@ mod tests {
         assert!(lo <= 1.0 && 1.0 <= hi && hi - lo < 1e-15, "{lo} {hi}");
         assert_eq!(power(-2.0, -2.0, even + 1).0, [f64::NEG_INFINITY, -f64::MAX]);
         assert_eq!(power(-0.5, 0.5, even).0, [0.0, f64::from_bits(1)]);
-        // (1 + 2⁻⁵²)^2³¹ = exp(2⁻²¹ − …)
+        // (1 + 2⁻⁵²)^2³¹ is about 1 + 2⁻²¹ + 2⁻⁴³.
         let near = 1.0 + f64::EPSILON;
         let [lo, hi] = power(near, near, even).0;
         let value = 1.0 + 2_f64.powi(-21) + 2_f64.powi(-43);

@@ -1,5 +1,4 @@
-//! Branches into which operations split boxes: together they contain every value, and each is the
-//! whole box where nothing jumps.
+//! Tests that branches together contain every value, and are the whole box where nothing jumps.
 
 use zeroset_interval::{
     Branch, Enclosure, Exponent, Fact, Format, Interval, Operand, Software, Split, Vector128,
@@ -7,7 +6,7 @@ use zeroset_interval::{
 };
 use zeroset_ops::{Class, Continuity, Op, TABLE};
 
-/// splitmix64
+/// A generator of random numbers (splitmix64).
 struct Random(u64);
 
 impl Random {
@@ -26,7 +25,7 @@ impl Random {
         }
     }
 
-    /// A random box, sometimes unbounded, and a point in it.
+    /// A random interval, sometimes unbounded, and a point in it.
     fn bounds(&mut self) -> (Interval, f64) {
         let (a, b, c) = (self.end(), self.end(), self.end());
         let (lo, hi) = (a.min(b).min(c), a.max(b).max(c));

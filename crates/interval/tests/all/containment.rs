@@ -1,4 +1,4 @@
-//! Every rule of one operand against the standard library at sample points, and a few exact cases.
+//! Tests of the rules of one operand, against the standard library and in a few exact cases.
 
 use zeroset_interval::{Decorated, Exponent, Facts, Interval, fold};
 use zeroset_ops::Op;
@@ -7,7 +7,7 @@ fn of(lo: f64, hi: f64) -> (Interval, Facts) {
     (Interval::new(lo, hi).expect("an interval"), Facts::TOTAL)
 }
 
-/// An exponent that is an integer constant.
+/// The number `n` as a constant integer exponent.
 fn integer(n: i32) -> Decorated {
     Decorated { exponent: Exponent::Integer(n), ..of(f64::from(n), f64::from(n)).into() }
 }
@@ -168,7 +168,7 @@ fn facts_say_where_a_function_is_defined() {
     assert_eq!(facts(Op::Floor, &[of(1.0, 1.5)]), Facts::TOTAL);
     assert_eq!(facts(Op::Pow, &[of(-2.0, -1.0), of(0.5, 0.5)]), Facts::NOWHERE);
     assert_eq!(facts(Op::Pow, &[of(0.0, 1.0), of(0.5, 0.5)]), Facts::TOTAL);
-    // A varying exponent that happens to be an integer is still a real one.
+    // An exponent that is not a constant counts as real, even if its only value is an integer.
     assert_eq!(facts(Op::Pow, &[of(-2.0, -1.0), of(2.0, 2.0)]), Facts::NOWHERE);
     let with_integer = |n| fold(Op::Pow, &[of(-1.0, 1.0).into(), integer(n)]).1;
     assert_eq!(with_integer(-2), Facts::NONE);

@@ -1,12 +1,12 @@
-//! The form of a quotient by a value that depends on no symbol.
+//! The affine form of a quotient whose divisor depends on no symbol.
 
 use zeroset_interval::{
     Enclosure, Exponent, Form, FormOperand, Format, Interval, Software, Vector128, linearise,
 };
 use zeroset_ops::Op;
 
-/// The reciprocal is rounded before it is multiplied. Here all roundings go in one direction, and
-/// together they exceed what the product alone is granted.
+/// Tests that a form counts the rounding of the reciprocal. All roundings here go in one direction,
+/// and together they exceed the error that is counted for the product alone.
 #[test]
 fn the_rounding_of_the_reciprocal_is_counted() {
     let (centre, slope, divisor) = (1.951_794_4_f32, 0.25_f32, 1.742_237_3_f32);

@@ -4,19 +4,20 @@ use super::{FACTOR_LIMIT, factors, whole};
 use crate::graph::{Graph, Node, NodeId};
 use zeroset_ops::Op;
 
-/// A term that is nowhere below 0, or nowhere above 0.
+/// A term that is never negative, or never positive.
 #[derive(Default)]
 struct SignedTerm {
     is_negative: bool,
-    /// The distinct nodes whose zeros are the zeros of the term.
+    /// Distinct nodes: the term is 0 exactly where at least one of them is 0.
     bases: Vec<NodeId>,
     /// Whether the term differs from the product of the bases' squares by more than a constant
     /// factor.
     is_flat: bool,
 }
 
-/// Splits a sum whose terms all have one sign into factors: the bases that all terms share, and the
-/// sum of the squares of the remaining terms. `None` for other sums, and if nothing would change.
+/// Splits a sum whose terms all have the same sign into factors. The factors are the bases that all
+/// terms share, and a sum of squares of the terms' remaining bases. `None` for other sums, and if
+/// nothing would change.
 pub fn of_even_powers(graph: &mut Graph, root: NodeId) -> Option<Vec<NodeId>> {
     let mut terms: Vec<SignedTerm> = Vec::new();
     let mut rest = vec![(root, false)];
@@ -63,7 +64,7 @@ pub fn of_even_powers(graph: &mut Graph, root: NodeId) -> Option<Vec<NodeId>> {
     Some(common)
 }
 
-/// Reads a node as a term of one sign. `None` if its operations do not show the sign.
+/// Reads node `id` as a term of one sign. `None` if its operations do not show this.
 fn term(graph: &Graph, id: NodeId) -> Option<SignedTerm> {
     let mut term = SignedTerm::default();
     let mut rest = vec![id];
@@ -105,7 +106,7 @@ fn term(graph: &Graph, id: NodeId) -> Option<SignedTerm> {
     Some(term)
 }
 
-/// Adds the distinct factors of a power's base to `term`, without exponents of their own.
+/// Adds the distinct factors of a power's base `root` to `term`, without the factors' exponents.
 fn bases(graph: &Graph, root: NodeId, term: &mut SignedTerm) -> Option<()> {
     term.is_flat |= factors(graph, root, &[Op::Neg, Op::Abs], &[Op::Sqr], &mut term.bases)?;
     Some(())

@@ -5,7 +5,7 @@ use crate::constant::Constant;
 use crate::graph::{Graph, Node, NodeId};
 use zeroset_interval::{Decorated, Facts};
 
-/// Replaces each constant expression by its enclosure, if it is defined and bounded.
+/// Replaces each constant expression by its enclosure, if the expression is defined and bounded.
 pub(super) fn fold(graph: &Graph, roots: &[NodeId]) -> (Graph, Vec<NodeId>) {
     let mut values: Vec<Option<Decorated>> = vec![None; graph.len()];
     let (folded, roots) = replaced(graph, roots, |folded, id, node| {

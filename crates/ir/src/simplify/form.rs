@@ -1,4 +1,4 @@
-//! Sums and products that are still being collected, before they become nodes.
+//! Sums and products whose parts are still being collected, before they become nodes.
 
 use super::numbers;
 use crate::graph::NodeId;
@@ -6,10 +6,10 @@ use num_rational::BigRational;
 use num_traits::{One, Zero};
 use zeroset_ops::Restriction;
 
-/// An expression of the old graph, as rewritten so far.
+/// An expression of the given graph, as rewritten so far.
 #[derive(Clone, Debug)]
 pub(super) enum PartialExpr {
-    /// A node of the new graph.
+    /// A node of the simplified graph.
     Node(NodeId),
     /// A sum that may still grow.
     Sum(Sum),
@@ -17,15 +17,15 @@ pub(super) enum PartialExpr {
     Product(Product),
 }
 
-/// An additional condition on where an expression is defined: the node must meet the restriction.
+/// A condition for an expression to be defined: the node must meet the restriction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Condition(pub(super) Restriction, pub(super) NodeId);
 
-/// `±(constant + Σ cᵢ·tᵢ)`. The terms are nodes without coefficients of their own.
+/// A sum `±(constant + Σ cᵢ·tᵢ)`. The terms tᵢ are nodes without coefficients of their own.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sum {
-    /// Whether constants and coefficients are stored with the opposite sign. Negation then costs
-    /// nothing; otherwise a nest of differences would take quadratic time.
+    /// Whether constants and coefficients are stored with the opposite sign. Negating the sum only
+    /// flips this flag. Otherwise nested differences would take quadratic time.
     negated: bool,
     constants: Vec<BigRational>,
     terms: Vec<(NodeId, BigRational)>,
@@ -48,7 +48,7 @@ impl Sum {
         self.terms.push((term, signed));
     }
 
-    /// Adds `other` to this sum, moving the shorter list into the longer one.
+    /// Adds `other` to this sum. The shorter list of terms is moved into the longer one.
     pub(super) fn plus(mut self, mut other: Self) -> Self {
         if self.terms.len() + self.constants.len() < other.terms.len() + other.constants.len() {
             std::mem::swap(&mut self, &mut other);
@@ -61,7 +61,7 @@ impl Sum {
         self
     }
 
-    /// Returns constants, terms and conditions, with signs applied.
+    /// Returns the constants, the terms and the conditions, with `negated` applied.
     pub(super) fn into_parts(
         self,
     ) -> (Vec<BigRational>, Vec<(NodeId, BigRational)>, Vec<Condition>) {
@@ -81,7 +81,7 @@ impl Sum {
 pub(super) struct Factor {
     pub(super) base: NodeId,
     pub(super) exponent: i64,
-    /// Whether the domain excludes a base of 0 even if the exponent would allow it.
+    /// Whether the factor is undefined where its base is 0, even if its exponent is not negative.
     pub(super) nonzero: bool,
 }
 
@@ -94,14 +94,14 @@ impl Factor {
     }
 }
 
-/// `coefficient · Π baseᵢ^exponentᵢ`.
+/// A product `coefficient · Π baseᵢ^exponentᵢ`.
 #[derive(Clone, Debug)]
 pub(super) struct Product {
     pub(super) coefficient: BigRational,
     pub(super) factors: Vec<Factor>,
     pub(super) conditions: Vec<Condition>,
-    /// Whether equal bases may still have to be merged. Merging waits while a long product grows,
-    /// which would otherwise take quadratic time.
+    /// Whether equal bases may still have to be merged. While a long product grows, merging after
+    /// each step would take quadratic time.
     pub(super) is_unmerged: bool,
 }
 
@@ -120,9 +120,9 @@ impl Product {
         (self.factors.is_empty() && self.conditions.is_empty()).then_some(&self.coefficient)
     }
 
-    /// The `n`-th power, or `None` if an exponent or the coefficient grows too large.
+    /// The `n`-th power of the product. `None` if an exponent or the coefficient is too large.
     pub(super) fn raised(&self, n: i64) -> Option<Self> {
-        /// Larger exponents are left to nested powers.
+        /// Largest exponent of a factor. A larger power becomes a node of its own.
         const EXPONENT_LIMIT: u64 = 1 << 16;
         let mut result = self.clone();
         result.coefficient = numbers::power(&self.coefficient, n)?;

@@ -91,7 +91,8 @@ impl Rewriter<'_> {
         Product::power(self.node(op, &[a]), 1)
     }
 
-    /// `u` restricted to a domain; `None` for domains that no restriction expresses.
+    /// The product for `u` restricted to `domain`. `None` for domains other than all and the
+    /// positive reals.
     fn within(&mut self, domain: Domain, u: NodeId) -> Option<Product> {
         match domain {
             Domain::All => Some(self.product_of_node(u)),
@@ -114,7 +115,7 @@ impl Rewriter<'_> {
         }
     }
 
-    /// Returns whether the operation of a node has integer results: rounding or `sign`.
+    /// Returns whether node `a` is a rounding or a `sign`, whose results are integers.
     fn is_whole(&self, a: NodeId) -> bool {
         let is_integral =
             |op: &Op| matches!(op.row().class, Class::Function(Law::Rounding(_) | Law::Sign));
@@ -135,7 +136,7 @@ impl Rewriter<'_> {
         PartialExpr::Node(self.node(Op::Mod, &[a, b]))
     }
 
-    /// `op(a, b)` for min or max.
+    /// The simplified `op(a, b)` for min or max.
     pub(super) fn extremum(
         &mut self,
         op: Op,
@@ -168,7 +169,7 @@ impl Rewriter<'_> {
         PartialExpr::Node(self.node(op, &[a, b]))
     }
 
-    /// `select_negative(a, b, c)`. Each branch keeps its own conditions.
+    /// The simplified `select_negative(a, b, c)`. Each branch keeps its own conditions.
     pub(super) fn choice(
         &mut self,
         first: PartialExpr,
@@ -197,8 +198,8 @@ impl Rewriter<'_> {
         PartialExpr::Product(result)
     }
 
-    /// `otherwise(a, b)`. The conditions of `a` stay inside it, since they decide which operand is
-    /// the result.
+    /// The simplified `otherwise(a, b)`. The conditions of `a` stay inside `a`, because they decide
+    /// which operand is the result.
     pub(super) fn fallback(&mut self, first: PartialExpr, second: PartialExpr) -> PartialExpr {
         let a = self.node_of(first);
         let b = self.node_of(second);
@@ -212,7 +213,7 @@ impl Rewriter<'_> {
         }
     }
 
-    /// The first operand, restricted to where the second meets a condition.
+    /// The first operand, restricted to points at which the second operand meets the restriction.
     pub(super) fn restriction(
         &mut self,
         restriction: Restriction,
@@ -222,7 +223,7 @@ impl Rewriter<'_> {
         let mut other = self.product(second);
         let mut result = self.product(first);
         result.conditions.append(&mut other.conditions);
-        // Of a coefficient, only the sign matters to a condition.
+        // A positive factor of the second operand does not change the condition.
         other.coefficient = other.coefficient.signum();
         let node = self.emit_product(&other);
         self.require(&mut result.conditions, Condition(restriction, node));

@@ -1,10 +1,11 @@
 //! Rewriting of a graph into a shorter one with tighter enclosures.
 //!
-//! One loop over the old nodes turns each into a [`PartialExpr`]: a node of the new graph, or a sum
-//! or product still being collected. An operand with one user is passed on as a sum or product and
-//! merges with its user. An operand with several users becomes a node first and stays shared.
-//! Products are never expanded: a factored form encloses better. Numbers stay exact, and constants
-//! like √5 symbolic, until [`fold`] encloses them at the end; so equal constants cancel exactly.
+//! One loop over the nodes of the given graph turns each into a [`PartialExpr`]: a node of the
+//! simplified graph, or a sum or product still being collected. An operand with one user stays a
+//! sum or product and merges with its user. An operand with several users becomes a node first and
+//! stays shared. Products are never expanded, because a factored form has a tighter enclosure.
+//! Until [`fold`] encloses them at the end, numbers stay exact and constants like √5 symbolic. So
+//! equal constants cancel exactly.
 
 mod fold;
 mod form;
@@ -29,9 +30,10 @@ use rustc_hash::FxHashMap;
 use zeroset_interval::{Decorated, Facts, Interval};
 use zeroset_ops::{Class, Op, Restriction};
 
-/// Returns a simpler graph that holds only what `roots` need. Values and domains of definition are
-/// the same at every real point of `domain`, for all values of the parameters within `parameters`.
-/// Constant expressions are enclosed; [`rewrite`] leaves them symbolic.
+/// Returns a simpler graph that holds only the nodes that `roots` need, and the ids of the roots in
+/// it. Values and domains of definition stay the same at every real point of `domain`, for all
+/// parameters within `parameters`. Constant expressions become enclosures; [`rewrite`] leaves them
+/// symbolic.
 ///
 /// A parameter beyond the end of `parameters` may have any value.
 ///
@@ -39,6 +41,7 @@ use zeroset_ops::{Class, Op, Restriction};
 /// use zeroset_interval::Interval;
 /// use zeroset_ir::{Axis, Graph, simplify};
 /// use zeroset_ops::Op;
+///
 /// let mut graph = Graph::new();
 /// let x = graph.variable(Axis::X);
 /// let root = graph.apply(Op::Mul, &[x, x]);
@@ -59,8 +62,8 @@ pub fn simplify(
     Ok(fold::fold(&graph, &roots))
 }
 
-/// [`simplify`] without its last step: constant expressions stay symbolic. A later rewriting, such
-/// as that of derivatives, can then still tell which of them are equal.
+/// [`simplify`] without its last step: constant expressions stay symbolic. A later pass, such as
+/// that for derivatives, can then still tell which of these expressions are equal.
 ///
 /// # Errors
 /// If the roots need more than [`NODE_LIMIT`] nodes, before or after rewriting.
@@ -94,8 +97,8 @@ pub fn rewrite(
         parameters,
     };
     let mut values: Vec<Option<PartialExpr>> = vec![None; graph.len()];
-    // Whether an exponent is constant depends on the old graph: it must have been written without
-    // coordinates and parameters.
+    // These variabilities are those of the given graph. An exponent is constant only if it was
+    // written without coordinates and parameters.
     let variabilities = variabilities(graph);
     for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
         let value = match node {
@@ -147,16 +150,15 @@ pub fn rewrite(
     Ok((graph, roots))
 }
 
-/// The new graph, and what is known about its nodes.
+/// The simplified graph under construction, with tables of what is known about its nodes.
 struct Rewriter<'a> {
     graph: Graph,
-    /// Bounds of each node's value where it is defined in the domain, and facts over all of the
-    /// domain.
+    /// For each node, bounds of its values in the domain, and facts that hold in all of it.
     known: Vec<Decorated>,
     variabilities: Vec<Variability>,
-    /// Constant and terms of the nodes that are sums.
+    /// For each node that is a sum, its constant and its terms.
     sums: FxHashMap<NodeId, (BigRational, Vec<(NodeId, BigRational)>)>,
-    /// Factors of the nodes that are products or powers.
+    /// For each node that is a product or a power, its factors.
     products: FxHashMap<NodeId, Product>,
     domain: &'a [Interval; 3],
     parameters: &'a [Interval],
@@ -218,7 +220,7 @@ impl Rewriter<'_> {
         }
     }
 
-    /// Returns the node of a value, including its coefficient and conditions.
+    /// Returns the node of `value`. It includes the coefficient and the conditions.
     fn node_of(&mut self, value: PartialExpr) -> NodeId {
         match value {
             PartialExpr::Node(id) => id,
@@ -231,7 +233,7 @@ impl Rewriter<'_> {
         }
     }
 
-    /// Restricts `node` to where `conditions` hold.
+    /// Restricts `node`: it is then undefined where one of `conditions` does not hold.
     fn restrict(&mut self, mut node: NodeId, mut conditions: Vec<Condition>) -> NodeId {
         conditions.sort_unstable();
         conditions.dedup();
@@ -248,7 +250,7 @@ impl Rewriter<'_> {
         node
     }
 
-    /// Adds `condition` unless it holds on the whole domain.
+    /// Adds `condition` to `conditions` unless it holds on the whole domain.
     fn require(&self, conditions: &mut Vec<Condition>, condition: Condition) {
         let Condition(restriction, other) = condition;
         let known = self.known(other);

@@ -11,7 +11,7 @@ pub(super) fn moderate(value: BigRational) -> Option<BigRational> {
     (bits(&value) <= EXACT_BITS).then_some(value)
 }
 
-/// `value^exponent`, or `None` if it does not exist or is too large to stay exact.
+/// `value^exponent`, or `None` if the power does not exist or is too large to stay exact.
 pub(super) fn power(value: &BigRational, exponent: i64) -> Option<BigRational> {
     if value.is_one() || exponent == 0 {
         return Some(BigRational::one());
@@ -21,7 +21,7 @@ pub(super) fn power(value: &BigRational, exponent: i64) -> Option<BigRational> {
     }
     let size = bits(value);
     let magnitude = exponent.unsigned_abs();
-    // Powers of ±1 have one bit; those of other numbers grow with the exponent.
+    // Powers of ±1 have one bit. Powers of other numbers grow with the exponent.
     if magnitude.saturating_mul(size.max(2) - 1) > EXACT_BITS && size > 1 {
         return None;
     }
@@ -30,7 +30,7 @@ pub(super) fn power(value: &BigRational, exponent: i64) -> Option<BigRational> {
     moderate(if exponent < 0 { result.recip() } else { result })
 }
 
-/// The rational `degree`-th root (2 or 3), if there is one.
+/// The `degree`-th root of `value`, for a degree of 2 or 3. `None` if the root is not rational.
 pub(super) fn root(value: &BigRational, degree: u32) -> Option<BigRational> {
     if degree == 2 && value.is_negative() {
         return None;
@@ -42,7 +42,7 @@ pub(super) fn root(value: &BigRational, degree: u32) -> Option<BigRational> {
     Some(BigRational::new(exact(value.numer())?, exact(value.denom())?))
 }
 
-/// The value of a function at an exact number, if it is known to be rational.
+/// The value of a function at the number `a`, if the value is known to be rational.
 pub(super) fn function(op: Op, law: Law, a: &BigRational) -> Option<BigRational> {
     match law {
         Law::Magnitude => Some(a.abs()),

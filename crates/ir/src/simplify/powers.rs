@@ -1,4 +1,4 @@
-//! Powers: integer exponents join products, and half-integers become square roots.
+//! Powers: integer exponents join products, and half-integer exponents become square roots.
 
 use super::Rewriter;
 use super::form::{Condition, PartialExpr, Product};
@@ -32,8 +32,8 @@ impl Rewriter<'_> {
         PartialExpr::Node(self.node(op, &operands[..op.arity()]))
     }
 
-    /// `base^exponent`. The flag `fixed` tells whether the exponent was written without coordinates
-    /// and parameters.
+    /// The simplified `base^exponent`. `fixed` means that the exponent was written without
+    /// coordinates and parameters.
     pub(super) fn power(
         &mut self,
         base: PartialExpr,
@@ -54,8 +54,8 @@ impl Rewriter<'_> {
             if fixed || self.rank(exponent) != Variability::Constant {
                 return power;
             }
-            // The exponent's enclosure can be an integer only if its range is a single number,
-            // which has a known sign.
+            // An enclosed exponent that is an integer has a range of one number, so its sign is
+            // known.
             return self.real_power(power, base, self.range(exponent).hi > 0.0);
         }
         let Product { coefficient: number, conditions, .. } = exponent;
@@ -70,9 +70,9 @@ impl Rewriter<'_> {
         self.real_power(PartialExpr::Product(result), base, number.is_positive())
     }
 
-    /// Restricts a power whose exponent is constant, but was written with a variable that cancels.
-    /// Such an exponent counts as real: negative bases stay outside the domain, even if its value
-    /// is an integer.
+    /// Restricts a power whose exponent is constant only because a variable in it cancels. Such an
+    /// exponent counts as real, even if it is an integer: the power is undefined for negative
+    /// bases.
     fn real_power(&mut self, power: PartialExpr, base: NodeId, positive: bool) -> PartialExpr {
         let mut result = self.product(power);
         let bound = if positive { Restriction::Nonneg } else { Restriction::Positive };
@@ -87,7 +87,7 @@ impl Rewriter<'_> {
         if exponent.denom().to_u32() == Some(2)
             && let Some(n) = exponent.numer().to_i64()
         {
-            // `a^(n/2) = √a^n`, with the same domain: a ≥ 0, or a > 0 for n < 0.
+            // `a^(n/2) = (√a)^n`, with the same domain: a ≥ 0, or a > 0 if n < 0.
             let root = self.function(Op::Sqrt, base);
             return self.integer_power(root, n);
         }

@@ -10,14 +10,14 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use zeroset_ops::{Class, Op, Restriction};
 
-/// Largest number of factors in a product that is stored with its node. Longer products are treated
-/// as one factor, and merged late.
+/// Largest number of factors of a product that is stored with its node. A longer product counts as
+/// one factor, and its equal bases are merged late.
 const REMEMBERED_FACTORS: usize = 8;
 /// Largest number of restrictions that are lifted out of an operand. Further ones stay inside it.
 const LIFTED_CONDITIONS: usize = 16;
 
 impl Rewriter<'_> {
-    /// Converts a value to a product with distinct bases.
+    /// Converts `value` to a product with distinct bases.
     pub(super) fn product(&mut self, value: PartialExpr) -> Product {
         match value {
             PartialExpr::Product(product) if product.is_unmerged => self.merge_factors(product),
@@ -39,8 +39,8 @@ impl Rewriter<'_> {
         if let Some(number) = self.graph.exact(id) {
             return Product { conditions, ..Product::number(number.clone()) };
         }
-        // A product with a node of its own stays one factor, so that the node stays shared. A power
-        // is split into base and exponent.
+        // A node that is a product of several factors stays one factor, so that the node stays
+        // shared. A power is split into base and exponent.
         let power = self.products.get(&id).filter(|product| product.factors.len() == 1);
         let power = power.cloned().unwrap_or_else(|| Product::power(id, 1));
         Product { conditions, ..power }
@@ -65,7 +65,7 @@ impl Rewriter<'_> {
         self.merge_factors(a)
     }
 
-    /// Converts a value to a product whose equal bases may still have to be merged.
+    /// Converts `value` to a product. Equal bases may still have to be merged.
     pub(super) fn unmerged_product(&mut self, value: PartialExpr) -> Product {
         match value {
             PartialExpr::Product(product) => product,
@@ -73,7 +73,7 @@ impl Rewriter<'_> {
         }
     }
 
-    /// `a / b`; not simplified if `b` is the number 0.
+    /// The simplified `a / b`. It stays a quotient if `b` is 0 or `1 / b` is too large.
     pub(super) fn quotient(&mut self, a: PartialExpr, b: PartialExpr) -> PartialExpr {
         let a = self.unmerged_product(a);
         let b = self.product(b);
@@ -85,8 +85,8 @@ impl Rewriter<'_> {
         PartialExpr::Node(self.node(Op::Div, &[a, b]))
     }
 
-    /// Merges equal bases and drops factors without effect. Conditions keep the domain of
-    /// definition.
+    /// Merges equal bases and drops factors that do not affect the value. Added conditions keep the
+    /// domain of definition.
     pub(super) fn merge_factors(&mut self, mut p: Product) -> Product {
         p.is_unmerged = false;
         loop {
@@ -128,8 +128,8 @@ impl Rewriter<'_> {
         p.factors = merged;
     }
 
-    /// Applies `|u|^2k = u^2k`, `√u^2k = u^k` where u ≥ 0, and `∛u^3k = u^k`. Returns whether
-    /// anything changed.
+    /// Applies the laws `|u|^2k = u^2k`, `(√u)^2k = u^k` where u ≥ 0, and `(∛u)^3k = u^k`. Returns
+    /// whether anything changed.
     fn simplify_powers(&mut self, p: &mut Product) -> bool {
         let mut changed = false;
         for factor in p.factors.iter_mut().filter(|factor| factor.exponent != 0) {
@@ -152,7 +152,7 @@ impl Rewriter<'_> {
                 changed = true;
             }
         }
-        // A base that a law has replaced may be a number, which joins the coefficient.
+        // A law may have replaced a base by a number. That number joins the coefficient.
         let mut opened = Vec::new();
         for factor in std::mem::take(&mut p.factors) {
             let number =
@@ -169,8 +169,8 @@ impl Rewriter<'_> {
         changed
     }
 
-    /// The maximum of `u` and 0, or `u` if its range shows u ≥ 0. A condition u ≥ 0 does not narrow
-    /// the enclosure; the maximum does.
+    /// The node of `max(u, 0)`, or `u` itself if its range shows u ≥ 0. A condition u ≥ 0 would not
+    /// make the enclosure narrower; the maximum does.
     pub(super) fn nonneg_part(&mut self, u: NodeId) -> NodeId {
         if self.range(u).lo >= 0.0 {
             return u;
@@ -179,7 +179,7 @@ impl Rewriter<'_> {
         self.node(Op::Max, &[u.min(zero), u.max(zero)])
     }
 
-    /// The node of a product with merged bases. The caller applies its conditions.
+    /// Adds the node of a product whose equal bases are merged, without its conditions.
     pub(super) fn emit_product(&mut self, p: &Product) -> NodeId {
         if p.factors.is_empty() {
             return self.number(p.coefficient.clone());
@@ -191,7 +191,7 @@ impl Rewriter<'_> {
             if p.coefficient.abs().is_one()
                 && let Some((constant, terms)) = self.sums.get(&base).cloned()
             {
-                // The negative of a sum is a sum of negated terms (saves 7 operations over the
+                // The negative of a sum is the sum of negated terms (saves 7 operations over the
                 // gallery).
                 let terms: Vec<_> = terms.into_iter().map(|(term, c)| (term, -c)).collect();
                 return self.emit_sum(&-constant, &terms);
@@ -230,7 +230,7 @@ impl Rewriter<'_> {
                 varying[side].push((factor.base, factor.exponent.unsigned_abs()));
             }
         }
-        // The coefficient joins the numerator's other factors that do not vary.
+        // The coefficient and the numerator's factors that do not vary become one operand.
         let unit = p.coefficient.abs().is_one();
         let mut fixed = if unit { None } else { Some(self.number(p.coefficient.clone())) };
         if let Some(above) = uniform[0] {
@@ -264,8 +264,8 @@ impl Rewriter<'_> {
         self.node(Op::Div, &[above, b])
     }
 
-    /// `Π baseᵢ^nᵢ`. Prefers `(xy)²` to `x²y²`, unless both squares exist already: its enclosure is
-    /// as tight, and it is shorter (saves 4 operations over the gallery).
+    /// Adds the node `Π baseᵢ^nᵢ`. Prefers `(xy)²` to `x²y²`, unless both squares exist already:
+    /// the first form is shorter, and its enclosure as tight (saves 4 operations over the gallery).
     fn emit_powers(&mut self, powers: &[(NodeId, u64)]) -> Option<NodeId> {
         let common = powers.iter().fold(0, |common, (_, n)| gcd(common, *n));
         let shared = powers.iter().all(|(base, n)| self.find_power(*base, *n));
@@ -282,7 +282,8 @@ impl Rewriter<'_> {
         product
     }
 
-    /// `base^exponent`, by squaring an odd power: the enclosure of a square is exact.
+    /// Adds `base^exponent` as repeated squares of an odd power, because the enclosure of a square
+    /// is exact.
     fn emit_power(&mut self, base: NodeId, exponent: u64) -> NodeId {
         let (squarings, odd) = split_exponent(exponent);
         let mut node = base;
@@ -312,7 +313,7 @@ impl Rewriter<'_> {
     }
 }
 
-/// `(s, m)` with `exponent = 2^s · m`, m odd.
+/// Returns s and m such that `exponent = 2^s · m` and m is odd.
 fn split_exponent(exponent: u64) -> (u32, u64) {
     let squarings = exponent.trailing_zeros();
     (squarings, exponent >> squarings)

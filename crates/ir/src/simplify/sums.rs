@@ -1,8 +1,8 @@
 //! Collecting and emitting sums: `k + Σ cᵢ·tᵢ`.
 //!
-//! Comments state what a step saves over the gallery, the example surfaces of the project. They
-//! count operations of all tapes (919, or 1498 for gradients), or boxes enclosed by bisection down
-//! to 1/32 of a domain.
+//! Some comments state what a step saves over the gallery, the project's example surfaces.
+//! Operations are those of all tapes (919 for functions, 1498 for gradients). Boxes are those that
+//! bisection encloses, down to 1/32 of a domain.
 
 use super::Rewriter;
 use super::form::{Condition, Product, Sum};
@@ -16,19 +16,18 @@ use zeroset_ops::{Op, Restriction};
 
 type Terms = Vec<(NodeId, BigRational)>;
 
-/// Largest number of terms of a sum that is stored with its node, so that later sums can merge with
-/// it.
+/// Largest number of terms of a sum that is stored with its node, for merging with later sums.
 const REMEMBERED_TERMS: usize = 64;
-/// Largest number of terms of a sum that is replaced by its terms to complete squares. In longer
-/// sums, keeping the common factor gains more.
+/// Largest number of terms of an inner sum that is expanded to complete squares. For a longer sum,
+/// keeping its common factor gains more.
 const OPENED_TERMS: usize = 4;
-/// Largest distance of a square's center from 0, as a multiple of the largest magnitude in the
-/// range. Beyond it, rounding of the square outweighs the gain.
+/// Largest distance of a square's center from 0, relative to the largest magnitude in the range of
+/// its variable. Beyond it, the square's rounding outweighs the gain.
 const CENTER_LIMIT: f64 = 4.0;
 
 impl Rewriter<'_> {
     /// Merges like terms and completes squares. The result is a number, a term with a coefficient,
-    /// or `±c` times a sum that [`content`] has normalized.
+    /// or a sum times its [`content`].
     pub(super) fn normalize_sum(&mut self, sum: Sum) -> Product {
         let (constants, terms, mut conditions) = sum.into_parts();
         let mut constant = BigRational::zero();
@@ -64,7 +63,7 @@ impl Rewriter<'_> {
         Product { coefficient: content, conditions, ..Product::power(node, 1) }
     }
 
-    /// Sorts the terms and adds up equal ones, so that each occurs once.
+    /// Sorts the terms and adds up equal terms, so that each occurs once.
     fn merge_terms(&mut self, terms: &mut Terms, conditions: &mut Vec<Condition>) {
         loop {
             terms.sort_by_key(|(term, _)| *term);
@@ -77,7 +76,7 @@ impl Rewriter<'_> {
                             *total = sum;
                             continue;
                         }
-                        // The total is too large to be exact: the larger multiple becomes a
+                        // The total would be too large to be exact. The larger multiple becomes a
                         // separate term.
                         let larger = if bits(total) >= bits(&coefficient) {
                             std::mem::replace(total, coefficient)
@@ -103,11 +102,12 @@ impl Rewriter<'_> {
         });
     }
 
-    /// Replaces sums by their terms if this brings together a square and its linear term, so that
-    /// the square can be completed. Saves 1.4 % of the boxes, partly on Mitchell's surface.
+    /// Replaces an inner sum by its terms if this brings together a square and its linear term, so
+    /// that the square can be completed. Over the gallery, this saves 1.4 % of the boxes.
+    /// Mitchell's surface is one of those that gain.
     fn open_squares(&self, terms: Terms, constant: &mut BigRational) -> Terms {
-        // Each term, also inside sums that may be replaced by their terms: node, coefficient and
-        // containing sum.
+        // All terms, including those of inner sums that may be expanded: a term's node, its
+        // coefficient and the inner sum that contains it.
         let mut reach: Vec<(NodeId, BigRational, Option<NodeId>)> = Vec::new();
         for (term, c) in &terms {
             reach.push((*term, c.clone(), None));
@@ -135,7 +135,7 @@ impl Rewriter<'_> {
         self.open(terms, constant, |sum, _| sources.contains(&sum))
     }
 
-    /// Replaces each sum by its terms if `chosen(node, terms)` is true.
+    /// Replaces each inner sum by its terms if `chosen(node, terms)` is true.
     fn open(
         &self,
         terms: Terms,
@@ -164,8 +164,8 @@ impl Rewriter<'_> {
         opened
     }
 
-    /// Applies `a·t² + b·t = a·(t + b/2a)² − b²/4a`. The right side has t only once, so its
-    /// enclosure is exact (6 % fewer boxes). Returns whether anything changed.
+    /// Applies `a·t² + b·t = a·(t + b/2a)² − b²/4a`. The right side contains t only once, so its
+    /// enclosure is exact (saves 6 % of the boxes). Returns whether anything changed.
     fn complete_squares(&mut self, terms: &mut Terms, constant: &mut BigRational) -> bool {
         let mut changed = false;
         let mut index = 0;
@@ -190,8 +190,8 @@ impl Rewriter<'_> {
             let completed = self.node(Op::Sqr, &[inner]);
             self.products.entry(completed).or_insert_with(|| Product::power(inner, 2));
             *constant = rest;
-            // The new term may break the order, so that the search misses a pair. The caller sorts
-            // and tries again.
+            // The completed square may be out of order, so that the search misses a pair of terms.
+            // The caller sorts the terms and tries again.
             terms.remove(linear);
             index -= usize::from(linear < index);
             index -= 1;
@@ -205,14 +205,15 @@ impl Rewriter<'_> {
     /// Returns whether `(t + half)² − half²` has a tighter enclosure than `t² + 2·half·t`.
     fn square_is_tighter(&self, t: NodeId, half: &BigRational) -> bool {
         let range = self.range(t);
-        // If both terms rise or fall together, interval evaluation is exact already.
+        // If t² and 2·half·t rise or fall together, their sum already has an exact enclosure.
         let together =
             (range.lo >= 0.0 && half.is_positive()) || (range.hi <= 0.0 && half.is_negative());
         let centre = crate::Constant::rational(half.clone()).bounds().magnitude();
         !together && centre <= CENTER_LIMIT * range.magnitude()
     }
 
-    /// Returns the node of `constant + Σ terms`, for one or more terms, all distinct and sorted.
+    /// Returns the node of `constant + Σ terms`. There must be at least one term, and terms must be
+    /// distinct and sorted.
     pub(super) fn emit_sum(
         &mut self,
         constant: &BigRational,
@@ -228,7 +229,7 @@ impl Rewriter<'_> {
             }
         }
         self.group_equal_coefficients(&mut varying);
-        // The part that does not vary becomes one operand, itself a signed sum.
+        // The terms that do not vary become one operand of the sum, with a sign.
         let number = self.number(constant.abs());
         let mut offset = (!constant.is_zero()).then_some((constant.is_negative(), number));
         for group in fixed {
@@ -253,9 +254,9 @@ impl Rewriter<'_> {
         node
     }
 
-    /// Like [`emit_signed`](Self::emit_signed), but without a `start`. If all signs are minus, a
-    /// coefficient other than −1 keeps its sign, which saves a negation (9 operations of
-    /// gradients).
+    /// Adds up terms as [`emit_signed`](Self::emit_signed) does without a `start`. But if all
+    /// coefficients are negative, the sum begins with a term whose coefficient is not −1 and keeps
+    /// its sign. This saves a negation (9 operations of gradients).
     fn emit_leading(&mut self, terms: &[(NodeId, BigRational)]) -> Option<(bool, NodeId)> {
         if terms.iter().all(|(_, c)| c.is_negative())
             && let Some(first) = terms.iter().position(|(_, c)| !c.abs().is_one())
@@ -268,7 +269,7 @@ impl Rewriter<'_> {
         self.emit_signed(None, terms)
     }
 
-    /// Rewrites `c·s ± c·t` as `c·(s ± t)`, which has the same enclosure. Saves 16 multiplications
+    /// Rewrites `c·s ± c·t` as `c·(s ± t)`, whose enclosure is the same. Saves 16 multiplications
     /// over the gallery.
     fn group_equal_coefficients(&mut self, terms: &mut Terms) {
         if terms.len() > REMEMBERED_TERMS {
@@ -293,8 +294,7 @@ impl Rewriter<'_> {
         }
     }
 
-    /// Adds terms to a signed node. Positive terms come first, so no negation is needed if there is
-    /// one.
+    /// Adds terms to the signed node `start`. Positive terms come first, which saves negations.
     fn emit_signed(
         &mut self,
         start: Option<(bool, NodeId)>,
@@ -310,7 +310,8 @@ impl Rewriter<'_> {
         total
     }
 
-    /// `total ± node`, as a sign and a node.
+    /// Adds `node` to `total`, or subtracts it if `negative`. The flag beside a sum's node tells
+    /// whether the sum is the node's negative.
     fn join(
         &mut self,
         total: Option<(bool, NodeId)>,
@@ -325,7 +326,7 @@ impl Rewriter<'_> {
         }
     }
 
-    /// `c·term`, for c ≠ −1. The number c joins the other factors that do not vary.
+    /// The node `c·term`, for c ≠ −1. The number c joins those factors of `term` that do not vary.
     fn scaled(&mut self, term: NodeId, c: &BigRational) -> NodeId {
         if c.is_one() {
             return term;
@@ -336,9 +337,9 @@ impl Rewriter<'_> {
     }
 }
 
-/// The factor to take out of a sum: the first term's coefficient if all coefficients have the same
-/// magnitude, else only its sign. Sums that differ only by this factor then share a node (over the
-/// gallery, this saves 37 operations in gradients).
+/// The factor to take out of a sum. It is the first coefficient if all coefficients have the same
+/// magnitude, else only its sign. Sums that differ only by this factor then share a node (saves 37
+/// operations of gradients over the gallery).
 fn content(terms: &[(NodeId, BigRational)], constant: &BigRational) -> BigRational {
     let first = &terms[0].1;
     let size = first.abs();

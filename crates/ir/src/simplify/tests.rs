@@ -8,7 +8,7 @@ use zeroset_ops::{Continuity, Law, Parity, TABLE};
 
 const DOMAIN: Interval = Interval { lo: -2.0, hi: 2.0 };
 
-/// The simplified text of a formula over the box [-2, 2]³ and parameters a in [-2, 2], b in [1, 2].
+/// The simplified text of a formula over [-2, 2]³, for parameters a in [-2, 2] and b in [1, 2].
 fn simple(
     formula: impl for<'a> Fn(&'a TestGraphBuilder, [TestExpr<'a>; 3]) -> TestExpr<'a>,
 ) -> String {
@@ -60,7 +60,7 @@ fn a_domain_outlives_what_gave_it() {
     assert_eq!(simple(|_, [x, y, _]| x.f(Op::Ln) * 0.0 + y), "where_defined(y, ln(x))");
     assert_eq!(simple(|_, [x, y, _]| x.f(Op::Ln) - x.f(Op::Ln) + y), "where_defined(y, ln(x))");
     assert_eq!(simple(|_, [x, _, _]| x.f(Op::Ln).pow(0)), "where_defined(1, ln(x))");
-    // The removed operation is defined on the whole box, so no restriction remains.
+    // The operation that is removed is defined on the whole box, so no restriction remains.
     assert_eq!(simple(|_, [x, y, _]| (x + 3.0) / (x + 3.0) * y), "y");
     assert_eq!(simple(|_, [x, y, _]| (x + 3.0).f(Op::Ln) * 0.0 + y), "y");
     assert_eq!(simple(|_, [x, y, _]| x - x + y), "y");
@@ -78,8 +78,8 @@ fn squares_are_completed() {
         simple(|_, [x, _, _]| 2.0 * x.f(Op::Sin).pow(2) + x.f(Op::Sin)),
         "2*sqr(sin(x) + 0.25) - 0.125"
     );
-    // The first sum already has an exact enclosure. In the second, rounding would outweigh the
-    // gain.
+    // These sums stay. The first one already has an exact enclosure. For the second one, rounding
+    // would outweigh the gain.
     assert_eq!(simple(|_, [x, _, _]| x.pow(4) + 5.0 * x.pow(2)), "5*sqr(x) + sqr(sqr(x))");
     assert_eq!(simple(|_, [x, _, _]| x.pow(2) - 1000.0 * x), "sqr(x) - 1000*x");
 }
@@ -123,7 +123,7 @@ fn an_exponent_that_varies_never_admits_negative_bases() {
         x.apply(Op::Pow, &[b / b * 2.0])
     });
     assert_eq!(text, "where_nonneg(sqr(x), x)");
-    // The exponent `round(atan(-2))` is an integer once constants are enclosed.
+    // The exponent `round(atan(-2))` becomes an integer when constants are enclosed.
     let text = simple(|s, [x, y, _]| {
         let exponent = (x - x + s.number("-2")).f(Op::Atan).f(Op::Round);
         y.apply(Op::Pow, &[exponent])
@@ -155,8 +155,8 @@ fn numbers_known_by_bounds_only_never_cancel() {
 
 #[test]
 fn multiples_too_large_to_add_up_are_counted_once_each() {
-    // The numbers' fourth powers are below 2^512 / 9 (first and third), between that and 2^512
-    // (second), and above 2^512 (fourth).
+    // The fourth powers of the first and third number are below 2^512 / 9. That of the second is
+    // between 2^512 / 9 and 2^512, and that of the fourth is above 2^512.
     for number in ["3", "340282326356119256160033759537265639424", "1e38", "5e38"] {
         let builder = TestGraphBuilder::default();
         let [_, y, _] = builder.xyz();
@@ -252,7 +252,7 @@ fn values_and_domains_are_kept() {
     assert!(compared > 100_000, "{compared}");
 }
 
-/// The bounds and facts of a node over a box, with parameters at points.
+/// The bounds and facts of a node over the box `at`, with exact parameters.
 fn enclosure(graph: &Graph, root: NodeId, at: &[Interval; 3], values: &[f64]) -> (Interval, Facts) {
     let mut all: Vec<zeroset_interval::Decorated> = Vec::with_capacity(graph.len());
     for (_, node) in graph.iter() {
@@ -273,9 +273,8 @@ fn enclosure(graph: &Graph, root: NodeId, at: &[Interval; 3], values: &[f64]) ->
     (bounds, facts)
 }
 
-/// Returns whether every exponent is a constant node. Interval rules take any exponent with one
-/// possible value for a constant, so other exponents may treat a base below 0 differently before
-/// and after.
+/// Returns whether every exponent is a constant node. Interval rules treat any other exponent as
+/// real. Simplifying such an exponent to an integer may change how bases below 0 are treated.
 fn exponents_are_numbers(graph: &Graph) -> bool {
     graph.iter().all(|(_, node)| match node {
         Node::Apply(Op::Pow, operands) => matches!(graph.node(operands[1]), Node::Constant(_)),
@@ -315,14 +314,14 @@ fn enclosures_do_not_widen() {
                 continue;
             }
             compared += 1;
-            // Rounding a coefficient that is not a float may move an operand past the end of a
-            // domain that it only just reached.
+            // Rounding a coefficient may move an operand past the end of a domain that it just
+            // reaches.
             let wider = at.map(|a| Interval { lo: a.lo - 1e-12, hi: a.hi + 1e-12 });
             let keeps_facts = new_facts.has(old_facts)
                 || !enclosure(&graph, root, &wider, &values).1.has(old_facts);
             let slack = 1e-9 * (1.0 + old.magnitude().min(f64::MAX));
             narrower += u32::from(old.lo < new.lo - slack || old.hi > new.hi + slack);
-            // Rounding in another order may lead to the other side of a jump.
+            // Rounding in another order may move an operand to the other side of a jump.
             let (old, old_facts) = if jumps(&graph) {
                 let out = |end: f64, sign: f64| end + sign * 1e-12 * (1.0 + end.abs());
                 let larger =
@@ -343,7 +342,7 @@ fn enclosures_do_not_widen() {
     assert!(compared > 50_000 && narrower > 1000, "{compared} {narrower}");
 }
 
-/// Checks the columns of the table that simplification relies on, by values in plain `f64`.
+/// Checks the properties in the table that simplification relies on, by values in plain `f64`.
 #[test]
 fn rows_state_what_is_true() {
     let value = |op: Op, a: f64| {
@@ -387,7 +386,7 @@ fn rows_state_what_is_true() {
                     assert!(between.abs() >= 1.0, "{} of {between}", row.name);
                     continue; // tanh a rounds to 1
                 };
-                // The result cannot be more accurate than the rounded intermediate value.
+                // The result may be off by as much as rounding the intermediate value changes it.
                 let step = between.abs() * f64::EPSILON;
                 let (next, _) = value(row.op, between - step).expect("defined");
                 let conditioned = near(found, a) || (found - a).abs() <= (found - next).abs();

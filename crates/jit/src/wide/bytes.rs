@@ -4,9 +4,9 @@ use super::target;
 use iced_x86::{Encoder, Instruction};
 
 /// Encodes a function. If an instruction reads a constant, its displacement is the constant's
-/// position in `constants`, which begin at a multiple of `alignment` bytes. A branch leads to the
-/// first of the instructions that replace its target. Returns `None` if there is no such
-/// instruction, if a branch stores its distance in one byte, or if an instruction has no encoding.
+/// position in `constants`. The result has `constants` at a multiple of `alignment` bytes. A branch
+/// leads to the first of the instructions that replace its target. Returns `None` if a branch has
+/// no target, if it stores its distance in one byte, or if an instruction has no encoding.
 pub fn bytes(written: &[Instruction], constants: &[u8], alignment: usize) -> Option<Vec<u8>> {
     let mut encoder = Encoder::new(64);
     let mut starts = Vec::with_capacity(written.len());

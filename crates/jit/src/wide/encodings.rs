@@ -6,11 +6,10 @@ use iced_x86::{Code, Instruction, OpKind, Register};
 /// Immediate of the shuffle that copies the upper half of a vector to both halves.
 const UPPER: u8 = 0b11_10_11_10;
 
-/// Mask register that holds a bit per lane, until the bits are expanded to a vector.
+/// Mask register that passes a bit per lane from one instruction to the next.
 const LANES: Register = Register::K1;
 
-/// Writes the equivalent of an instruction for wider vectors. `None` if there is no known
-/// equivalent.
+/// Writes an instruction's equivalent for wider vectors. Returns `None` if none is known.
 pub(super) fn widen(
     instruction: &Instruction,
     width: Width,
@@ -44,8 +43,8 @@ pub(super) fn widen(
         code => {
             let mut wider = *instruction;
             wider.set_code(encoding(code, width)?);
-            // These two instructions convert between lanes of different size, so that one operand
-            // is half a vector.
+            // These two instructions convert between lanes of different sizes, so one of their
+            // operands is half a vector.
             let [is_read, is_written] =
                 [Code::VEX_Vcvtps2pd_xmm_xmmm64, Code::VEX_Vcvtpd2ps_xmm_xmmm128]
                     .map(|other| other == code);

@@ -1,13 +1,14 @@
 //! Reuse of bits in mask registers.
 //!
 //! With vectors of 512 bits, a comparison writes a bit per lane to a mask register, and a blend
-//! reads one. Code translated instruction by instruction expands these bits to a vector and gathers
-//! them again. Within a block, this module finds the mask registers that still hold the bits.
+//! reads such bits. Code translated instruction by instruction expands the bits to a vector and
+//! gathers them again. Within a block, this module finds the mask registers that still hold the
+//! bits.
 
 use super::target;
 use iced_x86::{Code, Instruction, Mnemonic, OpKind, Register};
 
-/// Number of mask registers in use, and the first of them. K0 stands for none.
+/// The mask registers in use are K1 to K7. K0 means no mask.
 const REGISTERS: u32 = 7;
 const FIRST: Register = Register::K1;
 const VECTORS: usize = 32;
@@ -33,9 +34,8 @@ pub fn kept(written: Vec<Instruction>, blocks: Vec<usize>) -> Vec<Instruction> {
     written.into_iter().filter(|_| is_needed.next() == Some(true)).collect()
 }
 
-/// Lets instructions read bits from the mask registers that hold them. In the given code there is
-/// one mask register, and each read directly follows its write. The result uses all mask registers
-/// in turn.
+/// Lets instructions read bits from the mask registers that hold them. `written` uses only one mask
+/// register, and reads it directly after each write. The result uses all mask registers in turn.
 fn with_bits(written: Vec<Instruction>, blocks: Vec<usize>) -> (Vec<Instruction>, Vec<usize>) {
     let (mut code, mut numbers) = (Vec::with_capacity(written.len()), Vec::new());
     let (mut bits, mut last) = (Bits::default(), usize::MAX);
@@ -91,7 +91,7 @@ fn with_bits(written: Vec<Instruction>, blocks: Vec<usize>) -> (Vec<Instruction>
 /// lanes.
 type Known = [Option<(Register, u32)>; VECTORS];
 
-/// Which mask registers hold the signs of vectors.
+/// The mask registers that hold the signs of vectors' lanes.
 #[derive(Default)]
 struct Bits {
     known: Known,
@@ -109,7 +109,7 @@ impl Bits {
         }
     }
 
-    /// Returns the mask register that was returned longest ago, and forgets which bits it holds.
+    /// Returns the next mask register in turn, and forgets which bits it holds.
     fn fresh(&mut self) -> Register {
         let register = FIRST + self.next % REGISTERS;
         self.next += 1;
@@ -120,13 +120,13 @@ impl Bits {
     }
 }
 
-/// The registers that are read after a position in a block, a bit for each.
+/// The registers that later code in a block reads, one bit per register.
 #[derive(Default)]
 struct Needs {
-    /// Vector registers that are written before they are read. All others may be read, even after
-    /// the block.
+    /// Vector registers that later code in the block overwrites before it reads them. All others
+    /// may be read, even after the block.
     lost: u32,
-    /// Mask registers that are read. None is read after the block.
+    /// Mask registers that later code in the block reads. Code after the block reads none.
     read: u32,
 }
 
@@ -141,7 +141,7 @@ impl Needs {
         !is_of_bits || self.lost & bit(to) == 0
     }
 
-    /// Moves the position back over an instruction.
+    /// Changes the sets from those after an instruction to those before it.
     fn go_back(&mut self, instruction: &Instruction) {
         let to = instruction.op0_register();
         self.lost |= bit(to);
@@ -165,8 +165,8 @@ fn bit_of_bits(register: Register) -> u32 {
     if register.is_k() { 1 << (register as u32 - Register::K0 as u32) } else { 0 }
 }
 
-/// The number of a vector register. A register of 256 bits has the number of the one that it is
-/// part of.
+/// The number of a vector register. A 256-bit register has the number of the 512-bit register that
+/// contains it.
 fn number(vector: Register) -> Option<usize> {
     let first = match vector {
         _ if vector.is_zmm() => Register::ZMM0,
@@ -250,7 +250,7 @@ mod tests {
         instruction
     }
 
-    /// Instructions that set the lanes of a vector where `a` is less than `b`.
+    /// Instructions that set the lanes of `to` in which `a` is less than `b`.
     fn compare(to: Register, [a, b]: [Register; 2]) -> [Instruction; 2] {
         let code = Code::EVEX_Vcmpps_kr_k1_zmm_zmmm512b32_imm8_sae;
         let mut less = Instruction::with4(code, K1, a, b, 1).expect("valid");
@@ -258,7 +258,7 @@ mod tests {
         [less, with(Code::EVEX_Vpmovm2d_zmm_kr, &[to, K1])]
     }
 
-    /// Instructions that select from the vectors `a` and `b` by the signs of a third.
+    /// Instructions that select each lane of `to` from `a` or `b`, by the lane's sign in `signs`.
     fn choose(to: Register, signs: Register, [a, b]: [Register; 2]) -> [Instruction; 2] {
         let mut blend = with(Code::EVEX_Vblendmps_zmm_k1z_zmm_zmmm512b32, &[to, a, b]);
         blend.set_op_mask(K1);
@@ -299,7 +299,7 @@ mod tests {
         let code = compare(ZMM0, [ZMM1, ZMM2]).into_iter().chain([add(ZMM0, [ZMM1, ZMM2])]);
         let code: Vec<_> = code.chain(choose(ZMM3, ZMM0, [ZMM1, ZMM2])).collect();
         assert_eq!(left(code), [Vaddps, Vpmovd2m, Vblendmps]);
-        // Mask registers of another block are not used either.
+        // Bits in mask registers of another block are not used either.
         let code = compare(ZMM0, [ZMM1, ZMM2]).into_iter().chain(choose(ZMM3, ZMM0, [ZMM1, ZMM2]));
         let kept = kept(code.collect(), vec![0, 0, 1, 1]);
         let kept: Vec<_> = kept.iter().map(Instruction::mnemonic).collect();

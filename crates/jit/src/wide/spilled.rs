@@ -1,15 +1,14 @@
 //! Spilled vectors kept in registers that Cranelift does not use.
 //!
-//! With vectors of 512 bits there are twice as many registers. Code writes a vector to a place on
-//! the stack and reads it until it writes another vector there. For that time, a register can
-//! replace the place, which is faster.
+//! For 512 bits there are 32 vector registers, twice as many as Cranelift uses. From one write to a
+//! place on the stack until the next, a register can replace the place, which is faster.
 
 use super::is_of_vectors;
 use iced_x86::{Code, Instruction, OpKind, Register};
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
-/// Number of registers that Cranelift does not use, and the first of them.
+/// The registers ZMM16 to ZMM31, which Cranelift does not use.
 const REGISTERS: u32 = 16;
 const FIRST: Register = Register::ZMM16;
 
@@ -18,14 +17,14 @@ const FIRST: Register = Register::ZMM16;
 /// since code may refer to them by address.
 pub fn registers(read: &[Instruction], blocks: &[usize], slots: u32) -> Vec<Option<Register>> {
     let mut spans = spans(read, blocks, slots);
-    // Spans are served in order of their number of uses per time that they occupy a register, the
-    // largest first.
+    // A span's price is its length in instructions, divided by the number of its uses. The cheapest
+    // spans get registers first.
     let price = |span: &SpillSpan| {
         (span.lifetime.end() - span.lifetime.start() + 1) as f64 / span.uses.len() as f64
     };
     spans.sort_by(|a, b| price(a).total_cmp(&price(b)));
-    // Per register, the spans that occupy it: their ends by their starts. A map is fast even for
-    // many thousand spans.
+    // For each register, the spans that occupy it: a map from their starts to their ends. A map is
+    // fast even for many thousand spans.
     let mut taken: Vec<BTreeMap<usize, usize>> = vec![BTreeMap::new(); REGISTERS as usize];
     let mut registers = vec![None; read.len()];
     for span in spans {
@@ -44,7 +43,6 @@ pub fn registers(read: &[Instruction], blocks: &[usize], slots: u32) -> Vec<Opti
     registers
 }
 
-/// Replaces the memory operand of an instruction by a register.
 pub fn replace_memory_operand(instruction: &mut Instruction, register: Register) {
     for operand in 0..instruction.op_count() {
         if instruction.op_kind(operand) == OpKind::Memory {
@@ -54,8 +52,8 @@ pub fn replace_memory_operand(instruction: &mut Instruction, register: Register)
     }
 }
 
-/// A time for which a place on the stack holds one vector: the instructions that use it, and their
-/// range.
+/// A range of instructions in which a place on the stack holds one vector. `uses` are the
+/// instructions that read or write the place.
 struct SpillSpan {
     uses: Vec<usize>,
     lifetime: RangeInclusive<usize>,
@@ -144,7 +142,8 @@ mod tests {
 
     #[test]
     fn what_has_no_register_stays_where_it_is() {
-        // All vectors are live at once. Two of them are read once, the others twice.
+        // Twenty vectors are live at once, but there are 16 registers. Two of the vectors are read
+        // once, the others twice.
         let places = || (0..20).map(|k| 16 * k);
         let again = places().take(18).map(read);
         let all: Vec<_> = places().map(write).chain(places().map(read)).chain(again).collect();
@@ -169,7 +168,7 @@ mod tests {
         for other in [1, 2, 4, 5] {
             assert!(registers[other].is_some() && registers[other] != registers[0]);
         }
-        // A vector that is read behind a branch keeps its register as well.
+        // A vector that is read after a branch keeps its register as well.
         let branch = Instruction::with_branch(Code::Jb_rel32_64, 5).expect("valid");
         let registers = found(&[write(0), branch, write(16), read(16), read(0)]);
         assert_eq!(registers[0], registers[4]);

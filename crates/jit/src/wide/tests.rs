@@ -187,7 +187,7 @@ fn what_is_not_known_stays_as_it_is() {
         let most = i64::from(STACK) / width.times() as i64;
         assert_eq!(widened(&function(most + 16, 0, narrow_sum()), width, 0, STACK), None);
         assert!(widened(&function(most, 0, narrow_sum()), width, 0, STACK).is_some());
-        // Code without a return instruction is refused, too.
+        // Code without a return instruction is refused.
         assert_eq!(widened(&encoded(&[narrow_sum()]), width, 0, STACK), None);
     }
 }

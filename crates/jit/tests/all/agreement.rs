@@ -1,4 +1,4 @@
-//! Native kernels give the bits of the reference evaluator: a graph for each operation, on
+//! Native kernels return the same bits as the reference evaluator. Each operation is tested on
 //! adversarial lanes.
 
 use std::fmt::Debug;

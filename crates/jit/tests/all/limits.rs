@@ -35,7 +35,8 @@ fn tower(op: Op, length: usize) -> (Graph, NodeId) {
     (graph, root)
 }
 
-/// Two operations for each of `width` terms, which are all computed before the first is used.
+/// A sum of `width` terms, with two operations each. All terms are computed before the first is
+/// used.
 fn live(op: Op, width: usize) -> (Graph, NodeId) {
     let mut graph = Graph::new();
     let x = graph.variable(Axis::X);
@@ -90,7 +91,7 @@ fn what_is_too_deep_for_wide_vectors_is_computed_in_narrow_ones() {
         let mut one = origin(1);
         (one.neg_lo[0][0], one.hi[0][0]) = (-1.0, 1.0);
         let out = &kernel.eval_all(&[one])[0];
-        // The n-th iterated arctangent is about √(3 / (2n)), whatever it starts from.
+        // The n-fold arctangent is about √(3 / (2n)), whatever number it starts from.
         let expected = (1.5 / length as f32).sqrt();
         assert!(
             -out.neg_lo[0] <= out.hi[0] && (out.hi[0] / expected - 1.0).abs() < 0.02,
@@ -127,7 +128,8 @@ fn a_kernel_has_as_many_parameters_and_outputs_as_asked_for() {
     assert!(is_refused(&mut || drop(Compiled::<SampleGradient>::new(tape()))));
 }
 
-/// Code omits guards that its assumptions make needless, so results beyond them are wrong.
+/// A kernel's code omits guards that its assumptions make needless. So values outside the
+/// assumptions must be refused.
 #[cfg(debug_assertions)]
 #[test]
 fn a_kernel_is_not_asked_beyond_what_it_was_made_for() {
@@ -155,7 +157,7 @@ fn a_kernel_is_not_asked_beyond_what_it_was_made_for() {
             for axis in 0..3 {
                 let mut ends = [Interval::ONE; 3];
                 ends[axis] = Interval { lo, hi };
-                // Only the last lane is outside.
+                // Only the last lane is outside the assumed domain.
                 let boxes = Boxes::around(&[[[Interval::ONE; 3]; 8].as_slice(), &[ends]].concat());
                 assert_eq!(is_refused(&mut || drop(kernel.eval_all(&boxes))), !is_allowed);
             }
@@ -195,6 +197,6 @@ fn no_page_is_writable_and_executable() {
         .filter(|line| permissions(line).contains('w') && permissions(line).contains('x'))
         .collect();
     assert!(both.is_empty(), "{both:?}");
-    // The test must have seen the pages of the code.
+    // If the mappings did not include the pages of the code, the check above would prove nothing.
     assert!(executable(&maps) > before, "{before} executable bytes\n{maps}");
 }

@@ -7,20 +7,19 @@ use zeroset_scene::view::{self, DomainChoice};
 use zeroset_space::{HalfSpace, Region, RegionError};
 use zeroset_syntax::{Document, Parameter};
 
-/// A found region that is smaller than this share of the shown one replaces it.
+/// A newly found region smaller than this share of the shown region replaces the shown region.
 const LEAST_SHARE: f64 = 0.25;
 
-/// Margin added where a region grows, as a share of the found region's extent.
+/// Margin added where a region grows, as a share of the newly found region's extent.
 const MARGIN: f64 = 0.25;
 
-/// Number of sliders for whose ends the region is searched before compiling.
+/// Code is compiled for the ranges of at most this many sliders.
 const SLIDERS: usize = 4;
 
-/// Largest distance beyond the shown region for which code is compiled, in half extents of that
-/// region.
+/// Code is compiled at most this far beyond the shown region, in half extents of that region.
 const FARTHEST: f64 = 64.0;
 
-/// The box or ball of `region` with this clipping plane instead of its own.
+/// Returns `region` with the clipping plane `clip` in place of its own, or without a plane.
 ///
 /// # Errors
 /// If the plane has no normal.
@@ -28,9 +27,9 @@ pub fn clipped(region: &Region, clip: Option<HalfSpace>) -> Result<Region, Regio
     view::clipped(region.low(), region.high(), region.ball().is_some(), clip)
 }
 
-/// The next region to show, after `before`. The present values need the region `found`. If `found`
-/// lies in `before` and is neither much smaller nor of another shape, the result is `before` with
-/// the clipping plane of `found`.
+/// The region to show after `before`, when the values need the region `found`. If `before` has the
+/// shape of `found`, contains `found` and is not much larger, the result is `before` with the
+/// clipping plane of `found`.
 ///
 /// # Errors
 /// If `before` with that plane is not a valid region.
@@ -48,9 +47,8 @@ pub fn next_region(before: &Region, found: &Region) -> Result<Region, RegionErro
     view::clipped(low, high, is_round, found.clip()).or(Ok(*found))
 }
 
-/// A box around the shown region and the regions found at the ends of the sliders' ranges. It is
-/// meant to contain the regions for all values of the sliders, so that code is compiled once for
-/// all.
+/// A box around the shown region and the regions found at the ends of sliders' ranges. Code
+/// compiled for this box is meant to serve all values of the sliders.
 pub fn code_region(
     shown: &Region,
     document: &Document,

@@ -3,7 +3,6 @@
 use std::time::{Duration, Instant};
 use zeroset_trace::{Camera, Projection};
 
-/// Duration of a glide.
 const GLIDE_TIME: Duration = Duration::from_millis(240);
 
 /// Shortest time between two pictures of a glide.

@@ -3,20 +3,19 @@
 
 use std::time::Duration;
 
-/// Target time of a coarse picture. With its other work, about thirty appear per second.
+/// Target time of a coarse picture. Other work included, about thirty appear per second.
 const COARSE: Duration = Duration::from_millis(20);
 
 /// If the full picture takes at most this long, no coarse picture is drawn first.
 const PROMPT_FULL: Duration = Duration::from_millis(30);
 
-/// If the full picture is expected to take longer than this, a picture of half its width and height
-/// is drawn between the coarse and the full one.
+/// If the full picture should take longer than this, one of half its width and height comes first.
 const PATIENCE: Duration = Duration::from_millis(150);
 
-/// Largest reduction of width and height. Also used for a surface whose cost is unknown.
+/// Largest reduction of width and height. It is also used while the cost of pictures is unknown.
 const COARSEST: f64 = 8.0;
 
-/// With a smaller reduction than this, the full picture is drawn instead.
+/// If the reduction is smaller than this, the full picture is drawn instead.
 const NEARLY_FULL: f64 = 1.15;
 
 /// Measured cost of the current model's pictures.
@@ -29,7 +28,8 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// Reduction of the first picture's width and height. The full picture has this many pixels.
+    /// Factor by which the first picture is smaller in width and height than the full picture. The
+    /// full picture has this many `pixels`.
     pub fn first(&self, pixels: usize) -> f64 {
         let Some(affordable) = self.affordable else { return COARSEST };
         if self.full.is_some_and(|pixel| pixel * pixels as f64 <= PROMPT_FULL.as_secs_f64()) {
@@ -39,8 +39,9 @@ impl Pace {
         if scale <= NEARLY_FULL { 1.0 } else { scale.min(COARSEST) }
     }
 
-    /// Reduction of width and height for the picture after one reduced by `scale`. If the full
-    /// picture of this many `pixels` is slow, half its width and height come first.
+    /// Factor by which the next picture is smaller than the full one in width and height. The last
+    /// picture had the factor `scale`. The result is 2 if `scale` is above 2.5 and drawing all
+    /// `pixels` is slow, else 1.
     pub fn next(&self, scale: f64, pixels: usize) -> f64 {
         let each = self.full.or(self.affordable.map(|pixels| COARSE.as_secs_f64() / pixels));
         let is_slow = each.is_some_and(|each| each * pixels as f64 > PATIENCE.as_secs_f64());
@@ -54,7 +55,8 @@ impl Pace {
         let affordable = pixels * COARSE.as_secs_f64() / seconds;
         if is_full {
             self.full = Some(seconds / pixels);
-            // A pixel of a coarse picture costs more, since tiles decide fewer of its pixels.
+            // A coarse picture's pixels cost more, since tiles decide fewer of them. So the full
+            // picture gives only an upper bound.
             self.affordable =
                 Some(self.affordable.map_or(affordable, |known| known.min(affordable)));
         } else {

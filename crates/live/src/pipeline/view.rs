@@ -1,5 +1,5 @@
 //! The camera of a picture: the user's orbit, or a camera fitted to the surface. A fitted camera
-//! holds still while values are moved, and then glides to the next one.
+//! holds still while values are moved. Afterwards it glides to its new place.
 
 use super::glide::Glide;
 use super::worker::{AnchoredModel, FitKey, FittedCamera, JobContext, Worker, coarser};
@@ -10,8 +10,8 @@ use zeroset_scene::view::SceneError;
 use zeroset_trace::Camera;
 
 impl Worker {
-    /// The camera for a request. If a glide is due, its pictures are drawn first. `None` if the
-    /// request is no longer wanted.
+    /// Returns the camera for a request. If a glide is due, draws its pictures first. `None` if the
+    /// request is obsolete.
     pub fn camera(&mut self, context: &JobContext<'_>) -> Result<Option<Camera>, FaultReason> {
         if let Some(orbit) = &context.job.request.orbit {
             return Ok(Some(orbit.camera(&context.made.view_anchor)?));
@@ -41,7 +41,7 @@ impl Worker {
         while let Some(camera) = glide.camera() {
             let picture = context.made.model.trace(&camera, &settings, &wanted)?;
             if !wanted(0) {
-                // The next glide starts from this camera, whose picture is visible.
+                // Begin the next glide at this camera, whose picture is visible.
                 if let Some(framed) = &mut self.framed {
                     (framed.camera, framed.arrived) = (camera, false);
                 }

@@ -16,7 +16,7 @@ use zeroset_space::Region;
 use zeroset_syntax::{Document, Errors};
 use zeroset_trace::{Camera, Proves, TraceOptions};
 
-/// Least depth of a coarse picture, which is the number of halvings along a ray.
+/// Least depth of a coarse picture. The depth is the number of halvings along a ray.
 const LEAST_DEPTH: u32 = 6;
 
 /// State of the worker, with results of earlier requests that the next may reuse.
@@ -28,7 +28,7 @@ pub(super) struct Worker {
     /// Program of the last search for a region, reused in the next search.
     search: Option<Program>,
     pub framed: Option<FittedCamera>,
-    /// Number of different formulas so far, from which each formula gets its identity.
+    /// Number of different formulas so far. The next formula gets the number after it.
     formulas: u64,
     pub pace: Pace,
     /// The request of the last complete picture.
@@ -42,7 +42,7 @@ struct CachedModel {
     made: AnchoredModel,
 }
 
-/// A model, its automatic domain if there is one, and the region that views are relative to.
+/// A model, its automatic domain, and the region that views are relative to.
 #[derive(Clone)]
 pub(super) struct AnchoredModel {
     pub model: Arc<Model>,
@@ -162,8 +162,7 @@ impl Worker {
         self.shared.changed.notify_all();
     }
 
-    /// Called when the text of a request has errors. Draws the document shown before with the
-    /// request's settings.
+    /// Draws the shown document again with the settings of a request whose text has errors.
     fn redraw_shown(&mut self, job: &Job) {
         let Some(CachedModel { request: shown, .. }) = &self.built else { return };
         let Request { source, text, overrides, time, .. } = (**shown).clone();
@@ -210,8 +209,8 @@ impl Worker {
             let is_full = scale <= 1.0;
             let settings = coarser(full, scale).plain();
             let started = Instant::now();
-            // Finish a coarse picture as long as the document stays, even if the camera moves on:
-            // the picture shows the movement.
+            // While the document stays, finish a coarse picture even if the camera moves on.
+            // Otherwise the user would not see the movement.
             let advance =
                 |_| if is_full { self.shared.wanted(job) } else { self.is_coarse_wanted(job) };
             let picture = made.model.trace(&camera, &settings, &advance)?;
@@ -252,7 +251,7 @@ impl Worker {
         Ok(())
     }
 
-    /// The visible full picture, if the request differs from it in light only.
+    /// Returns the visible full picture, if the request changes nothing but its light.
     fn relightable(
         &self,
         model: &Arc<Model>,
@@ -290,7 +289,7 @@ impl Worker {
         let mut state = self.shared.lock();
         let before = state.snapshot.rendering.replace(rendering);
         let revision = state.snapshot.rendering.as_ref().map(|rendering| rendering.revision);
-        // Keep an error of this request: the picture then shows an earlier text.
+        // If this request has a fault, keep the fault: the picture shows an earlier text.
         state.snapshot.fault.take_if(|fault| Some(fault.revision) != revision);
         self.shared.changed.notify_all();
         drop(state);
@@ -304,7 +303,7 @@ impl Worker {
     pub fn rest(&self, job: &Job, time: Duration) {
         let waiting = |state: &mut PipelineState| !state.stop && state.revision == job.revision;
         let state = self.shared.lock();
-        // The caller checks what is wanted, so the reason for waking does not matter.
+        // The caller checks whether the request is still wanted, so ignore why the wait ended.
         drop(self.shared.changed.wait_timeout_while(state, time, waiting));
     }
 
@@ -356,7 +355,7 @@ impl Worker {
         made
     }
 
-    /// Like [`Worker::model`], if document or clipping plane have changed.
+    /// Makes the model, from the `old` one if possible. `None` if a newer request interrupts.
     fn made(
         &mut self,
         job: &Job,
@@ -364,7 +363,7 @@ impl Worker {
         old: Option<&CachedModel>,
     ) -> Result<Option<AnchoredModel>, SceneError> {
         let Request { domain, clip, settings, .. } = &*job.request;
-        // In the same region, the code also serves other parameter values.
+        // While the domain stays, the code also serves other parameter values.
         let same = old.filter(|built| {
             built.document.domain == document.domain
                 && (built.made.searched.is_none() || view::same_search(&built.document, document))
@@ -384,7 +383,7 @@ impl Worker {
         let known = old.filter(|made| made.model.program().serves(document));
         let formula = known.map(|made| made.formula);
         let old = old.filter(|made| made.searched.is_some() && searched.is_some());
-        // For the same formula the region changes rarely, so that the surface visibly grows.
+        // For the same formula, the region changes rarely, so the surface is seen to grow.
         let moved = old.filter(|_| formula.is_some());
         let region = moved
             .map_or(Ok(found), |made| domain_hysteresis::next_region(made.model.region(), &found));

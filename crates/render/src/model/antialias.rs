@@ -17,13 +17,13 @@ use zeroset_trace::{GBuffer, Patch, RayGrid, Status, TraceOptions};
 /// Number of pixels that are antialiased together, small enough for the inner caches.
 const PART: usize = 64;
 
-/// The finer rays of a pixel are traced around the known depths of the pixel and its neighbors,
-/// within a margin. It has a fixed number of pixel widths, and a multiple of the depth that the
-/// slopes explain.
+/// The finer rays of a pixel are traced only near the depths that the picture has at the pixel and
+/// its neighbors. The margin is `MARGIN_PIXELS` pixel widths, plus `SLOPE_FACTOR` times the change
+/// of depth that the slope explains.
 const MARGIN_PIXELS: f64 = 4.0;
 const SLOPE_FACTOR: f64 = 2.0;
 
-/// A buffer for all surfaces and one for a single surface, along the finer rays of some pixels.
+/// Two buffers for the finer rays of some pixels: one for all surfaces, one for a single surface.
 type LayerBuffers = [GBuffer; 2];
 
 impl<T: KernelFloat> RenderPass<'_, T> {
@@ -43,7 +43,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         let tolerance = tolerance * pattern.side as f64;
         let mut wanted = edges(picture, rays);
         for layer in layers {
-            // Edges behind a translucent surface are visible, too.
+            // Edges behind a translucent surface are visible.
             wanted.iter_mut().zip(edges(layer, rays)).for_each(|(all, edge)| *all |= edge);
         }
         // Keep the marks of undecided pixels.
@@ -95,7 +95,7 @@ struct Edges<'a, T> {
 }
 
 impl<T: KernelFloat> Edges<'_, T> {
-    /// Returns the mean colors of these pixels, without those that need no antialiasing.
+    /// Returns the mean color of each pixel that needs antialiasing.
     fn smooth(
         &self,
         [all, layer]: &mut LayerBuffers,
@@ -177,15 +177,17 @@ impl<T: KernelFloat> Edges<'_, T> {
             nearest = nearest.min(drawn - margin);
             farthest = farthest.max(drawn + margin);
         }
-        // A finer ray on an outline that meets nothing in this range meets nothing behind it.
+        // If a finer ray near an outline meets nothing up to `farthest`, it meets nothing farther
+        // away.
         let until = if is_outline { farthest } else { f64::INFINITY };
         let between = [nearest, until].map(|distance| ray.parameter(distance));
         let [first, top] = [column, row].map(|place| place * self.pattern.side);
         self.pattern.patches().map(move |[x, y]| Patch { column: first + x, row: top + y, between })
     }
 
-    /// Copies shadow and occlusion to the finer points at `places`. The source is the point of the
-    /// pixel or a neighbor that is nearest in depth on the same surface.
+    /// Copies shadow and occlusion to the finer points at `places`. Candidates are the points of
+    /// the pixel and its neighbors. The source is the candidate on the same surface that is nearest
+    /// in depth.
     fn copy_hidden_light(&self, finer: &mut GBuffer, places: Range<usize>, pixel: usize) {
         let picture = self.picture;
         let (mut known, mut count) = ([0; 9], 0);

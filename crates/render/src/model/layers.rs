@@ -1,6 +1,6 @@
 //! Translucent surfaces: finds all points of each surface along a ray, and mixes their colors.
 //!
-//! Proofs concern the nearest point only, and are not changed by this.
+//! Proofs concern the nearest point only, so layers do not affect them.
 
 use super::paint::Coloring;
 use super::trace::{RenderPass, Tracers};
@@ -13,11 +13,11 @@ use zeroset_trace::{Driver, GBuffer, RayGrid, Start, Status};
 /// Largest number of points of one surface along a ray.
 const MOST: usize = 8;
 
-/// Light from behind is ignored if its share is smaller than this, too small to be visible.
+/// Light from behind is ignored if its share is smaller than this. Such light is not visible.
 const DARK: f32 = 1.0 / 512.0;
 
-/// The end of an undecided point is not proven. A point at least this many pixels behind it counts
-/// as another one.
+/// An undecided point has no proven end along the ray. A point at least this many pixels behind it
+/// counts as another point.
 const PIXELS_BEHIND: f64 = 2.0;
 
 impl<T: KernelFloat> RenderPass<'_, T> {
@@ -113,7 +113,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             if !picture.is_drawn(pixel) {
                 return color(&first);
             }
-            // The picture's own point stands for the nearest one, since it has shadows.
+            // The picture's own point is used as the nearest point, since it has shadows.
             let is_behind = |layer: &usize| {
                 let layer = &layers[*layer];
                 let is_first = layer.surface[pixel] == picture.surface[pixel]

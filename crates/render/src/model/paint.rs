@@ -17,7 +17,7 @@ use zeroset_trace::{GBuffer, RayGrid};
 const WIDTH: f64 = 1.4;
 /// Approximate number of contour lines over the range of values, if no step is given.
 const LINES: f64 = 12.0;
-/// Contour lines whose distance is below this many pixels fade into their mean.
+/// Contour lines that are less than this many pixels apart fade into their mean color.
 const DENSE: f64 = 3.0;
 /// A range wider than this share of its largest value is not due to rounding errors.
 const LEAST_RANGE: f64 = 1e-2;
@@ -37,7 +37,7 @@ pub(super) struct Coloring<'a> {
 /// Color maps and contour lines on the surfaces.
 pub(super) struct Painter<'a> {
     model: &'a Model,
-    /// Color scale of each surface; `None` if it has its own color.
+    /// Color scale of each surface; `None` if the surface has its own color.
     scales: Vec<Option<ValueScale<'a>>>,
     /// Value and step of the contour lines on each surface.
     contours: Vec<Option<(&'a PointValue, f64)>>,
@@ -67,8 +67,8 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// The color maps and contour lines of a model; `None` if it has neither. A range of values
-    /// that is not given is taken from the surface points in `picture`.
+    /// The color maps and contour lines of a model; `None` if it has neither. If the document gives
+    /// no range of values, the surface points in `picture` give it.
     pub fn new(model: &'a Model, picture: &GBuffer, rays: &RayGrid) -> Option<Self> {
         let mapped = |surface: usize| Self::mapped(model, surface);
         let surfaces = 0..model.surfaces();
@@ -142,7 +142,8 @@ impl<'a> Painter<'a> {
         legends
     }
 
-    /// The paint of a picture's pixels, of which `side` span one pixel of the final picture.
+    /// The paint of a picture's pixels. A pixel of the final picture is `side` of these pixels wide
+    /// and high.
     pub fn paint(&self, picture: &GBuffer, rays: &RayGrid, side: usize) -> Vec<Paint> {
         let mut paint = vec![Paint::NONE; picture.drawn.len()];
         for surface in 0..self.model.surfaces() {
@@ -176,7 +177,8 @@ impl<'a> Painter<'a> {
         paint
     }
 
-    /// Values at the points of these pixels, moved `behind` pixels back along the ray.
+    /// Values at the points of these pixels, each moved back along its ray by `behind` pixel
+    /// widths.
     fn values(
         &self,
         value: &PointValue,
@@ -193,7 +195,7 @@ impl<'a> Painter<'a> {
             let t = ray.parameter(drawn);
             let at = ray.at(t + behind * rays.footprint(t));
             let [nx, ny, nz] = picture.normal[pixel].map(f64::from);
-            // The coordinates x, y and z, and the named quantities of a point in their order.
+            // The coordinates x, y and z, and the named quantities in the order of `POINT_NAMES`.
             let own: [f64; POINT_NAMES.len()] = [nx, ny, nz, drawn];
             (at.to_array(), own)
         };
@@ -240,9 +242,9 @@ fn points(picture: &GBuffer, holds: impl Fn(usize) -> bool) -> Vec<usize> {
 
 /// Contour lines in a picture.
 struct Lines {
-    /// Difference of the values of adjacent lines.
+    /// Difference in value between adjacent lines.
     step: f64,
-    /// Number of pixels that span one pixel of the final picture.
+    /// Width of a pixel of the final picture, in pixels of the picture that is painted.
     side: f64,
 }
 

@@ -1,7 +1,7 @@
 //! Pictures too large for memory, drawn as strips of rows.
 //!
 //! A strip equals its part of the whole picture bit for bit, except for ambient occlusion and color
-//! scales. These need distant rows, which they take from an overview: a smaller picture of the
+//! scales. Both depend on distant rows. An overview supplies these rows: a smaller picture of the
 //! whole. With an overview of full size, strips do not differ at all.
 
 use super::{Model, ProgressCallback};
@@ -30,7 +30,7 @@ pub struct Strip<'a> {
     pub top: usize,
     /// The picture of the strip's rows.
     pub picture: &'a mut Picture,
-    /// A picture of the whole, possibly smaller. `None` if the strip is the whole picture.
+    /// A smaller picture of the whole. `None` if the strip is the whole, or has no normals.
     pub overview: Option<&'a Picture>,
 }
 

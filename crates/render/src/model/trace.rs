@@ -29,7 +29,7 @@ pub(super) type Advance<'a> = &'a (dyn Fn(usize) -> bool + Sync);
 /// Step of central differences, as a share of the region's largest extent.
 const STEP: f64 = 1e-3;
 
-/// Beyond this many half extents from the origin, `f32` is too coarse for normals.
+/// Beyond this many half extents of the region from the origin, `f32` is too coarse for normals.
 const FAR: f64 = 1024.0;
 
 impl Model {
@@ -146,7 +146,7 @@ pub(super) struct RenderPass<'a, T> {
     pub model: &'a Model,
     pub settings: &'a Settings,
     pub advance: Advance<'a>,
-    /// A picture of the whole, if this pass draws a strip.
+    /// A picture of the whole scene, if this pass draws a strip.
     overview: Option<&'a Overview>,
     /// The rows of a strip that are kept. `None` for all.
     pub own: Option<Range<usize>>,
@@ -251,7 +251,6 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         self.finished(rays, found, times).map(Some)
     }
 
-    /// Draws the picture in other light.
     fn relight(&self, picture: &Picture, rays: &RayGrid) -> Result<Picture, ProgramError> {
         let mut lit = picture.clone();
         lit.buffer.shadow.clear();
@@ -264,7 +263,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         Ok(lit)
     }
 
-    /// Returns whether each row can be colored as soon as it is traced.
+    /// Returns whether each band can be colored as soon as it is traced.
     fn is_plain(&self) -> bool {
         self.settings.normals.is_some()
             && self.model.visible_surfaces().count() == 1
@@ -321,7 +320,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
                 bytes.chunks_mut((3 * BAND_ROWS * width).max(1)).collect();
             parts.resize_with(height.div_ceil(BAND_ROWS), Default::default);
             let driver = Driver { rays, tracer: &*tracer, advance };
-            // Normals are needed early for caps, and later to find edges.
+            // Normals are kept for shading after tracing, for caps, and to find edges.
             let needs_normals = shader.is_none() || is_solid || settings.antialias != Pattern::ONE;
             let kept = Kept {
                 normals: settings.keeps_normals || needs_normals,
@@ -332,7 +331,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             let (layer, found) =
                 driver.new_picture(surface as u16, kept, only, picture.as_ref(), parts, finish);
             work += found;
-            // Divide the sum over all threads, on the assumption that all were busy all the time.
+            // The time of shading is summed over all threads, so divide it by their number.
             let shading = shading.into_inner() / rayon::current_num_threads() as u64;
             let (lap, shading) = (watch.lap(), Duration::from_nanos(shading));
             times.trace += lap.saturating_sub(shading);

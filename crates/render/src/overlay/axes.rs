@@ -13,7 +13,7 @@ const INKS: [Rgb; 2] = [0x0030_3038, 0x00d8_d8e0];
 const SEEN: u32 = 190;
 const HIDDEN: u32 = 36;
 
-/// Width of a line. The unit is a dot of a letter.
+/// Width of a line, in dots of a letter.
 const WIDTH: f64 = 1.1;
 
 /// Number of pieces into which an edge is divided for tests of visibility.
@@ -49,7 +49,8 @@ struct Projector<'a> {
 }
 
 impl Projector<'_> {
-    /// Position in pixels and distance from the ray's origin. `None` behind the eye.
+    /// Position of a point in pixels, and its distance from the ray's origin. `None` behind the
+    /// eye.
     fn project(&self, point: DVec3) -> Option<(DVec2, f64)> {
         let rays = &self.rays;
         let way = point - rays.eye();
@@ -177,7 +178,7 @@ impl Cover {
     }
 }
 
-/// A label beside the box: text, upper left corner and size, both in pixels.
+/// A label beside the box: its text, and its upper left corner and size in pixels.
 #[derive(Clone, Debug)]
 pub struct Label {
     pub text: String,
@@ -345,14 +346,15 @@ mod tests {
         let labels = labels(800, 600, 1, true);
         let mut texts: Vec<&str> = labels.iter().map(|label| label.text.as_str()).collect();
         texts.sort_unstable();
-        // The label at the corner where x and z are both -2 appears once.
+        // At the corner where x and z are both -2, two labels would overlap: one is left out.
         let mut expected =
             vec!["-1", "-1", "-1", "-2", "-2", "0", "0", "0", "1", "1", "1", "2", "2", "2"];
         expected.extend(["x", "y", "z"]);
         assert_eq!(texts, expected);
     }
 
-    /// [`Cover::line`] visits only pixels near the line. None of the others may be covered.
+    /// [`Cover::line`] visits only pixels near the line. The test checks that it misses no covered
+    /// pixel.
     #[test]
     fn a_line_covers_what_is_near_it() {
         let (width, height) = (120, 90);

@@ -13,7 +13,7 @@ pub struct Legend {
     pub low: f64,
     /// The value that the map's last color stands for.
     pub high: f64,
-    /// Difference between contour lines of this value, if there are any.
+    /// Difference in value between adjacent contour lines, if there are any.
     pub step: Option<f64>,
 }
 

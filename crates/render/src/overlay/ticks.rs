@@ -31,7 +31,7 @@ pub fn ticks(low: f64, high: f64) -> (Vec<(f64, String)>, f64) {
     } else {
         (1.0, round_step(least))
     };
-    // An end counts as a tick if it differs from one only by rounding.
+    // An end counts as a tick if only rounding separates it from a multiple of the step.
     let first = (low / unit / step - NEAR).ceil() as i64;
     let last = (high / unit / step + NEAR).floor() as i64;
     let tick = |tick: i64| {

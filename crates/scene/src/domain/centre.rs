@@ -1,5 +1,5 @@
 //! The center of a function, read off its graph: the center of a quadric, the tip of a paraboloid,
-//! the offsets subtracted from x, y and z in roots and waves. It moves with the surface.
+//! the offsets subtracted from x, y and z in roots and waves. The center moves with the surface.
 //!
 //! Nothing here is a proof: the center only serves to choose a window. This module depends neither
 //! on kernels nor on boxes.
@@ -19,7 +19,7 @@ struct NodePolynomial {
     is_whole: bool,
 }
 
-/// How many pairs of terms may be multiplied in all while the polynomials of a function are
+/// Largest number of pairs of terms that are multiplied while the polynomials of a function are
 /// expanded.
 const MOST_PRODUCTS: usize = 100_000;
 
@@ -127,7 +127,7 @@ mod tests {
             // A cylinder has no center along its axis; the origin is chosen.
             ("(x-1)^2+(y-2)^2=3", [1.0, 2.0, 0.0]),
             ("(x+y-2)^2+z^2=3", [1.0, 1.0, 0.0]),
-            // Too long to be expanded, but its parts are not.
+            // The whole is too long to be expanded; its summands are not.
             ("((x-1)^20+(y-2)^20-(z-3)^20)^2=1", [1.0, 2.0, 3.0]),
         ] {
             let document = read(text, &Options::default()).expect(text);

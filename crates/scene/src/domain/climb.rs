@@ -9,29 +9,29 @@ use super::heights::{AT_ONCE, Grid, Heights, ROUNDING, SIDE, places};
 pub struct Extremum {
     /// The place in the plane of the graph's two independent variables.
     pub place: [f64; 2],
-    /// Its height.
+    /// The graph's height at the place.
     pub height: f64,
-    /// Whether it is isolated; else it is part of a ridge or a plateau.
+    /// Whether the extremum is isolated. Otherwise it is part of a ridge or a plateau.
     pub is_isolated: bool,
 }
 
 /// Least distance of an extremum from the median height, as a share of the largest such distance.
-/// Extrema below it are not visible.
+/// Extrema nearer to the median are not visible.
 const LEAST_HEIGHT: f64 = 0.02;
 
-/// Largest number of steps in the climb to an extremum, and the number of times that the step is
-/// halved.
+/// Largest number of steps in the climb to an extremum. The climb ends when the length of its steps
+/// has been halved `HALVINGS` times.
 const STEPS: usize = 24;
 const HALVINGS: usize = 5;
 
 /// Number of directions tried around an extremum, and the number of times that the interval around
-/// the best direction is quartered. On a ridge, the height falls along that direction by less than
-/// `RIDGE` of the steepest fall.
+/// the direction of least fall is quartered. On a ridge, the least fall is below `RIDGE` of the
+/// steepest.
 const DIRECTIONS: usize = 32;
 const NARROWED: usize = 5;
 const RIDGE: f64 = 1e-3;
 
-/// All extrema near points of a grid, except on its border.
+/// The visible extrema near inner points of a grid.
 pub fn tops(heights: &Heights<'_>, grid: &Grid) -> Vec<Extremum> {
     let Some([low, high]) = grid.ends() else { return Vec::new() };
     let (places, apart) = (places(grid.half), grid.apart());
@@ -49,8 +49,9 @@ pub fn tops(heights: &Heights<'_>, grid: &Grid) -> Vec<Extremum> {
     tops
 }
 
-/// Points of the grid that are at least as high as all their neighbors, or at least as low, and
-/// differ from some by more than rounding. The sign is 1 for a maximum, −1 for a minimum.
+/// Grid points that may be extrema, with the sign 1 for a maximum and −1 for a minimum. No neighbor
+/// is higher than a maximum or lower than a minimum, and some neighbor differs by more than
+/// rounding.
 fn candidates(heights: &[f64]) -> impl Iterator<Item = (usize, f64)> {
     let inner = |n: &usize| {
         (1..SIDE - 1).contains(&(n % SIDE))
@@ -71,7 +72,9 @@ fn candidates(heights: &[f64]) -> impl Iterator<Item = (usize, f64)> {
     })
 }
 
-/// The extremum near a place. `None` if the climb leads too far away, as along a valley.
+/// The extremum that a climb from `start` finds. `None` if the climb goes too far away, takes too
+/// many steps, or ends at a pole or in a bent valley. In such a valley, the climb can stop before
+/// any extremum: see `is_top`.
 fn climb(
     heights: &Heights<'_>,
     start: [f64; 2],
@@ -108,8 +111,8 @@ fn climb(
     None
 }
 
-/// Returns whether the paraboloid through the heights around a place also has its top nearby. In a
-/// bent valley it does not.
+/// Returns whether the paraboloid through the heights around a place has its top near that place.
+/// In a bent valley it does not.
 fn is_top(heights: &Heights<'_>, [x, y]: [f64; 2], step: f64, apart: f64) -> bool {
     let places: Vec<[f64; 2]> = (0..9)
         .map(|n: i32| [x + f64::from(n % 3 - 1) * step, y + f64::from(n / 3 - 1) * step])
@@ -121,12 +124,12 @@ fn is_top(heights: &Heights<'_>, [x, y]: [f64; 2], step: f64, apart: f64) -> boo
     let bend = bend_x * bend_y - twist * twist;
     let way_x = (bend_y * slope_x - twist * slope_y) / bend * step;
     let way_y = (bend_x * slope_y - twist * slope_x) / bend * step;
-    // NaN means that there is no such paraboloid, so nothing indicates a valley.
+    // NaN means that the heights have no such paraboloid. Then nothing indicates a valley.
     let way = way_x.abs().max(way_y.abs());
     way.is_nan() || way <= apart
 }
 
-/// Returns whether the height differs abruptly from the heights around it. It does if rounding
+/// Returns whether the height differs abruptly from the heights around it. This happens if rounding
 /// leaves a finite value at a pole.
 fn is_pole(heights: &Heights<'_>, [x, y]: [f64; 2], height: f64, apart: f64) -> bool {
     let falls = |far: f64| {
@@ -137,13 +140,13 @@ fn is_pole(heights: &Heights<'_>, [x, y]: [f64; 2], height: f64, apart: f64) -> 
     };
     let far = falls(apart).into_iter().fold(0.0, f64::max);
     let near = falls(apart * AT_ONCE);
-    // A quarter of the heights may be equal, as along a line of poles.
+    // Up to a quarter of the places may have the same height, as along a line of poles.
     let at_once = near.iter().filter(|fall| **fall > far / 2.0).count();
     at_once > 0 && 4 * at_once >= 3 * near.len()
 }
 
 /// Returns whether an extremum is higher (or lower) than all places around it. On a ridge, some
-/// place on the square around it is about as high.
+/// place on the square around the extremum is about as high.
 fn is_isolated(heights: &Heights<'_>, [x, y]: [f64; 2], top: f64, sign: f64, half: f64) -> bool {
     // `along` is a length along the square's sides, each of which is 2 long.
     let on_square = |along: f64| {

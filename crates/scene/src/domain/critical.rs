@@ -1,9 +1,10 @@
 //! Critical points of a function on its surface or near it: nodes, and the middles of necks and
 //! handles.
 //!
-//! Newton's method starts from places spread about a center, so the critical points of a surface
-//! move with it. A point counts if the sign changes nearby and intervals do not rule out a zero
-//! there. Some points may be missed. This module depends neither on cameras nor on pictures.
+//! Newton's method starts from places spread about a center, so the points found move with the
+//! surface. A point counts if the function is 0 there or changes sign nearby, and intervals do not
+//! rule out a zero. Some points may be missed. This module depends neither on cameras nor on
+//! pictures.
 
 use super::polynomial::{Coordinates, principal};
 use zeroset_eval::{Kernel, Sample};
@@ -12,9 +13,10 @@ use zeroset_space::{Cell, CellSearch, places_about};
 /// Distances from the center to critical points near the surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct CriticalDistances {
-    /// Distance to the farthest isolated point or point on a closed curve; 0 if no point is found.
+    /// Distance to the farthest critical point that is isolated or on a closed curve; 0 without
+    /// one.
     pub farthest: f64,
-    /// Distance to the nearest point on a curve that is not closed, if one is found.
+    /// Distance to the nearest critical point on a curve that is not closed, if one is found.
     pub nearest: Option<f64>,
 }
 
@@ -33,7 +35,6 @@ pub struct CriticalSearch<'a> {
     pub values: &'a dyn Kernel<Sample, f64>,
     /// Whether the function depends on each axis.
     pub depends: [bool; 3],
-    /// The center of the search.
     pub centre: [f64; 3],
     /// Half the side of the cube in which starts are spread. Some points are found farther away.
     pub half: f64,
@@ -47,27 +48,29 @@ const FARTHEST: f64 = 4.0;
 const STEPS: usize = 20;
 const CONVERGED: f64 = 1e-5;
 
-/// Step between the places whose values derivatives are computed from, as a share of the half side.
-/// First and second derivatives of polynomials then have half the digits of a value.
+/// Distance between the places from whose values derivatives are computed, as a share of the half
+/// side. First and second derivatives of polynomials then have half the digits of a value.
 const DIFFERENCE: f64 = 1e-3;
 
-/// Number of values that a Newton step uses: at the place, one step either way along each axis, and
-/// along two axes at once.
+/// Number of values that a Newton step uses: one at the place, six beside it along one axis, and
+/// six beside it along two axes at once.
 const STENCIL: usize = 13;
 
-/// A critical point is isolated if the determinant of the second derivatives is at least this,
-/// after each axis is scaled so that its largest number is 1.
+/// A critical point is isolated if the matrix of second derivatives, once scaled, has a determinant
+/// of at least this magnitude. Scaling divides each entry by √(r·c): r and c are the largest
+/// magnitudes in the entry's row and column.
 const LEAST_DETERMINANT: f64 = 1e-2;
-/// A second derivative below this share of the largest one counts as 0.
+/// In this scaling, r and c count as at least this share of the largest second derivative. So the
+/// entries of an axis with almost no second derivatives stay near 0.
 const FLATTEST: f64 = 1e-4;
 
-/// A curve of critical points counts as closed if at least `CURVE_POINTS` are found, all within
-/// this share of the half side from the center.
+/// A curve of critical points counts as closed if at least `CURVE_POINTS` points are found, none
+/// farther from the center than `CLOSED` half sides.
 const CURVE_POINTS: usize = 8;
 const CLOSED: f64 = 0.75;
 
-/// The surface is near a critical point if it comes within this share of the point's distance from
-/// the center. This radius, half of it and a quarter of it are tried, the shortest first.
+/// The surface is near a critical point if it comes within a radius of `NEAR` times the point's
+/// distance from the center. That radius, its half and its quarter are tried, the shortest first.
 const NEAR: f64 = 0.5;
 const HALVINGS: i32 = 3;
 
@@ -82,13 +85,13 @@ const MERGED: f64 = 1e-4;
 enum PathEnd {
     /// At an isolated critical point.
     Isolated,
-    /// At a critical point on a curve of others.
+    /// At a critical point on a curve of critical points.
     OnCurve,
     /// Too far away, or at a place without a next step.
     Lost,
 }
 
-/// A place on its path to a critical point.
+/// A path to a critical point: its latest place, and its end once it has ended.
 #[derive(Clone, Copy)]
 struct NewtonPath {
     place: Coordinates,
@@ -96,7 +99,6 @@ struct NewtonPath {
 }
 
 impl CriticalSearch<'_> {
-    /// Finds the critical points.
     pub fn find(&self) -> CriticalDistances {
         let starts: Vec<Coordinates> = (1..=STARTS).map(|n| self.start(n)).collect();
         let ends = self.descend(&starts);
@@ -123,8 +125,8 @@ impl CriticalSearch<'_> {
         found
     }
 
-    /// The nth start, of a sequence that fills the cube evenly: multiples of 1/g, 1/g² and 1/g³
-    /// with g⁴ = g + 1 (Roberts, 2018: the sequence R₃).
+    /// Start `n`, from a sequence that fills the cube evenly: multiples, modulo 1, of 1/g, 1/g² and
+    /// 1/g³ with g⁴ = g + 1 (Roberts, 2018: the sequence R₃).
     fn start(&self, n: u32) -> Coordinates {
         let strides = [0.819_172_513_396, 0.671_043_606_703, 0.549_700_477_901];
         [0, 1, 2].map(|axis| {
@@ -167,7 +169,6 @@ impl CriticalSearch<'_> {
         [[0; 3]].into_iter().chain(steps).map(there).collect()
     }
 
-    /// A step of Newton's method.
     fn step(&self, way: &mut NewtonPath, values: &[f64]) {
         let (here, up, down, both) = (values[0], &values[1..4], &values[4..7], &values[7..13]);
         let mut gradient = [0, 1, 2].map(|a| (up[a] - down[a]) / 2.0);
@@ -209,8 +210,8 @@ impl CriticalSearch<'_> {
     }
 
     /// The distance of a critical point from the center. `None` if the surface is not near the
-    /// point. Also `None` on the lines through the center along the axes, which are searched for
-    /// the surface itself.
+    /// point. Also `None` for a point on a line through the center along an axis: another search
+    /// covers these lines.
     fn distance_if_near(&self, place: Coordinates) -> Option<f64> {
         let far = distance(place, self.centre);
         let is_off = |axis: &usize| (place[*axis] - self.centre[*axis]).abs() > MERGED * self.half;
@@ -241,16 +242,16 @@ fn distance(a: Coordinates, b: Coordinates) -> f64 {
 /// The solution of a symmetric system, and how reliable it is.
 struct NewtonStep {
     way: Coordinates,
-    /// How far each coordinate of the solution may be off, along directions with hardly any second
-    /// derivative.
+    /// The possible error of each coordinate of the solution, caused by directions with almost no
+    /// second derivative.
     rest: Coordinates,
-    /// The determinant, with each axis scaled so that its largest number is 1.
+    /// The determinant of the scaled matrix.
     determinant: f64,
 }
 
 /// Solves `matrix` · step = `wanted`. If the determinant is below [`LEAST_DETERMINANT`], the
-/// shortest solution is taken, since steps along a curve are arbitrary. `None` if the result is not
-/// finite.
+/// shortest solution is taken, since any step along a curve of critical points would do. `None` if
+/// the result is not finite.
 fn solve(matrix: [Coordinates; 3], wanted: Coordinates) -> Option<NewtonStep> {
     let most = matrix.map(|row| row.iter().fold(0.0_f64, |most, part| most.max(part.abs())));
     let least = FLATTEST * most.iter().copied().fold(0.0, f64::max);

@@ -1,4 +1,4 @@
-//! The ground: the part of the plane of its two independent variables over which a graph has
+//! The ground of a graph: the places in the plane of its two independent variables at which it has
 //! heights.
 //!
 //! All results are sampled, not proven. This module depends neither on surfaces nor on kernels.
@@ -21,7 +21,7 @@ pub fn ends(heights: &Heights<'_>, grid: &Grid) -> [[Option<f64>; 2]; 2] {
             let n = if axis == 0 { row + k * SIDE } else { k + row * SIDE };
             grid.sampled[n].is_finite()
         };
-        // Isolated heights do not count, such as those of powers of negative numbers.
+        // Heights without neighbors, such as those of powers of negative numbers, do not count.
         let is_ground = |row: &usize| {
             let is_height = |k: usize| has_height(*row, k) && has_height(row + 1, k);
             (1..SIDE).any(|k| is_height(k - 1) && is_height(k))

@@ -26,19 +26,19 @@ pub const SIDE: usize = 65;
 const TALL: f64 = 1.3;
 const TALLEST: f64 = 3.0;
 
-/// Upper quantile of the heights that are shown; the lower quantile is 1 minus it. `MOST` is for a
+/// The shown heights reach up to this quantile, and down to 1 minus this quantile. `MOST` is for a
 /// graph that exceeds its maxima and also falls below its minima, `MOST_ONE_WAY` for a graph that
 /// does only one of these.
 const MOST: f64 = 0.95;
 const MOST_ONE_WAY: f64 = 0.785;
 
-/// The shown range is extended to the lowest or highest height if that is within this share of the
-/// range. Heights that are farther away than `POLE` times the range belong to a pole.
+/// The shown range is extended to the lowest or highest height if that height is at most this share
+/// of the range away. Heights farther away than `POLE` times the range belong to a pole.
 const NEAR_SHARE: f64 = 0.15;
 const POLE: f64 = 4.0;
 
 /// The median is compared with the middle between the quantiles 0.5 ± `NEARBY`. That middle
-/// replaces it if they differ by more than `GAP` of the shown height.
+/// replaces the median if they differ by more than `GAP` of the shown height.
 const NEARBY: f64 = 0.05;
 const GAP: f64 = 0.02;
 
@@ -82,16 +82,16 @@ impl Grid {
         2.0 * self.half / (SIDE - 1) as f64
     }
 
-    /// The heights below which and above which this share of all heights lies. NaN if no height is
-    /// finite.
+    /// Two heights: `share` of all heights lies below the first, and `share` above the second. NaN
+    /// if no height is finite.
     pub fn quantiles(&self, share: f64) -> [f64; 2] {
         let Some(last) = self.sorted.len().checked_sub(1) else { return [f64::NAN; 2] };
         let left_out = (share * last as f64) as usize;
         [self.sorted[left_out], self.sorted[last - left_out]]
     }
 
-    /// The median height. If the median is at the edge of a gap, as between two branches, the
-    /// middle of the heights around the gap.
+    /// The median height. If it lies at the edge of a gap, as between two branches, the middle of
+    /// the heights around the gap instead.
     fn middle(&self, height: f64) -> f64 {
         let [median, _] = self.quantiles(0.5);
         let [below, above] = self.quantiles(0.5 - NEARBY);

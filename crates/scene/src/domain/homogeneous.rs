@@ -2,10 +2,10 @@
 //!
 //! In a chart of the first axis, a point is x = s/wᵃ, y = u/wᵇ, z = v/wᶜ. Here s is ±1, u and v are
 //! within ±1, and w is from 0 to 1/R. The weights a, b, c are whole numbers. The charts of the
-//! three axes cover all points with |x| ≥ Rᵃ, |y| ≥ Rᵇ or |z| ≥ Rᶜ. In a chart, every sum, product,
-//! quotient, root or choice is w to minus its degree times a function that is finite at w = 0. If
-//! that function has no zero in any chart, the surface has no point outside the box ±(Rᵃ, Rᵇ, Rᶜ).
-//! This is a proof, since its bounds are rounded outward.
+//! three axes cover all points with |x| ≥ Rᵃ, |y| ≥ Rᵇ or |z| ≥ Rᶜ. In a chart, an accepted
+//! function of degree d is w⁻ᵈ times another function, which can be evaluated at w = 0. If that
+//! other function has no zero in any chart, the surface has no point outside the box ±(Rᵃ, Rᵇ, Rᶜ).
+//! Bounds are rounded outward, so this is a proof.
 //!
 //! This module depends neither on kernels nor on how results are used.
 
@@ -20,7 +20,7 @@ enum Operation {
     Axis(usize),
     Number(Interval),
     Negation(usize),
-    /// Operands are multiplied by the powers of w that bring both to the same degree.
+    /// The operands are multiplied by powers of w that bring both to the same degree.
     Sum(Lifted, Lifted),
     Difference(Lifted, Lifted),
     Product(usize, usize),
@@ -41,7 +41,7 @@ type Chart = (usize, f64);
 /// Ranges of u, v and w.
 type ChartBox = [[f64; 2]; 3];
 
-/// Interval of a value, and of its derivatives by the first `N` of u, v and w.
+/// Bounds of a value, and of its derivatives by the first `N` of u, v and w.
 type Jet<const N: usize> = (Interval, [Interval; N]);
 
 /// A function that can be evaluated at infinity.
@@ -49,12 +49,12 @@ pub struct Homogeneous {
     steps: Vec<Operation>,
 }
 
-/// Highest degree that is accepted, since high powers of w underflow.
+/// Largest magnitude of a degree that is accepted; high powers of w underflow.
 const HIGHEST: i32 = 64;
 
 impl Homogeneous {
     /// The function at `root` for parameters within bounds. `None` if one of its operations is no
-    /// [`Operation`].
+    /// [`Operation`], or if a degree is too high.
     pub fn new(
         graph: &Graph,
         root: NodeId,
@@ -88,9 +88,8 @@ impl Homogeneous {
         Some(Self { steps })
     }
 
-    /// Returns whether every zero is proven to lie in a box. Its half side on an axis is 2 to the
-    /// power `exponent` times the weight of the axis. `work` is the number of evaluations left, and
-    /// is updated.
+    /// Returns whether all zeros are proven to lie in a box. On an axis of weight n, the box has
+    /// the half side 2^(n · `exponent`). `work` is the number of evaluations left, and is updated.
     pub fn is_within(&self, exponent: u32, work: &mut u64) -> bool {
         let farthest = 0.5_f64.powi(exponent as i32);
         if farthest == 0.0 || self.changes_sign_at_infinity(work) {
@@ -131,7 +130,7 @@ impl Homogeneous {
         })
     }
 
-    /// Returns whether there are values of both signs at infinity. If so, there is no proof.
+    /// Returns whether samples at infinity have both signs. If so, no box can be proven.
     fn changes_sign_at_infinity(&self, work: &mut u64) -> bool {
         let (mut below, mut above, mut scratch) = (false, false, Vec::new());
         for chart in charts() {
@@ -150,9 +149,9 @@ impl Homogeneous {
         false
     }
 
-    /// Interval over part of a chart by the mean value theorem, from the value in the middle and
-    /// bounds of the derivatives. Also returns how much each coordinate adds to the width. `None`
-    /// if the derivatives have no bounds.
+    /// Bounds of the function over part of a chart, by the mean value theorem: from the value in
+    /// the middle and bounds of the derivatives. Also returns how much each coordinate adds to the
+    /// width of these bounds. `None` if the derivatives have no bounds.
     fn about_middle(
         &self,
         chart: Chart,
@@ -172,13 +171,13 @@ impl Homogeneous {
         Some((value, spreads))
     }
 
-    /// Interval over part of a chart.
+    /// Bounds of the function over part of a chart.
     fn over(&self, chart: Chart, part: ChartBox, known: &mut Vec<Jet<0>>) -> Interval {
         self.jet(chart, part, known).map_or(Interval::ENTIRE, |(value, [])| value)
     }
 
-    /// Interval over part of a chart, with bounds of the first `N` derivatives. `None` if `N` > 0
-    /// and a step is not a sum, product or power.
+    /// Bounds of the function and of its first `N` derivatives over part of a chart. `None` if `N`
+    /// > 0 and a step is a quotient, root, magnitude, minimum or maximum.
     fn jet<const N: usize>(
         &self,
         (axis, side): Chart,
@@ -238,12 +237,12 @@ fn bounds(lo: f64, hi: f64) -> Interval {
     Interval { lo, hi }
 }
 
-/// The charts of all axes.
+/// The charts of all axes, on both sides.
 fn charts() -> impl Iterator<Item = Chart> {
     (0..3).flat_map(|axis| [(axis, 1.0), (axis, -1.0)])
 }
 
-/// Parts of a chart below this share of it are not halved.
+/// A side of a chart's part is not halved if it is below this share of the chart's side.
 const SMALLEST: f64 = 1.0 / 4096.0;
 
 /// Number of samples in a row of a chart's face at infinity.

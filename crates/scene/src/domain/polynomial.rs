@@ -1,4 +1,4 @@
-//! Polynomials in x, y and z, and the center of one, which moves with the surface.
+//! Polynomials in x, y and z, and their centers, which move with the surface.
 //!
 //! Everything is computed in floats rounded to nearest; nothing is a proof. This module depends
 //! neither on kernels nor on boxes.
@@ -23,16 +23,14 @@ const HIGHEST: u32 = 24;
 const ROUNDING: f64 = 1e-14;
 
 /// A direction counts if the square of the polynomial's change along it is more than this share of
-/// the sum over all directions.
+/// the sum of such squares over the three axes.
 const LEAST_CHANGE: f64 = 1e-20;
 
 impl Polynomial {
-    /// A constant.
     pub fn number(value: f64) -> Self {
         Self::default().with([0; 3], value)
     }
 
-    /// A coordinate.
     pub fn axis(axis: usize) -> Self {
         let mut powers = [0; 3];
         powers[axis] = 1;
@@ -55,8 +53,8 @@ impl Polynomial {
         terms.fold(self.clone(), |sum, (powers, other)| sum.with(*powers, factor * other))
     }
 
-    /// The product; `None` if it is too long. `work` is the number of terms that may still be
-    /// multiplied, and is updated.
+    /// The product; `None` if it exceeds a limit. `work` is the number of pairs of terms that may
+    /// still be multiplied, and is updated.
     pub fn times(&self, other: &Self, work: &mut usize) -> Option<Self> {
         *work = work.checked_sub(self.0.len() * other.0.len())?;
         let mut product = Self::default();
@@ -71,7 +69,7 @@ impl Polynomial {
         (product.degree() <= HIGHEST).then_some(product)
     }
 
-    /// A power; `None` if it is too long. `work` is as for [`Polynomial::times`].
+    /// A power; `None` if it exceeds a limit. `work` is as for [`Polynomial::times`].
     pub fn power(&self, exponent: u32, work: &mut usize) -> Option<Self> {
         if exponent.saturating_mul(self.degree()) > HIGHEST {
             return None;
@@ -79,12 +77,11 @@ impl Polynomial {
         (0..exponent).try_fold(Self::number(1.0), |power, _| power.times(self, work))
     }
 
-    /// Its value, if it is a constant.
+    /// The polynomial's value, if it is a constant.
     pub fn value(&self) -> Option<f64> {
         (self.degree() == 0).then(|| self.0.get(&[0; 3]).copied().unwrap_or(0.0))
     }
 
-    /// The total degree.
     pub fn degree(&self) -> u32 {
         self.0.keys().map(|powers| powers.iter().sum()).max().unwrap_or(0)
     }
@@ -95,7 +92,6 @@ impl Polynomial {
         Self(terms.map(|(powers, factor)| (*powers, *factor)).collect())
     }
 
-    /// The derivative along an axis.
     fn derivative(&self, axis: usize) -> Self {
         let terms = self.0.iter().filter(|(powers, _)| powers[axis] > 0);
         let lowered = terms.map(|(powers, factor)| {
@@ -135,9 +131,9 @@ impl Polynomial {
     /// in which there is such a place.
     ///
     /// Moving the origin does not change the terms of the highest degree. At the center, the terms
-    /// of one degree less are smallest. For a quadric, this is its center. Directions along which
-    /// the highest terms do not change are treated in the same way with the terms of lower degrees.
-    /// For x = y², this gives the tip.
+    /// of one degree less are smallest. For a quadric, this place is the quadric's center. Some
+    /// directions do not change the highest terms; along these, terms of lower degrees are treated
+    /// in the same way. For x = y², this gives the parabola's tip.
     pub fn middle(&self) -> DirectionalSum {
         let mut free: Symmetric = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         let (mut pull, mut place) = (DirectionalSum::default(), [0.0; 3]);
@@ -181,7 +177,6 @@ impl DirectionalSum {
         self.join(&Self { directions: onto(along), places });
     }
 
-    /// Adds another sum.
     pub fn join(&mut self, other: &Self) {
         for axis in 0..3 {
             self.places[axis] += other.places[axis];
@@ -211,7 +206,7 @@ impl DirectionalSum {
     }
 }
 
-/// A direction with a smaller weight than this has no coordinate.
+/// A direction with a smaller weight than this counts as having no coordinate.
 const LEAST_WEIGHT: f64 = 1e-6;
 
 fn dot(a: Coordinates, b: Coordinates) -> f64 {
@@ -239,8 +234,8 @@ fn onto(along: Coordinates) -> Symmetric {
     along.map(|one| along.map(|other| one * other))
 }
 
-/// Number of sweeps over the three pairs of axes. Each sweep squares the off-diagonal part, so few
-/// are enough.
+/// Number of sweeps over the three pairs of axes. Each sweep squares the size of the off-diagonal
+/// part, so few sweeps are enough.
 const SWEEPS: usize = 5;
 
 /// The eigenvalues and eigenvectors of a symmetric matrix, by Jacobi rotations.

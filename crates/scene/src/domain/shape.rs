@@ -17,22 +17,23 @@ type Linear = [f64; 3];
 pub struct GraphShape {
     /// Whether the function depends on each axis.
     pub depends: [bool; 3],
-    /// The period along each axis. `None` unless the axis occurs only in sines, cosines and
-    /// tangents of linear functions.
+    /// Per axis, the longest period of a sine, cosine or tangent. `None` unless the axis occurs
+    /// only in such functions of linear arguments.
     pub period: [Option<f64>; 3],
-    /// The arguments of other sines, cosines and tangents that vary, the outer ones first.
+    /// The nonlinear arguments of sines, cosines and tangents, the outer ones first.
     pub waves: Vec<NodeId>,
     /// Whether the function is linear.
     pub is_plane: bool,
-    /// Whether its zeros are planes: it is linear, or a product of linear functions.
+    /// Whether the function's zeros are planes: it is linear, or a product of linear functions.
     pub is_of_planes: bool,
-    /// The axis for which it can be solved, and that axis's coefficient. The function is the
-    /// coefficient times the axis, plus a function of both other axes.
+    /// For a nonlinear function of three axes: an axis for which it can be solved, and that axis's
+    /// coefficient. The function is the coefficient times the axis, plus a function of the other
+    /// axes.
     pub height: Option<(usize, f64)>,
     /// For a function of two axes: the axis for which it can be solved, the other axis, and the
     /// coefficient of the first. `None` for polynomials, whose features are found in another way.
     pub profile: Option<(usize, usize, f64)>,
-    /// Whether it consists of sums, products and whole powers.
+    /// Whether the function consists of sums, products and whole powers.
     pub is_polynomial: bool,
 }
 
@@ -41,10 +42,10 @@ pub struct GraphShape {
 struct NodeShape {
     depends: [bool; 3],
     linear: Option<Linear>,
-    /// Whether it is a product of linear functions.
+    /// Whether the node is a product of linear functions.
     is_of_planes: bool,
-    /// Per axis, the coefficient if the node is that axis times the coefficient, plus a function of
-    /// the other axes.
+    /// Per axis, a coefficient: the node is the axis times the coefficient, plus a function of the
+    /// other axes. `None` if the node has no such form.
     solved: [Option<f64>; 3],
     is_polynomial: bool,
     value: Option<f64>,

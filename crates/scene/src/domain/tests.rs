@@ -52,7 +52,7 @@ fn a_point_has_room_around_it_wherever_it_is() {
         assert_eq!((found.low, found.high), (low, high), "{text}");
         assert_eq!(found.finding, Finding::Bounded, "{text}");
     }
-    // One third has no short decimal.
+    // One third has no short decimal, so the bounds are rounded.
     let found = found("abs(x-1/3)+abs(y)+abs(z) = 0");
     assert_eq!((found.low, found.high), ([-0.67, -1.0, -1.0], [1.33, 1.0, 1.0]));
 }
@@ -118,7 +118,7 @@ fn a_window_holds_what_is_particular_off_the_axes() {
 
 #[test]
 fn a_window_on_what_dies_away_shows_what_is_seen_of_it() {
-    // Decaying waves go on forever, lower and lower.
+    // Decaying waves go on forever; the window must show only those that are high enough.
     for (text, half) in [
         ("z=exp(-x^2-y^2) sin(5x)", 1.5..4.0),
         ("z=exp(-x^2) cos(7x)", 1.5..4.0),
@@ -342,7 +342,8 @@ fn a_window_shows_only_the_ground_and_heights_that_a_graph_has() {
         ("z=ln(x-3)+ln(y)", [3.0, 0.0, -2.8], [5.0, 2.0, 1.5]),
         ("z=exp(x*y)", [-2.0, -2.0, 0.0], [2.0, 2.0, 5.3]),
         ("z=exp(x+y)", [-2.0, -2.0, 0.0], [2.0, 2.0, 5.3]),
-        // For intervals, a quotient of zeros may be any number.
+        // At x = 0, intervals exclude no height; the window must still end near the graph's
+        // heights.
         ("z=sin(x)/x", [-12.4, -12.4, -0.22], [12.4, 12.4, 1.0]),
         ("y=sin(3x)/x", [-12.5, -0.65, -12.5], [12.5, 3.0, 12.5]),
     ] {

@@ -6,11 +6,11 @@ use super::DEFAULT_HALF;
 use super::climb::{self, Extremum};
 use super::heights::{Grid, Heights};
 
-/// Ratio of a window's extent to that of the extrema in it.
+/// A window that shows all extrema reaches this many times as far from the center as they do.
 const MARGIN_OF_GRAPH: f64 = 1.6;
 
 /// Largest number of isolated extrema that are all shown. If there are more, the window is about
-/// `TOPS_ACROSS` of them wide.
+/// `TOPS_ACROSS` extrema wide.
 const MOST_TOPS: usize = 24;
 const TOPS_ACROSS: f64 = 10.0;
 
@@ -19,15 +19,15 @@ const TOPS_ACROSS: f64 = 10.0;
 const FAR: f64 = 8.0;
 const FARTHER: f64 = 32.0;
 
-/// A ridge or a plateau counts as ending if the extrema on it lie within this share of the square.
+/// A ridge or a plateau counts as ending if its extrema lie within this share of the half side.
 const ENDS: f64 = 0.75;
 
-/// Window sizes other than the default are the default times a power of two, with an exponent of at
+/// Window sizes other than the default are the default times a power of two. Its exponent has at
 /// most this magnitude.
 const SCALES: i32 = 5;
 
-/// Least and greatest ratio of the extent of the middle half of a graph's heights to the width of
-/// the window. Below it a graph looks flat, above it steep.
+/// Least and greatest ratio of a graph's height to the window's width. The height is the range of
+/// the middle half of all heights. Below `LOW` a graph looks flat, above `HIGH` steep.
 const LOW: f64 = 0.075;
 const HIGH: f64 = 3.0;
 
@@ -52,8 +52,8 @@ pub fn around_tops(heights: &Heights<'_>) -> f64 {
 struct Tops {
     /// Half the side of a window on the extrema, if there are any.
     half: Option<f64>,
-    /// Whether a ridge or a plateau reaches the edge of the square, as that of x²y along x = 0. It
-    /// does not determine a window.
+    /// Whether a ridge or a plateau reaches the edge of the square, such as the ridge of x²y along
+    /// x = 0. Such a ridge determines no window.
     goes_on: bool,
 }
 
@@ -79,8 +79,8 @@ impl Tops {
     }
 }
 
-/// Returns whether the heights seem to have poles: some are far above and some far below most
-/// others, and they spread further in a smaller window.
+/// Returns whether the heights seem to have poles. Then some heights are far above and some far
+/// below most others, and they spread further in a smaller window.
 fn has_poles(heights: &Heights<'_>) -> bool {
     let [plain, inner] = [DEFAULT_HALF, DEFAULT_HALF / 2.0].map(|half| Grid::new(heights, half));
     plain.is_far_out() && spread(&inner) > GROWS * spread(&plain)
@@ -92,8 +92,9 @@ fn spread(grid: &Grid) -> f64 {
     high - low
 }
 
-/// Half the side of a window in which a graph is about as high as wide: of several sizes, the
-/// nearest to the default. `grows_inward`: whether heights grow when the window shrinks.
+/// Half the side of a window in which a graph is about as high as wide. Among such sizes, the
+/// nearest to the default is chosen. `grows_inward` is true if heights grow when the window
+/// shrinks.
 fn in_scale(heights: &Heights<'_>, grows_inward: bool) -> f64 {
     let share = |half: f64| spread(&Grid::new(heights, half)) / (2.0 * half);
     let plain = share(DEFAULT_HALF);

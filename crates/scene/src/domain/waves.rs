@@ -1,5 +1,5 @@
-//! The size of a window on a wave whose argument is not linear. It shows as much as can be
-//! resolved.
+//! The size of a window on a wave whose argument is not linear. The window shows as much of the
+//! wave as can be resolved.
 //!
 //! All results are sampled, not proven. This module depends neither on surfaces nor on kernels.
 
@@ -7,26 +7,26 @@ use super::DEFAULT_HALF;
 use std::f64::consts::PI;
 use zeroset_space::places_about;
 
-/// The argument of a wave, by place.
+/// A wave's argument as a function of the place.
 pub type Wave<'a> = dyn Fn([f64; 3]) -> f64 + 'a;
 
 /// A wave is shown where the magnitude of its argument is below this.
 const WAVES: f64 = 4.5 * PI;
 
-/// Exponents, to base 2, of the smallest and the largest half side that are tried. They are tried
-/// in steps of 1/`STEPS`.
+/// Exponents, to base 2, of the smallest and the largest half side that are tried. Exponents
+/// between them are tried in steps of 1/`STEPS`.
 const FIRST: i32 = -5;
 const LAST: i32 = 7;
 const STEPS: i32 = 8;
 
-/// An argument must grow by more than this factor from a cube of an eighth of the largest half side
-/// to the largest cube. Angles, quotients and logarithms grow less, and determine no size. A cube
-/// root doubles.
+/// A wave gives the window a size only if its argument grows by more than this factor between an
+/// eighth of the largest half side and that half side. Angles, quotients and logarithms grow less.
+/// A cube root doubles.
 const GROWS: f64 = 1.8;
 
 /// Half the side of the cube around `centre` in which a wave's argument stays small. The cube
-/// extends only along those `axes` that are set. Uses the first argument that grows with the
-/// distance; `None` if there is no such argument.
+/// extends only along the axes for which `axes` is true. Uses the first wave whose argument grows
+/// with the distance; `None` if there is no such wave.
 pub fn resolvable_half(waves: &[&Wave<'_>], centre: [f64; 3], axes: [bool; 3]) -> Option<f64> {
     let counted = |along: [f64; 3]| [0, 1, 2].map(|k| if axes[k] { along[k] } else { 0.0 });
     let largest = |wave: &Wave<'_>, half: f64| {

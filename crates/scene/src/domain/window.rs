@@ -17,12 +17,12 @@ use super::{BOX_DEPTH, DEFAULT_HALF};
 use zeroset_eval::{Kernel, Sample};
 use zeroset_space::{Cell, CellSearch};
 
-/// Ratio of a window's extent to that of the features in it, in general and for a plane.
+/// Ratio of a window's extent to the extent of the features in it, in general and for a plane.
 const MARGIN: f64 = 2.5;
 const MARGIN_OF_PLANE: f64 = 1.3;
 
-/// Least ratio of a window's extent to that of the critical points that are not on the lines
-/// through the center. The surface continues beyond them.
+/// Least ratio of a window's half side to the distance of critical points from the center. Critical
+/// points on the lines through the center along the axes do not count.
 const MARGIN_OF_CRITICAL: f64 = 1.45;
 
 /// A coordinate of a window's center becomes 0 if it is at most this share of the half side. Other
@@ -30,21 +30,21 @@ const MARGIN_OF_CRITICAL: f64 = 1.45;
 const CENTRED: f64 = 0.05;
 const GRAIN: f64 = 0.01;
 
-/// Where a graph's heights end within the window, the window's side is rounded to this share of the
-/// half side.
+/// If a graph has heights in a part of the window only, the bound of that part is rounded to this
+/// share of the half side.
 const GRAIN_OF_GROUND: f64 = 1e-3;
 
 /// Accuracy of a center, relative to its largest coordinate. A place within this accuracy counts as
 /// the center.
 const KNOWN: f64 = 1e-9;
 
-/// Conditions for a ball. All sides are at least this share of the longest. The distances of
+/// Conditions for a ball. All sides are at least `NEARLY_CUBE` of the longest. The distances of
 /// opposite faces from the center differ by at most `OFF_CENTRE` of the longest side.
 const NEARLY_CUBE: f64 = 0.8;
 const OFF_CENTRE: f64 = 0.1;
 
-/// Number of window sizes that are tried as long as the window is empty. Each is twice the one
-/// before.
+/// Number of window sizes that are tried while the window is empty. Each size is twice the previous
+/// one.
 const DOUBLINGS: i32 = 6;
 
 /// Relative accuracy of the first estimate of where a plane crosses an axis.
@@ -67,9 +67,8 @@ pub struct WindowChooser<'a> {
     pub shape: GraphShape,
     /// The kernel for the function's values.
     pub values: &'a dyn Kernel<Sample, f64>,
-    /// The center of the function.
     pub centre: [f64; 3],
-    /// The nonlinear arguments of its sines, cosines and tangents.
+    /// The nonlinear arguments of the function's sines, cosines and tangents.
     pub waves: Vec<&'a Wave<'a>>,
 }
 
@@ -85,8 +84,8 @@ impl WindowChooser<'_> {
         let known = self.known();
         self.centre = self.centre.map(|along| super::rounded(along, known));
         let half = self.half();
-        // The size does not depend on where the surface lies, so rounding to a share of it is
-        // possible.
+        // The size does not depend on where the surface lies, so the center can be rounded to a
+        // share of the size.
         self.centre = self.centre.map(|along| {
             if along.abs() <= CENTRED * half { 0.0 } else { super::rounded(along, GRAIN * half) }
         });
@@ -94,9 +93,9 @@ impl WindowChooser<'_> {
         (cell, self.is_round(&cell))
     }
 
-    /// Returns whether the surface continues alike in all directions, so that edges cut by a box
-    /// would look like its own. Planes, periodic surfaces and graphs over two axes look better in
-    /// the box.
+    /// Returns whether the surface continues alike in all directions. A box would then cut edges
+    /// that look like the surface's own. Planes, periodic surfaces and graphs over two axes look
+    /// better in the box.
     fn is_round(&self, cell: &Cell) -> bool {
         let GraphShape { depends, period, ref waves, is_of_planes, height, .. } = self.shape;
         let is_flat = is_of_planes || height.is_some() || depends.contains(&false);
@@ -177,7 +176,7 @@ impl WindowChooser<'_> {
     }
 
     /// Cuts off parts of the window in which a graph over one axis has no heights. Intervals may
-    /// not exclude these parts, as where 0 is divided by 0.
+    /// fail to exclude these parts, as where 0 is divided by 0.
     fn trimmed(&self, mut window: Cell, profile: (usize, usize, f64), half: f64) -> Cell {
         let up = profile.0;
         let heights = |places: &[[f64; 2]]| self.ridge(profile, places);
@@ -192,13 +191,12 @@ impl WindowChooser<'_> {
         super::thickened(window, FLAT)
     }
 
-    /// The cube around the center.
     fn cube(&self, half: f64) -> Cell {
         Cell::about(self.centre, half)
     }
 
-    /// Finds critical points. The searches cover distances of about `half` and of about
-    /// [`DEFAULT_HALF`], which is typical of typed formulas.
+    /// Finds critical points in cubes around the center. Their half sides are `half`,
+    /// [`DEFAULT_HALF`], which is typical of typed formulas, and four times each.
     fn critical(&self, half: f64) -> CriticalDistances {
         let sizes = [half, 4.0 * half, DEFAULT_HALF, 4.0 * DEFAULT_HALF];
         let is_new =
@@ -215,7 +213,7 @@ impl WindowChooser<'_> {
     }
 
     /// The part of a window that may hold the surface; `None` if the window is empty. Along an axis
-    /// on which the function does not depend, the length is chosen to fit the rest.
+    /// on which the function does not depend, the length is chosen to fit the other axes.
     fn pruned(&self, window: Cell) -> Option<Cell> {
         let hull = self.search.tight(window, BOX_DEPTH)?;
         let GraphShape { depends, .. } = self.shape;
@@ -224,7 +222,7 @@ impl WindowChooser<'_> {
         let mut hull = super::with_margin(&hull);
         for (axis, depends) in depends.into_iter().enumerate() {
             if !depends {
-                // A line through the whole window.
+                // A line is shown through the whole window.
                 let is_line = widest < FLAT * window.high[axis];
                 let most = window.high[axis];
                 let half = if is_line { most } else { most.min(ROD * widest) };
@@ -250,8 +248,8 @@ impl WindowChooser<'_> {
         values.map(|value| self.centre[up] - value / factor).collect()
     }
 
-    /// The heights of a graph over the axis `along`, seen as a ridge over two axes. NaN except at
-    /// places in the middle of the ridge, which is as long as the window.
+    /// The heights of a graph over the axis `along`, treated as a ridge over two axes. NaN at
+    /// places that are not in the middle of the ridge.
     fn ridge(&self, (up, along, factor): (usize, usize, f64), places: &[[f64; 2]]) -> Vec<f64> {
         let across = usize::from((up + 1) % 3 == along);
         let is_middle = |place: &&[f64; 2]| place[across] == 0.0;
@@ -261,7 +259,7 @@ impl WindowChooser<'_> {
         places.iter().map(|place| height(place).unwrap_or(f64::NAN)).collect()
     }
 
-    /// The window on a graph over two axes, with this half side along both.
+    /// The window on a graph over two axes, with this half side along both axes.
     fn graph(&self, up: usize, factor: f64, half: f64) -> Cell {
         let mut window = super::cube_about(self.centre, half);
         let heights = |places: &[[f64; 2]]| self.heights(up, factor, places);
@@ -378,8 +376,8 @@ impl WindowChooser<'_> {
 }
 
 /// Number of times that each octave of distances along an axis is halved. If more than
-/// `MOST_PLACES` parts of an octave may meet the surface, it lies along the axis, or intervals
-/// cannot decide.
+/// `MOST_PLACES` parts of an octave may meet the surface, the surface lies along the axis, or
+/// intervals cannot decide.
 const HALVINGS: usize = 9;
 const MOST_PLACES: usize = 16;
 

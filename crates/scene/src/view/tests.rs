@@ -58,7 +58,7 @@ fn what_goes_on_alike_in_all_directions_is_cut_by_a_ball() {
         let (region, finding) = found(text, DomainChoice::Auto, ClipShape::Ball);
         assert!(region.ball().is_some() && finding == Some(Finding::UnboundedInBall));
     }
-    // A domain that is given is the typed box, unless a ball was typed.
+    // A typed domain is a box, unless the document asks for a ball.
     assert_eq!(auto("domain 3\nx^2+y^2-z^2=1").0.ball(), None);
     assert_eq!(auto("x^2+y^2+z^2=1").0.ball(), None);
     let ball = auto("domain ball 3/2\nx^2+y^2+z^2=1").0.ball().expect("typed");

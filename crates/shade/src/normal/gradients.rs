@@ -1,5 +1,5 @@
-//! Normals from gradients, sixteen pixels of a window at a time, and their colors while the normals
-//! are in registers.
+//! Normals from gradients, for sixteen pixels of a window at a time. Colors are computed while the
+//! normals are in registers.
 
 use super::{BandNormals, NormalSource};
 use crate::shade::{ColoredRows, ShadingInput, ViewAndNormals};
@@ -11,9 +11,9 @@ use zeroset_trace::Status;
 use zeroset_trace::painted::{PixelWindow, bits};
 use zeroset_trace::{RayDirections, RayGrid};
 
-/// Number of windows that each step processes together. This avoids two delays: a kernel sets the
-/// rounding mode, which waits for all arithmetic before it, and reading its output right away is
-/// slow.
+/// Number of windows that each step processes together. This avoids two delays. Setting the
+/// rounding mode for a kernel waits for all earlier arithmetic. Reading a kernel's output right
+/// away is slow.
 const TOGETHER: usize = 8;
 
 impl<T: Real> NormalSource<'_, T> {
@@ -47,7 +47,6 @@ impl<T: Real> NormalSource<'_, T> {
     }
 }
 
-/// The computation of the normals of some rows.
 struct BandGradients<'a, 'c, 'n, T: Real> {
     kernel: &'a dyn Kernel<SampleGradient, T>,
     rays: &'a RayGrid,
@@ -61,7 +60,7 @@ struct BandGradients<'a, 'c, 'n, T: Real> {
 }
 
 impl<T: Real> BandGradients<'_, '_, '_, T> {
-    /// Computes all normals that have a gradient. Returns the pixels without one.
+    /// Computes the normals of all pixels that have a gradient. Returns the pixels without one.
     fn found(mut self, windows: &[PixelWindow]) -> Vec<usize> {
         dispatch!(Level::new(), simd => self.compute_normals(simd, windows));
         self.open
@@ -112,8 +111,8 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
         bits(|lane| cap[lane])
     }
 
-    /// Stores the normals of the lanes in `found`; the lanes in `open` need one. Paints the window
-    /// on the canvas if all normals were found.
+    /// Stores the normals of the lanes in `found`. The lanes in `open` need a normal. Paints the
+    /// window on the canvas if all normals were found.
     #[inline(always)]
     fn finish<S: Simd>(
         &mut self,
@@ -155,7 +154,7 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
         let mut distances = window.load(self.seen.columns.drawn, &mut spare.1);
         let moved;
         let is_open = |status: &Status| u8::from(*status == Status::Undecided);
-        // This tests all lanes at once.
+        // The maximum tests all lanes at once.
         if status.iter().map(is_open).max() == Some(1) {
             moved = before(self.rays, status, *distances);
             distances = &moved;
@@ -178,8 +177,8 @@ fn write<F: Real, T: Real>(at: &[Lanes<F>; 3], points: &mut Points<T>) {
     }
 }
 
-/// Moves undecided points half a pixel toward the eye. At most of these points f touches 0, so that
-/// the gradient there is only rounding error. A little before them it is larger.
+/// Moves undecided points half a pixel toward the eye. In most cases f only touches 0 at the point,
+/// so the gradient there is mere rounding error. Nearer to the eye the gradient is larger.
 fn before(rays: &RayGrid, status: &[Status; LANES], mut distances: [f64; LANES]) -> [f64; LANES] {
     for (distance, status) in distances.iter_mut().zip(status) {
         if *status == Status::Undecided {

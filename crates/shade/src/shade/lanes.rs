@@ -22,13 +22,13 @@ pub fn splat<S: Simd>(simd: S, vector: Vec3) -> [f32x16<S>; 3] {
     [f32x16::splat(simd, x), f32x16::splat(simd, y), f32x16::splat(simd, z)]
 }
 
-/// The share of light that is not hidden, given the hidden share, of which 255 is all.
+/// The share of light that is not hidden. In `hidden`, 255 means that all light is hidden.
 #[inline(always)]
 pub fn left<S: Simd>(simd: S, hidden: &[u8; LANES]) -> f32x16<S> {
     1.0 - f32x16::simd_from(simd, hidden.map(f32::from)) / 255.0
 }
 
-/// The scalar products.
+/// The scalar product in each lane.
 #[inline(always)]
 pub fn dot<S: Simd>(a: [f32x16<S>; 3], b: [f32x16<S>; 3]) -> f32x16<S> {
     a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
@@ -48,16 +48,16 @@ pub fn tone_map<S: Simd>(simd: S, amount: f32x16<S>) -> f32x16<S> {
 
 /// Light up to this amount is not changed.
 const KNEE: f32 = 0.7;
-/// Amount that becomes full light, in units of the distance from the knee to 1.
+/// Amount above the knee that becomes full light, in units of the distance from the knee to 1.
 const WHITE: f32 = 2.0;
 
 /// The 40th power of a cosine, which makes a highlight small. The cosine's square is `above` /
-/// `below`. The power is 0 in lanes where it is too small to be visible; `None` if it is in all
-/// lanes.
+/// `below`. In lanes in which the power is too small to be visible, it is 0. `None` if it is too
+/// small in all lanes.
 #[inline(always)]
 pub fn highlight_power<S: Simd>(simd: S, above: f32x16<S>, below: f32x16<S>) -> Option<f32x16<S>> {
-    /// The highlight is too small to be visible where the cosine's square is at most this: the
-    /// cosine's 40th power is then at most about 1e-6.
+    /// A highlight is invisible if the cosine's square is at most this. The cosine's 40th power is
+    /// then at most about 1e-6.
     const LEAST: f32 = 0.5;
     let is_seen = above.simd_gt(LEAST * below);
     if is_seen.all_false() {

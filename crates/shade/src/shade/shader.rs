@@ -18,7 +18,7 @@ const HATCH_WIDTH: usize = 2;
 /// Share of its light that a point loses under a line.
 const INK: f32 = 0.8;
 
-/// Color of undecided pixels under [`UndecidedStyle::Tint`]: no hue of the default pairs.
+/// Color of undecided pixels under [`UndecidedStyle::Tint`]. No default pair has its hue.
 const TINT: LinearRgb = LinearRgb([0.6, 0.0, 0.6]);
 
 /// The lights and colors of a picture.
@@ -122,7 +122,7 @@ struct RareQuantities {
     /// [`Paint::base`], by primary.
     base: [Lanes<f32>; 3],
     ink: Lanes<f32>,
-    /// Factor of the light of undecided pixels, and share of the tint.
+    /// The factor of the light of undecided pixels, and the share of the tint.
     marks: [Lanes<f32>; 2],
 }
 
@@ -230,8 +230,7 @@ impl Shader<'_> {
             let of_surface =
                 if differ == 0 { FULL } else { bits(|lane| surface[lane] == surface[first]) };
             let colors = &self.palette[usize::from(surface[first]) % self.palette.len()];
-            // This is computed in the loop, which mostly runs once: to compute it before the loop
-            // takes longer.
+            // The loop mostly runs once. Finding the rare quantities before it would take longer.
             let own = RareQuantities::of(seen, window, marks);
             let amounts = match &own {
                 None => {
@@ -246,7 +245,7 @@ impl Shader<'_> {
         }
     }
 
-    /// How undecided pixels are marked: the factor of their own light, and the share of the tint.
+    /// The marks of undecided pixels: the factor of their own light, and the share of the tint.
     fn marks(&self, undecided: PixelWindow) -> [Lanes<f32>; 2] {
         let [mut left, mut tint] = [1.0, 0.0].map(Lanes::splat);
         let diagonal = undecided.column + undecided.row + self.rays.corner.iter().sum::<usize>();
@@ -261,7 +260,7 @@ impl Shader<'_> {
     }
 
     /// The light that a window's pixels send to the eye, by primary, clamped to the range of the
-    /// table. It is compiled in two versions, since most windows have no `own` quantities.
+    /// table. The function is compiled in two versions, since most windows have no rare quantities.
     #[inline(always)]
     fn light<S: Simd, const OWN: bool>(
         &self,
@@ -310,7 +309,7 @@ impl Shader<'_> {
         if let Some(highlight_power) = highlight_power {
             white = (look.highlight * direct.sqrt()).mul_add(highlight_power, white);
         }
-        // Ambient light falls off towards grazing angles, so that shapes stay readable in shadow.
+        // Ambient light falls off toward grazing angles, so that shapes stay readable in shadow.
         let from_above = 0.5 + 0.5 * (side * dot(normal, splat(simd, lamps.above)));
         let around = look.ground + (1.0 - look.ground) * from_above;
         let ambient = *everywhere * open * around * (1.0 - 0.4 * grazing);

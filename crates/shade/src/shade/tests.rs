@@ -44,8 +44,8 @@ fn shadow_leaves_the_ambient_share() {
 #[test]
 fn light_from_behind_lights_no_more_than_it_should() {
     for k in 0..3000 {
-        // Light from almost straight behind, and almost grazing: the halfway vector depends on the
-        // last bits.
+        // Light from almost straight behind that almost grazes the surface: the halfway vector
+        // depends on the last bits, but the color must not.
         let (aside, turned) = (1e-6 * f64::from(k), 1e-4 * (k % 7) as f32);
         let (buffer, rays) = painted([1.0, turned - 3e-4, 0.0]);
         let light = Light::Positional(DVec3::new(aside, 5.0, 0.0));
@@ -92,7 +92,7 @@ fn what_is_near_takes_light_away() {
     }
 }
 
-/// The color of one pixel in plain `f64`; not for undecided ones.
+/// The color of one pixel in plain `f64`. Not for undecided pixels.
 fn plain(buffer: &GBuffer, rays: &RayGrid, look: &Appearance, pixel: usize) -> [u8; 3] {
     if !buffer.is_drawn(pixel) {
         return look.background.to_srgb();

@@ -12,33 +12,33 @@ pub struct Ball {
     pub radius: f64,
 }
 
-/// The part of a ray in a ball, as values of t, which may be negative.
+/// The part of a ray in a ball, as ranges of t, which may be negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chord {
-    /// Values of t between which all points of the ray in the ball lie.
+    /// First and last t of a range that holds all points of the ray in the ball.
     pub outer: [f64; 2],
-    /// Values of t between which all points are in the ball. Not in order if no such points are
-    /// known.
+    /// First and last t of a range in which all points of the ray are in the ball. If no such range
+    /// is known, the first exceeds the last.
     pub inner: [f64; 2],
 }
 
 impl Ball {
-    /// The outward unit normal at `point` of the sphere through that point about the ball's center.
+    /// The unit vector from the ball's center to `point`; zero if the two coincide.
     pub fn normal(&self, point: DVec3) -> DVec3 {
         (point - self.centre).normalize_or_zero()
     }
 
-    /// Returns whether all points of the box from `low` to `high` certainly lie in the ball.
+    /// Returns whether the box from `low` to `high` is proven to lie in the ball.
     pub fn holds(&self, low: DVec3, high: DVec3) -> bool {
         let farthest = (low - self.centre).abs().max((high - self.centre).abs());
-        // The slack covers a dozen roundings. It is relative to the corners' coordinates, where
-        // they are subtracted.
+        // The first slack is a share of the corners' coordinates, from which the center is
+        // subtracted. The second slack covers a dozen roundings.
         let size = farthest + low.abs().max(high.abs()) * f64::EPSILON;
         size.length() * (1.0 + 16.0 * f64::EPSILON) <= self.radius
     }
 
-    /// The part of `ray` in the ball; `None` if the ray misses the ball. Where squares overflow,
-    /// nothing is known, and the ray may be in the ball everywhere.
+    /// The part of `ray` in the ball; `None` if the ray misses the ball. If squares overflow,
+    /// nothing is known: the result then allows every t to be in the ball.
     pub fn chord(&self, ray: &Ray) -> Option<Chord> {
         const UNKNOWN: Chord = Chord {
             outer: [f64::NEG_INFINITY, f64::INFINITY],
@@ -46,15 +46,15 @@ impl Ball {
         };
         let direction = ray.direction;
         let square = direction.length_squared();
-        // Distances along the ray are measured from `nearest`, the float next to the point nearest
-        // to the center. So little cancels, however far away the eye is.
+        // Distances along the ray are measured from `nearest`, the approximate t of the point
+        // nearest to the center. So little cancels, even if the eye is far away.
         let way = self.centre - ray.origin;
         let nearest = way.dot(direction) / square;
         let offset = way - nearest * direction;
         let speed = square.sqrt();
         let size = offset.length();
-        // Error of the offset: for each coordinate, one rounding each for the difference, the
-        // product and the second difference.
+        // Bounds the error of the offset. Each coordinate is rounded three times: in the first
+        // difference, the product and the second difference.
         let error =
             4.0 * f64::EPSILON * (way.length() + nearest.abs() * speed) + f64::MIN_POSITIVE.sqrt();
         // The middle of the chord, measured from `nearest`. It is 0 up to rounding, since the

@@ -46,15 +46,15 @@ fn a_half_space_cuts_either_end() {
     let (near, _) = region.span(&back).expect("meets");
     assert!(near <= 2.75 && near > 2.75 - 1e-12);
     assert_eq!(region.entry(&back).expect("from outside").normal, DVec3::X);
-    // Parallel to the plane, on either side of it.
+    // Two rays parallel to the plane, one on each side.
     assert!(region.span(&ray([0.0, -3.0, 0.0], [0.0, 1.0, 0.0])).is_some());
     assert!(region.span(&ray([0.5, -3.0, 0.0], [0.0, 1.0, 0.0])).is_none());
 }
 
 #[test]
 fn no_point_inside_is_lost() {
-    // Points of the region on exactly representable rays: small integers over powers of two
-    // make o + t·d exact.
+    // Each ray passes through a known point of the region, which the ray's span must contain. All
+    // numbers are small integers over powers of two, so o + t·d is exact.
     let mut state = 0x9e37_79b9_7f4a_7c15_u64;
     println!("seed {state:#x}");
     let mut random = |range: i64| {
@@ -85,10 +85,10 @@ fn a_ball_cuts_corners() {
     assert_eq!(region.ball(), Some(Ball { centre: DVec3::ZERO, radius: 1.0 }));
     let (near, far) = region.span(&ray([-3.0, 0.0, 0.0], [1.0, 0.0, 0.0])).expect("meets");
     assert!((2.0 - near).abs() < 1e-13 && near <= 2.0 && (4.0..4.0 + 1e-13).contains(&far));
-    // Through a corner of the cube, and past the ball by 1e-12.
+    // One ray crosses a corner of the cube outside the ball. The other misses the ball by 1e-12.
     assert_eq!(region.span(&ray([-3.0, 0.9, 0.9], [1.0, 0.0, 0.0])), None);
     assert_eq!(region.span(&ray([-3.0, 1.0 + 1e-12, 0.0], [1.0, 0.0, 0.0])), None);
-    // A tangent meets the region's bounds, but no point of it is certainly in the ball.
+    // A tangent has a span, but none of its points is proven to be in the ball.
     let tangent = ray([-3.0, 1.0, 0.0], [1.0, 0.0, 0.0]);
     assert!(region.span(&tangent).is_some_and(|(near, far)| near <= 3.0 && far >= 3.0));
     let [first, last] = region.inner(&tangent);

@@ -1,5 +1,5 @@
-//! Turns assignments of programs into definitions. A repeated assignment defines a new name, to
-//! which later uses of the variable refer.
+//! Turns assignments of programs into definitions. If a variable already has a value, an assignment
+//! to it defines another name, to which later uses of the variable refer.
 
 use crate::dialect::known_numbers::{number_expr, number_of};
 use crate::dialect::program_reader::{Frame, ProgramReader};
@@ -17,7 +17,7 @@ use crate::tree::ast::Name;
 const MAX_NAMES: usize = 1500;
 
 impl ProgramReader<'_> {
-    /// Reads a declaration such as `float a = 1., b = 2.`. `tokens` begin after its types.
+    /// Reads a declaration such as `float a = 1., b = 2.`. `tokens` begin after the type.
     pub(crate) fn declarations(
         &mut self,
         tokens: &[Token],
@@ -56,7 +56,7 @@ impl ProgramReader<'_> {
             {
                 return Err(Error::new(name.span, ErrorKind::Array));
             } else if let [name] = tokens.as_slice() {
-                // A declaration without a value.
+                // A declaration without a value, such as `float a;`.
                 frame.set.push((self.words.word(*name).to_owned(), size));
             } else {
                 self.plain(tokens, frame, false)?;
@@ -77,7 +77,7 @@ impl ProgramReader<'_> {
         self.assign_within(name, size, value, None, &within, frame)
     }
 
-    /// Reads the assignment `name = value`. Variables in `value` are looked up in `within`.
+    /// Reads the assignment `name = value`. `within` holds the values of the variables in `value`.
     pub(crate) fn assign_within(
         &mut self,
         name: Name,
@@ -133,7 +133,7 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Place of a quotient of an integer variable and another integer. Programs truncate it.
+    /// Place of the first quotient of two integers, such as `n / 2`, that contains a variable.
     pub(crate) fn truncated_quotient(&self, tokens: &[Token]) -> Option<Span> {
         if self.integers.is_empty() {
             return None;
@@ -152,7 +152,7 @@ impl ProgramReader<'_> {
         found.map(|part| part[0].span.to(part[2].span))
     }
 
-    /// Returns a name like `wanted` that is not taken, and marks it as taken.
+    /// Returns the name `wanted`, with a number if `wanted` is taken. Marks the result as taken.
     pub(crate) fn fresh(&mut self, wanted: &str) -> String {
         let mut name = wanted.to_owned();
         let mut number = 2;
@@ -168,7 +168,7 @@ impl ProgramReader<'_> {
         self.push(tokens, frame.function.clone(), None, &frame.aliases, false)
     }
 
-    /// Evaluates an assignment to a counter if the new value is known. Returns whether it is.
+    /// Runs an assignment to a counter if the assigned value is known. Returns whether it was run.
     pub(crate) fn counts(&mut self, tokens: &[Token], frame: &mut Frame) -> bool {
         if Words::steps_by_one(tokens) && tokens.len() == 3 {
             return self.known(tokens, frame).is_some();

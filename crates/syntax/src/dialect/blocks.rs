@@ -18,7 +18,7 @@ pub(crate) enum ProgramStep {
         yes: Vec<ProgramStep>,
         no: Vec<ProgramStep>,
     },
-    /// A `for` or `while` loop. `next` runs between iterations; `while` has no `next` or `start`.
+    /// A `for` or `while` loop. `next` runs after each iteration. `while` has no `next` or `start`.
     Loop {
         word: Token,
         start: Vec<Token>,
@@ -26,7 +26,7 @@ pub(crate) enum ProgramStep {
         next: Vec<Token>,
         body: Vec<ProgramStep>,
     },
-    /// A loop over the values of a list or range.
+    /// A loop over the values of a list or range. `name` is the loop variable.
     Each {
         name: Token,
         values: Vec<Token>,
@@ -35,7 +35,7 @@ pub(crate) enum ProgramStep {
 }
 
 impl ProgramStep {
-    /// Returns whether `steps` contain a statement that begins with `word`.
+    /// Returns whether `steps` contain, at any depth, a statement that begins with `word`.
     pub(crate) fn has(steps: &[Self], words: Words<'_>, word: &str) -> bool {
         steps.iter().any(|step| match step {
             Self::Plain(tokens) => tokens.first().is_some_and(|first| words.word(*first) == word),
@@ -55,7 +55,7 @@ impl ProgramStep {
     }
 }
 
-/// `tokens` without the semicolons at their start.
+/// Drops the semicolons at the start of `tokens`.
 fn skip(tokens: &[Token]) -> &[Token] {
     let count = tokens.iter().take_while(|token| token.kind == Semicolon).count();
     &tokens[count..]
@@ -85,7 +85,7 @@ impl Words<'_> {
         }
     }
 
-    /// Returns whether the last statement is complete: `if`, `else` and loops need a body.
+    /// Returns whether the last statement of `tokens` is complete. An `if` or loop needs a body.
     pub(crate) fn is_whole(self, tokens: &[Token]) -> bool {
         let mut is_whole = true;
         let mut rest = skip(tokens);
@@ -165,7 +165,7 @@ impl Words<'_> {
                 if let Ok([start, condition, next]) = <[_; 3]>::try_from(parts) {
                     steps.push(ProgramStep::Loop { word: first, start, condition, next, body });
                 } else {
-                    // JavaScript loops over values as in `for (const c of [1, 2])`.
+                    // JavaScript writes a loop over a list as `for (const c of [1, 2])`.
                     let of = header.iter().position(|token| self.word(*token) == "of");
                     let Some(of) = of.filter(|of| *of > 0) else {
                         return Err(self.unsupported(first));
@@ -185,7 +185,7 @@ impl Words<'_> {
         self.text[line..].chars().take_while(|c| matches!(c, ' ' | '\t')).count()
     }
 
-    /// Returns whether a statement is a control structure with a colon, as in Python.
+    /// Returns whether a statement begins an indented block after a colon, as `if c:` in Python.
     pub(crate) fn is_indented_control(self, tokens: &[Token]) -> bool {
         let word = tokens.first().map_or("", |first| self.word(*first));
         matches!(word, "if" | "elif" | "else" | "for" | "while")
@@ -204,7 +204,7 @@ impl Words<'_> {
         Ok(steps)
     }
 
-    /// Appends the statement at `lines[index]` to `steps`. Returns the index of the next one.
+    /// Appends the statement at `lines[index]` to `steps`. Returns the index of the next statement.
     fn line(
         self,
         lines: &[Vec<Token>],
@@ -267,7 +267,7 @@ impl Words<'_> {
         Ok(next)
     }
 
-    /// The assignments in `a = 1, b = 2`, or the whole statement if some part is not an assignment.
+    /// Splits `a = 1, b = 2` into assignments. Leaves a declaration or any other statement whole.
     pub(crate) fn each_setting(self, tokens: Vec<Token>) -> Vec<Vec<Token>> {
         if outside(&tokens, Comma).is_none() || self.types(&tokens) > 0 {
             return vec![tokens];

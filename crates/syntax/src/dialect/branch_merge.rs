@@ -1,5 +1,5 @@
-//! Merges the two sides of a branch, and builds the result of a function that returns early. Both
-//! become choices, in definitions that are not in the program's text.
+//! Merges the sides of a branch into choices between two values. The result of a function that
+//! returns early may also be a choice. The choices' definitions are not in the text.
 
 use crate::dialect::known_numbers::number_of;
 use crate::dialect::program_reader::{Frame, ProgramReader};
@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 use crate::dialect::control_flow::{EXIT_LEVEL, RESULT, more_than};
 
 impl ProgramReader<'_> {
-    /// Adds a definition that is not in the text. Returns an expression that refers to it.
+    /// Adds a definition that is not in the text. Returns a reference to the definition.
     pub(crate) fn synthesize(&mut self, name: &str, body: ExprKind, frame: &Frame) -> ExprKind {
         let span = frame.function.as_ref().map_or(Span::default(), |head| head.name.span);
         let (Head { name, parameters }, kind) = self.synthesized_head(name, span, frame);
@@ -26,7 +26,7 @@ impl ProgramReader<'_> {
         kind
     }
 
-    /// Creates the left side of a definition with a new name, and an expression that refers to it.
+    /// Creates the left side of a generated definition, and an expression for the defined value.
     pub(crate) fn synthesized_head(
         &mut self,
         name: &str,
@@ -39,8 +39,8 @@ impl ProgramReader<'_> {
         (Head { name: Name { text, span }, parameters }, kind)
     }
 
-    /// Sets each variable to a choice: its value after the branch `yes` where `condition` holds,
-    /// else its value after the branch `no`.
+    /// Merges the two sides of a branch. Where `condition` holds, each variable has its value from
+    /// the frame `yes`; elsewhere, its value from the frame `no`.
     pub(crate) fn merge(&mut self, frame: &mut Frame, yes: &Frame, no: &Frame, condition: &Expr) {
         let (first, second) = (newest(&yes.aliases), newest(&no.aliases));
         let names: BTreeSet<&str> = first.keys().chain(second.keys()).copied().collect();
@@ -90,7 +90,8 @@ impl ProgramReader<'_> {
         self.synthesize(name, body, frame)
     }
 
-    /// Ends a function or the program. Adds its result, if a branch or loop returned it.
+    /// Ends a function or the program. Adds the value that a branch or loop returned, if there is
+    /// one.
     pub(crate) fn end(&mut self, frame: &Frame, span: Span) {
         let Some(left) = frame.left() else { return };
         let Some(result) = frame.aliases.find(RESULT).filter(|_| !frame.has_result) else {
@@ -115,7 +116,7 @@ impl ProgramReader<'_> {
     }
 }
 
-/// The newest value of each name.
+/// The newest value of each name in `aliases`.
 fn newest(aliases: &Aliases) -> FxHashMap<&str, &ExprKind> {
     let mut newest = FxHashMap::default();
     for (name, kind) in aliases.iter() {
@@ -125,7 +126,7 @@ fn newest(aliases: &Aliases) -> FxHashMap<&str, &ExprKind> {
 }
 
 impl Frame {
-    /// A copy of the frame for a branch or loop inside it.
+    /// A copy of the frame for an inner branch or loop.
     pub(crate) fn inner(&self) -> Self {
         Self { nested: self.nested + 1, ..self.clone() }
     }
@@ -135,7 +136,7 @@ impl Frame {
         self.function.is_some() || self.prefix.is_some() || self.nested > 0
     }
 
-    /// Name for a definition that is generated for the variable `name`. It may be taken already.
+    /// Name for a generated definition of the variable `name`. The text may already use that name.
     pub(crate) fn generated_name(&self, name: &str) -> String {
         match (&self.prefix, &self.function) {
             (Some(prefix), _) => format!("{prefix}_{name}"),
@@ -144,7 +145,7 @@ impl Frame {
         }
     }
 
-    /// Parameters of the generated definition `name`, and an expression that refers to it.
+    /// Parameters of the generated definition `name`, and an expression that calls it.
     pub(crate) fn call(&self, name: &str) -> (Option<Vec<Name>>, ExprKind) {
         let parameters = self.function.as_ref().and_then(|head| head.parameters.clone());
         let kind = match &parameters {
@@ -161,12 +162,12 @@ impl Frame {
         (parameters, kind)
     }
 
-    /// The number that records an early exit; `None` if there certainly was no exit.
+    /// The number that records an early exit; `None` if there was certainly no exit.
     pub(crate) fn left(&self) -> Option<&ExprKind> {
         self.aliases.find(EXIT_LEVEL).filter(|left| number_of(left) != Some(0.0))
     }
 
-    /// The value of a variable before a branch, if it had one.
+    /// The value of a variable before a branch; `None` if it had no value.
     fn before(&self, name: &str) -> Option<ExprKind> {
         if name == EXIT_LEVEL {
             return Some(ExprKind::Number("0".to_owned()));
@@ -179,7 +180,7 @@ impl Frame {
         is_parameter.then(|| ExprKind::Name(NamedValue::Local(name.to_owned())))
     }
 
-    /// The value of a variable, or else a reference to the document's definition of `name`.
+    /// The value of the variable `name`. If there is none, a reference to the document's `name`.
     pub(crate) fn meaning(&self, name: &str) -> ExprKind {
         let document = || ExprKind::Name(NamedValue::Defined(name.to_owned()));
         self.before(name).unwrap_or_else(document)

@@ -1,8 +1,5 @@
-//! Unrolls the loops and branches of programs. The iterations of a loop follow one another. Both
-//! sides of a branch run, and each variable they assign becomes a choice between its two values.
-//!
-//! An early exit from a loop or function is recorded as a number, which is 0 if there was no exit.
-//! If the number is not known, the statements after it run as one side of another branch.
+//! Unrolls the loops of programs. If the condition of a branch is unknown, both sides of the branch
+//! run. Each variable that the sides assign becomes a choice between two values.
 
 use crate::dialect::blocks::ProgramStep;
 use crate::dialect::known_numbers::{count, number_expr, number_of};
@@ -14,22 +11,22 @@ use crate::span::Span;
 use crate::tree::ast::{Expr, ExprKind, Name, Relation};
 use crate::tree::raw_statement::ValueConversion;
 
-/// Largest number of steps in loops, branches and inlined calls: statements and iterations.
+/// Largest number of steps: the statements and iterations in loops, branches and inlined calls.
 pub(crate) const MAX_STEPS: usize = 1000;
 
-/// Name of the variable that records an early exit from a loop or function. It is a keyword, so no
-/// variable of a program has this name.
+/// Name of the variable that records an early exit from a loop or function. The name is a keyword,
+/// so no variable of a program has it.
 pub(crate) const EXIT_LEVEL: &str = "break";
-/// Name of the variable that holds the returned value.
+/// Name of the variable that holds a function's returned value.
 pub(crate) const RESULT: &str = "return";
 
-/// Levels of an early exit: from the iteration, from the loop, from the function.
+/// Levels of an early exit: an exit from the iteration, from the loop, or from the function.
 const ROUND: f64 = 1.0;
 const LOOP: f64 = 2.0;
 const FUNCTION: f64 = 3.0;
 
 impl ProgramReader<'_> {
-    /// The value of `tokens`, if it is known.
+    /// The value of `tokens`; `None` if it is not known while the program is read.
     pub(crate) fn known(&self, tokens: &[Token], frame: &mut Frame) -> Option<f64> {
         count(self.words, tokens, &mut frame.aliases, &self.constants)
     }
@@ -88,7 +85,7 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Counts a statement or an iteration of a loop. Fails beyond `MAX_STEPS`.
+    /// Counts one step: a statement or an iteration of a loop. Fails beyond `MAX_STEPS`.
     fn count_step(&mut self, place: Span) -> Fallible<()> {
         self.steps += 1;
         if self.steps > MAX_STEPS {
@@ -97,8 +94,8 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Runs `follow` as one side of a branch, where `left` is 0. Does not run it if an exit is
-    /// known to have happened.
+    /// Runs `follow` as one side of a branch, for the case that `left` is 0: no early exit
+    /// happened. If an exit certainly happened, does nothing.
     fn unless_left(
         &mut self,
         left: ExprKind,
@@ -140,7 +137,7 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Runs one side of an `if` or, if its condition is not known, both sides, which are merged.
+    /// Runs one side of an `if` with a known condition. Otherwise runs and merges both sides.
     fn branch(
         &mut self,
         condition: &[Token],
@@ -167,7 +164,7 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Runs a loop. Before each iteration, `begin` prepares it and returns whether there is one.
+    /// Runs a loop. `begin` prepares each iteration, and returns false when the loop ends.
     fn repeat(
         &mut self,
         begin: NextRound<'_, Self>,
@@ -176,7 +173,7 @@ impl ProgramReader<'_> {
     ) -> Fallible<()> {
         frame.nested += 1;
         self.rounds(begin, body, frame)?;
-        // An exit from the loop ends here; an exit from the function remains.
+        // An exit from the loop is complete at this point. An exit from the function continues.
         self.drop_exits(LOOP, ProgramStep::has(body, self.words, "return"), frame);
         frame.nested -= 1;
         Ok(())
@@ -199,14 +196,14 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Returns whether the condition of a loop holds. Fails if that is not known.
+    /// Returns whether the condition of a loop holds. Fails if the condition's value is not known.
     fn holds(&self, condition: &[Token], frame: &mut Frame) -> Fallible<bool> {
         let Some(span) = span_of(condition) else { return Ok(true) };
         let known = self.known(condition, frame).map(|holds| holds != 0.0);
         known.ok_or_else(|| Error::new(span, ErrorKind::LoopEnd))
     }
 
-    /// The values that the variable of a loop over a list or a range takes.
+    /// The values that a loop over a list or a range gives to its variable `name`.
     fn values(
         &mut self,
         name: Token,
@@ -243,7 +240,7 @@ impl ProgramReader<'_> {
         Ok(values)
     }
 
-    /// Ends an iteration: drops an exit from this iteration only, and returns any other exit.
+    /// Ends an iteration. Drops an exit by `continue`, and returns an exit by `break` or `return`.
     fn end_round(&mut self, body: &[ProgramStep], frame: &mut Frame) -> Option<ExprKind> {
         if ProgramStep::has(body, self.words, "continue") {
             let others =
@@ -253,7 +250,7 @@ impl ProgramReader<'_> {
         frame.left().cloned()
     }
 
-    /// Drops exits of at most `level`. `others` is true if exits of a higher level are possible.
+    /// Drops exits up to `level`. `others` is true if exits of a higher level may have happened.
     fn drop_exits(&mut self, level: f64, others: bool, frame: &mut Frame) {
         let Some(left) = frame.aliases.find(EXIT_LEVEL).cloned() else { return };
         let zero = ExprKind::Number("0".to_owned());
@@ -271,10 +268,10 @@ impl ProgramReader<'_> {
     }
 }
 
-/// Prepares the next iteration of a loop and returns whether there is one.
+/// Prepares the next iteration of a loop. Returns false if the loop has no more iterations.
 type NextRound<'b, R> = &'b mut dyn FnMut(&mut R, &mut Frame) -> Fallible<bool>;
 
-/// Value that a loop gives to its variable: a number, or an expression as it was typed.
+/// Value of a loop's variable in one iteration: a known number, or the tokens of an expression.
 enum LoopValue {
     Known(f64),
     Typed(Vec<Token>),

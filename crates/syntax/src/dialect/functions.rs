@@ -1,4 +1,4 @@
-//! Reads functions and control structures of programs: finds their bodies and runs them.
+//! Reads functions and control structures of programs. Finds their bodies and runs them.
 
 use crate::dialect::blocks::ProgramStep;
 use crate::dialect::control_flow::RESULT;
@@ -21,7 +21,7 @@ use std::rc::Rc;
 const MAX_FUNCTIONS: usize = 300;
 
 impl ProgramReader<'_> {
-    /// Reads functions with bodies in braces, and the statement after them on the same line.
+    /// Reads functions with bodies in braces, then the statement after them on the same line.
     pub(crate) fn functions(
         &mut self,
         tokens: Vec<Token>,
@@ -42,7 +42,7 @@ impl ProgramReader<'_> {
         Err(Error::new(place, ErrorKind::TooManyNames { limit: MAX_FUNCTIONS }))
     }
 
-    /// Reads one function with its body in braces and returns the tokens after it.
+    /// Reads one function with its body in braces. Returns the tokens after the body.
     pub(crate) fn function(&mut self, tokens: Vec<Token>) -> Fallible<Vec<Token>> {
         let Some((name, parameters, body, rest)) = self.words.function(&tokens) else {
             return Ok(tokens);
@@ -64,7 +64,7 @@ impl ProgramReader<'_> {
             self.procedures.insert(word, Rc::new(procedure));
             return Ok(rest);
         }
-        // In Rust the last expression is the result.
+        // In Rust the last expression of a body is the function's result.
         let tail = steps.last().and_then(|last| match last {
             ProgramStep::Plain(tokens) if self.words.is_value(tokens) => Some(tokens.clone()),
             _ => None,
@@ -75,7 +75,8 @@ impl ProgramReader<'_> {
         let before = self.program.last_function.clone();
         let mut frame = self.enter(self.words.name(name), parameters)?;
         if before.is_some() && types.iter().any(|token| size_of(self.words.word(*token)) > 1) {
-            // A function that returns a normal or a color is not drawn.
+            // A function that returns a vector, such as a color, does not replace an earlier
+            // function to draw.
             self.program.last_function = before;
         }
         self.run(&steps, &mut frame)?;
@@ -87,7 +88,7 @@ impl ProgramReader<'_> {
         Ok(rest)
     }
 
-    /// Ends a function. Fails if the function returns nothing.
+    /// Ends a function. Fails if the function has no result.
     pub(crate) fn leave_function(&mut self, frame: &Frame) -> Fallible<()> {
         let Some(Head { name, .. }) = &frame.function else { return Ok(()) };
         if !frame.has_result && frame.aliases.find(RESULT).is_none() {
@@ -131,7 +132,7 @@ impl ProgramReader<'_> {
         }
         let tokens = self.expanded(tokens, 0)?;
         let mut steps = self.words.block(&tokens, 0)?;
-        // The function may return early here, so the statements that follow run under a condition.
+        // The statements after a possible early `return` run under a condition.
         if ProgramStep::has(&steps, self.words, "return") {
             for more in following.by_ref() {
                 steps.push(ProgramStep::Plain(more));
@@ -202,7 +203,7 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Reads `def name(parameters):` with the lines of its body.
+    /// Reads `def name(parameters):` and the lines of its body.
     pub(crate) fn python_function(
         &mut self,
         tokens: &[Token],
@@ -218,7 +219,7 @@ impl ProgramReader<'_> {
         let own = self.words.indent(tokens);
         let is_indented =
             following.as_slice().first().is_some_and(|next| self.words.indent(next) > own);
-        // A pasted body may have lost its indentation. It then ends with its `return`.
+        // A body that was pasted without indentation ends after its `return`.
         while let Some(next) = following.as_slice().first() {
             let ends = if is_indented { self.words.indent(next) <= own } else { self.ends(&lines) };
             if ends {
@@ -244,8 +245,8 @@ impl ProgramReader<'_> {
         lines.last().is_some_and(|line| self.words.word(line[0]) == "return")
     }
 
-    /// Records a function of a point as the one to draw. A function with a usual name of a scene is
-    /// replaced only by another one, because later functions often compute light or shadow.
+    /// Records `name`, a function of a point, as the function to draw. A name from `SCENES` is
+    /// replaced only by another of them, because later functions often compute light or shadow.
     fn record_drawn(&mut self, name: &Name) {
         let is_scene = |name: &Name| SCENES.contains(&name.text.as_str());
         let known = self.program.last_function.as_ref();
@@ -278,7 +279,7 @@ impl ProgramReader<'_> {
         if let [(_, 3)] = names.as_slice() {
             self.record_drawn(&name);
         }
-        // A function of x, y and z is drawn in preference to a value assigned before it.
+        // A function of x, y and z is drawn rather than a value assigned before the function.
         if names.iter().map(|(name, _)| name.text.as_str()).eq(["x", "y", "z"]) {
             self.program.last_value = None;
         }

@@ -1,4 +1,4 @@
-//! Expands macros, and inlines functions of programs that change their arguments or return nothing.
+//! Expands macros. Inlines functions of programs that change their arguments or return nothing.
 
 use crate::dialect::control_flow::RESULT;
 use crate::dialect::program_reader::{Frame, Macro, Procedure, ProgramReader};
@@ -31,7 +31,7 @@ impl ProgramReader<'_> {
         self.macros.insert(self.words.word(name).to_owned(), definition);
     }
 
-    /// `tokens` with their macros expanded.
+    /// Expands the macros in `tokens`.
     pub(crate) fn expanded(&self, tokens: Vec<Token>, depth: usize) -> Fallible<Vec<Token>> {
         let found = |token: &Token| self.macros.get(self.words.word(*token));
         if self.macros.is_empty() || !tokens.iter().any(|token| found(token).is_some()) {
@@ -78,7 +78,7 @@ impl ProgramReader<'_> {
         Ok(all)
     }
 
-    /// The procedure that is called, and the arguments; `None` unless `tokens` are one such call.
+    /// The called procedure and the arguments. `None` unless `tokens` are a single procedure call.
     pub(crate) fn called(&self, tokens: &[Token]) -> Option<(Rc<Procedure>, Vec<Vec<Token>>)> {
         let procedure = self.procedures.get(self.words.word(*tokens.first()?))?;
         let end = closing(&tokens[1..]).filter(|end| end + 2 == tokens.len())?;
@@ -86,7 +86,7 @@ impl ProgramReader<'_> {
         (tokens[1].kind == OpenParen).then(|| (Rc::clone(procedure), arguments))
     }
 
-    /// Runs a procedure's body in place of a call and returns its result, if it has one.
+    /// Runs a procedure's body in place of a call. Returns the procedure's result, if it has one.
     pub(crate) fn inline(
         &mut self,
         name: Token,

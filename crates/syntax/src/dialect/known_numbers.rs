@@ -9,8 +9,8 @@ use crate::tree::aliases::Aliases;
 use crate::tree::ast::{Expr, ExprKind};
 use rustc_hash::FxHashMap;
 
-/// The value of `tokens`: a number, or 1 or 0 for a condition. `None` if it is not known. A name
-/// has the value of its alias or, if it has no alias, of its entry in `constants`.
+/// The value of `tokens`: a number, or 1 or 0 for a condition. `None` if the value is not known. A
+/// name stands for its alias or, without an alias, for its entry in `constants`.
 pub(crate) fn count(
     words: Words<'_>,
     tokens: &[Token],
@@ -22,13 +22,13 @@ pub(crate) fn count(
     (reader.at == tokens.len() && value.is_finite()).then_some(value)
 }
 
-/// A number as an expression.
+/// Writes a number as an expression.
 pub(crate) fn number_expr(value: f64, span: Span) -> ExprKind {
     let number = ExprKind::Number(value.abs().to_string());
     if value < 0.0 { ExprKind::Negate(Box::new(Expr::new(number, span))) } else { number }
 }
 
-/// The value of an expression that is a number, such as one from [`number_expr`].
+/// The value of an expression such as [`number_expr`] builds; `None` for other expressions.
 pub(crate) fn number_of(kind: &ExprKind) -> Option<f64> {
     match kind {
         ExprKind::Number(text) => text.parse().ok(),
@@ -50,7 +50,7 @@ struct ConstantEvaluator<'a> {
 }
 
 impl ConstantEvaluator<'_> {
-    /// The number that a name stands for, if it is known.
+    /// The known number that `name` stands for.
     fn get(&self, name: &str) -> Option<f64> {
         match self.aliases.find(name) {
             Some(kind) => number_of(kind),
@@ -76,7 +76,7 @@ impl ConstantEvaluator<'_> {
         &self.words.text[token.span.range()]
     }
 
-    /// 1 for `++` at the current position, -1 for `--`, otherwise `None`.
+    /// Reads the operator at the current position: 1 for `++`, -1 for `--`, otherwise `None`.
     fn doubled(&self) -> Option<f64> {
         match self.tokens.get(self.at..self.at + 2)? {
             [a, b] if a.kind == b.kind && a.span.end == b.span.start => match a.kind {
@@ -150,7 +150,7 @@ impl ConstantEvaluator<'_> {
             let Some(sign) = self.take(&[Star, Slash]) else { return Some(value) };
             let next = self.factor()?;
             let result = if sign == Star { value * next } else { value / next };
-            // Some languages truncate quotients of integers, so only an integer is certain.
+            // Some languages truncate quotients of integers, so a fractional quotient is unknown.
             if sign == Slash && value.fract() == 0.0 && next.fract() == 0.0 && result.fract() != 0.0
             {
                 return None;

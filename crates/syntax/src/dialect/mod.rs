@@ -1,8 +1,9 @@
 //! Translates notations and programs of other systems to statements of this language: functions
 //! with bodies, loops, assignments, plot commands.
 //!
-//! A translated statement is a list of tokens, perhaps with a left side. A statement that is not in
-//! the text is a syntax tree. Formulas are not interpreted here. Only `document` calls this folder.
+//! A translated statement is a list of tokens, perhaps with a separate left side. A synthesized
+//! statement, which is not in the text, is a syntax tree. Formulas are not interpreted here. Only
+//! `document` calls this folder.
 //!
 //! The files that extend `ProgramReader` call one another, because a block may hold any statement.
 

@@ -1,6 +1,6 @@
 //! Reads plot commands of other systems: the formulas to draw, and the ranges of the coordinates.
 //!
-//! The ranges become a `domain` line, whose tokens keep their places in the text.
+//! The ranges become a `domain` line. The spans of its tokens are those of the ranges in the text.
 
 use crate::dialect::program_words::Words;
 use crate::lex::spelling::plain_name;
@@ -10,7 +10,7 @@ use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
 
-/// Whether a command plots heights, or `None` if the word is not a plot command.
+/// Returns whether a command plots heights; `None` if the word is not a plot command.
 fn plots_height(command: &str) -> Option<bool> {
     match command {
         "Plot3D" | "plot3d" | "explicit" | "fsurf" | "ezsurf" | "surf" => Some(true),
@@ -21,10 +21,10 @@ fn plots_height(command: &str) -> Option<bool> {
     }
 }
 
-/// Plot commands that may occur within the brackets of another one.
+/// Plot commands that may stand inside the brackets of another plot command.
 const INNER: &[&str] = &["implicit", "explicit"];
 
-/// Names that the ends of a range may contain. With any other name, all ranges are ignored.
+/// Names that the ends of a range may contain. If another name occurs, all ranges are ignored.
 const CONSTANTS: &[&str] = &["pi", "tau", "e", "phi", "sqrt"];
 
 /// Longest domain that a note quotes, in bytes.
@@ -32,13 +32,12 @@ const MAX_NOTED_DOMAIN: usize = 120;
 
 /// The parts of a plot command.
 pub(crate) struct Plot {
-    /// The formulas; each is drawn.
     pub formulas: Vec<Vec<Token>>,
     /// True if the formulas are heights over x and y.
     pub is_height: bool,
-    /// A `domain` line for the ranges, if they can be read.
+    /// A `domain` line with the ranges; `None` if the command has no readable ranges.
     pub domain: Option<Vec<Token>>,
-    /// A note on the ranges.
+    /// A note that states the ranges, or that they were not read.
     pub note: Option<Note>,
 }
 
@@ -52,9 +51,9 @@ struct PlotRange {
 }
 
 impl Words<'_> {
-    /// The parts of a plot command; `None` if `tokens` are something else.
+    /// Reads a plot command; `None` if `tokens` are no plot command.
     pub(crate) fn plot(self, tokens: &[Token]) -> Fallible<Option<Plot>> {
-        // Maple also writes `plots[implicitplot3d](…)`.
+        // Maple also writes `plots[implicitplot3d](…)` for `implicitplot3d(…)`.
         if let [plots, open, command, close, rest @ ..] = tokens
             && self.word(*plots) == "plots"
             && (open.kind, close.kind) == (OpenBracket, CloseBracket)
@@ -68,7 +67,7 @@ impl Words<'_> {
         self.plot_of(self.word(*first), &tokens[1..])
     }
 
-    /// The parts of the plot command `word`, whose brackets are at the start of `tokens`.
+    /// Reads the plot command `word`. `tokens` begin with its brackets.
     fn plot_of(self, word: &str, tokens: &[Token]) -> Fallible<Option<Plot>> {
         let (Some((inner, rest)), Some(is_height)) = (bracketed(tokens), plots_height(word)) else {
             return Ok(None);
@@ -88,7 +87,7 @@ impl Words<'_> {
             let span = system[0].span.to(system[system.len() - 1].span);
             return Err(Error::new(span, ErrorKind::PlotCoordinates));
         }
-        // In MATLAB's `isosurface(x, y, z, v, 0.1)`, the level comes after the values `v`.
+        // In MATLAB's `isosurface(x, y, z, v, 0.1)`, `v` is the formula and 0.1 is the level.
         let (formula, level) = match arguments.as_slice() {
             [x, y, z, values, rest @ ..]
                 if word == "isosurface" && [x, y, z].iter().all(|part| part.len() == 1) =>
@@ -105,7 +104,7 @@ impl Words<'_> {
             if let Some(level) = level.clone().filter(|_| outside(formula, Equals).is_none()) {
                 *formula = less(formula, &level);
             }
-            // A function name alone adds no formula: it is drawn anyway if nothing else is.
+            // A function name alone is no formula. That function is drawn if nothing else is.
             if matches!(formula.as_slice(), [name] if name.kind == TokenKind::Name) {
                 formula.clear();
             }
@@ -113,8 +112,8 @@ impl Words<'_> {
         Ok(Some(Plot { formulas, is_height, domain, note }))
     }
 
-    /// The parts of POV-Ray's `isosurface { function { … } threshold 1 contained_by { … } }`.
-    /// `tokens` begin after the first word.
+    /// Reads POV-Ray's `isosurface { function { … } threshold 1 contained_by { … } }`. `tokens`
+    /// begin after the word `isosurface`.
     fn isosurface(self, tokens: &[Token], place: Span) -> Option<Plot> {
         let (inner, _) = bracketed(tokens)?;
         let behind = |word: &str| {
@@ -145,7 +144,7 @@ impl Words<'_> {
         let (inner, _) = bracketed(tokens)?;
         let (ends, _) = bracketed(inner.get(1..)?).filter(|_| self.word(inner[0]) == "box")?;
         let mut ends = split(ends, Comma);
-        // The lexer reads `<` and `>` around a corner as relations, so they are dropped.
+        // The lexer reads the `<` and `>` around a corner as relations. They are dropped.
         for end in &mut ends {
             end.retain(|token| !matches!(token.kind, Less | Greater));
         }
@@ -160,7 +159,7 @@ impl Words<'_> {
         Some(AXES.into_iter().enumerate().map(range).collect())
     }
 
-    /// The formulas of a list, or the single formula, without parameters as in `@(x, y)`.
+    /// Splits a list into its formulas. Removes the parameters from a formula such as `@(x, y) x`.
     fn listed(formula: &[Token]) -> Vec<Vec<Token>> {
         if formula[0].kind == At
             && let Some((_, body)) = bracketed(&formula[1..])
@@ -226,7 +225,7 @@ impl Words<'_> {
         ranges
     }
 
-    /// The numbers of a MATLAB row, separated by blanks or commas; `None` unless it has 2, 4 or 6.
+    /// The 2, 4 or 6 numbers of a MATLAB row, separated by blanks or commas; otherwise `None`.
     fn numbers(self, row: &[Token]) -> Option<Vec<Vec<Token>>> {
         let mut numbers: Vec<Vec<Token>> = Vec::new();
         let mut sign = None;
@@ -244,7 +243,7 @@ impl Words<'_> {
         (sign.is_none() && matches!(numbers.len(), 2 | 4 | 6)).then_some(numbers)
     }
 
-    /// A `domain` line for the ranges, and the note on it.
+    /// A `domain` line for the ranges, and a note that states whether the ranges were read.
     fn domain(self, ranges: &[PlotRange], place: Span) -> (Option<Vec<Token>>, Option<Note>) {
         let Some(first) = ranges.first() else { return (None, None) };
         let typed = |tokens: &[Token]| span_of(tokens).map_or("", |span| &self.text[span.range()]);
@@ -284,7 +283,7 @@ impl Words<'_> {
     }
 }
 
-/// The ranges of x, y and z, in this order, from pairs of numbers. One pair holds for all three.
+/// Makes ranges of x, y and z, in this order, from pairs of numbers. One pair serves all axes.
 fn in_order(numbers: &[Vec<Token>]) -> Vec<PlotRange> {
     let pair = |axis, at: usize| PlotRange {
         axis,

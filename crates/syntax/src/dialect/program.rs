@@ -1,9 +1,9 @@
-//! The result of translating a pasted program, which may have functions with bodies, typed
+//! The result of translating a pasted program. A program may have functions with bodies, typed
 //! declarations, repeated assignments and `return`.
 //!
-//! A variable of a function becomes a function with the same parameters: `vec2 q = p.xz;` in `f(p)`
-//! becomes `f_q(p) = p.xz`, and a later `q` becomes `f_q(p)`. Each assignment to a variable defines
-//! another name, so the order of the resulting statements has no effect.
+//! A variable of a function becomes a function with the same parameters. For example, `vec2 q =
+//! p.xz;` in `f(p)` becomes `f_q(p) = p.xz`, and a later `q` becomes `f_q(p)`. Each assignment to a
+//! variable defines another name, so the order of the resulting statements has no effect.
 
 use crate::messages::note::Note;
 use crate::tree::ast::Name;
@@ -15,15 +15,15 @@ use rustc_hash::FxHashSet;
 #[derive(Default)]
 pub(crate) struct PastedProgram {
     pub statements: Vec<RawStatement>,
-    /// True if the text has declarations or assignments that only programs have.
+    /// True if the text has declarations or assignments that occur only in programs.
     pub in_steps: bool,
     /// Name of the function to draw: the last one that takes a point of space.
     pub last_function: Option<Name>,
-    /// Name of the last variable assigned outside functions whose value is not a known number.
+    /// The variable last assigned outside functions. Assignments of plain numbers do not count.
     pub last_value: Option<Name>,
-    /// Statements that are not in the text.
+    /// Definitions and drawings that are not in the text.
     pub synthesized: Vec<BuiltStatement>,
-    /// Names generated in branches and loops. Their definitions may remain unused.
+    /// Names generated in branches and loops. Definitions of such names are dropped if unused.
     pub generated: FxHashSet<String>,
     pub notes: Vec<Note>,
 }

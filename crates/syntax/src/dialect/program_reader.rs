@@ -27,17 +27,17 @@ pub(crate) struct Frame {
     /// Name and parameters of the function; `None` outside functions.
     pub function: Option<Head>,
     pub aliases: Aliases,
-    /// Variables that were declared or assigned, with their number of components.
+    /// Variables that were declared or assigned, each with its number of components.
     pub set: Vec<(String, usize)>,
-    /// Integer variables, such as loop counters, whose values are tracked while they are known.
+    /// Integer variables, such as loop counters. Their values are tracked while they are known.
     pub integers: FxHashSet<String>,
     /// Number of enclosing branches and loops.
     pub nested: usize,
-    /// Number of enclosing calls that are inlined.
+    /// Number of enclosing inlined calls.
     pub depth: usize,
     /// Prefix of the names that an inlined call generates.
     pub prefix: Option<String>,
-    /// True if the function's result is already a statement of its own.
+    /// True if a statement for the function's result was already added.
     pub has_result: bool,
 }
 
@@ -47,17 +47,16 @@ pub(crate) struct Procedure {
     pub body: Vec<ProgramStep>,
 }
 
-/// A parameter of a procedure.
 pub(crate) struct ProcedureParameter {
     pub name: Name,
     pub size: usize,
-    /// True if the argument's value is copied to it when the function begins.
+    /// True if the argument's value is copied to the parameter when the function begins.
     pub is_in: bool,
-    /// True if its final value is copied back to the argument.
+    /// True if the parameter's final value is copied back to the argument.
     pub is_out: bool,
 }
 
-/// A macro, which is replaced by its body wherever it is called.
+/// A macro. Its body replaces each call.
 pub(crate) struct Macro {
     pub parameters: Option<Vec<String>>,
     pub body: Vec<Token>,
@@ -66,17 +65,18 @@ pub(crate) struct Macro {
 pub(crate) struct ProgramReader<'a> {
     pub words: Words<'a>,
     pub limits: &'a Limits,
-    /// Names that the text uses, or that were generated.
+    /// Names that the text uses, and names that were generated.
     pub taken: FxHashSet<String>,
-    /// Integer variables; programs truncate their quotients.
+    /// Integer variables. Quotients of integers that contain one are errors: programs truncate
+    /// them.
     pub integers: FxHashSet<String>,
     /// Names that have a definition.
     pub defined_names: FxHashSet<String>,
     pub macros: FxHashMap<String, Macro>,
     pub procedures: FxHashMap<String, Rc<Procedure>>,
-    /// Known values of names outside functions.
+    /// Known values of variables outside functions.
     pub constants: FxHashMap<String, f64>,
-    /// Number of statements and loop iterations that ran.
+    /// Number of statements and iterations that ran in loops, branches and inlined calls.
     pub steps: usize,
     /// Number of tokens that macros expanded to.
     pub expanded_tokens: Cell<usize>,
@@ -85,7 +85,7 @@ pub(crate) struct ProgramReader<'a> {
 
 pub(crate) type Statements = std::vec::IntoIter<Vec<Token>>;
 
-/// Translates a text, which may be a program or not.
+/// Translates a text, whether it is a program or not.
 pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
     let mut statements = scan(text, limits)?;
     let words = Words { text };
@@ -119,7 +119,7 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
 }
 
 impl ProgramReader<'_> {
-    /// Reads a statement. A function may take more statements from `following` as its body.
+    /// Reads a statement. A function or loop may take more statements from `following` as its body.
     pub(crate) fn statement(
         &mut self,
         tokens: Vec<Token>,
@@ -222,7 +222,7 @@ impl ProgramReader<'_> {
         self.plain(tokens, frame, true)
     }
 
-    /// Adds a statement unchanged or, if `plots` is set, the formulas that a plot command plots.
+    /// Adds a statement unchanged. With `plots`, a plot command is replaced by its formulas.
     pub(crate) fn plain(&mut self, tokens: Vec<Token>, frame: &Frame, plots: bool) -> Fallible<()> {
         let mut tokens = tokens;
         if frame.function.is_some() && plots && self.words.assignment(&tokens).is_none() {
@@ -284,10 +284,10 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Reads an assignment of a program. Returns whether `tokens` were read as one.
+    /// Reads an assignment of a program. Returns false if `tokens` must be read as a formula.
     fn step(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
         if let Some((left, right)) = Words::parallel(tokens) {
-            // All values are computed before any of the variables changes.
+            // All values are computed before any variable changes.
             let within = frame.aliases.clone();
             for (name, value) in left.into_iter().zip(right) {
                 self.assign_within(self.words.name(name), 1, value, None, &within, frame)?;
@@ -307,7 +307,7 @@ impl ProgramReader<'_> {
             let known = frame.set.iter().rfind(|(set, _)| *set == name.text);
             let size = known.map_or(3, |(_, size)| *size);
             let is_set = frame.function.is_some() || known.is_some() || letters.is_some();
-            // `x = 3` is an equation, unless a program has declared x.
+            // `x = 3` is an equation unless the program has declared x.
             let is_coordinate = name.text == "t" || coordinate(&name.text).is_some();
             if is_coordinate && !is_set {
                 return self.plain(tokens.to_vec(), frame, true).map(|()| true);

@@ -1,4 +1,4 @@
-//! Recognizes the words of programs and the parts of statements. Formulas are not parsed.
+//! Recognizes the words of programs and the parts of statements. Does not parse formulas.
 
 use crate::lex::spelling::{plain_name, token_kind};
 use crate::lex::token::{Token, bracketed, closing, in_brackets, split};
@@ -7,10 +7,10 @@ use crate::messages::error::{Error, ErrorKind};
 use crate::span::Span;
 use crate::tree::ast::Name;
 
-/// Beginnings of vector types; the number of components follows.
+/// Beginnings of the names of vector types. The number of components follows, as in `vec3`.
 const VECTORS: &[&str] = &["vec", "float", "half", "ivec", "uvec", "bvec", "dvec"];
 
-/// Usual names of functions that return the distance to a scene.
+/// Usual names of functions that return the distance from a point to the scene.
 pub(crate) const SCENES: &[&str] =
     &["map", "sdf", "SDF", "scene", "sceneSDF", "sdScene", "mapScene", "DE", "getDist", "GetDist"];
 
@@ -49,14 +49,14 @@ pub(crate) fn size_of(word: &str) -> usize {
     }
 }
 
-/// Looks up the words of tokens in their text.
+/// Looks up the words of tokens in the text of the program.
 #[derive(Clone, Copy)]
 pub(crate) struct Words<'a> {
     pub text: &'a str,
 }
 
 impl<'a> Words<'a> {
-    /// The text of a token that is a name; empty for other tokens.
+    /// The text of a token that is a name; empty for any other token.
     pub(crate) fn word(self, token: Token) -> &'a str {
         if token.kind.is_name() { &self.text[token.span.range()] } else { "" }
     }
@@ -70,12 +70,12 @@ impl<'a> Words<'a> {
         Name { text: plain_name(&self.text[token.span.range()]), span: token.span }
     }
 
-    /// The error for a word of programs that is not supported.
+    /// The error for a program's word that is not supported.
     pub(crate) fn unsupported(self, token: Token) -> Box<Error> {
         Error::new(token.span, ErrorKind::Program { word: self.word(token).to_owned() })
     }
 
-    /// Returns whether a name or block follows the first word, perhaps after brackets.
+    /// Returns whether a name or a block follows the first word, as in `else a` or `if (c) a`.
     pub(crate) fn is_command(tokens: &[Token]) -> bool {
         let Some(next) = tokens.get(1) else { return false };
         if next.kind.is_name() || next.kind == OpenBrace {
@@ -87,7 +87,7 @@ impl<'a> Words<'a> {
             && rest.first().is_some_and(|next| next.kind.is_name() || next.kind == OpenBrace)
     }
 
-    /// Joins each function body to the statement before it, which ends with the parameters.
+    /// Joins each function body in braces to the statement before it, which ends with parameters.
     pub(crate) fn join_bodies(self, statements: &mut Vec<Vec<Token>>) {
         let mut index = 1;
         while index < statements.len() {
@@ -107,7 +107,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// Returns whether only programs have such a statement, for example `a += 1`.
+    /// Returns whether a statement occurs only in programs, for example `a += 1`.
     pub(crate) fn is_step(self, tokens: &[Token]) -> bool {
         let first = self.word(tokens[0]);
         let types = self.types(tokens);
@@ -133,12 +133,12 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// Returns whether an equals sign may assign; `==` compares.
+    /// Returns whether an equals sign may assign. A sign that is typed `==` compares.
     fn sets(self, equals: Token) -> bool {
         !self.text[equals.span.range()].starts_with("==")
     }
 
-    /// Number of types and modifiers before a declared name.
+    /// Number of types and modifiers before a declared name; 0 if no name follows them.
     pub(crate) fn types(self, tokens: &[Token]) -> usize {
         let count = tokens.iter().take_while(|token| is_type(self.word(**token))).count();
         if begins_name(tokens.get(count)) { count } else { 0 }
@@ -149,7 +149,8 @@ impl<'a> Words<'a> {
         self.function(tokens).is_some()
     }
 
-    /// Name, parameters and body of a function at the start of `tokens`, and the tokens after it.
+    /// Name, parameters and body of the function at the start of `tokens`, and the tokens after the
+    /// body.
     #[allow(clippy::type_complexity)] // callers destructure it
     pub(crate) fn function(
         self,
@@ -161,7 +162,7 @@ impl<'a> Words<'a> {
         }
         let name = tokens[types];
         let (parameters, rest) = bracketed(&tokens[types + 1..])?;
-        // The result type may stand before the body, after an arrow.
+        // The result type may stand before the body, as in `-> f32 {`.
         let brace = rest.iter().position(|token| token.kind == OpenBrace)?;
         let is_arrow = rest.first().is_some_and(|token| token.kind == Minus);
         if brace > 0 && !is_arrow {
@@ -171,7 +172,7 @@ impl<'a> Words<'a> {
         Some((name, split(parameters, Comma), body.to_vec(), rest.to_vec()))
     }
 
-    /// Name and parameters of `def name(parameters):`, and the tokens after its colon.
+    /// Name and parameters of `def name(parameters):`, and the tokens after the colon.
     pub(crate) fn python_function(
         tokens: &[Token],
     ) -> Option<(Token, Vec<Vec<Token>>, Vec<Token>)> {
@@ -181,7 +182,7 @@ impl<'a> Words<'a> {
         name.kind.is_name().then(|| (name, split(parameters, Comma), rest[colon + 1..].to_vec()))
     }
 
-    /// Name, parameters and value of `f = lambda x: …` or `f = (x) => …`; the name may be left out.
+    /// Name, parameters and value of `f = lambda x: …` or `f = (x) => …`; `f =` may be left out.
     #[allow(clippy::type_complexity)] // callers destructure it
     pub(crate) fn lambda(
         self,
@@ -241,7 +242,7 @@ impl<'a> Words<'a> {
         Some((name, size, equals.map(|equals| tokens[equals + 1..].to_vec())))
     }
 
-    /// Name, components and value of `name = value`, `name.xy = value` or `name += value`.
+    /// Name, component letters and value of `name = value`, `name.xy = value` or `name += value`.
     pub(crate) fn assignment(
         self,
         tokens: &[Token],
@@ -276,7 +277,7 @@ impl<'a> Words<'a> {
         }
     }
 
-    /// The names before an equals sign, and the tokens after it.
+    /// The names before the equals sign of `a, b = …`, and the tokens after the sign.
     fn set_at_once(tokens: &[Token]) -> Option<(Vec<Token>, &[Token])> {
         let equals = tokens.iter().position(|token| token.kind == Equals)?;
         let single = |tokens: &Vec<Token>| match tokens.as_slice() {
@@ -299,7 +300,7 @@ impl<'a> Words<'a> {
         Self::set_at_once(tokens).filter(|(names, _)| matches!(names.len(), 2..=4))
     }
 
-    /// Returns whether a parameter is a point: `lines` use its components or compute a length.
+    /// Returns whether a parameter is a point: `lines` use its components, or compute a length.
     pub(crate) fn is_point(self, parameter: &[Token], lines: &[Vec<Token>]) -> bool {
         let Some((name, _, None)) = self.parameter(parameter) else { return false };
         let name = self.word(name);
@@ -311,13 +312,13 @@ impl<'a> Words<'a> {
             });
             let unpacks = Self::unpacked(line)
                 .is_some_and(|(_, value)| matches!(value, [only] if self.word(*only) == name));
-            // A length is computed, as in `norm(p)`.
+            // The line computes a length, as in `norm(p)`.
             let measures = line.iter().any(|t| matches!(self.word(*t), "norm" | "length"));
             takes || unpacks || measures
         })
     }
 
-    /// The first operator in prefix notation, as in `(+ a b)`.
+    /// The first operator that stands before its operands, as in `(+ a b)`.
     pub(crate) fn prefixed(tokens: &[Token]) -> Option<Token> {
         let found = tokens.windows(3).find(|part| {
             part[0].kind == OpenParen
@@ -336,7 +337,7 @@ impl<'a> Words<'a> {
         })
     }
 
-    /// Returns whether a statement is a value: neither an assignment nor a `return`.
+    /// Returns whether a statement is only a value: no assignment, no declaration and no `return`.
     pub(crate) fn is_value(self, tokens: &[Token]) -> bool {
         let Some(first) = tokens.first() else { return false };
         self.word(*first) != "return"
@@ -360,7 +361,7 @@ impl<'a> Words<'a> {
         short
     }
 
-    /// Turns Mathematica's `f[x_, y_]` on the left of a definition into `f[x, y]`.
+    /// Turns the left side `f[x_, y_]` of a definition in Mathematica into `f[x, y]`.
     pub(crate) fn patterns(self, tokens: &mut [Token]) {
         let Some(end) = tokens.get(1..).and_then(closing).filter(|_| tokens[1].kind == OpenBracket)
         else {
@@ -378,7 +379,7 @@ impl<'a> Words<'a> {
     }
 }
 
-/// Returns whether the token is a name.
+/// Returns whether `token` is a name.
 pub(crate) fn begins_name(token: Option<&Token>) -> bool {
     token.is_some_and(|token| token.kind.is_name())
 }

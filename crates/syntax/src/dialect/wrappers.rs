@@ -1,4 +1,4 @@
-//! Removes wrappers of formulas in other systems: plot commands, declarations of names, braces.
+//! Removes what other systems put around formulas: plot commands, declarations of names, braces.
 
 use crate::dialect::program_words::Words;
 use crate::lex::token_kind::TokenKind::{self, *};
@@ -6,7 +6,7 @@ use crate::lex::token_kind::TokenKind::{self, *};
 use crate::lex::token::{Token, bracketed, closing, outside, split};
 use crate::span::Span;
 
-/// Commands that only declare names or set up the other system.
+/// Commands of other systems that only declare names or change settings.
 const SETUP: &[&str] = &[
     "syms",
     "restart",
@@ -37,11 +37,11 @@ const SYMBOLS: &[&str] = &["symbols", "Symbol", "var", "sym", "PolynomialRing"];
 /// Functions that create grids of coordinates.
 const GRIDS: &[&str] = &["meshgrid", "ndgrid", "mgrid", "ogrid"];
 
-/// Words before a formula that is to be drawn.
+/// Words that may stand before a formula to draw.
 const PLOT_WORDS: &[&str] = &["plot", "graph", "draw", "Plot", "Graph", "Draw"];
 
 impl Words<'_> {
-    /// The statements in a wrapper. Empty if none has a meaning here; `None` without a wrapper.
+    /// The statements in a wrapper, perhaps none. `None` if `tokens` have no wrapper.
     pub(crate) fn unwrap_statement(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         let first = *tokens.first()?;
         let next = tokens.get(1);
@@ -109,8 +109,8 @@ impl Words<'_> {
         self.of_maple(tokens)
     }
 
-    /// The tokens after a setup command such as `with(plots):` or after the prompt of a session:
-    /// `In[1]:=`, `(%i1)`, `>>>`.
+    /// The tokens after a setup command such as `with(plots):`, or after a prompt: `In[1]:=`,
+    /// `(%i1)` or `>>>`.
     fn behind_mark(self, tokens: &[Token]) -> Option<Vec<Token>> {
         let rest = match tokens {
             [first, open, ..]
@@ -141,7 +141,7 @@ impl Words<'_> {
         (!rest.is_empty()).then_some(rest)
     }
 
-    /// A formula and a definition for each rule, from Mathematica's `formula /. {a -> 2, b -> 3}`.
+    /// Splits Mathematica's `formula /. {a -> 2, b -> 3}` into the formula and two definitions.
     fn with_rules(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         let is_sign = |pair: &[Token]| {
             pair[0].kind == Slash && &self.text[pair[0].span.to(pair[1].span).range()] == "/."
@@ -162,7 +162,7 @@ impl Words<'_> {
         (at > 0).then_some(all)
     }
 
-    /// A formula and a definition for each value, from `formula where a = 2, b = 3`.
+    /// Splits `formula where a = 2, b = 3` into the formula and two definitions.
     fn with_values(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         let is_word = |token: &Token| {
             token.kind == TokenKind::Name && matches!(self.word(*token), "where" | "with" | "for")
@@ -189,7 +189,8 @@ impl Words<'_> {
         (is_read && values.iter().all(is_value)).then_some(all)
     }
 
-    /// The formula or parameter on a line of a Surfer file. Empty for lines about the picture.
+    /// The formula or parameter on a line of a Surfer file; no statement for a line about the
+    /// picture.
     fn of_surfer(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         const PARAMETER: &str = "surface_parameter_";
         if !self.text.contains("surface_equation") {
@@ -215,13 +216,13 @@ impl Words<'_> {
         is_look.then(Vec::new)
     }
 
-    /// Returns whether the text assigns `surface`, which Surfer's `draw_surface` draws.
+    /// Returns whether the text assigns `surface`, which is drawn by Surfer's `draw_surface`.
     pub(crate) fn sets_surface(self) -> bool {
         let mut places = self.text.match_indices("surface");
         places.any(|(at, word)| self.text[at + word.len()..].trim_start().starts_with('='))
     }
 
-    /// Returns whether a statement is a single call.
+    /// Returns whether a statement consists of a single call.
     fn is_whole_call(tokens: &[Token]) -> bool {
         let end = closing(&tokens[1..]);
         end.is_some_and(|end| {
@@ -229,7 +230,7 @@ impl Words<'_> {
         })
     }
 
-    /// The equation in braces, or the condition of a set.
+    /// The equation in `{x^2 + y^2 = 1}`, or the condition in `{(x, y, z) : x > y}`.
     fn in_braces(self, tokens: &[Token]) -> Option<Vec<Token>> {
         let end = closing(tokens)?;
         if tokens[end + 1..].iter().any(|token| !matches!(token.kind, Comma | Unknown)) {
@@ -242,7 +243,7 @@ impl Words<'_> {
         {
             return Some(inner[colon + 1..].to_vec());
         }
-        // A set such as `{(x, y, z) : …}`, perhaps with a bar instead of the colon.
+        // A set such as `{(x, y, z) : …}`. A bar may replace the colon.
         let point = closing(inner).filter(|_| inner[0].kind == OpenParen);
         if let Some(end) = point
             && inner[..=end]
@@ -260,7 +261,7 @@ impl Words<'_> {
         (has(Equals).is_some() && !is_choice).then(|| inner.to_vec())
     }
 
-    /// The statements of `With[{a = 2}, body]`.
+    /// The definitions and the body of Mathematica's `With[{a = 2}, body]`.
     fn with(tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         let (inner, rest) = bracketed(&tokens[1..])?;
         let [names, body] = <[_; 2]>::try_from(split(inner, Comma)).ok()?;
@@ -274,7 +275,7 @@ impl Words<'_> {
         Some(all)
     }
 
-    /// The two statements of Maple's `a := 2: b := 3`, where a colon ends a statement.
+    /// The two statements of Maple's `a := 2: b := 3`, in which a colon ends a statement.
     fn of_maple(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         let sets = tokens
             .get(1)

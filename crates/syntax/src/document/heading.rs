@@ -1,6 +1,6 @@
-//! Reads the comment at the start of a text.
+//! Reads the comment at the start of a document.
 
-/// The title and the remaining text of the comment at the start of a document.
+/// The title, which is the comment's first line, and the comment's other lines.
 pub(crate) fn heading(text: &str) -> (Option<String>, String) {
     let mut lines = text
         .trim_start_matches('\u{FEFF}')

@@ -1,8 +1,8 @@
 //! Defines coordinates that a text uses without defining them: r, rho, theta and phi, and the point
 //! of space in programs.
 //!
-//! The names that occur together determine the coordinate system, and a note states the
-//! definitions. A definition in the text takes precedence.
+//! The used names together determine the coordinate system, and a note states the definitions. A
+//! definition in the text takes precedence.
 
 use crate::lex::arrangement::statements;
 use crate::lex::spelling::plain_name;
@@ -19,18 +19,18 @@ use crate::tree::scope::{Scope, canonical};
 use crate::tree::statement::ParsedStatement;
 use rustc_hash::{FxHashMap, FxHashSet};
 
-/// A name and the text of its definition.
+/// A name, and the text of the name's definition.
 type ImpliedDefinition = (&'static str, &'static str);
 
 const CYLINDER_RADIUS: &str = "sqrt(x^2 + y^2)";
 const SPHERE_RADIUS: &str = "sqrt(x^2 + y^2 + z^2)";
 const AZIMUTH: &str = "atan2(y, x)";
 
-/// Uses of each name: index of the line, and place in the text.
+/// The uses of each name. A use is the index of a line and a place in the text.
 type Uses = FxHashMap<&'static str, Vec<(usize, Span)>>;
 
-/// Collects the uses of r, rho, theta, phi, x, y and z, and of the point names `p` and `pos`. Names
-/// that a line defines, parameters and variables of a program are left out.
+/// Collects the uses of r, rho, theta, phi, x, y and z, and of the point names `p` and `pos`.
+/// Leaves out defined names, parameters, and variables of a program.
 fn uses(text: &str, lines: &[ParsedStatement<'_>], scope: &Scope) -> Uses {
     let mut uses = Uses::default();
     for (index, line) in lines.iter().enumerate() {
@@ -73,9 +73,9 @@ fn uses(text: &str, lines: &[ParsedStatement<'_>], scope: &Scope) -> Uses {
     uses
 }
 
-/// Turns a definition such as `r = 1 + cos(theta)` into an equation. Its name must not be used in
-/// other lines. The right side must contain z without x and y, or another of r, rho, theta and phi
-/// that is not defined.
+/// Turns a definition of r, rho, theta or phi, such as `r = 1 + cos(theta)`, into an equation if no
+/// other line uses the defined name. The right side must contain another of these four names that
+/// is not defined, or z without x and y.
 pub(crate) fn turn_into_equations(text: &str, lines: &mut [ParsedStatement<'_>], scope: &Scope) {
     let defined: FxHashSet<String> = lines
         .iter()
@@ -91,7 +91,7 @@ pub(crate) fn turn_into_equations(text: &str, lines: &mut [ParsedStatement<'_>],
         let Some(own) = canonical(&head.name.text).filter(|_| line.raw.head.is_none()) else {
             continue;
         };
-        // Uses are in the order of their lines, so it is enough to check the first and the last.
+        // Uses are in the order of their lines, so checking the first and the last use is enough.
         let used_elsewhere = uses.get(own).is_some_and(|all| {
             let mut ends = all.first().into_iter().chain(all.last());
             ends.any(|(at, _)| *at != index)
@@ -103,7 +103,7 @@ pub(crate) fn turn_into_equations(text: &str, lines: &mut [ParsedStatement<'_>],
         let in_terms_of_others = ["r", "rho", "theta", "phi"]
             .into_iter()
             .any(|other| other != own && is_here(other) && !has(other));
-        // `theta = z/2` is an equation; a formula with x or y may define the name.
+        // `theta = z/2` is an equation. A formula with x or y may define the name instead.
         let is_restricted =
             line.pair.clone().into_inner().any(|part| part.as_rule() == Rule::restriction);
         let in_terms_of_z = is_here("z") && !is_restricted && !is_here("x") && !is_here("y");
@@ -113,7 +113,7 @@ pub(crate) fn turn_into_equations(text: &str, lines: &mut [ParsedStatement<'_>],
     }
 }
 
-/// Returns the implied definitions and the notes that state them, and adds their names to `scope`.
+/// Returns the implied definitions, and notes that state them. Adds the names to `scope`.
 pub(crate) fn implied(
     text: &str,
     lines: &[ParsedStatement<'_>],
@@ -136,7 +136,7 @@ pub(crate) fn implied(
         }
     }
     let [r, rho, theta, phi] = ["r", "rho", "theta", "phi"].map(place);
-    // In a line with x or y, r is probably a radius whose definition is missing.
+    // Beside x or y in a line, r is probably a radius whose definition is missing.
     let plane: FxHashSet<usize> = ["x", "y"]
         .iter()
         .filter_map(|name| uses.get(name))
@@ -168,7 +168,7 @@ pub(crate) fn implied(
     (built, notes)
 }
 
-/// The coordinate system to which the used names belong, and its definitions.
+/// The name and the definitions of the coordinate system to which the used names belong.
 fn system(
     [r, rho, theta, phi]: [bool; 4],
     with_z: bool,
@@ -202,7 +202,7 @@ fn system(
     })
 }
 
-/// Returns whether components of `name` are used.
+/// Returns whether the text uses a component of the vector `name`, as in `p.x`.
 fn has_components(text: &str, lines: &[ParsedStatement<'_>], name: &str) -> bool {
     lines.iter().any(|line| {
         line.raw.lexed.tokens.windows(2).any(|pair| {

@@ -9,8 +9,8 @@ use crate::tree::built_statement::BuiltStatement;
 use crate::tree::statement::is_plain_number;
 use zeroset_ir::Axis;
 
-/// Returns the drawing of a text that has only definitions: its last function of (x, y, z), or of
-/// (x, y), which is a height.
+/// Returns the drawing of a text that has only definitions. The last function of (x, y, z) or (x,
+/// y) is drawn: its zero set for (x, y, z), its graph for (x, y).
 pub(crate) fn implied_drawing(
     definitions: &[(&Definition, &BuiltStatement)],
 ) -> Fallible<(BuiltStatement, Note)> {
@@ -41,8 +41,8 @@ pub(crate) fn implied_drawing(
     Err(Error::new(definition.name.span, kind))
 }
 
-/// Returns the drawing of a program without a result: its last function of a point of space or, if
-/// there is none, the last number that it assigns.
+/// Returns the drawing of a program that draws nothing itself: its last function of a point of
+/// space or, if there is none, the value that the program assigns last.
 pub(crate) fn drawn_by_program(
     program: &PastedProgram,
     built: &[BuiltStatement],
@@ -60,12 +60,12 @@ pub(crate) fn drawn_by_program(
         let name = program.last_value.as_ref().filter(|_| program.in_steps)?;
         (name, ExprKind::Name(NamedValue::Defined(name.text.clone())))
     };
-    // The expression is not in the text, so its span is empty.
+    // The expression is not in the text, so the expression's span is empty.
     let expr = Expr::new(kind, Span::at(name.span.start));
     Some(drawn(expr, name.span, name.span))
 }
 
-/// Creates a drawing of `expr`, which is not in the text, and the note about it at `place`.
+/// Creates a drawing of `expr`, which is not in the text. A note at `place` reports the drawing.
 fn drawn(expr: Expr, span: Span, place: Span) -> (BuiltStatement, Note) {
     let kind = NoteKind::DrawsFunction { drawn: expr.to_string() };
     let statement = Statement::Draw { expr, restrictions: Vec::new() };

@@ -1,8 +1,8 @@
-//! Reads a text into a [`Document`](crate::Document). This runs all stages and answers questions
-//! about the text as a whole: which names are parameters, and what a text without formulas draws.
+//! Reads a text into a [`Document`](crate::Document): runs all stages, and decides which names are
+//! parameters and what a text without formulas draws.
 //!
-//! This is the only folder that calls `dialect`. `parameters` extends the `DocumentReader` of
-//! `reading`, which calls it as one of its steps.
+//! This is the only folder that calls `dialect`. `parameters` adds methods to the `DocumentReader`
+//! of `reading`.
 
 pub(crate) mod heading;
 pub(crate) mod implied_coordinates;

@@ -1,4 +1,4 @@
-//! Decides which names are parameters (sliders or time), and computes their values.
+//! Decides which names are parameters, and computes the parameters' values.
 
 use crate::document::reading::{DocumentReader, Parameter, ParameterKind};
 use crate::lex::spelling::is_definable;
@@ -19,7 +19,7 @@ use zeroset_interval::Interval;
 use zeroset_ir::Constant;
 
 impl<'a> DocumentReader<'a> {
-    /// The values of the overrides, by name. Errors are recorded.
+    /// Evaluates the overrides. Returns their values by name, and records errors.
     pub(crate) fn overrides(
         &mut self,
         definitions: &[(&Definition, &BuiltStatement)],
@@ -40,8 +40,8 @@ impl<'a> DocumentReader<'a> {
         values
     }
 
-    /// Binds every defined name and collects the parameters. Time is one if the text defines it, if
-    /// a formula or an override uses it, or if `is_timed` is true. Errors are recorded.
+    /// Binds every defined name, collects the parameters and records errors. Time is a parameter if
+    /// the text defines `t`, a formula uses `t`, an override sets `t`, or `is_timed` is true.
     pub(crate) fn parameters<'d>(
         &mut self,
         definitions: &[(&'d Definition, &BuiltStatement)],
@@ -131,7 +131,7 @@ impl<'a> DocumentReader<'a> {
     }
 }
 
-/// The value that an override gives to `name`.
+/// The constant that an override gives to `name`. `value` is the override's text.
 fn override_value(
     name: &str,
     value: &str,
@@ -154,7 +154,7 @@ fn override_value(
         let error = Error::new(span, ErrorKind::UnknownOverride { name: given });
         return Err(error.suggest_optional(span, meant));
     } else {
-        // A message shows `name=value`, so the places in the value move by the length of `name=`.
+        // A message shows `name=value`, so places in the value move by the length of `name=`.
         let moved = |place: Span| Span::new(place.start + span.end + 1, place.end + span.end + 1);
         return evaluate_text(value, limits).map_err(|mut error| {
             error.span = moved(error.span);
@@ -167,7 +167,7 @@ fn override_value(
     Err(Error::new(span, kind))
 }
 
-/// The value and range of a slider.
+/// The value and the range of a slider. `given` is the value from an override, if there is one.
 fn slider(
     definition: &Definition,
     given: Option<Constant>,
@@ -185,7 +185,7 @@ fn slider(
     Ok((value, Some(range)))
 }
 
-/// Returns whether a value certainly lies outside a range.
+/// Returns whether a value certainly lies outside the range from `low` to `high`.
 fn is_outside(value: &Constant, (low, high): &ConstantRange) -> bool {
     value.bounds().hi < low.bounds().lo || high.bounds().hi < value.bounds().lo
 }

@@ -1,4 +1,4 @@
-//! Reads a whole text: surfaces in one graph, parameters, domain, view and notes.
+//! Reads a whole text: its surfaces in one graph, parameters, domain, view and notes.
 
 use crate::dialect::program_reader::program;
 use crate::document::heading::heading;
@@ -24,12 +24,13 @@ use crate::tree::statement::{build, lines, resolve_heads};
 use rustc_hash::{FxHashMap, FxHashSet};
 use zeroset_ir::{Constant, Graph, NodeId};
 
-/// Inputs of reading besides the text.
+/// Options for reading a text.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options<'a> {
-    /// Names, each with a constant expression that replaces or supplies its definition, in order.
+    /// Overrides: names and the constant expressions that define them. If a name occurs twice, the
+    /// later override counts.
     pub overrides: &'a [(String, String)],
-    /// Value of the time `t`; it replaces the value in the document.
+    /// Value of the time `t`. This value replaces the document's value.
     pub time: Option<f64>,
     /// Limits on the text.
     pub limits: Limits,
@@ -42,25 +43,25 @@ pub struct Document {
     pub graph: Graph,
     /// The surfaces, in the order of the text; at least one.
     pub surfaces: Vec<Surface>,
-    /// Sliders and time, by ascending number.
+    /// Sliders and time, by ascending parameter number.
     pub parameters: Vec<Parameter>,
-    /// The `domain` line, if there is one.
+    /// Contents of the `domain` line, if there is one.
     pub domain: Option<DomainLine>,
-    /// The `view` line, if there is one.
+    /// Contents of the `view` line, if there is one.
     pub view: Option<ViewLine>,
     /// Look of the picture, if a `look` line sets one.
     pub look: Option<&'static zeroset_style::Look>,
     /// Background color, if a `background` line sets one.
     pub background: Option<SrgbColor>,
-    /// All other settings of the picture.
+    /// Settings of the picture that have no field of their own here.
     pub picture: PictureLines,
-    /// Places of all settings, in the order of the text.
+    /// Places of all lines about the picture, in the order of the text.
     pub lines: Vec<SettingLine>,
     /// First line of the comment at the start of the text, if there is one.
     pub title: Option<String>,
-    /// The remaining lines of that comment; empty without a comment.
+    /// The remaining lines of the comment at the start of the text; empty without such a comment.
     pub doc: String,
-    /// Notes, sorted by their places.
+    /// Notes on how the text was read, sorted by their places.
     pub notes: Vec<Note>,
 }
 
@@ -75,39 +76,39 @@ pub struct Surface {
     pub span: Span,
     /// The statement as it was read, in standard notation.
     pub echo: String,
-    /// Color from the last `color` line above the surface. If the last `color` line of the document
-    /// is below all surfaces, the first one below this surface counts instead.
+    /// Color from the last `color` line above the surface. But if the document's last `color` line
+    /// is below all surfaces, the first `color` line below this surface counts.
     pub color: Option<SurfaceColor>,
-    /// Opacity from 0 to 1: the share of light that the surface blocks. It is set by the `color`
-    /// line, or else by an `opacity` line that is chosen like the `color` line. The default is 1.
+    /// Opacity from 0 to 1: the share of light that the surface blocks. The `color` line sets it,
+    /// or else an `opacity` line, which the rule for `color` lines selects. The default is 1.
     pub opacity: f64,
-    /// True if a `hidden` line, chosen like the `color` line, hides the surface.
+    /// True if a `hidden` line hides the surface. The rule for `color` lines selects the line.
     pub hidden: bool,
 }
 
 /// Kind of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfaceKind {
-    /// An equation: only the zeros of the function count.
+    /// The zero set of an equation's function.
     Equation,
-    /// An inequality: the solid in which the function is ≤ 0.
+    /// The solid of an inequality, in which the function is ≤ 0.
     Solid,
 }
 
-/// A value that may change without recompiling.
+/// A named number of a document. Its value may change without recompiling.
 #[derive(Clone, Debug)]
 pub struct Parameter {
-    /// Its name.
+    /// Name of the parameter.
     pub name: String,
     /// Number of the parameter in the graph.
     pub number: u32,
-    /// Its value.
+    /// Value of the parameter.
     pub value: Constant,
-    /// Range of a slider, or the range of time that an animation repeats.
+    /// Range of a slider, or the range of time that an animation repeats, if the text gives one.
     pub range: Option<(Constant, Constant)>,
     /// Kind: a slider or time.
     pub kind: ParameterKind,
-    /// Place of its definition, if the text defines it.
+    /// Place of the parameter's definition, if the text defines it.
     pub span: Option<Span>,
 }
 
@@ -121,7 +122,7 @@ pub enum ParameterKind {
 }
 
 impl Document {
-    /// The line that begins with `word` and holds for surface number `surface`, if there is one.
+    /// The line that begins with `word` and applies to surface number `surface`, if there is one.
     pub fn line_for(&self, word: &str, surface: usize) -> Option<&SettingLine> {
         let place = self.surfaces.get(surface)?.span.start;
         let last = self.surfaces.last()?.span.start;
@@ -134,8 +135,8 @@ impl Document {
 /// Reads a document: one line or a whole file.
 ///
 /// # Errors
-/// The errors in the text and in overrides: at least one, and at most one for each statement or
-/// override.
+/// Fails if the text or an override has errors. Each statement and each override gives at most one
+/// error.
 pub fn read(text: &str, options: &Options<'_>) -> Result<Document, Errors> {
     DocumentReader::new(text, options).read()
 }
@@ -143,7 +144,7 @@ pub fn read(text: &str, options: &Options<'_>) -> Result<Document, Errors> {
 /// Reads a document from bytes that should be UTF-8.
 ///
 /// # Errors
-/// The errors of [`read`], or one for bytes that are not UTF-8.
+/// Fails with the errors of [`read`], or with one error if the bytes are not UTF-8.
 pub fn read_bytes(bytes: &[u8], options: &Options<'_>) -> Result<Document, Errors> {
     match std::str::from_utf8(bytes) {
         Ok(text) => read(text, options),
@@ -157,8 +158,7 @@ pub fn read_bytes(bytes: &[u8], options: &Options<'_>) -> Result<Document, Error
 /// Returns the statements of a text, with every name resolved.
 ///
 /// # Errors
-/// At least one error, and at most one for each statement. Lines about the picture are checked,
-/// too.
+/// Fails if a statement or a line about the picture has an error. Each gives at most one error.
 pub fn parse(text: &str, limits: &Limits) -> Result<Vec<Statement>, Errors> {
     let options = Options { limits: *limits, ..Options::default() };
     let mut reader = DocumentReader::new(text, &options);
@@ -166,7 +166,6 @@ pub fn parse(text: &str, limits: &Limits) -> Result<Vec<Statement>, Errors> {
     Ok(built.into_iter().map(|built| built.statement).collect())
 }
 
-/// State while a text is read.
 pub(crate) struct DocumentReader<'a> {
     text: &'a str,
     pub options: &'a Options<'a>,
@@ -186,8 +185,8 @@ impl<'a> DocumentReader<'a> {
         }
     }
 
-    /// Builds the trees of all statements, and the scope in which their names are resolved. Lines
-    /// about the picture are collected in `settings`.
+    /// Builds the trees of all statements, and the scope in which names are resolved. Collects
+    /// lines about the picture in `settings`.
     fn statements(&mut self) -> Result<(Vec<BuiltStatement>, Scope), Errors> {
         let program = program(self.text, &self.options.limits)?;
         let mut lines = lines(self.text, &program.statements)?;
@@ -245,7 +244,7 @@ impl<'a> DocumentReader<'a> {
         Ok((built, scope))
     }
 
-    /// The value of `result`, or `None` after recording its error.
+    /// The value of `result`, or `None` after recording the error of `result`.
     pub(crate) fn ok_or_record<T>(&mut self, result: Fallible<T>) -> Option<T> {
         result.map_err(|error| self.errors.push(*error)).ok()
     }
@@ -269,7 +268,7 @@ impl<'a> DocumentReader<'a> {
                 Statement::Draw { .. } => drawings.push(one),
             }
         }
-        // Only the last definition of a name counts, even for statements above it.
+        // Only the last definition of a name counts, even for statements above that definition.
         let mut last: FxHashMap<&str, usize> = FxHashMap::default();
         for (index, (definition, _)) in definitions.iter().enumerate() {
             if let Some(before) = last.insert(&definition.name.text, index) {
@@ -287,7 +286,7 @@ impl<'a> DocumentReader<'a> {
             built.iter().flat_map(|b| &b.used).chain(&settings.used).map(String::as_str).collect();
         if !drawings.is_empty() {
             let unused = definitions.iter().filter(|(d, _)| !used.contains(d.name.text.as_str()));
-            // A note compares the name with all known names; a bound keeps hostile texts cheap.
+            // Each note compares its name with all known names, so there is a limit on such notes.
             let notes = unused.take(MAX_ERRORS).map(|(d, _)| unused_note(d, &scope));
             self.notes.extend(notes);
         }
@@ -325,10 +324,10 @@ impl<'a> DocumentReader<'a> {
         self.notes.append(&mut lowering.notes);
         self.notes.extend(near_integer_notes(&lowering.graph, &surfaces));
         self.notes.sort_by_key(|note| note.span);
-        // A note that explains a name is given only once.
+        // A note that explains a name is given once, for all uses of the name.
         let mut seen = FxHashSet::default();
         self.notes.retain(|note| !note.kind.explains_a_name() || seen.insert(note.kind.clone()));
-        // Notes are limited, because each is printed with its line, which may be the whole text.
+        // There is a limit on notes, because each is printed with its line, perhaps the whole text.
         if let Some(note) = self.notes.get(MAX_NOTES) {
             let span = note.span;
             self.notes.truncate(MAX_NOTES);
@@ -352,7 +351,7 @@ impl<'a> DocumentReader<'a> {
     }
 }
 
-/// Sets color, opacity and visibility of each surface from the lines that apply to it.
+/// Sets the color, opacity and visibility of each surface from the lines that apply to it.
 fn style<'a>(
     surfaces: &mut [Surface],
     settings: &'a CollectedLines,
@@ -372,7 +371,7 @@ fn style<'a>(
     Ok(())
 }
 
-/// Drops generated definitions that no other statement needs.
+/// Drops each generated definition that no other statement needs, directly or through definitions.
 fn needed(built: Vec<BuiltStatement>, generated: &FxHashSet<String>) -> Vec<BuiltStatement> {
     let name = |built: &BuiltStatement| match &built.statement {
         Statement::Define(definition) if generated.contains(&definition.name.text) => {
@@ -410,7 +409,7 @@ fn near_integer_notes(graph: &Graph, surfaces: &[Surface]) -> Vec<Note> {
         let needed = graph.reachable(&[surface.root]);
         left.retain(|id| {
             if needed[id.index()] {
-                // A shared node is written out at each use, so only small exponents are quoted.
+                // Printing repeats a shared node at each use, so only small exponents are quoted.
                 let nodes = graph.reachable(&[*id]).into_iter().filter(|needed| *needed).count();
                 let exponent = match nodes {
                     0..=12 => short_name(&zeroset_ir::display(graph, *id, &[])),
@@ -425,7 +424,7 @@ fn near_integer_notes(graph: &Graph, surfaces: &[Surface]) -> Vec<Note> {
     notes
 }
 
-/// The note on a definition that nothing uses. It may be a formula with a typo in its left side.
+/// The note on an unused definition, which may be a formula with a typo in its left side.
 fn unused_note(definition: &Definition, scope: &Scope) -> Note {
     let Name { text: name, span } = &definition.name;
     let meant = scope.meant(name, definition.parameters.is_some());
@@ -456,7 +455,7 @@ fn surface<'a>(lowering: &mut Lowering<'a>, built: &'a BuiltStatement) -> Fallib
     })
 }
 
-/// The text of a drawing as it was read. A plain formula gets the `= 0` that it implies.
+/// The text of a drawing as it was read. A formula without a relation gets `= 0`.
 fn echo(expr: &Expr, restrictions: &[Expr]) -> String {
     if expr.is_condition() {
         return Drawing { expr, restrictions }.to_string();

@@ -1,11 +1,11 @@
-//! Finds definitions that use one another in a circle.
+//! Finds definitions that depend on themselves.
 
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::tree::ast::Definition;
 use crate::tree::built_statement::BuiltStatement;
 use rustc_hash::FxHashMap;
 
-/// Fails if definitions use one another in a circle.
+/// Fails if a definition depends on itself, directly or through other definitions.
 pub(crate) fn no_recursion(definitions: &[(&Definition, &BuiltStatement)]) -> Fallible<()> {
     const NEW: u8 = 0;
     const OPEN: u8 = 1;
@@ -29,7 +29,8 @@ pub(crate) fn no_recursion(definitions: &[(&Definition, &BuiltStatement)]) -> Fa
         if state[start] != NEW {
             continue;
         }
-        // Stack of a depth-first search: each definition, and how many of its uses were followed.
+        // Stack of a depth-first search: definitions, each with the number of its uses already
+        // followed.
         let mut path: Vec<(usize, usize)> = vec![(start, 0)];
         state[start] = OPEN;
         while let Some((at, followed)) = path.last_mut() {

@@ -1,8 +1,8 @@
-//! Rewrites the tokens of one statement to the form that the grammar reads. This covers choices in
-//! any notation, lists, ranges, decimal commas and labels.
+//! Rewrites the tokens of one statement to the form that the grammar reads. Rewrites choices in any
+//! notation, lists, ranges, decimal commas and labels.
 //!
 //! Tokens keep their order and their places in the text. A bracket that was not typed has an empty
-//! span. Nothing here knows what a name means.
+//! span. Nothing here knows the meanings of names.
 
 use crate::lex::environment::{matrix, scalar_products};
 use crate::lex::lexer::OTHERWISE;
@@ -27,7 +27,7 @@ impl TokenTree {
         matches!(self, Self::Leaf(token) if token.kind == kind)
     }
 
-    /// Changes the kind of a leaf.
+    /// Changes the kind of a single token. Does nothing to a group.
     fn set(&mut self, kind: TokenKind) {
         if let Self::Leaf(token) = self {
             token.kind = kind;
@@ -51,7 +51,7 @@ pub(crate) fn statements(text: &str, limits: &Limits) -> Fallible<Vec<LexedState
     Ok(pieces)
 }
 
-/// The statement that `tokens` form, ready for the grammar; `None` if no token remains.
+/// The statement that `tokens` form, ready for the grammar; `None` if the statement is empty.
 pub(crate) fn arrange(
     text: &str,
     tokens: Vec<Token>,
@@ -70,7 +70,7 @@ pub(crate) fn arrange(
     let mut arranger = Arranger { text, limits, notes: Vec::new(), depth: 0, is_setting };
     let mut tokens = tokens.into_iter().peekable();
     let mut arranged = arranger.level(&mut tokens, None)?;
-    // These tokens have a meaning only in constructs that are already rewritten.
+    // The tokens of these kinds that are left have no meaning in any notation.
     for token in &mut arranged {
         if matches!(token.kind, Ampersand | QuestionMark | RowEnd | At | Over) {
             token.kind = Unknown;
@@ -82,7 +82,7 @@ pub(crate) fn arrange(
     LexedStatement::new(scalar_products(text, arranged), arranger.notes).map(Some)
 }
 
-/// Removes a label, punctuation at the end, and marks of emphasis or quotation.
+/// Removes a label, punctuation at the end, and marks of bold text or of a quotation.
 fn trim(text: &str, tokens: &mut Vec<Token>) {
     let typed = |token: &Token| &text[token.span.range()];
     while tokens.len() > 1
@@ -92,7 +92,7 @@ fn trim(text: &str, tokens: &mut Vec<Token>) {
     {
         tokens.pop();
     }
-    // Marks of bold text or a quotation. Below, the `>` of a quoted e-mail.
+    // Removes the marks of bold text or quotation marks, then the `>` of a quoted e-mail.
     if let [first, .., last] = tokens.as_slice()
         && [("**", "**"), ("‘", "’"), ("'", "'")].contains(&(typed(first), typed(last)))
     {
@@ -111,8 +111,8 @@ fn trim(text: &str, tokens: &mut Vec<Token>) {
     }
 }
 
-/// Removes notation of spreadsheet cells: the `=` in front, semicolons between arguments, and the
-/// brackets of `PI()`.
+/// Removes the notation of a spreadsheet cell: the `=` in front, the brackets of `PI()`, and
+/// semicolons between arguments, which become commas.
 fn spreadsheet(text: &str, tokens: &mut Vec<Token>) {
     if tokens.len() < 2 || tokens[0].kind != Equals {
         return;
@@ -154,11 +154,11 @@ impl Arranger<'_> {
         }
     }
 
-    /// Arranges the tokens up to the bracket that closes `open`. That bracket is not consumed.
+    /// Arranges the tokens before the bracket that closes `open`. Leaves that bracket in `tokens`.
     fn level(&mut self, tokens: &mut Tokens, open: Option<Token>) -> Fallible<Vec<Token>> {
         let in_pieces = open.is_some_and(|open| open.kind == OpenChoice);
         let in_matrix = open.is_some_and(|open| open.kind == OpenMatrix);
-        // The parts between commas, each with the comma after it.
+        // The parts between commas, each with the comma that ends it.
         let mut segments: Vec<(Vec<TokenTree>, Option<Token>)> = Vec::new();
         let mut segment: Vec<TokenTree> = Vec::new();
         while let Some(mut token) = tokens.peek().copied() {
@@ -169,8 +169,8 @@ impl Arranger<'_> {
             if token.kind.closer().is_some() {
                 let inner = self.level(tokens, Some(token))?;
                 let Some(close) = tokens.next() else { break };
-                // The lexer skips the word in `{\text{for}}`, so its braces are skipped, too. After
-                // the expansion of a macro, `close` may come first in the text, hence `get`.
+                // The lexer skips the word in `{\text{for}}`, so the braces are skipped too. `get`
+                // is needed because an expanded macro may put `close` before `token` in the text.
                 let between = self.text.get(token.span.end..close.span.start).unwrap_or("");
                 if inner.is_empty() && token.kind == OpenBrace && between.contains(r"\text") {
                     continue;
@@ -192,7 +192,7 @@ impl Arranger<'_> {
                 segment.push(TokenTree::Leaf(merged));
                 continue;
             }
-            // In a choice, a comma before a condition or before the end of a row separates nothing.
+            // In a choice, a comma before a condition or at the end of a row separates nothing.
             let is_empty = segment.is_empty() && in_pieces;
             let ends_value = in_pieces
                 && tokens.peek().is_some_and(|next| matches!(next.kind, If | RowEnd | CloseChoice));
@@ -207,11 +207,11 @@ impl Arranger<'_> {
                 matches!(open.kind, OpenParen | OpenBracket | OpenChoice | OpenMatrix)
             })
         {
-            // Drops the empty part after a trailing comma.
+            // A trailing comma leaves an empty part, which is dropped.
             segments.pop();
         }
         if open.is_some_and(|open| open.kind == OpenParen) {
-            // Drops options of numpy and SymPy that do not change the value.
+            // Options of numpy and SymPy that do not change the value are dropped.
             let is_option = |(segment, _): &(Vec<TokenTree>, Option<Token>)| {
                 segment.len() > 2
                     && segment[1].is(Equals)
@@ -230,8 +230,8 @@ impl Arranger<'_> {
         Ok(arranged)
     }
 
-    /// Groups a pair of brackets and decides what braces are: a choice if they hold a colon, a list
-    /// if they hold a comma.
+    /// Groups a pair of brackets with its contents. Braces are a choice if they hold a colon, and
+    /// may be a list if they hold a comma.
     fn group(
         &self,
         (mut open, mut close): (Token, Token),
@@ -262,7 +262,7 @@ impl Arranger<'_> {
         TokenTree::Group(open, inner, close)
     }
 
-    /// The number `0,5` as one token, if the comma cannot separate two values here.
+    /// The number `0,5` as one token, if the comma cannot separate two values.
     fn decimal_comma(
         &mut self,
         before: &[TokenTree],
@@ -280,7 +280,7 @@ impl Arranger<'_> {
         let is_whole = are_numbers && digits(*number) && digits(next);
         let separates = match open {
             None => self.is_setting,
-            // Brackets after a name may hold arguments, and two numbers alone may be a point.
+            // Brackets after a name may hold arguments. Two numbers alone may be a point.
             Some(open) => {
                 let behind = self.text[..open.span.start].trim_end().chars().next_back();
                 let is_call = behind.is_some_and(|c| is_name_char(c) || ")]}".contains(c));
@@ -307,7 +307,7 @@ impl Arranger<'_> {
             self.words(&mut nodes);
         }
         for index in 1..nodes.len() {
-            // numpy joins conditions as in `(a) & (b)`.
+            // numpy joins conditions by `&`, as in `(a) & (b)`.
             if let [TokenTree::Group(..), sign, TokenTree::Group(..), ..] = &mut nodes[index - 1..]
                 && sign.is(Ampersand)
             {
@@ -327,7 +327,7 @@ impl Arranger<'_> {
         let is_conditional = nodes.iter().skip(1).any(|node| self.word(node) == "if")
             && nodes.iter().any(|node| self.word(node) == "else");
         if is_ternary || is_conditional {
-            // The left side of an equation is not part of the choice on its right.
+            // The left side of an equation is no part of a choice on the right side.
             let choice = nodes
                 .iter()
                 .position(|node| node.is(QuestionMark) || self.word(node) == "if")
@@ -364,8 +364,8 @@ impl Arranger<'_> {
         nodes.push(TokenTree::Group(open, inner, Token::new(CloseBrace, Span::at(end))));
     }
 
-    /// Rewrites `a mod b` as `a % b`. The word must follow an operand or a bar. It must not precede
-    /// brackets with several arguments.
+    /// Rewrites `a mod b` as `a % b`. `mod` must follow an operand or a bar, and must not precede
+    /// brackets with several arguments, as in `mod(a, b)`.
     fn infix(&self, nodes: &mut [TokenTree]) {
         for index in 1..nodes.len() {
             let is_call = |next: &TokenTree| matches!(next, TokenTree::Group(_, inner, _) if inner.iter().any(|token| token.kind == Comma));
@@ -399,7 +399,7 @@ impl Arranger<'_> {
         }
     }
 
-    /// Sets the kinds of words that have a role in brackets: in ranges, generators, choices.
+    /// Sets the kinds of words that have a role inside brackets: in ranges, generators or choices.
     fn words(&self, nodes: &mut [TokenTree]) {
         if nodes.iter().any(|node| node.is(Dots))
             && let Some(TokenTree::Leaf(equals)) = nodes.get_mut(1)
@@ -419,7 +419,7 @@ impl Arranger<'_> {
             let within = nodes[index - 1].is(In);
             let kind = match self.word(&nodes[index]) {
                 word if follows && OTHERWISE.contains(&word) => Otherwise,
-                // `flatten` drops this word: the `If` before it separates the condition.
+                // `flatten` drops this word. The `If` before it already separates the condition.
                 "for" | "if" if follows => Blank,
                 "for" => For,
                 "range" if within => RangeCall,
@@ -429,7 +429,7 @@ impl Arranger<'_> {
         }
     }
 
-    /// Appends `c ? a : b` or `a if c else b` to `out`, as the pieces of a choice.
+    /// Appends `c ? a : b` or `a if c else b` to `out`, as a choice.
     fn push_choice(
         &mut self,
         nodes: Vec<TokenTree>,
@@ -445,7 +445,8 @@ impl Arranger<'_> {
         out.push(Token::new(OpenChoice, Span::at(span.start)));
         let end = nodes.last().map_or(span.end, |node| node.span().end);
         let mut rest = VecDeque::from(nodes);
-        // Each iteration takes one piece: the nodes before the first sign, and between both.
+        // Each iteration takes one piece: the nodes before `?` or `if`, then those up to `:` or
+        // `else`.
         while let Some((first, second)) = self.choice_signs(rest.iter(), is_ternary) {
             let joint = rest[second].span();
             let sign = rest[first].span();
@@ -464,7 +465,7 @@ impl Arranger<'_> {
         Ok(())
     }
 
-    /// Appends a part of a choice, which may itself be a choice.
+    /// Appends a part of a choice to `out`. The part may itself be a choice.
     fn part(
         &mut self,
         nodes: Vec<TokenTree>,
@@ -478,7 +479,7 @@ impl Arranger<'_> {
         Ok(())
     }
 
-    /// Indices of the first `?` or `if`, and of the `:` or `else` that belongs to it.
+    /// Indices of the first `?` or `if`, and of its `:` or `else`.
     fn choice_signs<'n>(
         &self,
         nodes: impl Iterator<Item = &'n TokenTree> + Clone,
@@ -506,7 +507,7 @@ impl Arranger<'_> {
     }
 }
 
-/// Returns whether brackets after `before` hold its arguments.
+/// Returns whether brackets directly after `before` hold arguments of `before`.
 fn is_called(before: Option<&TokenTree>) -> bool {
     matches!(before, Some(TokenTree::Leaf(token)) if token.kind == TokenKind::Name)
 }
@@ -527,13 +528,13 @@ fn over(mut nodes: Vec<TokenTree>, at: usize, out: &mut Vec<Token>) {
     }
 }
 
-/// Returns whether brackets hold nothing but one list.
+/// Returns whether the tokens `inner` are exactly one list.
 fn is_one_list(inner: &[Token]) -> bool {
     let closes = inner.iter().position(|token| token.kind == CloseList);
     inner.first().is_some_and(|token| token.kind == OpenList) && closes == Some(inner.len() - 1)
 }
 
-/// Appends all tokens of `nodes` to `out`, in order and without blanks.
+/// Appends all tokens of `nodes` except `Blank` tokens to `out`, in order.
 fn flatten(nodes: Vec<TokenTree>, out: &mut Vec<Token>) {
     for node in nodes {
         match node {

@@ -1,4 +1,4 @@
-//! Decides for each bar whether it opens or closes, and which two bars together mean `or`.
+//! Decides which bars open, which close, and which pairs of bars mean `or`.
 
 use crate::lex::token::Token;
 use crate::lex::token_kind::TokenKind::{self, *};
@@ -7,7 +7,6 @@ use crate::messages::error::{Error, ErrorKind, Fallible};
 /// Largest number of bars that may be open at once.
 const DEPTH: usize = 12;
 
-/// Role of a bar.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Role {
     Opens,
@@ -18,22 +17,22 @@ enum Role {
 
 const ROLES: [Role; 3] = [Role::Opens, Role::Closes, Role::Joins];
 
-/// The cheapest roles for the first bars, given the role of the last of them and the number of bars
-/// open after it.
+/// The cheapest roles for the bars up to some bar, the last. The index in [`Readings`] tells the
+/// role of the last bar, and the number of bars that are open after the last bar.
 #[derive(Clone, Copy)]
 struct Reading {
-    /// Sum of the costs of the roles; the reading with the lowest cost wins.
+    /// Sum of the costs of the bars' roles. The reading with the lowest cost wins.
     cost: u32,
-    /// True if another reading has the same cost.
+    /// True if another choice of roles for the same bars has the same cost.
     is_tied: bool,
-    /// Role of the bar before the last one.
+    /// Role of the bar before the last bar.
     before: Role,
 }
 
-/// Readings that end with one bar, indexed by the number of bars open after it and by its role.
+/// Readings up to one bar. Indices: the number of bars open after that bar, and that bar's role.
 type Readings = [[Option<Reading>; ROLES.len()]; DEPTH + 1];
 
-/// The bars at one level of brackets.
+/// The bars directly within one pair of brackets.
 #[derive(Default)]
 struct BarLevel {
     /// Token indices of the bars.
@@ -50,7 +49,7 @@ impl BarLevel {
         self.signs.get(first).is_some_and(|sign| *sign < self.places[bar])
     }
 
-    /// Returns whether there are relations, `and` or `or` both before and after a bar.
+    /// Returns whether a relation, `and` or `or` stands on each side of a bar, at any distance.
     fn is_between_relations(&self, bar: usize) -> bool {
         let place = self.places[bar];
         self.signs.first().is_some_and(|sign| *sign < place)
@@ -58,12 +57,12 @@ impl BarLevel {
     }
 }
 
-/// Cost of a comparison within bars, or of an `or` that does not join two comparisons.
+/// Cost of a relation within bars, and of an `or` of two bars that does not join two comparisons.
 const UNLIKELY: u32 = 1000;
 
-/// Sets the role of each bar, separately within each pair of brackets. The pairing with the fewest
-/// implicit products next to a bar is chosen. Fails if no single pairing is best. Two adjacent bars
-/// after an operand may mean `or` if no bar is open.
+/// Decides the role of each bar, separately within each pair of brackets. Two adjacent bars after
+/// an operand may mean `or` if no bar is open. An implicit product next to a bar costs 1, and the
+/// roles with the lowest cost win. Fails if two choices of roles tie, or if none is possible.
 pub(crate) fn pair_bars(tokens: &mut Vec<Token>) -> Fallible<()> {
     if !tokens.iter().any(|token| matches!(token.kind, Bar | OpenBar | CloseBar)) {
         return Ok(());
@@ -94,7 +93,7 @@ fn pair(tokens: &mut [Token], level: &BarLevel) -> Fallible<()> {
     let places = &level.places;
     let (Some(&first), Some(&last)) = (places.first(), places.last()) else { return Ok(()) };
     let mut readings: Vec<Readings> = vec![[[None; ROLES.len()]; DEPTH + 1]; places.len() + 1];
-    // The search begins as if an `or` stood before the first bar.
+    // Before the first bar, the search is in the state that follows an `or`.
     readings[0][0][Role::Joins as usize] =
         Some(Reading { cost: 0, is_tied: false, before: Role::Joins });
     for bar in 0..places.len() {
@@ -146,7 +145,7 @@ fn pair(tokens: &mut [Token], level: &BarLevel) -> Fallible<()> {
     Ok(())
 }
 
-/// Extends a reading of the bars before `bar` by each possible role of `bar`.
+/// Extends a reading that ends before `bar` by each possible role of `bar`.
 fn extend_reading(
     tokens: &[Token],
     level: &BarLevel,
@@ -174,7 +173,7 @@ fn extend_reading(
     };
     let typed = tokens[index].kind;
     if typed != CloseBar && depth < DEPTH && (!ends || begins(after)) {
-        // Bars directly within bars are redundant, so they cost as much as an implicit product.
+        // A bar that opens directly after another bar costs as much as an implicit product.
         add(1, depth + 1, Role::Opens, (ends || follows_bar).into());
     }
     if typed != OpenBar && depth > 0 && ends {
@@ -202,7 +201,7 @@ mod tests {
         pair_bars(&mut statements[0]).err().map(|e| e.kind)
     }
 
-    /// The text with its bars replaced: `(` if a bar opens, `)` if it closes, `∨` for `or`.
+    /// The text with bars replaced: `(` for an opening bar, `)` for a closing one, `∨` for `or`.
     fn paired(text: &str) -> String {
         let mut statements = scan(text, &Limits::default()).expect("brackets are paired");
         pair_bars(&mut statements[0]).expect("bars are paired");

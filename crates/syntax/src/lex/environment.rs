@@ -1,5 +1,5 @@
-//! Reads LaTeX environments: pieces of a choice, aligned lines, or the rows of a matrix. Matrices
-//! become lists of lists, as in the rest of the language.
+//! Reads LaTeX environments: pieces of a choice, aligned lines, or the rows of a matrix. A matrix
+//! becomes a list of lists, as elsewhere in the language.
 
 use crate::lex::spelling::start;
 use crate::lex::token::{Token, closing, is_outside, outside};
@@ -18,7 +18,7 @@ const BARRED: &[&str] = &["vmatrix", "Vmatrix"];
 /// Number of bytes within which an environment must end.
 const MAX_ENVIRONMENT_BYTES: usize = 10_000;
 
-/// The token of `\begin{…}` or `\end{…}`, and its length. `last` is the token before it.
+/// The token of `\begin{…}` or `\end{…}`, and its length. `last` is the preceding token's kind.
 pub(crate) fn environment(rest: &str, begins: bool, last: Option<TokenKind>) -> (TokenKind, usize) {
     let open = if begins { r"\begin{".len() } else { r"\end{".len() };
     let Some(length) = start(rest, 60).get(open..).and_then(|name| name.find('}')) else {
@@ -30,15 +30,16 @@ pub(crate) fn environment(rest: &str, begins: bool, last: Option<TokenKind>) -> 
     if !PIECES.contains(&name) && !is_matrix {
         return (if begins { OpenAlignment } else { CloseAlignment }, end);
     }
-    // Skips the columns of an array, such as `{ll}`.
+    // Skips the column format of an array, such as `{ll}`.
     if let Some(columns) = rest[end..].strip_prefix('{').filter(|_| begins && name == "array") {
         end += columns.find('}').map_or(0, |length| length + 2);
     }
     let kind = match (begins, last) {
-        // The scanner changes this kind if the `\begin` opened something else.
+        // The scanner changes this kind if the matching `\begin` opened a choice or an alignment.
         (false, _) => CloseMatrix,
         (true, _) if is_matrix => OpenMatrix,
-        // An array in brackets or bars is a matrix. One that is the whole statement may hold lines.
+        // An array after a bracket or bar is a matrix. At the start of a statement, an environment
+        // may hold lines.
         (true, Some(OpenParen | OpenBracket | Bar | OpenBar)) if name == "array" => OpenMatrix,
         (true, None) if holds_lines(&rest[end..], name) => OpenAlignment,
         _ => OpenChoice,
@@ -46,9 +47,9 @@ pub(crate) fn environment(rest: &str, begins: bool, last: Option<TokenKind>) -> 
     (kind, end)
 }
 
-/// Returns whether each row of an environment is a separate formula. `rest` is the text after
-/// `\begin{…}`. The environment must end its statement. Its rows must have no columns, except in an
-/// array that is aligned at its relations.
+/// Returns whether each row of the environment `name` is a separate formula. `rest` is the text
+/// after `\begin{…}`. The environment must end its statement. Its rows must have no columns, except
+/// for the alignment of an array at relations.
 fn holds_lines(rest: &str, name: &str) -> bool {
     let close = format!(r"\end{{{name}}}");
     let Some((inner, behind)) = start(rest, MAX_ENVIRONMENT_BYTES).split_once(&close) else {
@@ -70,9 +71,9 @@ fn holds_lines(rest: &str, name: &str) -> bool {
         })
 }
 
-/// Returns a matrix as a list of lists, or as a single list if it has one row or one column.
-/// `inner` has commas between elements and `RowEnd` between rows. The two other tokens enclose the
-/// list: bars for an environment such as `vmatrix`, otherwise brackets.
+/// Returns a matrix as a list of lists. A matrix of one row or one column becomes a single list. In
+/// `inner`, commas separate elements and `RowEnd` separates rows. Also returns the tokens that
+/// enclose the list: bars for an environment such as `vmatrix`, otherwise brackets.
 pub(crate) fn matrix(
     typed: &str,
     (open, close): (Token, Token),
@@ -98,8 +99,8 @@ pub(crate) fn matrix(
     (at(open.span, before), all, at(close.span, behind))
 }
 
-/// Rewrites `row matrix column` as the scalar product of `(row matrix)` and the column, since later
-/// stages do not tell rows from columns. A transposed column is a row.
+/// Rewrites `row matrix column` as the scalar product of `(row matrix)` and `column`. Later stages
+/// do not tell rows from columns. A transposed column counts as a row.
 pub(crate) fn scalar_products(text: &str, tokens: Vec<Token>) -> Vec<Token> {
     if !tokens.iter().any(|token| begins_matrix(text, *token)) {
         return tokens;
@@ -133,7 +134,7 @@ fn begins_matrix(text: &str, token: Token) -> bool {
     token.kind == OpenParen && text[token.span.range()].starts_with(r"\begin{")
 }
 
-/// Length of the row vector at the start of `tokens`, without and with its transposition sign.
+/// Tokens of the row vector at the start of `tokens`, without and with a transposition sign.
 fn row(text: &str, tokens: &[Token]) -> Option<(usize, usize)> {
     let end = closing(tokens).filter(|_| begins_matrix(text, tokens[0]))? + 1;
     match shape(text, &tokens[..end]) {
@@ -143,7 +144,7 @@ fn row(text: &str, tokens: &[Token]) -> Option<(usize, usize)> {
     }
 }
 
-/// `Ampersand` for a matrix of a single row, `RowEnd` for a single column, else `None`.
+/// `Ampersand` for a matrix of one row, `RowEnd` for a matrix of one column, otherwise `None`.
 fn shape(text: &str, tokens: &[Token]) -> Option<TokenKind> {
     let commas = || tokens.iter().filter(|token| token.kind == Comma);
     let is_list = tokens.get(2).is_some_and(|first| first.kind == OpenList);
@@ -151,7 +152,7 @@ fn shape(text: &str, tokens: &[Token]) -> Option<TokenKind> {
     (!is_list).then_some(if of_columns { Ampersand } else { RowEnd })
 }
 
-/// Length of the transposition sign at the start of `tokens`.
+/// Number of tokens in the transposition sign at the start of `tokens`.
 fn transposed(text: &str, tokens: &[Token]) -> Option<usize> {
     let is_sign = |token: &Token| matches!(&text[token.span.range()], "T" | r"\top" | r"\intercal");
     match tokens {
@@ -168,8 +169,8 @@ fn transposed(text: &str, tokens: &[Token]) -> Option<usize> {
     }
 }
 
-/// Finds a column vector after matrices and names. Returns the number of tokens of these factors,
-/// and the index of the column vector.
+/// Finds a column vector that follows matrices and names. Returns the number of tokens before the
+/// vector, without a last `*`, and the index of the vector's first token.
 fn factors(text: &str, tokens: &[Token]) -> Option<(usize, usize)> {
     let (mut at, mut end) = (0, 0);
     loop {

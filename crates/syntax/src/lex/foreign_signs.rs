@@ -1,4 +1,4 @@
-//! Reads signs of other languages, markup and typesetting. Each becomes a token or is skipped.
+//! Reads signs of other languages, markup and typesetting. Each sign becomes a token or is skipped.
 
 use crate::lex::spelling::{is_name_char, line_length, plain, prefix_length, start, token_kind};
 use crate::lex::token::LexContext;
@@ -10,7 +10,7 @@ const TAGS: &[&str] = &["math", "i", "em", "b", "span", "p", "code", "var", "br"
 /// Words of POV-Ray before a definition.
 const DECLARES: &[&str] = &["#declare ", "#local "];
 
-/// The token of a foreign sign at the start of `rest`, and its length in bytes.
+/// The token of a foreign sign at the start of `rest`, and the sign's length in bytes.
 pub(crate) fn foreign(rest: &str, context: LexContext) -> Option<(TokenKind, usize)> {
     let first = rest.chars().next()?;
     let length = first.len_utf8();
@@ -25,7 +25,7 @@ pub(crate) fn foreign(rest: &str, context: LexContext) -> Option<(TokenKind, usi
             let word = DECLARES.iter().find(|word| rest.starts_with(**word))?;
             Some((Blank, word.len()))
         }
-        // In MATLAB, a percent sign begins a comment. After an operand it is a remainder.
+        // At the start of a statement, a percent sign begins a comment, as in MATLAB.
         '%' if context.last.is_none() => Some((Blank, line_length(rest))),
         '%' if context.last.is_some_and(TokenKind::ends_operand) && divides(&rest[1..]) => {
             Some((Remainder, 1))
@@ -62,7 +62,7 @@ pub(crate) fn foreign(rest: &str, context: LexContext) -> Option<(TokenKind, usi
             (context.touching == Some(CloseBrace) && rest[1..].starts_with('{'))
                 .then_some((DotProduct, 1))
         }
-        // Quotation marks around a formula are skipped.
+        // Quotation marks around a formula, which are skipped.
         '"' | '`' | '“' | '”' | '„' => {
             let next = start(&rest[length..], 20);
             let line = next[..line_length(next)].trim();
@@ -84,8 +84,8 @@ pub(crate) fn foreign(rest: &str, context: LexContext) -> Option<(TokenKind, usi
     }
 }
 
-/// Returns whether `rest` begins with a divisor, perhaps after a minus: a number, a bracket, or a
-/// name of one or two letters that is not the first word of a comment.
+/// Returns whether `rest`, after an optional minus, begins with a divisor: a number, a bracket, or
+/// a name of one or two letters. A name before another word is no divisor but begins a comment.
 fn divides(rest: &str) -> bool {
     let rest = rest.trim_start_matches(' ');
     let rest = rest.strip_prefix('-').unwrap_or(rest);
@@ -95,7 +95,7 @@ fn divides(rest: &str) -> bool {
         || matches!(name, 1 | 2) && !behind.starts_with(char::is_alphabetic)
 }
 
-/// The token of a tag and its length: a power for `<sup>`, a blank for tags around a formula.
+/// The token of a tag, and the tag's length. `<sup>` gives a power, and other tags a blank.
 fn tag(rest: &str) -> Option<(TokenKind, usize)> {
     let end = start(rest, 80).find('>')?;
     let inner = rest[1..end].strip_prefix('/').unwrap_or(&rest[1..end]);
@@ -112,11 +112,11 @@ fn tag(rest: &str) -> Option<(TokenKind, usize)> {
             return Some((Blank, end + 1));
         }
         let close = start(&rest[end + 1..], 40).find("</sup>")?;
-        // A longer exponent, such as a sum, would need brackets.
+        // `<sup>` is read only around a name or number. A sum, for example, would need brackets.
         let is_short = rest[end + 1..end + 1 + close].chars().all(is_name_char);
         return is_short.then_some((Caret, end + 1));
     }
-    // `x <b> y` is a comparison, so a tag needs its closing tag.
+    // `x <b> y` is a comparison, so an opening tag counts only if its closing tag follows.
     let closes = || {
         let close = format!("</{word}>");
         start(&rest[end + 1..], 400).contains(&close)

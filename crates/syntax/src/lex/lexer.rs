@@ -1,6 +1,6 @@
 //! Recognizes the token at the start of a text, from its characters and a little context.
 //!
-//! Pasted notations become the tokens of this language: LaTeX environments, comments of other
+//! Pasted notations become tokens of this language: LaTeX environments, comments of other
 //! languages, names of modules before functions, components of vectors.
 
 use crate::lex::environment::environment;
@@ -12,23 +12,23 @@ use crate::lex::spelling::{
 use crate::lex::token::LexContext;
 use crate::lex::token_kind::TokenKind::{self, *};
 
-/// Names of modules, as in `np.sin`. They are skipped before a dot and a name.
+/// Names of modules, as in `np.sin`. A module's name is skipped before a dot and a name.
 const MODULES: &[&str] = &[
     "np", "numpy", "math", "Math", "sp", "sympy", "scipy", "jnp", "torch", "tf", "glm", "linalg",
     "mpmath", "mp", "cp", "xp", "Mathf",
 ];
 
-/// LaTeX commands whose text in braces is not part of a formula.
+/// LaTeX commands whose braces hold text that is not part of a formula.
 const LABELS: &[&str] = &["tag", "label"];
 
 /// Words in `\text{…}` that only introduce a condition, or mean nothing.
 const CONDITION_WORDS: &[&str] = &["if", "for", "when", "where", "while", "with", ""];
 
-/// Words for the last piece of a choice, which applies where no condition holds.
+/// Words for the last piece of a choice, which counts where no condition holds.
 pub(crate) const OTHERWISE: &[&str] =
     &["otherwise", "else", "elsewhere", "True", "true", "default"];
 
-/// The token at the start of `rest`, and its length in bytes. Text to skip is a `Blank`.
+/// The token at the start of `rest`, and its length in bytes. Skipped text is a `Blank`.
 pub(crate) fn lex(rest: &str, context: LexContext) -> (TokenKind, usize) {
     let Some(character) = rest.chars().next() else {
         return (Blank, 0);
@@ -63,7 +63,7 @@ pub(crate) fn lex(rest: &str, context: LexContext) -> (TokenKind, usize) {
             (Unknown, 1)
         }
         '&' if !rest.starts_with("&&") => (Ampersand, 1),
-        // `5!!` and `!=` are not factorials.
+        // The signs in `5!!` and `!=` are not factorials.
         '!' if context.last.is_some_and(TokenKind::ends_operand)
             && context.last != Some(Factorial)
             && !rest[1..].starts_with(['!', '=']) =>
@@ -86,21 +86,21 @@ pub(crate) fn lex(rest: &str, context: LexContext) -> (TokenKind, usize) {
         }
         _ if vulgar(character).is_some() => (VulgarFraction, length),
         'ℯ' => (TokenKind::Name, length),
-        // A degree sign after an operand is read as a name.
+        // After an operand, a degree sign is read as a name.
         '°' if context.last.is_some_and(TokenKind::ends_operand) => (TokenKind::Name, length),
         _ if character.is_alphabetic() => {
-            // A name ends with its Unicode subscript.
+            // A name ends after its Unicode subscript.
             let is_below = |c: char| ('₀'..='₉').contains(&c);
             let end = prefix_length(rest, is_name_char);
             let below = rest[..end].find(is_below);
             let end = below.map_or(end, |at| at + prefix_length(&rest[at..], is_below));
-            // After an operand `AND` and `OR` join conditions. Elsewhere they may be functions.
+            // After an operand, `AND` and `OR` join conditions. Elsewhere they may name functions.
             let is_joint = context.last.is_some_and(TokenKind::ends_operand);
             match &rest[..end] {
                 "AND" if is_joint => return (And, end),
                 "OR" if is_joint => return (Or, end),
                 "NOT" => return (Not, end),
-                // A part of `\frac` without braces is one letter.
+                // A part of `\frac` without braces is a single letter.
                 word if context.is_part && !word.is_empty() => return name(rest, length),
                 _ => {}
             }
@@ -114,7 +114,7 @@ pub(crate) fn lex(rest: &str, context: LexContext) -> (TokenKind, usize) {
             }
         }
         _ => {
-            // The longer spelling is tried first: `<=` begins with `<`.
+            // Two characters are tried before one, because `<=` begins with `<`.
             let two = rest.char_indices().nth(2).map_or(rest.len(), |(at, _)| at);
             let found =
                 [two, length].into_iter().find_map(|end| Some((token_kind(&rest[..end])?, end)));
@@ -128,21 +128,21 @@ const MAX_COMMENT_BYTES: usize = 10_000;
 
 /// Length of the comment, Markdown mark or line continuation at the start of `rest`.
 fn comment(rest: &str, context: LexContext) -> Option<usize> {
-    // A comment must be closed; otherwise its opening mark would hide all text after it.
+    // A comment must be closed. Otherwise a stray opening mark would hide the rest of the text.
     for (open, close) in [("/*", "*/"), ("(*", "*)"), ("\"\"\"", "\"\"\"")] {
         if let Some(inner) = rest.strip_prefix(open) {
             let length = start(inner, MAX_COMMENT_BYTES).find(close);
             return length.map(|length| open.len() + length + close.len());
         }
     }
-    // Marks of Markdown: the fence of a code block, then a bullet.
+    // Marks of Markdown: a fence of a code block, or a bullet.
     if context.starts_line && rest.starts_with("```") {
         return Some(line_length(rest));
     }
     if context.starts_line && context.last.is_none() && rest.starts_with('•') {
         return Some('•'.len_utf8());
     }
-    // A backslash at the end of a line continues it on the next line.
+    // A backslash at the end of a line: the next line continues the statement.
     if let Some(blank) = rest.strip_prefix('\\') {
         let blank = blank.strip_prefix('\r').unwrap_or(blank);
         if blank.starts_with('\n') {
@@ -152,12 +152,12 @@ fn comment(rest: &str, context: LexContext) -> Option<usize> {
     (context.starts_line && rest.starts_with('%')).then(|| line_length(rest))
 }
 
-/// Returns whether a component can follow `kind`: a vector is a name or stands in brackets.
+/// Returns whether a component such as `.xz` can follow a token of `kind`.
 fn ends_value(kind: TokenKind) -> bool {
     matches!(kind, TokenKind::Name | Component) || kind.is_axis() || kind.is_closer()
 }
 
-/// The token of `.xz` or `.sin` after a value, and its length. Methods without effect are blank.
+/// The token of `.xz` or `.sin` after a value, and its length. A method without effect is blank.
 fn component(rest: &str, context: LexContext) -> (TokenKind, usize) {
     let word = &rest[1..=prefix_length(&rest[1..], is_name_char)];
     if is_component(word) {
@@ -178,7 +178,7 @@ fn component(rest: &str, context: LexContext) -> (TokenKind, usize) {
     if is_name { (Unknown, 1) } else { number(rest) }
 }
 
-/// The function that a method stands for, such as `pow` for Rust's `powi`.
+/// The function that has the effect of a method, such as `pow` for Rust's `powi`.
 pub(crate) fn method(word: &str) -> Option<&'static str> {
     const ALIKE: &[&str] = &[
         "pow", "sqrt", "cbrt", "abs", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh",
@@ -198,7 +198,7 @@ fn is_component(word: &str) -> bool {
     matches!(word.len(), 1..=4) && (one_of("xyzw") || one_of("rgba") || one_of("stpq"))
 }
 
-/// Length of a module's name with its dot or `::`, if a member of the module follows.
+/// Length of a module's name with the dot or `::` after it, if a member of the module follows.
 fn module(rest: &str, end: usize) -> Option<usize> {
     if rest[end..].starts_with("::") && matches!(&rest[..end], "std" | "glm") {
         return Some(end + 2);
@@ -219,7 +219,7 @@ fn number(rest: &str) -> (TokenKind, usize) {
         if end == 1 {
             return (Unknown, 1);
         }
-        // C writes numbers such as `1.f` and `1.0f`.
+        // C has numbers such as `1.f` and `1.0f`.
         let is_suffix = decimals[..count].bytes().all(|digit| digit == b'0');
         if let (true, Some(after)) = (is_suffix, decimals[count..].strip_prefix('f'))
             && !after.starts_with(is_name_char)
@@ -227,7 +227,7 @@ fn number(rest: &str) -> (TokenKind, usize) {
             return (Number, end + 1);
         }
     }
-    // `1.5*^-3` is a number of Mathematica, `1.0d0` one of Fortran.
+    // Mathematica writes `1.5*^-3` for a number, and Fortran writes `1.0d0`.
     let has_point = rest[..end].contains('.');
     let tail = rest[end..].strip_prefix("*^");
     let tail = tail.or_else(|| rest[end..].strip_prefix(['e', 'E']));
@@ -241,7 +241,7 @@ fn number(rest: &str) -> (TokenKind, usize) {
     (Number, end)
 }
 
-/// The token of a name, and its length with a subscript. Its letters end at byte `end`.
+/// The token of a name, and its length with a subscript. The name's letters end at byte `end`.
 fn name(rest: &str, end: usize) -> (TokenKind, usize) {
     if let Some(fixed) = token_kind(&rest[..end]).or_else(|| token_kind(&plain_text(&rest[..end])))
     {
@@ -253,7 +253,7 @@ fn name(rest: &str, end: usize) -> (TokenKind, usize) {
         Some(subscript) if subscript.starts_with('{') => {
             (TokenKind::Name, base + braced(subscript).map_or(0, |length| 1 + length))
         }
-        // `\log_2` is one name.
+        // `\log_2` is a single name.
         Some(subscript) if base == end && rest.starts_with('\\') => {
             (TokenKind::Name, base + 1 + prefix_length(subscript, |c| c.is_ascii_digit()))
         }
@@ -316,13 +316,13 @@ fn sign(rest: &str) -> (TokenKind, usize) {
                 (Blank, 2)
             }
         }
-        // A brace before an environment has no meaning, so it is skipped.
+        // A brace before an environment has no meaning, so the brace is skipped.
         r"\{" if rest[2..].trim_start().starts_with(r"\begin{") => (Blank, 2),
         other => token_kind(other).map_or((Unknown, 1), |kind| (kind, two)),
     }
 }
 
-/// Length of a row spacing such as `[2pt]`; 0 if there is none.
+/// Length of a LaTeX row spacing such as `[2pt]`; 0 if there is none.
 fn gap(rest: &str) -> usize {
     let Some(inner) = rest.strip_prefix('[') else { return 0 };
     let number = prefix_length(inner, |c| c.is_ascii_digit() || matches!(c, '.' | '-'));
@@ -331,7 +331,7 @@ fn gap(rest: &str) -> usize {
     if number > 0 && is_gap { number + 4 } else { 0 }
 }
 
-/// The token of the words in braces after `\text`; `None` if they may be a name.
+/// The token of the words in braces after `\text`; `None` if the words may be a name.
 fn text(rest: &str) -> Option<(TokenKind, usize)> {
     let inner = rest.strip_prefix('{')?;
     let length = start(inner, 60).find('}')?;
@@ -346,7 +346,7 @@ fn text(rest: &str) -> Option<(TokenKind, usize)> {
     Some((kind, length + 2))
 }
 
-/// Length of a name or number in braces at the start of `rest`.
+/// Length of a name or number in braces at the start of `rest`, with the braces.
 fn braced(rest: &str) -> Option<usize> {
     let inner = rest.strip_prefix('{')?;
     let length = prefix_length(inner, is_name_char);

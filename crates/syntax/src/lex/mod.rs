@@ -1,7 +1,7 @@
 //! Turns characters into the statements that the grammar reads. Each statement is a list of tokens
-//! in one standard form, whatever spelling was typed.
+//! in one standard form, whichever spelling was typed.
 //!
-//! Nothing here knows the grammar, or what a name means.
+//! Nothing here knows the grammar or the meanings of names.
 
 pub(crate) mod arrangement;
 pub(crate) mod bars;

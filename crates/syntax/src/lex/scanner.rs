@@ -1,8 +1,8 @@
-//! The first pass over a text: splits it into tokens and statements, checks limits and brackets.
+//! The first pass over a text. Splits the text into tokens and statements, and checks the limits.
 //!
-//! It is a loop without recursion, and later stages never get a text that is too long or nested too
-//! deeply. It does not know the grammar. A token is recognized by its own characters, with a few
-//! exceptions such as the parts of `\frac` and the hexadecimal color after `color`.
+//! The pass is a loop without recursion. It protects later stages from a text that is too long or
+//! nested too deeply. It does not know the grammar. A token is recognized by its own characters,
+//! with exceptions such as the parts of `\frac` and the hexadecimal color after `color`.
 
 use crate::lex::bars::pair_bars;
 use crate::lex::lexer::lex;
@@ -14,12 +14,12 @@ use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::Note;
 use crate::span::Span;
 
-/// One statement, as tokens and as text for the grammar.
+/// A statement, as tokens and as text for the grammar.
 #[derive(Clone, Debug)]
 pub(crate) struct LexedStatement {
-    /// The tokens; never empty.
+    /// The statement's tokens; never empty.
     pub tokens: Vec<Token>,
-    /// One character per token: the text that the grammar reads.
+    /// The text that the grammar reads: one character for each token.
     pub symbols: String,
     pub span: Span,
     /// Notes from arranging the tokens.
@@ -38,7 +38,7 @@ impl LexedStatement {
         Ok(Self { tokens, symbols, span, notes })
     }
 
-    /// Index of the token at a byte offset in the symbols.
+    /// Index of the token at byte `offset` of the symbols.
     pub(crate) fn index(&self, offset: usize) -> usize {
         self.tokens.partition_point(|token| token.at < offset)
     }
@@ -52,10 +52,10 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
     }
     let mut statements: Vec<Vec<Token>> = Vec::new();
     let mut tokens: Vec<Token> = Vec::new();
-    // Indices in `tokens` of the open brackets.
+    // Indices in `tokens` of the brackets that are open.
     let mut open: Vec<usize> = Vec::new();
     let mut is_part = false;
-    // Number of open environments in which `&` aligns and `\\` ends a line.
+    // Number of open LaTeX environments in which `&` aligns and `\\` ends a line.
     let mut aligned = 0_usize;
     let mut starts_line = true;
     let mut count = 0;
@@ -83,7 +83,7 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
         let within = open.last().map_or(Blank, |index| tokens[*index].kind);
         let in_rows = matches!(within, OpenChoice | OpenMatrix);
         match kind {
-            // `\end` closes whatever its `\begin` opened. Outside brackets, this is an alignment.
+            // `\end` closes an environment: a choice, a matrix or, outside brackets, an alignment.
             CloseMatrix if within == OpenChoice => kind = CloseChoice,
             CloseMatrix if open.is_empty() && aligned > 0 => {
                 kind = CloseAlignment;
@@ -94,7 +94,7 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
             Ampersand if within == OpenChoice => kind = If,
             Ampersand if within == OpenMatrix => kind = Comma,
             Ampersand if aligned > 0 => kind = Blank,
-            // Windows ends lines with two characters, of which one counts.
+            // Windows ends a line with two characters. Only the second one counts.
             LineEnd if rest.starts_with("\r\n") => kind = Blank,
             // A row that starts with an operator continues the row before it.
             RowEnd if !in_rows => kind = if goes_on(&text[end..]) { Blank } else { LineEnd },
@@ -148,7 +148,7 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
     Ok(statements)
 }
 
-/// Returns whether `//` begins a comment here. After an operand it may be a division.
+/// Returns whether the `//` at the start of `rest` begins a comment rather than a division.
 fn is_comment(rest: &str, tokens: &[Token], open: Option<Token>, text: &str) -> bool {
     let Some(before) = tokens.last().filter(|token| token.kind.ends_operand()) else {
         return true;
@@ -183,8 +183,8 @@ fn goes_on(rest: &str) -> bool {
         || [r"\cdot", r"\times", r"\le", r"\ge"].iter().any(|sign| rest.starts_with(sign))
 }
 
-/// Returns whether `rest` begins with a line that may continue the formula above it. A line that is
-/// a statement of its own does not.
+/// Returns whether the line at the start of `rest` may continue the formula above. A definition or
+/// a line about the picture may not.
 fn continues(rest: &str) -> bool {
     let line = rest.trim_start_matches([' ', '\t', '\r']);
     let line = start(&line[..line_length(line)], 300);
@@ -195,9 +195,9 @@ fn continues(rest: &str) -> bool {
     is_operand && !defines && !token_kind(&line[..name]).is_some_and(TokenKind::is_setting)
 }
 
-/// Returns whether `rest` begins with a line that can only continue the formula `above`. Such a
-/// line starts with a plus or a relation or, if it is indented, with a minus. Two lines that both
-/// contain a relation are separate statements.
+/// Returns whether the line at the start of `rest` must continue the formula `above`. Such a line
+/// starts with a plus, with a relation or, if indented, with a minus. But the line is a separate
+/// statement if it and `above` each contain a relation.
 fn must_continue(rest: &str, above: &[Token]) -> bool {
     let is_relation = |c: char| "=≠<≤>≥≔".contains(c);
     let line = start(&rest[..line_length(rest)], 300);
@@ -211,7 +211,7 @@ fn must_continue(rest: &str, above: &[Token]) -> bool {
     is_rest && !above.is_empty() && !(has_relation && formula.contains(is_relation))
 }
 
-/// Index of the open bracket that the bracket `kind` at `span` closes.
+/// Index of the open bracket that a closing bracket of `kind` at `span` closes.
 fn close(kind: TokenKind, span: Span, opened: Option<(usize, Token)>) -> Fallible<usize> {
     let Some((index, open)) = opened else {
         let kind = ErrorKind::Unopened { close: kind.as_char() };
@@ -228,15 +228,15 @@ fn close(kind: TokenKind, span: Span, opened: Option<(usize, Token)>) -> Fallibl
     }
 }
 
-/// The error for the first of `tokens`, a bracket that is never closed.
+/// The error for the unclosed bracket `tokens[0]`. `is_only` is true if no other is unclosed.
 fn unclosed(text: &str, tokens: &[Token], is_only: bool) -> Box<Error> {
     let Token { kind, span, .. } = tokens[0];
     let error = Error::new(span, ErrorKind::Unclosed { open: kind.as_char() });
-    // A single missing bracket most likely belongs at the end of its line.
+    // A single missing bracket most likely belongs at the end of the line.
     let line = text[span.end..].find(['\n', '\r']).map_or(text.len(), |length| span.end + length);
     let line = tokens.iter().take_while(|token| token.kind != Semicolon && token.span.start < line);
     match (line.last(), kind.closer()) {
-        // Environments get no suggestion, since a command closes them rather than a character.
+        // An environment gets no suggestion, because a command closes it instead of a character.
         (Some(last), Some(close)) if is_only && !matches!(close, CloseChoice | CloseMatrix) => {
             error.suggest(Span::at(last.span.end), close.as_char())
         }

@@ -1,14 +1,13 @@
-//! Maps every spelling of the language to a standard one. Nothing here knows what a name means.
+//! Maps every spelling of the language to a standard spelling. Nothing here knows names' meanings.
 
 use crate::lex::token_kind::TokenKind;
 use crate::settings::{SettingRow, setting};
 use zeroset_style::StandardView;
 
-/// The kind of a fixed spelling, such as `<=` or `\le`. `Blank` separates; `LineEnd` ends a
-/// statement.
+/// The kind of a fixed spelling, such as `<=` or `\le`. The kind `Blank` separates tokens, and
+/// `LineEnd` ends a statement.
 ///
-/// This is the only list of the words, operators and LaTeX names of the language, apart from
-/// `SETTINGS`.
+/// This is the only list of the language's words, operators and LaTeX names, apart from `SETTINGS`.
 pub(crate) fn token_kind(spelling: &str) -> Option<TokenKind> {
     use TokenKind::*;
     Some(match spelling {
@@ -31,10 +30,10 @@ pub(crate) fn token_kind(spelling: &str) -> Option<TokenKind> {
         "," => Comma,
         ":" => Colon,
         "?" => QuestionMark,
-        // The sign after an opacity. As a remainder operator it is read by `foreign`.
+        // The percent sign after an opacity. `foreign` reads the remainder operator `%`.
         "%" => Percent,
         "+" => Plus,
-        // A dash between values can only mean a minus.
+        // A dash between values can only be a minus.
         "-" | "−" | "&minus;" | "–" | "—" | "‒" | "﹣" => Minus,
         "*" | "·" | "×" | "⋅" | "∙" | "∗" | "⨯" | "✕" | "•" | r"\ast" | r"\cdot" | r"\times"
         | "&times;" | "&middot;" | "&sdot;" => Star,
@@ -69,13 +68,13 @@ pub(crate) fn token_kind(spelling: &str) -> Option<TokenKind> {
         r"\sum" => BigSum,
         r"\prod" => BigProduct,
         "&sup2;" | "&sup3;" => Superscript,
-        // Spellings without a meaning in this language.
+        // Spellings that have no meaning in this language.
         r"\pm" | r"\mp" | r"\int" | r"\iint" | r"\iiint" | r"\oint" | r"\partial" | r"\nabla"
         | r"\lim" | "&amp;" => Unknown,
         r"\bmod" => Remainder,
         r"\frac" | r"\dfrac" | r"\tfrac" | r"\cfrac" => Fraction,
         r"\sqrt" => Root,
-        // A name in upright letters follows in braces.
+        // Commands for upright letters, such as a name in braces.
         r"\operatorname" | r"\mathrm" | r"\mathit" | r"\text" | r"\textrm" | r"\textnormal" => Upright,
         "x" => X,
         "y" => Y,
@@ -102,7 +101,7 @@ pub(crate) fn is_name_char(character: char) -> bool {
         || ('₀'..='₉').contains(&character)
 }
 
-/// Length in bytes of the longest start of `text` in which all characters are `accepted`.
+/// Length in bytes of the longest start of `text` that consists of `accepted` characters.
 pub(crate) fn prefix_length(text: &str, accepted: impl Fn(char) -> bool) -> usize {
     text.find(|c| !accepted(c)).unwrap_or(text.len())
 }
@@ -112,12 +111,12 @@ pub(crate) fn line_length(rest: &str) -> usize {
     rest.find('\n').unwrap_or(rest.len())
 }
 
-/// The longest start of `text` with at most `most` bytes.
+/// The longest start of `text` that has at most `most` bytes.
 pub(crate) fn start(text: &str, most: usize) -> &str {
     &text[..text.floor_char_boundary(most)]
 }
 
-/// Returns whether `text` can be defined: a name in plain letters that is not an operator.
+/// Returns whether `text` can be defined: it must be a name in plain letters, and no operator.
 pub(crate) fn is_definable(text: &str) -> bool {
     text.starts_with(char::is_alphabetic)
         && text
@@ -126,12 +125,12 @@ pub(crate) fn is_definable(text: &str) -> bool {
         && token_kind(text).is_none_or(TokenKind::is_name)
 }
 
-/// The plain digit of a superscript digit.
+/// The plain digit for a superscript digit.
 pub(crate) fn superscript_digit(character: char) -> Option<char> {
     "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().zip('0'..='9').find(|(s, _)| *s == character).map(|(_, digit)| digit)
 }
 
-/// Numerator and denominator of a one-character fraction such as `½`.
+/// Numerator and denominator of a fraction that is one character, such as `½`.
 pub(crate) fn vulgar(character: char) -> Option<[char; 2]> {
     Some(match character {
         '½' => ['1', '2'],
@@ -153,7 +152,7 @@ pub(crate) fn vulgar(character: char) -> Option<[char; 2]> {
     })
 }
 
-/// The letter, digit or sign that a full-width or mathematical character is a variant of.
+/// The plain character for a full-width or mathematical variant of a letter, digit or sign.
 pub(crate) fn plain(character: char) -> Option<char> {
     let code = u32::from(character);
     if (0xFF01..=0xFF5E).contains(&code) {
@@ -162,20 +161,20 @@ pub(crate) fn plain(character: char) -> Option<char> {
     if character == 'ℎ' {
         return Some('h');
     }
-    // Alphabets of 26 capitals and 26 small letters, from bold to monospace.
+    // Mathematical alphabets, from bold to monospace: 26 capitals, then 26 small letters.
     if (0x1D400..0x1D6A4).contains(&code) {
         let at = (code - 0x1D400) % 52;
         let first = if at < 26 { 'A' } else { 'a' };
         return char::from_u32(u32::from(first) + at % 26);
     }
-    // Digits in five styles.
+    // Mathematical digits in five styles.
     if (0x1D7CE..0x1D800).contains(&code) {
         return char::from_digit((code - 0x1D7CE) % 10, 10);
     }
     None
 }
 
-/// `text` with characters in their [`plain`] form, and with subscripts written as in `x_1`.
+/// `text` with each character in its [`plain`] form. Subscripts are written as in `x_1`.
 pub(crate) fn plain_text(text: &str) -> String {
     let mut all = String::with_capacity(text.len());
     let mut is_below = false;
@@ -195,8 +194,8 @@ pub(crate) fn plain_text(text: &str) -> String {
     all
 }
 
-/// The text of a number in one spelling: `.5` and `0,5` become `0.5`, `1.` becomes `1`, and an
-/// exponent follows `e`.
+/// The standard text of a number. `.5` and `0,5` become `0.5`, and `1.` becomes `1`. An exponent
+/// follows the letter `e`.
 pub(crate) fn decimal(typed: &str) -> String {
     let text = plain_text(typed.trim_end_matches('f'));
     let text = text.replace('−', "-").replace("*^", "e").replace(['E', 'd', 'D'], "e");
@@ -238,17 +237,17 @@ pub(crate) fn plain_name(typed: &str) -> String {
     }
 }
 
-/// A name for a message; a long one is cut off.
+/// A name for a message. A long name is cut off.
 pub(crate) fn short_name(name: &str) -> String {
     short(name, 40, 40)
 }
 
-/// A formula for a message; a long one is left out, since a part of it would mislead.
+/// A formula for a message. A long formula is left out, because a part of it would mislead.
 pub(crate) fn short_formula(formula: &str) -> String {
     short(formula, 24, 0)
 }
 
-/// `text`, or its first `kept` characters and `…` if it has more than `longest`.
+/// `text`, if it has at most `longest` characters. Otherwise its first `kept` characters and `…`.
 fn short(text: &str, longest: usize, kept: usize) -> String {
     if text.chars().nth(longest).is_none() {
         return text.to_owned();
@@ -273,7 +272,7 @@ mod tests {
                 panic!("`{literal}` is not a symbol");
             };
             let kind = TokenKind::of_char(only).expect("a kind has this character");
-            // No other kind has this spelling.
+            // No other kind except `Bar` has this spelling.
             assert!(
                 token_kind(literal).is_none_or(|other| other == kind || other == TokenKind::Bar)
             );

@@ -1,4 +1,4 @@
-//! Tokens of a text, and helpers that find tokens outside brackets. Nothing here knows meanings.
+//! Tokens of a text, and functions that find tokens outside brackets.
 
 use crate::lex::token_kind::TokenKind::{self, CloseParen, OpenParen};
 use crate::span::Span;
@@ -8,7 +8,7 @@ use crate::span::Span;
 pub(crate) struct Token {
     pub kind: TokenKind,
     pub span: Span,
-    /// Byte offset of the token's character in the symbols of its statement.
+    /// Byte offset of the token's character in the `symbols` of its statement.
     pub at: usize,
 }
 
@@ -18,26 +18,26 @@ impl Token {
     }
 }
 
-/// The context in which a token is read.
+/// The context in which the next token is read.
 #[derive(Clone, Copy, Default)]
 #[allow(clippy::struct_excessive_bools)] // independent observations
 pub(crate) struct LexContext {
-    /// True if a part of `\frac` is next: one digit or letter, or a group in braces.
+    /// True if the next token is a part of `\frac`: one digit or letter, or a group in braces.
     pub is_part: bool,
-    /// True if the preceding token is spelled as in LaTeX: `\sqrt` takes one digit without braces.
+    /// True if the preceding token is a LaTeX command. After `\sqrt`, one digit needs no braces.
     pub follows_command: bool,
-    /// True if a color is next, as after `color` and `background`.
+    /// True if the next token may be a color, as after `color` and `background`.
     pub is_color: bool,
-    /// True if the token is the first on its line.
+    /// True if the next token is the first on its line.
     pub starts_line: bool,
-    /// Kind of the preceding token, if it touches the token that is read.
+    /// Kind of the preceding token, if no blank separates it from the next token.
     pub touching: Option<TokenKind>,
-    /// Kind of the preceding token of the same statement.
+    /// Kind of the preceding token in the same statement.
     pub last: Option<TokenKind>,
 }
 
-/// Returns a function that must be called with each token in order. It returns the number of
-/// brackets that are open after the token.
+/// Returns a counter of open brackets. Call the counter with each token in order. It returns the
+/// number of brackets that are open after the token.
 fn depth() -> impl FnMut(&Token) -> usize {
     let mut depth = 0_usize;
     move |token| {
@@ -50,7 +50,7 @@ fn depth() -> impl FnMut(&Token) -> usize {
     }
 }
 
-/// Returns a test for `sign` outside brackets. It must be called with each token in order.
+/// Returns a test for a `sign` outside brackets. The test must be called with each token in order.
 pub(crate) fn is_outside(sign: TokenKind) -> impl FnMut(&Token) -> bool {
     let mut depth = depth();
     move |token| depth(token) == 0 && token.kind == sign
@@ -61,31 +61,31 @@ pub(crate) fn outside(tokens: &[Token], sign: TokenKind) -> Option<usize> {
     tokens.iter().position(is_outside(sign))
 }
 
-/// The parts between every `sign` outside brackets. Empty parts are left out.
+/// Splits `tokens` at each `sign` outside brackets. Leaves out empty parts.
 pub(crate) fn split(tokens: &[Token], sign: TokenKind) -> Vec<Vec<Token>> {
     let parts = tokens.split(is_outside(sign)).filter(|part| !part.is_empty());
     parts.map(<[Token]>::to_vec).collect()
 }
 
-/// Index of the bracket that closes the one at the start of `tokens`.
+/// Index of the bracket that closes the bracket at the start of `tokens`.
 pub(crate) fn closing(tokens: &[Token]) -> Option<usize> {
     tokens.first()?.kind.closer()?;
     let mut depth = depth();
     tokens.iter().position(|token| depth(token) == 0)
 }
 
-/// The contents of the brackets at the start of `tokens`, and the tokens after them.
+/// The contents of the brackets at the start of `tokens`, and the tokens after the brackets.
 pub(crate) fn bracketed(tokens: &[Token]) -> Option<(&[Token], &[Token])> {
     let end = closing(tokens)?;
     Some((&tokens[1..end], &tokens[end + 1..]))
 }
 
-/// The span from the first of `tokens` to the last.
+/// The span from the first token to the last; `None` if there are no tokens.
 pub(crate) fn span_of(tokens: &[Token]) -> Option<Span> {
     Some(tokens.first()?.span.to(tokens.last()?.span))
 }
 
-/// `tokens` in a pair of brackets that was not typed, and so has empty spans.
+/// Puts `tokens` in round brackets. The brackets were not typed, so the brackets' spans are empty.
 pub(crate) fn in_brackets(tokens: &[Token]) -> Vec<Token> {
     let start = tokens.first().map_or(0, |first| first.span.start);
     let end = tokens.last().map_or(0, |last| last.span.end);

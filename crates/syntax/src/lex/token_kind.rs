@@ -1,25 +1,25 @@
-//! Kinds of tokens, and the character that stands for each in the grammar.
+//! Kinds of tokens, and the character for each kind that the grammar reads.
 
 use crate::settings::SettingKind;
 
-/// Declares [`TokenKind`] from rows of a kind and its character.
+/// Declares [`TokenKind`]. Each row is a kind and its character in the grammar.
 macro_rules! token_kinds {
     ($($(#[$doc:meta])* $kind:ident = $character:literal,)*) => {
-        /// Kind of a token, whichever spelling was typed.
+        /// Kind of a token. All spellings of a sign have the same kind.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(crate) enum TokenKind {
             $($(#[$doc])* $kind,)*
         }
 
         impl TokenKind {
-            /// The character that stands for this kind in the grammar.
+            /// The character for this kind in the grammar.
             pub(crate) const fn as_char(self) -> char {
                 match self {
                     $(Self::$kind => $character,)*
                 }
             }
 
-            /// The kind that `character` stands for in the grammar.
+            /// The kind whose character in the grammar is `character`.
             pub(crate) const fn of_char(character: char) -> Option<Self> {
                 match character {
                     $($character => Some(Self::$kind),)*
@@ -30,14 +30,14 @@ macro_rules! token_kinds {
     };
 }
 
-// The only list of kinds. A kind that no rule of the grammar names is dropped, or turned into
-// another one, before the grammar reads its statement.
+// The only list of kinds. The grammar does not read every kind. The other kinds are dropped or
+// changed before the grammar reads a statement.
 token_kinds! {
-    // Names and numbers. `Name` has no fixed meaning.
+    // Names and numbers. A `Name` has no fixed meaning.
     Name = 'a', X = 'x', Y = 'y', Z = 'z', Number = '0', VulgarFraction = '½',
-    /// One digit as a part of a fraction or below a root.
+    /// A single digit as a part of a fraction or as a radicand.
     Digit = '1',
-    /// Superscript digits, perhaps with a sign.
+    /// Superscript digits, perhaps after a superscript sign.
     Superscript = '²',
 
     // Operators.
@@ -45,9 +45,9 @@ token_kinds! {
     SquareRoot = '√', CubeRoot = '∛', Remainder = '٪',
     /// The scalar product of two lists.
     DotProduct = '⊙',
-    /// `.xz`: components of a vector.
+    /// Components of a vector, as in `p.xz`.
     Component = '‧',
-    /// `.sin`: a function after its first argument.
+    /// A function after its first argument, as in `a.sin()`.
     Method = '⋄',
 
     // Conditions.
@@ -59,19 +59,19 @@ token_kinds! {
     OpenBrace = '{', CloseBrace = '}', OpenFloor = '⌊', CloseFloor = '⌋',
     OpenCeiling = '⌈', CloseCeiling = '⌉', OpenChoice = '⦃', CloseChoice = '⦄',
     OpenList = '⟨', CloseList = '⟩', OpenMatrix = '⟦',
-    /// The end of an environment, which closes a matrix or a choice.
+    /// The end of an environment that is a matrix or a choice.
     CloseMatrix = '⟧',
     OpenBar = '|', CloseBar = '¦',
-    /// A bar whose role is not decided yet.
+    /// A bar that may open or close. `pair_bars` decides its role.
     Bar = '❘',
 
     // Choices, ranges and sums.
     Comma = ',', Colon = ':', Semicolon = ';', QuestionMark = '⸮', Otherwise = 'O',
-    /// Separates a value from its condition.
+    /// Stands between a value and its condition.
     If = '¿',
-    /// Separates the ends of a range.
+    /// Stands between the ends of a range.
     Dots = '‥',
-    /// Separates an index from its range.
+    /// Stands between an index and its range.
     CountFrom = '≔',
     /// `for` and `range` in a generator.
     For = '∀', RangeCall = 'N',
@@ -79,26 +79,26 @@ token_kinds! {
     // Commands of LaTeX: `\frac`, `\sqrt`, `\over`, `\sum`, `\prod`, `\\`, `&`, `_`.
     Fraction = 'F', Root = 'R', Over = '÷', BigSum = 'Σ', BigProduct = 'Π', RowEnd = '␤',
     Ampersand = '&', Underscore = '_',
-    /// Upright letters: a name follows in braces.
+    /// A command for upright letters, such as `\mathrm`. A name follows in braces.
     Upright = 'T',
-    /// The ends of an environment that only aligns.
+    /// The ends of an environment that aligns lines.
     OpenAlignment = '⇥', CloseAlignment = '⇤',
 
-    // Words that begin lines about the picture. `SettingWord` is any word without its own kind.
+    // Words that begin lines about the picture. `SettingWord` is for words without their own kind.
     DomainWord = 'd', ViewWord = 'v', ColorWord = 'c', LookWord = 'l', BackgroundWord = 'b',
     SettingWord = 's', Auto = 'u', HexColor = '#', Percent = '%',
-    /// A named direction of view.
+    /// The name of a view, such as `front`.
     Preset = 'p',
-    /// A word before a vector, such as `eye`, and one before a number, such as `fov`.
+    /// A word before a vector, such as `eye`, and a word before a number, such as `fov`.
     VectorKey = 'k', NumberKey = 'n',
 
-    // Everything else. `Blank` is space, comments and markup.
+    // All other kinds. `Blank` is space, comments and markup.
     Blank = ' ', LineEnd = '\n', At = '@',
-    /// A character without a meaning.
+    /// A character without a meaning in this language.
     Unknown = '?',
 }
 
-/// Pairs of opening and closing brackets.
+/// Opening brackets, each with its closing bracket.
 const BRACKETS: [(TokenKind, TokenKind); 8] = [
     (OpenParen, CloseParen),
     (OpenBracket, CloseBracket),
@@ -113,7 +113,7 @@ const BRACKETS: [(TokenKind, TokenKind); 8] = [
 use TokenKind::*;
 
 impl TokenKind {
-    /// The kind of the word that begins a line about `setting`.
+    /// The kind of a word that begins a line about `setting`.
     pub(crate) fn of_setting(setting: SettingKind) -> Self {
         match setting {
             SettingKind::Domain => DomainWord,
@@ -130,18 +130,18 @@ impl TokenKind {
         matches!(self, DomainWord | ViewWord | ColorWord | LookWord | BackgroundWord | SettingWord)
     }
 
-    /// Returns whether this is a name, or a word that may also be a name.
+    /// Returns whether this is a name, or a word that may be used as a name.
     pub(crate) fn is_name(self) -> bool {
         self.is_setting()
             || matches!(self, Name | X | Y | Z | Root | Auto | Preset | VectorKey | NumberKey)
     }
 
-    /// Returns whether this is a coordinate.
+    /// Returns whether this is the coordinate x, y or z.
     pub(crate) fn is_axis(self) -> bool {
         matches!(self, X | Y | Z)
     }
 
-    /// Returns whether this is an operator between two numbers, other than a power.
+    /// Returns whether this is `+`, `-`, `*` or `/`.
     pub(crate) fn is_arithmetic(self) -> bool {
         matches!(self, Plus | Minus | Star | Slash)
     }
@@ -168,14 +168,14 @@ impl TokenKind {
             || self == In
     }
 
-    /// Returns whether an operand can end with this token.
+    /// Returns whether an operand can end with a token of this kind.
     pub(crate) fn ends_operand(self) -> bool {
         matches!(self, Number | Digit | VulgarFraction | Superscript | Component | Factorial)
             || self.is_name()
             || self.is_closer()
     }
 
-    /// Returns whether an operand can begin with this token.
+    /// Returns whether an operand can begin with a token of this kind.
     pub(crate) fn begins_operand(self) -> bool {
         matches!(self, Number | VulgarFraction | Fraction | SquareRoot | CubeRoot | Not)
             || matches!(self, BigSum | BigProduct)
@@ -183,12 +183,11 @@ impl TokenKind {
             || self.closer().is_some()
     }
 
-    /// The bracket that closes this one.
+    /// The bracket that closes this opening bracket; `None` for any other kind.
     pub(crate) fn closer(self) -> Option<Self> {
         BRACKETS.iter().find(|(open, _)| *open == self).map(|(_, close)| *close)
     }
 
-    /// Returns whether this is a closing bracket.
     pub(crate) fn is_closer(self) -> bool {
         BRACKETS.iter().any(|(_, close)| *close == self)
     }

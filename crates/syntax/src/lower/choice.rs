@@ -1,9 +1,10 @@
 //! Lowers choices between values, sums and products over whole numbers, and repeated functions. All
 //! are expanded where they are used.
 //!
-//! A choice becomes selections by the sign of a margin. Kernels treat its branches separately, so a
-//! jump between two branches is never taken for a zero. A comparison does not hold where one of its
-//! sides has no value. Where no condition holds and there is no last value, a choice is undefined.
+//! A choice becomes selections by the signs of margins, such as a − b for a > b. Kernels treat the
+//! branches separately, so they never take a jump between two branches for a zero. A comparison
+//! does not hold where a side has no value. A choice without a last value is undefined where no
+//! condition holds.
 
 use crate::lower::condition::{Purpose, comparisons, has_one_sign, sides};
 use crate::lower::lowering::{Locals, Lowering};
@@ -16,10 +17,10 @@ use crate::tree::series::MAX_TERMS;
 use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::Op;
 
-/// Most nodes to visit in finding a whole number.
+/// Largest number of nodes to visit to find a whole number.
 const MAX_STEPS: usize = 256;
 
-/// Most nodes to visit in a margin that is a choice between numbers.
+/// Largest number of nodes to visit in a margin that is a choice between numbers.
 const MAX_LEAVES: usize = 500;
 
 impl<'a> Lowering<'a> {
@@ -49,7 +50,7 @@ impl<'a> Lowering<'a> {
         rest.ok_or_else(|| Error::new(Span::default(), ErrorKind::Empty))
     }
 
-    /// `yes` where `condition` or, with `negated`, its opposite holds; `no` elsewhere.
+    /// `yes` where `condition` holds, else `no`. `negated` replaces the condition by its opposite.
     fn choose(
         &mut self,
         condition: &'a Expr,
@@ -86,7 +87,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// The first of the two values where the comparison holds, else the second.
+    /// `yes` where the comparison holds, `no` elsewhere.
     fn compare(
         &mut self,
         left: &'a Expr,
@@ -98,7 +99,7 @@ impl<'a> Lowering<'a> {
         let Some((low, high, strict)) = sides(left, relation, right) else {
             let is_equal = relation == Relation::Equal;
             let difference = self.difference(left, right, locals)?;
-            // Where a side has no value, neither `=` nor `!=` holds.
+            // Neither `=` nor `!=` holds where a side has no value.
             let difference = self.or_outside(difference, i64::from(is_equal));
             let (at, off) = if is_equal { (yes, no) } else { (no, yes) };
             let opposite = self.graph.apply(Op::Neg, &[difference]);
@@ -110,7 +111,7 @@ impl<'a> Lowering<'a> {
         Ok(self.select_by_margin(margin, strict, yes, no))
     }
 
-    /// `yes` where a margin is positive, else `no`. A margin of 0 gives `yes` unless `strict`.
+    /// `yes` where `margin` is positive, else `no`. A margin of 0 gives `yes` unless `strict`.
     fn select_by_margin(
         &mut self,
         margin: NodeId,
@@ -118,8 +119,8 @@ impl<'a> Lowering<'a> {
         yes: NodeId,
         no: NodeId,
     ) -> NodeId {
-        // The margin may be a choice between numbers, for example whether a program has left a
-        // loop. Bounds of such a margin cover all its numbers, so their sign is not known.
+        // The margin may itself select between numbers, for example whether a program has left a
+        // loop. Each number has a known sign, but bounds that cover all the numbers have none.
         if let Some(node) =
             self.select_among_numbers(margin, strict, (yes, no), &mut MAX_LEAVES.clone())
         {
@@ -133,8 +134,8 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// The choice between `values` by a margin that is itself a choice between numbers; `None` for
-    /// any other margin.
+    /// Selects one of `values` by the sign of a margin that is itself a choice between numbers;
+    /// `None` for any other margin.
     fn select_among_numbers(
         &mut self,
         margin: NodeId,
@@ -161,7 +162,7 @@ impl<'a> Lowering<'a> {
         Some(self.graph.apply(Op::SelectNegative, &[by, below, above]))
     }
 
-    /// `node` where `condition` holds, undefined elsewhere.
+    /// `node` where `condition` holds; undefined elsewhere.
     fn only_where(
         &mut self,
         node: NodeId,
@@ -171,13 +172,13 @@ impl<'a> Lowering<'a> {
         if is_restriction(condition) {
             return self.restrict(node, condition, locals);
         }
-        // 1 where the condition holds, −1 elsewhere.
+        // The margin is 1 where the condition holds, and −1 elsewhere.
         let (yes, no) = (self.graph.integer(1), self.graph.integer(-1));
         let margin = self.choose(condition, false, yes, no, locals)?;
         Ok(self.graph.apply(Op::WherePositive, &[node, margin]))
     }
 
-    /// A sum or a product, written out term by term.
+    /// Lowers a sum or a product, written out term by term.
     pub(crate) fn series(
         &mut self,
         series: &'a Series,
@@ -213,8 +214,8 @@ impl<'a> Lowering<'a> {
         Ok(all.unwrap_or_else(|| Tensor::Number(self.graph.integer(empty))))
     }
 
-    /// Applies a function repeatedly. `arguments` are the count, the start value, and values that
-    /// are the same each time.
+    /// Applies a function repeatedly. `arguments` are the number of repetitions, the start value,
+    /// and further arguments that each repetition gets unchanged.
     pub(crate) fn iterate(
         &mut self,
         function: &Function,
@@ -251,7 +252,7 @@ impl<'a> Lowering<'a> {
     }
 }
 
-/// The whole number that a node evaluates to, visiting at most `steps` nodes.
+/// The whole number that a node evaluates to. Visits at most `steps` nodes.
 fn integer_of(graph: &Graph, node: NodeId, steps: &mut usize) -> Option<i64> {
     *steps = steps.checked_sub(1)?;
     let (op, operands) = match graph.node(node) {
@@ -264,7 +265,7 @@ fn integer_of(graph: &Graph, node: NodeId, steps: &mut usize) -> Option<i64> {
         return a.checked_neg();
     }
     let b = integer_of(graph, *operands.get(1)?, steps)?;
-    // Other operations are not allowed in the ends of a range.
+    // The ends of a range may contain only the following operations.
     if op == Op::Add {
         a.checked_add(b)
     } else if op == Op::Sub {
@@ -280,8 +281,8 @@ fn integer_of(graph: &Graph, node: NodeId, steps: &mut usize) -> Option<i64> {
     }
 }
 
-/// Returns a if the choice is `{a = 0: 1, sin(a)/a}`, which is sinc(a). Enclosures of sinc are
-/// narrow where those of the quotient are not.
+/// Returns a if the choice is `{a = 0: 1, sin(a)/a}`, which is sinc(a). Enclosures of sinc near 0
+/// are narrow. Enclosures of the quotient are not.
 fn as_sinc<'e>(pieces: &'e [(Expr, Expr)], otherwise: Option<&'e Expr>) -> Option<&'e Expr> {
     let ([(condition, one)], Some(quotient)) = (pieces, otherwise) else { return None };
     let ExprKind::Compare(left, rest) = &condition.kind else { return None };
@@ -296,7 +297,7 @@ fn as_sinc<'e>(pieces: &'e [(Expr, Expr)], otherwise: Option<&'e Expr>) -> Optio
     is_sinc.then_some(&**left)
 }
 
-/// Whether `restrict` accepts a condition.
+/// Returns whether `restrict` accepts a condition.
 fn is_restriction(condition: &Expr) -> bool {
     match &condition.kind {
         ExprKind::And(items) => items.iter().all(is_restriction),

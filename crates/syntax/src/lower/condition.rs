@@ -1,6 +1,6 @@
 //! Lowers conditions, which define solids or restrict equations.
 //!
-//! Where a side of a comparison has no value, neither the comparison nor its opposite holds. Other
+//! Neither a comparison nor its opposite holds where one of its sides has no value. Other
 //! comparisons in the same condition still count.
 
 use crate::lower::lowering::{Locals, Lowering};
@@ -10,15 +10,15 @@ use zeroset_ir::{Constant, Node, NodeId};
 use zeroset_ops::{Domain, Op};
 
 impl<'a> Lowering<'a> {
-    /// The function of a solid: ≤ 0 inside, above 0 outside, and defined everywhere.
+    /// The function of a solid: ≤ 0 inside the solid, above 0 outside, and defined everywhere.
     pub(crate) fn solid(&mut self, condition: &'a Expr) -> Fallible<NodeId> {
-        // The margin of the opposite is positive outside the solid.
+        // The margin of the opposite condition is positive outside the solid.
         let (node, _) = self.margin(condition, true, Purpose::Face, &[])?;
         Ok(node)
     }
 
-    /// The margin of `condition`, or of its opposite if `negated`, and whether it is strict. The
-    /// condition holds where the margin is positive or, if it is not strict, 0.
+    /// The margin of `condition` or, if `negated`, of its opposite. Also whether the margin is
+    /// strict. The condition holds where the margin is positive or, if not strict, 0.
     pub(crate) fn margin(
         &mut self,
         condition: &'a Expr,
@@ -69,7 +69,8 @@ impl<'a> Lowering<'a> {
         Ok((self.fold(if all == negated { Op::Max } else { Op::Min }, &nodes), strict))
     }
 
-    /// `node` where it is defined, else the number `outside`. A total `node` is returned as it is.
+    /// `node` where it is defined, else the number `outside`. A node that is defined everywhere is
+    /// returned unchanged.
     pub(crate) fn or_outside(&mut self, node: NodeId, outside: i64) -> NodeId {
         for (_, node) in self.graph.since(self.total.len()) {
             let total = match node {
@@ -104,7 +105,7 @@ impl<'a> Lowering<'a> {
         self.graph.apply(Op::Otherwise, &[node, outside])
     }
 
-    /// `root` where `condition` holds, undefined elsewhere.
+    /// Restricts `root` to the points at which `condition` holds.
     pub(crate) fn restrict(
         &mut self,
         root: NodeId,
@@ -144,7 +145,7 @@ impl<'a> Lowering<'a> {
     }
 
     /// The intersection of the solids `root` and `condition`. Where `condition` cuts `root`, the
-    /// solid gets a face. A condition without an interior (`!=`) only removes points.
+    /// solid gets a face. A condition that contains `!=` only removes points.
     pub(crate) fn cut(&mut self, root: NodeId, condition: &'a Expr) -> Fallible<NodeId> {
         match &condition.kind {
             ExprKind::And(items) => items.iter().try_fold(root, |root, item| self.cut(root, item)),
@@ -160,13 +161,13 @@ impl<'a> Lowering<'a> {
 /// Purpose of a margin.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Purpose {
-    /// Its zeros are the face of a solid.
+    /// The zeros of the margin are the face of a solid.
     Face,
-    /// Its sign decides where a value is defined, or which of two values is taken.
+    /// The sign of the margin decides where a value is defined, or which of two values is taken.
     Restriction,
 }
 
-/// The comparisons of a chain, each with its two sides.
+/// The comparisons in a chain such as `a < b < c`, each with its two sides.
 pub(crate) fn comparisons<'a>(
     first: &'a Expr,
     rest: &'a [(Relation, Expr)],
@@ -175,7 +176,7 @@ pub(crate) fn comparisons<'a>(
     left.zip(rest).map(|(left, (relation, right))| (left, *relation, right))
 }
 
-/// The lower and the higher side of an inequality, and its strictness. `None` for other relations.
+/// The lower and the higher side of an inequality, and its strictness; `None` for `=` and `!=`.
 pub(crate) fn sides<'a>(
     left: &'a Expr,
     relation: Relation,
@@ -190,13 +191,13 @@ pub(crate) fn sides<'a>(
     }
 }
 
-/// The operation that restricts to positive margins or, if not `strict`, to margins of at least 0.
+/// The operation that restricts to positive margins or, if not `strict`, to margins ≥ 0.
 fn restriction(strict: bool) -> Op {
     if strict { Op::WherePositive } else { Op::WhereNonneg }
 }
 
-/// Whether each inequality in a condition, or in its opposite if `negated`, is strict. `None` if
-/// the condition contains other relations.
+/// The strictness of each inequality in a condition or, if `negated`, in the opposite condition.
+/// `None` if the condition contains `=` or `!=`.
 fn strictness(condition: &Expr, negated: bool) -> Option<Vec<bool>> {
     match &condition.kind {
         ExprKind::And(items) | ExprKind::Or(items) => {
@@ -211,7 +212,7 @@ fn strictness(condition: &Expr, negated: bool) -> Option<Vec<bool>> {
     }
 }
 
-/// Whether one margin can express a condition: its inequalities are all strict or all not strict.
+/// Returns whether one margin can express a condition: all its inequalities are strict, or none is.
 pub(crate) fn has_one_sign(condition: &Expr) -> bool {
     strictness(condition, false).is_some_and(|all| all.windows(2).all(|pair| pair[0] == pair[1]))
 }

@@ -1,4 +1,4 @@
-//! Constant expressions: slider values, ranges, overrides.
+//! Evaluates constant expressions: slider values, ranges, overrides.
 
 use crate::lex::arrangement::statements;
 use crate::lex::spelling::short_name;
@@ -17,7 +17,7 @@ use zeroset_ops::Op;
 /// The value of a constant expression such as `1/3` or `2*pi`.
 ///
 /// # Errors
-/// Fails if the text is not an expression, if it varies, or if it has no value.
+/// Fails if the text is not an expression, if the expression varies, or if it has no value.
 ///
 /// ```
 /// use zeroset_syntax::constant;
@@ -28,13 +28,13 @@ pub fn constant(text: &str) -> Result<Constant, Errors> {
     evaluate_text(text, &Limits::default()).map_err(Errors::from)
 }
 
-/// The value of a constant expression given as text.
+/// The value of a constant expression that is given as text.
 pub(crate) fn evaluate_text(text: &str, limits: &Limits) -> Fallible<Constant> {
     let statements = statements(text, limits)?;
     match statements.as_slice() {
         [] => Err(Error::new(Span::at(text.len()), ErrorKind::Empty)),
         [lexed] => {
-            // Notes are not shown here, so a decimal comma is refused.
+            // Notes on a constant are not shown, so a decimal comma is an error.
             if let Some(note) = lexed.notes.first()
                 && let NoteKind::DecimalComma { read } = &note.kind
             {
@@ -61,7 +61,7 @@ pub(crate) fn evaluate(expr: &Expr, limits: &Limits) -> Fallible<Constant> {
     value.ok_or_else(|| Error::new(expr.span, ErrorKind::UndefinedConstant))
 }
 
-/// The values of constant nodes; `None` for a node that has no value.
+/// The values of the constant nodes `roots`; `None` for a node that has no value.
 fn values(graph: &Graph, roots: &[NodeId]) -> Vec<Option<Constant>> {
     let Ok((graph, roots)) = simplify(graph, roots, &[Interval::ENTIRE; 3], &[]) else {
         return vec![None; roots.len()];
@@ -70,7 +70,7 @@ fn values(graph: &Graph, roots: &[NodeId]) -> Vec<Option<Constant>> {
     roots.iter().map(|root| value(root).cloned()).collect()
 }
 
-/// Evaluates the ends of the range at `span`. The first must be below the second.
+/// Evaluates the ends of the range at `span`. Fails if `low` is certainly not below `high`.
 pub(crate) fn evaluate_range(
     low: &Expr,
     high: &Expr,
@@ -85,8 +85,8 @@ pub(crate) fn evaluate_range(
 }
 
 /// Returns at most `most` constant exponents that may be integers but are not known to be. For
-/// example, `log2(8)` is enclosed by two floats next to 3. A power with such an exponent is treated
-/// like one with a real exponent: it is defined only for bases >= 0.
+/// example, `log2(8)` is enclosed by two floats next to 3. A power with such an exponent is defined
+/// only for bases ≥ 0, like a power with a real exponent.
 pub(crate) fn near_integers(graph: &Graph, most: usize) -> Vec<NodeId> {
     let variabilities = variabilities(graph);
     let mut exponents = Vec::new();
@@ -102,7 +102,7 @@ pub(crate) fn near_integers(graph: &Graph, most: usize) -> Vec<NodeId> {
     let is_near = |value: &Constant| {
         let Interval { lo, hi } = value.bounds();
         let may_be_whole = value.exact().is_none() && lo.ceil() <= hi.floor();
-        // A wide enclosure says nothing, and floats beyond 2⁵³ are all integers.
+        // Wide enclosures hold integers in any case. So do all enclosures of values beyond 2⁵³.
         may_be_whole && hi - lo < 0.5 && hi.abs() < 1e9
     };
     let values = values(graph, &exponents);

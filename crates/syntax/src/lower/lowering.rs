@@ -1,8 +1,8 @@
-//! Lowers syntax trees to the expression graph. Definitions are expanded, nothing is simplified.
+//! Lowers syntax trees to the expression graph. Definitions are expanded. Nothing is simplified.
 //!
-//! The recursion goes through trees, and through definitions that use definitions. Its depth is
-//! bounded, and stack is added where little is left. Expansions are cached by function and
-//! arguments, so repeated use costs nothing.
+//! The recursion descends into trees, and into definitions that use other definitions. The
+//! recursion's depth is bounded, and stack is added when little is left. Expansions are cached by
+//! function and arguments, so equal calls are expanded once.
 
 use crate::limits::Limits;
 use crate::lower::prelude;
@@ -17,27 +17,26 @@ use rustc_hash::FxHashMap;
 use zeroset_ir::{Constant, Graph, NodeId};
 use zeroset_ops::Op;
 
-/// Recursion levels per level of [`Limits::depth`]: a bracket may hold a sum of products of powers
-/// of calls.
+/// Recursion levels allowed per level of [`Limits::depth`]. A single pair of brackets may need
+/// several: it may hold a sum of products of powers of calls.
 const LEVELS: usize = 5;
-/// Visits of expressions allowed per node of [`Limits::nodes`], since a visit may add no node.
+/// Visits to expressions allowed per node of [`Limits::nodes`]. Some visits add no node.
 const VISITS: usize = 16;
 
-/// Stack that must be left at each level, in bytes. A level takes 1 KB, but 100 KB if it has
-/// choices between numbers.
+/// Stack that must be free at each recursion level, in bytes. A level takes 1 KB, or 100 KB if it
+/// lowers choices between numbers.
 const RED_ZONE: usize = 1 << 18;
-/// Size of each stack segment that is added, in bytes. Definitions can nest up to a thousand levels
-/// deeper than brackets.
+/// Size of each added stack segment, in bytes. The default limits allow 1,000 recursion levels.
 const SEGMENT: usize = 1 << 21;
 
-/// Binding of a defined name.
+/// Meaning of a defined name.
 #[derive(Clone, Debug)]
 pub(crate) enum NameBinding<'a> {
     /// The parameter with this number.
     Parameter(u32),
     /// A constant.
     Number(Constant),
-    /// A definition, expanded where it is used.
+    /// A definition, which is expanded where its name is used.
     Definition(&'a Definition),
 }
 
@@ -47,7 +46,6 @@ pub(crate) type Locals<'a> = [(&'a str, Tensor)];
 /// Lowers the trees of one document into one graph.
 pub(crate) struct Lowering<'a> {
     pub graph: Graph,
-    /// Notes taken while lowering.
     pub notes: Vec<Note>,
     names: FxHashMap<&'a str, NameBinding<'a>>,
     time: Option<u32>,
@@ -57,7 +55,7 @@ pub(crate) struct Lowering<'a> {
     values: FxHashMap<&'a str, Tensor>,
     levels: usize,
     visits: usize,
-    /// Whether each node is defined everywhere, for the nodes examined so far.
+    /// For each node examined so far: whether it is defined everywhere.
     pub(crate) total: Vec<bool>,
 }
 
@@ -70,7 +68,7 @@ impl<'a> Lowering<'a> {
         Self { names, time, is_constant: false, ..Self::constant(limits) }
     }
 
-    /// Creates a lowering for constant expressions, in which nothing may vary.
+    /// Creates a lowering for constant expressions. A name that varies is an error.
     pub(crate) fn constant(limits: &'a Limits) -> Self {
         Self {
             graph: Graph::new(),
@@ -87,12 +85,12 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// The node of an expression outside any function. The expression must be a number.
+    /// The node of an expression outside any function. Fails unless the expression is a number.
     pub(crate) fn value(&mut self, expr: &'a Expr) -> Fallible<NodeId> {
         self.number(expr, &[])
     }
 
-    /// The function whose zeros are drawn for a formula or an equation. `None` for a condition.
+    /// The function whose zeros a formula or an equation draws; `None` for a condition.
     pub(crate) fn equation(&mut self, expr: &'a Expr) -> Fallible<Option<NodeId>> {
         match &expr.kind {
             ExprKind::Compare(left, rest) => match rest.as_slice() {
@@ -104,7 +102,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// `left − right`. Nothing is subtracted if either side is the number 0.
+    /// `left − right`. If either side is the number 0, nothing is subtracted.
     pub(crate) fn difference(
         &mut self,
         left: &'a Expr,
@@ -124,12 +122,12 @@ impl<'a> Lowering<'a> {
         Ok(self.graph.apply(Op::Sub, &[left_node, right_node]))
     }
 
-    /// Combines `nodes` by `op`, from the left.
+    /// Combines `nodes` by the operation `op`, from left to right.
     pub(crate) fn fold(&mut self, op: Op, nodes: &[NodeId]) -> NodeId {
         nodes[1..].iter().fold(nodes[0], |all, node| self.graph.apply(op, &[all, *node]))
     }
 
-    /// Counts a visit. Fails if the formula is too large or too deep.
+    /// Counts a visit to an expression. Fails if the formula is too large or too deep.
     fn count_visit(&mut self, span: Span) -> Fallible<()> {
         let limit = self.limits.nodes;
         self.visits += 1;
@@ -143,7 +141,7 @@ impl<'a> Lowering<'a> {
         Ok(())
     }
 
-    /// The node of an expression that must be a number.
+    /// The node of an expression. Fails unless the expression is a number.
     pub(crate) fn number(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<NodeId> {
         match self.value_of(expr, locals)? {
             Tensor::Number(node) => Ok(node),
@@ -170,8 +168,8 @@ impl<'a> Lowering<'a> {
         stacker::grow(SEGMENT, || self.lower(expr, locals))
     }
 
-    /// Lowers an expression. Each kind has a function of its own, so that a recursion level takes
-    /// the stack frame of one kind only.
+    /// Lowers an expression. Each kind of expression has its own function, so a recursion level
+    /// takes the stack frame of one kind only.
     #[inline(never)]
     fn lower(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<Tensor> {
         match &expr.kind {
@@ -223,7 +221,7 @@ impl<'a> Lowering<'a> {
         exprs.map(|expr| self.value_of(expr, locals)).collect()
     }
 
-    /// A sum or a product, combined from the left.
+    /// Lowers a sum or a product, combined from left to right.
     #[inline(never)]
     fn chain(
         &mut self,
@@ -294,7 +292,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// Applies a function to values.
+    /// Applies a function to argument values.
     #[inline(never)]
     pub(crate) fn call(
         &mut self,
@@ -348,7 +346,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// Expands a call of a function: lowers its body with `names` bound to the arguments.
+    /// Expands a call: lowers the function's `body` with `names` bound to the arguments.
     #[inline(never)]
     fn expand(
         &mut self,
@@ -373,7 +371,7 @@ impl<'a> Lowering<'a> {
         Ok(value)
     }
 
-    /// The n-th root of `radicand`. If n is odd, it is also defined for negative numbers.
+    /// The n-th root of `radicand`. An odd root is also defined for negative numbers.
     #[inline(never)]
     fn root(&mut self, radicand: NodeId, index: NodeId, span: Span) -> Fallible<NodeId> {
         let whole = self.graph.number(index).and_then(Constant::as_integer);
@@ -405,8 +403,8 @@ impl<'a> Lowering<'a> {
     }
 }
 
-/// Moves an error inside a definition to the place where the definition is used. This is done for
-/// errors of size, which the use can avoid, and for all errors if the definition was not typed.
+/// Moves an error inside a definition to the place where the definition is used. An error in a
+/// typed definition is moved only if it is one of size, which the use can avoid.
 fn move_to_use(mut error: Box<Error>, span: Span, is_typed: bool) -> Box<Error> {
     if !is_typed || matches!(error.kind, ErrorKind::TooLarge { .. } | ErrorKind::TooDeep { .. }) {
         error.span = span;

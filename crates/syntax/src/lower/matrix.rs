@@ -1,7 +1,7 @@
-//! Matrices of two to four rows. They are expanded to their elements, like vectors.
+//! Matrices of two to four rows. A matrix is expanded to its elements, as a vector is.
 //!
-//! Elements are in the order of shaders, column by column. A matrix times a vector is a vector, and
-//! so is a vector times a matrix, which is what `p.xz *= m` means in shaders.
+//! Elements are stored column by column, as in shaders. A matrix times a vector is a vector. A
+//! vector times a matrix is a vector too, which is the meaning of `p.xz *= m` in shaders.
 
 use crate::lower::lowering::Lowering;
 use crate::lower::value::Tensor;
@@ -40,7 +40,7 @@ impl Lowering<'_> {
         Ok(Tensor::Matrix((0..size * size).map(element).collect()))
     }
 
-    /// Applies an operation to operands of which at least one is a matrix.
+    /// Applies an operation to operands, at least one of which is a matrix.
     pub(crate) fn of_matrices(
         &mut self,
         op: Op,
@@ -67,7 +67,7 @@ impl Lowering<'_> {
         self.by_component(operands, span, |all, parts| Ok(all.graph.apply(op, parts)))
     }
 
-    /// The product of two matrices or of a matrix and a vector, if their sizes fit; else `None`.
+    /// The product of two matrices, or of a matrix and a vector; `None` if their sizes do not fit.
     fn product(&mut self, left: &Tensor, right: &Tensor) -> Option<Tensor> {
         let n = match (left, right) {
             (Tensor::Matrix(a), Tensor::Matrix(b)) if a.len() == b.len() => a.len().isqrt(),
@@ -89,7 +89,7 @@ impl Lowering<'_> {
         Some(if nodes.len() == n { Tensor::Vector(nodes) } else { Tensor::Matrix(nodes) })
     }
 
-    /// The scalar product of two rows of numbers.
+    /// The scalar product of two lists of numbers.
     fn products(&mut self, left: &[NodeId], right: &[NodeId]) -> NodeId {
         let products: Vec<NodeId> =
             left.iter().zip(right).map(|(a, b)| self.graph.apply(Op::Mul, &[*a, *b])).collect();

@@ -1,10 +1,10 @@
-//! From syntax trees to the expression graph: definitions are expanded, vectors split into numbers.
+//! From syntax trees to the expression graph. Definitions are expanded. Vectors become numbers.
 //!
 //! Nothing here knows tokens, with one exception: constants and the language's own definitions are
-//! given as text and parsed like any other.
+//! given as text, which is parsed like any other text.
 //!
-//! The files use one another in a circle: `lowering` walks the trees and calls the other files,
-//! which call it for their operands.
+//! The files depend on one another in a circle. `lowering` walks the trees and calls the other
+//! files, which call `lowering` for their operands.
 
 pub(crate) mod choice;
 pub(crate) mod condition;

@@ -1,4 +1,4 @@
-//! The bodies of composed functions, parsed once.
+//! Parses the bodies of composed functions once.
 
 use crate::lex::arrangement::statements;
 use crate::limits::Limits;

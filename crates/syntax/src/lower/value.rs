@@ -1,4 +1,4 @@
-//! Vectors are expanded to their components, because the graph knows numbers only.
+//! Expands vectors to their components, because the graph knows numbers only.
 //!
 //! Operations on vectors apply component by component. A number beside a vector is used for each
 //! component. Functions that mix components have names: `length`, `dot`, `cross`, `normalize`.
@@ -11,11 +11,11 @@ use crate::tree::ast::LETTERS;
 use zeroset_ir::NodeId;
 use zeroset_ops::{Op, VectorFunction};
 
-/// Value of an expression, as nodes of the graph.
+/// Value of an expression. Each component is a node of the graph.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Tensor {
     Number(NodeId),
-    /// Two to four components.
+    /// Two to four components of a vector.
     Vector(Vec<NodeId>),
     /// The elements of a square matrix, column by column.
     Matrix(Vec<NodeId>),
@@ -26,7 +26,7 @@ impl Tensor {
         self.parts().len()
     }
 
-    /// The component at `index`, which must be in range, or the number itself.
+    /// The component at `index`, which must be in range. For a number, returns the number itself.
     fn part(&self, index: usize) -> NodeId {
         match self {
             Self::Number(node) => *node,
@@ -34,7 +34,7 @@ impl Tensor {
         }
     }
 
-    /// All components. A number counts as a single component.
+    /// All components or elements. A number counts as a single component.
     pub(crate) fn parts(&self) -> &[NodeId] {
         match self {
             Self::Number(node) => std::slice::from_ref(node),
@@ -42,7 +42,7 @@ impl Tensor {
         }
     }
 
-    /// The elements of a value that must be a matrix.
+    /// The elements of a matrix. Fails for a number or a vector.
     fn elements(&self, span: Span) -> Fallible<&[NodeId]> {
         match self {
             Self::Matrix(nodes) => Ok(nodes),
@@ -59,7 +59,7 @@ impl Tensor {
     }
 }
 
-/// The nodes of values that must be numbers.
+/// The nodes of `values`. Fails unless all values are numbers.
 pub(crate) fn numbers(values: &[Tensor], span: Span) -> Fallible<Vec<NodeId>> {
     let node = |value: &Tensor| match value {
         Tensor::Number(node) => Ok(*node),
@@ -69,7 +69,7 @@ pub(crate) fn numbers(values: &[Tensor], span: Span) -> Fallible<Vec<NodeId>> {
 }
 
 impl Lowering<'_> {
-    /// Calls `apply` with the operands' components at each index, and collects the results.
+    /// Calls `apply` for each index, on the components with that index. Collects the results.
     pub(crate) fn by_component(
         &mut self,
         operands: &[Tensor],
@@ -86,7 +86,7 @@ impl Lowering<'_> {
         Ok(if has_matrix { Tensor::Matrix(nodes) } else { Tensor::new(nodes) })
     }
 
-    /// Applies an operation component by component, or by the rules of matrices.
+    /// Applies an operation component by component. With matrices, the rules of matrices apply.
     pub(crate) fn native(&mut self, op: Op, operands: &[Tensor], span: Span) -> Fallible<Tensor> {
         if operands.iter().any(Tensor::is_matrix) {
             return self.of_matrices(op, operands, span);
@@ -94,7 +94,7 @@ impl Lowering<'_> {
         self.by_component(operands, span, |all, parts| Ok(all.graph.apply(op, parts)))
     }
 
-    /// Notes that a product of two vectors is not their scalar product.
+    /// Adds a note that a product of two vectors is not a scalar product, if no notes exist yet.
     pub(crate) fn note_product(&mut self, op: Op, left: &Tensor, right: &Tensor, span: Span) {
         let is_vector = |value: &Tensor| matches!(value, Tensor::Vector(_));
         let are_vectors = is_vector(left) && is_vector(right);
@@ -103,7 +103,7 @@ impl Lowering<'_> {
         }
     }
 
-    /// The length of a vector: the root of the sum of squares.
+    /// The length of a vector: the square root of the sum of squares.
     pub(crate) fn length(&mut self, nodes: &[NodeId]) -> NodeId {
         let two = self.graph.integer(2);
         let squares: Vec<NodeId> =
@@ -112,7 +112,7 @@ impl Lowering<'_> {
         self.graph.apply(Op::Sqrt, &[sum])
     }
 
-    /// Applies a function that mixes components.
+    /// Applies a function that mixes the components of vectors.
     pub(crate) fn of_vectors(
         &mut self,
         function: VectorFunction,
@@ -126,7 +126,7 @@ impl Lowering<'_> {
             VectorFunction::Determinant => {
                 Ok(Tensor::Number(self.determinant(arguments[0].elements(span)?)))
             }
-            // In numpy and Mathematica, `dot` is also the matrix product.
+            // In numpy and Mathematica, `dot` is also the product of matrices.
             VectorFunction::Dot if arguments.iter().any(Tensor::is_matrix) => {
                 self.of_matrices(Op::Mul, arguments, span)
             }
@@ -167,11 +167,12 @@ impl Lowering<'_> {
     }
 }
 
-/// A vector of `size` components. The arguments have `size` components in total, or one to repeat.
+/// A vector of `size` components from arguments with `size` components in total, from one number,
+/// or from the first components of one longer vector.
 pub(crate) fn vector(size: usize, arguments: &[Tensor], span: Span) -> Fallible<Tensor> {
     let mut nodes: Vec<NodeId> = arguments.iter().flat_map(Tensor::parts).copied().collect();
     let given = nodes.len();
-    // `vec2(p)` takes the first components of a longer vector.
+    // `vec2(p)` takes the first two components of a longer vector `p`.
     let is_cut = arguments.len() == 1 && given > size;
     if given != size && given != 1 && !is_cut {
         return Err(Error::new(span, ErrorKind::VectorSize { size, given }));
@@ -180,7 +181,7 @@ pub(crate) fn vector(size: usize, arguments: &[Tensor], span: Span) -> Fallible<
     Ok(Tensor::new(nodes))
 }
 
-/// The components of a vector that `letters` name, or a column of a matrix.
+/// The components of a vector that `letters` name. For a matrix, one letter names a column.
 pub(crate) fn component(value: Tensor, letters: &str, span: Span) -> Fallible<Tensor> {
     if let (Tensor::Matrix(nodes), Some(column)) = (&value, LETTERS.find(letters)) {
         let rows = nodes.len().isqrt();
@@ -203,7 +204,7 @@ pub(crate) fn component(value: Tensor, letters: &str, span: Span) -> Fallible<Te
     Ok(Tensor::new(found))
 }
 
-/// The number of components that the operands share. A number fits any vector.
+/// The number of components that all operands have. A number fits a vector of any size.
 fn common_size(operands: &[Tensor], span: Span) -> Fallible<usize> {
     let mut size = 1;
     if operands.iter().any(Tensor::is_matrix)

@@ -1,15 +1,15 @@
-//! Errors as data: what is wrong, where, why, and what to write instead.
+//! Errors as data: what is wrong, at which place, why, and what to write instead.
 //!
-//! Nothing here draws carets or knows lines; `render` does.
+//! Nothing here draws carets or knows lines; `render` does both.
 
 use crate::span::Span;
 use std::fmt;
 
-/// The errors of a text: at least one, ordered by place.
+/// The errors of a text and its overrides; at least one.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Errors(Vec<Error>);
 
-/// Most errors that are reported at once. Reading stops there.
+/// Largest number of errors that are reported. Reading stops at this number of errors.
 pub(crate) const MAX_ERRORS: usize = 20;
 
 impl Errors {
@@ -20,7 +20,7 @@ impl Errors {
         Self(errors)
     }
 
-    /// The errors, in the order of their places.
+    /// The document's errors in the order of their places, then the errors of overrides.
     pub fn iter(&self) -> std::slice::Iter<'_, Error> {
         self.0.iter()
     }
@@ -54,30 +54,30 @@ impl fmt::Display for Errors {
 
 impl std::error::Error for Errors {}
 
-/// One error.
+/// An error in a document or an override.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Error {
-    /// The place to point at.
+    /// The place that the error's caret marks.
     pub span: Span,
     /// Kind of the error.
     pub kind: ErrorKind,
-    /// Correction of the text, if one is known.
+    /// A suggested correction, if one is known.
     pub suggestion: Option<Suggestion>,
     /// Text that `span` refers to.
     pub origin: Origin,
 }
 
-/// A text that an error can point into.
+/// The text in which an error lies.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub enum Origin {
-    /// The document itself.
+    /// The document.
     #[default]
     Document,
-    /// An override: the whole text `name=value`.
+    /// An override, as the whole text `name=value`.
     Override(String),
 }
 
-/// A change to the text that may give what was meant.
+/// A change that may turn the text into what its writer meant.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Suggestion {
     /// Place of the text to replace.
@@ -86,7 +86,7 @@ pub struct Suggestion {
     pub replacement: String,
 }
 
-/// Kind of an error, with the message as its `Display`.
+/// Kind of an error. Its `Display` is the error's message.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[allow(missing_docs)] // each message says what its variant means and names its fields
 pub enum ErrorKind {
@@ -230,7 +230,7 @@ pub enum ErrorKind {
     #[error("`{name}` is not defined")]
     UnknownName {
         name: String,
-        /// The only letter without a value, if the name could be a product of its letters.
+        /// The only letter without a value, if the name may be a product of its letters.
         letter: Option<char>,
     },
     #[error("there is no function `{name}`")]
@@ -329,7 +329,7 @@ pub enum ErrorKind {
     BadSetting { word: &'static str, hint: &'static str },
 }
 
-/// The text of a bracket. The brackets of a LaTeX environment are shown as commands.
+/// The text of a bracket for a message. The brackets of a LaTeX environment appear as commands.
 fn bracket(symbol: char) -> String {
     match symbol {
         '⦃' | '⟦' => r"\begin{…}".to_owned(),
@@ -338,7 +338,7 @@ fn bracket(symbol: char) -> String {
     }
 }
 
-/// The phrase for a number of arguments.
+/// The phrase for `count` arguments, such as "2 arguments".
 pub(crate) fn plural(count: usize) -> String {
     match count {
         1 => "an argument".to_owned(),
@@ -346,7 +346,7 @@ pub(crate) fn plural(count: usize) -> String {
     }
 }
 
-/// Most names of a cycle that a message lists.
+/// Largest number of names of a cycle that a message lists.
 const LONGEST_CYCLE: usize = 6;
 
 fn recursion(cycle: &[String]) -> String {
@@ -368,7 +368,7 @@ fn recursion(cycle: &[String]) -> String {
     }
 }
 
-/// Result of most functions of this crate. The error is boxed, because errors are rare and large.
+/// Result of most functions of this crate. Errors are rare and large, so they are boxed.
 pub(crate) type Fallible<T> = Result<T, Box<Error>>;
 
 impl Error {
@@ -376,7 +376,7 @@ impl Error {
         Box::new(Self { span, kind, suggestion: None, origin: Origin::Document })
     }
 
-    /// This error with the suggestion to replace `span` by `replacement`.
+    /// Adds the suggestion to replace `span` by `replacement`.
     pub(crate) fn suggest(
         mut self: Box<Self>,
         span: Span,
@@ -386,7 +386,7 @@ impl Error {
         self
     }
 
-    /// This error with the suggestion to replace `span` by `meant`, or unchanged if there is none.
+    /// Adds the suggestion to replace `span` by `meant`, unless `meant` is `None`.
     pub(crate) fn suggest_optional(
         self: Box<Self>,
         span: Span,
@@ -398,7 +398,7 @@ impl Error {
         }
     }
 
-    /// The message, in one line.
+    /// The error's message, in one line.
     pub fn message(&self) -> String {
         self.kind.to_string()
     }

@@ -1,14 +1,14 @@
-//! Explanations of errors and advice on them, in words.
+//! Explains errors in words, and advises on corrections.
 
 use crate::messages::error::{Error, ErrorKind, Suggestion};
 use crate::settings::setting;
 use zeroset_style::{COLOR_MAPS, LOOKS, VIEWS};
 
-/// Longest corrected text that is quoted, in characters.
+/// Largest number of characters in a quoted correction.
 const MAX_QUOTED: usize = 60;
 
 impl Error {
-    /// A few words to show at the caret.
+    /// A few words to show at the error's caret.
     pub fn label(&self) -> Option<&'static str> {
         Some(match &self.kind {
             ErrorKind::Unclosed { .. } => "opened here",
@@ -25,7 +25,7 @@ impl Error {
         })
     }
 
-    /// The reason why this is an error.
+    /// The reason why the text is an error.
     pub fn reason(&self) -> Option<&'static str> {
         Some(match &self.kind {
             ErrorKind::TooLong { .. }
@@ -110,7 +110,7 @@ impl Error {
         })
     }
 
-    /// Advice on what to write. `text` is the text that the error's spans refer to.
+    /// Advice on what to write. `text` is the text in which the error lies.
     pub fn help(&self, text: &str) -> Option<String> {
         if let ErrorKind::UnexpectedCharacter { character } = self.kind
             && let Some(help) = character_help(character)
@@ -133,7 +133,7 @@ impl Error {
             | ErrorKind::BadLook => format!("did you mean `{replacement}`?"),
             ErrorKind::UnexpectedCharacter { .. } => format!("write `{replacement}`"),
             _ => match text.get(meant.span.range()) {
-                // A sign by itself says little, so the sign that it replaces is shown too.
+                // A short sign alone is unclear, so the advice also shows the replaced text.
                 Some(typed)
                     if !typed.is_empty()
                         && meant.span == self.span
@@ -216,7 +216,8 @@ impl Error {
         })
     }
 
-    /// The text at the error's place, with the suggestion applied.
+    /// The text at the error's place, corrected by `meant`. Gives only the replacement if the
+    /// corrected text is empty, long or has several lines.
     fn corrected(&self, text: &str, meant: &Suggestion) -> String {
         let whole = self.span.to(meant.span);
         let (Some(before), Some(after)) =
@@ -235,12 +236,12 @@ impl Error {
     }
 }
 
-/// Whether a word begins a condition in other languages.
+/// Returns whether a word begins a condition in other languages.
 fn is_clause(word: &str) -> bool {
     matches!(word, "for" | "if" | "where" | "when")
 }
 
-/// Advice for errors whose advice does not depend on the text.
+/// Advice that depends only on the kind of the error.
 fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
     Some(match kind {
         ErrorKind::Empty => "write an equation such as `x^2 + y^2 + z^2 = 1`",
@@ -377,7 +378,7 @@ fn character_help(character: char) -> Option<&'static str> {
     })
 }
 
-/// A sentence that lists the known names.
+/// The sentence "there are …" with a list of names.
 fn there_are(names: &[&str]) -> String {
     let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
     match quoted.split_last() {

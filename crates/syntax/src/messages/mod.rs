@@ -1,4 +1,4 @@
-//! Errors and notes, as data and as text with carets for people.
+//! Errors and notes, as data and as text with carets.
 //!
 //! Nothing here knows how a text is read. Every other folder uses this one.
 

@@ -1,20 +1,20 @@
-//! Notes on how a text was read, where its writer may have meant something else.
+//! Notes on how a text was read, for cases in which the writer may have meant something else.
 
 use crate::span::Span;
 
-/// Largest number of notes on a document.
+/// Largest number of notes on one document.
 pub(crate) const MAX_NOTES: usize = 40;
 
-/// A note and its place.
+/// A note on how a place in a text was read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Note {
-    /// The place to point at.
+    /// The place that the note's caret marks.
     pub span: Span,
     /// Kind of the note.
     pub kind: NoteKind,
 }
 
-/// Kind of a note, with the message as its `Display`.
+/// Kind of a note. Its `Display` is the note's message.
 #[derive(Clone, Debug, PartialEq, Eq, Hash, thiserror::Error)]
 #[allow(missing_docs)] // each message says what its variant means
 pub enum NoteKind {
@@ -119,7 +119,7 @@ pub enum NoteKind {
 }
 
 impl NoteKind {
-    /// Whether the note explains a name, so that one note serves for all uses of the name.
+    /// Returns whether the note explains a name. One such note serves for all uses of the name.
     pub(crate) fn explains_a_name(&self) -> bool {
         matches!(
             self,
@@ -144,7 +144,7 @@ fn did_you_mean(meant: Option<&str>) -> String {
 }
 
 impl Note {
-    /// The message, in one line.
+    /// The note's message, in one line.
     pub fn message(&self) -> String {
         self.kind.to_string()
     }

@@ -1,18 +1,18 @@
-//! Errors and notes as text with carets, for people.
+//! Draws errors and notes as text with carets.
 
 use crate::messages::error::{Error, Errors, Origin};
 use crate::messages::note::Note;
 use crate::span::Span;
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet, Title};
 
-/// Width of a diagnostic, in columns. It is fixed, so that output does not depend on the terminal.
+/// Width of a diagnostic, in columns. It is fixed, so output does not depend on the terminal.
 const WIDTH: usize = 100;
-/// Bytes of a very long line that are shown after the start of the marked place.
+/// Number of bytes of a very long line that are shown after the start of the marked place.
 const CONTEXT: usize = 400;
 
 impl Errors {
-    /// All errors as text with carets. `source_name` is the file's name, if there is one. `text` is
-    /// the text that was read. Without `color` the result is plain text.
+    /// Draws all errors with carets. `source_name` is the file's name, if there is one. `text` is
+    /// the document's text. Without `color`, the result is plain text.
     pub fn render(&self, source_name: Option<&str>, text: &str, color: bool) -> String {
         let rendered: Vec<String> =
             self.iter().map(|error| error.render(source_name, text, color)).collect();
@@ -21,7 +21,7 @@ impl Errors {
 }
 
 impl Error {
-    /// This error as text with a caret, without a line break at the end.
+    /// Draws this error with a caret. The result has no line break at its end.
     pub fn render(&self, source_name: Option<&str>, text: &str, color: bool) -> String {
         let (source_name, text) = match &self.origin {
             Origin::Document => (source_name, text),
@@ -35,14 +35,14 @@ impl Error {
 }
 
 impl Note {
-    /// This note as text with a caret, without a line break at the end.
+    /// Draws this note with a caret. The result has no line break at its end.
     pub fn render(&self, source_name: Option<&str>, text: &str, color: bool) -> String {
         let title = Level::NOTE.primary_title(self.message());
         draw(title, (source_name, text, self.span), None, [], color)
     }
 }
 
-/// Draws a title, the marked place with a label, and further messages.
+/// Draws a title, the marked place with its label, and further messages.
 fn draw<'a>(
     title: Title<'a>,
     (source_name, text, span): (Option<&'a str>, &'a str, Span),
@@ -52,8 +52,8 @@ fn draw<'a>(
 ) -> String {
     let place = span.start.min(text.len());
     let line = 1 + text[..place].matches('\n').count();
-    // Whole lines are shown, except for a very long last line, which is cut. Columns are counted
-    // from the start of the first line.
+    // Whole lines are shown, but a very long last line is cut. Columns are counted from the start
+    // of the first line shown.
     let start = text[..place].rfind('\n').map_or(0, |at| at + 1);
     let end = span.end.clamp(place, text.len());
     let line_end = text[end..].find('\n').map_or(text.len(), |at| end + at);

@@ -1,5 +1,5 @@
 //! Reads lines about the picture. The first word of a line selects its row in the table of
-//! settings. The results are stored until names have values.
+//! settings. Names have no values yet, so expressions are stored unevaluated.
 //!
 //! Nothing here decides what a line means for a picture.
 
@@ -20,35 +20,35 @@ use crate::tree::statement::ParsedStatement;
 use rustc_hash::FxHashSet;
 use zeroset_ir::Constant;
 
-/// Settings of the picture that are not fields of a document. A field is `None` if no line sets it.
+/// Settings without a field of their own in the document. A setting is `None` if no line sets it.
 #[derive(Clone, Debug, Default)]
 pub struct PictureLines {
-    /// Coefficients a, b, c and d of the half-space a·x + b·y + c·z ≤ d that is kept.
+    /// Coefficients a, b, c and d of the half-space a·x + b·y + c·z ≤ d that is not cut off.
     pub clip: Option<[Constant; 4]>,
     /// Position of the light, in world units.
     pub light: Option<[Constant; 3]>,
-    /// Shadows, on or off.
+    /// Whether shadows are drawn.
     pub shadows: Option<bool>,
-    /// The domain's box and axes, on or off.
+    /// Whether the domain's box and axes are drawn.
     pub axes: Option<bool>,
-    /// The legend that shows which value has which color, on or off.
+    /// Whether a legend shows the color of each value.
     pub legend: Option<bool>,
-    /// Contour lines, along which a value is constant.
+    /// Contour lines on the surfaces.
     pub contours: Option<Contours>,
 }
 
-/// Place of a line that sets something about the picture.
+/// Place of a line about the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SettingLine {
-    /// First word of the line, in its main spelling.
+    /// First word of the line, in its main spelling, such as `color` for `colour`.
     pub word: &'static str,
-    /// The whole line, without its end and without a comment.
+    /// Place of the whole line, without its line break and without a comment.
     pub span: Span,
-    /// Place of the opacity after a color.
+    /// Place of the opacity after a color, if the line has one.
     pub share: Option<Span>,
 }
 
-/// Settings from all lines of a text, before names have values.
+/// Settings from all lines about the picture, before names have values.
 #[derive(Default)]
 pub(crate) struct CollectedLines {
     pub domain: Option<DomainLine>,
@@ -56,21 +56,20 @@ pub(crate) struct CollectedLines {
     pub look: Option<&'static zeroset_style::Look>,
     pub background: Option<SrgbColor>,
     pub picture: PictureLines,
-    /// Colors by the offset of their line, each perhaps with an opacity of its own.
+    /// All `color` lines: byte offset of the line, color, and opacity if the line has one.
     pub colors: Vec<(usize, (ParsedColor, Option<f64>))>,
     pub opacities: Vec<(usize, f64)>,
     pub hidden: Vec<(usize, bool)>,
-    /// Places of all lines.
+    /// Places of all lines about the picture, in order.
     pub lines: Vec<SettingLine>,
     pub contours: Option<Contours<Expr>>,
-    /// Scope with the names that values at points may use, built when a line first needs it.
+    /// The scope for values at points of a surface, built when a line first needs the scope.
     scope: Option<Scope>,
-    /// Names of the document that values at points depend on.
+    /// Names of the document that the settings depend on.
     pub used: FxHashSet<String>,
 }
 
 impl CollectedLines {
-    /// Reads one line.
     pub fn read(
         &mut self,
         text: &str,
@@ -80,7 +79,7 @@ impl CollectedLines {
     ) -> Fallible<()> {
         let span = line.raw.lexed.span;
         let first = line.raw.lexed.tokens[0];
-        // A `domain` line from a plot has no typed word. A typed line takes precedence.
+        // A plot command's `domain` line has no typed word. A typed `domain` line takes precedence.
         let is_from_plot = first.span.start == first.span.end;
         let setting = typed_setting(&text[first.span.range()])
             .or_else(|| SETTINGS.iter().find(|row| TokenKind::of_setting(row.kind) == first.kind))
@@ -129,8 +128,8 @@ impl CollectedLines {
     }
 }
 
-/// The setting for the drawing at `place`: the last line above it. If the last line is below all
-/// drawings, it is the first line below this drawing instead. The last drawing is at `last`.
+/// The setting for the drawing at `place`, from the last line above the drawing. But if a line is
+/// below the last drawing, which is at `last`, the first line below `place` counts.
 pub(crate) fn setting_for<T>(lines: &[(usize, T)], place: usize, last: usize) -> Option<&T> {
     let follow = lines.last().is_some_and(|(at, _)| *at > last);
     let found = if follow {
@@ -165,7 +164,7 @@ impl Builder<'_> {
         <[Constant; COUNT]>::try_from(numbers).map_err(|_| bad_setting(word, self.lexed.span))
     }
 
-    /// Reads values from a line that begins with `word`.
+    /// Reads expressions from a line that begins with `word`.
     pub(crate) fn values<'i>(
         &mut self,
         word: &'static str,
@@ -178,7 +177,7 @@ impl Builder<'_> {
         parts.into_iter().map(value).collect()
     }
 
-    /// Reads `on` or `off`. The word of the line alone means `on`.
+    /// Reads `on` or `off`. A line without either means `on`.
     fn switch(&mut self, line: Pair<'_>, word: &'static str) -> Fallible<bool> {
         match &parts(line)[..] {
             [] => Ok(true),
@@ -197,7 +196,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Reads a share from 0 to 1, or from 0 % to 100 %.
+    /// Reads an opacity from 0 to 1, or from 0 % to 100 %.
     pub(crate) fn opacity(&mut self, pair: Pair<'_>) -> Fallible<f64> {
         let span = self.span(&pair);
         let mut parts = pair.into_inner();

@@ -1,7 +1,7 @@
-//! Lines about the picture, such as `domain`, `view` and `color`, as data.
+//! Reads lines about the picture, such as `domain`, `view` and `color`.
 //!
-//! Nothing here knows how a line changes a picture. `lines` picks the reader of each line, which is
-//! in `scene` or `paint`. All three extend `Builder`.
+//! Nothing here knows how a line changes a picture. For each line, `lines` calls a function of
+//! `scene` or `paint`. All three files extend `Builder`.
 
 pub(crate) mod lines;
 pub(crate) mod paint;

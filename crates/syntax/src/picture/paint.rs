@@ -1,6 +1,6 @@
-//! Colors of surfaces and contour lines on them, which may depend on a value at each point.
+//! Reads colors of surfaces, and contour lines. Both may depend on a value at each point.
 //!
-//! Nothing here computes such values.
+//! Nothing here computes these values.
 
 use crate::tree::grammar::{Pair, Rule, parts};
 use zeroset_style::{COLOR_MAPS, ColorMap};
@@ -17,16 +17,18 @@ use crate::tree::scope::{NameMeaning, Scope};
 use rustc_hash::FxHashMap;
 use zeroset_ir::{Constant, Graph, NodeId};
 
-/// Names that a value at a point of a surface may use, besides x, y and z: the unit normal and the
-/// distance from the eye. In its graph they are parameters, numbered after those of the document.
+/// Names for values at a point of a surface, besides x, y and z: the unit normal and the distance
+/// from the eye. In a [`PointValue`] they are parameters, numbered after the document's parameters.
 pub const POINT_NAMES: [&str; 4] = ["nx", "ny", "nz", "depth"];
 
-/// Contour lines on a surface, along which a value is constant.
+/// Contour lines on a surface. A value is constant along each line.
 #[derive(Clone, Debug)]
 pub struct Contours<V = PointValue> {
-    /// The value; `None` for the value of the surface's color, or else z.
+    /// The value that is constant along a line. With `None`, it is the value that selects the
+    /// surface's color or, without such a value, z.
     pub value: Option<V>,
-    /// Difference in value between neighboring lines; `None` to choose a round number.
+    /// Difference in value between neighboring lines; `None` for a round number chosen by the
+    /// program.
     pub step: Option<Constant>,
 }
 
@@ -36,37 +38,37 @@ pub struct Contours<V = PointValue> {
 pub enum SurfaceColor<V = PointValue> {
     /// One color everywhere.
     Plain(SrgbColor),
-    /// A color by the value at each point.
+    /// A color that depends on a value at each point.
     Mapped(MappedColor<V>),
 }
 
-/// A color map with the value that it is applied to.
+/// A color map, and the value that selects a color from the map.
 #[derive(Clone, Debug)]
 pub struct MappedColor<V = PointValue> {
-    /// Row of the table of color maps.
+    /// The color map, a row of the table of color maps.
     pub map: &'static ColorMap,
-    /// The value that chooses the color.
+    /// The value that selects the color at a point.
     pub value: V,
-    /// Values that get the first and the last color; `None` for the least and greatest visible
-    /// ones.
+    /// Values for the first and the last color of the map; `None` for the least and the greatest
+    /// visible value.
     pub range: Option<[Constant; 2]>,
 }
 
 /// A number at each point of a surface.
 #[derive(Clone, Debug)]
 pub struct PointValue {
-    /// A separate graph. Its parameters are those of the document, followed by [`POINT_NAMES`].
+    /// Graph of the value. Its parameters are the document's parameters, then [`POINT_NAMES`].
     pub graph: Graph,
     /// Node of the value in `graph`.
     pub root: NodeId,
-    /// The expression as it was read.
+    /// The value's expression as it was read.
     pub echo: String,
 }
 
-/// A color before names have values; `None` for the surface's default color.
+/// A color before its expressions are lowered; `None` for the surface's default color.
 pub(crate) type ParsedColor = Option<SurfaceColor<Expr>>;
 
-/// A copy of `scope` with [`POINT_NAMES`] added, except for names that have a meaning already.
+/// A copy of `scope`, to which [`POINT_NAMES`] are added unless they have a meaning already.
 pub(crate) fn with_point_names(scope: &Scope) -> Scope {
     let mut scope = scope.clone();
     for name in POINT_NAMES {
@@ -77,7 +79,7 @@ pub(crate) fn with_point_names(scope: &Scope) -> Scope {
     scope
 }
 
-/// Lowers values at points to graphs.
+/// Lowers values at points of a surface to graphs.
 pub(crate) struct PointValues<'a> {
     pub names: FxHashMap<&'a str, NameBinding<'a>>,
     pub time: Option<u32>,
@@ -85,7 +87,7 @@ pub(crate) struct PointValues<'a> {
 }
 
 impl<'a> PointValues<'a> {
-    /// Creates the lowering. [`POINT_NAMES`] become the parameters from number `first` on.
+    /// Creates the lowering. [`POINT_NAMES`] become parameters, numbered from `first`.
     pub fn new(
         mut names: FxHashMap<&'a str, NameBinding<'a>>,
         first: u32,
@@ -98,14 +100,14 @@ impl<'a> PointValues<'a> {
         Self { names, time, limits }
     }
 
-    /// Lowers one value to a graph.
+    /// Lowers the expression of a value to a separate graph.
     pub fn value(&self, expr: &'a Expr) -> Fallible<PointValue> {
         let mut lowering = Lowering::new(self.names.clone(), self.time, self.limits);
         let root = lowering.value(expr)?;
         Ok(PointValue { graph: lowering.graph, root, echo: expr.to_string() })
     }
 
-    /// Lowers the value in a surface's color.
+    /// Lowers a surface's color, which may hold an expression.
     pub fn color(&self, typed: &'a SurfaceColor<Expr>) -> Fallible<SurfaceColor> {
         Ok(match typed {
             SurfaceColor::Plain(color) => SurfaceColor::Plain(*color),
@@ -118,7 +120,7 @@ impl<'a> PointValues<'a> {
 }
 
 impl Builder<'_> {
-    /// Reads a color and, if there is one, an opacity with its place.
+    /// Reads a `color` line. Returns the color, and the opacity with its place if there is one.
     pub(crate) fn color_line(
         &mut self,
         line: Pair<'_>,
@@ -142,7 +144,7 @@ impl Builder<'_> {
         Ok((color, opacity))
     }
 
-    /// Reads `viridis(z)` or `viridis(z, -1, 1)`.
+    /// Reads a color by a value, such as `viridis(z)` or `viridis(z, -1, 1)`.
     fn mapped(&mut self, pair: Pair<'_>) -> Fallible<MappedColor<Expr>> {
         let span = self.span(&pair);
         let mut parts = pair.into_inner();
@@ -185,7 +187,7 @@ impl Builder<'_> {
     }
 }
 
-/// Evaluates the step between contour lines, which must be positive.
+/// Evaluates the step between contour lines. Fails unless the step is positive.
 fn step(limits: &Limits, expr: &Expr) -> Fallible<Constant> {
     let step = evaluate(expr, limits)?;
     if step.bounds().lo > 0.0 { Ok(step) } else { Err(bad_setting("contours", expr.span)) }

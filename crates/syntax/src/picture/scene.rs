@@ -1,5 +1,5 @@
-//! `domain`, `view`, `look` and `background` lines and plain colors, as data. Nothing here decides
-//! what they mean for a picture.
+//! Reads `domain`, `view`, `look` and `background` lines and plain colors. Nothing here decides
+//! what a line means for a picture.
 
 use crate::tree::grammar::{Pair, Rule};
 use zeroset_style::{COLOR_MAPS, LOOKS, Look, StandardView};
@@ -16,47 +16,47 @@ use csscolorparser::NAMED_COLORS;
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
 
-/// A range between two numbers, in world units.
+/// A range from a lower to a higher number, in world units.
 pub type ConstantRange = (Constant, Constant);
 
-/// The region to look at.
+/// Contents of a `domain` line: the region to look at.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::large_enum_variant)] // a document has one
 pub enum DomainLine {
-    /// A region to be found by search.
+    /// The region is found by search.
     Auto,
-    /// A range for each coordinate, in world units; `None` where the line leaves one out.
+    /// A range for each coordinate, in world units; `None` for a coordinate that is left out.
     Box([Option<ConstantRange>; 3]),
-    /// The ball of this radius about the origin, in world units.
+    /// The ball about the origin with this radius, in world units.
     Ball(Constant),
 }
 
-/// The camera, as far as a `view` line sets it.
+/// Contents of a `view` line. A field is `None` if the line does not set it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ViewLine {
-    /// The named view, if one is given.
+    /// The standard view whose name the line gives.
     pub preset: Option<&'static StandardView>,
-    /// The eye, in world units.
+    /// Position of the eye, in world units.
     pub eye: Option<[Constant; 3]>,
-    /// The point looked at, in world units.
+    /// The point at which the eye looks, in world units.
     pub target: Option<[Constant; 3]>,
-    /// Direction that points up in the picture.
+    /// The direction that points up in the picture.
     pub up: Option<[Constant; 3]>,
     /// The vertical field of view, in degrees.
     pub fov: Option<Constant>,
-    /// The height of an orthographic picture, in world units.
+    /// The height of the visible part in an orthographic picture, in world units.
     pub ortho: Option<Constant>,
 }
 
-/// A color, as sRGB.
+/// A color in the sRGB color space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct SrgbColor {
-    /// Red, green, blue.
+    /// Red, green and blue, from 0 to 255.
     pub rgb: [u8; 3],
 }
 
 impl SrgbColor {
-    /// The CSS color with this name, in upper or lower case.
+    /// The CSS color called `name`, in upper or lower case.
     pub fn named(name: &str) -> Option<Self> {
         let (_, rgb) =
             NAMED_COLORS.entries().find(|(known, _)| known.as_str().eq_ignore_ascii_case(name))?;
@@ -68,7 +68,7 @@ impl SrgbColor {
         if !text.starts_with('#') {
             return Self::named(text);
         }
-        // Four or eight digits would include an opacity, which is not allowed here.
+        // Four or eight digits would include an opacity, which this color cannot have.
         let color = csscolorparser::parse(text).ok().filter(|_| matches!(text.len(), 4 | 7))?;
         let [r, g, b, _] = color.to_rgba8();
         Some(Self { rgb: [r, g, b] })
@@ -170,7 +170,7 @@ impl Builder<'_> {
         self.row_named(&given, &LOOKS, |look| look.name, ErrorKind::BadLook)
     }
 
-    /// The row named by `given`, in upper or lower case. Fails with `kind` if no row has that name.
+    /// The row called `given`, in upper or lower case. Fails with `kind` if there is no such row.
     pub(crate) fn row_named<T>(
         &self,
         given: &Pair<'_>,
@@ -202,13 +202,13 @@ impl Builder<'_> {
     }
 }
 
-/// The error for a line whose content does not fit its `word`.
+/// The error for a line about the picture whose contents do not fit its `word`.
 pub(crate) fn bad_setting(word: &'static str, span: Span) -> Box<Error> {
     let hint = setting(word).map_or("", |setting| setting.hint);
     Error::new(span, ErrorKind::BadSetting { word, hint })
 }
 
-/// The ranges given by `domain 3` or by six numbers.
+/// The ranges of a `domain` line with one number, as in `domain 3`, or with six numbers.
 fn plain_domain(
     numbers: &[Expr],
     span: Span,

@@ -1,10 +1,10 @@
-//! Names of a program's variables and the expressions they stand for. The list is persistent: it
-//! grows at its end and shares its earlier entries, so each statement can keep a list of its own.
+//! Aliases: the names of a program's variables, each with an expression for the variable. A list of
+//! aliases grows at its end and shares earlier entries, so each statement can keep its own list.
 
 use crate::tree::ast::ExprKind;
 use std::rc::Rc;
 
-/// Names and the expressions they stand for. The latest entry of a name wins.
+/// A list of names, each with its expression. The latest entry for a name counts.
 #[derive(Clone, Default)]
 pub(crate) struct Aliases(Option<Rc<AliasEntry>>);
 
@@ -12,17 +12,16 @@ struct AliasEntry {
     name: String,
     kind: ExprKind,
     before: Aliases,
-    /// Number of entries, including those before this one.
+    /// Number of entries in the list up to this entry.
     count: usize,
 }
 
 impl Aliases {
-    /// Number of entries.
     pub(crate) fn len(&self) -> usize {
         self.0.as_ref().map_or(0, |entry| entry.count)
     }
 
-    /// Adds an entry, which hides earlier ones of the same name.
+    /// Adds an entry, which hides earlier entries with the same name.
     pub(crate) fn push(&mut self, name: String, kind: ExprKind) {
         let before = std::mem::take(self);
         let count = before.len() + 1;
@@ -35,7 +34,7 @@ impl Aliases {
             .map(|entry| (entry.name.as_str(), &entry.kind))
     }
 
-    /// The expression that `name` stands for.
+    /// The expression that `name` stands for; `None` if `name` is not in the list.
     pub(crate) fn find(&self, name: &str) -> Option<&ExprKind> {
         self.iter().find(|(other, _)| *other == name).map(|(_, kind)| kind)
     }

@@ -1,5 +1,5 @@
-//! Function application: a function takes its argument in brackets, or the implicit product after
-//! it.
+//! Applies functions. A function takes an argument in brackets, or the implicit product after the
+//! function.
 
 use crate::lex::spelling::short_formula;
 use crate::lex::token_kind::TokenKind::{Minus, Number};
@@ -17,8 +17,8 @@ use zeroset_ir::NamedConstant;
 use zeroset_ops::Op;
 
 impl Builder<'_> {
-    /// Builds a call of `callee`. Its arguments are in brackets, or are the implicit product up to
-    /// the next function.
+    /// Builds a call of `callee`. The arguments are in brackets. Without brackets, the argument is
+    /// the implicit product up to the next function.
     pub(crate) fn application(
         &mut self,
         callee: &Callee,
@@ -63,8 +63,8 @@ impl Builder<'_> {
         })
     }
 
-    /// Reads `root(3)(x)` of `AsciiMath` and `sqrt[3](x)` as roots, by taking the second pair of
-    /// brackets. Mathematica's `Sqrt[3](x)` remains a product.
+    /// Reads `root(3)(x)` of `AsciiMath` and `sqrt[3](x)` as roots of x. Takes the second pair of
+    /// brackets from `items`. Mathematica's `Sqrt[3](x)` remains a product.
     #[inline(never)] // keeps the stack frames of nested calls small
     fn with_radicand(
         &mut self,
@@ -87,7 +87,8 @@ impl Builder<'_> {
             }
             _ => false,
         };
-        // Only a whole number or a defined name is an index. Any other `sqrt[a](b)` is a product.
+        // The index of a root is a whole number or a defined name. Any other `sqrt[a](b)` is a
+        // product.
         let is_index = |one: &Expr| {
             one.whole_number().is_some()
                 || matches!(one.kind, ExprKind::Name(NamedValue::Defined(_)))
@@ -104,7 +105,7 @@ impl Builder<'_> {
         Ok(arguments)
     }
 
-    /// Reads the arguments in brackets, or the single argument in braces.
+    /// Reads arguments in brackets, or a single argument in braces.
     #[inline(never)]
     fn arguments(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Vec<Expr>> {
         if pair.as_rule() == Rule::group {
@@ -187,7 +188,7 @@ impl Builder<'_> {
         Ok(product)
     }
 
-    /// Adds the suggestion `sin(-x)` to the error for `sin -x`, which is read as a subtraction.
+    /// Suggests `sin(-x)` in the error for `sin -x`, which is read as a subtraction.
     fn suggest_brackets(&self, error: Box<Error>, span: Span) -> Box<Error> {
         let next = self.lexed.tokens.partition_point(|token| token.span.start < span.end);
         match &self.lexed.tokens[next..] {
@@ -204,7 +205,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Builds a call, choosing the function by the number of arguments.
+    /// Builds a call. The number of arguments selects the function.
     #[inline(never)]
     pub(crate) fn call(
         &mut self,
@@ -226,7 +227,7 @@ impl Builder<'_> {
                 let number = |digits| Expr::of_digits(digits, span);
                 arguments.push(number("1").over(number("2"), span));
             }
-            // Mathematica's `Clip[x, {a, b}]` takes the ends as a list.
+            // Mathematica's `Clip[x, {a, b}]` takes the two bounds as a list.
             (
                 Callee::BuiltIn(_),
                 [_, Expr { kind: ExprKind::Call(Function::Vector(2), ends), .. }],
@@ -244,7 +245,7 @@ impl Builder<'_> {
                 let argument = arguments.remove(0);
                 return Ok(logarithm(argument, base, span.to(place)));
             }
-            // Mathematica puts the base first, Python puts it last.
+            // The base of a logarithm comes first in Mathematica, and last in Python.
             (Callee::BuiltIn(name), [_, _]) if name == "log" => {
                 let before = &self.text[..span.start];
                 let is_first = typed == "Log" && self.text[span.end..].starts_with('[');
@@ -267,7 +268,7 @@ impl Builder<'_> {
             }
             _ => {}
         }
-        // `min` and `max` of a single vector combine its components.
+        // `min` and `max` of a single vector apply to the vector's components.
         if let (Callee::BuiltIn(_), [only]) = (callee, arguments.as_slice())
             && let Some(function @ Function::Native(Op::Min | Op::Max)) = forms.function(2)
             && is_vector(only)
@@ -291,7 +292,7 @@ impl Builder<'_> {
         Ok(Expr::new(ExprKind::Call(function, arguments), span.to(place)))
     }
 
-    /// Adds notes on functions that other languages define differently.
+    /// Adds a note if other languages define the function differently.
     pub(crate) fn note_function(&mut self, callee: &Callee, span: Span) {
         if let Callee::BuiltIn(name) = callee {
             match name.as_str() {
@@ -302,7 +303,7 @@ impl Builder<'_> {
         }
     }
 
-    /// The error for a number of arguments that the function does not take.
+    /// The error for a call with a number of arguments that the function does not take.
     pub(crate) fn wrong_count(
         &self,
         callee: &Callee,
@@ -329,7 +330,7 @@ fn logarithm(argument: Expr, base: Expr, span: Span) -> Expr {
     ln(argument).over(ln(base), span)
 }
 
-/// Usage of a built-in function: its call with named parameters, and its line of help.
+/// Usage of a built-in function: a call with named parameters, and the function's line of help.
 fn usage(callee: &Callee) -> Option<String> {
     let Callee::BuiltIn(name) = callee else {
         return None;
@@ -349,8 +350,8 @@ fn usage(callee: &Callee) -> Option<String> {
     Some(format!("`{name}({operands}{more})`: {}", row.doc))
 }
 
-/// Whether some factors after a function may not be meant as a part of its argument. In `sin x y`,
-/// the blank between two names suggests this.
+/// Returns whether a blank separates two factors that are no numbers, as in `sin x y`. The second
+/// factor may not be meant as part of the function's argument.
 fn has_spaced_names(factors: &[Expr]) -> bool {
     let is_name = |expr: &Expr| !matches!(expr.kind, ExprKind::Number(_));
     factors.windows(2).any(|pair| {

@@ -1,9 +1,9 @@
-//! The syntax tree: what was typed, with every name resolved and every implicit product made
+//! The syntax tree: the text as typed, but with every name resolved and every implicit product made
 //! explicit.
 //!
 //! Sums, products and comparisons hold any number of operands. Only brackets, powers, signs and
-//! function arguments nest, so a limit on these bounds every recursion over a tree. Comparing trees
-//! ignores their spans.
+//! function arguments nest, so a limit on their depth bounds every recursion over a tree.
+//! Comparisons of trees ignore spans.
 
 use crate::span::Span;
 use zeroset_ir::{Axis, NamedConstant};
@@ -14,7 +14,7 @@ use zeroset_ops::{Op, VectorFunction};
 pub struct Expr {
     /// Kind of the expression, with its operands.
     pub kind: ExprKind,
-    /// Place in the text.
+    /// Place of the expression in the text.
     pub span: Span,
 }
 
@@ -25,12 +25,12 @@ impl PartialEq for Expr {
 }
 
 impl Expr {
-    /// Creates an expression that stands at `span`.
+    /// Creates an expression whose place is `span`.
     pub fn new(kind: ExprKind, span: Span) -> Self {
         Self { kind, span }
     }
 
-    /// The number written as `digits`.
+    /// The number whose text is `digits`.
     pub(crate) fn of_digits(digits: impl Into<String>, span: Span) -> Self {
         Self::new(ExprKind::Number(digits.into()), span)
     }
@@ -41,19 +41,19 @@ impl Expr {
         self.compared(Relation::Equal, right, span)
     }
 
-    /// The comparison of `self` with `right`, which stands at `span`.
+    /// The comparison of `self` with `right`. The place of the comparison is `span`.
     pub(crate) fn compared(self, relation: Relation, right: Self, span: Span) -> Self {
         Self::new(ExprKind::Compare(Box::new(self), vec![(relation, right)]), span)
     }
 
-    /// A choice at `span`: 1 where this condition holds, else 0.
+    /// A choice that is 1 where the condition `self` holds, and 0 elsewhere. Its place is `span`.
     pub(crate) fn indicator(self, span: Span) -> Self {
         let number = |digits| Self::of_digits(digits, span);
         let pieces = vec![(self, number("1"))];
         Self::new(ExprKind::Choice(pieces, Some(Box::new(number("0")))), span)
     }
 
-    /// Whether this is a condition (true or false) rather than a number.
+    /// Returns whether this is a condition (true or false) rather than a number.
     pub fn is_condition(&self) -> bool {
         matches!(
             self.kind,
@@ -61,7 +61,7 @@ impl Expr {
         )
     }
 
-    /// The number's text, if this is a number without a sign.
+    /// The text of this number; `None` unless this is a number without a sign.
     pub fn number(&self) -> Option<&str> {
         match &self.kind {
             ExprKind::Number(text) => Some(text),
@@ -69,7 +69,7 @@ impl Expr {
         }
     }
 
-    /// The value, if this is a whole number without a sign or an exponent.
+    /// The value of a whole number; `None` if there is a sign, a decimal point or an exponent.
     pub(crate) fn whole_number(&self) -> Option<u32> {
         self.number()?.parse().ok()
     }
@@ -112,7 +112,7 @@ impl Expr {
     }
 
     /// A sum or a product of two or more operands. If `first` is a chain of the same kind, its
-    /// operands are spliced in, which does not change the meaning.
+    /// operands are spliced in, which keeps the value.
     pub(crate) fn chain(
         kind: Chain,
         first: Self,
@@ -129,12 +129,12 @@ impl Expr {
         Self::new(ExprKind::Chain(kind, first, rest), span)
     }
 
-    /// `self/divisor`, which stands at `span`.
+    /// The quotient `self/divisor`. Its place is `span`.
     pub(crate) fn over(self, divisor: Self, span: Span) -> Self {
         Self::chain(Chain::Product, self, vec![(ChainSign::Inverse, divisor)], span)
     }
 
-    /// Numerator and denominator, if this is the quotient of two expressions.
+    /// Numerator and denominator; `None` unless this is a quotient of two expressions.
     pub(crate) fn quotient(&self) -> Option<(&Self, &Self)> {
         match &self.kind {
             ExprKind::Chain(Chain::Product, top, rest) => match rest.as_slice() {
@@ -145,7 +145,7 @@ impl Expr {
         }
     }
 
-    /// `-self`, which stands at `span`.
+    /// The negation `-self`. Its place is `span`.
     pub(crate) fn negated(self, span: Span) -> Self {
         Self::new(ExprKind::Negate(Box::new(self)), span)
     }
@@ -160,20 +160,20 @@ pub enum ExprKind {
     Name(NamedValue),
     /// `-a`.
     Negate(Box<Expr>),
-    /// `a + b - c` or `a*b/c`: a first operand, and one or more further ones.
+    /// `a + b - c` or `a*b/c`: the first operand, then one or more operands with their signs.
     Chain(Chain, Box<Expr>, Vec<(ChainSign, Expr)>),
     /// `a^b`.
     Power(Box<Expr>, Box<Expr>),
     /// A function call with its arguments.
     Call(Function, Vec<Expr>),
     /// `{c: a, d: b, e}`: the value of the first piece whose condition holds, or else the last
-    /// value. Without a last value, the choice is undefined there.
+    /// value. Where no condition holds, a choice without a last value is undefined.
     Choice(Vec<(Expr, Expr)>, Option<Box<Expr>>),
-    /// `p.xz`: components of a vector, by the letters x, y, z and w.
+    /// `p.xz`: components of a vector, named by the letters x, y, z and w.
     Component(Box<Expr>, String),
     /// `sum(k = 1..5, a)` or `product(…)`.
     Series(Box<Series>),
-    /// `a <= b < c`: a chain of one or more comparisons.
+    /// `a <= b < c`: the first side, then one or more relations, each with its right side.
     Compare(Box<Expr>, Vec<(Relation, Expr)>),
     /// Two or more conditions that must all hold.
     And(Vec<Expr>),
@@ -184,7 +184,7 @@ pub enum ExprKind {
 }
 
 impl ExprKind {
-    /// The name that this expression is or calls, if the document defines it.
+    /// The name that this expression is or calls; `None` unless the document defines the name.
     pub(crate) fn defined(&self) -> Option<&str> {
         match self {
             Self::Name(NamedValue::Defined(name)) | Self::Call(Function::Defined(name), _) => {
@@ -195,15 +195,15 @@ impl ExprKind {
     }
 }
 
-/// The letters of a vector's components.
+/// The letters that name a vector's components.
 pub(crate) const LETTERS: &str = "xyzw";
 
 /// A sum or a product over whole numbers.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// Whether it is a product.
+    /// True for a product, false for a sum.
     pub is_product: bool,
-    /// Index variable, visible in the body only.
+    /// Index variable. It is visible only in the body.
     pub index: Name,
     /// First value of the index.
     pub low: Expr,
@@ -211,11 +211,11 @@ pub struct Series {
     pub high: Expr,
     /// Step of the index; `None` for 1.
     pub step: Option<Expr>,
-    /// Term or factor for each value of the index.
+    /// The term of the sum, or factor of the product, for each value of the index.
     pub body: Expr,
 }
 
-/// Kind of a chain of operands.
+/// Kind of a chain of operands: a sum or a product.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Chain {
     /// A sum of terms.
@@ -224,17 +224,17 @@ pub enum Chain {
     Product,
 }
 
-/// Sign that joins an operand to those before it in a chain.
+/// Sign that joins an operand of a chain to the operands before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ChainSign {
-    /// By `+`, by `*` or by juxtaposition.
+    /// The operand is joined by `+`, by `*` or by juxtaposition.
     Direct,
-    /// By `-` or `/`.
+    /// The operand is joined by `-` or `/`.
     Inverse,
 }
 
 impl Chain {
-    /// The operation that joins an operand with this sign.
+    /// The operation that joins an operand with `sign` to a chain of this kind.
     pub(crate) fn op(self, sign: ChainSign) -> Op {
         match (self, sign) {
             (Self::Sum, ChainSign::Direct) => Op::Add,
@@ -263,7 +263,7 @@ pub enum Relation {
 }
 
 impl Relation {
-    /// The relation that holds where this one does not, if both sides have a value.
+    /// The opposite relation, which holds where `self` does not, if both sides have a value.
     pub(crate) fn opposite(self) -> Self {
         match self {
             Self::Equal => Self::Unequal,
@@ -275,7 +275,7 @@ impl Relation {
         }
     }
 
-    /// The relation as printed.
+    /// The sign of the relation, as it is printed.
     pub fn symbol(self) -> &'static str {
         match self {
             Self::Equal => "=",
@@ -288,14 +288,14 @@ impl Relation {
     }
 }
 
-/// A named value, where a number is expected.
+/// A name that stands for a value.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum NamedValue {
     /// A coordinate of space.
     Coordinate(Axis),
     /// Time, `t`.
     Time,
-    /// A constant of the language. A document may give its name another meaning.
+    /// A constant of the language. A document may define its name otherwise.
     Constant(NamedConstant),
     /// A parameter of the function being defined.
     Local(String),
@@ -304,7 +304,7 @@ pub enum NamedValue {
 }
 
 impl NamedValue {
-    /// The name as printed.
+    /// The name as it is printed.
     pub fn name(&self) -> &str {
         match self {
             Self::Coordinate(axis) => axis.name(),
@@ -315,32 +315,32 @@ impl NamedValue {
     }
 }
 
-/// The function of a call.
+/// The function in a call.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Function {
-    /// An operation of the table; `min` and `max` take two or more arguments.
+    /// An operation of the table. `min` and `max` take two or more arguments.
     Native(Op),
     /// A composed function, by its index in [`zeroset_ops::COMPOSED`].
     Composed(usize),
-    /// The distance from the origin in four or more dimensions.
+    /// The distance from the origin, for four or more coordinates.
     Length,
     /// `root(a, n)`: the n-th root.
     Root,
     /// A vector: `vec2`, `vec3` or `vec4`.
     Vector(u8),
-    /// A square matrix of two to four rows, its elements column by column.
+    /// A square matrix of two to four rows. Its elements are given column by column.
     Matrix(u8),
     /// A function of vectors.
     OfVectors(VectorFunction),
-    /// `iterate(f, n, a, …)`: this function applied n times, starting from a. Further arguments are
-    /// the same each time.
+    /// `iterate(f, n, a, …)`: the function f, applied n times, starting from a. Further arguments
+    /// are the same for each application.
     Iterate(Box<Function>),
     /// A function that the document defines.
     Defined(String),
 }
 
 impl Function {
-    /// The name as printed.
+    /// The function's name as it is printed.
     pub fn name(&self) -> &str {
         match self {
             Self::Native(op) => op.row().name,
@@ -365,9 +365,9 @@ impl Function {
 pub enum Statement {
     /// A formula to draw.
     Draw {
-        /// A number (`= 0` implied), an equation or a condition.
+        /// A number (with an implied `= 0`), an equation or a condition.
         expr: Expr,
-        /// Conditions in braces, each restricting where `expr` is defined.
+        /// Conditions in braces. Each one restricts where `expr` is defined.
         restrictions: Vec<Expr>,
     },
     /// `name = body`, or `name(parameters) = body`.
@@ -375,7 +375,7 @@ pub enum Statement {
 }
 
 impl Statement {
-    /// The drawn formula and its restrictions, or the body of a definition.
+    /// The drawn formula and its restrictions, or the body of the definition.
     pub(crate) fn expressions(&self) -> Vec<&Expr> {
         match self {
             Self::Draw { expr, restrictions } => {
@@ -399,12 +399,12 @@ pub struct Definition {
     pub range: Option<(Expr, Expr)>,
 }
 
-/// A name at the place of its definition. Comparing names ignores their spans.
+/// A name at the place of its definition. Comparisons of names ignore spans.
 #[derive(Clone, Debug)]
 pub struct Name {
-    /// The name.
+    /// Text of the name.
     pub text: String,
-    /// Place in the text; the default span if the name was not typed.
+    /// Place of the name in the text; the default span if it was not typed.
     pub span: Span,
 }
 

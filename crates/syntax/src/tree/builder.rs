@@ -1,4 +1,4 @@
-//! Builds syntax trees from the grammar's parse. Juxtaposed factors are read in `juxtaposition`.
+//! Builds syntax trees from parsed statements. `juxtaposition` reads juxtaposed factors.
 
 use crate::lex::scanner::LexedStatement;
 use crate::lex::spelling::{plain_text, short_formula};
@@ -25,18 +25,18 @@ pub(crate) struct Builder<'a> {
     pub scope: &'a Scope,
     /// Parameters of the function being defined, then indices of the enclosing sums.
     pub locals: Vec<Name>,
-    /// Expressions that the program's variables stand for.
+    /// Variables of the program, with the expressions that they stand for.
     pub aliases: Aliases,
     pub limits: &'a Limits,
     depth: usize,
-    /// Number of `locals` that are parameters.
+    /// Number of parameters at the start of `locals`.
     parameters: usize,
     pub notes: Vec<Note>,
-    /// Names defined by the document that this statement uses.
+    /// Names that the document defines and this statement uses.
     pub used: FxHashSet<String>,
 }
 
-/// Signs before a term or in an exponent, with their places.
+/// Plus and minus signs before a term or in an exponent, with their places.
 pub(crate) type Signs = Vec<(ChainSign, Span)>;
 
 impl<'a> Builder<'a> {
@@ -53,9 +53,9 @@ impl<'a> Builder<'a> {
         Self { text, lexed, scope, locals, aliases, limits, depth: 0, parameters, notes, used }
     }
 
-    /// The expression that `name` stands for, if it is a variable of the program.
+    /// The expression that `name` stands for; `None` unless it is a variable of the program.
     pub(crate) fn alias(&mut self, name: &str) -> Option<ExprKind> {
-        // An index of an enclosing sum hides the variable.
+        // The index of an enclosing sum hides a variable with the same name.
         let hidden = self.locals.iter().rposition(|local| local.text == name);
         let kind = self.aliases.find(name)?;
         if hidden.is_some_and(|at| at >= self.parameters) {
@@ -71,18 +71,18 @@ impl<'a> Builder<'a> {
         span_of(tokens).unwrap_or(Span::at(self.lexed.span.end))
     }
 
-    /// The text that was typed for `pair`.
+    /// The text that was typed for `pair`, a part of the statement.
     pub(crate) fn typed(&self, pair: &Pair<'_>) -> &'a str {
         &self.text[self.span(pair).range()]
     }
 
-    /// The text typed for `pair`, with styled letters replaced by plain ones.
+    /// The text that was typed for `pair`, with plain letters in place of styled ones.
     pub(crate) fn word(&self, pair: &Pair<'_>) -> String {
         plain_text(self.typed(pair))
     }
 
     pub(crate) fn note(&mut self, span: Span, kind: NoteKind) {
-        // One note beyond the limit is kept, to show that some were left out.
+        // One note beyond the limit is kept. It shows that more notes were left out.
         if self.notes.len() > MAX_NOTES {
             return;
         }
@@ -92,7 +92,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Runs `build` with the nesting depth raised by `levels`; fails if that exceeds the limit.
+    /// Runs `build` with `levels` added to the nesting depth. Fails if the sum exceeds the limit.
     pub(crate) fn nested<T>(
         &mut self,
         span: Span,
@@ -106,7 +106,7 @@ impl<'a> Builder<'a> {
         built
     }
 
-    /// Fails unless `levels` more levels of nesting are allowed.
+    /// Fails if the nesting depth plus `levels` exceeds the limit.
     pub(crate) fn check_depth(&self, span: Span, levels: usize) -> Fallible<()> {
         let limit = self.limits.depth;
         if self.depth + levels > limit {
@@ -115,13 +115,13 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// Reads the whole statement as one number.
+    /// Reads the whole statement as a single number.
     pub(crate) fn only_expression(&mut self) -> Fallible<Expr> {
         let statement = recognise(self.text, self.lexed, Rule::constant)?;
         self.value(statement.into_inner().next().expect("a constant is an expression"))
     }
 
-    /// Reads an expression that must be a number.
+    /// Reads an expression. Fails unless it is a number.
     pub(crate) fn value(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let expr = self.expression(pair)?;
         number_only(&expr)?;
@@ -150,8 +150,8 @@ impl<'a> Builder<'a> {
         })
     }
 
-    // Recursion runs through the functions from here to the reading of brackets. Other work is done
-    // in separate functions, because it would enlarge the stack frame of every level.
+    // The recursion over brackets runs through the following functions. Other work is in separate
+    // functions, so it does not enlarge the stack frame of each recursion level.
 
     #[inline(never)]
     fn condition(&mut self, parts: &[Pair<'_>]) -> Fallible<Expr> {
@@ -215,7 +215,7 @@ impl<'a> Builder<'a> {
         let mut terms = Vec::new();
         loop {
             terms.push((before, self.term(&mut pairs)?));
-            // A term ends before a plus or a minus.
+            // The signs plus and minus separate the terms.
             match pairs.next() {
                 Some(operator) => before = sign(&operator),
                 None => return chain_of(Chain::Sum, terms),
@@ -223,7 +223,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Reads a product and the signs before it.
+    /// Reads a term: a product and the signs before it.
     pub(crate) fn term(&mut self, pairs: &mut Pairs<'_>) -> Fallible<Expr> {
         let signs = self.signs(pairs);
         let of_term = |pair: &Pair<'_>| !matches!(first_kind(pair), Some(Plus | Minus));
@@ -233,7 +233,7 @@ impl<'a> Builder<'a> {
         self.signed(&signs, |b| b.product(Signs::new(), pairs))
     }
 
-    /// Takes the signs that come next.
+    /// Takes all signs before the next term or factor.
     #[inline(never)]
     pub(crate) fn signs(&self, pairs: &mut Pairs<'_>) -> Signs {
         let mut signs = Signs::new();
@@ -257,7 +257,7 @@ impl<'a> Builder<'a> {
         negated(self.nested(*first, minus.count(), build)?, signs)
     }
 
-    /// Reads a product. The signs `before` it belong to the left operand of its first remainder.
+    /// Reads a product. The signs `before` belong to the left operand of the first remainder.
     #[inline(never)]
     fn product(&mut self, mut before: Signs, pairs: &mut Pairs<'_>) -> Fallible<Expr> {
         let mut joint = RowOperator { sign: ChainSign::Direct, function: None };
@@ -268,7 +268,7 @@ impl<'a> Builder<'a> {
             self.join(&mut factors, joint, &signs, row)?;
             if pairs.peek().is_some_and(|pair| is_remainder(&pair)) {
                 // As in other languages, the left operand of a remainder is the whole product
-                // before it.
+                // before the sign.
                 let signs = std::mem::take(&mut before);
                 let whole = self
                     .signed(&signs, |_| chain_of(Chain::Product, std::mem::take(&mut factors)))?;
@@ -281,7 +281,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Takes the operator that joins the next row of factors to the product.
+    /// Takes the operator before the next row of factors; `None` at the end of the product.
     #[inline(never)]
     fn joint(&mut self, pairs: &mut Pairs<'_>) -> Option<RowOperator> {
         let operator = pairs.peek()?;
@@ -290,7 +290,7 @@ impl<'a> Builder<'a> {
             Slash => (ChainSign::Inverse, None),
             DotProduct => (ChainSign::Direct, Some(Function::OfVectors(VectorFunction::Dot))),
             Remainder => {
-                // The word `mod` is unambiguous, so only the sign `%` gets a note.
+                // The word `mod` is unambiguous. Only the sign `%` gets a note.
                 if self.typed(&operator).contains('%') {
                     self.note(self.span(&operator), NoteKind::Remainder);
                 }
@@ -303,7 +303,7 @@ impl<'a> Builder<'a> {
         Some(RowOperator { sign, function })
     }
 
-    /// Joins a row of juxtaposed factors to the factors before it.
+    /// Appends a row of juxtaposed factors to the factors before it.
     #[inline(never)]
     fn join(
         &mut self,
@@ -335,7 +335,7 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// Notes a division that may be meant to be grouped otherwise.
+    /// Adds a note to a division whose writer may have meant another grouping.
     fn note_division(&mut self, before: &[(ChainSign, Expr)], divisor: &Expr, others: &[Expr]) {
         let Some((_, numerator)) = before.last() else {
             return;
@@ -350,14 +350,14 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// The operator between a row of juxtaposed factors and the factors before it.
+/// The operator before a row of juxtaposed factors.
 struct RowOperator {
     sign: ChainSign,
-    /// Function that is applied to the factors on both sides of the operator.
+    /// Function of the two factors beside the operator, such as a remainder.
     function: Option<Function>,
 }
 
-/// Sides of a chain of comparisons: the relation before each side, its place, and the side.
+/// Sides of a chain of comparisons. Each has the relation before it, and the relation's place.
 type Sides = Vec<(Relation, Span, Expr)>;
 
 #[inline(never)]
@@ -371,7 +371,7 @@ fn push(all: &mut Vec<Expr>, expr: Fallible<Expr>) -> Fallible<()> {
     Ok(())
 }
 
-/// Builds a chain of comparisons. A single side is returned unchanged.
+/// Builds a chain of comparisons. Returns a single side unchanged.
 fn compared(mut sides: Sides) -> Fallible<Expr> {
     let (_, _, first) = sides.remove(0);
     let Some((_, _, last)) = sides.last() else { return Ok(first) };
@@ -390,7 +390,7 @@ fn compared(mut sides: Sides) -> Fallible<Expr> {
     Ok(Expr::new(ExprKind::Compare(Box::new(first), rest), span))
 }
 
-/// Negates a number once for each minus sign.
+/// Negates a number once for each minus in `signs`.
 #[inline(never)]
 fn negated(mut expr: Expr, signs: &[(ChainSign, Span)]) -> Fallible<Expr> {
     number_only(&expr)?;
@@ -401,7 +401,7 @@ fn negated(mut expr: Expr, signs: &[(ChainSign, Span)]) -> Fallible<Expr> {
     Ok(expr)
 }
 
-/// The note on `1/2x`, where the divisor may be meant to be `2x`.
+/// The note on `1/2x`, whose writer may have meant the divisor `2x`.
 fn implicit_division(numerator: &Expr, divisor: &Expr, others: &[Expr]) -> NoteKind {
     let product = |factors: &mut dyn Iterator<Item = &Expr>| {
         short_formula(&factors.map(factor_text).collect::<Vec<_>>().join("*"))
@@ -416,7 +416,7 @@ fn implicit_division(numerator: &Expr, divisor: &Expr, others: &[Expr]) -> NoteK
     }
 }
 
-/// The note on `x^1/3`, which is read as `(x^1)/3`. Such an exponent of 1 is probably a numerator.
+/// The note on `x^1/3`, which is read as `(x^1)/3`. The 1 is probably a numerator.
 fn divided_power(power: &Expr, divisor: &Expr) -> Option<NoteKind> {
     let ExprKind::Power(base, exponent) = &power.kind else {
         return None;
@@ -439,13 +439,13 @@ pub(crate) fn root_text(radicand: &Expr, index: u32) -> String {
     }
 }
 
-/// Whether `pair` is the remainder operator.
+/// Returns whether `pair` is the operator of a remainder.
 fn is_remainder(pair: &Pair<'_>) -> bool {
     first_kind(pair) == Some(Remainder)
 }
 
-/// A sum or a product of one or more operands. If there are several, all must be numbers. The sign
-/// of the first is ignored.
+/// A sum or a product of one or more operands. Several operands must all be numbers. The first
+/// operand's sign is ignored.
 #[inline(never)]
 pub(crate) fn chain_of(kind: Chain, mut operands: Vec<(ChainSign, Expr)>) -> Fallible<Expr> {
     let (_, first) = operands.remove(0);
@@ -460,7 +460,7 @@ pub(crate) fn product_of(factors: impl IntoIterator<Item = Expr>) -> Fallible<Ex
     chain_of(Chain::Product, factors.into_iter().map(|part| (ChainSign::Direct, part)).collect())
 }
 
-/// The quotient of the first part by each of the others in turn.
+/// The quotient of the first part by each later part in turn.
 pub(crate) fn quotient_of(parts: impl IntoIterator<Item = Expr>) -> Fallible<Expr> {
     chain_of(Chain::Product, parts.into_iter().map(|part| (ChainSign::Inverse, part)).collect())
 }
@@ -482,7 +482,7 @@ pub(crate) fn relation(pair: &Pair<'_>) -> Relation {
     }
 }
 
-/// Joins operands by `word`. A single operand is returned unchanged.
+/// Joins conditions by `word`, which is `and` or `or`. Returns a single operand unchanged.
 #[inline(never)]
 pub(crate) fn joined(mut operands: Vec<Expr>, word: &'static str) -> Fallible<Expr> {
     if operands.len() == 1 {
@@ -492,7 +492,7 @@ pub(crate) fn joined(mut operands: Vec<Expr>, word: &'static str) -> Fallible<Ex
         condition_only(operand, word)?;
     }
     let span = operands[0].span.to(operands[operands.len() - 1].span);
-    // `(a and b) and c` is the same as `a and b and c`.
+    // `(a and b) and c` becomes `a and b and c`.
     let first = operands.remove(0);
     let mut all = match (first.kind, word) {
         (ExprKind::And(inner), "and") | (ExprKind::Or(inner), "or") => inner,
@@ -503,7 +503,7 @@ pub(crate) fn joined(mut operands: Vec<Expr>, word: &'static str) -> Fallible<Ex
     Ok(Expr::new(kind, span))
 }
 
-/// Fails on a condition, where a number is required.
+/// Fails if `expr` is a condition instead of a number.
 pub(crate) fn number_only(expr: &Expr) -> Fallible<()> {
     if expr.is_condition() {
         return Err(Error::new(expr.span, ErrorKind::ConditionAsValue));
@@ -511,12 +511,12 @@ pub(crate) fn number_only(expr: &Expr) -> Fallible<()> {
     Ok(())
 }
 
-/// Fails on the first condition in `exprs`, where numbers are required.
+/// Fails if any of `exprs` is a condition instead of a number.
 pub(crate) fn numbers_only<'e>(exprs: impl IntoIterator<Item = &'e Expr>) -> Fallible<()> {
     exprs.into_iter().try_for_each(number_only)
 }
 
-/// Fails on a number, where a condition is required.
+/// Fails if `expr` is a number instead of a condition, which `word` requires.
 pub(crate) fn condition_only(expr: &Expr, word: &'static str) -> Fallible<()> {
     if !expr.is_condition() {
         return Err(Error::new(expr.span, ErrorKind::ValueAsCondition { word }));

@@ -1,4 +1,4 @@
-//! Statements with their syntax trees. Some are not in the text but are synthesized from a
+//! Statements with their syntax trees. Some are not in the text: they are synthesized from a
 //! program's branches, loops and calls.
 
 use crate::messages::note::Note;
@@ -24,7 +24,7 @@ impl BuiltStatement {
     }
 }
 
-/// The vector `before`, with the components that `letters` name replaced by those of `value`.
+/// The vector `before`, in which components of `value` replace the components that `letters` name.
 pub(crate) fn with_parts(
     letters: &str,
     before: &ExprKind,

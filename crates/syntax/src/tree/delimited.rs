@@ -1,4 +1,4 @@
-//! Delimited factors, which are one factor in any context, such as brackets, bars and fractions.
+//! Reads delimited factors, such as brackets and fractions. Each is one factor in any context.
 
 use crate::lex::spelling::vulgar;
 use crate::lex::token_kind::TokenKind::{OpenBracket, OpenCeiling, OpenFloor};
@@ -10,7 +10,7 @@ use crate::tree::grammar::{Pair, Rule, first_kind};
 use crate::tree::scope::Callee;
 use zeroset_ops::{Op, VectorFunction};
 
-/// Openings of double bars. They mean the same as single bars, except around a matrix.
+/// Beginnings of double bars, which mean the same as single bars, except around a matrix.
 const DOUBLE_BARS: &[&str] = &[r"\begin{V", r"\|", r"\left\|", "‖", r"\lVert", r"\Vert"];
 
 impl Builder<'_> {
@@ -39,9 +39,9 @@ impl Builder<'_> {
         Err(Error::new(span, ErrorKind::Tuple))
     }
 
-    /// Reads any other delimited factor, such as braces, bars, a fraction or a root.
+    /// Reads a delimited factor that is no `group`, such as braces, bars, a fraction or a root.
     pub(crate) fn delimited(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
-        // Each kind has a function of its own, so a level takes one kind's stack frame only.
+        // Each kind of factor has its own function, so a level has only one kind's stack frame.
         match pair.as_rule() {
             Rule::enclosed => self.enclosed(pair, span),
             Rule::choice => self.choice(pair, span),
@@ -71,7 +71,7 @@ impl Builder<'_> {
             return Ok(self.length_of(inner, span));
         }
         if op == Op::Abs && matches!(inner.kind, ExprKind::Call(Function::Matrix(_), _)) {
-            // Double bars do not say which norm of the matrix is meant.
+            // Double bars around a matrix may mean any of several norms.
             if is_double {
                 return Err(Error::new(span, ErrorKind::Matrix));
             }
@@ -108,7 +108,7 @@ impl Builder<'_> {
         Ok(Expr::new(ExprKind::Call(Function::Root, vec![radicand, index]), span))
     }
 
-    /// Reads a part of a fraction or a radicand: one digit, one letter, or braces.
+    /// Reads a part of a fraction, or a radicand: one digit, one letter, or braces.
     #[inline(never)]
     fn part(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let span = self.span(&pair);
@@ -120,20 +120,20 @@ impl Builder<'_> {
     }
 }
 
-/// The only part of `pair`, if it has exactly one.
+/// The only part of `pair`; `None` if there are more parts or none.
 #[inline(never)]
 fn only_part<'i>(pair: &Pair<'i>) -> Option<Pair<'i>> {
     let mut inner = pair.clone().into_inner();
     inner.next().filter(|_| inner.next().is_none())
 }
 
-/// The first part of a pair that always has one.
+/// The first part of `pair`, which must have one.
 #[inline(never)]
 fn first_part(pair: Pair<'_>) -> Pair<'_> {
     pair.into_inner().next().expect("the grammar has something in brackets")
 }
 
-/// Reads a fraction in one character, such as `½`.
+/// Reads a fraction that is one character, such as `½`.
 #[inline(never)]
 fn vulgar_fraction(typed: &str, span: Span) -> Fallible<Expr> {
     let digits = typed.chars().next().and_then(vulgar);
@@ -141,7 +141,7 @@ fn vulgar_fraction(typed: &str, span: Span) -> Fallible<Expr> {
     quotient_of(digits.map(|digit| Expr::of_digits(digit, span)))
 }
 
-/// Whether an expression is a vector by its form alone, without looking up definitions.
+/// Returns whether an expression is a vector by its form alone, without regard to definitions.
 pub(crate) fn is_vector(expr: &Expr) -> bool {
     match &expr.kind {
         ExprKind::Call(Function::Vector(_), _) => true,

@@ -1,5 +1,5 @@
-//! Parses statements by the grammar. If the grammar refuses one, the error is inferred from the
-//! token at which it stopped.
+//! Parses statements by the grammar. If the grammar refuses a statement, the token at which parsing
+//! stopped determines the error.
 
 use crate::lex::scanner::LexedStatement;
 use crate::lex::spelling::{short_name, typed_setting};
@@ -11,7 +11,7 @@ use crate::tree::grammar::{Pair, Rule, Zeroset};
 use pest::Parser as _;
 use pest::error::{ErrorVariant, InputLocation};
 
-/// Longest corrected statement that is suggested, in bytes.
+/// Largest size of a corrected statement that is suggested, in bytes.
 const MAX_SUGGESTION: usize = 60;
 
 /// Parses a statement of `text` by `rule`.
@@ -21,7 +21,7 @@ pub(crate) fn recognise<'i>(
     rule: Rule,
 ) -> Fallible<Pair<'i>> {
     let mut pairs = Zeroset::parse(rule, &lexed.symbols).map_err(|refusal| {
-        // pest stops where the thread has little stack left.
+        // pest stops parsing when the thread has little stack left.
         if matches!(&refusal.variant, ErrorVariant::CustomError { .. }) {
             return Error::new(lexed.span, ErrorKind::NoStack);
         }
@@ -31,7 +31,7 @@ pub(crate) fn recognise<'i>(
     Ok(pairs.next().expect("a statement is one pair"))
 }
 
-/// The error for a statement that the grammar refuses. Parsing stopped at token number `next`.
+/// The error for a statement that the grammar refuses. `next` is the token where parsing stopped.
 fn diagnose(text: &str, lexed: &LexedStatement, rule: Rule, next: usize) -> Box<Error> {
     let found = lexed.tokens.get(next);
     let word = lexed.tokens.first().and_then(|first| typed_setting(&text[first.span.range()]));
@@ -48,7 +48,7 @@ fn diagnose(text: &str, lexed: &LexedStatement, rule: Rule, next: usize) -> Box<
     if let Some(kind) = setting {
         return Error::new(found.map_or(lexed.span, |token| token.span), kind);
     }
-    // A character without a meaning is reported before anything else.
+    // A character without a meaning is reported before any other error.
     let unknown = |token: &&Token| {
         matches!(token.kind, Unknown | Percent) || (token.kind == Colon && !inside(lexed, token))
     };
@@ -76,7 +76,7 @@ fn diagnose(text: &str, lexed: &LexedStatement, rule: Rule, next: usize) -> Box<
         _ if let Some(span) = half_fraction(&lexed.tokens[..next]) => {
             Error::new(span, ErrorKind::HalfFraction)
         }
-        // The semicolon is inside brackets, else it would end the statement. A comma is meant.
+        // The semicolon is inside brackets, or it would end the statement. A comma was meant.
         (_, Semicolon) => {
             Error::new(here, ErrorKind::Unexpected { found: typed(here) }).suggest(here, ",")
         }
@@ -103,8 +103,8 @@ fn diagnose(text: &str, lexed: &LexedStatement, rule: Rule, next: usize) -> Box<
     }
 }
 
-/// The span from the last open brace to the token at `next`, if an operator stands before the
-/// brace. Such a brace opens a choice, since a restriction follows a whole formula.
+/// The span from the last open brace to the token at `next`, if an operator precedes the brace.
+/// Such a brace opens a choice, because a restriction follows a whole formula.
 fn choice_in_braces(lexed: &LexedStatement, next: usize) -> Option<Span> {
     let before = &lexed.tokens[..next];
     let open = before.iter().rposition(|token| token.kind == OpenBrace)?;
@@ -112,13 +112,13 @@ fn choice_in_braces(lexed: &LexedStatement, next: usize) -> Option<Span> {
     sign.kind.is_operator().then(|| before[open].span.to(lexed.tokens[next].span))
 }
 
-/// Whether the last pair of braces holds a comparison.
+/// Returns whether the last pair of braces holds a comparison.
 fn braces_restrict(before: &[Token]) -> bool {
     let open = before.iter().rposition(|token| token.kind == OpenBrace).unwrap_or(0);
     before[open..].iter().any(|token| token.kind.is_relation())
 }
 
-/// Whether a colon is inside a choice, where it is allowed.
+/// Returns whether `colon` is inside a choice, the only place for a colon.
 fn inside(lexed: &LexedStatement, colon: &Token) -> bool {
     let before = lexed.tokens.iter().take_while(|token| token.span.start < colon.span.start);
     let mut depth = 0_i32;
@@ -128,14 +128,14 @@ fn inside(lexed: &LexedStatement, colon: &Token) -> bool {
     depth > 0
 }
 
-/// The error for an operator of another language. `meant` is the operator to write instead.
+/// The error for an operator of another language. `meant` is the operator to suggest.
 fn foreign(text: &str, span: Span, meant: &str) -> Box<Error> {
     let sign = text[span.range()].to_owned();
     Error::new(span, ErrorKind::ForeignOperator { sign }).suggest(span, meant)
 }
 
-/// The error for a comma outside brackets. Directly between two numbers it is a decimal comma.
-/// Otherwise it may separate values, restrictions or conditions.
+/// The error for a comma outside brackets. A comma directly between two numbers is a decimal comma.
+/// Any other comma may separate values, restrictions or conditions.
 fn comma(text: &str, lexed: &LexedStatement, index: usize) -> Box<Error> {
     let Token { span, .. } = lexed.tokens[index];
     let before = lexed.tokens[index - 1].span;
@@ -155,7 +155,7 @@ fn comma(text: &str, lexed: &LexedStatement, index: usize) -> Box<Error> {
     }
 }
 
-/// The statement that was probably meant by a statement with commas. The first comma is at `first`.
+/// A correction of a statement with commas. `first` is the index of the first comma.
 fn listed(text: &str, lexed: &LexedStatement, first: usize) -> Option<String> {
     let parts = split(&lexed.tokens, Comma);
     let typed = |part: &Vec<Token>| Some(&text[part.first()?.span.to(part.last()?.span).range()]);
@@ -170,7 +170,7 @@ fn listed(text: &str, lexed: &LexedStatement, first: usize) -> Option<String> {
         has(part, TokenKind::is_inequality) && !has(part, |kind| kind == Equals)
     };
     let all = |is: &dyn Fn(&Vec<Token>) -> bool| parts[1..].iter().all(is);
-    // The comma at `first` must be the first one outside brackets.
+    // The comma at `first` must be the first comma outside brackets.
     if lexed.tokens[..first].len() != parts[0].len() {
         return None;
     }
@@ -186,7 +186,7 @@ fn listed(text: &str, lexed: &LexedStatement, first: usize) -> Option<String> {
     (meant.len() <= MAX_SUGGESTION && !meant.contains('\n')).then_some(meant)
 }
 
-/// The place of `\frac`, if its second part is missing directly after `before`.
+/// The place of a `\frac` whose second part is missing after the tokens `before`.
 fn half_fraction(before: &[Token]) -> Option<Span> {
     if let [.., fraction, part] = before
         && fraction.kind == Fraction
@@ -201,7 +201,7 @@ fn half_fraction(before: &[Token]) -> Option<Span> {
             OpenBrace => depth = depth.checked_sub(1)?,
             _ if depth > 0 => {}
             Fraction => return Some(token.span),
-            // This may be the first part of the fraction, as in `\frac1x`.
+            // This token may be the first part of the fraction, as in `\frac1x`.
             Digit | Number => {}
             _ => return None,
         }

@@ -1,5 +1,5 @@
-//! Functions of other systems: arithmetic such as `Plus[a, b]`, and functions that have an
-//! equivalent formula here, such as `Boole[c]` and `ChebyshevT[n, x]`.
+//! Reads functions of other systems: arithmetic such as `Plus[a, b]`, and functions with an
+//! equivalent formula in this language, such as `Boole[c]` and `ChebyshevT[n, x]`.
 
 use crate::messages::error::{Error, ErrorKind, Fallible, plural};
 use crate::span::Span;
@@ -8,10 +8,9 @@ use crate::tree::builder::{Builder, chain_of, product_of, quotient_of};
 use crate::tree::grammar::Pair;
 use zeroset_ops::{Op, VectorFunction};
 
-/// A function of another system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ForeignFunction {
-    /// The sum or product of all arguments, or the difference or quotient of two.
+    /// The sum or product of all arguments, or the difference or quotient of two arguments.
     Chain(Chain, ChainSign),
     Minus,
     /// The sum of a vector's components.
@@ -20,14 +19,14 @@ pub(crate) enum ForeignFunction {
     Boole,
     /// A Chebyshev polynomial of the first kind.
     Chebyshev,
-    /// The remainder of C, which has the sign of the dividend.
+    /// The remainder as in C, with the sign of the dividend.
     Remainder,
 }
 
-/// Largest degree of a polynomial that is written out.
+/// Largest degree of a Chebyshev polynomial. Such a polynomial is written out.
 const MAX_DEGREE: u32 = 30;
 
-/// The foreign function called `name`. `square` tells whether its arguments are in square brackets.
+/// The foreign function called `name`. `square` is true if its arguments are in square brackets.
 pub(crate) fn foreign_function(name: &str, square: bool) -> Option<ForeignFunction> {
     Some(match name {
         "Plus" => ForeignFunction::Chain(Chain::Sum, ChainSign::Direct),
@@ -109,8 +108,8 @@ fn remainder(a: Expr, divisor: Option<Expr>, span: Span) -> Fallible<Expr> {
     chain_of(Chain::Sum, vec![(ChainSign::Direct, a), (ChainSign::Inverse, multiple)])
 }
 
-/// The Chebyshev polynomial of the first kind of this degree at `a`, written out. The recurrence is
-/// T(n + 1) = 2a T(n) − T(n − 1).
+/// The Chebyshev polynomial of the first kind of this `degree` at `a`, written out by the
+/// recurrence T(n + 1) = 2a T(n) − T(n − 1).
 fn chebyshev(degree: u32, a: &Expr, span: Span) -> Fallible<Expr> {
     let (mut before, mut now): (Vec<i64>, Vec<i64>) = (vec![1], vec![0, 1]);
     for _ in 0..degree {

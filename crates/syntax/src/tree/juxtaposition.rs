@@ -1,8 +1,8 @@
 //! Reads rows of juxtaposed factors, which have no operators between them. The meanings of names
 //! decide between calls and products.
 //!
-//! A row is read from left to right as a list of items. Only this stage distinguishes `f(x)` from
-//! `x(y + 1)`, reads `sin 2x cos y` as two calls, and splits `xyz` into three factors.
+//! A row is split into items, which are read from left to right. Only this stage distinguishes
+//! `f(x)` from `x(y + 1)`, reads `sin 2x cos y` as two calls, and splits `xyz` into three factors.
 
 use crate::lex::lexer::method;
 use crate::lex::spelling::{decimal, is_name_char, plain_name, superscript_digit};
@@ -26,37 +26,37 @@ pub(crate) enum FactorItem<'i> {
     /// A number or a named value.
     Leaf(Expr),
     Function(Callee, Span),
-    /// A call whose arguments have special syntax; its brackets are the next item.
+    /// A call whose arguments have special syntax. The next item holds the brackets.
     Special(SpecialCall, Span),
-    /// A method call after its first argument; the pair holds the other arguments.
+    /// A method call after its first argument. The pair holds the other arguments.
     Method(String, Span, Pair<'i>),
-    /// `.xz` after a vector.
+    /// Letters of components, such as `.xz` after a vector.
     Component(String, Span),
-    /// Round or square brackets.
+    /// A pair of round or square brackets.
     Group(Pair<'i>),
     /// Any other delimited factor, such as braces, bars, `\frac` or `\sqrt{}`.
     Delimited(Pair<'i>),
     /// `!` after a whole number.
     Factorial(Span),
-    /// `^`, and the signs of the exponent that follows.
+    /// The sign `^`, and the plus and minus signs before the exponent.
     Caret(Signs, Span),
-    /// Superscript digits, as a number.
+    /// Superscript digits, read as a number.
     Superscript(Expr),
-    /// `√` or `∛`.
+    /// The sign `√` or `∛`.
     Radical(char, Span),
 }
 
 /// A call whose arguments have special syntax.
 #[derive(Clone, Copy)]
 pub(crate) enum SpecialCall {
-    /// A special form, whose arguments may be more than numbers.
+    /// A special form. Its arguments may be more than numbers.
     Form(&'static SpecialForm),
     /// A condition written as a function.
     Logic(Logic),
     Foreign(ForeignFunction),
 }
 
-/// Items of a row that are yet to be read.
+/// Items of a row that were not read yet.
 pub(crate) type FactorItems<'i> = VecDeque<FactorItem<'i>>;
 
 impl Builder<'_> {
@@ -71,7 +71,7 @@ impl Builder<'_> {
         Ok(factors)
     }
 
-    /// Reads a single name as a part of a fraction or as the last number of a sum.
+    /// Reads a single name as a part of a fraction, or as the upper end of a `\sum`.
     #[inline(never)] // keeps its locals out of the stack frames of nested fractions
     pub(crate) fn letter(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let mut items = FactorItems::new();
@@ -96,7 +96,7 @@ impl Builder<'_> {
             Rule::name => return self.name(typed, span, items),
             Rule::number => FactorItem::Leaf(Expr::of_digits(decimal(typed), span)),
             Rule::superscript => {
-                // `&sup2;` contains an ordinary digit.
+                // The entity `&sup2;` contains an ordinary digit.
                 let digit = |c: char| superscript_digit(c).or(Some(c).filter(char::is_ascii_digit));
                 let digits: String = typed.chars().filter_map(digit).collect();
                 let digits = Expr::of_digits(digits, span);
@@ -116,7 +116,7 @@ impl Builder<'_> {
                 FactorItem::Method(method(word).unwrap_or(word).to_owned(), span, pair)
             }
             Rule::vulgar => {
-                // `2½` may mean 5/2 or 2·(1/2).
+                // `2½` is ambiguous: it may mean 5/2 or 2·(1/2).
                 if let Some(FactorItem::Leaf(before)) = items.back()
                     && before.number().is_some()
                 {
@@ -129,7 +129,7 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// Adds the items that a name stands for, usually one.
+    /// Adds the items for a name to `items`. Usually this is one item.
     fn name(&mut self, typed: &str, span: Span, items: &mut FactorItems<'_>) -> Fallible<()> {
         let name = plain_name(typed);
         if let Some(lifted) = self.alias(&name) {
@@ -163,15 +163,15 @@ impl Builder<'_> {
                 items.push_back(FactorItem::Function(callee, span));
             }
             NameMeaning::Product => {
-                // Only the first letter is in the exponent or divisor, and another note says so.
+                // An exponent or divisor gets only the first letter. Another note reports that.
                 let is_exponent = matches!(items.back(), Some(FactorItem::Caret(..)))
                     && !matches!(items.iter().nth_back(1), Some(FactorItem::Function(..)));
                 let is_noted = is_exponent || items.is_empty() && self.follows(span, &[Slash]);
                 let letters: Vec<String> = name.chars().map(String::from).collect();
                 let mut at = span.start;
                 for letter in &letters {
-                    // LaTeX commands and subscripts are never split, so each plain letter has its
-                    // own place. Styled letters take more bytes and get the span of the name.
+                    // Plain letters have places of their own, because LaTeX commands and subscripts
+                    // are never split. Styled letters take more bytes and get the span of the name.
                     let is_plain = typed.len() == name.len();
                     let place = if is_plain { Span::new(at, at + letter.len()) } else { span };
                     at = place.end;
@@ -202,7 +202,7 @@ impl Builder<'_> {
                 {
                     return Ok(());
                 }
-                // If a parameter is called `x`, then `X` is not read as the coordinate x.
+                // If a parameter is called `x`, `X` is not read as the coordinate x.
                 let lower = name.to_lowercase();
                 let is_hidden = self.locals.iter().any(|local| local.text == lower);
                 let (value, kind) = if TIMES.contains(&typed) {
@@ -240,7 +240,7 @@ impl Builder<'_> {
         FactorItem::Leaf(Expr::new(ExprKind::Name(value), span))
     }
 
-    /// Reads one factor with its exponents and appends it to `factors`.
+    /// Reads one factor with its exponents. Appends it to `factors`.
     pub(crate) fn factor(
         &mut self,
         items: &mut FactorItems<'_>,
@@ -253,21 +253,22 @@ impl Builder<'_> {
         Ok(())
     }
 
-    /// Fails if `next` must not follow the factor `before` without an operator.
+    /// Fails if the item `next` may not directly follow the factor `before`.
     #[inline(never)]
     fn may_follow(&self, next: &FactorItem<'_>, before: &Expr) -> Fallible<()> {
         match next {
             FactorItem::Leaf(next) if next.number().is_some() => {
                 let (kind, sign) = match before.kind {
                     ExprKind::Number(_) => (ErrorKind::NumberAfterNumber, "*"),
-                    // A power has an exponent already, so the number is not meant as one.
+                    // A power has an exponent already, so the number is not meant as an exponent.
                     ExprKind::Power(..) => (ErrorKind::NumberAfterFactor, "*"),
                     _ => (ErrorKind::NumberAfterFactor, "^"),
                 };
                 let between = Span::new(before.span.end, next.span.start);
                 Err(Error::new(before.span.to(next.span), kind).suggest(between, sign))
             }
-            // Braces after a factor look like a restriction; a product would hide the mistake.
+            // Braces after a factor look like a restriction. Reading them as a factor could hide a
+            // mistake.
             FactorItem::Delimited(pair) if pair.as_rule() == Rule::braces => {
                 Err(Error::new(self.span(pair), ErrorKind::RestrictionNotCondition))
             }
@@ -276,7 +277,7 @@ impl Builder<'_> {
     }
 
     /// Reads a factor with its exponents. `x^y^z` is `x^(y^z)`. A sign in an exponent applies to
-    /// all exponents from there on: `x^-y^z` is `x^(-(y^z))`.
+    /// the rest of the exponents: `x^-y^z` is `x^(-(y^z))`.
     pub(crate) fn power(&mut self, items: &mut FactorItems<'_>) -> Fallible<Expr> {
         let base = self.primary(items)?;
         match items.front() {
@@ -291,7 +292,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Reads what follows a factor and belongs to it: components, methods, `!` and exponents.
+    /// Reads the items after a factor that belong to it: components, methods, `!` and exponents.
     #[inline(never)] // keeps the stack frames of nested plain factors small
     fn behind(&mut self, mut base: Expr, items: &mut FactorItems<'_>) -> Fallible<Expr> {
         while let Some(FactorItem::Component(..)) = items.front() {
@@ -323,7 +324,7 @@ impl Builder<'_> {
         Ok(Expr::new(ExprKind::Component(Box::new(base), letters), span))
     }
 
-    /// Reads `a.pow(2)` as `pow(a, 2)`.
+    /// Reads a method call such as `a.pow(2)` as `pow(a, 2)`.
     #[inline(never)] // keeps its locals out of the stack frames of nested factors
     fn method(&mut self, base: Expr, items: &mut FactorItems<'_>) -> Fallible<Expr> {
         let Some(FactorItem::Method(name, span, pair)) = items.pop_front() else { return Ok(base) };
@@ -369,7 +370,7 @@ impl Builder<'_> {
         self.raised(chain)
     }
 
-    /// Combines a base and its exponents into powers, from the right.
+    /// Combines a base and its exponents into powers, from right to left.
     #[inline(never)]
     fn raised(&mut self, mut chain: Vec<(Signs, Expr)>) -> Fallible<Expr> {
         let (mut signs, mut expr) = chain.pop().expect("a chain starts with its base");
@@ -385,7 +386,7 @@ impl Builder<'_> {
         Ok(expr)
     }
 
-    /// Notes that `x^(1/3)` is defined only for x ≥ 0, though the root exists for all x.
+    /// Adds a note that `x^(1/3)` is defined only for x ≥ 0, unlike the root.
     fn note_odd_root(&mut self, base: &Expr, exponent: &Expr) {
         let Some((top, bottom)) = exponent.quotient() else {
             return;
@@ -441,7 +442,7 @@ impl Builder<'_> {
         }
     }
 
-    /// The error for an item that may only stand after a factor.
+    /// The error for an item that must follow a factor but does not.
     #[inline(never)] // keeps the stack frames of nested factors small
     fn misplaced(&self, item: &FactorItem<'_>) -> Box<Error> {
         let (span, sign) = match item {
@@ -486,7 +487,7 @@ impl Builder<'_> {
         Ok(native(op, inner, place))
     }
 
-    /// Reads a number or a value as a factor.
+    /// Reads a number or a named value as a factor.
     #[inline(never)]
     fn leaf_factor(&mut self, expr: Expr, items: &mut FactorItems<'_>) -> Fallible<Expr> {
         if let Some((letter, span)) = self.index(&expr, items.front()) {
@@ -498,7 +499,7 @@ impl Builder<'_> {
         self.not_a_call(expr, items.front())
     }
 
-    /// The component that `p[0]` selects, and the span of the brackets. These never mean a product.
+    /// The component that `p[0]` selects, and the span of the brackets; `None` for other brackets.
     fn index(&self, expr: &Expr, next: Option<&FactorItem<'_>>) -> Option<(char, Span)> {
         let Some(FactorItem::Group(pair)) = next else { return None };
         let is_name = match &expr.kind {
@@ -515,7 +516,7 @@ impl Builder<'_> {
         (is_name && touches).then(|| LETTERS.chars().nth(digit).map(|letter| (letter, span)))?
     }
 
-    /// Takes the brackets after a special call.
+    /// Takes the pair of brackets after a special call.
     fn brackets<'i>(&self, items: &mut FactorItems<'i>, span: Span) -> Fallible<Pair<'i>> {
         if let Some(FactorItem::Group(pair)) = items.pop_front() {
             return Ok(pair);
@@ -524,7 +525,8 @@ impl Builder<'_> {
         Err(Error::new(span, ErrorKind::NeedsArgument { name, count: 1 }))
     }
 
-    /// Returns a number or a value. Brackets after a value multiply: they hold one expression.
+    /// Returns `expr`. Fails if it is a named value before brackets that do not hold one
+    /// expression.
     fn not_a_call(&mut self, expr: Expr, next: Option<&FactorItem<'_>>) -> Fallible<Expr> {
         if let (ExprKind::Name(value), Some(FactorItem::Group(pair))) = (&expr.kind, next)
             && pair.clone().into_inner().count() != 1
@@ -543,19 +545,19 @@ fn degree(span: Span) -> Expr {
     pi.over(Expr::of_digits("180", span), span)
 }
 
-/// Whether `expr` is a coordinate without brackets, which has no components.
+/// Returns whether `expr` is a coordinate without brackets, which has no components.
 fn is_coordinate(expr: &Expr) -> bool {
     let is_bare = expr.span.end - expr.span.start == 1;
     is_bare && matches!(expr.kind, ExprKind::Name(NamedValue::Coordinate(_)))
 }
 
-/// Names of time in shaders.
+/// Names of the time in shaders.
 const TIMES: [&str; 6] = ["iTime", "iGlobalTime", "u_time", "uTime", "time", "TIME"];
 
-/// Blanks between a name and its brackets.
+/// Blanks that may stand between a name and its brackets.
 const BLANKS: [char; 2] = [' ', '\t'];
 
-/// The letters of `.rgb` and the like, replaced by x, y, z and w.
+/// The letters of a component such as `.rgb`, replaced by x, y, z and w.
 fn letters(typed: &str) -> String {
     let by_position = |letter: char| {
         let found = ["rgba", "stpq"].iter().find_map(|set| set.find(letter));

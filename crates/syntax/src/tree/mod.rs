@@ -1,10 +1,10 @@
-//! From tokens to syntax trees. The grammar's parse is turned into expressions in which every name
-//! is resolved.
+//! From tokens to syntax trees. The grammar parses each statement, and every name in it is
+//! resolved.
 //!
 //! Nothing here knows values, graphs or pictures, or how programs become statements.
 //!
 //! The files that extend `Builder` call one another in a circle, because brackets may hold any
-//! expression: a sum holds juxtaposed factors, which hold calls, whose arguments are sums.
+//! expression. A sum holds juxtaposed factors, which hold calls, whose arguments are sums.
 
 pub(crate) mod aliases;
 pub(crate) mod application;

@@ -1,5 +1,5 @@
-//! Prints trees as canonical text: every `*` is explicit, and brackets stand only where they change
-//! the reading.
+//! Prints trees as canonical text. Every `*` is explicit. Brackets stand only where the text would
+//! otherwise have another meaning.
 //!
 //! Parsing the printed text gives an equal tree; a property test checks this.
 
@@ -10,7 +10,7 @@ use crate::tree::ast::{
 };
 use std::fmt;
 
-/// Binding strength of an expression. Where a stronger one is needed, the expression gets brackets.
+/// Binding strength of an expression. An expression that binds too weakly gets brackets.
 #[derive(Clone, Copy, PartialEq, PartialOrd)]
 enum Tightness {
     Or,
@@ -41,7 +41,7 @@ fn tightness(expr: &Expr) -> Tightness {
     }
 }
 
-/// Writes `expr`, in brackets unless it binds at least as tightly as `needed`.
+/// Writes `expr`, in brackets unless `expr` binds at least as tightly as `needed`.
 fn write(f: &mut fmt::Formatter<'_>, expr: &Expr, needed: Tightness) -> fmt::Result {
     if tightness(expr) >= needed { write!(f, "{expr}") } else { write!(f, "({expr})") }
 }
@@ -75,7 +75,7 @@ impl fmt::Display for Expr {
                     Chain::Sum => (Tightness::Product, [" + ", " - "]),
                     Chain::Product => (Tightness::Power, ["*", "/"]),
                 };
-                // A sign in front of the first term needs no brackets: -a + b is (-a) + b.
+                // A sign before the first term needs no brackets: -a + b is (-a) + b.
                 match (kind, &first.kind) {
                     (Chain::Sum, ExprKind::Negate(_)) => write(f, first, Tightness::Sum)?,
                     _ => write(f, first, needed)?,
@@ -93,7 +93,7 @@ impl fmt::Display for Expr {
             }
             ExprKind::Choice(pieces, otherwise) => write_choice(f, pieces, otherwise.as_deref()),
             ExprKind::Component(vector, letters) => {
-                // A dot after a number or a coordinate does not take a component.
+                // A component cannot directly follow a number or a coordinate, hence the brackets.
                 match vector.kind {
                     ExprKind::Number(_) | ExprKind::Name(NamedValue::Coordinate(_)) => {
                         write!(f, "({vector})")?;
@@ -176,7 +176,7 @@ impl fmt::Display for Statement {
         match self {
             Self::Define(definition) => definition.fmt(f),
             Self::Draw { expr, restrictions } => {
-                // With a single `=` this would be read as a definition.
+                // With a single `=`, this equation would be read as a definition.
                 if let ExprKind::Compare(left, rest) = &expr.kind
                     && let [(Relation::Equal, right)] = rest.as_slice()
                     && may_be_defined(left)
@@ -191,11 +191,11 @@ impl fmt::Display for Statement {
     }
 }
 
-/// Whether `left` would be read as the left side of a definition.
+/// Returns whether `left` before a `=` would be read as the left side of a definition.
 fn may_be_defined(left: &Expr) -> bool {
     match &left.kind {
         ExprKind::Name(value) => !matches!(value, NamedValue::Coordinate(_)),
-        // A program sets a component this way, as in `p.x = 1`.
+        // Programs assign to a component, as in `p.x = 1`.
         ExprKind::Component(vector, _) => matches!(vector.kind, ExprKind::Name(_)),
         ExprKind::Call(Function::Defined(_), arguments) => {
             arguments.iter().all(|argument| matches!(argument.kind, ExprKind::Name(_)))
@@ -204,7 +204,7 @@ fn may_be_defined(left: &Expr) -> bool {
     }
 }
 
-/// Writes a drawn expression. A first name that would make the line a setting gets brackets.
+/// Writes a drawn expression. Puts a first name that begins a line about the picture in brackets.
 fn write_drawn(f: &mut fmt::Formatter<'_>, expr: &Expr) -> fmt::Result {
     let text = expr.to_string();
     let (word, rest) = text.split_at(text.find(|c| !is_name_char(c)).unwrap_or(text.len()));
@@ -225,7 +225,7 @@ fn write_restrictions(f: &mut fmt::Formatter<'_>, restrictions: &[Expr]) -> fmt:
     f.write_str("}")
 }
 
-/// A drawing as it is shown to people: every equation has a single `=`.
+/// A drawing as it is shown to users. Every equation has a single `=`.
 pub(crate) struct Drawing<'a> {
     pub expr: &'a Expr,
     pub restrictions: &'a [Expr],

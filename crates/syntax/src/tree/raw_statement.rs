@@ -1,4 +1,4 @@
-//! Statements before trees are built: their tokens, and what the program around them adds.
+//! Statements before trees are built: their tokens, and additions from the surrounding program.
 //!
 //! Nothing here knows whether a statement comes from a plain text or from a program.
 
@@ -6,20 +6,20 @@ use crate::lex::scanner::LexedStatement;
 use crate::tree::aliases::Aliases;
 use crate::tree::ast::{ExprKind, Name};
 
-/// The tokens of a statement, and what the program around it adds.
+/// The tokens of a statement, and additions from the surrounding program.
 pub(crate) struct RawStatement {
     pub lexed: LexedStatement,
-    /// Left side of the definition, if the program gives it. The tokens are then its right side.
+    /// Left side of a definition, if the program adds it. The tokens are then the right side.
     pub head: Option<Head>,
-    /// Expressions that the program's variables stand for here.
+    /// Variables of the program at this statement, with the expressions that they stand for.
     pub aliases: Aliases,
-    /// How the program converts the value, if it does.
+    /// Conversion of the statement's value, if the program adds one.
     pub conversion: Option<ValueConversion>,
-    /// Whether the value is a height over x and y, to be drawn as `z = value`.
+    /// True if the value is a height over x and y. The statement then draws `z = value`.
     pub is_height: bool,
 }
 
-/// `name` or `name(parameters)` before a `=`.
+/// The left side of a definition: `name` or `name(parameters)`.
 #[derive(Clone, Debug)]
 pub(crate) struct Head {
     pub name: Name,
@@ -28,10 +28,10 @@ pub(crate) struct Head {
 
 /// Conversion of a value by a program, before the value gets its name.
 pub(crate) enum ValueConversion {
-    /// The value replaces the components `letters` of the vector `before` of `size` components.
+    /// The value replaces the components `letters` of `before`, a vector of `size` components.
     Write { letters: String, before: ExprKind, size: usize },
-    /// The value is a condition, converted to 1 where it holds, else 0.
+    /// The value is a condition, which becomes 1 where the condition holds, else 0.
     Indicator,
-    /// One component of the value.
+    /// The value becomes one of its components, named by a letter.
     Part(char),
 }

@@ -1,27 +1,27 @@
-//! Meanings of names. Parameters of the current function come first, then names of the document,
-//! then names of the language.
+//! Meanings of names. A name is looked up first among the parameters of the current function, then
+//! among the document's names, then among the language's names.
 
 use crate::tree::ast::{Function, Name, NamedValue};
 use rustc_hash::FxHashMap;
 use zeroset_ir::{Axis, NamedConstant};
 use zeroset_ops::{COMPOSED, Notation, Op, SpecialForm, TABLE, form, names, natives};
 
-/// The names that are visible to statements.
+/// The names that a statement can see.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Scope {
-    /// Names that the document or an override defines: the number of parameters, or `None` for a
-    /// value.
+    /// Names that the document or an override defines, each with its number of parameters. A value
+    /// has `None` in place of the number.
     defined: FxHashMap<String, Option<usize>>,
-    /// Coordinates that are used but not defined by the text, and so get a standard definition.
+    /// Coordinates that the text uses without defining them. They have a standard definition.
     implied: Vec<&'static str>,
-    /// Whether internal operations may be called. Only the language's own prelude may do so.
+    /// True if internal operations may be called, which only the language's own prelude may do.
     internal: bool,
 }
 
-/// Longest name, in bytes, that is tried as a product of letters.
+/// Largest size of a name that is tried as a product of letters, in bytes.
 const MAX_PRODUCT_NAME: usize = 64;
 
-/// Names in other languages and what they are called here. Products of letters take precedence.
+/// Names of other languages, each with its equivalent here. Products of letters take precedence.
 const FOREIGN_NAMES: &[(&str, &str)] = &[
     ("tg", "tan"),
     ("ctg", "cot"),
@@ -40,7 +40,7 @@ const FOREIGN_NAMES: &[(&str, &str)] = &[
     ("M_E", "e"),
 ];
 
-/// The meaning of `name` in the language itself. Names from other languages have none.
+/// The meaning of `name` in this language alone. Names from other languages have no meaning.
 pub(crate) fn built_in(name: &str) -> NameMeaning {
     if FOREIGN_NAMES.iter().any(|(elsewhere, _)| *elsewhere == name) {
         return NameMeaning::Unknown;
@@ -48,39 +48,38 @@ pub(crate) fn built_in(name: &str) -> NameMeaning {
     Scope::default().meaning(name, &[])
 }
 
-/// The name here of a function called by its foreign name, for a note. Constants get none.
+/// The name in this language of a function called by a foreign name. Constants are left out.
 pub(crate) fn read_as(name: &str, callee: &Callee) -> Option<&'static str> {
     let found =
         FOREIGN_NAMES.iter().find(|(elsewhere, _)| *elsewhere == name).map(|(_, here)| *here);
     found.filter(|here| callee.name() == *here)
 }
 
-/// Meaning of a name.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum NameMeaning {
     /// A number.
     Value(NamedValue),
     /// A function.
     Function(Callee),
-    /// A product of values with names of one letter.
+    /// A product of values whose names are single letters.
     Product,
-    /// No meaning.
+    /// A name without a meaning.
     Unknown,
 }
 
-/// A function whose arguments are not counted yet.
+/// A function in a call, before the number of arguments is known.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Callee {
     /// A function that the document defines, with its number of parameters.
     Defined(String, usize),
-    /// A function of the language, by the name it was looked up with.
+    /// A function of the language, by the name under which it was found.
     BuiltIn(String),
     /// The logarithm to a base that is part of the name, as in `log_2`.
     Logarithm(String),
 }
 
 impl Callee {
-    /// The name to show in messages.
+    /// The name for messages.
     pub(crate) fn name(&self) -> &str {
         match self {
             Self::Defined(name, _) | Self::BuiltIn(name) => name,
@@ -95,8 +94,8 @@ impl Scope {
         Self { internal: true, ..Self::default() }
     }
 
-    /// Defines a value (`None`) or a function with this number of parameters. A later definition
-    /// replaces an earlier one.
+    /// Defines `name` as a function with this number of parameters or, for `None`, as a value. A
+    /// later definition replaces an earlier one.
     pub(crate) fn define(&mut self, name: &str, parameters: Option<usize>) {
         self.defined.insert(name.to_owned(), parameters);
     }
@@ -135,7 +134,7 @@ impl Scope {
                 return NameMeaning::Function(Callee::BuiltIn(lower));
             }
         }
-        // C has variants of functions for `float`, such as `sqrtf`.
+        // C has variants of functions for the type `float`, such as `sqrtf`.
         if let Some(double) = name.strip_suffix('f').filter(|double| double.len() > 2)
             && !signatures(double, false).is_empty()
         {
@@ -162,7 +161,7 @@ impl Scope {
         }
     }
 
-    /// Defines a name that the text uses but does not define.
+    /// Adds a name that the text uses without defining it.
     pub(crate) fn imply(&mut self, name: &'static str) {
         if canonical(name).is_some() {
             self.implied.push(name);
@@ -171,12 +170,12 @@ impl Scope {
         }
     }
 
-    /// Whether the document or an override defines `name`.
+    /// Returns whether the document or an override defines `name`.
     pub(crate) fn is_defined(&self, name: &str) -> bool {
         self.defined.contains_key(name)
     }
 
-    /// The special form called `name`, unless a definition or a parameter hides it.
+    /// The special form called `name`; `None` if a definition or a parameter hides it.
     pub(crate) fn form(&self, name: &str, locals: &[Name]) -> Option<&'static SpecialForm> {
         if self.is_defined(name) || locals.iter().any(|local| local.text == name) {
             return None;
@@ -184,7 +183,6 @@ impl Scope {
         form(name).or_else(|| form(&name.to_lowercase()))
     }
 
-    /// The signatures of a function.
     pub(crate) fn signatures(&self, callee: &Callee) -> Signatures {
         match callee {
             Callee::Defined(name, count) => {
@@ -196,7 +194,7 @@ impl Scope {
         }
     }
 
-    /// The known name closest to `name`, if one is close; with `functions`, only among functions.
+    /// The known name closest to `name`, if close enough. `functions` leaves out names of values.
     pub(crate) fn nearest(&self, name: &str, locals: &[Name], functions: bool) -> Option<String> {
         let own = self.defined.iter();
         let mut candidates: Vec<&str> = own
@@ -220,10 +218,10 @@ pub(crate) fn coordinate(name: &str) -> Option<Axis> {
     Axis::ALL.into_iter().find(|axis| axis.name() == name)
 }
 
-/// The candidate closest to `name`, if few edits separate the two. Ties go to the closest length,
-/// so that a swap of two letters wins over a lost letter, and then to alphabetical order.
+/// The candidate closest to `name`, if few edits lead from one to the other. Ties go to the closest
+/// length, so a swap of two letters wins over a lost letter. Further ties go to alphabetical order.
 pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>) -> Option<String> {
-    // Comparing takes time in proportion to both lengths, so names that are too long are skipped.
+    // Comparing takes time in proportion to both lengths, so a very long `name` is not compared.
     const LONGEST: usize = 24;
     if name.len() > LONGEST {
         return None;
@@ -250,14 +248,14 @@ pub(crate) fn nearest<'a>(name: &str, candidates: impl Iterator<Item = &'a str>)
         .map(|(_, _, candidate)| candidate.to_owned())
 }
 
-/// A function and its number of arguments, which is the minimum if it takes `or_more`.
+/// A function and its number of arguments, which is the least number if `or_more` is true.
 struct Signature {
     function: Function,
     count: usize,
     or_more: bool,
 }
 
-/// The signatures of a function, in order of their number of arguments.
+/// The signatures of a function, by ascending number of arguments.
 pub(crate) struct Signatures(Vec<Signature>);
 
 impl Signatures {
@@ -265,14 +263,14 @@ impl Signatures {
         self.0.is_empty()
     }
 
-    /// The function that takes `count` arguments, if there is one.
+    /// The function for `count` arguments, if there is one.
     pub(crate) fn function(&self, count: usize) -> Option<Function> {
         let exact = self.0.iter().find(|form| form.count == count);
         let form = exact.or_else(|| self.0.iter().find(|form| form.or_more && form.count < count));
         form.map(|form| form.function.clone())
     }
 
-    /// The smallest number of arguments.
+    /// The smallest number of arguments of any signature.
     pub(crate) fn least(&self) -> usize {
         self.0.first().map_or(0, |form| form.count)
     }
@@ -289,16 +287,16 @@ impl std::fmt::Display for Signatures {
     }
 }
 
-/// Names of the n-th root. Its expansion depends on whether n is odd, so it is neither native nor
-/// composed.
+/// Names of the n-th root. A root is neither native nor composed, because its expansion depends on
+/// whether n is odd.
 pub(crate) const ROOT_NAMES: &[&str] = &["root", "nroot", "nthroot", "surd"];
 
-/// Whether an operation of two operands accepts more, applied from the left.
+/// Returns whether an operation of two operands also combines more operands, from left to right.
 pub(crate) fn is_variadic(op: Op) -> bool {
     matches!(op, Op::Min | Op::Max)
 }
 
-/// The signatures of the language's function called `name`, empty if there is no such function.
+/// The signatures of the language's function called `name`; empty if there is no such function.
 /// `internal` allows internal operations.
 pub(crate) fn signatures(name: &str, internal: bool) -> Signatures {
     let form = |function, count| Signature { function, count, or_more: false };
@@ -325,7 +323,7 @@ pub(crate) fn signatures(name: &str, internal: bool) -> Signatures {
     Signatures(forms)
 }
 
-/// The canonical spelling of the coordinate called `name`.
+/// The canonical spelling of the coordinate called `name`: r, rho, theta or phi.
 pub(crate) fn canonical(name: &str) -> Option<&'static str> {
     match name {
         "r" => Some("r"),
@@ -336,7 +334,7 @@ pub(crate) fn canonical(name: &str) -> Option<&'static str> {
     }
 }
 
-/// The meaning of a constant, if a reader may not know it.
+/// The meaning of a constant, if a reader of the document may not know it.
 pub(crate) fn meaning(constant: NamedConstant) -> Option<&'static str> {
     match constant {
         NamedConstant::Pi | NamedConstant::E => None,
@@ -345,7 +343,7 @@ pub(crate) fn meaning(constant: NamedConstant) -> Option<&'static str> {
     }
 }
 
-/// The constant of the language called `name`.
+/// The language's constant that is called `name`.
 fn named_constant(name: &str) -> Option<NamedConstant> {
     match name {
         "pi" | "π" => Some(NamedConstant::Pi),

@@ -1,4 +1,4 @@
-//! Notes on powers and roots that may be meant to cover more than they do.
+//! Adds notes on powers and roots that may be meant to cover more factors.
 
 use crate::lex::spelling::short_formula;
 use crate::lex::token::Token;
@@ -11,15 +11,15 @@ use crate::tree::print::factor_text;
 use zeroset_ir::NamedConstant;
 
 impl Builder<'_> {
-    /// Whether the token before `span` is one of `signs`.
+    /// Returns whether the token before `span` is one of `signs`.
     pub(crate) fn follows(&self, span: Span, signs: &[TokenKind]) -> bool {
         let next = self.lexed.tokens.partition_point(|token| token.span.start < span.start);
         let before = next.checked_sub(1).map(|before| self.lexed.tokens[before]);
         before.is_some_and(|token| signs.contains(&token.kind))
     }
 
-    /// Notes a factor that touches an exponent without being part of it, as in `e^2x`. In `a^xy`
-    /// the exponent is only x, though `xy` looks like one name. `x^2y` is common and gets no note.
+    /// Adds a note on a factor that touches an exponent without being part of it, as in `e^2x`. In
+    /// `a^xy` the exponent is x, though `xy` looks like one name. The common `x^2y` gets no note.
     pub(crate) fn note_powers(&mut self, factors: &[Expr]) {
         for (index, pair) in factors.windows(2).enumerate() {
             let ExprKind::Power(base, exponent) = &pair[0].kind else { continue };
@@ -51,7 +51,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Whether a root without brackets covers only the first power of a sum, as in `√x²+y²`.
+    /// Returns whether a root covers only the first power of a sum, as in `√x²+y²`.
     pub(crate) fn root_goes_on(&self, inner: &Expr) -> bool {
         let next = self.lexed.tokens.partition_point(|token| token.span.start < inner.span.end);
         let is_sign = |token: &Token| matches!(token.kind, Plus | Minus);
@@ -62,7 +62,7 @@ impl Builder<'_> {
     }
 }
 
-/// Whether `base` is e or a number. Powers of these often have long exponents.
+/// Returns whether `base` is e or a number. Powers of such a base often have long exponents.
 fn is_base(base: &Expr) -> bool {
     let is_e = matches!(base.kind, ExprKind::Name(NamedValue::Constant(NamedConstant::E)));
     is_e || base.number().is_some()

@@ -1,4 +1,4 @@
-//! Sums and products over whole numbers, in the spellings of several languages.
+//! Reads sums and products over whole numbers, in the spellings of several languages.
 
 use crate::lex::spelling::{decimal, plain_name};
 use crate::lex::token_kind::TokenKind::BigProduct;
@@ -9,18 +9,18 @@ use crate::tree::builder::{Builder, number_only, numbers_only};
 use crate::tree::grammar::{Pair, Rule, first_kind};
 use crate::tree::special_forms::{descend_to, tuple};
 
-/// Most terms of a sum, factors of a product, and repetitions of a function.
+/// Largest number of terms of a sum, factors of a product, or repetitions of a function.
 pub(crate) const MAX_TERMS: i64 = 1000;
 
 impl Builder<'_> {
-    /// Reads the parts of `sum(…)` or `product(…)`; `None` if they have another form.
+    /// Reads the parts in the brackets of `sum(…)` or `product(…)`; `None` if the form is unknown.
     pub(crate) fn series_call(
         &mut self,
         is_product: bool,
         parts: &[Pair<'_>],
         place: Span,
     ) -> Fallible<Option<Expr>> {
-        // The generator may stand in brackets of its own, as in Python's `sum([…])`.
+        // The generator may have its own brackets, as in Python's `sum([…])`.
         if let [only] = parts
             && let Some(group) = descend_to(only, Rule::group)
         {
@@ -46,7 +46,7 @@ impl Builder<'_> {
         self.series_with_index(is_product, body, &index, ends, place)
     }
 
-    /// Reads the index of a range and its ends.
+    /// Reads the index of a range and the range's ends.
     #[inline(never)] // keeps its locals out of the stack frames of nested sums
     fn index_and_ends<'i>(
         &mut self,
@@ -66,7 +66,7 @@ impl Builder<'_> {
         if !is_generator {
             return Ok((index, built));
         }
-        // `range(n)` counts from 0 and excludes its end.
+        // `range(n)` counts from 0 to n − 1.
         if built.len() == 1 {
             built.insert(0, Expr::of_digits("0", place));
         }
@@ -79,7 +79,7 @@ impl Builder<'_> {
         Ok((index, built))
     }
 
-    /// Reads a series whose range is a list: index, first and last number, step.
+    /// Reads a sum or a product whose range is a list: index, first number, last number, step.
     #[inline(never)]
     fn series_from_list(
         &mut self,
@@ -156,7 +156,7 @@ impl Builder<'_> {
     }
 }
 
-/// Builds a sum or a product. `None` unless `ends` are two numbers and perhaps a step.
+/// Builds a sum or a product; `None` unless `ends` are two numbers, perhaps with a step.
 #[inline(never)]
 fn series(
     is_product: bool,

@@ -1,4 +1,4 @@
-//! Special forms, which take more than numbers as arguments, in the spellings of several languages.
+//! Reads special forms, which take more than numbers as arguments, in several languages' spellings.
 
 use crate::lex::lexer::OTHERWISE;
 use crate::lex::spelling::plain_name;
@@ -21,7 +21,7 @@ pub(crate) enum Logic {
     Compare(Relation),
 }
 
-/// The condition that a function called `name` means in other languages.
+/// The condition that a function called `name` stands for in other languages.
 pub(crate) fn logic(name: &str) -> Option<Logic> {
     Some(match name {
         "And" | "AND" | "logical_and" => Logic::And,
@@ -37,7 +37,7 @@ pub(crate) fn logic(name: &str) -> Option<Logic> {
     })
 }
 
-/// Descends through pairs with a single child to a pair of `rule`, if there is one.
+/// Descends through pairs with a single child to a pair of `rule`, if there is such a pair.
 pub(crate) fn descend_to<'i>(pair: &Pair<'i>, rule: Rule) -> Option<Pair<'i>> {
     let mut pair = pair.clone();
     loop {
@@ -52,7 +52,7 @@ pub(crate) fn descend_to<'i>(pair: &Pair<'i>, rule: Rule) -> Option<Pair<'i>> {
     }
 }
 
-/// The parts of a list or of brackets, if there are several or one of them is a list.
+/// The parts of a list or of brackets; `None` for a single part that is not a list.
 pub(crate) fn tuple<'i>(pair: &Pair<'i>) -> Option<Vec<Pair<'i>>> {
     let inner = descend_to(pair, Rule::list).or_else(|| descend_to(pair, Rule::group))?;
     let parts: Vec<Pair<'i>> = inner.into_inner().collect();
@@ -93,8 +93,8 @@ impl Builder<'_> {
         built?.ok_or_else(|| Error::new(place, kind()))
     }
 
-    /// Reads a function of `count` values or, without a `count`, of at least one; `None` for
-    /// others.
+    /// Reads a call of a function that takes `count` values, or at least one value if `count` is
+    /// `None`. Returns `None` for another number of values.
     #[inline(never)]
     fn value_call(
         &mut self,
@@ -111,7 +111,7 @@ impl Builder<'_> {
         Ok(Some(Expr::new(ExprKind::Call(function, arguments?), place)))
     }
 
-    /// Reads an argument: a value, or a vector in brackets of its own.
+    /// Reads an argument: a value, or a vector in its own brackets.
     pub(crate) fn argument(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         if let Some(group) = descend_to(&pair, Rule::group)
             && matches!(group.clone().into_inner().count(), 2..=4)
@@ -122,7 +122,7 @@ impl Builder<'_> {
         self.value(pair)
     }
 
-    /// Reads a matrix. OpenGL shaders give the elements column by column, other systems row by row.
+    /// Reads a matrix. OpenGL lists the elements column by column, and other systems row by row.
     #[inline(never)]
     fn matrix(
         &mut self,
@@ -144,7 +144,7 @@ impl Builder<'_> {
         }))
     }
 
-    /// Reads `mul(m, p)` of Direct3D shaders as a product.
+    /// Reads `mul(m, p)`, as in Direct3D shaders, as a product.
     #[inline(never)]
     fn multiply(&mut self, parts: &[Pair<'_>], place: Span) -> Fallible<Option<Expr>> {
         let [left, right] = parts else { return Ok(None) };
@@ -153,7 +153,7 @@ impl Builder<'_> {
         Ok(Some(Expr::new(product.kind, place)))
     }
 
-    /// Reads a list of rows as a square matrix; `None` if it has another shape.
+    /// Reads a list of rows as a square matrix; `None` if the shape is not square.
     fn rows(&mut self, parts: &[Pair<'_>], span: Span) -> Fallible<Option<Expr>> {
         let size = parts.len();
         let rows: Option<Vec<Vec<Pair<'_>>>> =
@@ -175,7 +175,7 @@ impl Builder<'_> {
         if let Some(matrix) = self.rows(&inner, span)? {
             return Ok(matrix);
         }
-        // A list of lists can only be a matrix.
+        // A list of lists that is no square matrix is an error.
         if inner.iter().any(|part| descend_to(part, Rule::list).is_some()) {
             return Err(Error::new(span, ErrorKind::MatrixShape));
         }
@@ -187,7 +187,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Whether a part is a word such as `otherwise`, which covers the remaining cases.
+    /// Returns whether a part is a word such as `otherwise`, which covers all remaining cases.
     fn is_otherwise(&self, pair: &Pair<'_>) -> bool {
         pair.as_rule() == Rule::otherwise || OTHERWISE.contains(&self.typed(pair))
     }
@@ -198,7 +198,7 @@ impl Builder<'_> {
         Ok(condition)
     }
 
-    /// Reads pairs of a condition and a value, then perhaps a last value.
+    /// Reads pairs of a condition and a value, then perhaps a last value without a condition.
     #[inline(never)]
     fn choose(&mut self, parts: &[Pair<'_>], place: Span) -> Fallible<Option<Expr>> {
         if parts.len() < 2 {
@@ -223,7 +223,7 @@ impl Builder<'_> {
         Ok(choice_or_last(pieces, last, place))
     }
 
-    /// Reads pieces with brackets of their own, such as `[value, condition]`.
+    /// Reads the pieces of a choice, each in its own brackets, such as `[value, condition]`.
     #[inline(never)]
     fn pieces(&mut self, parts: &[Pair<'_>], span: Span, place: Span) -> Fallible<Option<Expr>> {
         let Some(first) = parts.first() else {
@@ -252,7 +252,7 @@ impl Builder<'_> {
             let value = self.argument(value)?;
             pieces.push((self.condition_of(condition)?, value));
         }
-        // Mathematica's `Piecewise` is 0 where no condition holds.
+        // Mathematica's `Piecewise` has the value 0 where no condition holds.
         if is_list && otherwise.is_none() && self.text[span.range()].starts_with('P') {
             self.note(span, NoteKind::ZeroElsewhere);
             otherwise = Some(Expr::of_digits("0", span));
@@ -260,7 +260,7 @@ impl Builder<'_> {
         Ok(choice_or_last(pieces, otherwise, place))
     }
 
-    /// Reads a choice that the grammar has recognized.
+    /// Reads a choice that the grammar recognizes by its braces.
     #[inline(never)]
     pub(crate) fn choice(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Expr> {
         let mut pieces = Vec::new();
@@ -278,7 +278,7 @@ impl Builder<'_> {
                 None => {
                     let value = self.expression(first)?;
                     if value.is_condition() {
-                        // In Desmos, a condition by itself has the value 1 where it holds.
+                        // In Desmos, a condition alone stands for the value 1 where it holds.
                         let one = Expr::of_digits("1", value.span);
                         pieces.push((value, one));
                     } else {
@@ -331,7 +331,7 @@ impl Builder<'_> {
         }
     }
 
-    /// Reads a repeated function: its name, the count, the start value, and constant arguments.
+    /// Reads a repeated function: name, number of repetitions, start value, unchanging arguments.
     #[inline(never)]
     fn iterate(&mut self, parts: &[Pair<'_>], span: Span, place: Span) -> Fallible<Option<Expr>> {
         let [name, rest @ ..] = parts else { return Ok(None) };
@@ -343,7 +343,7 @@ impl Builder<'_> {
         for part in rest {
             arguments.push(self.argument(part.clone())?);
         }
-        // Mathematica puts the start value before the count.
+        // Mathematica puts the start value before the number of repetitions.
         if self.text[span.range()].eq_ignore_ascii_case("nest") {
             arguments.swap(0, 1);
         }
@@ -365,7 +365,7 @@ impl Builder<'_> {
     }
 }
 
-/// The matrix in an array that holds nothing else; any other array is returned unchanged.
+/// The matrix that is the only element of `array`; any other array unchanged.
 fn without_array(array: Expr) -> Expr {
     match array.kind {
         ExprKind::Call(Function::Vector(_) | Function::Matrix(_), mut only)
@@ -380,7 +380,7 @@ fn without_array(array: Expr) -> Expr {
     }
 }
 
-/// A choice, or its last value alone if it has no pieces. `None` if it has neither.
+/// Builds a choice. Without pieces, returns only the last value, if there is one.
 fn choice_or_last(pieces: Vec<(Expr, Expr)>, last: Option<Expr>, span: Span) -> Option<Expr> {
     match (pieces.is_empty(), last) {
         (true, last) => last,

@@ -1,4 +1,4 @@
-//! Determines the kind of each statement, and builds its trees.
+//! Determines the kind of each statement and builds the statement's trees.
 
 use crate::lex::scanner::LexedStatement;
 use crate::lex::spelling::{is_definable, plain_name};
@@ -19,18 +19,18 @@ use rustc_hash::FxHashSet;
 use zeroset_ir::Axis;
 use zeroset_ops::FormKind;
 
-/// Most parameters of a function. Each use of a name searches them, so their number is bounded.
+/// Largest number of parameters of a function. Each use of a name searches all parameters.
 const MAX_PARAMETERS: usize = 64;
 
 /// A statement that the grammar has recognized.
 pub(crate) struct ParsedStatement<'i> {
     pub raw: &'i RawStatement,
-    /// Result of the grammar. Its rule is the kind of the statement.
+    /// The statement as parsed. The grammar's rule is the kind of the statement.
     pub pair: Pair<'i>,
     pub head: Option<Head>,
 }
 
-/// Parses each statement of `text`.
+/// Parses each of `statements`, whose text is `text`.
 pub(crate) fn lines<'i>(
     text: &str,
     statements: &'i [RawStatement],
@@ -57,7 +57,8 @@ pub(crate) fn lines<'i>(
     if errors.is_empty() { Ok(lines) } else { Err(Errors::new(errors)) }
 }
 
-/// The grammar's rule for a statement, chosen by its first tokens.
+/// Returns the grammar's rule for a statement. The first two tokens determine the rule, except for
+/// a line such as `light (…`: there, all tokens of the line count.
 fn rule(lexed: &LexedStatement) -> Rule {
     let mut kinds = lexed.tokens.iter().map(|token| token.kind);
     let rule = match kinds.next() {
@@ -70,9 +71,9 @@ fn rule(lexed: &LexedStatement) -> Rule {
         _ => return Rule::line,
     };
     let in_point = |kind| matches!(kind, Number | Comma | Minus | Plus | CloseParen);
-    // `view = 3` and `view(x) = …` are definitions like any other.
+    // `view = 3` and `view(x) = …` are ordinary definitions.
     match kinds.next() {
-        // In a line such as `light (1, 2, 3)`, a point consists of numbers only.
+        // In a line such as `light (1, 2, 3)`, the brackets hold numbers only.
         Some(OpenParen) if rule == Rule::setting_line && kinds.all(in_point) => rule,
         Some(OpenParen) if rule != Rule::domain_line => Rule::line,
         Some(Plus | Minus | SquareRoot | CubeRoot | Not) => rule,
@@ -81,14 +82,14 @@ fn rule(lexed: &LexedStatement) -> Rule {
     }
 }
 
-/// The only child of `pair`, if it has exactly one and that matches `rule`.
+/// The only child of `pair`; `None` unless it has exactly one child, which matches `rule`.
 fn only(pair: Pair<'_>, rule: Rule) -> Option<Pair<'_>> {
     let mut inner = pair.into_inner();
     let first = inner.next()?;
     (inner.next().is_none() && first.as_rule() == rule).then_some(first)
 }
 
-/// The left side of a statement that has the form of a definition. `==` never defines.
+/// The left side of a statement that looks like a definition. A statement with `==` never does.
 fn head(text: &str, lexed: &LexedStatement, line: &Pair<'_>) -> Option<Head> {
     let typed = |pair: &Pair<'_>| lexed.tokens[lexed.index(pair.as_span().start())].span;
     let name = |pair: Pair<'_>| {
@@ -120,7 +121,7 @@ fn head(text: &str, lexed: &LexedStatement, line: &Pair<'_>) -> Option<Head> {
     left.next().is_none().then_some(Head { name: defined, parameters })
 }
 
-/// Decides which lines with a left side are definitions, and removes the heads of all others.
+/// Decides which lines with a left side are definitions. Removes the left side from all others.
 pub(crate) fn resolve_heads(
     text: &str,
     lines: &mut [ParsedStatement<'_>],
@@ -136,7 +137,7 @@ pub(crate) fn resolve_heads(
         }
     }
     resolve_level_sets(text, lines, notes);
-    // `hypot(a, b) = 2` is drawn only if a and b have values, so other names are defined first.
+    // `hypot(a, b) = 2` is drawn only if a and b have values, so all other names are defined first.
     for line in lines.iter() {
         let Some(head) = &line.head else { continue };
         if line.raw.head.is_some() || !is_built_in(head) && head.name.text != "t" {
@@ -163,7 +164,7 @@ pub(crate) fn resolve_heads(
 }
 
 /// Finds equations that look like definitions. After a definition of `f(x, y, z)`, the equation
-/// `f(x, y, z) = 4` is a level surface. After one of `f(x, y)`, `f(x, y) = z` is its graph.
+/// `f(x, y, z) = 4` is a level surface. After one of `f(x, y)`, `f(x, y) = z` is the graph of f.
 fn resolve_level_sets(text: &str, lines: &mut [ParsedStatement<'_>], notes: &mut Vec<Note>) {
     let mut defined: FxHashSet<(String, usize)> = FxHashSet::default();
     let numbers = numbers(text, lines);
@@ -187,7 +188,7 @@ fn resolve_level_sets(text: &str, lines: &mut [ParsedStatement<'_>], notes: &mut
     }
 }
 
-/// The names that are defined as plain numbers.
+/// The names whose definitions are plain numbers.
 fn numbers(text: &str, lines: &[ParsedStatement<'_>]) -> FxHashSet<String> {
     let named = lines.iter().filter(|line| {
         line.head.as_ref().is_some_and(|head| head.parameters.is_none())
@@ -198,13 +199,14 @@ fn numbers(text: &str, lines: &[ParsedStatement<'_>]) -> FxHashSet<String> {
     named.filter_map(name).collect()
 }
 
-/// The tokens after the equals sign, without conditions and ranges.
+/// The tokens after the equals sign, up to a condition in braces or a range.
 fn right_side(lexed: &LexedStatement) -> impl Iterator<Item = &Token> {
     let right = lexed.tokens.iter().skip_while(|token| token.kind != Equals).skip(1);
     right.take_while(|token| !matches!(token.kind, OpenBrace | In))
 }
 
-/// Whether a right side is a number, or z for a function of x and y, and so not a function's body.
+/// Returns whether the right side after `f(…) =` is a constant instead of the body of f. For two
+/// parameters, z counts as a constant.
 fn is_value(
     text: &str,
     lexed: &LexedStatement,
@@ -222,7 +224,7 @@ fn is_value(
     })
 }
 
-/// Whether a left side can define something. A name made of coordinates, such as `xy`, cannot.
+/// Returns whether a left side can be defined. A name made of coordinates, such as `xy`, cannot.
 fn may_define(head: &Head) -> bool {
     let name = head.name.text.as_str();
     if name == "t" {
@@ -231,20 +233,20 @@ fn may_define(head: &Head) -> bool {
     !name.chars().all(|c| matches!(c, 'x' | 'y' | 'z' | 't'))
 }
 
-/// Whether the left side calls a function of the language with a valid number of arguments.
+/// Returns whether the left side is a valid call of a function of the language.
 fn is_built_in(head: &Head) -> bool {
     accepts(head) == Some(true)
 }
 
-/// Whether the left side calls a function of the language with too few or too many coordinates.
-/// This is an incorrect equation: as a definition, its parameters would hide the coordinates.
+/// Returns whether the left side calls a function of the language with too few or too many
+/// coordinates. Such a line defines nothing, because its parameters would hide the coordinates.
 fn is_miscounted(head: &Head) -> bool {
     let mut parameters = head.parameters.iter().flatten();
     parameters.all(|p| coordinate(&p.text).is_some()) && accepts(head) == Some(false)
 }
 
-/// Whether the language's function called `head` takes as many arguments as `head` has parameters.
-/// `None` if there is no such function, or `head` has no parameters.
+/// Returns whether the language's function called `head` takes as many arguments as `head` has
+/// parameters; `None` if there is no such function, or `head` has no parameters.
 fn accepts(head: &Head) -> Option<bool> {
     let count = head.parameters.as_ref()?.len();
     if let Some(form) = zeroset_ops::form(&head.name.text) {
@@ -333,7 +335,7 @@ pub(crate) fn build(
     Ok(BuiltStatement { statement, span: line.raw.lexed.span, notes, used })
 }
 
-/// The ends of a slider, if a condition in braces such as `0 < a < 3` gives them.
+/// The ends of a slider's range, if the braces hold a condition such as `0 < a < 3`.
 fn slider_bounds<'e>(name: &Name, braces: &'e [Expr]) -> Option<(&'e Expr, &'e Expr)> {
     let [Expr { kind: ExprKind::Compare(first, rest), .. }] = braces else { return None };
     let [(before, middle), (behind, last)] = rest.as_slice() else { return None };
@@ -349,7 +351,7 @@ fn slider_bounds<'e>(name: &Name, braces: &'e [Expr]) -> Option<(&'e Expr, &'e E
     }
 }
 
-/// Builds the definition of a variable that a program sets. `expression` is the right side.
+/// Builds the definition for a variable that a program assigns. `expression` is the right side.
 fn set(
     builder: &mut Builder<'_>,
     head: &Head,
@@ -388,8 +390,8 @@ fn set(
     Ok(Definition { name, parameters, body, range: None })
 }
 
-/// Checks the left side of a definition for too many parameters, equal parameters, and names that
-/// cannot be defined. The flags tell whether the name is a built-in function, or a keyword here.
+/// Fails if the left side of a definition has too many parameters, equal parameters, or a name that
+/// cannot be defined. `is_function` and `is_keyword` describe the defined name.
 fn check_head(head: &Head, is_function: bool, is_keyword: bool) -> Fallible<()> {
     let parameters = head.parameters.as_deref().unwrap_or_default();
     if parameters.len() > MAX_PARAMETERS {
@@ -402,7 +404,7 @@ fn check_head(head: &Head, is_function: bool, is_keyword: bool) -> Fallible<()> 
             return Err(Error::new(parameter.span, ErrorKind::DuplicateParameter { name }));
         }
     }
-    // LaTeX can spell names that plain text cannot. They cannot be defined.
+    // LaTeX can spell names that plain text cannot. Such names cannot be defined.
     let word = std::iter::once(&head.name).chain(parameters).find(|n| !is_definable(&n.text));
     if let Some(name) = (is_function || is_keyword).then_some(&head.name).or(word) {
         let kind = ErrorKind::Reserved { name: name.text.clone(), is_function };
@@ -411,7 +413,7 @@ fn check_head(head: &Head, is_function: bool, is_keyword: bool) -> Fallible<()> 
     Ok(())
 }
 
-/// Builds the definition `head = …`. The left side is not built: its name has no meaning yet.
+/// Builds the definition `head = …`. Reads only the right side of `expression`.
 fn define(
     builder: &mut Builder<'_>,
     head: &Head,
@@ -421,14 +423,14 @@ fn define(
     let name = &head.name;
     let is_function =
         head.parameters.is_none() && matches!(built_in(&name.text), NameMeaning::Function(_));
-    // `domain(x) = …` is a mistyped domain line.
+    // `domain(x) = …` is probably a mistyped `domain` line.
     let is_keyword = head.parameters.is_some() && name.text == "domain";
     check_head(head, is_function, is_keyword)?;
     let span = builder.span(&expression);
     let mut sides = expression.into_inner().skip(2);
     let body = sides.next().expect("a definition has a right side");
     let second = sides.next().filter(|second| {
-        // In `f(x, y, z) = x^2 + y^2 - z = 0` the second equals sign is ignored.
+        // In `f(x, y, z) = x^2 + y^2 - z = 0`, the second equals sign is ignored.
         let mut rest = sides.clone();
         let zero = rest.next().is_some_and(|side| builder.typed(&side) == "0");
         let is_zero = relation(second) == Relation::Equal && zero && rest.next().is_none();
@@ -450,7 +452,7 @@ fn define(
     Ok(Definition { name: name.clone(), parameters: head.parameters.clone(), body, range })
 }
 
-/// Whether an expression is a number, perhaps with a sign. A name defined like this is a slider.
+/// Returns whether an expression is a number, perhaps negated. A name defined so is a slider.
 pub(crate) fn is_plain_number(expr: &Expr) -> bool {
     match &expr.kind {
         ExprKind::Number(_) => true,

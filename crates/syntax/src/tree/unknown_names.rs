@@ -1,4 +1,4 @@
-//! Errors about names without a meaning, with suggestions.
+//! Builds errors about names without a meaning, with suggestions.
 
 use crate::lex::spelling::{short_name, start, token_kind};
 use crate::lex::token_kind::TokenKind::{self, *};
@@ -9,10 +9,10 @@ use crate::tree::ast::Name;
 use crate::tree::builder::Builder;
 use crate::tree::scope::{NameMeaning, Scope, nearest, read_as};
 
-/// Longest name, in bytes, whose parts are looked up. The limit keeps hostile names cheap.
+/// Largest size of a name whose parts are looked up, in bytes. The limit keeps hostile names cheap.
 const MAX_NAME: usize = 64;
 
-/// Names of solids, and how to write each as a formula.
+/// Names of solids, each with a formula for the solid.
 const SOLIDS: &[(&str, &str)] = &[
     ("sphere", "a sphere of radius 2 is `x^2 + y^2 + z^2 = 4`"),
     ("ball", "a ball of radius 2 is `x^2 + y^2 + z^2 <= 4`"),
@@ -26,12 +26,11 @@ const SOLIDS: &[(&str, &str)] = &[
     ("gyroid", "a gyroid is `sin x cos y + sin y cos z + sin z cos x = 0`"),
 ];
 
-/// Words that show that a formula is written in words.
+/// Words that occur in formulas that are written in words.
 const IN_WORDS: &[&str] =
     &["squared", "cubed", "plus", "minus", "times", "equals", "divided", "squareroot", "the"];
 
 impl Builder<'_> {
-    /// The error for a function without a meaning.
     pub(crate) fn unknown_function(&self, name: &str, span: Span) -> Box<Error> {
         if let Some(kind) = unsupported_function(name) {
             return Error::new(span, kind);
@@ -44,16 +43,16 @@ impl Builder<'_> {
             .suggest_optional(span, self.scope.suggest_name(name, &self.locals, true))
     }
 
-    /// The error for a statement that is in words instead of signs.
+    /// The error for a statement in words, such as "x squared"; `None` for other statements.
     fn in_words(&self) -> Option<Box<Error>> {
-        // `domain ball` names a solid but is a setting.
+        // `domain ball` contains the name of a solid, but it is a line about the picture.
         if self.lexed.tokens.first().is_some_and(|first| first.kind.is_setting()) {
             return None;
         }
         let statement = self.lexed.span;
         let text = start(&self.text[statement.range()], MAX_NAME);
         let mut words = text.split(|c: char| !c.is_alphabetic());
-        // In `cylinder(r = 1, h = 2)` the equals signs only name arguments.
+        // In `cylinder(r = 1, h = 2)`, the equals signs only name the arguments.
         let is_called = self.lexed.tokens.get(1).is_some_and(|next| next.kind == OpenParen);
         let has_signs = self.lexed.tokens.iter().any(|token| {
             token.kind.is_arithmetic()
@@ -70,7 +69,7 @@ impl Builder<'_> {
             .then(|| Error::new(statement, ErrorKind::InWords))
     }
 
-    /// The brackets around `place`, if they end the statement with words, as in `x = 1 (a plane)`.
+    /// The brackets around `place`, if they end the statement and hold words: `x = 1 (a plane)`.
     fn bracketed_remark(&self, place: Span) -> Option<Span> {
         let tokens = &self.lexed.tokens;
         let close = tokens.last().filter(|last| last.kind == CloseParen)?;
@@ -79,13 +78,13 @@ impl Builder<'_> {
             tokens[open - 1].kind.ends_operand() && tokens[open].span.end <= place.start;
         let words = &tokens[open + 1..tokens.len() - 1];
         let is_gap = tokens[open - 1].span.end < tokens[open].span.start;
-        // A single word after a value may be a factor, unless that value is a number.
+        // After a number, a single word is a remark. After another value, the word may be a factor.
         let are_words = words.iter().all(|token| token.kind.is_name())
             && (words.len() > 1 || tokens[open - 1].kind == Number);
         (is_behind && is_gap && are_words).then(|| tokens[open].span.to(close.span))
     }
 
-    /// The span of `f x y z` before an equals sign, which is a call in other languages.
+    /// The span of `f x y z` before an equals sign. Other languages read this as a call.
     fn call_without_brackets(&self, span: Span) -> Option<Span> {
         let is_first = self.lexed.span.start == span.start;
         let kinds = self.lexed.tokens.iter().map(|token| token.kind).take(5);
@@ -93,7 +92,7 @@ impl Builder<'_> {
             .then(|| span.to(self.lexed.tokens[3].span))
     }
 
-    /// The error for a name without a meaning.
+    /// The error for an unknown name.
     pub(crate) fn unknown(&self, name: &str, typed: &str, span: Span) -> Box<Error> {
         if let Some(error) = self.in_words() {
             return error;
@@ -108,7 +107,7 @@ impl Builder<'_> {
             let meant = format!("{name}(x, y, z)");
             return Error::new(span, kind).suggest(left, meant);
         }
-        // `i` alone or next to values, as in `iy`, is the imaginary unit.
+        // `i` alone or beside values, as in `iy`, is the imaginary unit.
         let rest = name.strip_prefix('i').or_else(|| name.strip_suffix('i'));
         let is_unit = |rest: &str| rest.is_empty() || scope.is_product(rest, locals);
         if name == "I" || rest.is_some_and(is_unit) {
@@ -161,13 +160,13 @@ impl Builder<'_> {
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum NamePart {
     Function,
-    /// A value whose name is longer than one letter.
+    /// A value whose name is longer than a letter.
     Value,
     Letter,
     Number,
 }
 
-/// The kind of error for a function of other systems that has no equivalent here.
+/// The error for a function of other systems that has no equivalent in this language.
 fn unsupported_function(name: &str) -> Option<ErrorKind> {
     Some(match name {
         "D" | "diff" | "Diff" | "Derivative" | "integrate" | "Integrate" | "Dt" | "limit"
@@ -182,7 +181,7 @@ fn unsupported_function(name: &str) -> Option<ErrorKind> {
     })
 }
 
-/// Whether a part of `text` between line ends, commas and semicolons begins with `axis =`.
+/// Returns whether `axis =` begins a line of `text`, or stands after a comma or a semicolon.
 fn assigns(text: &str, axis: &str) -> bool {
     text.split(['\n', ',', ';']).any(|line| {
         let rest = line.trim_start().strip_prefix(axis);
@@ -191,21 +190,21 @@ fn assigns(text: &str, axis: &str) -> bool {
 }
 
 impl Scope {
-    /// A suggestion for the name of a definition that nothing uses.
+    /// A suggestion for the name of an unused definition.
     pub(crate) fn meant(&self, name: &str, is_function: bool) -> Option<String> {
         self.lost_superscripts(name, &[]).or_else(|| self.suggest_name(name, &[], is_function))
     }
 
-    /// `name` split into known names, or else the nearest known name.
+    /// `name` split into known names, if that is possible. Otherwise the closest known name.
     fn suggest_name(&self, name: &str, locals: &[Name], is_function: bool) -> Option<String> {
-        // Computer algebra systems write `E` for e.
+        // Computer algebra systems write `E` for the constant e.
         if name == "E" && !is_function {
             return Some("e".to_owned());
         }
         self.run_together(name, locals).or_else(|| self.nearest(name, locals, is_function))
     }
 
-    /// Reads `x2y` as `x^2*y`, if its letters are values. Superscripts are often lost in copying.
+    /// Reads `x2y` as `x^2*y`, if all letters are values. Copying often loses superscripts.
     fn lost_superscripts(&self, name: &str, locals: &[Name]) -> Option<String> {
         if name.len() > MAX_NAME || !name.contains(|c: char| c.is_ascii_digit()) {
             return None;
@@ -231,9 +230,9 @@ impl Scope {
         Some(powers)
     }
 
-    /// The only letter without a value in a short name such as `mx`.
+    /// The letter without a value in a short name such as `mx`, if there is exactly one.
     fn missing_letter(&self, name: &str, locals: &[Name]) -> Option<char> {
-        // Longer names are words, not products.
+        // A longer name is a word rather than a product.
         if !matches!(name.chars().take(4).count(), 2 | 3) || !name.contains(['x', 'y', 'z']) {
             return None;
         }
@@ -269,16 +268,16 @@ impl Scope {
         Some(text)
     }
 
-    /// Splits a name into functions, values and numbers, trying long parts first. `None` if all
-    /// parts are letters. A number must follow a function.
+    /// Splits a name into functions, values and numbers. Tries long parts first. A number must
+    /// follow a function. `None` if no split works, or if all parts are letters.
     fn split<'n>(&self, name: &'n str, locals: &[Name]) -> Option<Vec<(NamePart, &'n str)>> {
-        // For each position, the parts of the name from there on. Filled in from the end.
+        // For each position, a split of the name from that position to the end. Filled backward.
         let mut found: Vec<Option<Vec<(NamePart, &str)>>> = vec![None; name.len() + 1];
         found[name.len()] = Some(Vec::new());
         for at in (0..name.len()).rev().filter(|at| name.is_char_boundary(*at)) {
             let ends = (at + 1..=name.len()).rev().filter(|end| name.is_char_boundary(*end));
-            // At the start, the longest part is skipped: it is the whole name, which is to be split
-            // even if it is defined.
+            // At the start, the longest part is the whole name. That part is skipped, so even a
+            // defined name is split.
             found[at] = ends.skip(usize::from(at == 0)).find_map(|end| {
                 let rest = found[end].as_ref()?;
                 let kind = self.part(&name[at..end], locals)?;
@@ -300,7 +299,7 @@ impl Scope {
         (says_more && begins && parts.len() > 1).then_some(parts)
     }
 
-    /// The kind of `part` by itself.
+    /// The kind of `part`, if it has a meaning as a separate name.
     fn part(&self, part: &str, locals: &[Name]) -> Option<NamePart> {
         if part.bytes().all(|byte| byte.is_ascii_digit()) {
             return Some(NamePart::Number);
@@ -316,7 +315,7 @@ impl Scope {
         }
     }
 
-    /// Whether `name` is a value, or a product of values.
+    /// Returns whether `name` is a value, or a product of values.
     fn is_product(&self, name: &str, locals: &[Name]) -> bool {
         matches!(self.meaning(name, locals), NameMeaning::Value(_) | NameMeaning::Product)
     }

@@ -1,4 +1,4 @@
-//! Whole numbers that must be known to expand a formula: factorials, and the lengths of sums.
+//! Whole numbers that must be known to expand a formula: factorials and lengths of sums.
 
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
@@ -39,7 +39,7 @@ impl Builder<'_> {
     }
 }
 
-/// The names on which numbers of terms or repetitions depend, directly or through definitions.
+/// Names that determine a number of terms or repetitions, directly or through definitions.
 pub(crate) fn term_count_names<'d>(
     definitions: &[(&'d Definition, &'d BuiltStatement)],
     drawings: &[&'d BuiltStatement],

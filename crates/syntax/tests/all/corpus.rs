@@ -1,7 +1,7 @@
-//! Checks every row of the language corpus: a text, and how it is read or why it is refused.
+//! Checks each row of the language corpus: a text, and how it is read or why it is refused.
 //!
-//! `ZEROSET_BLESS=1 cargo test -p zeroset-syntax --test all corpus` rewrites what the rows expect;
-//! read the difference before committing it.
+//! `ZEROSET_BLESS=1 cargo test -p zeroset-syntax --test all corpus` rewrites the results that the
+//! rows expect. Read the difference before you commit it.
 
 use std::fmt::Write as _;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId};
@@ -12,7 +12,7 @@ use zeroset_syntax::{
 
 const CORPUS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/language.txt");
 
-/// A row: its input, its options, and the expected result.
+/// A row of the corpus: an input, its options, and the expected result.
 #[derive(Default)]
 struct Row {
     line: usize,
@@ -36,7 +36,7 @@ fn vector(value: &[Constant; 3]) -> String {
     format!("({x}, {y}, {z})")
 }
 
-/// The graph below `id` in functional notation.
+/// The expression at node `id`, in functional notation.
 fn graph_text(graph: &Graph, id: NodeId) -> String {
     match graph.node(id) {
         Node::Variable(axis) => match axis {
@@ -184,7 +184,7 @@ fn actual(row: &Row) -> String {
     }
 }
 
-/// Splits the corpus into rows and lines that are kept unchanged (comments, blank lines).
+/// Splits the corpus into rows, and lines that are kept unchanged: comments and blank lines.
 fn rows(text: &str) -> Vec<Result<Row, String>> {
     let mut parts: Vec<Result<Row, String>> = Vec::new();
     let mut row: Option<Row> = None;

@@ -1,4 +1,5 @@
-//! Checks the example files: each is read without an error, draws one surface, and has a title.
+//! Checks that each example file is read without an error, draws one surface, uses all its
+//! definitions, and has a title and a domain.
 
 use zeroset_syntax::{Note, NoteKind, Options, read};
 

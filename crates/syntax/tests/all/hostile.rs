@@ -1,11 +1,11 @@
-//! Texts designed to overflow, hang or panic: each is read or refused, on a small stack.
+//! Checks that texts designed to overflow, hang or panic are read or refused, on a small stack.
 
 use std::fmt::Write as _;
 use zeroset_syntax::{ErrorKind, Errors, Limits, Options, read, read_bytes};
 
-/// Stack of a test, in bytes. It is less than a third of the usual size, which leaves room for
-/// compilers with larger frames. Reading brackets takes up to 460 KiB, in test and release builds.
-/// pest requires another 64 KiB to be free.
+/// Stack of a test thread, in bytes. It is less than a third of the usual size, so compilers with
+/// larger frames still fit the usual size. Reading brackets takes up to 460 KiB, in test and
+/// release builds. pest requires another 64 KiB to be free.
 const STACK: usize = 5 << 17;
 
 fn on_a_small_stack<T: Send + 'static>(run: impl FnOnce() -> T + Send + 'static) -> T {
@@ -13,7 +13,7 @@ fn on_a_small_stack<T: Send + 'static>(run: impl FnOnce() -> T + Send + 'static)
     thread.expect("a thread").join().expect("no panic")
 }
 
-/// The only error of `text`, which must have a short rendering.
+/// The only error of `text`. Fails if there are other errors, or if the rendering is long.
 fn error(text: String) -> ErrorKind {
     on_a_small_stack(move || {
         let errors = read(&text, &Options::default()).expect_err("must be refused");
@@ -88,7 +88,7 @@ fn allowed_nesting_fits_the_stack() {
     accepted(format!("{}x", "-".repeat(depth)));
 }
 
-/// Definitions nest deeper than brackets.
+/// Hundreds of definitions, each using the one before, are read on a small stack.
 #[test]
 fn allowed_definitions_fit_the_stack() {
     let chain = |count: usize, line: &dyn Fn(usize) -> String, last: &str| {
@@ -253,7 +253,7 @@ fn what_is_unrolled_is_bounded() {
     assert!(is_too_deep("sum(k = 1..2, ".repeat(5_000)));
 }
 
-/// Whether a text is read, or refused as too large or too deep.
+/// Returns whether a text is read, or is refused only as too large or too deep.
 fn is_deep_or_large(text: &str) -> bool {
     let text = text.to_owned();
     on_a_small_stack(move || match read(&text, &Options::default()) {

@@ -1,4 +1,4 @@
-//! Tests of the language through its public interface.
+//! Tests the language through the crate's public interface.
 
 mod corpus;
 mod gallery;

@@ -1,4 +1,4 @@
-//! Tests of drawn diagnostics: color, file names, long lines, and places that span several lines.
+//! Tests how diagnostics are drawn: color, file names, long lines, places on several lines.
 
 use zeroset_syntax::{Options, read};
 
@@ -41,7 +41,7 @@ fn line_and_column_are_those_of_the_text_however_long_the_line() {
         let shown = rendered(Some("long.zset"), &text, false);
         assert!(shown.contains(&place), "{place}{shown}");
     }
-    // Columns count characters, not bytes.
+    // Columns count characters instead of bytes.
     let text = format!("{}foo", "π+".repeat(600));
     assert!(rendered(Some("long.zset"), &text, false).contains("long.zset:1:1201\n"));
 }

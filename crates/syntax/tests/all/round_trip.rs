@@ -1,4 +1,4 @@
-//! Properties of random trees and random text. The seed is fixed, and a failing case is printed
+//! Tests properties of random trees and random texts. The seed is fixed. A failing case is printed
 //! with its input.
 
 use proptest::collection::vec;
@@ -11,7 +11,7 @@ use zeroset_syntax::ast::{
 };
 use zeroset_syntax::{Limits, Options, Span, parse, read, read_bytes};
 
-/// Settings for `cases` cases, unless `ZEROSET_CASES` and `ZEROSET_SEED` give number and seed.
+/// Settings for `cases` cases. `ZEROSET_CASES` replaces their number, and `ZEROSET_SEED` the seed.
 fn config(cases: u32) -> ProptestConfig {
     let set = |name: &str| std::env::var(name).ok().and_then(|text| text.parse().ok());
     ProptestConfig {
@@ -26,7 +26,7 @@ fn expr(kind: ExprKind) -> Expr {
     Expr::new(kind, Span::default())
 }
 
-/// A sum or a product as the parser builds it: a first operand of the same kind is spliced in.
+/// Builds a sum or a product as the parser does: splices in a first operand of the same kind.
 fn chain(kind: Chain, first: Expr, mut rest: Vec<(ChainSign, Expr)>) -> Expr {
     match first.kind {
         ExprKind::Chain(of_first, inner, mut operands) if of_first == kind => {
@@ -55,7 +55,7 @@ fn leaf() -> impl Strategy<Value = Expr> {
     ]
 }
 
-/// Every function that a user can call, with a number of arguments that it takes.
+/// Every function that a user can call, with a number of arguments that the function takes.
 fn functions() -> Vec<(Function, usize)> {
     let callable = |row: &&zeroset_ops::OpRow| {
         matches!(row.notation, Notation::Function | Notation::Infix { callable: true, .. })
@@ -158,7 +158,7 @@ fn condition() -> impl Strategy<Value = Expr> {
 
 fn statement() -> impl Strategy<Value = Statement> {
     let equation = (number(), number())
-        // `pi = …` and `t = …` would be definitions.
+        // The equations `pi = …` and `t = …` would be definitions.
         .prop_filter("a definition", |(left, _)| {
             !matches!(left.kind, ExprKind::Name(NamedValue::Constant(_) | NamedValue::Time))
         })
@@ -183,7 +183,7 @@ proptest! {
     }
 }
 
-/// Reads and renders a text. Fails on an inconsistent result or an error without a message.
+/// Reads and renders a text. Fails if the result is inconsistent or an error has no message.
 fn survives(text: &str) -> Result<(), TestCaseError> {
     match read(text, &Options::default()) {
         Ok(document) => {
@@ -218,7 +218,7 @@ fn survives(text: &str) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Fragments of the language. Random sequences of them pass the lexer.
+/// Fragments of the language. Texts are random sequences of fragments.
 const PIECES: &[&str] = &[
     "x",
     "y",
@@ -376,7 +376,8 @@ const PIECES: &[&str] = &[
     ";",
 ];
 
-/// The pasted texts of two corpora.
+/// The texts that people paste, from two of the lists in `tests/data`, without their expected
+/// readings.
 fn pasted() -> Vec<String> {
     ["words.txt", "words_held_out.txt"]
         .iter()
@@ -392,7 +393,7 @@ fn pasted() -> Vec<String> {
         .collect()
 }
 
-/// The last position at or before `at` where `text` can be cut; `at` wraps around at its end.
+/// The character boundary of `text` at or before position `at`, which wraps around at the end.
 fn cut(text: &str, at: usize) -> usize {
     let mut at = at % (text.len() + 1);
     while !text.is_char_boundary(at) {

@@ -1,23 +1,23 @@
-//! Texts that people paste: every row of `tests/data/words.txt` is read as meant, or refused with a
+//! Checks texts that people paste. Every row of the corpora is read as meant, or is refused with a
 //! message that says what to write.
 //!
-//! The value of a reading is compared with that of an equivalent plain text, at seeded points: in
-//! exact arithmetic where possible, else with enclosures.
+//! A text's function is compared with that of an equivalent plain text, at seeded points. The
+//! values are exact where possible, and otherwise enclosures.
 
 use std::fmt::Write as _;
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, simplify};
 use zeroset_syntax::{Document, Limits, Options, SurfaceKind, parse, read};
 
-/// The corpus used in developing the language, and two held-out ones.
+/// The corpus used in developing the language, and two corpora that were not used for it.
 const CORPORA: [&str; 3] = ["words.txt", "words_held_out.txt", "words_third.txt"];
 
-/// Points at which readings are compared.
+/// Number of points at which functions are compared.
 const POINTS: usize = 60;
 
 #[derive(Default)]
 struct Row {
-    /// File and line.
+    /// File and line of the row.
     place: String,
     style: String,
     is_from_a_page: bool,
@@ -100,7 +100,7 @@ fn value(document: &Document, root: NodeId, point: &[Constant; 3]) -> Option<Con
     }
 }
 
-/// Rational points: eighths between −2.5 and 2.5, and some on the axes.
+/// Points with coordinates in eighths, from −2.5 to 2.5. Every tenth is on a coordinate plane.
 fn points() -> Vec<[Constant; 3]> {
     let mut state = 0x7a65_726f_u64;
     let mut next = |most: u64| {
@@ -139,7 +139,7 @@ fn agree(left: Option<&Constant>, right: Option<&Constant>) -> bool {
     }
 }
 
-/// The mismatch between the domain of a text and the one required by its row, if any.
+/// Describes how a text's domain differs from the domain that its row requires, if it does.
 fn wrong_domain(row: &Row, document: &Document) -> Option<String> {
     let wanted = row.domain.as_ref()?;
     let line: Vec<String> = ["x", "y", "z"]
@@ -153,7 +153,7 @@ fn wrong_domain(row: &Row, document: &Document) -> Option<String> {
     (document.domain != meant).then(|| format!("domain {:?}", document.domain))
 }
 
-/// The mismatch between how a row is read and what it requires, if any.
+/// Describes how the reading of a row differs from what the row requires, if it does.
 fn wrong(row: &Row, points: &[[Constant; 3]]) -> Option<String> {
     let document = read(&row.text, &Options::default());
     let document = match (document, &row.message) {
@@ -260,7 +260,7 @@ fn every_form_is_read_as_its_help_says() {
     for form in zeroset_ops::FORMS {
         for name in std::iter::once(&form.name).chain(form.aliases) {
             let usage = form.usage.replacen(form.name, name, 1);
-            // Mathematica puts the count after the start value.
+            // Mathematica's `nest` takes the start value before the number of repetitions.
             let usage = usage.replace("nest(f, 3, x)", "nest(f, x, 3)");
             let text = format!("f(a) = a^2\np = vec3(x, y, z)\nq = p\nn = p\nz = {usage}");
             let read = parse(&text, &Limits::default());

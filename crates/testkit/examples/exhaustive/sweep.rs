@@ -1,8 +1,8 @@
-//! Native enclosures of one-variable functions at every float, against correctly rounded values.
+//! Compares native enclosures of one-variable functions with correctly rounded values, at every
+//! float.
 //!
-//! The kernel under test is the one used for pictures: compiled from a tape, called with the
-//! rounding mode set to +∞, with sixteen floats in a batch. The reference values come from
-//! `core-math` alone.
+//! The kernel under test is used as in pictures: it is compiled from a tape, evaluates batches of
+//! sixteen floats, and rounds to +∞. The reference values come from `core-math` alone.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -15,11 +15,11 @@ use zeroset_ops::Op;
 
 /// Number of floats that a thread takes at a time.
 const CHUNK: u64 = 1 << 16;
-/// Angles up to this are enclosed tightly. The enclosure of a larger one is the whole range.
+/// Greatest angle with tight enclosures. Beyond it, an enclosure is the function's whole range.
 const ANGLE_LIMIT: f32 = 8_388_608.0;
-/// Angles known to stay within these bounds are reduced in fewer steps.
+/// If the code may assume that angles are within this bound, it reduces them in fewer steps.
 const COMMON_LIMIT: f32 = 1_048_576.0;
-/// Sine and cosine have a rule of their own for operands known to stay within these bounds.
+/// If the code may assume that angles are within this bound, it uses a rule for angles near 0.
 const NEAR_LIMIT: f32 = 192.0;
 
 /// A function of one variable, with its reference values.
@@ -27,10 +27,10 @@ pub struct Function {
     /// The operation.
     pub op: Op,
     truth: fn(f32) -> ReferenceValue,
-    /// Lower and upper bound of all its values.
+    /// Lower and upper bound of all values of the function.
     range: [f64; 2],
     limit: f32,
-    /// Bound of the operand that the code may assume, if any. Floats beyond it are not checked.
+    /// The code may assume that operands are within this bound. Floats beyond it are not checked.
     pub within: Option<f32>,
 }
 
@@ -70,12 +70,12 @@ pub fn functions() -> Vec<Function> {
         }),
         all(Op::Cbrt, REALS, f32::MAX, |x| {
             let root = core_math::cbrt(f64::from(x));
-            // The square of 24 bits is exact, and so is the remainder from the fused product.
+            // A root of 24 bits has an exact square. So the fused product is 0 only if root³ = x.
             let is_short = f64::from(root as f32) == root;
             let is_exact = is_short && (root * root).mul_add(root, -f64::from(x)) == 0.0;
             where_defined(true, root, is_exact)
         }),
-        // At rationals except 0, or 1 for a logarithm, these have irrational values (Lindemann).
+        // By Lindemann's theorem, functions like exp are irrational at all rationals but one.
         all(Op::Exp, [0.0, f64::INFINITY], f32::MAX, |x| {
             where_defined(true, core_math::exp(f64::from(x)), x == 0.0)
         }),
@@ -84,13 +84,13 @@ pub fn functions() -> Vec<Function> {
         }),
         all(Op::Log2, REALS, f32::MAX, |x| {
             let value = core_math::log2(f64::from(x));
-            // 2 to an integer power is a normal f64 without fraction bits.
+            // An integer power of 2 is a normal f64 whose fraction bits are 0.
             let is_power = f64::from(x).to_bits() << 12 == 0;
             where_defined(x > 0.0, value, is_power)
         }),
         all(Op::Log10, REALS, f32::MAX, |x| {
             let value = core_math::log10(f64::from(x));
-            // Float powers of 10 end here: 5¹⁰ is the last power of five with at most 24 bits.
+            // 10¹⁰ is the last power of 10 that is an f32: 5¹⁰ fits into 24 bits, and 5¹¹ does not.
             let is_power = (0..=10).any(|n| f64::from(x) == 10_f64.powi(n));
             where_defined(x > 0.0, value, is_power)
         }),
@@ -137,28 +137,27 @@ fn where_defined(defined: bool, value: f64, exact: bool) -> ReferenceValue {
 pub struct Report {
     /// Number of floats checked.
     pub tried: u64,
-    /// Number of enclosures that miss the value, or whose facts are wrong.
+    /// Number of enclosures that miss the value or report other facts than expected.
     pub violations: u64,
     /// Operand of one violation.
     pub violation: Option<f32>,
-    /// Number of floats beyond the limit, where an enclosure is the function's range.
+    /// Number of floats beyond the function's limit. For these, only containment is checked.
     pub beyond: u64,
-    /// Number of enclosures with an infinite end where the value is a float.
+    /// Number of enclosures with an infinite end although the value is within the range of `f32`.
     pub unbounded: u64,
-    /// Operand of smallest magnitude with an unbounded enclosure.
+    /// Operand of smallest magnitude that `unbounded` counts.
     pub first_unbounded: Option<f32>,
-    /// Number of bounded enclosures that are wider than the tightest by more ulps than the
-    /// function's row allows.
+    /// Number of bounded enclosures that are wider than the function's row in the table allows.
     pub wide: u64,
-    /// Operand of smallest magnitude whose enclosure is wider than allowed.
+    /// Operand of smallest magnitude that `wide` counts.
     pub first_wide: Option<f32>,
     /// Greatest number of ulps by which a bounded enclosure is wider than the tightest.
     pub worst: u64,
-    /// Operand of the widest bounded enclosure.
+    /// Operand of an enclosure that is `worst` ulps too wide.
     pub worst_at: Option<f32>,
-    /// Sum of the ulps by which `measured` enclosures are wider than the tightest.
+    /// Total number of ulps by which the measured enclosures are wider than the tightest.
     pub excess: u64,
-    /// Number of enclosures measured.
+    /// Number of enclosures whose width was measured.
     pub measured: u64,
 }
 
@@ -205,8 +204,8 @@ impl Function {
         self.within.map_or(name.to_owned(), |limit| format!("{name}-{limit}"))
     }
 
-    /// Checks the native enclosure at finite floats whose bits are a multiple of `stride`, on all
-    /// processors.
+    /// Checks the native enclosure at each finite float whose bits are a multiple of `stride`. Uses
+    /// all processors.
     ///
     /// # Panics
     /// If the processor is not supported or `stride` is 0.
@@ -266,7 +265,7 @@ impl Function {
         report.tried += 1;
         let (value, exact) = match (self.truth)(x) {
             ReferenceValue::Undefined => {
-                // At a point outside its domain the function must be reported as undefined.
+                // The function must be reported as undefined outside its domain of definition.
                 if facts != Facts::NOWHERE {
                     report.violate(x);
                 }
@@ -275,7 +274,7 @@ impl Function {
             ReferenceValue::Exactly(value) => (value, true),
             ReferenceValue::Near(value) => (value, false),
         };
-        // The value, widened by an ulp of f64 within the range of the function.
+        // Bounds of the exact value. If `value` is rounded, they are the floats next to it.
         let claim = if exact {
             [value; 2]
         } else {
@@ -297,7 +296,7 @@ impl Function {
             return;
         }
         if facts != Facts::TOTAL {
-            report.violate(x); // needlessly modest: the function is continuous at this point
+            report.violate(x); // the function is continuous here, but the facts deny it
             return;
         }
         let tightest = u64::from(!exact || f64::from(value as f32) != value);

@@ -10,21 +10,21 @@ use zeroset_ops::Op;
 pub struct Line {
     /// The point at t = 0.
     pub eye: [f64; 3],
-    /// Any direction but 0.
+    /// The direction, which is not 0.
     pub direction: [f64; 3],
 }
 
-/// The range of t ≥ 0 inside a box.
+/// The range of t ≥ 0 at which a line is inside a box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Clip {
     /// Bounds that contain every t whose point is inside.
     pub(super) outer: [f64; 2],
-    /// Bounds between which every point is inside. Not in order if no point is certainly so.
+    /// Bounds between which every point is inside; not in order if no point is certainly inside.
     pub(super) inner: [f64; 2],
 }
 
 impl Line {
-    /// Returns the range of t ≥ 0 inside `region`, or `None` if it is certainly empty.
+    /// Returns the range of t ≥ 0 inside `region`, or `None` if the range is certainly empty.
     pub(super) fn clip(&self, region: &[[f64; 2]; 3]) -> Option<Clip> {
         let mut clip = Clip { outer: [0.0, f64::INFINITY], inner: [0.0, f64::INFINITY] };
         for (axis, &[lo, hi]) in region.iter().enumerate() {
@@ -56,7 +56,7 @@ impl Line {
         (range.lo, range.hi)
     }
 
-    /// Returns the values of the parameters of a [`FunctionOnLine`].
+    /// Returns this line's numbers as parameters of a [`FunctionOnLine`].
     pub(super) fn parameters(&self) -> Vec<(f64, f64)> {
         self.eye.iter().chain(&self.direction).map(|value| (*value, *value)).collect()
     }

@@ -4,15 +4,14 @@ use super::line::{Clip, FunctionOnLine, Line};
 use super::{Certificate, Crossing, Unresolved, UnresolvedReason};
 use crate::oracle::{BoxClaim, Defined, Oracle, Span};
 
-/// Least length of a piece, as a share of the ray's path through the box. Where the function is
-/// smooth, halving mostly ends at longer pieces, when rounding errors exceed the function's
-/// changes.
+/// Least length of a piece, as a share of the ray's path through the box. For a smooth function,
+/// halving mostly ends earlier: rounding errors exceed the function's changes on a piece.
 const SMALLEST: f64 = f64::from_bits((1023 - 44) << 52); // 2^-44
 
-/// Most undecided pieces that are reported one by one. The rest of the ray is one piece.
+/// Greatest number of undecided pieces reported. The ray beyond them is one more piece.
 const MOST_UNRESOLVED: usize = 64;
 
-/// Largest share of a piece that a Newton step may leave. Otherwise it is halved.
+/// Greatest share of a piece that a Newton step may leave. If it leaves more, the piece is halved.
 const NEWTON_LEAVES: f64 = 0.5;
 /// Margin added to either end of a Newton step's result, as a share of the result's width. With it,
 /// the parts that are cut off can be proven empty.
@@ -20,11 +19,11 @@ const NEWTON_MARGIN: f64 = 0.125;
 
 /// Result of evaluating the function on a piece.
 enum PieceResult {
-    /// The piece contains no zero. The sign is that of the function, if it has values there.
+    /// The piece contains no zero. `None` stands for a function that is undefined on the piece.
     Empty(Option<Sign>),
     /// The piece has to be cut at these distances.
     Cut(Vec<f64>),
-    /// The piece is too small to cut. If no reason is given, the signs on either side decide.
+    /// The piece is not cut further. If there is no reason, the signs on either side decide.
     Leaf(Option<UnresolvedReason>),
 }
 
@@ -43,7 +42,6 @@ struct Cluster {
     reason: Option<UnresolvedReason>,
 }
 
-/// The search for zeros on one line.
 pub(super) struct Search<'a> {
     value: Oracle<'a>,
     both: Oracle<'a>,
@@ -120,10 +118,11 @@ impl<'a> Search<'a> {
         self.unresolved.push(Unresolved { near, far, reason: UnresolvedReason::Budget });
     }
 
-    /// Decides on a run of adjacent leaves by the signs on either side of it.
+    /// Returns the crossing if the function changes its sign over `cluster`. Otherwise reports the
+    /// cluster as unresolved.
     ///
-    /// A leaf in which the function is defined shares an end with an empty piece. The function has
-    /// a value there, with the sign of the empty piece.
+    /// If the cluster has no reason, the function has a value at either end. That end is also the
+    /// end of an empty piece, so the value has the sign of that piece.
     fn decide(&mut self, cluster: Cluster, after: Option<Sign>, clip: &Clip) -> Option<Crossing> {
         let Cluster { near, far, before, reason } = cluster;
         let inside = clip.inner[0] <= near && far <= clip.inner[1];
@@ -168,7 +167,7 @@ impl<'a> Search<'a> {
         if !usable {
             return if small { PieceResult::Leaf(None) } else { PieceResult::Cut(vec![middle]) };
         }
-        // The mean value theorem: f(t) lies in f(m) + F'·(t − m).
+        // The mean value theorem: f(t) lies in f(m) + F'·(t − m), for bounds F' of the slope.
         let slope = span(&slope);
         let (from, at_middle) = (Span::point(middle), span(&self.value(middle, middle)));
         let change = slope.mul(Span::new(near, far).sub(from));
@@ -183,7 +182,7 @@ impl<'a> Search<'a> {
         PieceResult::Cut(newton(near, far, middle, at_middle, slope).unwrap_or(vec![middle]))
     }
 
-    /// Whether the function is below 0 between two distances, if that is certain throughout.
+    /// Whether the function is below 0 between two distances. `None` if that is not certain.
     pub(super) fn is_below(&mut self, near: f64, far: f64) -> Option<bool> {
         let claim = self.value(near, far).values;
         match claim.defined {
@@ -206,7 +205,7 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Returns cuts of a piece between which its zeros lie, or `None` if they gain too little.
+/// Returns cuts around the zeros of a piece by a Newton step. `None` if they cut off too little.
 fn newton(near: f64, far: f64, middle: f64, value: Span, slope: Span) -> Option<Vec<f64>> {
     if slope.has_zero() {
         return None;

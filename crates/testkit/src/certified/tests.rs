@@ -1,7 +1,7 @@
 use super::*;
 use zeroset_syntax::{Options, read};
 
-/// Returns the certificate along the line from `eye` by `direction`, within a cube of half side 4.
+/// Traces the line from `eye` along `direction` in a cube around the origin, with half side 4.
 fn trace(formula: &str, eye: [f64; 3], direction: [f64; 3]) -> Certificate {
     let document = read(formula, &Options::default()).expect("reads");
     let parameters: Vec<_> = document.parameters.iter().map(|p| p.value.clone()).collect();
@@ -9,7 +9,7 @@ fn trace(formula: &str, eye: [f64; 3], direction: [f64; 3]) -> Certificate {
     function.trace(&Line { eye, direction }, &[[-4.0, 4.0]; 3], BUDGET)
 }
 
-/// Returns the certificate along the x axis from −8.
+/// Traces the line from x = −8 along the x axis.
 fn along_x(formula: &str) -> Certificate {
     trace(formula, [-8.0, 0.0, 0.0], [1.0, 0.0, 0.0])
 }
@@ -30,7 +30,7 @@ fn simple_roots_cross() {
     crosses_at(&certificate, 8.0 - 2_f64.sqrt());
     assert!(certificate.crossing.is_some_and(|crossing| crossing.simple));
     assert!(certificate.unresolved.is_empty() && certificate.evaluations < 100);
-    // Roots at every place where a piece might be cut.
+    // Some roots lie where a piece might be cut.
     for root in ["0", "2", "-2", "1", "3", "-3", "1/3"] {
         let certificate = along_x(&format!("r = {root}\nx - r"));
         assert!(certificate.unresolved.is_empty(), "{root}: {certificate:?}");
@@ -97,7 +97,7 @@ fn a_crossing_behind_what_it_cannot_know_is_found() {
     let certificate = along_x("1/(x-1/3) - 1/2");
     assert_eq!(reasons(&certificate), [UnresolvedReason::Undefined]);
     crosses_at(&certificate, 31.0 / 3.0);
-    // Pieces with no number between them are merged.
+    // The roots 0 and 1e-15 may be too close together to be told apart.
     let certificate = along_x("x^2*(x-1e-15)");
     assert!(certificate.crossing.is_some() || reasons(&certificate).len() == 1);
 }

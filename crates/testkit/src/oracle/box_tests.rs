@@ -75,7 +75,7 @@ fn only_what_is_defined_throughout_is_continuous() {
     assert!(!over(Op::Sqrt, &[(-0.5, 1.0)]).continuous);
     assert!(!over(Op::Div, &[(1.0, 1.0), (-1.0, 1.0)]).continuous);
     assert!(!over(Op::Tan, &[(1.5, 1.6)]).continuous);
-    // It does not matter whether the other branch is continuous.
+    // A branch that is not chosen need not be continuous.
     let mut graph = Graph::new();
     let x = graph.variable(Axis::X);
     let y = graph.variable(Axis::Y);

@@ -1,13 +1,14 @@
 //! Elementary functions over ranges of operands.
 //!
 //! For a non-zero rational operand, exp, ln, sin, cos, tan, atan and similar functions have an
-//! irrational value (Lindemann), except for ln 1. So there are no exact cases besides those below.
+//! irrational value (Lindemann), except for ln 1. So the only exact results are those treated
+//! below.
 
 use super::rounded::Rounded;
 use super::span::Span;
 
-/// Width below which a range, in radians, contains at most one zero of a sine or cosine. It is less
-/// than π by far more than the rounding error of a width.
+/// A range of angles narrower than this contains at most one zero of the sine, and one of the
+/// cosine. The bound is less than π by far more than the rounding error of a width.
 const LESS_THAN_HALF_PERIOD: f64 = 3.0;
 
 pub(super) fn exp(a: Span) -> Span {
@@ -32,7 +33,7 @@ pub(super) fn log2(a: Span) -> Span {
 /// Decimal logarithm of the positive members of `a`.
 pub(super) fn log10(a: Span) -> Span {
     logarithm(a, |x| {
-        // No other powers of ten are `f64`. Up to the 22nd power the products are exact.
+        // No other power of ten is an `f64`. The products up to 10²² are exact.
         let is_power = (0..=22).scan(1.0, |power, _| {
             let this = *power;
             *power *= 10.0;
@@ -58,7 +59,7 @@ pub(super) fn cos(a: Span) -> Span {
     wave(a, core_math::cos, |x| -core_math::sin(x), 1.0)
 }
 
-/// A sine or cosine `f`. `slope` has the sign of its derivative, `at_zero` is its value at 0.
+/// Range of `f`, a sine or cosine, over `a`. `slope` has its derivative's sign; `at_zero` is f(0).
 fn wave(a: Span, f: fn(f64) -> f64, slope: fn(f64) -> f64, at_zero: f64) -> Span {
     if !is_narrow(a) {
         return Span::new(-1.0, 1.0);
@@ -68,9 +69,9 @@ fn wave(a: Span, f: fn(f64) -> f64, slope: fn(f64) -> f64, at_zero: f64) -> Span
         _ => Rounded::inexact(f(x)),
     };
     let mut range = Span::hull(value(a.lo), value(a.hi));
-    // The slope has at most one zero in this range, so a change of its sign means one extremum. A
-    // correctly rounded slope has the right sign. It is 0 only if it is exactly 0, and then the
-    // extremum is at an end.
+    // The slope has at most one zero in this range, so a change of its sign means one extremum. The
+    // computed slope is rounded correctly, so it has the right sign. If it is 0 at an end, that end
+    // is the extremum.
     let (before, after) = (slope(a.lo), slope(a.hi));
     if before > 0.0 && after < 0.0 {
         range.hi = 1.0;
@@ -86,7 +87,7 @@ pub(super) fn has_no_pole(a: Span) -> bool {
     is_narrow(a) && (core_math::cos(a.lo) > 0.0) == (core_math::cos(a.hi) > 0.0)
 }
 
-/// Tangent over `a`; unbounded if there may be a pole.
+/// Tangents of the members of `a`, or all reals if there may be a pole.
 pub(super) fn tan(a: Span) -> Span {
     if has_no_pole(a) {
         a.increasing(|x| Rounded::when(core_math::tan(x), x == 0.0))
@@ -137,13 +138,13 @@ pub(super) fn acosh(a: Span) -> Span {
 
 /// Inverse hyperbolic tangent of the members of `a` between −1 and 1.
 pub(super) fn atanh(a: Span) -> Span {
-    // The values at ±1 are infinite.
+    // The infinite results at ±1 are exact.
     a.within(-1.0, 1.0)
         .increasing(|x| Rounded::when(core_math::atanh(x), x == 0.0 || x.abs() == 1.0))
 }
 
-/// Angles of the points (x, y). Returns every angle if the rectangle of points contains the origin
-/// or meets the branch cut from below.
+/// Angles of the points (x, y). Returns every angle if the rectangle of points contains the origin,
+/// or has points both on the branch cut and below it.
 pub(super) fn atan2(y: Span, x: Span) -> Span {
     let everything = Span::new(-core::f64::consts::PI.next_up(), core::f64::consts::PI.next_up());
     if x.has_zero() && y.has_zero() || x.lo < 0.0 && y.lo < 0.0 && y.hi >= 0.0 {

@@ -22,8 +22,8 @@ pub(super) enum Exponent {
     },
     /// A constant that is not an integer.
     Fraction,
-    /// An expression without coordinates and parameters. Constant folding may or may not turn it
-    /// into an integer constant, so both cases are allowed for.
+    /// An expression without coordinates and parameters. Constant folding may turn it into an
+    /// integer constant or not, so claims allow for both cases.
     PerhapsInteger,
     /// An expression that depends on coordinates or parameters.
     Varying,
@@ -66,7 +66,7 @@ pub(super) fn pow(base: Claim, power: Claim, exponent: Exponent) -> (Span, Defin
     }
 }
 
-/// Integer powers of the members of `a`. If the exponent is negative, the member 0 is left out.
+/// Powers of the members of `a` with an integer exponent. Leaves out 0⁻ⁿ, which has no value.
 fn integer_power(a: Span, n: Span, odd: bool) -> Span {
     if !odd || a.lo >= 0.0 {
         return magnitudes(a.abs(), n);
@@ -75,7 +75,7 @@ fn integer_power(a: Span, n: Span, odd: bool) -> Span {
     if a.hi <= 0.0 { negative } else { negative.union(magnitudes(Span::new(0.0, a.hi), n)) }
 }
 
-/// Real powers: the base is positive, or 0 under a positive exponent.
+/// Powers with a real exponent. The base is positive, or 0 if the exponent is positive.
 fn real_power(a: Span, b: Span) -> (Span, Defined) {
     let defined = Defined::decide(
         a.lo > 0.0 || (a.lo >= 0.0 && b.lo > 0.0),
@@ -100,7 +100,7 @@ fn corner(x: f64, y: f64) -> Rounded {
 
 /// xʸ by multiplication, if y is a small integer and no step rounds.
 fn exact_power(x: f64, y: f64) -> Option<f64> {
-    // With more factors, only powers of two stay exact, and they soon overflow.
+    // With more factors, only powers of two have exact products, which soon overflow.
     const MOST_FACTORS: f64 = 64.0;
     if y.fract() != 0.0 || y.abs() > MOST_FACTORS {
         return None;

@@ -1,8 +1,8 @@
-//! Single operations of `f64`. A flag tells whether the result is exact.
+//! Single operations of `f64`, with a flag that tells whether the result is exact.
 
-/// Magnitude below which exactness is not claimed, since the remainder of a product or quotient
-/// might underflow. A remainder is smaller by at most 2 · 53 bits, and that is still above the
-/// smallest subnormal, 2⁻¹⁰⁷⁴.
+/// Products and quotients below this magnitude are not called exact: a remainder might underflow. A
+/// remainder is smaller than its result by at most 2 · 53 bits. So above this magnitude, it stays
+/// above the smallest subnormal, 2⁻¹⁰⁷⁴.
 const REMAINDER_IS_SAFE: f64 = f64::from_bits((1023 - 900) << 52); // 2^-900
 
 /// A result rounded to nearest. Infinite if it overflowed.
@@ -44,7 +44,7 @@ impl Rounded {
         }
     }
 
-    /// Returns the exact result, if it is a float and known to be exact.
+    /// Returns the result if it is finite and known to be exact.
     pub(super) fn known(self) -> Option<f64> {
         (self.exact && self.value.is_finite()).then_some(self.value)
     }
@@ -55,11 +55,11 @@ pub(super) fn add(a: f64, b: f64) -> Rounded {
     let sum = a + b;
     let b_part = sum - a;
     let error = (a - (sum - b_part)) + (b - b_part);
-    // An infinite operand is an unbounded end, for which nothing is rounded.
+    // An infinite operand is the end of an unbounded range, and sums with it are exact.
     Rounded::when(sum, error == 0.0 || a.is_infinite() || b.is_infinite())
 }
 
-/// a·b, where an infinite end times 0 is 0.
+/// a·b, where 0 times an infinite end is 0.
 pub(super) fn mul(a: f64, b: f64) -> Rounded {
     if a == 0.0 || b == 0.0 {
         return Rounded::exact(0.0);
@@ -72,8 +72,8 @@ pub(super) fn mul(a: f64, b: f64) -> Rounded {
     Rounded::when(product, safe && a.mul_add(b, -product) == 0.0)
 }
 
-/// a/b. By convention it is 0 for an infinite b, infinite for b = ±0, and 0 for 0/0. The ends of a
-/// quotient of ranges need this if the divisor has an end at 0 or infinity.
+/// a/b. By convention the quotient is 0 for an infinite b, infinite for b = ±0, and 0 for 0/0.
+/// Quotients of ranges need this if the divisor has an end at 0 or infinity.
 pub(super) fn div(a: f64, b: f64) -> Rounded {
     if a == 0.0 || b.is_infinite() {
         return Rounded::exact(0.0);

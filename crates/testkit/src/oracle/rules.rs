@@ -1,4 +1,4 @@
-//! The rules of all operations.
+//! The oracle's rule for each operation.
 
 use super::power::{self, Exponent};
 use super::rounded::{self, Rounded};
@@ -6,8 +6,8 @@ use super::span::Span;
 use super::{Claim, Defined, elementary};
 use zeroset_ops::{Class, Continuity, Law, Op};
 
-/// Returns what is certain about `op` applied to `operands`. Only as many operands are used as the
-/// operation has. `exponent` describes the last operand and matters only for powers.
+/// Returns the claim about `op` applied to `operands`, of which `op` may ignore the last ones.
+/// `exponent` describes the last operand and matters only for powers.
 pub(super) fn apply(op: Op, operands: [Claim; 3], exponent: Exponent) -> Claim {
     if op == Op::SelectNegative {
         return select_negative(operands);
@@ -35,7 +35,7 @@ pub(super) fn apply(op: Op, operands: [Claim; 3], exponent: Exponent) -> Claim {
         Op::Log10 => (elementary::log10(a), positive(a)),
         Op::Sin => everywhere(elementary::sin(a)),
         Op::Cos => everywhere(elementary::cos(a)),
-        // A cosine is 0 only at irrational numbers, so every range contains numbers without a pole.
+        // A cosine is 0 only at irrational numbers, so every range has numbers that are no pole.
         Op::Tan => (elementary::tan(a), Defined::decide(elementary::has_no_pole(a), true)),
         Op::Asin => (elementary::asin(a), within_one(a)),
         Op::Acos => (elementary::acos(a), within_one(a)),
@@ -74,8 +74,8 @@ pub(super) fn apply(op: Op, operands: [Claim; 3], exponent: Exponent) -> Claim {
     Claim::new(value, defined)
 }
 
-/// Whether `op` is certainly continuous, given its `value`, and the values and the continuity of
-/// its operands. `op` must be defined there.
+/// Whether `op` is certainly continuous where it is defined. `value` bounds its result, and
+/// `values` bound its operands. `operands` tells which operands are continuous.
 pub(super) fn is_continuous(
     op: Op,
     value: Claim,
@@ -96,7 +96,7 @@ pub(super) fn is_continuous(
         }
         (Continuity::Jumps, Class::Remainder) => all && one_step(a.div(b)),
         (Continuity::Jumps, Class::Function(Law::Fraction)) => all && one_step(a),
-        // Other operations with jumps are constant between their jumps.
+        // Other operations are constant between their jumps. So a single value means no jump.
         (Continuity::Jumps, _) => all && value.lo == value.hi,
     }
 }
@@ -145,13 +145,13 @@ fn modulo(a: Span, b: Span) -> Span {
     if whole != quotient.hi.floor() || !whole.is_finite() {
         return Span::new(least, most);
     }
-    // For one whole quotient, the result is linear in a and b. Each corner is rounded once.
+    // Here ⌊a/b⌋ is one number, so the result is linear in a and b. Each corner is rounded once.
     let corner = |a: f64, b: f64| rounded::mul_add(-whole, b, a);
     let corners = [corner(a.lo, b.lo), corner(a.lo, b.hi), corner(a.hi, b.lo), corner(a.hi, b.hi)];
     Span::of(&corners).within(least, most)
 }
 
-/// b where a < 0, c where a ≥ 0. The other branch may be undefined.
+/// b where a < 0, c where a ≥ 0. The branch that is not chosen may be undefined.
 fn select_negative([a, b, c]: [Claim; 3]) -> Claim {
     let chosen = if a.hi < 0.0 {
         b
@@ -159,7 +159,7 @@ fn select_negative([a, b, c]: [Claim; 3]) -> Claim {
         c
     } else {
         match (b.defined, c.defined) {
-            // An undefined branch gives no value.
+            // An undefined branch contributes no value.
             (Defined::No, Defined::No) => b,
             (Defined::No, _) => Claim::new(c.span(), Defined::Unknown),
             (_, Defined::No) => Claim::new(b.span(), Defined::Unknown),

@@ -30,19 +30,19 @@ impl Span {
         if value.is_finite() { Self::new(value, value) } else { Self::ENTIRE }
     }
 
-    /// Returns the range around two rounded results.
+    /// Returns a range that contains the exact values of two rounded results.
     pub(super) fn hull(a: Rounded, b: Rounded) -> Self {
         Self::of(&[a, b])
     }
 
-    /// Returns the range around all of `results`, of which there must be at least one.
+    /// Returns a range that contains the exact values of `results`, which must not be empty.
     pub(super) fn of(results: &[Rounded]) -> Self {
         let lo = results.iter().map(|r| r.down()).fold(f64::INFINITY, f64::min);
         let hi = results.iter().map(|r| r.up()).fold(f64::NEG_INFINITY, f64::max);
         Self::new(lo, hi)
     }
 
-    /// Returns the range around a constant of a graph.
+    /// Returns a range that contains a constant of a graph.
     pub(crate) fn constant(value: &Constant) -> Self {
         match value {
             Constant::Exact(value) => rational(value),
@@ -69,7 +69,7 @@ impl Span {
         Self::new(self.lo.min(other.lo), self.hi.max(other.hi))
     }
 
-    /// Returns the part of the range between `lo` and `hi`, where the true value is known to lie.
+    /// Returns the part of the range between `lo` and `hi`, which must bound the true value.
     pub(crate) fn within(self, lo: f64, hi: f64) -> Self {
         Self::new(self.lo.clamp(lo, hi), self.hi.clamp(lo, hi))
     }
@@ -105,7 +105,7 @@ impl Span {
         Self::hull(rounded::mul(a.lo, a.lo), rounded::mul(a.hi, a.hi))
     }
 
-    /// Quotients by the members of `other` that are not 0.
+    /// Divides by the members of `other` that are not 0.
     pub(crate) fn div(self, other: Self) -> Self {
         if self.is_zero() {
             return Self::point(0.0);
@@ -113,7 +113,7 @@ impl Span {
         if other.lo < 0.0 && 0.0 < other.hi {
             return Self::ENTIRE;
         }
-        // A zero end represents arbitrarily small divisors with the other end's sign.
+        // An end at 0 stands for arbitrarily small divisors with the sign of the other end.
         let other = if other.hi == 0.0 { Self { lo: other.lo, hi: -0.0 } } else { other };
         Self::of(&self.corners(other, rounded::div))
     }
@@ -123,13 +123,13 @@ impl Span {
         [f(self.lo, other.lo), f(self.lo, other.hi), f(self.hi, other.lo), f(self.hi, other.hi)]
     }
 
-    /// Returns the range of `f`, which never decreases, from its values at both ends.
+    /// Returns the range of a nondecreasing `f` from its values at both ends.
     pub(super) fn increasing(self, f: impl Fn(f64) -> Rounded) -> Self {
         Self::hull(f(self.lo), f(self.hi))
     }
 }
 
-/// Returns two floats around a rational number, which are equal if the number is a float.
+/// Returns two floats that enclose a rational number. They are equal if the number is a float.
 fn rational(value: &BigRational) -> Span {
     if value.is_integer() {
         return around(value.numer());

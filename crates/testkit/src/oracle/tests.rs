@@ -1,4 +1,5 @@
-//! The oracle against exact rational arithmetic, published digits and series with remainders.
+//! Compares the oracle with exact rational arithmetic, published digits, and series with
+//! remainders.
 
 use super::{Claim, Defined, enclose_at};
 use num_rational::BigRational;
@@ -19,7 +20,7 @@ fn digits(text: &str) -> BigRational {
     if negative { -value } else { value }
 }
 
-/// Returns the claim about `op` applied to up to three numbers, which are the values of variables.
+/// Returns the claim about `op` applied to up to three variables with these values.
 fn claim(op: Op, operands: &[f64]) -> Claim {
     let mut graph = Graph::new();
     let ids: Vec<NodeId> =
@@ -30,7 +31,7 @@ fn claim(op: Op, operands: &[f64]) -> Claim {
     enclose_at(&graph, &[root], point, &[])[0]
 }
 
-/// Returns the claim about `op` applied to ranges, which are the bounds of parameters.
+/// Returns the claim about `op` applied to parameters with these ranges.
 fn claim_over(op: Op, ranges: &[(f64, f64)]) -> Claim {
     let mut graph = Graph::new();
     let ids: Vec<NodeId> = (0..ranges.len() as u32).map(|number| graph.parameter(number)).collect();
@@ -64,7 +65,7 @@ fn is_exactly(claim: Claim, value: f64) -> bool {
     claim.defined == Defined::Yes && claim.lo == value && claim.hi == value
 }
 
-/// Returns a number of any magnitude. Some have exact sums, products and quotients.
+/// Returns a number of any magnitude. Some numbers have exact sums, products and quotients.
 fn number(rng: &mut fastrand::Rng) -> f64 {
     let bits = rng.u64(..);
     let value = match rng.u32(0..6) {
@@ -130,7 +131,7 @@ fn exact_results_are_recognised() {
     }
     let three = f64::from_bits(3);
     assert!(claim(Op::Log2, &[three]).lo < claim(Op::Log2, &[three]).hi);
-    // The next float is not a power of ten, though its logarithm rounds to the same value.
+    // The float after 10²² is not a power of ten, though its logarithm rounds to 22.
     let claim = claim(Op::Log10, &[1e22_f64.next_up()]);
     assert!(claim.lo < 22.0 && claim.hi > 22.0);
 }
@@ -214,8 +215,8 @@ fn published_values_are_enclosed() {
     assert_tight(power_claim(2.0, half), &root, 2, "2^(1/2)");
 }
 
-/// Returns the sum of the series Σ first·Π ratio(k), k = 1, 2, …, and a bound of the remainder. The
-/// ratios must be at most one half.
+/// Returns a partial sum of a series, and a bound of its remainder. Term k is term k − 1 times
+/// `ratio(k)`, which must be at most one half.
 fn series(first: BigRational, ratio: impl Fn(i64) -> BigRational) -> (BigRational, BigRational) {
     let enough = exact(2f64.powi(-120));
     let (mut sum, mut term) = (first.clone(), first);
@@ -229,7 +230,7 @@ fn series(first: BigRational, ratio: impl Fn(i64) -> BigRational) -> (BigRationa
     (sum, term.abs())
 }
 
-/// Fails unless `claim` meets `sum ± rest` and is narrow.
+/// Fails unless `claim` overlaps `sum ± rest` and is at most two ulps wide.
 #[track_caller]
 fn assert_meets(claim: Claim, (sum, rest): &(BigRational, BigRational), case: &str) {
     let (lo, hi) = (exact(claim.lo), exact(claim.hi));
@@ -242,7 +243,7 @@ fn elementary_functions_agree_with_their_series() {
     let mut rng = fastrand::Rng::with_seed(SEED);
     let ratio = |a: i64, b: i64| BigRational::new(a.into(), b.into());
     for round in 0..300 {
-        // Few bits keep the exact terms short.
+        // A number of few bits keeps the exact terms short.
         let x = f64::from(rng.i32(-4096..=4096)) / 8192.0;
         let x = if rng.bool() { x } else { x / 1024.0 };
         let p = exact(x);
@@ -370,7 +371,7 @@ fn overflow_is_an_unbounded_claim() {
     assert_eq!(claim(Op::Exp, &[-1e300]).lo, 0.0);
 }
 
-/// Checks where each operation is defined, over a range of each operand.
+/// Checks whether an operation is claimed to be defined, for several ranges of one operand.
 #[test]
 fn definedness_is_claimed_only_when_certain() {
     use Defined::{No, Unknown, Yes};
@@ -413,7 +414,7 @@ fn powers_are_defined_as_the_table_says() {
     assert_eq!(over((-1.0, 1.0), (2.0, 2.0)), Unknown);
     assert_eq!(over((0.0, 1.0), (-1.0, 1.0)), Unknown);
 
-    // −(−2) and 4·(1/2) may be read as the constant 2 or as expressions.
+    // Evaluators may fold −(−2) and 4·(1/2) to the constant 2, or not. A claim allows for both.
     let mut graph = Graph::new();
     let x = graph.variable(Axis::X);
     let minus_two = graph.integer(-2);
@@ -431,8 +432,8 @@ fn powers_are_defined_as_the_table_says() {
     assert_eq!(at(0.0)[2].defined, No);
 }
 
-/// Every operation is undefined where an operand is undefined. Exceptions are a branch that is not
-/// chosen, and operands of `otherwise`.
+/// Checks that an operation is undefined where an operand is undefined. Exceptions are a branch
+/// that is not chosen, and operands of `otherwise`.
 #[test]
 fn undefined_operands_spread() {
     for row in zeroset_ops::TABLE {

@@ -1,6 +1,5 @@
-//! Native code must give the same bits as the reference evaluator, where −0 equals +0 and NaN
-//! equals NaN. Code for vectors narrower than the processor's is checked, too, since pictures do
-//! not use it.
+//! Native code must give the same bits as the reference evaluator. Here −0 equals +0, and NaN
+//! equals NaN. Pictures use only the processor's widest vectors. These checks use all widths.
 
 use super::tile::{Tile, pack_segments, pack_tiles};
 use crate::suite::{Failure, Tally};
@@ -14,7 +13,7 @@ use zeroset_eval::{
 use zeroset_ir::{gradient, rewrite, simplify};
 use zeroset_jit::{Compiled, Threaded, vector_widths};
 
-/// Number of nodes from which functions are skipped, since compilation is superlinear.
+/// Functions of this many nodes or more are skipped. Compile time grows faster than linearly.
 const LONGEST: usize = 400;
 
 /// The query that a kernel answers.
@@ -32,9 +31,9 @@ pub enum KernelKind {
     Branches,
     /// Enclosures of a function and its derivatives over boxes.
     GradientBounds,
-    /// Segments of rays, narrowed.
+    /// Narrowed segments of rays.
     Segments,
-    /// Tiles of rays, narrowed, and their planes.
+    /// Narrowed tiles of rays, and their planes.
     Tiles,
 }
 
@@ -57,8 +56,8 @@ impl KernelKind {
     }
 
     /// Returns the tape of this kernel for a case. The function is as typed or, if `simple`,
-    /// rewritten and simplified as in programs. `None` if the tape is too long, or if it should
-    /// have branches and has none.
+    /// rewritten and simplified as in programs. `None` if the graph is too large, or if the tape
+    /// for [`Self::Branches`] has no branches.
     pub fn tape<T: Real>(self, simple: bool, case: &Case) -> Option<Tape<T>> {
         let Assumptions { domain, parameters } = &case.assumptions;
         let (mut graph, mut root) = (case.graph.clone(), case.root);
@@ -84,11 +83,11 @@ impl KernelKind {
 }
 
 /// Compares native code with the reference evaluator in the precision `T` on `inputs` random
-/// inputs. The function is as typed, or simplified if `simple`. A function that is too long is
-/// skipped, and nothing is compared.
+/// inputs. The function is as typed, or simplified if `simple`. Compares nothing if the function is
+/// too long.
 ///
 /// # Errors
-/// The first input on which they differ, with a smaller case that still shows it.
+/// The first input on which the two differ, with a smaller case that still shows it.
 ///
 /// # Panics
 /// If the code of a function of moderate length does not compile.
@@ -133,7 +132,7 @@ pub fn agree<T: Adversarial>(
     }
 }
 
-/// Returns random batches with `inputs` lanes in use in total. Many batches are not full.
+/// Returns random batches that use `inputs` lanes in total. Many batches are not full.
 fn batches<I>(
     case: &Case,
     rng: &mut Rng,
@@ -160,7 +159,7 @@ fn random_points<T: Adversarial>(_: &Case, rng: &mut Rng, count: usize) -> Point
     Points { at: [(); 3].map(|()| lanes()), count: count as u32 }
 }
 
-/// Puts arbitrary numbers into some lanes, since the comparison needs no valid rays.
+/// Puts arbitrary numbers into some lanes. Evaluators must agree on invalid rays, too.
 fn with_arbitrary_numbers<T: Adversarial, B: Input<T>>(mut batch: B, rng: &mut Rng) -> B {
     if rng.u32(0..4) == 0 {
         for number in 0..B::QUANTITIES {
@@ -230,7 +229,7 @@ where
     Q::Input<T>: Debug,
     Q::Output<T>: Debug,
 {
-    /// Returns the first input on which the two evaluators differ.
+    /// Returns the index of the first input on which the two evaluators differ.
     fn differing<Q: Query, T: Real>(
         answers: &[Pair<Q, T>],
         inputs: &[Q::Input<T>],

@@ -1,5 +1,5 @@
-//! Queries about segments and tiles of rays. Where a kernel reports no zero, the function must have
-//! none. The plane of a tile must be as close to the function as reported.
+//! Checks of kernels that narrow segments and tiles of rays. If a kernel reports no zero, there
+//! must be none. A tile's plane must be as close to the function as reported.
 
 use super::KernelKind;
 use super::tile::{Probe, Tile, pack_segments, pack_tiles};
@@ -14,21 +14,21 @@ use zeroset_jit::Native;
 use zeroset_jit::comparison::{Arithmetic, ComparisonKernel};
 use zeroset_ops::Op;
 
-/// Points checked in each tile.
+/// Number of points checked in each tile.
 const PROBES: usize = 8;
-/// Number of values of a case's function that are turned into roots.
+/// Number of points per case at which the function is given a root.
 const ROOTS: usize = 2;
 
 /// Counts of the checks done by [`check_contraction`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ContractionTally {
-    /// Number of points.
+    /// Number of checked points.
     pub points: u64,
-    /// Number of points at which a value was compared with a plane.
+    /// Number of points at which the function's value was compared with a plane.
     pub planes: u64,
-    /// Number of roots. A root counts once for a tile and once for a segment.
+    /// Number of checked roots. A root counts once for a tile and once for a segment.
     pub roots: u64,
-    /// Number of roots whose tile or segment was narrowed to less than half.
+    /// Number of roots whose tile or segment was narrowed to less than half its length.
     pub narrowed: u64,
     /// Number of tiles reported to have a zero on each ray.
     pub crossings: u64,
@@ -45,7 +45,7 @@ impl ContractionTally {
     }
 }
 
-/// The way in which kernels are created.
+/// Options for creating a kernel.
 #[derive(Clone, Copy, Debug)]
 pub struct KernelOptions {
     /// Whether the function is simplified first.
@@ -79,10 +79,10 @@ impl KernelOptions {
     }
 }
 
-/// Checks `batches` of random tiles and segments of a case. The oracle's bounds at points of a tile
-/// must overlap its plane. Values at a crossing's ends must not have the same sign. Then the
-/// function's value at a point is subtracted from it, which makes the point a root. No contraction
-/// may lose such a root.
+/// Checks `batches` batches of random tiles, and segments in them. The oracle's bounds at points of
+/// a tile must overlap the tile's plane. If the kernel reports crossings, the function must not
+/// have the same sign at both ends of a ray. Then the function's value at a point is subtracted
+/// from the function, which makes the point a root. No narrowing may lose this root.
 ///
 /// # Errors
 /// The first contradiction, shrunk.
@@ -130,7 +130,7 @@ pub fn check_contraction<T: Adversarial>(
         }
         let (tile, probe, claim, values) = &known[rng.u32(0..known.len() as u32) as usize];
         let tiles: Vec<Tile> = (0..LANES).map(|_| tile.narrower::<T>(rng, probe)).collect();
-        // Uses the reference, which gives the same bits, since compiling is slow.
+        // The reference evaluator gives the same bits as native code, and needs no compiling.
         let kernel_options = match kernel_options.engine {
             Engine::Native => KernelOptions { engine: Engine::Reference, ..kernel_options },
             Engine::Reference | Engine::ComparisonKernel(_) => kernel_options,
@@ -142,7 +142,7 @@ pub fn check_contraction<T: Adversarial>(
     Ok(all)
 }
 
-/// Returns a case with the function of `case` minus a number within the bounds of `claim`.
+/// Returns `case` with a number within the bounds of `claim` subtracted from its function.
 fn with_root(case: &Case, claim: Claim) -> Case {
     let mut case = case.clone();
     let value = case.graph.constant(Constant::enclosed(Interval { lo: claim.lo, hi: claim.hi }));
@@ -150,7 +150,7 @@ fn with_root(case: &Case, claim: Claim) -> Case {
     case
 }
 
-/// Returns the index of a tile whose result excludes the root at a probe.
+/// Makes a probe a root by `with_root`. Returns the index of the first tile that loses this root.
 fn lost_root<T: Adversarial>(
     kernel_options: KernelOptions,
     case: &Case,
@@ -206,13 +206,13 @@ fn explain_root<T: Adversarial>(
     Failure::new(format!("{kernel_options:?} loses the root at {probe:?} of {tile:?}\n{case}"))
 }
 
-/// Whether a value is known precisely enough to be subtracted.
+/// Whether a value is known precisely enough for `with_root`.
 fn is_narrow(claim: Claim) -> bool {
     let size = claim.hi.abs().max(claim.lo.abs());
     claim.defined == Defined::Yes && size.is_finite() && claim.hi - claim.lo <= size * 1e-9
 }
 
-/// One lane of a kernel's result.
+/// The plane of one tile in a kernel's result.
 #[derive(Clone, Copy, Debug)]
 struct Plane {
     value: f64,
@@ -237,7 +237,7 @@ impl Plane {
         }
     }
 
-    /// Returns what is wrong with this result, given the oracle's claims at the probes.
+    /// Returns what is wrong with this plane, given the oracle's claims at the probes.
     fn contradiction(&self, tile: &Tile, probes: &[Probe], claims: &[Claim]) -> Option<String> {
         for (probe, claim) in probes.iter().zip(claims) {
             let is_defined = claim.defined == Defined::Yes;

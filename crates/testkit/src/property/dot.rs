@@ -5,7 +5,7 @@
 pub(super) struct Dot {
     /// The rounded sum.
     pub value: f64,
-    /// Bound of the difference between the exact sum and `value` before its last rounding.
+    /// Bound of the error that `value` had before its last rounding.
     slack: f64,
 }
 
@@ -23,7 +23,7 @@ pub(super) fn dot(terms: impl IntoIterator<Item = (f64, f64)>) -> Dot {
         size += product.abs();
         count += 1.0;
     }
-    // This is γₙ² times the sum of magnitudes, plus the errors of subnormal products.
+    // The error is at most γₙ² times the sum of magnitudes, plus the errors of subnormal products.
     let unit = count * f64::EPSILON;
     Dot { value: head + tail, slack: unit * unit * size + count * 2f64.powi(-1072) }
 }

@@ -17,7 +17,7 @@ pub fn native_interval<T: Real>(case: &Case) -> Option<Box<dyn Kernel<Enclose, T
     Some(Box::new(Native::new(tape, Binding::new(&case.parameters)).expect("compiles")))
 }
 
-/// Like [`native_interval`], in another arithmetic.
+/// Compiles a case like [`native_interval`], but in an arithmetic that only measurements use.
 ///
 /// # Panics
 /// If the code does not compile.
@@ -39,7 +39,8 @@ fn tape_of<T: Real>(case: &Case) -> Option<Tape<T>> {
 }
 
 /// Checks native code of a case on `boxes` random boxes. At points of a box the oracle encloses the
-/// graph as typed. The code's bounds over the box must overlap that, and its facts must be true.
+/// graph as typed. The code's bounds over the box must overlap the oracle's, and its facts must be
+/// true.
 ///
 /// # Errors
 /// The first contradiction, shrunk, with a line that reproduces it.

@@ -1,4 +1,4 @@
-//! Affine forms of single operations must enclose their values.
+//! Affine forms of single operations must enclose the operations' values.
 
 use super::dot::dot;
 use crate::suite::Failure;
@@ -20,12 +20,12 @@ const POINTS: usize = 8;
 /// Counts of the checks done by [`linear`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct FormTally {
-    /// Number of points at which a value was compared. There the operation is defined, and the form
-    /// has a finite error.
+    /// Number of compared values. Each is at a point where the operation is defined, and in a lane
+    /// where the form's error is finite.
     pub compared: u64,
     /// Number of lanes in which values were compared.
     pub finite: u64,
-    /// Number of those lanes whose form depends on a symbol, so that it is more than bounds.
+    /// Number of lanes counted by `finite` whose form depends on a symbol.
     pub slanted: u64,
     /// Number of all lanes.
     pub lanes: u64,
@@ -104,10 +104,10 @@ pub fn linear<T: Adversarial>(op: Op, rng: &mut Rng, rounds: usize) -> Result<Fo
     Ok(form_tally)
 }
 
-/// Returns an operation that computes the first operand of `op`, or `None` if that operand is drawn
-/// directly. A form may leave its rounding errors to the operation that uses it, so computed
-/// operands are checked, too. In this case `op` has fewer than 3 operands, so that each drawn
-/// operand has its own coordinate.
+/// Returns an operation that computes the first operand of `op`, or `None` to draw that operand
+/// directly. An operation may leave its rounding errors to the next operation, so computed operands
+/// are checked, too. If `op` has 3 operands, none is computed: then each drawn operand has its own
+/// coordinate.
 fn random_inner(op: Op, rng: &mut Rng) -> Option<Op> {
     const INNER: [Op; 5] = [Op::Neg, Op::Add, Op::Sub, Op::Mul, Op::Sqr];
     (op.arity() < 3 && rng.bool()).then(|| INNER[rng.u32(0..INNER.len() as u32) as usize])
@@ -202,7 +202,7 @@ fn compare<T: Adversarial>(
                 return fail(format!("at {at:?}, symbols {symbols:?}, {claim:?} is not within"));
             }
         }
-        // If nothing was compared, the operation has no certain value at these points.
+        // A lane counts only if the operation has a certain value at one of its points.
         if form_tally.compared > before {
             form_tally.finite += 1;
             form_tally.slanted += u64::from(slopes.iter().any(|slope| *slope != 0.0));
@@ -211,7 +211,7 @@ fn compare<T: Adversarial>(
     Ok(form_tally)
 }
 
-/// Returns values of the symbols, mostly at corners of their range.
+/// Returns random values of the symbols, mostly −1, 0 or 1.
 fn random_symbols(rng: &mut Rng) -> Symbols {
     [(); POINTS].map(|()| {
         [(); SYMBOLS].map(|()| match rng.u32(0..4) {
@@ -247,7 +247,7 @@ fn random_centre<T: Adversarial>(rng: &mut Rng) -> f64 {
     T::nearest(centre).into()
 }
 
-/// Returns the size of a spread: 0, from 1e-6 to 10, a share of the center, or any number.
+/// Returns how far an operand spreads: 0, 1e-6 to 10, a share of the center, or any number.
 fn random_size<T: Adversarial>(rng: &mut Rng, centre: f64) -> f64 {
     let size = match rng.u32(0..8) {
         0 => T::adversarial(rng, Ends::Finite).into().abs(),
@@ -336,8 +336,8 @@ impl RandomOperand {
     }
 }
 
-/// Returns a lane and values of it. Each value is the float nearest to the linear function, or is
-/// offset from that. The lane's error covers all values.
+/// Returns a lane, and a value for each point of `symbols`. The value is near the lane's linear
+/// function, or offset from it. The lane's error covers all values.
 fn varying<T: Adversarial>(rng: &mut Rng, symbols: &Symbols) -> (OperandLane, [f64; POINTS]) {
     let mut centre = random_centre::<T>(rng);
     let size = random_size::<T>(rng, centre);
@@ -347,7 +347,7 @@ fn varying<T: Adversarial>(rng: &mut Rng, symbols: &Symbols) -> (OperandLane, [f
         _ => T::nearest((f64::uniform(rng) * 2.0 - 1.0) * size).into(),
     });
     if rng.u32(0..4) == 0 {
-        // Moves the center, so that one end of the range is at the old center.
+        // Moves the center, so that the old center is one end of the range.
         let spread: f64 = slopes.iter().map(|slope: &f64| slope.abs()).sum();
         centre = T::nearest(centre + if rng.bool() { spread } else { -spread }).into();
     }

@@ -1,4 +1,4 @@
-//! Narrowing of segments to the zeros of linear functions, checked against exact rationals.
+//! Checks the narrowing of segments to the zeros of linear functions by exact rationals.
 
 use crate::suite::{Failure, Tally};
 use crate::{Adversarial, Ends, Rng};
@@ -7,7 +7,7 @@ use num_traits::{One, Signed, Zero};
 use zeroset_eval::{LANES, Lanes, Real};
 use zeroset_interval::{Form, Machine, Software, contract};
 
-/// One lane: c + Σ s·ε ± e. The last symbol ε stands for t = middle + half·ε, from `near` to `far`.
+/// One lane: c + Σ s·ε ± e for t from `near` to `far`. The last symbol ε is (t − middle)/half.
 #[derive(Clone, Copy, Debug)]
 struct LinearLane<const N: usize> {
     centre: f64,
@@ -104,7 +104,7 @@ impl<const N: usize> LinearLane<N> {
             _ => 2f64.powi(rng.i32(-8..=8)),
         };
         let depth = number(signed(rng) * scale);
-        // The zero lies at any share of the segment, or next to an end of it.
+        // The zero lies at an end or the middle of the segment, or anywhere in or near it.
         let share = match rng.u32(0..4) {
             0 => [1.0, -1.0, 0.0][rng.u32(0..3) as usize],
             _ => signed(rng) * 1.25,
@@ -167,7 +167,7 @@ impl<const N: usize> LinearLane<N> {
         };
         let line = |t: &BigRational| &centre + &depth * symbol(t);
         let values = ends.each_ref().map(line);
-        // A line is within `rest` of 0 only if it is so at an end, or changes its sign.
+        // The linear function is within `rest` of 0 only if an end is, or if it changes its sign.
         let apart = |value: &BigRational| value.abs() > rest;
         let opposite = values[0].is_negative() != values[1].is_negative();
         if answer.crossing && !(values.iter().all(apart) && opposite) {
@@ -179,7 +179,7 @@ impl<const N: usize> LinearLane<N> {
         if !answer.possible {
             return Some("a zero denied");
         }
-        // The first and the last t with a zero.
+        // `zeros` become the first and the last t at which the function may be 0.
         let root = |side: BigRational| &middle + &half * ((side - &centre) / &depth);
         let mut zeros = ends.clone();
         for (zero, (value, sign)) in zeros.iter_mut().zip(values.iter().zip([1, -1])) {
@@ -202,7 +202,7 @@ impl<const N: usize> LinearLane<N> {
         let tiny = exact(T::LARGEST.into()).map(|most| BigRational::one() / most)?;
         let size = middle.abs() + &half;
         let slack = &size * &unit + &half * (&rest / depth.abs().max(tiny.clone())) * unit + tiny;
-        // Where sums overflow, nothing is narrowed.
+        // If sums may overflow, the result need not be narrow.
         let is_normal = depth.abs() > exact(2f64.powi(-100))?
             && centre.abs() + &rest < exact(T::LARGEST.into())? / BigRational::from_float(4.0)?;
         let wide = kept(answer.near)? < zeros[0].clone() - &slack
@@ -211,7 +211,7 @@ impl<const N: usize> LinearLane<N> {
     }
 }
 
-/// Returns the middle of a segment, and at least half its length, rounded up as in kernels.
+/// Returns a segment's middle and its distance to the farther end, rounded as in kernels.
 fn middle<T: Adversarial>(near: f64, far: f64) -> (f64, f64) {
     let m = &mut Software::new();
     let lanes = |x: f64| T::load(&Lanes([T::nearest(x); LANES]), 0);

@@ -1,11 +1,11 @@
-//! Claims of a picture about its rays must be true according to the certified tracer.
+//! Checks a picture's claims about its rays by the certified tracer.
 
 use super::scene::{Scene, describe};
 use crate::certified::{BoxEntry, Certificate, Function, Line};
 use crate::suite::{Failure, Tally};
 
-/// The claim of a picture about one ray. Distances are multiples of the line's direction. A solid
-/// also has zeros where its inside meets the region's faces.
+/// A picture's claim about one ray. Distances are multiples of the line's direction. For a solid,
+/// points where its inside meets the region's faces count as zeros.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RayClaim {
     /// There is no zero.
@@ -19,21 +19,21 @@ pub enum RayClaim {
 /// A pixel's ray, and the claim about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pixel {
-    /// Column and row.
+    /// Column and row of the pixel.
     pub place: [usize; 2],
-    /// The ray.
+    /// The pixel's ray.
     pub line: Line,
-    /// The claim.
+    /// The picture's claim about the ray.
     pub claimed: RayClaim,
-    /// For a hit: the number of the painted surface, and the bracket of the distance.
+    /// For a hit: the number of the painted surface, and the bracket of the hit's distance.
     pub hit: Option<(usize, [f64; 2])>,
 }
 
 /// Evaluations per ray. A ray that needs more remains undecided.
 const BUDGET: u32 = 4000;
 
-/// Returns the tolerance of a distance d, in world units, divided by d + 1. It allows for a few
-/// roundings in the floats that the distance was computed in.
+/// Returns the tolerance τ: a distance d in world units may be off by τ·(d + 1). It allows for a
+/// few roundings in the picture's precision.
 fn rounding(scene: &Scene) -> f64 {
     if scene.precision == "f64" { 1e-12 } else { 1e-6 }
 }
@@ -43,9 +43,9 @@ fn rounding(scene: &Scene) -> f64 {
 struct SurfaceCertificate {
     /// The zeros of the function.
     zeros: Certificate,
-    /// The place where the ray enters the region through a face, for a solid.
+    /// For a solid: the place where the ray enters the region.
     face: Option<BoxEntry>,
-    /// Whether it is certain if the face belongs to the solid. True for other surfaces.
+    /// False if it is uncertain whether the ray enters the region inside the solid.
     known: bool,
 }
 
@@ -56,18 +56,19 @@ impl SurfaceCertificate {
         Self { zeros: function.trace(line, region, BUDGET), face, known }
     }
 
-    /// Returns the distance at which the solid certainly meets the region's face.
+    /// Returns bounds of the distance at which the ray enters the region, if the entry is certainly
+    /// inside the solid.
     fn capped(&self) -> Option<(f64, f64)> {
         self.face.filter(|face| face.below == Some(true)).map(|face| face.distance)
     }
 
-    /// Returns a distance before which the ray certainly meets nothing.
+    /// Returns a distance before which the ray certainly does not meet the surface.
     fn first(&self) -> f64 {
         let beyond = if self.known { self.zeros.first() } else { f64::NEG_INFINITY };
         self.capped().map_or(beyond, |(near, _)| near)
     }
 
-    /// Returns a distance before which the ray certainly meets something.
+    /// Returns a distance before which the ray certainly meets the surface.
     fn last(&self) -> f64 {
         let crossing = self.zeros.crossing.map_or(f64::INFINITY, |crossing| crossing.far);
         self.capped().map_or(crossing, |(_, far)| far)
@@ -75,8 +76,8 @@ impl SurfaceCertificate {
 }
 
 /// Draws `scene` by `draw`, which returns the pixels, or `None` if nothing can be drawn. Checks
-/// each claim against what is certain about the nearest surface on its ray. In the tally, `defined`
-/// counts rays with a certain crossing.
+/// each pixel's claim by the certified tracer. In the tally, `defined` counts rays with a certain
+/// crossing.
 ///
 /// # Errors
 /// The first false claim.

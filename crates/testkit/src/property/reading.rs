@@ -1,14 +1,14 @@
-//! Every text must be read or refused. The statements read must print as an equivalent text.
+//! Every text must be accepted or refused. Accepted statements must print as an equivalent text.
 
 use crate::suite::{Failure, Tally};
 use zeroset_ir::Graph;
 use zeroset_syntax::{Document, Limits, Options, parse, read, read_bytes};
 
-/// Small limits, so that texts that expand cost a fuzzer little.
+/// Small limits, so that a fuzzer loses little time on texts that expand to large graphs.
 const LIMITS: Limits =
     Limits { bytes: 1 << 16, symbols: 10_000, depth: 200, nodes: 1 << 12, surfaces: 1000 };
 
-/// Limits for printed text, which nests deeper, since signs and powers get brackets.
+/// Limits for reading printed text. It nests deeper, since signs and powers get brackets.
 const PRINTED: Limits = Limits {
     bytes: 1 << 20,
     symbols: 100_000,
@@ -72,7 +72,7 @@ fn well_formed(document: &Document, text: &str) -> Result<(), String> {
     beyond.map_or(Ok(()), |surface| Err(format!("a surface without a function: {surface:?}")))
 }
 
-/// Returns the statements of `text` as printed, if they read as the same trees.
+/// Prints the statements of `text`. Fails if the printed text reads as other trees.
 fn printed(text: &str) -> Result<String, String> {
     let statements = parse(text, &LIMITS).map_err(|errors| format!("not parsed: {errors}"))?;
     let lines: Vec<String> = statements.iter().map(ToString::to_string).collect();

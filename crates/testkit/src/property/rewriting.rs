@@ -37,8 +37,8 @@ impl Versions {
     }
 }
 
-/// Compares a case's function with its rewritten and its simplified form: by the oracle at points
-/// of its domain, and by the reference evaluator over boxes.
+/// Compares a case's function with its rewritten and with its simplified form. The oracle does so
+/// at points of the domain, the reference evaluator over boxes.
 ///
 /// # Errors
 /// The first contradiction, with a smaller case that still shows it.
@@ -88,16 +88,16 @@ impl<'a> Oracles<'a> {
     }
 }
 
-/// Returns the contradiction that the oracle finds at a point.
+/// Returns the contradiction between versions that the oracle finds at a point.
 fn at(case: &Case, point: [f64; 3], values: &[(f64, f64)]) -> Option<String> {
     let versions = Versions::of(case)?;
     Oracles::new(&versions).contradiction(point, values).err()
 }
 
-/// Returns the contradiction that the reference evaluator finds over a box.
+/// Returns the contradiction between versions that the reference evaluator finds over a box.
 fn over(case: &Case, region: &[[f64; 2]; 3]) -> Option<String> {
-    // Whether a computed exponent is an integer is known only after constant folding. So the
-    // evaluator knows less about the graph as typed.
+    // Only constant folding shows whether a computed exponent is an integer. In the graph as typed,
+    // the evaluator may take such a power for a real power, whose domain of definition is smaller.
     if has_computed_exponent(&case.graph) {
         return None;
     }

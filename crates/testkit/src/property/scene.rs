@@ -10,25 +10,25 @@ use zeroset_ir::{Axis, Constant, Graph, NodeId};
 use zeroset_ops::{Notation, Op, TABLE};
 use zeroset_syntax::{Document, Options, Surface, SurfaceKind, read};
 
-/// A function as a text that can be typed, over a bounded region.
+/// A text with surfaces, and the bounded region in which they are drawn.
 #[derive(Clone, Debug)]
 pub struct Formula {
     /// The text as typed.
     pub text: String,
     /// The document that the text describes. It has at least one surface, and no hidden ones.
     pub document: Document,
-    /// Per axis, the lower and the upper end, in order and not equal.
+    /// The region: per axis, a lower end and a greater upper end.
     pub region: [[f64; 2]; 3],
     /// A point of the region, mostly close to a zero.
     pub aim: [f64; 3],
 }
 
 impl Formula {
-    /// Returns a formula that can be typed, mostly with a zero near some point of the region.
-    /// `None` if the drawn graph cannot be typed.
+    /// Returns a random formula, mostly with a zero near a point of the region. `None` if the
+    /// random graph cannot be typed as one surface.
     ///
     /// # Panics
-    /// If the printed text does not read.
+    /// If the parser refuses the printed text.
     pub fn random(rng: &mut Rng, largest: u32) -> Option<Self> {
         let ops = TABLE.iter().filter(|row| row.notation != Notation::Internal).map(|row| row.op);
         let options = GraphOptions {
@@ -60,7 +60,7 @@ impl Formula {
         (document.surfaces.len() == 1).then_some(Self { text, document, region, aim })
     }
 
-    /// Returns the formula of `text`. `None` if it does not read, draws nothing or hides surfaces.
+    /// Returns the formula of `text`. `None` if it is refused, draws nothing or hides surfaces.
     pub fn from_text(text: &str, region: [[f64; 2]; 3]) -> Option<Self> {
         let document = read(text, &Options::default()).ok()?;
         let surfaces = &document.surfaces;
@@ -71,10 +71,10 @@ impl Formula {
         Some(Self { text: text.to_owned(), document, region, aim })
     }
 
-    /// Returns the solid where the function is not above 0.
+    /// Returns the solid in which the function is at most 0.
     ///
     /// # Panics
-    /// If the typed text does not read as a side of an inequality.
+    /// If the parser refuses the text as a side of an inequality.
     #[must_use]
     pub fn filled(self) -> Self {
         let text = format!("{} <= 0", self.text);
@@ -83,8 +83,8 @@ impl Formula {
         Self { text, document, ..self }
     }
 
-    /// Returns the surfaces' functions as typed, for certified tracing. The flag tells whether a
-    /// surface is a solid, whose inside is where the function is below 0.
+    /// Returns each surface's function as typed, for certified tracing. The flag tells whether the
+    /// surface is a solid. Inside a solid the function is below 0.
     pub fn functions(&self) -> Vec<(Function, bool)> {
         let Document { graph, parameters, surfaces, .. } = &self.document;
         let values: Vec<Constant> =
@@ -100,7 +100,7 @@ impl Formula {
         if rng.u32(0..4) == 0 { point_in_box(rng, &self.region) } else { self.aim }
     }
 
-    /// Returns a line that meets the region, from inside or outside.
+    /// Returns a line to a point of the region, from inside or outside the region.
     pub fn random_line(&self, rng: &mut Rng) -> Line {
         let eye = random_eye(rng, &self.region);
         let target = self.random_target(rng);
@@ -112,7 +112,7 @@ impl Formula {
     }
 }
 
-/// Returns `text` as one word of a shell.
+/// Quotes `text` as one word of a shell command.
 fn quoted(text: &str) -> String {
     format!("'{}'", text.replace('\'', "'\\''"))
 }
@@ -139,7 +139,7 @@ fn random_region(rng: &mut Rng) -> [[f64; 2]; 3] {
     }
 }
 
-/// Returns a point in the region or up to four of its extents away.
+/// Returns a point in the region, or outside of it by at most 3.5 times its extent.
 fn random_eye(rng: &mut Rng, region: &[[f64; 2]; 3]) -> [f64; 3] {
     if rng.u32(0..4) == 0 {
         return point_in_box(rng, region);
@@ -153,8 +153,8 @@ fn random_eye(rng: &mut Rng, region: &[[f64; 2]; 3]) -> [f64; 3] {
     })
 }
 
-/// Returns `root` plus a multiple of each coordinate, since many random formulas are flat or depend
-/// on few coordinates.
+/// Returns `root` plus a multiple of each coordinate. Without these terms, many random formulas are
+/// flat or depend on few coordinates.
 fn sloped(graph: &mut Graph, root: NodeId, rng: &mut Rng) -> NodeId {
     Axis::ALL.into_iter().fold(root, |sum, axis| {
         let factor = graph.integer(i64::from(rng.i32(-3..=3)));
@@ -164,7 +164,7 @@ fn sloped(graph: &mut Graph, root: NodeId, rng: &mut Rng) -> NodeId {
     })
 }
 
-/// Returns `root` minus a number, so that it is 0 near `point`, or `root` if undefined there.
+/// Returns `root` minus its value at `point`, or `root` itself if it is undefined there.
 fn through(graph: &mut Graph, root: NodeId, point: [f64; 3], values: &[(f64, f64)]) -> NodeId {
     let claim = Oracle::new(graph, &[root]).at(point, values)[0];
     let level = claim.lo.midpoint(claim.hi);
@@ -188,7 +188,7 @@ pub struct Scene {
     pub up: [f64; 3],
     /// Vertical angle of view in degrees, or else the height of an orthographic picture.
     pub fov: Result<f64, f64>,
-    /// Number of columns and rows.
+    /// Numbers of columns and rows.
     pub size: [usize; 2],
     /// Greatest number of times that a ray's segment is halved.
     pub depth: u32,
@@ -201,11 +201,11 @@ pub struct Scene {
 impl Scene {
     /// Returns a small scene, or `None` if its formula cannot be typed. The camera may be invalid.
     pub fn random(rng: &mut Rng) -> Option<Self> {
-        /// Operations in the largest formula.
+        /// Greatest number of operations in a formula.
         const LARGEST: u32 = 10;
-        /// Pixels on the longest side.
+        /// Greatest number of pixels on a side.
         const WIDEST: u32 = 6;
-        /// Deeper pictures would cost a fuzzer too much.
+        /// Greatest depth. Deeper pictures would cost a fuzzer too much time.
         const DEEPEST: u32 = 12;
         let formula = Formula::random(rng, LARGEST)?;
         let eye = random_eye(rng, &formula.region);
@@ -219,7 +219,7 @@ impl Scene {
         };
         let size = [(); 2].map(|()| rng.u32(1..=WIDEST) as usize);
         let depth = rng.u32(1..=DEEPEST);
-        // This number is not used. Without it, saved seeds would give other scenes.
+        // The number is not used. Without this draw, saved seeds would give other scenes.
         rng.u32(0..3);
         let precision = if rng.bool() { "f64" } else { "auto" };
         let formula = if rng.u32(0..4) == 0 { formula.filled() } else { formula };
@@ -231,7 +231,7 @@ impl Scene {
         Some(scene)
     }
 
-    /// Moves the camera to where floats run out of digits or range. Its view mostly stays.
+    /// Gives the camera numbers at which floats run out of digits or range.
     fn make_extreme(&mut self, rng: &mut Rng) {
         let way = |from: [f64; 3], to: [f64; 3]| [0, 1, 2].map(|axis| to[axis] - from[axis]);
         let power = |rng: &mut Rng, most: i32| 10_f64.powi(rng.i32(1..=most));
@@ -299,7 +299,7 @@ impl fmt::Display for Scene {
     }
 }
 
-/// Returns a line's numbers exactly.
+/// Prints a line's numbers exactly.
 pub(super) fn describe(line: &Line) -> String {
     format!("eye {:?}, direction {:?}", line.eye.map(hexadecimal), line.direction.map(hexadecimal))
 }

@@ -6,8 +6,8 @@ use crate::{Adversarial, Case, Rng};
 use zeroset_eval::{Binding, EncloseGradient, Kernel, Real, Reference};
 use zeroset_jit::Native;
 
-/// Compiles the gradient bounds of a case, simplified over its domain, to native code. `None` if
-/// the graph is too large.
+/// Compiles a case, simplified over its domain, to native code for gradient bounds. `None` if the
+/// graph is too large.
 ///
 /// # Panics
 /// If the code does not compile.
@@ -16,7 +16,8 @@ pub fn native_slopes<T: Real>(case: &Case) -> Option<Box<dyn Kernel<EncloseGradi
     Some(Box::new(Native::new(tape, Binding::new(&case.parameters)).expect("compiles")))
 }
 
-/// Returns the reference evaluator of a case as typed; `None` if the graph is too large.
+/// Returns the reference evaluator for gradient bounds of a case as typed. `None` if the graph is
+/// too large.
 pub fn reference_slopes<T: Real>(case: &Case) -> Option<Box<dyn Kernel<EncloseGradient, T>>> {
     let tape = KernelKind::GradientBounds.tape(false, case)?;
     Some(Box::new(Reference::<EncloseGradient, T>::new(tape, Binding::new(&case.parameters))))

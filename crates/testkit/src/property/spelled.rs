@@ -1,4 +1,4 @@
-//! Properties of functions that are spelled with forms, vectors, piecewise definitions and sums.
+//! Properties of texts with special forms, vectors, piecewise definitions and sums.
 
 use super::{KernelKind, agree, check_simplification, enclose, read_and_print};
 use crate::random::{random_domain, random_text};

@@ -9,7 +9,7 @@ use zeroset_eval::{LANES, Segments, Tiles};
 pub(super) struct Tile {
     centre: [f64; 2],
     half: [f64; 2],
-    /// The ends of t.
+    /// The least and the greatest t.
     pub span: [f64; 2],
     /// The vectors `o`, `oₐ` and `o_b` of [`Tiles`].
     origin: [[f64; 3]; 3],
@@ -18,19 +18,18 @@ pub(super) struct Tile {
     error: [f64; 3],
 }
 
-/// A point on a ray of a tile, or within the tile's error of it.
+/// A point whose distance from a ray of a tile is at most the tile's error.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Probe {
-    /// Number of the ray.
+    /// Index of the probe's ray among the rays that have probes.
     pub ray: usize,
     screen: [f64; 2],
-    /// Position along the ray.
+    /// The point's t on the ray.
     pub t: f64,
-    /// The point.
     pub at: [f64; 3],
 }
 
-/// Returns an end of a range, its middle, or any number in it.
+/// Returns a random number of a range, often an end or the middle.
 fn within(rng: &mut Rng, [lo, hi]: [f64; 2]) -> f64 {
     let share = f64::uniform(rng);
     let value = match rng.u32(0..5) {
@@ -42,7 +41,7 @@ fn within(rng: &mut Rng, [lo, hi]: [f64; 2]) -> f64 {
     value.clamp(lo, hi)
 }
 
-/// Returns a vector of about this length.
+/// Returns a random vector. Its components are at most `length` in magnitude.
 fn vector(rng: &mut Rng, length: f64) -> [f64; 3] {
     [(); 3]
         .map(|()| if rng.u32(0..5) == 0 { 0.0 } else { (f64::uniform(rng) * 2.0 - 1.0) * length })
@@ -108,7 +107,7 @@ impl Tile {
         }
     }
 
-    /// Returns a tile of rays near a point. They start at an eye, or are parallel.
+    /// Returns a tile of rays that pass near `point`. The rays start at one eye or are parallel.
     fn around_point(rng: &mut Rng, point: [f64; 3]) -> Self {
         let distance = 2f64.powi(rng.i32(-2..=3));
         let way = vector(rng, distance);
@@ -145,7 +144,7 @@ impl Tile {
         self
     }
 
-    /// Returns the products whose sum is a coordinate of a point on a ray.
+    /// Returns products whose sum is the coordinate along `axis` of the ray (a, b) at t.
     fn terms(&self, [a, b]: [f64; 2], t: f64, axis: usize) -> [(f64, f64); 8] {
         let [o, o_a, o_b] = self.origin.map(|v| v[axis]);
         let [d, d_a, d_b] = self.direction.map(|v| v[axis]);
@@ -157,8 +156,8 @@ impl Tile {
         [0, 1, 2].map(|axis| dot(self.terms(screen, t, axis)).value)
     }
 
-    /// Returns points of the domain on rays of the tile, ray by ray: the ends of each ray, then
-    /// others. Sets the tile's error to bound their distances from the rays.
+    /// Returns probes in the domain, on or near rays of the tile, ray by ray. Probes at the ends of
+    /// a ray come first. Sets the tile's error to bound the probes' distances from their rays.
     pub(super) fn random_probes<T: Adversarial>(
         &mut self,
         case: &Case,
@@ -174,7 +173,7 @@ impl Tile {
         for ray in 0..count / PROBES_PER_RAY {
             let screen = [0, 1].map(|k| {
                 let (centre, half) = (self.centre[k], self.half[k]);
-                // The ends are rounded inward.
+                // The ends centre ± half are rounded inward.
                 let lo = centre - half;
                 let lo = if dot([(centre, 1.0), (half, -1.0), (lo, -1.0)]).value > 0.0 {
                     lo.next_up()
@@ -199,7 +198,8 @@ impl Tile {
                 for (x, range) in at.iter_mut().zip(case.assumptions.domain) {
                     *x += [-off, off, 0.0][rng.u32(0..3) as usize];
                     let inside = x.clamp(range.lo, range.hi);
-                    // It exceeds the domain by one rounding of the tile's numbers at most.
+                    // A point that leaves the domain by about one rounding of its numbers is moved
+                    // back.
                     is_inside &= (inside - *x).abs() <= 2.0 * f64::from(f32::EPSILON) * x.abs();
                     *x = inside;
                 }
@@ -217,16 +217,16 @@ impl Tile {
         probes
     }
 
-    /// Returns an upper bound of the distance of a probe from its ray along an axis.
+    /// Returns an upper bound of the distance along `axis` between a probe and its ray.
     fn off<T: Adversarial>(&self, probe: &Probe, axis: usize) -> f64 {
         let terms = self.terms(probe.screen, probe.t, axis).into_iter();
         let off = dot(terms.chain([(probe.at[axis], -1.0)])).most();
-        // Products of t and a screen coordinate may underflow.
+        // Products of t and a screen coordinate may underflow. This bounds what they lose.
         let lost = [1, 2].map(|k| self.direction[k][axis].abs() * f64::from_bits(1));
         T::above((off + lost[0] + lost[1]).next_up().next_up()).into()
     }
 
-    /// Returns a part of the tile that contains a probe.
+    /// Returns a random part of the tile. The part contains `probe`.
     pub(super) fn narrower<T: Adversarial>(&self, rng: &mut Rng, probe: &Probe) -> Self {
         let mut part = *self;
         let share = 2f64.powi(-rng.i32(0..=30));
@@ -247,8 +247,8 @@ impl Tile {
         part
     }
 
-    /// Whether a linear function of the tile's symbols and the symbol of t certainly differs from
-    /// the claim at a probe by more than its error.
+    /// Whether a plane certainly misses the claim at a probe by more than the plane's error. The
+    /// plane's slopes belong to the tile's two symbols and to (t − middle)/half.
     pub(super) fn misses(
         &self,
         probe: &Probe,
@@ -296,7 +296,7 @@ pub(super) fn pack_tiles<T: Adversarial>(tiles: &[Tile]) -> Tiles<T> {
     batch
 }
 
-/// Packs the rays through a probe, one per tile, into a batch of segments.
+/// Packs one ray per tile into a batch of segments: the ray with the probe's screen coordinates.
 pub(super) fn pack_segments<T: Adversarial>(tiles: &[Tile], probe: &Probe) -> Segments<T> {
     let mut batch = Segments { count: tiles.len().min(LANES) as u32, ..Segments::default() };
     for (lane, tile) in tiles.iter().enumerate() {

@@ -6,18 +6,18 @@ use crate::suite::{Failure, Tally};
 use crate::{Adversarial, Rng, pack_boxes};
 use zeroset_eval::{FindZeros, Kernel};
 
-/// Lines checked for each formula, and boxes around each crossing.
+/// Number of lines per formula, and of boxes around each crossing.
 const LINES: usize = 6;
 const BOXES: usize = 4;
 
-/// Evaluations per line.
+/// Budget of evaluations per line.
 const BUDGET: u32 = 2000;
 
 /// Compiles the kernel that finds a formula's zeros; `None` if the formula has no surface.
 pub type CompileZeros<'a, T> = &'a dyn Fn(&Formula) -> Option<Box<dyn Kernel<FindZeros, T>>>;
 
-/// Checks the kernel of a formula on boxes around proven zeros: it must find a zero possible in
-/// each. In the tally, `compared` counts lines, and `defined` counts boxes.
+/// Checks a formula's kernel on boxes around proven zeros. The kernel must deny a zero in none of
+/// the boxes. In the tally, `compared` counts lines, and `defined` counts boxes.
 ///
 /// # Errors
 /// The first zero that the kernel denies.
@@ -34,7 +34,7 @@ pub fn check_zeros<T: Adversarial>(
         tally.compared += 1;
         let certificate = function.trace(&line, &formula.region, BUDGET);
         let Some(crossing) = certificate.crossing else { continue };
-        // Most formulas have no zero, and compiling is slow.
+        // The kernel is compiled at the first crossing, since most formulas have no zero.
         if kernel.is_none() {
             kernel = make(formula);
         }

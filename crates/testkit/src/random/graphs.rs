@@ -20,7 +20,7 @@ pub struct GraphOptions {
 }
 
 impl Default for GraphOptions {
-    /// Eight operations out of the whole table, no parameters, all constants.
+    /// Eight operations drawn from the whole table, no parameters, and adversarial constants.
     fn default() -> Self {
         Self {
             size: 8,
@@ -138,13 +138,12 @@ pub fn random_constant(rng: &mut Rng, adversarial: bool) -> Constant {
     }
 }
 
-/// Returns a constant known only to lie between two finite bounds in order.
+/// Returns a constant of which only two finite bounds are known, `lo` ≤ `hi`.
 fn enclosed(lo: f64, hi: f64) -> Constant {
     Constant::enclosed(Interval { lo, hi })
 }
 
-/// Returns bounds for each of `count` parameters: an exact value, the rounding of a decimal that no
-/// float represents, or a wider range.
+/// Returns bounds for each of `count` parameters: one number, two neighboring floats, or a range.
 pub fn random_parameters(rng: &mut Rng, count: u32) -> Vec<(f64, f64)> {
     (0..count)
         .map(|_| {

@@ -4,11 +4,11 @@ use super::values::{Adversarial, Ends, below, from_exponents, uniform_f64};
 use super::{Rng, values::nudge};
 use zeroset_interval::Interval;
 
-/// Returns a box: per axis, the lower and the upper end, in order and never NaN. An infinite end is
-/// an unbounded side, drawn if `ends` allows it. A lower end is below +∞ and an upper end above −∞.
+/// Returns a box: per axis, a lower and an upper end, in order and never NaN. A lower end is below
+/// +∞, and an upper end above −∞. If `ends` allows infinite ends, some boxes are unbounded.
 ///
-/// Points, thin boxes, boxes around zero and huge boxes are all likely. One box in four is plain on
-/// every axis, so that larger formulas are defined and finite somewhere.
+/// Points, thin boxes, boxes around zero and huge boxes are all likely. One box in four has
+/// moderate ends on every axis, so that larger formulas are defined and finite somewhere.
 pub fn random_box<T: Adversarial>(rng: &mut Rng, ends: Ends) -> [[T; 2]; 3] {
     let plain = rng.u32(0..4) == 0;
     [(); 3].map(|()| if plain { plain_range(rng) } else { random_range(rng, ends) })
@@ -63,9 +63,8 @@ pub fn random_domain(rng: &mut Rng) -> [Interval; 3] {
     }
 }
 
-/// Returns a range within `bounds`, rounded outward to `T`. It is all of `bounds`, any part of them
-/// (thin ones included), or the part of `wanted` inside them. It always contains real numbers
-/// within `bounds`.
+/// Returns a range within `bounds`, rounded outward to `T`: all of `bounds`, a part that may be
+/// thin, or the part of `wanted` inside `bounds`. It always contains real numbers within `bounds`.
 pub fn range_within<T: Adversarial>(rng: &mut Rng, bounds: Interval, wanted: [T; 2]) -> [T; 2] {
     let down = |value: f64| -T::above(-value);
     let (least, most) = (down(bounds.lo), T::above(bounds.hi));
@@ -82,10 +81,9 @@ pub fn range_within<T: Adversarial>(rng: &mut Rng, bounds: Interval, wanted: [T;
     [between(lo, least, down(bounds.hi)), between(hi, T::above(bounds.lo), most)]
 }
 
-/// Returns a real point of `region`, whose ends are as in [`random_box`]. The point often lies at
-/// corners, on edges, or at zeros, integers, half integers and multiples of π/2. It is always
-/// finite. In an unbounded box no coordinate exceeds 1e300, or the magnitude of the box's other end
-/// if that is larger.
+/// Returns a point of `region`, whose ends are as in [`random_box`]. The coordinates are often ends
+/// of the region, zeros, integers, half integers or multiples of π/2. They are always finite. On an
+/// unbounded side they do not exceed 1e300, or the magnitude of the other end if that is larger.
 pub fn point_in_box<T: Adversarial>(rng: &mut Rng, region: &[[T; 2]; 3]) -> [f64; 3] {
     let corner = rng.u32(0..4) == 0;
     region.map(|[lo, hi]| {
@@ -116,8 +114,8 @@ fn bounded(rng: &mut Rng, end: f64) -> f64 {
     [1e300, f64::from(f32::MAX).next_up()][below(rng, 2)].copysign(end)
 }
 
-/// Returns 0, or the integer, half integer or multiple of π/2 (rounded) nearest to a random place
-/// in [lo, hi].
+/// Draws a number in [lo, hi]. Returns 0, or an integer, half integer or rounded multiple of π/2
+/// near that number.
 fn special_between(rng: &mut Rng, lo: f64, hi: f64) -> f64 {
     use std::f64::consts::FRAC_PI_2;
     let share = uniform_f64(rng);
@@ -141,8 +139,8 @@ pub struct Ray {
     pub span: [f32; 2],
 }
 
-/// Returns a ray along an axis, a diagonal, nearly an axis, or any direction. No component of its
-/// direction exceeds 1.
+/// Returns a ray along or nearly along an axis, along a diagonal, or in any direction. No component
+/// of its direction exceeds 1 in magnitude.
 pub fn random_ray(rng: &mut Rng) -> Ray {
     let signed = |rng: &mut Rng| uniform_f64(rng) * 2.0 - 1.0;
     let direction = loop {

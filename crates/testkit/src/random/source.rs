@@ -96,7 +96,7 @@ impl Rng {
     }
 }
 
-/// Returns the least and the greatest number of a range; open sides end at `least` and `most`.
+/// Returns the least and the greatest number of a range. An open side ends at `least` or `most`.
 fn bounds(range: (Bound<u64>, Bound<u64>), least: u64, most: u64) -> (u64, u64) {
     let least = match range.0 {
         Bound::Included(x) => x,
@@ -121,7 +121,7 @@ mod tests {
         assert!(rng.bool());
         assert_eq!(rng.u32(0..8), 1);
         assert_eq!(rng.u32(5..=5), 5);
-        // More than 256 possibilities take two bytes, the last byte first.
+        // More than 256 possibilities take two bytes, the low byte first.
         assert_eq!(rng.u64(0..1000), 1);
         assert_eq!(rng.i32(-3..=6), -3); // 250 is a multiple of 10
         assert_eq!(rng.i32(-128..128), 127);

@@ -1,5 +1,5 @@
-//! Random formulas as text, with every form and every composed function of the language. They give
-//! graphs that random operations hardly ever produce.
+//! Random formulas as text, with every special form and every composed function of the language.
+//! They give graphs that random operations hardly ever produce.
 
 use super::Rng;
 use super::values::below;
@@ -17,7 +17,7 @@ pub fn random_text(rng: &mut Rng, depth: u32) -> String {
 
 struct Text<'r> {
     rng: &'r mut Rng,
-    /// Number of enclosing sums and products.
+    /// Number of sums and products that enclose the expression being written.
     indices: usize,
 }
 
@@ -107,7 +107,7 @@ impl Text<'_> {
         format!("mat{size}({})", elements.join(", "))
     }
 
-    /// Returns a number spelled with one of the forms of the language.
+    /// Returns a random expression for a number, with one of the special forms.
     fn form(&mut self, depth: u32) -> String {
         let form = &FORMS[below(self.rng, FORMS.len())];
         let name = form.name;
@@ -164,7 +164,7 @@ mod tests {
     use super::*;
     use zeroset_syntax::{Options, read};
 
-    /// All texts must be read, since refused texts would test nothing.
+    /// Checks that texts are accepted, since refused texts would test nothing.
     #[test]
     fn texts_read_and_hold_every_form_and_composed_function() {
         let mut rng = Rng::with_seed(0x5eed_0031);

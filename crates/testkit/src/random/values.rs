@@ -21,15 +21,15 @@ pub trait Adversarial: Real {
     fn adversarial(rng: &mut Rng, ends: Ends) -> Self;
     /// Returns a number uniform in [0, 1), with as many bits as the format has.
     fn uniform(rng: &mut Rng) -> Self;
-    /// Returns the least float that is greater.
+    /// Returns the next greater float.
     #[must_use]
     fn next_up(self) -> Self;
-    /// Returns the greatest float that is less.
+    /// Returns the next smaller float.
     #[must_use]
     fn next_down(self) -> Self;
 }
 
-/// Implements [`Adversarial`] with the critical numbers of a format.
+/// Implements [`Adversarial`] for a float type, given the type's critical numbers.
 macro_rules! adversarial {
     ($type:ty, $bits:ident, $mantissa:expr, $exponents:expr, $huge:expr, $edges:expr) => {
         impl Adversarial for $type {
@@ -53,7 +53,7 @@ macro_rules! adversarial {
                         nudge(rng, Self::nearest(f64::from(integer)))
                     }
                     9 => {
-                        // About where floats lose their fractions, or conversion to i32 overflows.
+                        // Near these powers of 2, floats lose fractions, or integers overflow.
                         let power = [$mantissa - 1, $mantissa, $mantissa + 1, 31, 32, 63];
                         let power = power[below(rng, 6)];
                         nudge(rng, Self::nearest(2f64.powi(power)))
@@ -116,7 +116,7 @@ pub(super) fn from_exponents<T: Real>(rng: &mut Rng, least: i32, most: i32) -> T
     T::nearest(value.min(T::LARGEST.into()))
 }
 
-/// Returns `value` or a number up to two ulps away, if that is finite.
+/// Returns `value` or a float up to two steps away. Returns `value` if that float is infinite.
 pub(super) fn nudge<T: Adversarial>(rng: &mut Rng, value: T) -> T {
     let moved = match rng.u32(0..6) {
         0 => value.next_up(),

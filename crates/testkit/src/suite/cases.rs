@@ -11,12 +11,13 @@ use zeroset_eval::{Enclose, Kernel, LANES};
 /// Compiles a case, with its parameters bound, to a kernel. `None` skips the case.
 pub type CompileCase<'a, Q, T = f32> = &'a dyn Fn(&Case) -> Option<Box<dyn Kernel<Q, T>>>;
 
-/// Boxes per kernel and points per box. They make compiling a small part of the work.
+/// Boxes per kernel, and points per box. They are many, so that compiling takes a small part of the
+/// time.
 const BOXES: usize = 64;
 const POINTS: usize = 6;
 
-/// Checks random cases drawn by `options`. It stops after `effort.cases` comparisons at points
-/// where the function is certainly defined.
+/// Checks random cases drawn by `options`, until `effort.cases` points were compared at which the
+/// function is certainly defined.
 ///
 /// At each point the oracle encloses the graph as typed, with a value of each parameter within its
 /// bounds. The kernel's bounds must overlap that enclosure, and its facts about the box must be
@@ -89,7 +90,7 @@ fn contradicts(answer: &QueryResult, claim: Claim) -> Option<&'static str> {
     answer.well_formed().and_then(|()| answer.agrees(claim)).err()
 }
 
-/// Returns the contradiction in the smallest case that still shows it.
+/// Shrinks a failing case. Returns the contradiction that the smallest case shows.
 fn explain<T: Adversarial>(
     make: CompileCase<Enclose, T>,
     case: &Case,

@@ -1,4 +1,4 @@
-//! Checks of gradient kernels: derivatives agree with slopes between values of the oracle.
+//! Checks of gradient kernels: derivatives must agree with difference quotients of the oracle.
 
 use super::subjects::{OpGraph, subjects};
 use super::{CompileGraph, Failure, Tally};
@@ -6,13 +6,13 @@ use crate::{Defined, Oracle, Place, Rng, reproduce_in};
 use zeroset_eval::{LANES, Points, Real, SampleGradient};
 use zeroset_ops::Op;
 
-/// Half the distance over which a slope is measured. Its square times the third derivative bounds
-/// the error of the slope. The oracle's values have a relative error of about 2⁻⁵², so rounding
-/// adds 2⁻³⁵.
+/// Half the distance over which a slope is measured. A slope has two errors. One is at most the
+/// step squared times the third derivative. The other is the oracle's error of about 2⁻⁵², divided
+/// by the step: 2⁻³⁵.
 const STEP: f64 = 1.0 / (1 << 17) as f64;
 
-/// Checks every operation alone at `points` plain points: coordinates up to 4, almost surely away
-/// from jumps and kinks. Points where the slopes to either side differ are skipped.
+/// Checks every operation alone at `points` points. Their coordinates are up to 4, and almost
+/// surely away from jumps and kinks. Points where the slopes to either side differ are skipped.
 ///
 /// A derivative may differ from the slope s by `relative` times max(|s|, 1).
 ///

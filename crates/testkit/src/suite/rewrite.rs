@@ -7,15 +7,15 @@ use crate::{
 };
 use zeroset_ir::{Graph, NodeId};
 
-/// Rewrites the function `root` over a box (per axis, its two ends). `None` skips it.
+/// Rewrites the function `root` over a box (two ends per axis), or returns `None` to skip it.
 pub type Rewrite<'a> = &'a dyn Fn(&Graph, NodeId, &[[f32; 2]; 3]) -> Option<(Graph, NodeId)>;
 
 /// Points checked on each graph.
 const POINTS: u32 = 8;
 
-/// Checks `graphs` random graphs drawn by `options`, without parameters. Each is rewritten for a
-/// random box and compared with the original at points of the box. Both must be defined at the same
-/// points, and the enclosures of their values must overlap.
+/// Checks `graphs` random graphs drawn by `options`, without parameters. Each graph is rewritten
+/// for a random box, and compared with the original at points of the box. Both must be defined at
+/// the same points, and the enclosures of their values must overlap.
 ///
 /// # Errors
 /// The first contradiction, with a line that reproduces it.

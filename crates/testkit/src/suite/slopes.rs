@@ -1,8 +1,9 @@
-//! Checks of gradient bounds. If a function is reported as differentiable, they must enclose its
-//! derivatives. If it is reported as Lipschitz continuous, they must bound its changes.
+//! Checks of gradient bounds. If a kernel reports a function as differentiable, the bounds must
+//! enclose its derivatives. If it reports the function as Lipschitz continuous, they must bound its
+//! changes.
 //!
-//! The second check is the mean value form, f(q) − f(p) ∈ G·(q − p). It uses values alone, so it
-//! does not depend on the table of derivatives.
+//! The check of changes is the mean value form, f(q) − f(p) ∈ G·(q − p). It uses values alone, so
+//! it does not depend on the table of derivatives.
 
 use super::subjects::subjects;
 use super::{CompileCase, Failure, Tally};
@@ -28,7 +29,7 @@ impl Probe {
     fn random<T: Adversarial>(case: &Case, rng: &mut Rng, region: &[[T; 2]; 3]) -> Self {
         let mut ends = [(); 2].map(|()| case.random_point(rng, region));
         if rng.bool() {
-            // The points differ along one axis only, so that other slopes hide nothing.
+            // The points differ along one axis only, so that slopes along other axes hide no error.
             let axis = rng.u32(0..3) as usize;
             let far = ends[1][axis];
             ends[1] = ends[0];
@@ -85,9 +86,9 @@ impl QueryResult {
             }
             let (derivatives, corners) = derivatives.split_at(3);
             for (axis, claim) in derivatives.iter().enumerate() {
-                // Derivatives are not compared at a face of the box, where the rules may not give
-                // the derivative towards the inside. Nor are they where only the simplified
-                // function has a derivative.
+                // Derivatives are compared only inside the box. At a face, the rules may not give
+                // the derivative towards the inside. Kinks are left out if simplification may
+                // change their derivative.
                 let [lo, hi] = region[axis];
                 let is_inside = lo < point[axis] && point[axis] < hi;
                 let is_known = self.differentiable
@@ -104,7 +105,8 @@ impl QueryResult {
             .then(|| format!("it changes by {change:?}, where slopes allow {allowed:?}"))
     }
 
-    /// Returns the change of the function between two points that its gradient bounds allow.
+    /// Returns bounds of the function's change from `p` to `q` that follow from the gradient
+    /// bounds.
     fn allowed(&self, [p, q]: &[[f64; 3]; 2]) -> Span {
         let term = |axis: usize| {
             let [lo, hi] = self.slopes[axis];
@@ -114,7 +116,7 @@ impl QueryResult {
     }
 }
 
-/// Returns the change of a function between two points, if it is certainly defined at both.
+/// Returns bounds of a function's change between two points, if it is certainly defined at both.
 fn change(claims: &[Vec<Claim>; 2]) -> Option<Span> {
     let [from, to] = claims.each_ref().map(|claims| claims[0]);
     let is_defined = [from, to].iter().all(|claim| claim.defined == Defined::Yes);
@@ -125,17 +127,16 @@ fn ends_of<T: Real>(region: &[[T; 2]; 3]) -> [[f64; 2]; 3] {
     region.map(|range| range.map(Into::into))
 }
 
-/// Whether an operation with a kink at `argument` = 0 has the derivative along an axis that the
-/// rules give. At the kink the rules give the mean of both sides, which is right if the argument's
-/// derivative is 0. Otherwise simplification may change the derivative at the kink: max(0, min(0,
-/// y)) becomes 0.
+/// Whether the rules certainly give the derivative of an operation with a kink at `argument` = 0.
+/// At the kink they give the mean of both sides, which is right if the argument's derivative along
+/// `axis` is 0. Otherwise simplification may change the mean, as from max(0, min(0, y)) to 0.
 fn is_smooth([argument, derivatives @ ..]: &[Claim; 4], axis: usize) -> bool {
     let (is_off, slope) = (argument.hi < 0.0 || 0.0 < argument.lo, derivatives[axis]);
     is_off || slope.lo == 0.0 && slope.hi == 0.0
 }
 
-/// Returns a case's function and its derivatives. Then follow the arguments at whose zeros
-/// operations have kinks, each with its own derivatives.
+/// Returns a graph with the case's function and its derivatives as roots. The further roots are
+/// arguments at whose zeros an operation has a kink, each with its derivatives.
 fn derivatives(case: &Case) -> (Graph, Vec<NodeId>) {
     let mut graph = case.graph.clone();
     let mut roots = vec![case.root];
@@ -205,7 +206,7 @@ pub fn check_slopes<T: Adversarial>(
     Ok(tally)
 }
 
-/// Returns the contradiction in the smallest case that still shows it.
+/// Shrinks a failing case. Returns the contradiction that the smallest case shows.
 fn explain<T: Adversarial>(
     make: CompileCase<EncloseGradient, T>,
     case: &Case,

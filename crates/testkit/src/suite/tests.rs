@@ -11,7 +11,6 @@ use zeroset_ops::Op;
 
 const SEED: u64 = 0x5eed_0040;
 
-/// A kernel with the same result for every box.
 struct ConstantKernel {
     lo: f32,
     hi: f32,
@@ -99,7 +98,7 @@ impl Kernel<SampleGradient> for Sampler {
             let here = point(points, lane);
             answers.value[lane] = self.at(here) as f32;
             for axis in 0..3 {
-                // The step is smaller than that of the check, so that it crosses no further kinks.
+                // This step is smaller than the check's step, so it crosses no further kinks.
                 let step = 1.0 / 262_144.0;
                 let (mut before, mut after) = (here, here);
                 before[axis] -= step;
@@ -140,7 +139,6 @@ fn wrong_values_are_caught() {
     assert!(failure.to_string().contains("a value where there is none"));
 }
 
-/// A kernel that returns 0 everywhere, for values and for gradients.
 struct ZeroKernel;
 
 impl Kernel<Sample> for ZeroKernel {
@@ -165,7 +163,6 @@ fn wrong_gradients_are_caught() {
     assert!(failure.to_string().contains("derivative 0 is 0e0"), "{failure}");
 }
 
-/// A kernel that returns the same gradient bounds for every box.
 #[derive(Clone, Copy)]
 struct ConstantGradientKernel {
     range: [f32; 2],
@@ -225,7 +222,7 @@ fn wrong_rewrites_are_caught() {
         let root = graph.apply(Op::WherePositive, &[root, root]);
         Some((graph, root))
     });
-    // A parameter has no known value, so no value contradicts it. But it is defined everywhere.
+    // A parameter without bounds contradicts no value. But it is defined everywhere.
     let total = run(&|_, _, _| {
         let mut graph = Graph::new();
         let root = graph.parameter(0);

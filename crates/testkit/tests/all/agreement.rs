@@ -7,13 +7,13 @@
 use zeroset_testkit::property::{KernelKind, agree};
 use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng};
 
-/// Inputs per kernel. A test has few inputs per kernel, so that it checks many formulas. A long run
-/// has so many that compiling is a small part of the work.
+/// Returns the number of inputs per kernel. A short test has few, so that it checks many formulas.
+/// A long run has so many that compiling is a small part of the work.
 fn inputs(cases: u64) -> usize {
     if cases <= 1_000_000 { 256 } else { 1024 }
 }
 
-/// Prints the seed of the current case if something panics.
+/// Prints the current case's seed if a test panics.
 struct SeedReporter(u64);
 
 impl Drop for SeedReporter {
@@ -24,7 +24,7 @@ impl Drop for SeedReporter {
     }
 }
 
-/// Compares until `effort.cases` inputs agree. Panics on the first one that does not.
+/// Compares until `effort.cases` inputs agree. Panics on the first input that does not agree.
 fn check<T: Adversarial>(seed: u64, subject: KernelKind, simple: bool, options: &GraphOptions) {
     // Affine forms have longer code, so fewer inputs are checked.
     let is_long = matches!(subject, KernelKind::Segments | KernelKind::Tiles);

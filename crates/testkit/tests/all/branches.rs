@@ -1,8 +1,8 @@
-//! Kernels that find zeros. With a piecewise function's branches evaluated one by one, they must
+//! Kernels that find zeros. If they evaluate a piecewise function's branches one by one, they must
 //! lose no zero, and native code must give the same bits as the reference. Without branches, they
 //! must agree with the bounds of the same tape.
 //!
-//! For a random point p of a box, f − f(p) has a zero in the box.
+//! The functions are f − f(p) for a random point p of a box, so each has a zero in the box.
 //!
 //! A long run: `ZEROSET_CASES=10000000 cargo test --release -p zeroset-testkit --test all
 //! branches`.
@@ -59,7 +59,7 @@ fn options(rng: &mut Rng) -> GraphOptions {
     }
 }
 
-/// Whether the only box of a batch may contain a zero.
+/// Whether a kernel finds a zero possible in the only box of `boxes`.
 fn is_possible<T: Real>(kernel: &dyn Kernel<FindZeros, T>, boxes: &[Boxes<T>]) -> bool {
     kernel.eval_all(boxes)[0].possible & 1 == 1
 }
@@ -122,7 +122,7 @@ fn check<T: Adversarial>(seed: u64, cases: u64) {
             let (answer, context) = compare(value);
             assert!(answer, "a zero is lost: {context}");
             points += 1;
-            // For other values, branches often prove a box empty when the whole function does not.
+            // For another value, branches often prove a box empty that the whole function does not.
             let beside = Interval { lo: value.lo + 0.25, hi: value.hi + 0.25 };
             let (answer, _) = compare(beside);
             let whole = is_possible(&Reference::new(plain.clone(), bind(beside)), &boxes);
@@ -173,7 +173,7 @@ fn zeros_and_bounds<T: Adversarial>(seed: u64) {
             ];
             let found =
                 [zeros.possible, zeros.unbounded, zeros.jumping].map(|mask| mask >> lane & 1 == 1);
-            // If there is no zero, the other two masks mean nothing.
+            // If no zero is possible, the masks `unbounded` and `jumping` mean nothing.
             let compared = if expected[0] { 3 } else { 1 };
             assert_eq!(
                 found[..compared],

@@ -1,10 +1,10 @@
 //! Software enclosures in `f64` at points must contain the exact value. Comparing with the value
 //! rounded to nearest would not suffice: bounds that are wrong by nearly half an ulp could still
-//! contain it.
+//! contain the rounded value.
 //!
-//! The reference values are Taylor series in integer arithmetic. Inverse functions are checked by
-//! their increasing inverses: a ≤ ln x if exp a ≤ x. Operands lie at the ends of the reduced
-//! ranges, where the rules err most.
+//! The reference values are Taylor series in integer arithmetic. A function like ln is checked by
+//! its increasing inverse: a ≤ ln x if exp a ≤ x. Operands lie at the ends of the reduced ranges,
+//! where the rules err most.
 
 use num_bigint::BigInt;
 use num_traits::Zero;
@@ -17,12 +17,12 @@ use zeroset_testkit::Rng;
 const SEED: u64 = 0x00e8_ac70;
 const POINTS: usize = 10_000;
 
-/// Numbers are integers in units of 2⁻²⁰⁰.
+/// The reference computes with integers in units of 2⁻²⁰⁰.
 const PLACES: i32 = 200;
-/// Bound of the error of the series below, with room to spare: 2⁻¹⁵⁰.
+/// The series below err by less than 2^`ERROR` units, which is 2⁻¹⁵⁰.
 const ERROR: i32 = PLACES - 150;
 
-/// Converts a float that is a multiple of the unit.
+/// Converts a float, which must be a multiple of the unit, to units.
 fn exact(x: f64) -> BigInt {
     let bits = x.to_bits();
     let exponent = ((bits >> 52 & 0x7ff) as i32).max(1);
@@ -48,7 +48,7 @@ fn series(x: &BigInt, turns: bool) -> [BigInt; 2] {
     let mut sums = [BigInt::zero(), BigInt::zero()];
     let mut term = BigInt::from(1) << PLACES;
     for n in 0_u32.. {
-        // Shifting rounds a negative number down, so such a term never becomes 0.
+        // Shifting rounds down, so a negative term ends at −1 and not at 0.
         if term.bits() <= 1 {
             break;
         }
@@ -97,7 +97,7 @@ enum ReferenceMethod {
     Of(fn(&BigInt) -> BigInt),
     /// The inverse function, which increases.
     Inverse(fn(&BigInt) -> BigInt),
-    /// Minus the inverse function, which decreases.
+    /// Minus the inverse function, if the inverse decreases.
     FallingInverse(fn(&BigInt) -> BigInt),
 }
 
@@ -189,7 +189,6 @@ fn whole(x: f64) -> BigInt {
     if x.is_sign_negative() { -magnitude } else { magnitude }
 }
 
-/// Returns a·b + c.
 fn product_and([a, b, c]: [f64; 3]) -> BigInt {
     ((whole(a) * whole(b)) >> 2148) + whole(c)
 }

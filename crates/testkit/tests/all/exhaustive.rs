@@ -19,7 +19,7 @@ fn enclosures_hold_and_are_tight_on_a_slice_of_all_floats() {
         assert_eq!(report.violations, 0, "{name}: {report:?}");
         assert_eq!(report.unbounded, 0, "{name}: {report:?}");
         assert_eq!(report.wide, 0, "{name}: {report:?}");
-        // Half of all floats are tiny. There the sine of a bounded operand is always an ulp wider.
+        // Half of all floats are tiny. For these, the rule for bounded angles is an ulp too wide.
         let mean = if function.within.is_some() { 1.1 } else { 1.0 };
         assert!(report.mean() < mean, "{name}: {} ulp on average", report.mean());
     }

@@ -1,5 +1,5 @@
-//! Functions for which a property once failed, with the box that showed it. They were found by long
-//! runs and by fuzzers, and can be typed.
+//! Regression tests: formulas for which a property failed, each with the box that showed it. Long
+//! runs and fuzzers found them.
 
 use zeroset_eval::{Binding, Enclose, Enclosures, Kernel, Reference, Tape};
 use zeroset_interval::Interval;
@@ -15,8 +15,8 @@ struct Finding {
     formula: &'static str,
     domain: [[f64; 2]; 3],
     region: [[f64; 2]; 3],
-    /// Range in which the formula's bounds must lie. They must do so even where the formula is
-    /// undefined, since operations on these bounds may rely on it.
+    /// Range in which the formula's bounds must lie, even where the formula is undefined.
+    /// Operations on these bounds may rely on that.
     within: [f64; 2],
     was: &'static str,
 }

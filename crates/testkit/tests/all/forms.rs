@@ -1,5 +1,5 @@
 //! Affine forms must enclose the values of every operation alone, and of random functions along
-//! segments and tiles of rays, in both precisions. Contractions must lose no zero. Errors of smooth
+//! segments and tiles of rays, in both precisions. Narrowing must lose no zero. Errors of smooth
 //! operations must shrink like the square of the operands' spread.
 //!
 //! A long run: `ZEROSET_CASES=10000000 cargo test --release -p zeroset-testkit --test all forms`.
@@ -89,7 +89,7 @@ fn check<T: Adversarial>(name: &str, seed: u64, options: &GraphOptions) {
         let mut rng = Rng::with_seed(seed);
         let options = GraphOptions { size: rng.u32(1..=options.size), ..options.clone() };
         let case = Case::random(&mut rng, &options);
-        // Compiling is slow.
+        // Compiling is slow, so only long runs use native code.
         let engine = if is_long { Engine::Native } else { Engine::Reference };
         let kernel_options = KernelOptions { simple: rng.bool(), engine };
         let batches = if is_long { 32 } else { 2 };
@@ -127,7 +127,7 @@ fn planes_of_polynomials_hold_their_values() {
     check::<f64>("polynomials", 0x5eed_0b80_0000, &options);
 }
 
-/// Checks operations whose operands may be undefined or are restricted.
+/// Checks operations that choose between operands or restrict them, and partial functions.
 #[test]
 fn planes_of_choices_hold_their_values() {
     let ops = vec![
@@ -152,7 +152,7 @@ fn planes_of_choices_hold_their_values() {
     check::<f64>("choices", 0x5eed_0ba0_0000, &options);
 }
 
-/// Returns the error of the form of `op` in `f64`, for operands around `centres` with this spread.
+/// Returns the error of the form of `op` in `f64`, for operands that spread around `centres`.
 fn error_of(op: Op, centres: [f64; 3], spread: f64) -> f64 {
     let lanes = |x: f64| Vector128::from_f64([x; 2]);
     let operands = [(1.0, 0.5), (-0.25, 1.0), (0.5, -0.25)].into_iter().zip(centres);
@@ -201,13 +201,13 @@ fn products_beyond_all_floats_claim_nothing() {
     }
 }
 
-/// Except at kinks, an error shrinks like the square of the spread, down to rounding errors.
+/// Checks that errors shrink like the square of the spread, down to rounding errors.
 #[test]
 fn errors_of_smooth_operations_shrink_quadratically() {
     for row in TABLE.iter().filter(|row| !BOUNDS_ONLY.contains(&row.op)) {
         let centres = match row.domain {
             Domain::Unit | Domain::UnitInside | Domain::CosineNonzero => [0.6, 0.0, 0.0],
-            // These operands are away from the jumps of the remainder.
+            // These operands are away from the remainder's jumps.
             _ if row.op == Op::Mod => [1.2, 0.9, 0.0],
             _ => [1.7, 0.9, 1.3],
         };

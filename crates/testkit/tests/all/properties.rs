@@ -1,7 +1,7 @@
-//! The properties checked by fuzz targets, on random bytes and on the seeds of the fuzzers. The
-//! seeds include every input that once broke a property.
+//! Checks the properties of the fuzz targets on random bytes and on the fuzzers' seeds. The seeds
+//! include every input that broke a property.
 //!
-//! A long run of one:
+//! A long run of one property:
 //! `ZEROSET_CASES=100000 cargo test --release -p zeroset-testkit --test all simplif`.
 
 use std::path::{Path, PathBuf};
@@ -17,7 +17,8 @@ fn directory(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(name)
 }
 
-/// Checks a property. One input in eight must give a function that is defined somewhere.
+/// Checks a property. On average, each case must make at least one comparison, and more than one in
+/// eight cases a comparison of certainly defined values.
 fn hold(property: Property, target: &str, seed: u64, cases: u64) {
     let effort = Effort::from_environment(seed, cases);
     let tally = attack(&property, &directory("fuzz/seeds").join(target), effort);
@@ -27,7 +28,7 @@ fn hold(property: Property, target: &str, seed: u64, cases: u64) {
 
 #[test]
 fn texts_are_read_or_refused_and_printed_as_they_read() {
-    // Random bytes are hardly ever text. Random statements are tested in the parser's crate.
+    // Most random bytes are refused, so only the files are expected to be accepted.
     for (name, accepted) in [("fuzz/seeds/parse", 20), ("examples", 65)] {
         let tally = attack(&parse, &directory(name), Effort { seed: 0x5eed_06f0, cases: 1000 });
         println!("{name}: {tally:?}");

@@ -9,7 +9,7 @@ use zeroset_testkit::suite::{
 };
 use zeroset_testkit::{Adversarial, Claim, GraphOptions};
 
-/// Returns a kernel of a function alone, or with its derivatives.
+/// Returns the reference evaluator of a function, with derivatives if the query needs them.
 fn reference<Q: Query, T: Real>(graph: &Graph, root: NodeId) -> Box<dyn Kernel<Q, T>> {
     let (mut graph, mut roots) = (graph.clone(), vec![root]);
     if Q::OUTPUTS == 4 {
@@ -50,9 +50,9 @@ fn random_graphs_enclose_the_oracle() {
 fn tolerance<T: Adversarial>(op: Op, at: [f64; 3], claim: Claim) -> Option<f64> {
     /// Magnitude of angles, in radians, above which sines lose accuracy.
     const FARTHEST: f64 = 8192.0;
-    // Errors that the rules reach, since kernels guarantee no bound. In f32 the relative error is
-    // about five times the unit roundoff. `wave` is an absolute error that covers sines near their
-    // zeros.
+    // Allowed errors. Kernels guarantee no bound, but the rules stay within these. In f32 the
+    // relative error is about five times the unit roundoff. `wave` is an absolute error, for sines
+    // near their zeros.
     let (relative, wave) = match T::FORMAT {
         Format::F32 => (3e-7, 1e-7),
         Format::F64 => (1e-14, 1e-15),

@@ -1,6 +1,6 @@
-//! Arithmetics that only measurements use. Where results are rounded to nearest and then moved
-//! outward, intervals and affine forms must enclose the oracle's values. Without the move they must
-//! miss some.
+//! Arithmetics that only measurements use. If results are rounded to nearest and then moved
+//! outward, intervals and affine forms must enclose the oracle's values. If results are not moved,
+//! they must miss some values.
 
 use zeroset_eval::{Assumptions, Binding, Boxes, Enclose, Kernel, Real, Tape};
 use zeroset_interval::Interval;
@@ -89,7 +89,7 @@ fn moved_results_make_forms_that_hold_their_values() {
     }
 }
 
-/// Shows that the cheapest arithmetic is indeed not rigorous.
+/// Shows that the cheapest arithmetic is not rigorous.
 #[test]
 fn results_that_are_not_moved_are_no_bounds() {
     let unsound = Arithmetic::Unsound;
@@ -101,7 +101,7 @@ fn results_that_are_not_moved_are_no_bounds() {
     assert!(forms::<f64>(unsound, 0x5eed_0c90_0000).is_err());
 }
 
-/// Three times the float nearest to 1/3 is exactly 1 + 2⁻²⁵, which is not a float.
+/// The product of 3 and the float nearest to 1/3 is exactly 1 + 2⁻²⁵, which is not a float.
 #[test]
 fn a_product_is_missed_kept_by_two_floats_or_by_two_neighbours() {
     let third = 1.0_f32 / 3.0;

@@ -105,8 +105,8 @@ fn slopes_beside_hazards_are_bounded() {
     check::<f64>("hazards", 0x5eed_0a60_0000, &options);
 }
 
-/// Returns whether a kernel reports a function as Lipschitz continuous, and whether as
-/// differentiable. The box has this range of x, and y from 1 to 2.
+/// Returns whether a kernel reports a function as Lipschitz continuous and as differentiable. In
+/// its box x is between `lo` and `hi`, and y between 1 and 2.
 fn claims<T: Real>(graph: &Graph, root: NodeId, [lo, hi]: [f64; 2]) -> [bool; 2] {
     let mut graph = graph.clone();
     let [x, y, z] = gradient(&mut graph, root);

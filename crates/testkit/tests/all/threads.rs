@@ -46,7 +46,7 @@ fn many_threads<T: Adversarial>() {
     let (done, runs) = (AtomicBool::new(false), AtomicU64::new(0));
     thread::scope(|scope| {
         for first in 0..8 {
-            // Clones share code. The last one alive frees it, on any thread.
+            // Clones of a kernel share its code. The last clone frees the code, on any thread.
             let work: Vec<_> = work.iter().cycle().skip(first).take(4).cloned().collect();
             let (done, runs) = (&done, &runs);
             scope.spawn(move || {
@@ -95,7 +95,7 @@ fn callers_go_on_rounding_to_nearest() {
     assert_eq!(quotient_rounded_up::<f64>().to_bits(), 0x3fe6_6666_6666_6667, "kernels round up");
 }
 
-/// Returns 7/10 from a kernel. Checks the caller's rounding after each kind of call.
+/// Returns 7/10 as kernels round it. Checks the caller's rounding after each kind of call.
 fn quotient_rounded_up<T: Adversarial>() -> T {
     let mut graph = Graph::new();
     let (x, y) = (graph.variable(Axis::X), graph.variable(Axis::Y));
@@ -122,7 +122,7 @@ fn quotient_rounded_up<T: Adversarial>() -> T {
     values[0].value[0]
 }
 
-/// Threads panic in a kernel's own check, and then compile and call kernels again, in parallel.
+/// Checks threads that panic in a kernel's own check, and then compile and call kernels again.
 #[test]
 fn threads_that_panic_and_are_used_again_round_to_nearest() {
     thread::scope(|scope| {

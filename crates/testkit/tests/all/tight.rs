@@ -26,7 +26,7 @@ struct TestFunction {
 type ReferenceFunction = (Op, fn(f64) -> f64);
 const WAVES: [ReferenceFunction; 2] = [(Op::Sin, core_math::sin), (Op::Cos, core_math::cos)];
 
-/// Number of ulps by which an enclosure may be wider than the tightest, from the table's row.
+/// Returns by how many ulps an enclosure in `f32`, and in `f64`, may exceed the tightest.
 fn most(op: Op) -> [u64; 2] {
     op.row().excess.expect("an approximation")
 }
@@ -73,7 +73,7 @@ fn unit(random: &mut Rng) -> f64 {
     random.u64(..) as f64 / u64::MAX as f64
 }
 
-/// Returns an operand near one of the hard ones, a small operand, or any number.
+/// Returns an operand near one of `hard`, a small operand, or any number.
 fn draw(random: &mut Rng, hard: &[f64]) -> f64 {
     match random.u32(0..8) {
         0 => f64::from_bits(random.u64(..)),
@@ -93,9 +93,9 @@ fn draw(random: &mut Rng, hard: &[f64]) -> f64 {
     }
 }
 
-/// Checks the rule that sine and cosine have for operands near 0, which also gives values. Operands
-/// are multiples of π/2, where results are near 0 and ±1; odd multiples of π/4, where the reduced
-/// angle is greatest; and any numbers.
+/// Checks the rule of sine and cosine for operands near 0, which gives enclosures and values. Hard
+/// operands are multiples of π/2, where results are near 0 or ±1, and odd multiples of π/4, where
+/// the reduced angle is greatest.
 #[test]
 fn waves_of_points_near_zero_are_as_tight_as_stated() {
     const LIMIT: f64 = 2048.0;
@@ -135,8 +135,8 @@ fn waves_of_points_near_zero_are_as_tight_as_stated() {
     }
 }
 
-/// Checks values of sine and cosine near 0 in `f32`. There reference values are exact enough to
-/// check the error that affine forms allow for.
+/// Checks values of sine and cosine near 0 in `f32`. Their error must be within what affine forms
+/// allow for. `f64` is precise enough to measure this error.
 #[test]
 fn values_of_waves_near_zero_are_off_by_what_forms_allow_for() {
     const LIMIT: f64 = 192.0;
@@ -171,13 +171,14 @@ fn place(x: f64) -> i64 {
     if x.is_sign_negative() { -magnitude } else { magnitude }
 }
 
-/// Returns how many floats wider than the tightest an enclosure is, if its value rounds to `value`.
+/// Returns by how many floats an enclosure of `value` is wider than the tightest.
 fn excess(bounds: Interval, value: f64) -> u64 {
     let exact = bounds.lo == bounds.hi;
     (place(bounds.hi) - place(bounds.lo)).unsigned_abs() - u64::from(!exact && value.is_finite())
 }
 
-/// Checks powers of numbers near 1, and of any number with an exponent that avoids overflow.
+/// Checks powers of positive numbers, many of them near 1. Three of four exponents are drawn so
+/// that the power lies between e⁻⁷⁵⁰ and e⁷⁵⁰: in the range of floats, or slightly beyond it.
 #[test]
 fn powers_of_points_are_as_tight_as_stated() {
     let mut random = Rng::with_seed(SEED);
@@ -212,7 +213,7 @@ fn powers_of_points_are_as_tight_as_stated() {
     assert!(worst <= most(Op::Pow)[1], "seed {SEED:#x}: {worst} ulp at {worst_at:?}");
 }
 
-/// Checks angles of points of any size, also on and next to the axes and the diagonals.
+/// Checks angles of points at any distance, also on and next to the axes and the diagonals.
 #[test]
 fn angles_of_points_are_as_tight_as_stated() {
     let mut random = Rng::with_seed(SEED);
@@ -250,8 +251,8 @@ fn angles_of_points_are_as_tight_as_stated() {
     assert!(worst[0] <= 4 && worst[1] <= most, "seed {SEED:#x}: {worst:?} ulp at {worst_at:?}");
 }
 
-/// Returns how many floats wider than the tightest the enclosure of an operation on two `f32` is,
-/// or `None` if it misses `value`.
+/// Returns by how many floats the enclosure of an operation on two `f32` is wider than the
+/// tightest, or `None` if it misses `value`.
 fn excess_in_f32(op: Op, operands: [f32; 2], value: f64) -> Option<u64> {
     let operand = |x: f32| {
         let lanes = |x| Vector128::from_f32([x; 4]);
@@ -271,7 +272,7 @@ fn excess_in_f32(op: Op, operands: [f32; 2], value: f64) -> Option<u64> {
     Some(excess[0]?.max(excess[1]?))
 }
 
-/// Checks the table's row on many pairs of operands in `f32`. A sweep would take too long.
+/// Checks an operation on two `f32` with many pairs of operands. A sweep would take too long.
 fn search_in_f32(op: Op, truth: fn(f64, f64) -> f64, draw: impl Fn(&mut Rng) -> Option<[f32; 2]>) {
     let mut random = Rng::with_seed(SEED);
     let (mut worst, mut worst_at, mut count) = (0, [0.0; 2], 0);

@@ -8,7 +8,7 @@ use num_rational::BigRational;
 
 type Exact = [BigRational; 3];
 
-/// Number of binary places of irrational values: lengths and tangents.
+/// Number of binary places to which irrational numbers, such as lengths and tangents, are computed.
 const BITS: usize = 400;
 
 fn exact(value: f64) -> BigRational {
@@ -31,15 +31,15 @@ fn sum(a: &Exact, b: &Exact, factor: &BigRational) -> Exact {
     std::array::from_fn(|k| &a[k] + &b[k] * factor)
 }
 
-/// The value rounded to [`BITS`] binary places.
+/// Rounds a number toward zero to [`BITS`] binary places.
 fn rounded(value: &BigRational) -> BigRational {
     let one = BigInt::from(1) << BITS;
     BigRational::new((value * BigRational::from(one.clone())).to_integer(), one)
 }
 
-/// The vector at length 1, up to a few 2^−`BITS`.
+/// Scales a vector to length 1, up to an error of a few 2^−`BITS`.
 fn unit(v: &Exact) -> Exact {
-    // Scaled first, so that short vectors keep their digits.
+    // First the largest component becomes 1, so that short vectors keep their digits.
     let largest = v.iter().max_by_key(|c| (*c).max(&-*c).clone()).expect("three").clone();
     let v = v.clone().map(|c| c / &largest);
     let square = dot(&v, &v) * BigRational::from(BigInt::from(1) << (2 * BITS));
@@ -48,13 +48,13 @@ fn unit(v: &Exact) -> Exact {
     v.map(|c| rounded(&(c * &sign / &length)))
 }
 
-/// The square of the sine of the angle between two directions.
+/// The square of the sine of the angle between two vectors.
 fn sine_squared(a: &Exact, b: &Exact) -> BigRational {
     let crossed = cross(a, b);
     dot(&crossed, &crossed) / (dot(a, a) * dot(b, b))
 }
 
-/// The tangent of half an angle in degrees, by the series of sine and cosine.
+/// The tangent of half an angle in degrees, from the series of sine and cosine.
 fn tangent(degrees: f64) -> BigRational {
     let digits =
         "314159265358979323846264338327950288419716939937510582097494459230781640628620899";
@@ -89,7 +89,7 @@ impl Random {
         self.0
     }
 
-    /// A number uniform in [−1, 1].
+    /// A random number, uniform in [−1, 1].
     fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
@@ -102,8 +102,8 @@ impl Random {
         10_f64.powi(least + (self.next() % (most - least + 1) as u64) as i32)
     }
 
-    /// Eye, target and up, of any magnitude. The target may be next to the eye, and `up` may be
-    /// along the view.
+    /// A random eye, target and up vector, of any magnitude. The target may be next to the eye, and
+    /// `up` may be along the view.
     fn view(&mut self) -> [DVec3; 3] {
         let eye = match self.next() % 4 {
             0 => DVec3::ZERO,
@@ -142,7 +142,7 @@ fn axes_are_those_of_real_geometry() {
                 continue;
             }
             Err(CameraError::UpAlongView) => {
-                // A camera is refused only if the sine is small.
+                // Only a camera whose `up` is almost along the view may be refused.
                 let way = sum(&vector(target), &vector(eye), &exact(-1.0));
                 assert!(sine_squared(&way, &vector(up)) < exact(1.001e-18));
                 along += 1;
@@ -268,7 +268,7 @@ fn windows_have_the_rays_of_their_pixels() {
 fn points_in_f32_are_near_however_far_the_eye_is() {
     let target = DVec3::new(0.1, 0.2, 0.3);
     let way = DVec3::new(2.0, -3.0, 1.5).normalize();
-    // A picture is about two units wide.
+    // At the target, every picture is two units high.
     let of_angle = |fov: f64| {
         let distance = 1.0 / (fov.to_radians() / 2.0).tan();
         (distance, Projection::Perspective { fov })
@@ -282,7 +282,7 @@ fn points_in_f32_are_near_however_far_the_eye_is() {
             let window = PixelWindow { column, row, index: 0, wanted: 1 };
             let distances = std::array::from_fn(|lane| {
                 let ray = rays.ray(column + lane, row);
-                // About the point nearest to the target.
+                // The distances are near that of the ray's point that is nearest to the target.
                 let t = (target - ray.origin).dot(ray.direction) / ray.direction.length_squared();
                 ray.distance(t) - 0.5 + 0.06 * lane as f64
             });
@@ -318,7 +318,7 @@ fn rays_of_a_part_are_those_of_the_picture() {
             let doubled = [2 * whole[0] + 2 * i, 2 * whole[1] + 2 * j];
             assert_eq!(part.screen(2 * i, 2 * j), rays.screen(doubled[0], doubled[1]));
         }
-        // The middle of four pixels is the center of the pixel that was divided.
+        // The point in the middle of a divided pixel's four parts is that pixel's center.
         let finer = rays.finer(2);
         assert_eq!((finer.width(), finer.height()), (122, 80));
         assert_eq!(finer.screen(2 * 7 * 2 + 1, 2 * 16 * 2 + 1), rays.screen(2 * 7, 2 * 16));
@@ -348,7 +348,7 @@ fn rays_of_patches_are_those_of_the_picture() {
             for (n, ray) in own.iter().enumerate() {
                 assert_eq!((*ray, *ray), (patches.ray(n, row), patches.ray_of(16 * row + n)));
             }
-            // Windows that begin at the first pixel of a patch, or later.
+            // The window begins at the first pixel of a patch, or at the sixth.
             for first in [0, 5] {
                 let wanted = 0xffff >> first;
                 let window = PixelWindow { column: first, row, index: 16 * row + first, wanted };

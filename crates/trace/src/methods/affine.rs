@@ -1,18 +1,18 @@
-//! Affine forms over tiles of rays, from coarse to fine, then along single rays.
+//! Affine forms over tiles of rays, from large tiles to small ones, then along single rays.
 //!
 //! A tile's form is a linear function of its two screen axes and of depth, with an error bound.
-//! Solved for depth, it narrows the segment in which the tile's rays may meet a zero. Where the
-//! coefficient of depth outweighs all others, it proves a zero on every ray. Tiles of 16×16 pixels
-//! are split into tiles of 4×4 pixels, and those into rays; the parts start from the narrowed
-//! segment.
+//! Solved for depth, it narrows the segment in which the tile's rays may meet a zero. If the
+//! coefficient of depth outweighs all other terms, the form proves a zero on every ray. Tiles of
+//! 16×16 pixels are split into tiles of 4×4 pixels, and these into rays. The parts of a tile start
+//! from its narrowed segment.
 //!
-//! A tile whose segment does not get much shorter is split if that shortens the segments of its
-//! parts: if the segment is short for the tile's width, or the surface is steep. Otherwise the
-//! segment is cut in two, and the nearer part is examined first.
+//! If a form hardly narrows a tile's segment, the tile is split or the segment is cut in two. The
+//! tile is split if that shortens the segments of its parts: the segment is short for the tile's
+//! width, or the surface is steep. The nearer part of a cut segment is examined first.
 //!
-//! A hit is a segment on which the function is continuous and has opposite signs at the ends, and
-//! before which the ray is proven empty. Segments are narrowed to the limit of precision. With
-//! [`Precision::Auto`], `f64` is used where `f32` does not suffice.
+//! A hit is a segment on which the function is continuous and has opposite signs at the ends. The
+//! ray is proven empty before it. Undecided segments are narrowed to the limit of precision. With
+//! [`Precision::Auto`], `f64` is used if `f32` does not suffice.
 
 mod bundle;
 mod classify;
@@ -65,15 +65,15 @@ pub(crate) const METHOD: Method = Method {
 fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelError> {
     match Affine::<T>::new(task) {
         Ok(tracer) => Ok(Box::new(tracer)),
-        // Kernels of affine forms are several times as large as those of intervals. For a formula
-        // that is too large for them, the method `knoll` replaces this one.
+        // Kernels of affine forms are several times as large as those of intervals. If a formula is
+        // too large for them, the method `knoll` replaces this method.
         Err(why) => {
             Ok(Box::new(KnollFallback { tracer: knoll::prepare::<T>(task)?, why: why.to_string() }))
         }
     }
 }
 
-/// The method `knoll` as a replacement, for a formula whose forms cannot be compiled.
+/// The method `knoll`, for a formula whose affine forms cannot be compiled.
 struct KnollFallback<'a> {
     tracer: Box<dyn Tracer + 'a>,
     why: String,
@@ -100,7 +100,7 @@ impl Tracer for KnollFallback<'_> {
     }
 }
 
-/// Returns `knoll`, which replaces this method.
+/// Returns the row of `knoll`, the method that replaces this one.
 fn knoll_row() -> &'static Method {
     Method::named(knoll::METHOD.name).unwrap_or_default()
 }
@@ -108,23 +108,22 @@ fn knoll_row() -> &'static Method {
 struct Affine<'a, T: Scalar> {
     tiles: &'a dyn Kernel<ContractTiles, T>,
     follower: Follower<'a, T>,
-    /// Whether the forms are those of a numerator, whose zeros need not be zeros of the function.
+    /// Whether forms bound a numerator. A zero of the numerator need not be a zero of the function.
     cleared: bool,
     task: Task<'a>,
     /// Maximum length of a hit's bracket, in pixels: [`TraceOptions::longest`].
     longest: f64,
     /// Buffers that no thread is using.
     buffers: BufferPool<Box<BandBuffers<T>>>,
-    /// The method in `f64`, created for the first picture that needs it.
+    /// This method in `f64`, created for the first picture that needs it.
     double: OnceLock<Option<Box<Affine<'a, f64>>>>,
 }
 
-/// Maximum error of a computed ray, as a share of the region's extent. If it is exceeded, the
-/// method `knoll` is used.
+/// Maximum error of a computed ray, as a share of the region's extent. Beyond it, `knoll` is used.
 const MAX_RAY_ERROR: f64 = 1e-2;
 
 /// If a hit's bracket must be shorter than this many times the resolution of `f32`, only `f64` is
-/// used, since `f32` cannot narrow segments that far.
+/// used: `f32` cannot narrow segments that far.
 const MIN_BRACKET: f64 = 16.0;
 
 impl<'a, T: Scalar> Affine<'a, T> {
@@ -132,10 +131,10 @@ impl<'a, T: Scalar> Affine<'a, T> {
         let kernels = T::kernels(task.surface);
         let follower = || Follower::new(task);
         let (tiles, follower) = if rayon::current_thread_index().is_some() {
-            // Both are compiled at the same time.
+            // The two kinds of kernels are compiled at the same time.
             rayon::join(|| kernels.tiles(), follower)
         } else {
-            // They are usually compiled already: a second thread would cost more time.
+            // The kernels are usually compiled already. Then a second thread would only cost time.
             (kernels.tiles(), follower())
         };
         Self::with_kernels(task, tiles?, follower?)
@@ -164,21 +163,21 @@ impl<'a, T: Scalar> Affine<'a, T> {
 }
 
 impl<'a, T: Scalar> Affine<'a, T> {
-    /// Returns whether the eye is so far away that the coordinates in forms are too inaccurate. The
-    /// method `knoll` still works, since its boxes are clipped to the region.
+    /// Returns whether the eye is so far away that coordinates in forms are too inaccurate. The
+    /// method `knoll` then still works, since its boxes are clipped to the region.
     fn is_too_far(&self, frame: &RayFrame) -> bool {
         let extent = self.task.region.high() - self.task.region.low();
         frame.error.cmpgt(extent * MAX_RAY_ERROR).any()
     }
 
-    /// Returns the same method in `f64`, or `None` if its kernels cannot be compiled.
+    /// Returns this method in `f64`; `None` if its kernels cannot be compiled.
     fn double(&self) -> Option<&Affine<'a, f64>> {
         if let Some(double) = self.double.get() {
             return double.as_deref();
         }
         let options = TraceOptions { precision: Precision::F64, ..self.task.options };
-        // The method is not created inside `get_or_init`. Its `join` may make this thread take up
-        // another band, which would then wait in `get_or_init` for this very thread.
+        // The method is not created inside `get_or_init`. There, its `join` could make this thread
+        // take up another band, whose `get_or_init` would then wait for this very thread.
         let made = Affine::new(Task { options, ..self.task }).ok().map(Box::new);
         self.double.get_or_init(|| made).as_deref()
     }

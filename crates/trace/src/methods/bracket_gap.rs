@@ -1,22 +1,22 @@
-//! Brackets of zeros that arithmetic cannot locate, between two places with certain, opposite
-//! signs.
+//! Brackets whose zero arithmetic cannot locate. The function has proven, opposite signs at the two
+//! ends of a bracket.
 
 use super::local_ray::{LocalRay, between_faces, bounds};
 use zeroset_eval::{Boxes, Enclose, Enclosures, Kernel, Real};
 use zeroset_interval::Facts;
 use zeroset_space::Region;
 
-/// Number of places on each side of an undecided segment at which the sign is evaluated, each 1.5
-/// times as far away as the one before. Also the number of times that a bracket is halved.
+/// Number of places at which the sign is evaluated, on each side of an undecided segment. Each is
+/// 1.5 times as far away as the one before. Also the number of times that a bracket is halved.
 const SIGN_STEPS: i32 = 48;
-/// How far behind an undecided segment to search for a zero, as a share of the ray's length in the
+/// How far behind an undecided segment a zero is sought, as a share of the ray's length in the
 /// region.
 const MAX_REACH: f64 = 1.0 / 64.0;
 
-/// How far around a gap the denominator is tested for zeros, in lengths of the gap.
+/// How far around a gap the denominator is tested for zeros. The unit is the gap's length.
 const POLE_REACH: f64 = 8.0;
 
-/// The function along one ray.
+/// The function along one ray, with the kernel that bounds it.
 pub(super) struct RayFunction<'a, T: Real> {
     pub kernel: &'a dyn Kernel<Enclose, T>,
     pub local_ray: &'a LocalRay,
@@ -24,11 +24,11 @@ pub(super) struct RayFunction<'a, T: Real> {
 }
 
 impl<T: Real> RayFunction<'_, T> {
-    /// Returns a bracket of the first zero, given that no zero lies before the segment from `near`
-    /// to `far`. Returns `None` if no zero is proven.
+    /// Returns a bracket of the ray's first zero; `None` if no zero is proven. No zero may lie
+    /// before the segment from `near` to `far`.
     ///
-    /// A zero is proven if the function is continuous from a place before the segment to one behind
-    /// it, and has opposite signs there.
+    /// A zero is proven if the function has opposite signs at a place before the segment and one
+    /// behind it, and is continuous between them.
     pub fn bracket(&self, [near, far]: [f64; 2]) -> Option<[f64; 2]> {
         let [first, last] = self.inside();
         if !(first <= near && far <= last) {
@@ -41,8 +41,7 @@ impl<T: Real> RayFunction<'_, T> {
         if !self.enclose([before, behind]).facts(0).has(Facts::CONTINUOUS) {
             return None;
         }
-        // Bisect for the nearest place that still has a certain sign, opposite to that before the
-        // segment.
+        // Halving moves `behind` toward the segment while its sign is proven to be `!below`.
         let mut close = near;
         for _ in 0..SIGN_STEPS {
             let middle = 0.5 * (close + behind);
@@ -56,15 +55,15 @@ impl<T: Real> RayFunction<'_, T> {
     }
 
     /// Returns whether a segment is a gap, like that of sin(x)/x at 0, rather than a surface. The
-    /// function has the same sign on both sides of a gap, and its `denominator` may vanish in or
-    /// near it.
+    /// function has the same sign on both sides of a gap. Its `denominator` may vanish in or near
+    /// the gap.
     pub fn is_gap(&self, [near, far]: [f64; 2], denominator: &dyn Kernel<Enclose, T>) -> bool {
         let [first, last] = self.inside();
         let least = (far - near).max(f64::EPSILON * (near.abs() + far.abs()));
         let before = self.sign_from(near, -least, first, None);
         let behind = self.sign_from(far, least, last.min(far + MAX_REACH * (last - first)), None);
         let (Some((start, before)), Some((end, behind))) = (before, behind) else { return false };
-        // An undecided part close behind a gap is treated as part of the gap.
+        // The surroundings are tested, too: an undecided part close behind a gap belongs to it.
         let close = POLE_REACH * (end - start);
         let boxes =
             Boxes::around(&[bounds(self.local_ray, [start - close, end + close], self.region)]);
@@ -72,9 +71,9 @@ impl<T: Real> RayFunction<'_, T> {
         before == behind && bounds.neg_lo[0] >= zero && bounds.hi[0] >= zero
     }
 
-    /// Returns the values of s, not before the ray's start, between which the ray is certainly in
-    /// the region. There its points lie in the boxes of [`bounds`], although these are clipped to
-    /// the region.
+    /// Returns the range of s, not before the ray's start, in which the ray is proven to lie in the
+    /// region. In this range, the boxes of [`bounds`] contain the ray's points although they are
+    /// clipped to the region.
     fn inside(&self) -> [f64; 2] {
         let local_ray = self.local_ray;
         let [near, far] = local_ray.inside;
@@ -83,8 +82,9 @@ impl<T: Real> RayFunction<'_, T> {
         [near.max(local_ray.start).max(enter), far.min(leave)]
     }
 
-    /// Returns the first place with a certain sign, and whether it is positive, from `start` to
-    /// `end` in steps of growing length. Only the `wanted` sign counts, if one is given.
+    /// Searches from `start` to `end` in growing steps for the first place with a proven sign.
+    /// Returns the place, and whether the sign is positive. If a sign is `wanted`, only that sign
+    /// counts.
     fn sign_from(
         &self,
         start: f64,
@@ -105,8 +105,8 @@ impl<T: Real> RayFunction<'_, T> {
         None
     }
 
-    /// Returns the sign at a place: `Some(true)` if the function is certainly above 0,
-    /// `Some(false)` if it is certainly below.
+    /// Returns the sign at a place: `Some(true)` if the function is proven to be above 0,
+    /// `Some(false)` if it is proven to be below 0.
     fn sign(&self, s: f64) -> Option<bool> {
         let value = self.enclose([s, s]);
         if !value.facts(0).has(Facts::DEFINED) {

@@ -1,5 +1,6 @@
-//! The method of Knoll, Hijazi, Hansen, Wald and Hagen (UUSCI-2007-002): intervals over boxes
-//! around the rays of a packet, in slabs that are halved down to a fixed depth.
+//! The method of Knoll, Hijazi, Hansen, Wald and Hagen (UUSCI-2007-002). The rays of a packet cross
+//! slabs, which are halved down to a fixed depth. Intervals bound the function over boxes around
+//! the rays.
 
 use super::slabs::{Slab, SlabTest, Slabs};
 use crate::kernel_stats::KernelStats;

@@ -1,6 +1,6 @@
 //! Rays within the region, and boxes that contain parts of them.
 //!
-//! Boxes contain the real ray despite rounding. This module does not know what boxes are used for.
+//! Boxes contain the exact ray despite rounding. This module does not know what boxes are used for.
 
 use crate::method::Segment;
 use glam::DVec3;
@@ -8,36 +8,36 @@ use zeroset_interval::Interval;
 use zeroset_space::Ray;
 use zeroset_space::Region;
 
-/// The place at which a part of a ray is cut, as a share of its length. It is not the middle, where
-/// symmetric surfaces have zeros whose sign is uncertain.
+/// The place at which a part of a ray is cut, as a share of the part's length. It is not the
+/// middle, where symmetric surfaces have zeros: there a sign would be uncertain.
 pub(super) const CUT: f64 = 0.460_937_5;
-/// Maximum number of undecided parts of a ray. After that many, the rest of the ray is given up.
+/// Maximum number of undecided parts of a ray. Behind the last of them, the ray is given up.
 pub(super) const MAX_OPEN_PARTS: u32 = 16;
 
-/// A ray to be followed, as the points `origin` + s·`direction`.
+/// A ray near the region: the points `origin` + s·`direction`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LocalRay {
     pub origin: DVec3,
     pub direction: DVec3,
-    /// Per axis, the maximum distance of the real ray from these points.
+    /// Per axis, the maximum distance of the exact ray's points from `origin` + s·`direction`.
     pub error: DVec3,
-    /// Value of s where the ray starts.
+    /// Value of s at the ray's start.
     pub start: f64,
-    /// Values of s between which zeros are searched for.
+    /// First and last s at which zeros are searched for.
     pub span: [f64; 2],
-    /// Values of s between which the ray is certainly in the region.
+    /// First and last s between which the ray is proven to lie in the region.
     pub inside: [f64; 2],
     /// Maximum length of a hit's bracket.
     pub longest: f64,
 }
 
 impl LocalRay {
-    /// Creates a ray whose s is 0 where it enters the region; t is s − `start`. `None` if it does
-    /// not meet the region.
+    /// Creates a ray with s = 0 at the place where it enters the region. `None` if it misses the
+    /// region. The ray's t is s − `start`.
     pub fn new(segment: &Segment, region: &Region) -> Option<Self> {
         let ray = &segment.ray;
         let [near, far] = segment.within(region)?;
-        // The point at s = 0 takes a few roundings.
+        // Computing the point at s = 0 takes a few roundings.
         let error = 4.0 * f64::EPSILON * (ray.origin.abs() + far.abs() * ray.direction.abs());
         let span = [0.0, far - near];
         Some(Self {
@@ -52,16 +52,16 @@ impl LocalRay {
     }
 }
 
-/// Returns values of s between which a ray is certainly in the region, for t = s + `start`.
+/// Returns the range of s = t − `start` in which a ray is proven to lie in the region.
 pub(super) fn inside(region: &Region, ray: &Ray, start: f64) -> [f64; 2] {
     let [near, far] = region.inner(ray);
-    // The differences are rounded, so they are moved inward. For an eye inside the region, the near
-    // end is exact.
+    // A rounded end may lie outside the exact range. So each end is moved inward by one float. If
+    // the eye is inside the region, `near` is 0, and −`start` is exact.
     [if near == 0.0 { -start } else { (near - start).next_up() }, (far - start).next_down()]
 }
 
-/// Returns values of s between which a ray is certainly between the region's faces. The clipping
-/// plane is ignored. The ray is within `error` of its points `origin` + s·`direction`.
+/// Returns the range of s in which a ray is proven to lie in the region's box. A clipping plane is
+/// ignored. The exact ray is within `error` of the points `origin` + s·`direction`.
 pub(super) fn between_faces([origin, direction, error]: [DVec3; 3], region: &Region) -> [f64; 2] {
     let (mut near, mut far) = (f64::NEG_INFINITY, f64::INFINITY);
     let (low, high) = (region.low() + error, region.high() - error);
@@ -81,7 +81,7 @@ pub(super) fn between_faces([origin, direction, error]: [DVec3; 3], region: &Reg
     [near, far]
 }
 
-/// Returns a box around a segment's points in the region.
+/// Returns a box around the points of a segment, clipped to the region.
 pub(super) fn bounds(
     local_ray: &LocalRay,
     [near, far]: [f64; 2],
@@ -94,7 +94,7 @@ pub(super) fn bounds(
         let slack = local_ray.error[axis] + 4.0 * f64::EPSILON * size;
         let (low, high) = (region.low()[axis], region.high()[axis]);
         Interval {
-            // In this order, NaN becomes a bound of the region.
+            // In this order of operations, NaN becomes a bound of the region.
             lo: (ends[0].min(ends[1]) - slack).max(low).min(high),
             hi: (ends[0].max(ends[1]) + slack).min(high).max(low),
         }

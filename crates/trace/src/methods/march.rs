@@ -1,7 +1,7 @@
-//! Uniform samples along each ray: a change of sign between neighbors is taken for a root.
+//! Uniform samples along each ray. A change of sign between adjacent samples is taken for a root.
 //!
-//! It proves nothing. Features thinner than the distance between two samples are missed. Where the
-//! function changes sign at a pole, a wall is drawn.
+//! The method proves nothing. It misses features that are thinner than the distance between two
+//! samples. It draws a wall at a pole if the function changes sign there.
 
 use super::refine::{RayParts, Refiner};
 use crate::kernel_stats::KernelStats;
@@ -36,7 +36,7 @@ struct March<'a, T: Scalar> {
 }
 
 impl<T: Scalar> March<'_, T> {
-    /// Returns the first cell between two samples in which the function changes sign.
+    /// Returns the t of the first two adjacent samples between which the function changes sign.
     fn cell(
         &self,
         segment: &Segment,
@@ -60,7 +60,7 @@ impl<T: Scalar> March<'_, T> {
             work.point.called(points.count);
             for (lane, sample) in (first..first + points.count).enumerate() {
                 let value: f64 = values.value[lane].into();
-                // The first cell of a ray that starts on a surface contains that surface.
+                // If a ray starts on a surface, that surface lies between the first two samples.
                 let counts = sample > u32::from(start == Start::OnSurface);
                 if counts && self.refiner.is_crossing([before, value]) {
                     return Some([at(sample - 1), at(sample)]);
@@ -85,7 +85,7 @@ impl<T: Scalar> Tracer for March<'_, T> {
             for (lane, (segment, found)) in rays.iter().zip(&mut *found).enumerate() {
                 *found = RayResult::MISS;
                 let Some([near, far]) = segment.within(self.region) else { continue };
-                // A miss would claim a proof, so the ray is undecided from where it enters the
+                // A miss would claim a proof. So the ray is undecided from its entry into the
                 // region.
                 let (status, reason) = (Status::Undecided, UndecidedReason::Unproven);
                 *found = RayResult { status, reason, distance: near, ..RayResult::MISS };

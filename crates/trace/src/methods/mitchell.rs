@@ -1,8 +1,9 @@
-//! Robust ray intersection with interval arithmetic (Mitchell 1990). A single ray is halved until
-//! each part is proven empty by bounds of f, or proven to hold at most one root by bounds of df/dt.
+//! Robust ray intersection with interval arithmetic (Mitchell 1990). Each ray is halved until each
+//! of its parts is decided. Bounds of f prove a part empty. Bounds of df/dt prove that a part holds
+//! at most one root.
 //!
-//! The method proves misses. It proves a hit if the values at the ends of such a part certainly
-//! have opposite signs.
+//! The method proves misses. It proves a hit if a part with at most one root has proven, opposite
+//! signs at its ends.
 
 mod isolated;
 mod search;
@@ -39,8 +40,7 @@ struct Mitchell<'a, T: Scalar> {
 }
 
 impl<T: Scalar> Mitchell<'_, T> {
-    /// Searches the rays that are undecided in `f32` again in `f64`, from their first undecided
-    /// part on.
+    /// Searches rays that `f32` leaves undecided again in `f64`, from the first undecided part on.
     fn follow_in_double(
         &self,
         local_rays: &[LocalRay],
@@ -76,7 +76,7 @@ impl<T: Scalar> Tracer for Mitchell<'_, T> {
     ) {
         follow_in_region(rays, &self.task, found, |local_rays| {
             let mut outcomes = self.searcher.search(local_rays, start, work);
-            // Shadow rays need no more precision than that of `f32`.
+            // For shadow rays, the precision of `f32` suffices.
             if self.task.options.precision == Precision::Auto && start == Start::Anywhere {
                 self.follow_in_double(local_rays, &mut outcomes, work);
             }

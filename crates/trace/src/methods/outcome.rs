@@ -1,4 +1,4 @@
-//! Outcomes of methods that prove hits, and how they become results.
+//! Outcomes of rays in methods that prove hits, and the conversion of outcomes to results.
 
 use super::local_ray::LocalRay;
 use crate::method::{Segment, Task};
@@ -11,14 +11,14 @@ use zeroset_interval::Facts;
 pub(super) struct RayOutcome {
     /// Bracket of the first proven hit.
     pub hit: Option<[f64; 2]>,
-    /// Start of the first part before the hit that is not proven empty, and the reason.
+    /// The first part before the hit that is not proven empty: its start, and why it is undecided.
     pub open: Option<(f64, UndecidedReason)>,
-    /// Start of the first of these parts that is likely to hold a zero.
+    /// Start of the first undecided part that is likely to hold a zero.
     pub likely: Option<f64>,
 }
 
 impl RayOutcome {
-    /// Converts the outcome to a result, for a ray whose t is `start` where s is 0.
+    /// Converts the outcome to a result. At s = 0, the ray's t is `start`.
     pub fn found(&self, start: f64) -> RayResult {
         let place = |s: f64| start + s;
         let middle = self.hit.map(|[near, far]| place(0.5 * (near + far)));
@@ -37,8 +37,8 @@ impl RayOutcome {
     }
 }
 
-/// Writes the results of rays to `found`. `follow` returns the outcomes of up to [`LANES`] rays
-/// within the region.
+/// Writes the results of `rays` to `found`. `follow` gets up to [`LANES`] rays that meet the
+/// region, and returns their outcomes.
 pub(super) fn follow_in_region<O: IntoIterator<Item = RayOutcome>>(
     rays: &[Segment],
     task: &Task<'_>,
@@ -67,8 +67,8 @@ pub(super) fn follow_in_region<O: IntoIterator<Item = RayOutcome>>(
     }
 }
 
-/// Returns why a part is undecided, given the facts about it and whether the effort for its ray is
-/// `spent`.
+/// Returns why a part is undecided. `facts` holds on the whole part. `spent` states that the effort
+/// allowed for the ray is used up.
 pub(super) fn reason(facts: Facts, spent: bool) -> UndecidedReason {
     if !facts.has(Facts::DEFINED) {
         UndecidedReason::Undefined

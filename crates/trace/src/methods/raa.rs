@@ -1,9 +1,9 @@
-//! Affine forms along rays, after Knoll, Hijazi, Kensler, Schott, Hansen and Hagen ("Fast Ray
-//! Tracing of Arbitrary Implicit Surfaces with Interval and Affine Arithmetic", Computer Graphics
-//! Forum 28, 2009). A form has one symbol: a ray's position in a slab. A slab whose form does not
-//! reach 0 is empty.
+//! Affine forms along rays (Knoll, Hijazi, Kensler, Schott, Hansen, Hagen: "Fast Ray Tracing of
+//! Arbitrary Implicit Surfaces with Interval and Affine Arithmetic", Computer Graphics Forum 28,
+//! 2009). A form has one symbol: a ray's position in a slab. A slab whose form does not reach 0 is
+//! empty.
 //!
-//! A form is only tested for 0: slabs are halved, not contracted. In this it differs from `affine`.
+//! The method only tests whether a form reaches 0. Slabs are halved, not narrowed as in `affine`.
 
 use super::slabs::{Slab, SlabTest, Slabs};
 use crate::kernel_stats::KernelStats;
@@ -26,7 +26,7 @@ pub(crate) const METHOD: Method = Method {
 
 fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelError> {
     let kernels = T::kernels(task.surface);
-    // Intervals decide whether the function is bounded in a slab. An unbounded form does not mean
+    // Intervals decide whether the function is bounded in a slab. An unbounded form does not prove
     // that the function is unbounded.
     let bounded = if task.options.suppress_asymptotes { kernels.zeros().ok() } else { None };
     let test = FormTest { kernel: kernels.segments()?, bounded };

@@ -1,6 +1,6 @@
-//! Refinement by samples: finds where in a part of a ray the function changes sign.
+//! Refinement by samples: finds the place in a part of a ray at which the function changes sign.
 //!
-//! Samples prove nothing. Refinement moves what is painted, but never changes a claim.
+//! Samples prove nothing. Refinement moves painted points, but never changes a status.
 
 use crate::kernel_stats::KernelStats;
 use crate::options::TraceOptions;
@@ -11,26 +11,26 @@ use crate::simd_chunks::parts;
 use fearless_simd::{Level as Vectors, dispatch, prelude::*};
 use zeroset_eval::{Kernel, LANES, Lanes, Points, Sample, Values};
 
-/// Maximum number of rounds: as many halvings as take a whole ray to the resolution of `f64`. ITP
+/// Maximum number of rounds. That many halvings take a whole ray to the resolution of `f64`. ITP
 /// takes at most one round more than halving.
 const ROUNDS: u32 = 64;
 
 /// Finds changes of sign in parts of rays.
 pub(super) struct Refiner<'a, T: Scalar> {
     pub kernel: &'a dyn Kernel<Sample, T>,
-    /// Maximum error of a place, in pixels.
+    /// Maximum error of a found place, in pixels.
     pub tolerance: f64,
-    /// Whether any change between f < 0 and not f < 0 counts, as at the faces of a solid: also at a
-    /// pole, across a jump, or to where there is no value.
+    /// Whether every change between f < 0 and not f < 0 counts, as at the faces of a solid. Then
+    /// poles, jumps and the ends of the domain of definition count, too.
     pub solid: bool,
 }
 
-/// At most one part for each of up to [`LANES`] rays.
+/// Parts of rays: at most one for each of up to [`LANES`] rays.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RayParts {
     /// Rays that have a part, as bits.
     pub rays: u16,
-    /// Values of t at the near and far ends, per ray.
+    /// Per ray, the t of the part's near end, then of its far end.
     pub ends: [Lanes<f64>; 2],
 }
 
@@ -42,21 +42,21 @@ impl RayParts {
     }
 }
 
-/// Brackets on rays, a lane each: samples at the two ends differ in sign.
+/// Brackets on rays, one per lane. Samples at a bracket's two ends differ in sign.
 struct Brackets {
     ends: [Lanes<f64>; 2],
     values: [Lanes<f64>; 2],
-    /// Length of each bracket at first, and the length at which it is short enough.
+    /// The initial length of each bracket, then the length at which it is short enough.
     length: Lanes<f64>,
     enough: Lanes<f64>,
-    /// Length that halving would leave at this round, if it had begun one round later.
+    /// Maximum length of the bracket after this round. It is halved in each round.
     halved: Lanes<f64>,
     /// Place of the next sample.
     next: Lanes<f64>,
 }
 
 impl<'a, T: Scalar> Refiner<'a, T> {
-    /// Creates a refiner for a surface that this kernel samples.
+    /// Creates a refiner for the surface that `kernel` samples.
     pub fn new(kernel: &'a dyn Kernel<Sample, T>, options: &TraceOptions) -> Self {
         let TraceOptions { tolerance, suppress_asymptotes, .. } = *options;
         Self { kernel, tolerance, solid: !suppress_asymptotes }
@@ -70,8 +70,8 @@ impl<'a, T: Scalar> Refiner<'a, T> {
         a.is_finite() && b.is_finite() && (a == 0.0 || b == 0.0 || (a < 0.0) != (b < 0.0))
     }
 
-    /// Returns the places on these rays at which samples change sign; infinity for rays without
-    /// such a place.
+    /// Returns the place in each wanted part at which the function's samples change sign; infinity
+    /// if they do not.
     pub fn places(
         &self,
         lines: &RayLanes,
@@ -114,7 +114,7 @@ impl<'a, T: Scalar> Refiner<'a, T> {
     }
 }
 
-/// Writes points of rays to a batch.
+/// Writes the points of rays at `at` to a batch.
 #[inline(always)]
 fn place<S: Simd, T: Scalar>(simd: S, lines: &RayLanes, at: &Lanes<f64>, points: &mut Points<T>) {
     for axis in 0..3 {
@@ -127,7 +127,8 @@ fn place<S: Simd, T: Scalar>(simd: S, lines: &RayLanes, at: &Lanes<f64>, points:
     }
 }
 
-/// Returns the lengths at which brackets with these ends are short enough.
+/// Returns, for each bracket, the length at which it is short enough. `near` and `far` are the
+/// brackets' initial ends.
 #[inline(always)]
 fn enough<T: Scalar, S: Simd>(
     simd: S,
@@ -147,12 +148,13 @@ fn enough<T: Scalar, S: Simd>(
             (size, start) = (size.max(ends), start.max(origin.abs()));
             way = way.max(direction.abs());
         }
-        // The largest coordinate, as a distance along the ray. Far from the eye, t is rounded, too.
+        // The largest coordinate of either end, as a distance along the ray. Far from the eye, the
+        // rounding of t counts, too.
         let size = (size / way).max((start + far.abs()) * f64::EPSILON);
         let [at_eye, growth] = &lines.pixel;
         let growth = part.load(growth);
         let footprint = part.load(at_eye) + near * growth;
-        // Samples closer together than the rounding of a coordinate would not be distinct.
+        // In a bracket shorter than the rounding of coordinates, samples would not be distinct.
         part.store((footprint * tolerance).max_precise(size * (2.0 * T::UNIT)), &mut enough);
     }
     enough
@@ -174,8 +176,8 @@ impl Brackets {
             let far = part.load(&ends[1]);
             let enough = part.load(&enough);
             part.store(far - near, &mut length);
-            // `enough` times the next power of two: halving takes as many rounds to reach `enough`
-            // from there as from the bracket.
+            // `enough` times a power of two: the least such number that is not below the length.
+            // Halving takes equally many rounds from there as from the length.
             let times = ((far - near) / enough).max(1.0).min(2_f64.powi(1000));
             let bits: S::u64s = times.bitcast();
             let power: S::f64s = ((bits + FRACTION) & !FRACTION).bitcast();
@@ -184,10 +186,10 @@ impl Brackets {
         Self { ends, values, length, enough, halved, next: ends[0] }
     }
 
-    /// Chooses the next samples by ITP (Oliveira and Takahashi 2020, "An Enhancement of the
-    /// Bisection Method Average Performance Preserving Minmax Optimality"). κ₁ is 0.2 divided by
-    /// the first length, κ₂ = 2 and n₀ = 1. Returns which of the `live` lanes need no more samples,
-    /// as bits.
+    /// Chooses each bracket's next sample by ITP (Oliveira and Takahashi 2020, "An Enhancement of
+    /// the Bisection Method Average Performance Preserving Minmax Optimality"). The constants are
+    /// κ₁ = 0.2 divided by the initial length, κ₂ = 2 and n₀ = 1. Returns the lanes whose brackets
+    /// are finished, as bits. The bits of other than `live` lanes are meaningless.
     #[inline(always)]
     fn choose_next<S: Simd>(&mut self, simd: S, live: u16) -> u16 {
         let mut done = 0;
@@ -204,7 +206,7 @@ impl Brackets {
             let is_long = length.simd_gt(enough) & near.simd_lt(middle) & middle.simd_lt(far);
             let is_done = a.simd_eq(zero) | b.simd_eq(zero) | !is_long;
             done |= part.bits(is_done);
-            // Largest distance from the middle at which ITP is no slower than halving.
+            // The sample may be this far from the middle without making ITP slower than halving.
             let reach = (halved - length * 0.5).max(0.0);
             part.store(halved * 0.5, &mut self.halved);
             let interpolated = (near * b - far * a) / (b - a);
@@ -216,14 +218,14 @@ impl Brackets {
             let truncated = truncation.simd_le(off.abs()).select(truncated, middle);
             let is_near = (truncated - middle).abs().simd_le(reach);
             let next = is_near.select(truncated, middle - towards * reach);
-            // At a pole, or without a value, there is nothing to interpolate.
+            // The middle is taken at a pole or a missing value, where interpolation fails.
             let within = near.simd_lt(next) & next.simd_lt(far) & off.is_finite();
             part.store(within.select(next, middle), &mut self.next);
         }
         done
     }
 
-    /// Keeps the part of each bracket before or behind its new sample.
+    /// Divides each bracket at its new sample and keeps the part in which samples change sign.
     #[inline(always)]
     fn narrow<S: Simd>(&mut self, simd: S, values: &Lanes<f64>, solid: bool) {
         for part in parts::<S, S::f64s>(simd, LANES) {
@@ -238,8 +240,8 @@ impl Brackets {
             let is_zero = value.simd_eq(zero) | a.simd_eq(zero);
             let (mut is_near, mut value_there) = (!(differ | is_zero), value);
             if !solid {
-                // A point without a value has no sign. It becomes the far end, with the sign of the
-                // old far end.
+                // A sample without a value has no sign. It becomes the far end, with the old far
+                // end's value.
                 let is_nan = value.is_nan();
                 is_near &= !is_nan;
                 value_there = is_nan.select(b, value);
@@ -251,8 +253,7 @@ impl Brackets {
         }
     }
 
-    /// Returns where a line through the samples at both ends meets 0, which takes no further
-    /// sample.
+    /// Returns the place at which a line through the samples at both ends is 0.
     fn place(&self, lane: usize) -> f64 {
         let [near, far] = self.ends.each_ref().map(|ends| ends[lane]);
         let [a, b] = self.values.each_ref().map(|values| values[lane]);
@@ -266,7 +267,7 @@ mod tests {
     use super::*;
     use zeroset_testkit::simd::levels;
 
-    /// Returns the number of samples that a part of a ray takes, and the place that is found.
+    /// Refines a bracket with the given `ends`. Returns the number of samples, and the place found.
     fn refine(f: impl Fn(f64) -> f64, ends: [f64; 2], solid: bool) -> (u32, f64) {
         let all = |numbers: [f64; 2]| numbers.map(Lanes::splat);
         let mut brackets = dispatch!(Vectors::new(), simd => {

@@ -1,11 +1,11 @@
-//! Packets of up to sixteen rays march through slabs of their dominant axis. Slabs in which the
-//! function may vanish are halved, down to a fixed depth. The methods `knoll` and `raa` share this.
-//! If a slab is proven empty for a ray, its parts are not tested for that ray. So the other rays of
-//! the packet affect a ray's result only through the axis, and through the number of steps that are
+//! Packets of up to sixteen rays march through slabs of their dominant axis, for the methods
+//! `knoll` and `raa`. A slab in which the function may vanish is halved, down to a fixed depth. If
+//! a slab is proven empty for a ray, its parts are not tested for that ray. So the packet's other
+//! rays affect a ray's result in two ways only: by the choice of axis, and by the number of steps
 //! left.
 //!
-//! This proves misses only. A root is drawn where a slab of the last level may hold one, but it is
-//! not proven: such pixels are undecided. This module does not depend on how a slab is tested.
+//! These methods prove misses only. If a slab of the last level may hold a root, a root is drawn in
+//! it. Such pixels are undecided. This module does not depend on how a slab is tested.
 
 use super::refine::{RayParts, Refiner};
 use crate::kernel_stats::KernelStats;
@@ -20,23 +20,22 @@ use zeroset_eval::Zeros;
 use zeroset_space::Region;
 
 /// Maximum number of kernel calls for one packet. A search of all slabs down to depth 14 takes
-/// about as many, so only deeper pictures reach this limit. A packet that clearly hits a surface
-/// needs a few calls per level. One whose slabs stay undecided would need 2 to the power of the
-/// depth.
+/// about as many, so only deeper searches reach this limit. A packet that clearly hits a surface
+/// needs a few calls per level. A packet whose slabs all stay undecided would need 2^depth.
 pub const MOST_STEPS: u64 = 1 << 15;
 
-/// A test of which rays of a packet may meet a zero between two planes.
+/// A test of rays of a packet: may they meet a zero between two planes?
 pub(super) trait SlabTest<T: Scalar>: Sync {
-    /// Buffers that are reused.
+    /// Buffers that are reused from packet to packet.
     type Buffers: Default;
 
-    /// Prepares buffers for a packet: writes everything that all its slabs share.
+    /// Writes to the buffers everything that all slabs of a packet share.
     #[inline(always)]
     fn begin<V: Simd>(&self, _: V, _: &Packet<T>, _: &mut Self::Buffers) {}
 
-    /// Tests which rays may meet a zero in a slab and, if the slab is of the last level, on which
-    /// of them the function is unbounded. The bits of rays that are not in the slab are
-    /// meaningless. Adds the kernel calls to `work`.
+    /// Tests which of the slab's rays may meet a zero in it. If the slab is of the last level, also
+    /// tests on which of them the function is unbounded. The bits of other rays are meaningless.
+    /// Adds the kernel calls to `work`.
     fn eval<V: Simd>(
         &self,
         simd: V,
@@ -54,37 +53,37 @@ pub(super) struct Slab<T> {
     pub planes: [T; 2],
     /// Rays to be tested, as bits.
     pub rays: u16,
-    /// True if the slab is of the last level, which is not halved. Only there it matters whether
-    /// the function is bounded.
+    /// Whether the slab is of the last level, which is not halved. Only on that level it matters
+    /// whether the function is bounded.
     pub is_last: bool,
 }
 
 /// Marches packets through slabs.
 pub(super) struct Slabs<'a, T: Scalar, S> {
     test: S,
-    /// Finds where samples change sign. `None` if no kernel samples the function; roots are then
-    /// drawn where slabs begin.
+    /// Finds places at which samples change sign. `None` if no kernel samples the function. Then
+    /// roots are drawn at the near planes of slabs.
     refiner: Option<Refiner<'a, T>>,
     region: &'a Region,
     vectors: Vectors,
-    /// Level of the thinnest slabs, which are 2^−(`last` + 1) of the region's extent. After
-    /// [`MOST_STEPS`], the slab that was tested last counts as one of this level. Behind it,
-    /// nothing is known about the remaining rays.
+    /// Level of the thinnest slabs. Their thickness is 2^−(`last` + 1) of the region's extent along
+    /// the axis. If a packet uses up [`MOST_STEPS`], the slab tested last is treated as one of this
+    /// level. Behind it, nothing is known.
     last: u32,
     suppress_asymptotes: bool,
 }
 
-/// The outcomes of a packet's rays. Places are values of τ; sets of rays are bits.
+/// The outcomes of a packet's rays. Places are values of τ. Sets of rays are bits.
 #[derive(Clone, Copy, Debug, Default)]
 struct PacketOutcomes<T> {
-    /// Rays on which a root is drawn.
+    /// Rays with a drawn root.
     drawn: u16,
-    /// Per ray, the values of τ between which its root is drawn: those of the slab and the next
-    /// one, since bounds are wider than the function and reach 0 before it does.
+    /// Per ray, the range of τ in which its root is drawn: a slab and the next one. Bounds are
+    /// wider than the function, so they may reach 0 in the slab before the root.
     ends: [[T; 2]; PACKET_RAYS],
-    /// Rays on which a part was skipped without a proof.
+    /// Rays with a part that was skipped without a proof.
     suppressed: u16,
-    /// Per ray, τ at the start of the first part that was skipped.
+    /// Per ray, the τ at which its first skipped part starts.
     first: [T; PACKET_RAYS],
 }
 
@@ -118,7 +117,7 @@ impl<T: Scalar, S: SlabTest<T>> Tracer for Slabs<'_, T, S> {
             let Some(refiner) = &self.refiner else { continue };
             let places = refiner.places(&lines, &slabs, work);
             for lane in ones(slabs.rays).filter(|lane| places[*lane].is_finite()) {
-                // The part before the slab is proven empty, so nothing is painted there.
+                // The ray is proven empty before the slab, so nothing is painted before the slab.
                 found[lane].drawn = found[lane].drawn.max(places[lane]);
             }
         }
@@ -126,8 +125,9 @@ impl<T: Scalar, S: SlabTest<T>> Tracer for Slabs<'_, T, S> {
 }
 
 impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
-    /// Follows some of up to [`PACKET_RAYS`] rays, whose coordinates are `lines`. Writes their
-    /// results to `found`, and the part of each in which a root is drawn to `slabs`.
+    /// Follows the rays `some` of a packet of up to [`PACKET_RAYS`]. `lines` holds the same rays.
+    /// Writes their results to `found`. Writes to `slabs` the part of each ray in which a root is
+    /// drawn.
     #[allow(clippy::too_many_arguments, reason = "memory that is used again and again")]
     fn some(
         &self,
@@ -159,7 +159,7 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
                 RayResult { status: Status::Undecided, distance: 0.0, ..RayResult::MISS };
             return;
         }
-        // The packet is divided into groups of four neighbors, and these into single rays.
+        // The packet is divided into groups of four rays, and a refused group into single rays.
         let size = if some.len() > 4 { 4 } else { 1 };
         for first in some.clone().step_by(size) {
             let fewer = first..some.end.min(first + size);
@@ -185,10 +185,10 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
             Start::OnSurface => alive,
         };
         let mut done = KernelStats::default();
-        // Per level, the rays that may meet a zero in the slab one level above. The parts of that
-        // slab are not tested for other rays.
+        // For each level, the rays that may meet a zero in the current slab of the level above.
+        // Other rays need no test in the parts of that slab.
         let mut possible = [u16::MAX; <f64 as Scalar>::MAX_DEPTH as usize];
-        // Slab `index` of 2^(level + 1) starts at τ = index · 2^−(level + 1), which is exact.
+        // Slab `index` of level `level` starts at τ = index · 2^−(level + 1), which is exact.
         let (mut level, mut index) = (0_u32, 0_u64);
         loop {
             let size = T::halved(level + 1);
@@ -204,10 +204,10 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
             }
             let mut vanishing = result.possible & active;
             if start == Start::OnSurface {
-                // A ray is on the surface that it started from until it has passed an empty slab.
+                // A ray that starts on a surface leaves it when it has passed an empty slab.
                 leaving &= !(active & !vanishing);
             }
-            // A slab takes at most one call of each kind.
+            // Each slab takes at most one call of each kind of kernel.
             let is_last = done.interval.calls.max(done.segments.calls) >= MOST_STEPS;
             if vanishing != 0 {
                 if level < self.last && !is_last {
@@ -225,15 +225,14 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
                 }
             }
             if is_last {
-                // Nothing is known about the rays behind this slab. Results in front of it stay
-                // valid.
+                // Nothing is known about the rays behind this slab. Results before it stay valid.
                 let behind = planes[1];
                 let left = alive & packet.meets(simd, behind, T::integer(2));
                 done.given_up += u64::from((left | vanishing).count_ones());
                 outcomes.pass_over(left, behind);
                 break;
             }
-            // Go to the next slab: the largest one that starts where this one ends.
+            // The next slab is the largest one that starts at the end of this slab.
             index += 1;
             let up = index.trailing_zeros();
             if up > level {
@@ -246,8 +245,8 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
         outcomes
     }
 
-    /// Records the rays that may meet a zero in a slab of the last level. `unbounded`: those on
-    /// which the function has no bounds there. Returns the rays whose root is drawn in the slab.
+    /// Records rays that may meet a zero in a slab of the last level. On `unbounded` rays, the
+    /// function has no known bounds in the slab. Returns the rays whose root is drawn in the slab.
     #[inline(always)]
     fn record(
         &self,
@@ -267,7 +266,7 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
 }
 
 impl<T: Scalar> PacketOutcomes<T> {
-    /// Records that nothing is known about these rays from some τ on.
+    /// Records that the parts of `rays` from τ = `from` on are skipped without a proof.
     #[inline(always)]
     fn pass_over(&mut self, rays: u16, from: T) {
         for lane in ones(rays & !self.suppressed) {
@@ -276,7 +275,7 @@ impl<T: Scalar> PacketOutcomes<T> {
         self.suppressed |= rays;
     }
 
-    /// Returns the result of a ray. If a root is drawn, passes the part that contains it to `tell`.
+    /// Returns the result of a ray. If its root is drawn, passes the part with the root to `tell`.
     fn found(
         &self,
         packet: &Packet<T>,

@@ -1,4 +1,4 @@
-//! Bounds of a function's values along rays, and of how fast these values change.
+//! Bounds of a function's values and slopes along rays.
 //!
 //! This module does not draw conclusions from the bounds.
 
@@ -15,11 +15,11 @@ use zeroset_interval::{Facts, Interval};
 pub(super) struct SlopeKernels<'a, T: Scalar> {
     values: &'a dyn Kernel<Enclose, T>,
     gradients: &'a dyn Kernel<EncloseGradient, T>,
-    /// Per axis, the region's bounds as (−lo, hi), rounded outward.
+    /// The region's bounds on each axis as (−lo, hi), rounded outward.
     bounds: [[T; 2]; 3],
 }
 
-/// Bounds of three coordinates.
+/// A box, as bounds of three coordinates.
 pub(super) type Cuboid = [Interval; 3];
 
 impl<'a, T: Scalar> SlopeKernels<'a, T> {
@@ -30,10 +30,9 @@ impl<'a, T: Scalar> SlopeKernels<'a, T> {
         Ok(Self { values: kernels.bounds()?, gradients: kernels.gradient_bounds()?, bounds })
     }
 
-    /// Returns boxes as a batch, rounded outward and clipped to the region.
+    /// Converts boxes to a batch. They are rounded outward and clipped to the region.
     pub fn batch(&self, boxes: &[Cuboid]) -> Boxes<T> {
-        // Adds twice the error of rounding to nearest, which is several times as fast as rounding
-        // up.
+        // Adding twice the error of rounding to nearest is several times as fast as rounding up.
         let above = |end: f64, bound: T| {
             let end = T::nearest(end + 2.0 * T::UNIT * end.abs() + T::LEAST_NORMAL.into());
             if end < bound { end } else { bound }
@@ -54,7 +53,7 @@ impl<'a, T: Scalar> SlopeKernels<'a, T> {
         self.values
     }
 
-    /// Returns the facts about the function in a box.
+    /// Returns facts that hold for the function in a box.
     pub fn facts(&self, cuboid: &Cuboid, work: &mut KernelStats) -> Facts {
         let mut out = Enclosures::default();
         self.values.eval(&self.batch(&[*cuboid]), &mut out);
@@ -62,7 +61,7 @@ impl<'a, T: Scalar> SlopeKernels<'a, T> {
         out.facts(0)
     }
 
-    /// Returns bounds of the values in up to [`LANES`] boxes, infinite where one may be undefined.
+    /// Returns bounds of the values in up to [`LANES`] boxes. Infinite if a value may be undefined.
     pub fn values(&self, boxes: &[Cuboid], work: &mut KernelStats) -> [Interval; LANES] {
         let mut values = [Interval::ENTIRE; LANES];
         if boxes.is_empty() {
@@ -80,8 +79,8 @@ impl<'a, T: Scalar> SlopeKernels<'a, T> {
         values
     }
 
-    /// Returns bounds of how fast the function changes along a direction, in up to [`LANES`] boxes.
-    /// `None` where the function is not known to be Lipschitz continuous.
+    /// Returns bounds of the slope in up to [`LANES`] boxes, each along its own direction. `None`
+    /// for a box in which the function is not proven to be Lipschitz continuous.
     pub fn along(
         &self,
         boxes: &[Cuboid],
@@ -104,12 +103,12 @@ impl<'a, T: Scalar> SlopeKernels<'a, T> {
     }
 }
 
-/// Returns bounds of the product of a gradient and a direction.
+/// Returns bounds of the dot product of a gradient and a direction.
 fn slope<T: Scalar>(out: &GradientEnclosures<T>, lane: usize, direction: DVec3) -> Interval {
     let (mut lo, mut hi, mut size) = (0.0, 0.0, 0.0);
     for axis in 0..3 {
         let d = direction[axis];
-        // A gradient is finite where it exists, even if its bounds are not.
+        // A gradient is finite if it exists, even if its bounds are infinite. So this product is 0.
         if d == 0.0 {
             continue;
         }
@@ -120,8 +119,8 @@ fn slope<T: Scalar>(out: &GradientEnclosures<T>, lane: usize, direction: DVec3) 
         hi += a.max(b);
         size += a.abs().max(b.abs());
     }
-    // Error of three products and two sums, each rounded by half a unit of at most `size`, and of
-    // underflow.
+    // The error of three products and two sums, and of underflow. Each operation rounds by at most
+    // half a unit times `size`.
     let error = 4.0 * f64::EPSILON * size + 4.0 * f64::MIN_POSITIVE;
     let (lo, hi) = (lo - error, hi + error);
     // NaN bounds nothing.

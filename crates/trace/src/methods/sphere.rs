@@ -1,10 +1,10 @@
-//! Sphere tracing (Hart 1996) by bounds of the slope along parts of a ray: segment tracing (Galin,
+//! Sphere tracing (Hart 1996) with bounds of the slope on parts of a ray: segment tracing (Galin,
 //! Guérin, Paris and Peytavie 2020, "Segment Tracing Using Local Lipschitz Bounds").
 //!
-//! From a place where |f| ≥ m there is no zero for m/λ ahead, where λ bounds how fast f approaches
-//! 0 there. Both bounds are enclosures, so steps pass only over parts that are proven empty, and
-//! the method proves misses. A root is drawn where steps get shorter than the tolerance, but it is
-//! not proven. Without a bound of the slope the method stops, and the ray is undecided.
+//! If |f| ≥ m at a place, and f approaches 0 at most at the speed λ, there is no zero for m/λ
+//! ahead. Both m and λ come from enclosures, so every stretch that a step passes is proven empty.
+//! So the method proves misses. A root is drawn where steps get shorter than the tolerance, but it
+//! is not proven. If the slope has no known bound, the method stops, and the ray is undecided.
 
 use super::local_ray::{LocalRay, bounds};
 use super::slope::SlopeKernels;
@@ -40,50 +40,51 @@ struct Sphere<'a, T: Scalar> {
     steps: u32,
 }
 
-/// Length of the first part in which the slope is bounded, as a share of the ray's length in the
+/// Length of the first part on which the slope is bounded, as a share of the ray's length in the
 /// region.
 const FIRST_PART: f64 = 0.125;
-/// Length of a part, in multiples of the step before it.
+/// Length of the next part as a multiple of the previous step.
 const GROWTH: f64 = 2.0;
-/// Tolerance for shadow rays, as a share of their length. The place where they end is not visible.
+/// Tolerance for shadow rays, as a share of their length. The place of a shadow ray's end is
+/// invisible.
 const SHADOW_TOLERANCE: f64 = 1.0 / 4096.0;
 
-/// State of a ray that is followed.
+/// State of the search along one ray.
 struct Walk {
     lane: usize,
     local_ray: LocalRay,
-    /// Value of s that the search has reached.
+    /// Value of s up to which the ray has been searched.
     at: f64,
-    /// Length of the next part, and its minimum.
+    /// Length of the next part, then the minimum of that length.
     part: f64,
     least: f64,
-    /// The search ends at a root if a step is shorter than this.
+    /// If a step is shorter than this, the search ends at a root.
     enough: f64,
     steps: u32,
-    /// True while the ray is on the surface that it started from.
+    /// Whether the ray has not yet left the surface that it started on.
     leaving: bool,
-    /// The end of the stretch in which the ray is certainly in the region.
+    /// Largest s at which the ray is proven to be in the region.
     end: f64,
-    /// Whether there may be a zero before that stretch, and behind it. Where the ray crosses the
-    /// region's faces is known only up to rounding.
+    /// Whether the ray may meet a zero at the face where it enters the region, and at the face
+    /// where it leaves. Rounding makes both crossings uncertain.
     open: [bool; 2],
 }
 
-/// The end of the search along a ray. Places are values of s.
+/// How the search along a ray ended. Places are values of s.
 enum SearchEnd {
-    /// The ray meets no zero.
+    /// The ray is proven to meet no zero.
     Empty,
-    /// Nothing is known from the first place on, for this reason. A root may be drawn at the second
-    /// place, if there is one.
+    /// Nothing is known from the first number on, for the given reason. The second number, if any,
+    /// is the place of a root to draw.
     Open(f64, UndecidedReason, Option<f64>),
 }
 
 impl<T: Scalar> Sphere<'_, T> {
-    /// Creates the state of a ray at its start.
+    /// Creates the state at a ray's start.
     fn walk(&self, lane: usize, segment: &Segment, local_ray: LocalRay, start: Start) -> Walk {
         let length = local_ray.span[1];
         let size = local_ray.origin.abs() + length * local_ray.direction.abs();
-        // In a shorter part, rounding errors dominate.
+        // On a part shorter than this, rounding errors dominate.
         let grain = 4.0 * T::UNIT * size.max_element() / local_ray.direction.abs().max_element();
         let tolerance = self.tolerance * segment.footprint(-local_ray.start);
         let enough = if tolerance.is_finite() { tolerance } else { SHADOW_TOLERANCE * length };
@@ -102,7 +103,7 @@ impl<T: Scalar> Sphere<'_, T> {
         }
     }
 
-    /// Tests whether rays may meet a zero at the region's faces.
+    /// Tests whether rays may meet a zero where they cross the region's faces.
     fn test_faces(&self, walks: &mut [Walk], work: &mut KernelStats) {
         for end in [0, 1] {
             let mut boxes = [[Interval::ENTIRE; 3]; LANES];
@@ -114,14 +115,14 @@ impl<T: Scalar> Sphere<'_, T> {
             }
             let values = self.slopes.values(&boxes[..walks.len()], work);
             for (walk, value) in walks.iter_mut().zip(values) {
-                // An eye within the region is not on its face.
+                // If the eye is inside the region, the ray enters the region through no face.
                 let is_none = end == 0 && walk.at == 0.0;
                 walk.open[end] = !is_none && value.lo <= 0.0 && value.hi >= 0.0;
             }
         }
     }
 
-    /// Takes one step on each ray, and removes the finished ones.
+    /// Takes one step on each ray. Removes rays whose search has ended.
     fn step(&self, walks: &mut Vec<Walk>, found: &mut [RayResult], work: &mut KernelStats) {
         let mut places = [[Interval::ENTIRE; 3]; LANES];
         let mut parts = places;
@@ -146,13 +147,14 @@ impl<T: Scalar> Sphere<'_, T> {
 }
 
 impl Walk {
-    /// Returns the end of the part that is examined next.
+    /// Returns the end of the part to examine next.
     fn to(&self) -> f64 {
         (self.at + self.part).min(self.end).max(self.at)
     }
 
-    /// Takes a step, given bounds of the value at its start and of the slope in the next part.
-    /// Returns how the search ended, if it did. `most`: the maximum number of steps.
+    /// Takes a step. `value` bounds the function at the step's start, `slope` bounds its slope on
+    /// the next part. `most` is the maximum number of steps. Returns how the search ended, if it
+    /// did.
     fn advance(
         &mut self,
         value: Interval,
@@ -179,13 +181,13 @@ impl Walk {
         if !(value.lo.is_finite() && value.hi.is_finite()) {
             return open(UndecidedReason::Undefined, None);
         }
-        // Distance of the value from 0, and the greatest speed at which it approaches 0.
+        // The value's distance from 0, and the greatest speed at which the function approaches 0.
         let (gap, speed) =
             if value.lo > 0.0 { (value.lo, -slope.lo) } else { (-value.hi, slope.hi) };
-        // The step is shortened by more than the rounding errors.
+        // The step is shortened by more than its rounding error.
         let step = (1.0 - 8.0 * f64::EPSILON) * (gap / speed.max(0.0));
         if gap > 0.0 && step >= to - at {
-            // The whole part is empty.
+            // The whole part is proven empty.
             self.leaving = false;
             (self.at, self.part) = (to, GROWTH * self.part);
             return None;
@@ -197,14 +199,15 @@ impl Walk {
             return None;
         }
         if self.leaving {
-            // These steps lead away from the surface that the ray starts on, and prove nothing.
+            // A step this short leads away from the surface that the ray starts on, and proves
+            // nothing.
             (self.at, self.part) = (at + self.enough, GROWTH * self.enough);
             return None;
         }
         open(UndecidedReason::Unproven, Some(at + step))
     }
 
-    /// Returns the ray's result, given how the search in the region ended.
+    /// Converts the end of the search to the ray's result.
     fn found(&self, end: &SearchEnd) -> RayResult {
         let place = |s: f64| s - self.local_ray.start;
         let [before, behind] = self.open;

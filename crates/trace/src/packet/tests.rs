@@ -1,4 +1,4 @@
-//! Tests of boxes and of ranges of τ against exact points of exact rays.
+//! Compares boxes and ranges of τ with exact points of exact rays.
 
 use super::*;
 use crate::painted::ones;
@@ -19,7 +19,7 @@ impl Random {
         self.0
     }
 
-    /// Returns a number uniform in [−1, 1].
+    /// A random number, uniform in [−1, 1].
     fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
     }
@@ -28,7 +28,7 @@ impl Random {
         DVec3::new(self.unit(), self.unit(), self.unit()) * scale
     }
 
-    /// Returns a power of ten between 10^−3 and 10^`most`.
+    /// A random power of ten from 10^−3 to 10^`most`.
     fn scale(&mut self, most: i32) -> f64 {
         10_f64.powi((self.next() % (most + 4) as u64) as i32 - 3)
     }
@@ -38,8 +38,8 @@ pub(crate) fn exact(value: f64) -> BigRational {
     BigRational::from_float(value).expect("finite")
 }
 
-/// Returns a region of any size and rays that meet its box, from near and very far. The region may
-/// have a clipping plane or a ball.
+/// A random region, and rays from near and very far that meet its box. A clipping plane or a ball
+/// may cut the region.
 fn scene(random: &mut Random) -> (Region, Vec<Segment>) {
     let size = random.scale(3);
     let away = size * random.scale(2);
@@ -74,7 +74,7 @@ fn scene(random: &mut Random) -> (Region, Vec<Segment>) {
     (region, segments)
 }
 
-/// Whether a point is in the region, exactly.
+/// Returns whether a point is in the region, in exact arithmetic.
 pub(crate) fn inside(region: &Region, point: &[BigRational; 3]) -> bool {
     let in_box = (0..3).all(|axis| {
         exact(region.low()[axis]) <= point[axis] && point[axis] <= exact(region.high()[axis])
@@ -106,7 +106,7 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
     for _ in 0..3_000 {
         let (region, segments) = scene(&mut random);
         let mut packet = Packet::<T>::new(&region);
-        // Each width of vectors is tested in turn.
+        // A random width of vectors, so that each width is tested.
         let level = levels[random.next() as usize % levels.len()];
         if !dispatch!(level, simd => packet.take(simd, &segments, &RayLanes::new(&segments), &region))
         {
@@ -118,7 +118,8 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
         for _ in 0..6 {
             let depth = random.next() % u64::from(T::MAX_DEPTH - 4);
             let count = 1_u64 << (depth + 1);
-            // A range that is too short would show in the first and the last slabs.
+            // A range of τ that is too short shows in the first or last slabs, so these are chosen
+            // often.
             let index = match random.next() % 8 {
                 0 => 0,
                 1 => count - 2,
@@ -129,7 +130,7 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
             for half in 0..2 {
                 let (mut boxes, mut ways) = (Boxes::default(), Segments::<T>::default());
                 let slab = [planes[half], planes[half + 1]];
-                // Some of the rays, or all.
+                // Either some of the rays are wanted, or all.
                 let some = packet.rays() & random.next() as u16 | 1;
                 let asked = if random.next().is_multiple_of(2) { some } else { packet.rays() };
                 let meets = dispatch!(level, simd => {
@@ -138,7 +139,7 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
                     packet.meets(simd, slab[0], slab[1])
                 });
                 assert_eq!(boxes.count, 16 - asked.leading_zeros());
-                // A place within the slab: an end, or anywhere between.
+                // The share, a value of τ, is at an end of the slab or anywhere between.
                 let share = match random.next() % 4 {
                     0 => exact(planes[half].into()),
                     1 => exact(planes[half + 1].into()),
@@ -151,8 +152,8 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
                 };
                 for lane in ones(asked) {
                     let segment = &segments[lane];
-                    // `extent` is end − start, rounded. Any plane between the exact end planes
-                    // serves for this test.
+                    // `extent` is end − start, rounded. Any plane between the exact end planes will
+                    // do.
                     let plane = exact(start) + &share * exact(extent);
                     let t =
                         (&plane - exact(segment.ray.origin[k])) / exact(segment.ray.direction[k]);
@@ -177,8 +178,8 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
                             lo <= *point && *point <= hi,
                             "axis {axis} of {segment:?} in {region:?} at {planes:?}"
                         );
-                        // The segment's point at τ is near this point. Some of `error` is left for
-                        // rounding in kernels.
+                        // The segment's point at τ must be near the exact point. Some of `error`
+                        // must be left for the rounding in kernels.
                         let [o, d, error]: [f64; 3] = [&ways.origin, &ways.direction, &ways.error]
                             .map(|part| part[axis][lane].into());
                         let off = exact(o) + &share * exact(d) - point;
@@ -215,8 +216,8 @@ fn rays_that_do_not_advance_together_are_refused() {
     assert!(!packet(DVec3::NAN));
 }
 
-/// Rays exactly through the region's middle, from where coordinates overflow in `f32`, and their
-/// squares in `f64`.
+/// Rays go exactly through the region's middle. They start at up to 2³³² times their directions'
+/// lengths, where coordinates overflow in `f32`.
 #[test]
 fn rays_from_very_far_keep_the_point_that_they_meet() {
     from_very_far::<f32>(0x5eed_7006);
@@ -267,7 +268,7 @@ fn what_is_certainly_in_the_region_is() {
         let (mut region, segments) = scene(&mut random);
         let ray = segments[0].ray;
         if random.next().is_multiple_of(2) {
-            // A plane almost parallel to the ray.
+            // The clipping plane is almost parallel to the ray.
             let across = ray.direction.cross(random.vector(1.0)).normalize();
             let normal =
                 across + ray.direction.normalize() * random.unit() * random.scale(0) * 1e-13;

@@ -1,4 +1,4 @@
-//! Threads must not wait for themselves while kernels are compiled during a picture.
+//! If kernels are compiled while a picture is traced, no thread may wait for itself.
 
 use glam::DVec3;
 use std::sync::mpsc;
@@ -52,7 +52,7 @@ impl SurfaceKernels for SlowKernels {
 fn bands_do_not_wait_for_each_other() {
     const SIZE: usize = 512;
     let (done, finished) = mpsc::channel();
-    // More threads than this machine may have. One of them must wait while others have bands left.
+    // Eight threads, perhaps more than processors: one must wait while others have bands left.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(8).build().expect("threads");
     pool.spawn(move || {
         let region = Region::new(-DVec3::ONE, DVec3::ONE).expect("valid");

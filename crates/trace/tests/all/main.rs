@@ -1,4 +1,4 @@
-//! Tests of drivers and methods with kernels of their own.
+//! Tests of the driver and of methods, with kernels written for these tests.
 
 mod late;
 mod steps;

@@ -1,4 +1,5 @@
-//! A packet takes a bounded number of steps, whatever the depth. The rest of its rays is undecided.
+//! Tests that a packet takes a bounded number of steps at any depth, and that rays unfinished after
+//! these steps are undecided.
 
 use glam::DVec3;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -12,8 +13,8 @@ use zeroset_trace::{
     RayResult, Segment, Start, Status, TraceOptions,
 };
 
-/// A function of z that is 0 above `top` and has no zero below. Its bounds exclude zeros only in
-/// slabs that are at most `finest` thick.
+/// A function of z that may be 0 above `top` and has no zero below. Its bounds exclude zeros only
+/// in slabs of thickness at most `finest`.
 struct Stubborn {
     top: f32,
     finest: f32,
@@ -25,7 +26,7 @@ impl Stubborn {
         Self { top, finest, calls: AtomicU64::new(0) }
     }
 
-    /// Returns a bit for each lane that may hold a zero, given bounds of z.
+    /// Returns the lanes that may hold a zero, as bits. `bounds` gives a lane's bounds of z.
     fn possible(&self, count: u32, bounds: impl Fn(usize) -> [f32; 2]) -> u16 {
         self.calls.fetch_add(1, Ordering::Relaxed);
         let is_possible = |lane: usize| {
@@ -62,7 +63,7 @@ impl Kernels<f32> for Stubborn {
     }
 }
 
-/// x² + y² + z² = 1/2, with bounds that are rounded to nearest.
+/// The surface x² + y² + z² = 1/2. Its bounds are rounded to nearest.
 struct BallKernels;
 
 impl BallKernels {
@@ -125,7 +126,7 @@ impl SurfaceKernels for Stubborn {
 }
 
 const SIZE: usize = 4;
-/// Packets of 4×4 rays.
+/// Number of packets in a picture. Each has 4×4 rays.
 const PACKETS: u64 = (SIZE * SIZE / 16) as u64;
 
 /// Returns the rays of a camera that looks along z.
@@ -165,7 +166,7 @@ fn steps_are_bounded_whatever_the_depth() {
         assert_eq!(work.given_up, (SIZE * SIZE) as u64);
         for pixel in 0..SIZE * SIZE {
             assert_eq!(buffer.status[pixel], Status::Undecided);
-            // The ray is proven empty up to here, and no farther.
+            // The ray is proven empty up to `distance`, and no farther.
             let distance = buffer.distance(pixel);
             assert!(!buffer.is_drawn(pixel) || buffer.drawn[pixel] == distance);
             assert!((4.0..6.0).contains(&distance) && distance > 4.1, "{distance}");
@@ -195,8 +196,8 @@ fn depths_out_of_range_are_brought_within() {
     let (shallow, deep) = (Stubborn::new(-0.875, 2.1e-5), Stubborn::new(-0.875, 2.1e-5));
     let (buffer, work) = trace(&shallow, 0);
     assert_eq!((buffer, work), trace(&Stubborn::new(-0.875, 2.1e-5), 1));
-    // With more than 2^24 slabs, not every index would be an `f32`, and adjacent slabs would leave
-    // gaps.
+    // With more than 2^24 slabs, some indices would not be exact in `f32`, and there would be gaps
+    // between adjacent slabs.
     let (buffer, work) = trace(&deep, 41);
     assert_eq!((buffer, work), trace(&Stubborn::new(-0.875, 2.1e-5), 20));
 }
@@ -227,7 +228,7 @@ fn pixels_followed_from_the_eye_are_as_in_the_whole_picture() {
         let expected = if *start == 0.0 { whole.distance(pixel) } else { f64::INFINITY };
         assert_eq!(buffer.distance(pixel), expected, "{pixel}");
     }
-    // Pixels that are not wanted any more stay as they were: nothing is proven about them.
+    // After cancellation, pixels stay as they were, since nothing is proven about them.
     let before = buffer.clone();
     let driver = Driver { rays: &frame(), tracer: &*tracer, advance: &|_| false };
     driver.behind(&starts, Start::Anywhere, &mut buffer);
@@ -237,7 +238,7 @@ fn pixels_followed_from_the_eye_are_as_in_the_whole_picture() {
 #[test]
 fn what_is_found_of_a_ray_does_not_hang_on_its_neighbours() {
     let region = Region::new(-DVec3::ONE, DVec3::ONE).expect("valid");
-    // Past the ball, through its edge and through its middle. All rays advance fastest along z.
+    // The rays pass the ball, or cross it at its edge or middle. All advance fastest along z.
     let rays: Vec<Segment> = (0..16)
         .map(|n: i32| {
             let [i, j] = [n % 4, n / 4].map(f64::from);

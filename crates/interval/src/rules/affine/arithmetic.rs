@@ -1,15 +1,14 @@
 //! Affine forms of sums, products and quotients.
 //!
 //! A sum that is rounded up errs by less than a [unit](Rule::unit) of its result. A product errs by
-//! less than a unit of its result plus the least positive number. So the rounding of a form's
-//! center and slopes together is a small number of units of the sum of their magnitudes. The
-//! factors here are a little larger, which covers the rounding of that sum itself. A form counts
-//! its units and adds them to its error only when the error is used: once for a sum of sums, not
-//! once per sum.
+//! less than a unit of its result plus the least positive number. So the center and slopes of a
+//! form err together by a small number of units of the sum of their magnitudes. The numbers of
+//! units here are a little larger, which covers the rounding of that sum. A form counts its units
+//! and adds them to its error only when the error is used: once for a sum of many terms.
 //!
 //! A sum that overflows downward rounds up to a finite number, which is not a valid center. But
-//! neither the center nor a slope exceeds the form's rounded magnitude. So in that case the
-//! magnitude is infinite, and so is the error.
+//! neither the center nor a slope exceeds the form's rounded magnitude. So the magnitude is then
+//! infinite, and so is the error.
 
 use super::{Form, FormOperand};
 use crate::bounds::Interval;
@@ -37,7 +36,7 @@ impl<M: Machine> Rule<'_, M> {
         FormOperand { value: self.form_neg(&a.value), range, exponent: Exponent::Real }
     }
 
-    /// `error` plus `units` units of `magnitude`.
+    /// Adds the rounding error of `units` units of `magnitude` to `error`.
     pub(super) fn rounded(&mut self, error: Option<M::V>, units: f64, magnitude: M::V) -> M::V {
         if !self.m.counts_rounding() {
             return error.unwrap_or_else(|| self.zero());
@@ -57,7 +56,8 @@ impl<M: Machine> Rule<'_, M> {
         self.form_sum_by(M::add, a, b)
     }
 
-    /// a − b. Where `a` varies, this saves negating b.
+    /// The form of a − b. If `a` depends on no symbol, the negated b is added. Else b is
+    /// subtracted.
     pub(super) fn form_difference<const N: usize>(
         &mut self,
         a: &Form<M::V, N>,
@@ -71,8 +71,8 @@ impl<M: Machine> Rule<'_, M> {
         self.form_sum_by(M::sub, a, &b)
     }
 
-    /// a + b, or a − b if `a` varies, according to `op`, which combines centers and slopes. For a
-    /// difference the bounds of `b` must be negated.
+    /// The form of a + b, or of a − b if `a` depends on a symbol. `op` adds or subtracts the
+    /// centers and slopes. For a difference, the caller must negate the bounds of `b`.
     fn form_sum_by<const N: usize>(
         &mut self,
         op: impl Fn(&mut M, M::V, M::V) -> M::V + Copy,
@@ -91,8 +91,8 @@ impl<M: Machine> Rule<'_, M> {
             slopes,
             error: self.sum_of(a.error, b.error),
             magnitude: Some(magnitude),
-            // The units of a count for its part of the magnitude, those of b for the other part.
-            // The larger number of units covers both parts.
+            // The units of a count for the magnitude of a, those of b for the magnitude of b. The
+            // larger number of units covers both.
             units: a.units.max(b.units) + 1.25,
             bounds: match (a.bounds, b.bounds) {
                 (Some(a), Some(b)) => Some([self.m.add(a[0], b[0]), self.m.add(a[1], b[1])]),
@@ -127,7 +127,7 @@ impl<M: Machine> Rule<'_, M> {
         Form { bounds, facts, ..form }
     }
 
-    /// The form of `a` times a value that depends on no symbol, whose error must include its
+    /// The form of `a` times a factor without symbols. The factor's error must include its
     /// rounding.
     fn form_scaled<const N: usize>(
         &mut self,
@@ -137,7 +137,8 @@ impl<M: Machine> Rule<'_, M> {
         let b = &factor.value;
         let exact = factor.range.singleton();
         let a = if exact.is_some() { a.value } else { self.including_rounding(a).value };
-        // The middle of [x, x] overflows if |x| exceeds half the largest float, so take x itself.
+        // A factor that is a single number x is taken itself, since the middle of [x, x] may
+        // overflow.
         let by = exact.map_or(b.centre, |number| self.number(number));
         let slopes = a.slopes.map(|slopes| self.pairwise(slopes, [by; N], M::mul));
         let size = match exact {
@@ -153,7 +154,7 @@ impl<M: Machine> Rule<'_, M> {
         if exact.is_none()
             && let Some(factor_error) = b.error
         {
-            // The largest magnitude of a, including its error, times the error of the factor.
+            // The largest magnitude of a, with its error, is multiplied by the error of the factor.
             let most = match a.error {
                 Some(error) => self.m.add(a_magnitude, error),
                 None => a_magnitude,
@@ -180,8 +181,8 @@ impl<M: Machine> Rule<'_, M> {
         let [a_size, b_size] = [a, b].map(|form| self.m.abs(form.centre));
         let a_magnitude = self.m.add(a_size, a_spread);
         let b_magnitude = self.m.add(b_size, b_spread);
-        // The last symbol is depth; its square is within [0, 1]. Half the coefficient of this
-        // square goes to the center.
+        // The last symbol runs along the ray, and its square is in [0, 1]. Half the coefficient of
+        // this square is added to the center.
         let half = self.number(0.5);
         let (depth, centre, slopes) = self.m.unrounded(|m| {
             let depth = m.mul(a_slopes[N - 1], b_slopes[N - 1]);
@@ -193,14 +194,14 @@ impl<M: Machine> Rule<'_, M> {
             });
             (depth, centre, slopes)
         });
-        // The error bounds all products of symbols, less the half that went to the center. The
-        // rounding of that half still counts.
+        // The error bounds all products of symbols, less the half that was added to the center. It
+        // still counts the rounding of that half.
         let size = self.m.abs(depth);
         let tiny = self.tiny();
         let mut error = if N == 1 {
             self.product_plus(size, half, tiny)
         } else {
-            // The order matters: if the depth is ∞, so are the spreads, and the result is NaN.
+            // The order matters: if `depth` is ∞, so are the spreads, and the error is NaN.
             let spreads = self.product_plus(a_spread, b_spread, tiny);
             let share = self.number(-0.5 * (1.0 - 8.0 * self.unit()));
             self.m.mul_add(size, share, spreads)
@@ -213,8 +214,8 @@ impl<M: Machine> Rule<'_, M> {
         if let Some(a_error) = self.error_of(a) {
             error = self.m.mul_add(b_most, a_error, error);
         }
-        // The error is larger than the part of the center that comes from the square of depth. So
-        // if the center overflows, the magnitude is infinite.
+        // The error is larger than the part of the center that comes from the square of the last
+        // symbol. So if the center overflows, the magnitude is infinite.
         let magnitude = self.m.mul_add(a_magnitude, b_magnitude, error);
         let form = Form::total(centre, Some(slopes), Some(error));
         Form { magnitude: Some(magnitude), units: 3.0, ..form }
@@ -233,8 +234,8 @@ impl<M: Machine> Rule<'_, M> {
         Form { bounds, ..form }
     }
 
-    /// The form of the square, without bounds: (c + S)² = c² + 2c·S + S². S² is within [0, R²],
-    /// where R is the sum of |slopes|.
+    /// The form of the square, without bounds. For the sum S of the symbols' terms, (c + S)² = c² +
+    /// 2c·S + S². S² is in [0, R²], where R is the sum of |slopes|.
     fn form_square_of<const N: usize>(&mut self, a: &Form<M::V, N>) -> Form<M::V, N> {
         let slopes = a.slopes.expect("it varies");
         let spread = self.spread(a).expect("it varies");
@@ -257,7 +258,7 @@ impl<M: Machine> Rule<'_, M> {
         Form { magnitude: Some(magnitude), units: 3.0, facts: a.facts, ..form }
     }
 
-    /// The form of a/b, as a product with the form of 1/b.
+    /// The form of a/b: the product of a with the form of 1/b.
     pub(super) fn form_quotient<const N: usize>(
         &mut self,
         a: &FormOperand<M::V, N>,
@@ -279,9 +280,9 @@ impl<M: Machine> Rule<'_, M> {
         self.with_bounds(&form, &value)
     }
 
-    /// The form of 1/b. For b in [lo, hi] above 0, 1/x + βx is greatest at an end, and at least
-    /// 2√β. Below 0 the form is mirrored. Where b may be 0, the error is infinite and claims
-    /// nothing.
+    /// The form of 1/b. For x in [lo, hi] above 0 and β = 1/(lo·hi), 1/x + βx is greatest at an
+    /// end, and at least 2√β. The form is mirrored for b below 0. If b may be 0, the error is
+    /// infinite and the form claims nothing.
     fn form_reciprocal<const N: usize>(
         &mut self,
         b: &Form<M::V, N>,
@@ -300,7 +301,7 @@ impl<M: Machine> Rule<'_, M> {
             self.m.mul_add(steep, end, inverse)
         });
         let most = self.m.max(at_near, at_far);
-        // −2√β rounded up: twice −β/√β, with √β rounded up.
+        // This is −2√β rounded up: twice −β/√β, where √β is rounded up.
         let root = self.m.sqrt(steep);
         let negated = self.m.neg(steep);
         let negated = self.m.div(negated, root);
@@ -339,7 +340,8 @@ impl<M: Machine> Rule<'_, M> {
         Form { magnitude: Some(magnitude), units: 2.5, facts: a.facts, ..form }
     }
 
-    /// The form of a power: products for integer exponents, else exp(b·ln a).
+    /// The form of a power: products for an integer exponent up to ±64, exp(b·ln a) for a real
+    /// exponent, bounds for other exponents.
     pub(super) fn form_power<const N: usize>(
         &mut self,
         a: &FormOperand<M::V, N>,
@@ -372,7 +374,7 @@ impl<M: Machine> Rule<'_, M> {
         self.with_bounds(&form, &value)
     }
 
-    /// The form of exp(b·ln a). Bounds replace it where a may not be positive.
+    /// The form of exp(b·ln a). In lanes where a may not be positive, bounds replace the form.
     fn form_real_power<const N: usize>(
         &mut self,
         a: &FormOperand<M::V, N>,

@@ -1,9 +1,9 @@
 //! Forms of smooth functions of one variable.
 //!
-//! Over bounds with the middle m and the half-width h, f(x) = f(m) + f′(m)(x − m) + ½f″(ξ)(x − m)²,
+//! For bounds with the middle m and the half-width h, f(x) = f(m) + f′(m)(x − m) + ½f″(ξ)(x − m)²,
 //! where ξ is between x and m. The slope is any number α near f′(m). The error includes |f′(m) −
-//! α|·h and the last term, which is one-sided where f″ has one sign. Square roots have a closed
-//! form. Sine and cosine share their work and are in [`waves`](super::waves).
+//! α|·h and a bound on the last term. If f″ has one sign, the last term lies on one side only.
+//! Square roots have a closed form. Sine and cosine share their work; see [`waves`](super::waves).
 
 use super::{Form, FormOperand};
 use crate::bounds::Interval;
@@ -12,7 +12,7 @@ use crate::machine::Machine;
 use crate::rules::{Rule, enclose};
 use zeroset_ops::Op;
 
-/// Point and bounds at which the slope and the second derivative of a function are evaluated.
+/// The bounds of an operand and their middle, at which a function's derivatives are evaluated.
 pub(super) struct ExpansionPoint<V> {
     /// The middle of the bounds.
     x: V,
@@ -20,33 +20,31 @@ pub(super) struct ExpansionPoint<V> {
     point: Operand<V>,
     /// Minus the lower end of the bounds.
     neg_lo: V,
-    /// The largest magnitude within the bounds.
+    /// The largest magnitude of a number within the bounds.
     most: V,
-    /// The function's enclosures at the middle and over the bounds.
+    /// The function's enclosure at the middle; `value` is its enclosure over the bounds.
     here: Enclosure<V>,
     value: Enclosure<V>,
 }
 
-/// Computes the slope of a function and the bounds of its second derivative.
+/// A function that computes a slope and bounds of the second derivative.
 type DerivativesOf<R, V> = fn(&mut R, &ExpansionPoint<V>) -> Derivatives<V>;
 
-/// The slope of a function at the middle, and bounds of its second derivative, called the bend.
+/// The slope of a function, and bounds of its second derivative: the bend.
 pub(super) struct Derivatives<V> {
-    /// α.
+    /// The slope α.
     slope: V,
-    /// At least |f′(m) − α|.
+    /// An upper bound of |f′(m) − α|.
     off: V,
-    /// Upper bounds of −f″ and f″ over the bounds, at least 0.
+    /// Upper bounds of −f″ and of f″, at least 0, over the operand's bounds.
     bend: [V; 2],
 }
 
-/// A result of a few operations without cancellation errs by less than this number of units of
-/// itself.
+/// Largest error of a result of few operations without cancellation, in units of the result.
 const UNITS: f64 = 32.0;
 
 impl<M: Machine> Rule<'_, M> {
-    /// The form of √x. For α = 1/(√lo + √hi), √x − αx is at most 1/(4α), and least at one of the
-    /// ends.
+    /// The form of √x. For α = 1/(√lo + √hi), √x − αx is at most 1/(4α), and is least at an end.
     pub(super) fn form_sqrt<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> Form<M::V, N> {
         let bounds = self.operand(a);
         let value = self.sqrt(&bounds);
@@ -58,7 +56,7 @@ impl<M: Machine> Rule<'_, M> {
         let most = self.m.div(quarter, slope);
         let at_lo = self.m.mul(slope, lo);
         let at_lo = self.m.add(at_lo, value.neg_lo);
-        // √hi is at least hi divided by the upper bound of √hi.
+        // A lower bound of √hi is hi divided by the upper bound of √hi.
         let opposite = self.m.neg(bounds.value.hi);
         let neg_root = self.m.div(opposite, value.hi);
         let at_hi = self.m.mul(slope, bounds.value.hi);
@@ -69,8 +67,8 @@ impl<M: Machine> Rule<'_, M> {
         self.with_bounds(&form, &value)
     }
 
-    /// The form of a function with the slope and bend that `shape` returns. Where the function is
-    /// not smooth, the bend or the bounds are infinite.
+    /// The form of a smooth function, with the slope and bend that `shape` returns. The bend or the
+    /// bounds are infinite where the function is not smooth.
     pub(super) fn form_curve<const N: usize>(
         &mut self,
         op: Op,
@@ -89,12 +87,12 @@ impl<M: Machine> Rule<'_, M> {
         self.with_bounds(&form, &value)
     }
 
-    /// The operand that is the single number `at`, which lies within `bounds`.
+    /// The operand that is the single number `at` within `bounds`.
     pub(super) fn point(&mut self, at: M::V, bounds: &Operand<M::V>) -> Operand<M::V> {
         Operand { value: Enclosure::total(self.m.neg(at), at), ..*bounds }
     }
 
-    /// The form f(m) + α(a − m), with a bound on the rest.
+    /// The form f(m) + α(a − m), whose error bounds the rest of the Taylor series.
     fn form_taylor<const N: usize>(
         &mut self,
         a: &Form<M::V, N>,
@@ -117,7 +115,7 @@ impl<M: Machine> Rule<'_, M> {
         self.form_line(&moved, shape.slope, offset, half)
     }
 
-    /// The form of a − m; its bounds remain those of a.
+    /// The form of a − m, which keeps the bounds of a.
     pub(super) fn form_moved<const N: usize>(
         &mut self,
         a: &Form<M::V, N>,
@@ -136,18 +134,18 @@ impl<M: Machine> Rule<'_, M> {
         Form { centre, error, magnitude: Some(magnitude), units: 0.0, ..*a }
     }
 
-    /// f′ = f″ = f.
+    /// For the exponential function, f′ = f″ = f.
     pub(super) fn shape_of_exp(&mut self, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
         let (slope, off) = self.middle(at.here.neg_lo, at.here.hi);
         Derivatives { slope, off, bend: [self.zero(), at.value.hi] }
     }
 
-    /// f′ = 1/x, f″ = −1/x².
+    /// For the natural logarithm, f′ = 1/x and f″ = −1/x².
     pub(super) fn shape_of_ln(&mut self, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
         self.shape_of_logarithm(1.0, at)
     }
 
-    /// With the natural logarithm: f′ = e₁/x, f″ = −e₁/x², where e₁ is the logarithm of e.
+    /// For any logarithm, f′ = e₁/x and f″ = −e₁/x², where e₁ is the logarithm of e.
     pub(super) fn shape_of_logarithm(
         &mut self,
         log_e: f64,
@@ -164,7 +162,7 @@ impl<M: Machine> Rule<'_, M> {
         Derivatives { bend: [shape.bend[0], zero], ..shape }
     }
 
-    /// f′ = 1/(3c²), f″ = −2/(9c⁵) for c = ∛x; |f″| is greatest nearest to 0.
+    /// For c = ∛x, f′ = 1/(3c²) and f″ = −2/(9c⁵). |f″| is greatest at the operand nearest to 0.
     pub(super) fn shape_of_cbrt(&mut self, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
         let ExpansionPoint { here, value, .. } = at;
         let one = self.number(1.0);
@@ -176,18 +174,18 @@ impl<M: Machine> Rule<'_, M> {
         let triple = self.m.mul(square, three);
         let slope = self.m.div(one, triple);
         let share = self.number(0.25);
-        // Twice the error of the slope that the relative error of c causes.
+        // This is twice the error that the relative error of c causes in the slope.
         let size = self.m.abs(near);
         let relative = self.m.div(width, size);
         let four = self.number(4.0);
         let relative = self.m.mul(relative, four);
         let carried = self.m.mul(relative, slope);
-        // The magnitude of the value that is nearest to 0.
+        // The magnitude of the function's value nearest to 0.
         let least = self.m.min(value.neg_lo, value.hi);
         let least = self.m.neg(least);
         let power = self.m.mul(least, least);
-        // Divide step by step: a quotient that underflows is rounded up, while a power that
-        // overflows would make it 0.
+        // The division goes step by step. A quotient that underflows is rounded up, while a power
+        // that overflows would make the bend 0.
         let bend = self.m.div(share, power);
         let bend = self.m.div(bend, power);
         let bend = self.m.div(bend, least);
@@ -198,7 +196,7 @@ impl<M: Machine> Rule<'_, M> {
         Derivatives { off: self.m.add(shape.off, carried), ..shape }
     }
 
-    /// f′ = 1 + tan², f″ = 2·tan·(1 + tan²).
+    /// For the tangent, f′ = 1 + tan² and f″ = 2·tan·(1 + tan²).
     pub(super) fn shape_of_tan(&mut self, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
         let one = self.number(1.0);
         let [neg_lo, hi] = self.one_plus_square(&at.here);
@@ -211,7 +209,7 @@ impl<M: Machine> Rule<'_, M> {
         Derivatives { slope, off, bend: [bend, bend] }
     }
 
-    /// f′ = 1/√(1 − x²), f″ = x/(1 − x²)^1.5.
+    /// For the arcsine, f′ = 1/√(1 − x²) and f″ = x/(1 − x²)^1.5.
     pub(super) fn shape_of_asin(&mut self, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
         let one = self.number(1.0);
         let product = self.difference_of_squares(one, at.x);
@@ -224,13 +222,13 @@ impl<M: Machine> Rule<'_, M> {
         self.algebraic(slope, bend)
     }
 
-    /// The negated derivatives of the arcsine.
+    /// For the arccosine, the derivatives are those of the arcsine, negated.
     pub(super) fn shape_of_acos(&mut self, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
         let shape = self.shape_of_asin(at);
         Derivatives { slope: self.m.neg(shape.slope), ..shape }
     }
 
-    /// f′ = 1/(1 + x²), f″ = −2x/(1 + x²)², |f″| ≤ 3√3/8.
+    /// For the arctangent, f′ = 1/(1 + x²), f″ = −2x/(1 + x²)² and |f″| ≤ 3√3/8.
     pub(super) fn shape_of_atan(&mut self, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
         let one = self.number(1.0);
         let square = self.m.mul(at.x, at.x);
@@ -242,7 +240,7 @@ impl<M: Machine> Rule<'_, M> {
         self.algebraic(slope, bend)
     }
 
-    /// Hyperbolic sine or cosine: f′ is `slope`, the other of the two, and f″ = f.
+    /// For sinh, f′ = cosh; for cosh, f′ = sinh. `slope` is the operation of f′, and f″ = f.
     pub(super) fn shape_of_hyperbolic(
         &mut self,
         slope: Op,
@@ -255,10 +253,10 @@ impl<M: Machine> Rule<'_, M> {
         Derivatives { slope, off, bend }
     }
 
-    /// f′ = 1 − tanh², f″ = −2·tanh·(1 − tanh²), |f″| ≤ 4/(3√3).
+    /// For the hyperbolic tangent t, f′ = 1 − t², f″ = −2t(1 − t²) and |f″| ≤ 4/(3√3).
     pub(super) fn shape_of_tanh(&mut self, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
         let [neg_lo, hi] = self.one_plus_square(&at.here);
-        // 1 − t² = 2 − (1 + t²).
+        // 1 − t² is computed as 2 − (1 + t²).
         let two = self.number(2.0);
         let (most, neg_least) = (self.m.add(two, neg_lo), self.m.sub(hi, two));
         let (slope, off) = self.middle(neg_least, most);
@@ -266,7 +264,7 @@ impl<M: Machine> Rule<'_, M> {
         Derivatives { slope, off, bend: [limit, limit] }
     }
 
-    /// f′ = 1/√(x² + 1), f″ = −x/(x² + 1)^1.5, |f″| ≤ 2/(3√3).
+    /// For asinh, f′ = 1/√(x² + 1), f″ = −x/(x² + 1)^1.5 and |f″| ≤ 2/(3√3).
     pub(super) fn shape_of_asinh(&mut self, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
         let one = self.number(1.0);
         let square = self.m.mul(at.x, at.x);
@@ -278,7 +276,7 @@ impl<M: Machine> Rule<'_, M> {
         self.algebraic(slope, bend)
     }
 
-    /// f′ = 1/√(x² − 1), f″ = −x/(x² − 1)^1.5; |f″| is greatest at the lower end.
+    /// For acosh, f′ = 1/√(x² − 1) and f″ = −x/(x² − 1)^1.5. |f″| is greatest at the lower end.
     pub(super) fn shape_of_acosh(&mut self, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
         let one = self.number(1.0);
         let product = self.difference_of_squares(at.x, one);
@@ -296,7 +294,7 @@ impl<M: Machine> Rule<'_, M> {
         self.algebraic(slope, bend)
     }
 
-    /// f′ = 1/(1 − x²), f″ = 2x/(1 − x²)².
+    /// For atanh, f′ = 1/(1 − x²) and f″ = 2x/(1 − x²)².
     pub(super) fn shape_of_atanh(&mut self, at: &ExpansionPoint<M::V>) -> Derivatives<M::V> {
         let one = self.number(1.0);
         let zero = self.zero();
@@ -311,20 +309,20 @@ impl<M: Machine> Rule<'_, M> {
         self.algebraic(slope, bend)
     }
 
-    /// a² − b² as (a + b)(a − b).
+    /// Computes a² − b² as (a + b)(a − b).
     fn difference_of_squares(&mut self, a: M::V, b: M::V) -> M::V {
         let (above, below) = (self.m.add(a, b), self.m.sub(a, b));
         self.m.mul(above, below)
     }
 
-    /// −lo and hi of 1 + x².
+    /// Bounds of 1 + x², as −lo and hi.
     fn one_plus_square(&mut self, x: &Enclosure<M::V>) -> [M::V; 2] {
         let square = self.sqr(&Operand::new(*x, Interval::ENTIRE));
         let (one, minus_one) = (self.number(1.0), self.number(-1.0));
         [self.m.add(square.neg_lo, minus_one), self.m.add(square.hi, one)]
     }
 
-    /// A slope and a symmetric bound on the bend, both computed in a few operations without
+    /// Derivatives from a slope and a bound on |f″|. Both must result from few operations without
     /// cancellation.
     fn algebraic(&mut self, slope: M::V, bend: M::V) -> Derivatives<M::V> {
         let share = self.number(UNITS * self.unit());

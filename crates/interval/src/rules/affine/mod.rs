@@ -1,12 +1,12 @@
 //! Affine forms: values as linear functions of a few symbols plus an error.
 //!
 //! Over a segment of a ray, or over a tile of rays, a value is c + Σ sₖ·εₖ ± e, with every symbol
-//! εₖ in [−1, 1]. Values share symbols, so that correlated terms cancel (Comba and Stolfi 1993; for
-//! rays Knoll, Hijazi, Kensler, Schott, Hansen and Hagen 2009). Each operation adds to e its
-//! rounding and a bound on its nonlinear part.
+//! εₖ in [−1, 1]. Values share symbols, so correlated terms cancel (Comba and Stolfi 1993; for rays
+//! Knoll, Hijazi, Kensler, Schott, Hansen and Hagen 2009). Each operation adds to e its rounding
+//! and a bound on its nonlinear part.
 //!
 //! A form is valid only at points of the tile that lie in the domain for which the code is
-//! compiled. Ranges that hold there may be used even if the tile extends beyond the domain.
+//! compiled. So ranges that hold in the domain may be used even if the tile extends beyond it.
 
 mod arithmetic;
 mod functions;
@@ -24,47 +24,46 @@ use zeroset_ops::{Class, Op};
 
 pub use solve::{Contraction, contract};
 
-/// Lanes of affine forms of `N` symbols, with the same facts as an [`Enclosure`].
+/// Affine forms of `N` symbols in lanes, with the same facts as an [`Enclosure`].
 ///
-/// A form whose center, slope or error is not finite claims nothing about the value.
+/// If a form's center, slope or error is not finite, it claims nothing about the value.
 #[derive(Clone, Copy, Debug)]
 pub struct Form<V, const N: usize> {
-    /// The value where all symbols are 0.
+    /// The form's value if all symbols are 0.
     pub centre: V,
     /// Coefficient of each symbol; `None` if the value depends on no symbol.
     pub slopes: Option<[V; N]>,
-    /// At least the distance of the value from the linear function, without the rounding in
-    /// `units`; `None` if that is 0.
+    /// Largest distance of the value from the linear function, not counting `units`; `None` if 0.
     error: Option<V>,
-    /// At least |center| + Σ |slopes|, if that is known without computing it.
+    /// Upper bound of |center| + Σ |slopes|, if one is known already.
     magnitude: Option<V>,
-    /// Rounding that `error` does not include yet, in [units](Rule::unit) of `magnitude`, which
-    /// must be known. Sums and products delay this addition, so that a sum of many terms needs it
-    /// only once.
+    /// Rounding that `error` does not include yet, in [units](Rule::unit) of `magnitude`. If it is
+    /// not 0, `magnitude` must be known. Sums and products delay the rounding, so that a sum of
+    /// many terms adds it only once.
     units: f64,
-    /// −lo and hi of bounds that were found without the form, if any.
+    /// Bounds of the value as −lo and hi, if some were found without the form.
     bounds: Option<[V; 2]>,
-    /// Facts about the domain of definition and continuity.
+    /// Facts about where the value is defined and continuous.
     pub facts: Claims<V>,
 }
 
-/// An operand of [`linearise`].
+/// An affine form as an operand of [`linearise`].
 pub type FormOperand<V, const N: usize> = Term<Form<V, N>>;
 
 impl<V: Copy, const N: usize> FormOperand<V, N> {
-    /// An operand about which only its form is known.
+    /// Returns an operand about which only its form is known.
     fn new(value: Form<V, N>) -> Self {
         Self { value, range: Interval::ENTIRE, exponent: Exponent::Real }
     }
 }
 
 impl<V: Copy, const N: usize> Form<V, N> {
-    /// At least the distance of the value from the linear function; `None` if that is 0.
+    /// Bound on the distance of the value from the linear function; `None` stands for 0.
     pub fn error<M: Machine<V = V>>(&self, m: &mut M, format: Format) -> Option<V> {
         Rule { m, format }.error_of(self)
     }
 
-    /// The form of a value that is known to lie in `range`.
+    /// Clamps the bounds of a form whose value is known to lie in `range`.
     #[must_use]
     pub fn clamp_to<M: Machine<V = V>>(self, m: &mut M, format: Format, range: Interval) -> Self {
         let ends = [-range.lo, range.hi];
@@ -107,25 +106,25 @@ impl<V: Copy, const N: usize> Form<V, N> {
         units << 64 | vectors << 32 | self.facts.shape()
     }
 
-    /// The form of a coordinate: defined everywhere, and linear up to `error`, which bounds the
-    /// rounding of its center and slopes.
+    /// The form of a coordinate, which is defined everywhere. It is linear up to `error`, which
+    /// includes the rounding of `centre` and `slopes`.
     pub fn coordinate(centre: V, slopes: [V; N], error: V) -> Self {
         Self::total(centre, Some(slopes), Some(error))
     }
 
-    /// The form of a value that is defined and continuous everywhere, without separate bounds.
+    /// The form of a value that is defined and continuous everywhere. It has no bounds of its own.
     fn total(centre: V, slopes: Option<[V; N]>, error: Option<V>) -> Self {
         let facts = Claims::TOTAL;
         Self { centre, slopes, error, magnitude: None, units: 0.0, bounds: None, facts }
     }
 
-    /// The form of a value that is known by bounds only, such as a parameter.
+    /// The form of a value that is known only by bounds, such as a parameter.
     pub fn between<M: Machine<V = V>>(m: &mut M, format: Format, value: &Enclosure<V>) -> Self {
         Rule { m, format }.form_between(value)
     }
 
-    /// The form of a constant within bounds that are exact in `format`. It is computed here, not by
-    /// `m`.
+    /// The form of a constant within `bounds`, which are exact in `format`. The software machine
+    /// computes the form, so `m` only loads constants.
     pub fn constant<M: Machine<V = V>>(m: &mut M, format: Format, bounds: Interval) -> Self {
         let mut software = Software::new();
         let [neg_lo, hi] = [-bounds.lo, bounds.hi].map(|end| software.number(format, end));
@@ -173,7 +172,7 @@ pub fn linearise<M: Machine, const N: usize>(
     let mut rule = Rule { m, format };
     let including_rounding: Vec<_>;
     let operands = if matches!(op.row().class, Class::Negation | Class::Sum | Class::Product) {
-        // These operations pass on the delayed rounding of their operands.
+        // These operations accept forms with delayed rounding.
         operands
     } else {
         including_rounding =
@@ -181,7 +180,7 @@ pub fn linearise<M: Machine, const N: usize>(
         &including_rounding[..]
     };
     let a = &operands[0];
-    // If no operand depends on a symbol, bounds are as good as a form.
+    // If no operand depends on a symbol, a form would be no better than bounds.
     if operands.iter().all(|operand| operand.value.slopes.is_none()) {
         return rule.bounded(op, operands);
     }
@@ -233,7 +232,7 @@ pub fn linearise<M: Machine, const N: usize>(
     }
 }
 
-/// Returns the forms of `op` and its twin on the same operand, or `None` if they share no work.
+/// Returns the forms of `op` and its twin for the same operand, or `None` if the two share no work.
 pub fn linearise_sincos<M: Machine, const N: usize>(
     m: &mut M,
     format: Format,
@@ -250,20 +249,19 @@ pub fn linearise_sincos<M: Machine, const N: usize>(
 }
 
 impl<M: Machine> Rule<'_, M> {
-    /// The unit of rounding: an operation errs by less than this share of its result, whether it
-    /// rounds up or to nearest.
+    /// The unit of rounding. A result errs by less than this fraction of itself, whether it is
+    /// rounded up or to nearest.
     fn unit(&self) -> f64 {
         2f64.powi(self.format.pick(-23, -52))
     }
 
-    /// `error` plus [`Self::tiny`].
     fn plus_tiny(&mut self, error: Option<M::V>) -> Option<M::V> {
         let tiny = self.tiny();
         self.sum_of(error, tiny)
     }
 
-    /// More than the joint error of a dozen results below the normal numbers; `None` if the machine
-    /// does not count rounding.
+    /// More than the sum of the errors of a dozen results below the normal numbers. `None` if the
+    /// machine does not count rounding.
     fn tiny(&mut self) -> Option<M::V> {
         self.m.counts_rounding().then(|| self.m.bits(self.format, 64))
     }
@@ -276,7 +274,7 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
-    /// The form of an operation from its interval rule alone.
+    /// The form that has only the bounds from the operation's interval rule.
     fn bounded<const N: usize>(
         &mut self,
         op: Op,
@@ -286,7 +284,7 @@ impl<M: Machine> Rule<'_, M> {
         self.form_between(&value)
     }
 
-    /// The operands' bounds, and the operation's enclosure by its interval rule.
+    /// The bounds of all operands, and the enclosure by the operation's interval rule.
     fn enclosed<const N: usize>(
         &mut self,
         op: Op,
@@ -297,8 +295,7 @@ impl<M: Machine> Rule<'_, M> {
         (operands, value)
     }
 
-    /// The middle of the bounds, and at least half their width: −lo and hi are within middle ±
-    /// half.
+    /// The middle of bounds, and at least half their width: lo and hi are within middle ± half.
     fn middle(&mut self, neg_lo: M::V, hi: M::V) -> (M::V, M::V) {
         let half = self.number(0.5);
         let middle = self.m.unrounded(|m| {
@@ -319,7 +316,7 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
-    /// Σ |slopes|.
+    /// Σ |slopes|, or `None` if the form depends on no symbol.
     fn spread<const N: usize>(&mut self, a: &Form<M::V, N>) -> Option<M::V> {
         let slopes = a.slopes?;
         let sizes = slopes.map(|slope| self.m.abs(slope));
@@ -327,7 +324,7 @@ impl<M: Machine> Rule<'_, M> {
         Some(rest.iter().fold(*first, |sum, size| self.m.add(sum, *size)))
     }
 
-    /// At least |center| + Σ |slopes|.
+    /// Upper bound of |center| + Σ |slopes|.
     fn magnitude_of<const N: usize>(&mut self, a: &Form<M::V, N>) -> M::V {
         if let Some(magnitude) = a.magnitude {
             return magnitude;
@@ -339,7 +336,7 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
-    /// The form's error, with delayed rounding included.
+    /// The form's error, including delayed rounding.
     fn error_of<const N: usize>(&mut self, a: &Form<M::V, N>) -> Option<M::V> {
         match a.magnitude {
             Some(magnitude) if a.units > 0.0 => Some(self.rounded(a.error, a.units, magnitude)),
@@ -347,7 +344,7 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
-    /// The operand with delayed rounding included in its error, so that it is not computed again.
+    /// The operand with delayed rounding added to its error, so that uses need not add it again.
     fn including_rounding<const N: usize>(
         &mut self,
         a: &FormOperand<M::V, N>,
@@ -356,7 +353,7 @@ impl<M: Machine> Rule<'_, M> {
         FormOperand { value, ..*a }
     }
 
-    /// `op` on pairs of centres or slopes; the form's error counts the rounding.
+    /// Applies `op` to pairs of centers or slopes. The errors of forms count the rounding of `op`.
     fn pairwise<const N: usize>(
         &mut self,
         a: [M::V; N],
@@ -366,8 +363,8 @@ impl<M: Machine> Rule<'_, M> {
         self.m.unrounded(|m| std::array::from_fn(|k| op(m, a[k], b[k])))
     }
 
-    /// The operand's bounds for an interval rule: the intersection of the form's bounds, the bounds
-    /// stored with the form, and the operand's range.
+    /// The operand's bounds for an interval rule. For a form that depends on a symbol, they are the
+    /// intersection of its own bounds, its stored bounds and the operand's range.
     fn operand<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> Operand<M::V> {
         let bounds = match (a.value.slopes, a.value.bounds) {
             (None, Some(bounds)) => bounds,
@@ -380,7 +377,7 @@ impl<M: Machine> Rule<'_, M> {
                     }
                     None => [self.m.neg(a.value.centre), a.value.centre],
                 };
-                // If the form's bound is NaN, `min` returns the stored bound.
+                // If the form's own bound is NaN, `min` returns the stored bound.
                 if let Some([known_neg_lo, known_hi]) = known {
                     neg_lo = self.m.min(neg_lo, known_neg_lo);
                     hi = self.m.min(hi, known_hi);
@@ -391,7 +388,7 @@ impl<M: Machine> Rule<'_, M> {
         a.with(a.value.facts.with(bounds))
     }
 
-    /// Like [`Self::operand`], but ignores the form's own bounds if bounds are stored with it.
+    /// Like [`Self::operand`], but if bounds are stored, the form's own bounds are not computed.
     fn operand_from_bounds<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> Operand<M::V> {
         let (Some(_), Some(bounds)) = (a.value.slopes, a.value.bounds) else {
             return self.operand(a);
@@ -400,21 +397,21 @@ impl<M: Machine> Rule<'_, M> {
         a.with(a.value.facts.with(bounds))
     }
 
-    /// Intersects bounds with a range that holds on the whole domain.
+    /// Intersects bounds with `range`, which holds on the whole domain.
     fn within(&mut self, [neg_lo, hi]: [M::V; 2], range: Interval) -> [M::V; 2] {
         let (range_neg_lo, range_hi) = (self.number(-range.lo), self.number(range.hi));
         let neg_lo = self.m.min(neg_lo, range_neg_lo);
         let hi = self.m.min(hi, range_hi);
-        // If bounds and range are disjoint there is no value, so any bounds are right. They must
-        // still be in order, since rules rely on that.
+        // If bounds and range are disjoint, there is no value, and any bounds hold. They must still
+        // be in order, since rules rely on it.
         let range_lo = self.number(range.lo);
         let hi = self.m.max(hi, range_lo);
         let neg_hi = self.m.neg(hi);
         [self.m.max(neg_lo, neg_hi), hi]
     }
 
-    /// The form with bounds and facts by the interval rule. In lanes where its error is not below
-    /// half the width of these bounds, they replace the form.
+    /// Adds the bounds and facts of `value`, the interval rule's result, to `form`. In lanes where
+    /// the form's error is not below half the width of these bounds, they replace the form.
     fn with_bounds<const N: usize>(
         &mut self,
         form: &Form<M::V, N>,
@@ -456,7 +453,8 @@ mod tests {
                     assert_eq!(form.magnitude, Some(m.abs(form.centre)));
                     assert_eq!(form.error.is_none(), lo == hi);
                     let middle = Form::<_, 3>::between(m, format, &enclosure);
-                    // The sum of the ends may overflow, while a single number is its own center.
+                    // For lo = hi, `between` may overflow when it adds the ends. `constant` does
+                    // not add them.
                     if lo != hi || lo < 1e38 {
                         let zero = m.number(format, 0.0);
                         assert_eq!(form.centre, middle.centre, "{lo} to {hi}");

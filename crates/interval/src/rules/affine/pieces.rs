@@ -1,8 +1,7 @@
-//! Affine forms of functions made of pieces: magnitudes, extrema, remainders, choices,
-//! restrictions.
+//! Affine forms of piecewise functions: magnitudes, extrema, remainders, choices, restrictions.
 //!
-//! In lanes where only one piece applies, its form is the result. In other lanes the result is a
-//! line between the pieces, or bounds.
+//! In lanes where only one piece applies, the result is the form of that piece. In other lanes it
+//! is a line between the pieces, or bounds.
 
 use super::{Form, FormOperand};
 use crate::bounds::Interval;
@@ -13,7 +12,7 @@ use crate::rules::Rule;
 use zeroset_ops::Op;
 
 impl<M: Machine> Rule<'_, M> {
-    /// For 0 in [lo, hi] and −1 ≤ α ≤ 1, |x| − αx is at least 0, and greatest at one of the ends.
+    /// The form of |x|. For 0 in [lo, hi] and −1 ≤ α ≤ 1, |x| − αx is ≥ 0, and greatest at an end.
     pub(super) fn form_abs<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> Form<M::V, N> {
         let bounds = self.operand(a);
         let value = self.abs(&bounds);
@@ -33,9 +32,9 @@ impl<M: Machine> Rule<'_, M> {
         self.with_bounds(&form, &value)
     }
 
-    /// The form of a function of two linear pieces with slopes `pieces` that meet at 0. The
-    /// function's value is between `slope`·a and `slope`·a + `most`. In lanes where a has one sign,
-    /// the form is that of the one piece.
+    /// The form of a function of two linear pieces that meet at a = 0, where its value is 0.
+    /// `pieces` are the slopes of the pieces. The function is between `slope`·a and `slope`·a +
+    /// `most`. In lanes where a has one sign, the result is the form of one piece.
     fn form_of_pieces<const N: usize>(
         &mut self,
         a: &Form<M::V, N>,
@@ -57,7 +56,7 @@ impl<M: Machine> Rule<'_, M> {
         self.form_line(a, slope, rest, rest)
     }
 
-    /// max(a, b) = b + max(a − b, 0).
+    /// The form of max(a, b) = b + max(a − b, 0).
     pub(super) fn form_max<const N: usize>(
         &mut self,
         a: &FormOperand<M::V, N>,
@@ -73,7 +72,7 @@ impl<M: Machine> Rule<'_, M> {
         let slope = self.m.div(hi, width);
         let slope = self.m.min(slope, one);
         let slope = self.m.max(slope, zero);
-        // max(d, 0) − αd is at most −α·lo or (1 − α)·hi.
+        // The largest value of max(d, 0) − αd is −α·lo or (1 − α)·hi.
         let at_lo = self.m.mul(slope, neg_lo);
         let opposite = self.m.neg(slope);
         let at_hi = self.m.mul(opposite, hi);
@@ -88,7 +87,7 @@ impl<M: Machine> Rule<'_, M> {
         self.with_bounds(&form, &value)
     }
 
-    /// `a` in the lanes of the mask, else `b`; bounds and facts are those of `b`.
+    /// The form of `a` in the lanes of the mask, else of `b`. Bounds and facts are those of `b`.
     fn form_select<const N: usize>(
         &mut self,
         mask: M::V,
@@ -114,7 +113,7 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
-    /// x − floor(x).
+    /// The form of x − floor(x).
     pub(super) fn form_fract<const N: usize>(&mut self, a: &FormOperand<M::V, N>) -> Form<M::V, N> {
         let bounds = self.operand(a);
         let value = self.fract(&bounds, Branch::Whole);
@@ -124,7 +123,7 @@ impl<M: Machine> Rule<'_, M> {
         self.with_bounds(&form, &value)
     }
 
-    /// a − b·floor(a/b).
+    /// The form of a − b·floor(a/b).
     pub(super) fn form_remainder<const N: usize>(
         &mut self,
         a: &FormOperand<M::V, N>,
@@ -146,7 +145,7 @@ impl<M: Machine> Rule<'_, M> {
         self.with_bounds(&form, &value)
     }
 
-    /// b where a < 0, c where a ≥ 0.
+    /// The form of a choice: b where a < 0, c where a ≥ 0.
     pub(super) fn form_choice<const N: usize>(
         &mut self,
         operands: &[FormOperand<M::V, N>],
@@ -164,7 +163,7 @@ impl<M: Machine> Rule<'_, M> {
         self.form_select(negative, &operands[1].value, &form)
     }
 
-    /// a where it is defined, else b.
+    /// The form of a where a is defined, else of b.
     pub(super) fn form_otherwise<const N: usize>(
         &mut self,
         operands: &[FormOperand<M::V, N>],
@@ -177,8 +176,7 @@ impl<M: Machine> Rule<'_, M> {
         self.form_select(defined, &operands[0].value, &plain)
     }
 
-    /// The first operand, defined only where the second meets the condition of the restriction
-    /// `op`.
+    /// The form of the first operand, defined only where the second meets the condition of `op`.
     pub(super) fn form_restricted<const N: usize>(
         &mut self,
         op: Op,

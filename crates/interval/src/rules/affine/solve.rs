@@ -1,31 +1,31 @@
-//! Narrows segments to where affine forms may vanish, along a ray or along all rays of a tile.
+//! Narrowing of segments to the parts where affine forms may be 0, on one ray or all rays of a
+//! tile.
 
 use super::Form;
 use crate::enclosure::Fact;
 use crate::machine::{Format, Machine};
 use crate::rules::Rule;
 
-/// Result of [`contract`]: claims about the zeros on a segment. The form's last symbol runs along
-/// it.
+/// Claims about the zeros on a segment, along which the last symbol of a form runs.
 #[derive(Clone, Copy, Debug)]
 pub struct Contraction<V> {
-    /// New near end: on every ray, all zeros lie between the new ends.
+    /// Near end of the narrowed segment. On every ray, all zeros lie between its ends.
     pub near: V,
-    /// New far end.
+    /// Far end of the narrowed segment.
     pub far: V,
-    /// Lanes that may have a zero.
+    /// Lanes that may have a zero. In other lanes the segment has no zero.
     pub possible: Fact<V>,
-    /// Lanes where, on every ray, the function is continuous on the segment and has opposite signs,
-    /// neither 0, at its ends.
+    /// Lanes where, on every ray, the function is continuous on the segment and has values of
+    /// opposite signs at its ends.
     pub crossing: Fact<V>,
 }
 
-/// Narrows the segment from `near` to `far`. The last symbol ε of `form` stands for the position on
-/// it: t = `middle` + `half`·ε.
+/// Narrows the segment from `near` to `far`. The last symbol ε of `form` runs along the segment: t
+/// = `middle` + `half`·ε.
 ///
-/// Let w bound the other symbols and the error. Then 0 = c + r·ε ± w gives ε in (−c ± w)/r. Both
-/// bounds are kept as −lo and hi and rounded up, that is, outward. The parameter is t ≤ m + h·hi,
-/// and −t ≤ h·(−lo) − m.
+/// Let c be the center and r the last slope, and let w bound the other symbols' terms and the
+/// error. Then 0 = c + r·ε ± w gives ε in (−c ± w)/r. The bounds of ε are kept as −lo and hi and
+/// rounded up, that is, outward. So t ≤ m + h·hi and −t ≤ h·(−lo) − m, for `middle` m and `half` h.
 pub fn contract<M: Machine, const N: usize>(
     m: &mut M,
     format: Format,
@@ -47,7 +47,7 @@ pub fn contract<M: Machine, const N: usize>(
     }
     let (above, below) = (rule.m.add(rest, c), rule.m.sub(rest, c));
     let size = rule.m.abs(depth);
-    // Lanes in which the form does not reach 0 on the whole segment. NaN proves nothing.
+    // Lanes in which the form is not 0 anywhere on the segment. NaN proves nothing.
     let reach = [above, below].map(|side| {
         let reach = rule.m.add(side, size);
         rule.m.lt(reach, zero)
@@ -65,7 +65,7 @@ pub fn contract<M: Machine, const N: usize>(
     let nearest = rule.m.neg(neg_near);
     let new = [rule.m.max(nearest, near), rule.m.min(farthest, far)];
     // If all zeros lie strictly between the ends, the signs at the ends are opposite. Slopes alone
-    // would not tell: the middle of a segment of a few floats may be one of its ends.
+    // would not prove this: in a segment of a few floats, the middle may be one of the ends.
     let (from_near, to_far) = (rule.m.lt(near, nearest), rule.m.lt(farthest, far));
     let crossing = rule.m.and(from_near, to_far);
     let crossing = Fact::Lanes(crossing).and(rule.m, form.facts.continuous);

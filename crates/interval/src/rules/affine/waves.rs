@@ -1,32 +1,31 @@
-//! Forms of sine and cosine, built as in [`functions`](super::functions). Each is the other's
-//! derivative and its own second derivative, up to sign.
+//! Forms of sine and cosine, built as in [`functions`](super::functions). Up to sign, each function
+//! is the derivative of the other, and its own second derivative.
 
 use super::{Form, FormOperand};
 use crate::machine::Machine;
 use crate::rules::{NEAR_UNITS, Rule};
 
-/// Sine or cosine of one number.
+/// The value of sine or cosine at one number.
 #[derive(Clone, Copy)]
 struct WaveValue<V> {
     value: V,
-    /// |value|.
+    /// The magnitude of `value`.
     size: V,
-    /// At least the distance of the value from the exact one.
+    /// Bound on the distance of `value` from the exact value.
     off: V,
 }
 
-/// The parts of an operand that the forms of both sine and cosine need.
+/// The parts of an operand that the forms of both functions need.
 struct CenteredOperand<V, const N: usize> {
-    /// The operand's form minus the middle of its bounds.
+    /// The operand's form minus the middle of the operand's bounds.
     moved: Form<V, N>,
-    /// Half the width of the bounds.
+    /// Half the width of the operand's bounds.
     reach: V,
-    /// A quarter of the square of `reach`.
+    /// A quarter of `reach` squared.
     square: V,
 }
 
 impl<M: Machine> Rule<'_, M> {
-    /// The forms of sine and cosine.
     pub(super) fn form_waves<const N: usize>(
         &mut self,
         a: &FormOperand<M::V, N>,
@@ -58,12 +57,13 @@ impl<M: Machine> Rule<'_, M> {
         [(sin, cos), (cos, opposite)].map(|(here, slope)| self.form_wave(&place, &here, &slope))
     }
 
-    /// The form v + α(a − m), with a bound on the rest. The second derivative is −f, so f(x) − v −
-    /// α(x − m) is between −2p and 2q. Here p is reach²/4 times the greatest value, and q is
-    /// −reach²/4 times the least. The form adds q − p ± (q + p).
+    /// The form v + α(a − m), for the value v and slope α at the middle m, with an error that
+    /// bounds its distance from f. The second derivative is −f, so f(x) − v − α(x − m) is between
+    /// −2p and 2q. Here p is reach²/4 times the function's greatest value, and q is −reach²/4 times
+    /// its least. The form adds q − p ± (q + p).
     ///
-    /// Rounding, in units: center and slopes err by less than two of |α|(|m| + Σ|slopes|), and the
-    /// center by one of v + (q − p). This sum itself errs by one of v and two of q + p.
+    /// Rounding: center and slopes err by less than two units of |α|(|m| + Σ|slopes|). The center
+    /// also errs by one unit of v + (q − p), and that sum by one unit of v and two of q + p.
     fn form_wave<const N: usize>(
         &mut self,
         place: &CenteredOperand<M::V, N>,
@@ -72,7 +72,7 @@ impl<M: Machine> Rule<'_, M> {
     ) -> Form<M::V, N> {
         let (zero, one) = (self.zero(), self.number(1.0));
         let a = &place.moved;
-        // Within `reach` of the middle, the value changes by at most `reach`.
+        // Within `reach` of the middle, the function changes by at most `reach`.
         let change = self.m.add(place.reach, here.off);
         let above = self.m.add(change, here.value);
         let below = self.m.sub(change, here.value);

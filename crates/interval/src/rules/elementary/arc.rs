@@ -8,34 +8,34 @@ const F64: Format = Format::F64;
 const SIGN: u64 = 1 << 63;
 const TAN_EIGHTH_PI: f64 = std::f64::consts::SQRT_2 - 1.0;
 const TAN_THREE_EIGHTHS_PI: f64 = std::f64::consts::SQRT_2 + 1.0;
-/// π/4, π/2, 3π/4 and π, each as the nearest double and the difference from it. The tests compare
-/// them with π.
+/// π/4, π/2, 3π/4 and π, each as the nearest double and its difference from the exact value. The
+/// tests compare them with π.
 const QUARTER: [f64; 2] = [std::f64::consts::FRAC_PI_4, f64::from_bits(0x3c81_a626_3314_5c07)];
 const HALF: [f64; 2] = [std::f64::consts::FRAC_PI_2, f64::from_bits(0x3c91_a626_3314_5c07)];
 const THREE_QUARTERS: [f64; 2] =
     [f64::from_bits(0x4002_d97c_7f33_21d2), f64::from_bits(0x3c9a_7939_4c9e_8a0a)];
 const WHOLE: [f64; 2] = [std::f64::consts::PI, f64::from_bits(0x3ca1_a626_3314_5c07)];
-/// Differences of −1/3 and 1/6 from the nearest doubles.
+/// Differences of −1/3 and 1/6 from the doubles nearest to them.
 const MINUS_ONE_THIRD_TAIL: f64 = -f64::from_bits(0x3c75_5555_5555_5555);
 pub(super) const ONE_SIXTH_TAIL: f64 = f64::from_bits(0x3c65_5555_5555_5555);
-/// Points farther from the origin than `FAR` are scaled down, points nearer than `NEAR` up. Then
-/// sums do not overflow, and remainders underflow only for ratios below `TINY_RATIO`, which equal
-/// their angles.
+/// Points farther from the origin than `FAR` are scaled down, and points nearer than `NEAR` up. So
+/// sums do not overflow. Remainders underflow only for ratios below `TINY_RATIO`, at which angle
+/// and ratio are equal.
 const FAR: f64 = f64::from_bits((1023 + 900) << 52); // 2^900
 const NEAR: f64 = f64::from_bits((1023 - 100) << 52); // 2^-100
 const SCALE: f64 = f64::from_bits((1023 + 500) << 52); // 2^500
 const TINY_RATIO: f64 = f64::from_bits((1023 - 800) << 52); // 2^-800
 
 impl<M: Machine> Approximator<'_, M> {
-    /// atan x, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁶ in `f64`, which follows from the
-    /// error of [`Approximator::atan_reduced`].
+    /// atan x, odd in x. Its relative error is below 2⁻³⁴ in `f32` and 2⁻⁵⁶ in `f64`, which follows
+    /// from the error of [`Approximator::atan_reduced`].
     ///
-    /// atan t = π/4 + atan((t − 1)/(t + 1)) = π/2 + atan(−1/t). The argument that is passed on is
-    /// at most tan π/8.
+    /// atan t = π/4 + atan((t − 1)/(t + 1)) = π/2 + atan(−1/t). The reduced argument is at most tan
+    /// π/8.
     pub(crate) fn atan(&mut self, x: M::V) -> Approximation<M::V> {
         let mut t = self.m.abs(x);
         if self.has_tails() {
-            let finite = self.number(f64::MAX); // no remainder is ∞ − ∞
+            let finite = self.number(f64::MAX); // so that no remainder is ∞ − ∞
             t = self.m.min(t, finite);
         }
         let (low, high) = (self.number(TAN_EIGHTH_PI), self.number(TAN_THREE_EIGHTHS_PI));
@@ -64,10 +64,11 @@ impl<M: Machine> Approximator<'_, M> {
         Approximation::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-56)))
     }
 
-    /// atan u for |u| ≤ 0.41422, to 2⁻³⁵ in `f32`, 2⁻⁵⁷ in `f64`.
+    /// atan u for |u| ≤ 0.41422, to 2⁻³⁵ in `f32` and 2⁻⁵⁷ in `f64`.
     ///
-    /// z = u² ≤ 0.17158: the tails z¹⁴/29 and z²²/45 are below 2⁻⁴⁰ and 2⁻⁶¹ of u. In `f64` the
-    /// terms from z²/5 on are at most 0.0053 of u and are rounded by 2⁻⁵² five times.
+    /// For z = u² ≤ 0.17158, the series' tail is below z¹⁴/29 in `f32` and z²²/45 in `f64`: 2⁻⁴⁰
+    /// and 2⁻⁶¹ of u. In `f64` the terms from z²/5 on are at most 0.0053 of u, and five roundings
+    /// by 2⁻⁵² affect them.
     fn atan_reduced(&mut self, u: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         let terms = self.pick(13, 21);
         let coefficients: Vec<f64> = (1..=terms)
@@ -76,8 +77,8 @@ impl<M: Machine> Approximator<'_, M> {
         self.odd_series(u, MINUS_ONE_THIRD_TAIL, &coefficients)
     }
 
-    /// asin x for |x| ≤ 1, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁵ in `f64`: at most
-    /// twice that of [`Approximator::arc_sine`].
+    /// asin x for |x| ≤ 1, odd in x. Its relative error is below 2⁻³⁴ in `f32` and 2⁻⁵⁵ in `f64`,
+    /// at most twice that of [`Approximator::arc_sine`].
     pub(crate) fn asin(&mut self, x: M::V) -> Approximation<M::V> {
         let (arc, beyond) = self.arc_sine(x);
         let half = self.constant(HALF);
@@ -88,13 +89,13 @@ impl<M: Machine> Approximator<'_, M> {
         Approximation::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-55)))
     }
 
-    /// acos x for |x| ≤ 1; exactly 0 at 1. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁶ in `f64`, which
-    /// follows from the error of [`Approximator::arc_sine`]. Where a constant is added to the arc,
-    /// the arc is at most half the result.
+    /// acos x for |x| ≤ 1, exactly 0 at 1. Its relative error is below 2⁻³⁴ in `f32` and 2⁻⁵⁶ in
+    /// `f64`. This follows from the error of [`Approximator::arc_sine`]: if a constant is added to
+    /// the arc, the arc is at most half the result.
     pub(crate) fn acos(&mut self, x: M::V) -> Approximation<M::V> {
         let (arc, beyond) = self.arc_sine(x);
-        // acos x = π/2 − asin x. So it is 2 asin √((1 − x)/2) for x > ½, and π − 2 asin √((1 +
-        // x)/2) for x < −½.
+        // acos x is π/2 − asin x. It equals 2 asin √((1 − x)/2) if x > ½, and π − 2 asin √((1 +
+        // x)/2) if x < −½.
         let sign_bit = self.m.bits(F64, SIGN);
         let sign = self.m.and(x, sign_bit);
         let flip = self.m.and(beyond, sign_bit);
@@ -110,17 +111,17 @@ impl<M: Machine> Approximator<'_, M> {
         Approximation::new(angle, self.pick(2f64.powi(-34), 2f64.powi(-56)))
     }
 
-    /// Returns asin |x| for |x| ≤ ½, 2 asin √((1 − |x|)/2) for larger |x|, and the mask of the
-    /// lanes with larger |x|. Relative error 2⁻³⁵ in `f32`, 2⁻⁵⁷ in `f64`.
+    /// Returns asin |x| for |x| ≤ ½, else 2 asin √((1 − |x|)/2), with the mask of the lanes where
+    /// |x| > ½. The relative error is 2⁻³⁵ in `f32` and 2⁻⁵⁷ in `f64`.
     ///
-    /// The argument w of the series has w² ≤ ¼: its tails, 1.34·c₁₄·w²⁸ and 1.34·c₂₆·w⁵², are below
-    /// 2⁻³⁵ and 2⁻⁶⁰ of w. In `f64` the terms from 3w⁴/40 on are at most 0.006 of w and are rounded
-    /// by 2⁻⁵² five times.
+    /// The argument w of the series has w² ≤ ¼. For its coefficients cₙ, the tail is below
+    /// 1.34·c₁₄·w²⁸ in `f32` and 1.34·c₂₆·w⁵² in `f64`: 2⁻³⁵ and 2⁻⁶⁰ of w. In `f64` the terms from
+    /// 3w⁴/40 on are at most 0.006 of w, and five roundings by 2⁻⁵² affect them.
     fn arc_sine(&mut self, x: M::V) -> (DoubleDouble<M::V>, M::V) {
         let t = self.m.abs(x);
         let (one, half) = (self.number(1.0), self.number(0.5));
         let beyond = self.m.lt(half, t);
-        let rest = self.m.sub(one, t); // exact beyond ½
+        let rest = self.m.sub(one, t); // exact for |x| > ½
         let rest = self.m.mul(rest, half);
         let root = self.root(rest.into());
         let w = self.choose(beyond, root, t.into());
@@ -139,11 +140,11 @@ impl<M: Machine> Approximator<'_, M> {
         (self.scaled(arc, factor), beyond)
     }
 
-    /// The angle of the point (x, y), at most one of which is infinite. −0 counts as negative: as y
-    /// it is below the x-axis, as x left of the y-axis.
+    /// The angle of the point (x, y), of which only one coordinate may be infinite. −0 counts as
+    /// negative: y = −0 is below the x-axis, x = −0 left of the y-axis.
     ///
-    /// Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁵ in `f64`. Angles below [`TINY_RATIO`] have another
-    /// 2⁻⁵² of error.
+    /// The relative error is below 2⁻³⁴ in `f32` and 2⁻⁵⁵ in `f64`. It is 2⁻⁵² larger for angles
+    /// below [`TINY_RATIO`].
     pub(crate) fn angle(&mut self, y: M::V, x: M::V) -> Approximation<M::V> {
         let (t, c) = self.moderate(y, x);
         let (low, high) = (self.number(TAN_EIGHTH_PI), self.number(TAN_THREE_EIGHTHS_PI));
@@ -160,12 +161,12 @@ impl<M: Machine> Approximator<'_, M> {
         let above = self.choose(far, minus_c.into(), above);
         let below = self.choose(middle, sum, c.into());
         let mut below = self.choose(far, t.into(), below);
-        // At the origin the ratio is 0, as on the rest of the x-axis.
+        // At the origin the ratio becomes 0, as on the rest of the x-axis.
         let least = self.number(f64::MIN_POSITIVE);
         below.head = self.m.max(below.head, least);
         let u = self.over(above, below);
         let arc = self.atan_reduced(u);
-        // Left of the y-axis the angle is π minus that of the mirrored point.
+        // Left of the y-axis, the angle is π minus the angle of the mirrored point.
         let left = self.sign_of(x);
         let arc = self.flipped(arc, left);
         let (zero, half) = (self.constant([0.0; 2]), self.constant(HALF));
@@ -181,8 +182,8 @@ impl<M: Machine> Approximator<'_, M> {
         let mut angle = self.plus(base, arc);
         let mut extra = None;
         if self.has_tails() {
-            // Next to the positive x-axis the angle is the ratio |y|/|x|. It errs by an ulp or the
-            // least positive number, even if scaling down has rounded |y|.
+            // Next to the positive x-axis, the angle is the ratio |y|/|x|. It errs by an ulp or by
+            // the least positive number, even if scaling down has rounded |y|.
             let tiny = self.number(TINY_RATIO);
             let magnitude = self.m.abs(angle.head);
             let is_tiny = self.m.lt(magnitude, tiny);
@@ -197,7 +198,7 @@ impl<M: Machine> Approximator<'_, M> {
         }
     }
 
-    /// Returns |y| and |x|, scaled to a distance from the origin that is neither huge nor tiny.
+    /// Returns |y| and |x|, scaled so that their distance from the origin is neither huge nor tiny.
     /// Infinite values become finite.
     fn moderate(&mut self, y: M::V, x: M::V) -> (M::V, M::V) {
         let (t, c) = (self.m.abs(y), self.m.abs(x));
@@ -220,7 +221,7 @@ impl<M: Machine> Approximator<'_, M> {
         (self.m.mul(t, scale), self.m.mul(c, scale))
     }
 
-    /// The constant where the mask is set, else 0.
+    /// Returns the constant in lanes where the mask is set, else 0.
     fn masked(&mut self, mask: M::V, constant: [f64; 2]) -> DoubleDouble<M::V> {
         let constant = self.constant(constant);
         self.each(constant, |approx, part| approx.m.and(mask, part))
@@ -233,7 +234,7 @@ mod tests {
 
     #[test]
     fn heads_and_tails_make_up_the_constants() {
-        // The first 121 bits of π/2, which are OEIS A062964 halved, and of 1/3 and 1/6.
+        // The first 121 bits of π/2 (OEIS A062964, halved), of 1/3 and of 1/6.
         let half_pi = 0x192_1fb5_4442_d184_6989_8cc5_1701_b839_u128;
         let third = (1_u128 << 120) / 3;
         let scaled = |part: f64| (part * 2_f64.powi(120)) as u128;

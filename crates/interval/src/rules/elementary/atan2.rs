@@ -1,8 +1,8 @@
 //! The angles of the points of a box in the plane.
 //!
-//! Above the x-axis the angle grows from right to left. It grows with y right of the y-axis, and
-//! falls with y left of it. So its extremes over a box are at two corners, unless the box meets the
-//! cut, where angles jump between π and −π.
+//! Above the x-axis, the angle grows from right to left. It grows with y right of the y-axis, and
+//! falls with y left of it. So its extremes over a box are at two corners. The exception is a box
+//! that meets the cut, where angles jump between π and −π.
 
 use super::approximator::{Approximator, at_ends};
 use crate::branch::Branch;
@@ -11,9 +11,9 @@ use crate::machine::Machine;
 use crate::rules::Rule;
 
 impl<M: Machine> Rule<'_, M> {
-    /// The angle of (b, a) from (1, 0), in (−π, π]. It jumps at the cut a = 0, b < 0 and is
-    /// undefined at the origin. If a box meets the cut from both sides, its low branch lies below
-    /// the x-axis, the other branch on or above it.
+    /// Encloses the angle of (b, a) from (1, 0), in (−π, π]. It jumps at the cut a = 0, b < 0 and
+    /// is undefined at the origin. If a box meets the cut from both sides, its low branch lies
+    /// below the x-axis. The other branch lies on or above it.
     pub(in crate::rules) fn atan2(
         &mut self,
         a: &Operand<M::V>,
@@ -21,7 +21,7 @@ impl<M: Machine> Rule<'_, M> {
         branch: Branch,
     ) -> Enclosure<M::V> {
         let zero = self.zero();
-        // A zero end counts as above or to the right, so −0 becomes +0.
+        // An end that is 0 counts as above or to the right, so −0 becomes +0.
         let (mut y_lo, mut y_hi) = (self.lo(&a.value), self.m.add(a.value.hi, zero));
         let cut = self.meets_cut(a, b);
         if let Fact::Lanes(cut) = cut {
@@ -37,23 +37,23 @@ impl<M: Machine> Rule<'_, M> {
         let right = self.m.le(zero, x_lo);
         let mut reaches_right = self.gt(x_hi, zero);
         if b.range.lo >= 0.0 {
-            // The origin alone has no angle, but its bounds must lie within the bounds of boxes
-            // around it.
+            // The origin has no angle. Its bounds must still lie within the bounds of boxes around
+            // it.
             let flat = self.m.and(upper, lower);
             reaches_right = self.m.or(reaches_right, flat);
         }
         let sign_bit = self.sign_bit();
-        // Above the axis the least angle is at the right end and the greatest at the left, each at
-        // the y that the sign of x selects. Below the axis, where angles are negative, least and
-        // greatest swap.
+        // Above the x-axis, a box's least angle is at its right end, and its greatest at its left
+        // end. The sign of x at an end decides which bound of y gives that angle. Below the x-axis,
+        // all is mirrored: the angles swap ends, and the bounds of y swap.
         let at_right_upper = self.m.select(reaches_right, y_lo, y_hi);
         let at_left_upper = self.m.select(right, y_hi, y_lo);
         let at_right_lower = self.m.select(reaches_right, y_hi, y_lo);
         let at_left_lower = self.m.select(right, y_lo, y_hi);
         let at_right_lower = self.m.or(at_right_lower, sign_bit);
         let at_left_lower = self.m.or(at_left_lower, sign_bit);
-        // If the box does not reach right of the y-axis, an upper end of 0 becomes −0, which counts
-        // as left.
+        // In lanes where the box does not reach right of the y-axis, an upper end 0 of x becomes
+        // −0, which counts as left.
         let negative = self.m.or(x_hi, sign_bit);
         let x_right = self.m.select(reaches_right, x_hi, negative);
         // If a box crosses the x-axis right of the y-axis, both extremes are at its left end.
@@ -77,7 +77,7 @@ impl<M: Machine> Rule<'_, M> {
         let (off_x, off_y) = (self.nonzero(a), self.nonzero(b));
         let origin = off_x.nowhere.and(self.m, off_y.nowhere);
         if !matches!(origin, Fact::False) {
-            // Keep lo ≤ hi in lanes where nothing is defined.
+            // Lanes where nothing is defined must still have lo ≤ hi.
             let lo = self.m.neg(neg_lo);
             hi = self.m.max(hi, lo);
         }
@@ -88,7 +88,7 @@ impl<M: Machine> Rule<'_, M> {
         value
     }
 
-    /// [−lo, hi] from the corners (y, x) with the least and the greatest angle.
+    /// Bounds as [−lo, hi], from the corners (y, x) with the least and the greatest angle.
     fn angles(&mut self, least: [M::V; 2], greatest: [M::V; 2]) -> [M::V; 2] {
         let at = |approx: &mut Approximator<'_, M>, [y, x]: [M::V; 2]| {
             let near = approx.angle(y, x);
@@ -110,7 +110,7 @@ impl<M: Machine> Rule<'_, M> {
         Fact::Lanes(self.m.and(both, left))
     }
 
-    /// The least number of the format above π.
+    /// The least number above π in the format.
     fn pi_above(&mut self) -> M::V {
         let (f32, f64) = (std::f32::consts::PI, std::f64::consts::PI); // above π, below π
         self.number(self.format.pick(f64::from(f32), f64.next_up()))

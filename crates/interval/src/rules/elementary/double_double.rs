@@ -1,41 +1,41 @@
 //! Numbers as unevaluated sums, for routines whose results need more digits than a lane has.
 //!
-//! A routine computes the leading terms of its series in this arithmetic and the rest in plain
+//! A routine computes the leading terms of its series in this arithmetic, and the rest in plain
 //! lanes. Results in `f32` need no tails, so none are computed. Under rounding up, error-free
 //! transforms have errors, but only of second order. Each operation here states its bound relative
-//! to the exact result, for operands whose tails are at most 2⁻⁵⁰ of their heads, and without
-//! underflow. Sources: Dekker, A floating-point technique for extending the available precision
-//! (1971); for directed rounding Boldo, Graillat, Muller, On the robustness of the `2Sum` and
-//! `Fast2Sum` algorithms (2017).
+//! to the exact result. The bound holds if operands' tails are at most 2⁻⁵⁰ of their heads and
+//! nothing underflows. Sources: Dekker, A floating-point technique for extending the available
+//! precision (1971); for directed rounding Boldo, Graillat, Muller, On the robustness of the `2Sum`
+//! and `Fast2Sum` algorithms (2017).
 
 use super::approximator::Approximator;
 use crate::machine::{Format, Machine};
 use crate::rules::Rule;
 
 const F64: Format = Format::F64;
-/// Clears the low 27 bits of a significand, so that the product of two such numbers is exact.
+/// Mask that clears the low 27 bits of a significand. The product of two such numbers is exact.
 const UPPER_HALF: u64 = !((1 << 27) - 1);
-/// Below this magnitude, a function with f(x) = x + O(x³) equals x within any claimed relative
-/// error, and the routines that approximate it would underflow.
+/// For |x| below this limit, a function with f(x) = x + O(x³) equals x within any claimed relative
+/// error. Routines that approximate such functions would underflow there.
 const TINY: f64 = f64::from_bits((1023 - 400) << 52); // 2^-400
 
-/// A number as the sum head + tail.
+/// A number as the sum of head and tail.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct DoubleDouble<V> {
     pub(crate) head: V,
-    /// At most a few ulps of the head; `None` stands for 0.
+    /// The tail, at most a few ulps of the head; `None` stands for 0.
     pub(crate) tail: Option<V>,
 }
 
-/// Result of a routine: the exact value is `(sum + δ) · 2^exponent` with |δ| ≤ `error` · |head|.
+/// Result of a routine: the exact value is `(sum + δ) · 2^exponent`, with |δ| ≤ `error` · |head|.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Approximation<V> {
     pub(crate) sum: DoubleDouble<V>,
     /// Bound on the relative error, including truncation and rounding.
     pub(crate) error: f64,
-    /// Addition to `error` per lane; allowed only if the sum has a tail.
+    /// A further relative error per lane. It is allowed only if the sum has a tail.
     pub(crate) extra: Option<V>,
-    /// Integer; `None` stands for 0.
+    /// The exponent, an integer; `None` stands for 0.
     pub(crate) exponent: Option<V>,
 }
 
@@ -56,7 +56,6 @@ impl<M: Machine> Approximator<'_, M> {
         self.target == F64
     }
 
-    /// A constant given as head and tail.
     pub(super) fn constant(&mut self, [head, tail]: [f64; 2]) -> DoubleDouble<M::V> {
         let tail = (self.has_tails() && tail != 0.0).then(|| self.number(tail));
         DoubleDouble { head: self.number(head), tail }
@@ -67,7 +66,7 @@ impl<M: Machine> Approximator<'_, M> {
         Rule { m: self.m, format: F64 }.sum_of(a, b)
     }
 
-    /// a + b for |a| ≥ |b| or a = 0, to 2⁻¹⁰⁰ of |a| + |b|.
+    /// Computes a + b to 2⁻¹⁰⁰ of |a| + |b|. It needs |a| ≥ |b| or a = 0.
     pub(super) fn plus(
         &mut self,
         a: impl Into<DoubleDouble<M::V>>,
@@ -78,15 +77,15 @@ impl<M: Machine> Approximator<'_, M> {
         if !self.has_tails() {
             return head.into();
         }
-        // The difference `held`, the part of b that the head contains, is exact. The part that the
-        // head lacks is exact up to rounding of second order.
+        // `held`, the part of b that the head contains, is exact. The rest of b, which the head
+        // lacks, is exact up to rounding of second order.
         let held = self.m.sub(head, a.head);
         let lacking = self.m.sub(b.head, held);
         let tails = self.tails(a.tail, b.tail);
         DoubleDouble { head, tail: self.tails(Some(lacking), tails) }
     }
 
-    /// a + b for a and b ≥ 0, in any order.
+    /// Computes a + b for a and b ≥ 0, in any order.
     pub(super) fn plus_nonneg(
         &mut self,
         a: DoubleDouble<M::V>,
@@ -101,11 +100,11 @@ impl<M: Machine> Approximator<'_, M> {
         DoubleDouble { tail: self.tails(sum.tail, tails), ..sum }
     }
 
-    /// a · b, to 2⁻⁷².
+    /// Computes a · b to 2⁻⁷².
     ///
     /// The difference `upper` − `head` is exact: it is a multiple of the last place of the product
-    /// of the upper halves. It is below 2⁻²³ of the product, and so are all terms that follow.
-    /// Three additions of such terms lose 2⁻⁵² of them each.
+    /// of the upper halves. It is below 2⁻²³ of the product, and so are the terms added to it.
+    /// Three additions of such terms err by 2⁻⁵² of them each.
     pub(super) fn times(
         &mut self,
         a: impl Into<DoubleDouble<M::V>>,
@@ -134,7 +133,7 @@ impl<M: Machine> Approximator<'_, M> {
         DoubleDouble { head, tail: Some(tail) }
     }
 
-    /// a / b, to 2⁻⁷¹.
+    /// Computes a / b to 2⁻⁷¹.
     pub(super) fn over(
         &mut self,
         a: impl Into<DoubleDouble<M::V>>,
@@ -145,14 +144,14 @@ impl<M: Machine> Approximator<'_, M> {
         if !self.has_tails() {
             return head.into();
         }
-        // The tail is the remainder over b. The first difference in the remainder is exact, since
-        // its terms are a few ulps apart.
+        // The tail is the remainder divided by b. The first difference in the remainder is exact,
+        // because its operands are a few ulps apart.
         let product = self.times(head, b);
         let rest = self.difference(a, product);
         DoubleDouble { head, tail: Some(self.m.div(rest, b.head)) }
     }
 
-    /// √a for a ≥ 0, to 2⁻⁷¹.
+    /// Computes √a to 2⁻⁷¹, for a ≥ 0.
     pub(super) fn root(&mut self, a: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         let head = self.m.sqrt(a.head);
         if !self.has_tails() {
@@ -162,11 +161,11 @@ impl<M: Machine> Approximator<'_, M> {
         let rest = self.difference(a, square);
         let twice = self.m.add(head, head);
         let tiny = self.number(TINY);
-        let twice = self.m.max(twice, tiny); // the root of 0
+        let twice = self.m.max(twice, tiny); // not 0/0 for a = 0
         DoubleDouble { head, tail: Some(self.m.div(rest, twice)) }
     }
 
-    /// a − b in one lane. The heads are a few ulps apart, so their difference is exact.
+    /// Computes a − b in one lane. The heads are a few ulps apart, so their difference is exact.
     fn difference(&mut self, a: DoubleDouble<M::V>, b: DoubleDouble<M::V>) -> M::V {
         let mut rest = self.m.sub(a.head, b.head);
         if let Some(tail) = b.tail {
@@ -178,7 +177,7 @@ impl<M: Machine> Approximator<'_, M> {
         rest
     }
 
-    /// Maps head and tail by `f`, which must be exact.
+    /// Applies `f`, which must be exact, to head and tail.
     pub(super) fn each(
         &mut self,
         a: DoubleDouble<M::V>,
@@ -187,12 +186,12 @@ impl<M: Machine> Approximator<'_, M> {
         DoubleDouble { head: f(self, a.head), tail: a.tail.map(|tail| f(self, tail)) }
     }
 
-    /// a times a power of two.
+    /// Computes a times a power of two.
     pub(super) fn scaled(&mut self, a: DoubleDouble<M::V>, power: M::V) -> DoubleDouble<M::V> {
         self.each(a, |approx, part| approx.m.mul(part, power))
     }
 
-    /// Flips the sign of `a` in lanes where `sign` has the sign bit set. All other bits of `sign`
+    /// Flips the sign of `a` in lanes where the sign bit of `sign` is set. All other bits of `sign`
     /// must be 0.
     pub(super) fn flipped(&mut self, a: DoubleDouble<M::V>, sign: M::V) -> DoubleDouble<M::V> {
         self.each(a, |approx, part| approx.m.xor(part, sign))
@@ -207,7 +206,7 @@ impl<M: Machine> Approximator<'_, M> {
         self.m.and(a, sign_bit)
     }
 
-    /// a where the mask is set, else b.
+    /// Takes a where the mask is set, else b.
     pub(super) fn choose(
         &mut self,
         mask: M::V,
@@ -225,12 +224,13 @@ impl<M: Machine> Approximator<'_, M> {
         DoubleDouble { head, tail }
     }
 
-    /// The odd series w + c₁w³ + c₂w⁵ + …, given the tail of c₁ and the coefficients from c₁ on.
+    /// Computes the odd series w + c₁w³ + c₂w⁵ + …. `coefficients` begin with c₁, whose tail is
+    /// `first_tail`.
     ///
-    /// Let z = w², and let R bound the terms from c₂ on, relative to w. For results with tails, the
-    /// error is below 2⁻⁵²·5·R + 2⁻⁶⁹ of w. For those without, it is below 2⁻⁵²·6·(the terms from
-    /// c₁ on). Each term is a product of few factors. Each Horner step errs by two ulps of a sum,
-    /// and the next factor z, below ⅔, makes that error small.
+    /// Let z = w², and let R bound the terms from c₂ on, relative to w. The error relative to w is
+    /// below 2⁻⁵²·5·R + 2⁻⁶⁹ for results with tails. For other results it is below 2⁻⁵²·6·(the
+    /// terms from c₁ on). Each term is a product of few factors. Each Horner step errs by two ulps
+    /// of a sum, and the next factor z, below ⅔, makes that error small.
     pub(super) fn odd_series(
         &mut self,
         w: DoubleDouble<M::V>,
@@ -253,24 +253,24 @@ impl<M: Machine> Approximator<'_, M> {
         self.plus(w, terms)
     }
 
-    /// `value` with the sign of x.
+    /// Gives `value` the sign of x.
     pub(super) fn signed(&mut self, x: M::V, value: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         let sign = self.sign_of(x);
         self.flipped(value, sign)
     }
 
-    /// An odd function with f(x) = x + O(x³), given its value at |x|.
+    /// Computes an odd function with f(x) = x + O(x³), given its value at |x|.
     pub(super) fn odd(&mut self, x: M::V, value: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         let value = self.signed(x, value);
         self.or_tiny(x, value)
     }
 
-    /// `value`, but x where x is tiny.
+    /// Takes x where x is tiny, else `value`.
     pub(super) fn or_tiny(&mut self, x: M::V, value: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         self.or_where_tiny(x, x, value)
     }
 
-    /// `value`, but `other` where x is tiny.
+    /// Takes `other` where x is tiny, else `value`.
     pub(super) fn or_where_tiny(
         &mut self,
         x: M::V,
@@ -285,8 +285,8 @@ impl<M: Machine> Approximator<'_, M> {
         self.choose(is_tiny, other.into(), value)
     }
 
-    /// An upper bound of the value that `near` approximates. Only the last addition rounds at full
-    /// size.
+    /// Computes an upper bound of the value that `near` approximates. Only the last addition rounds
+    /// at the size of the value.
     pub(crate) fn upper(&mut self, near: &Approximation<M::V>) -> M::V {
         let slack = self.slack(near);
         let bound = match near.sum.tail {
@@ -299,7 +299,7 @@ impl<M: Machine> Approximator<'_, M> {
         self.raised(bound, near.exponent)
     }
 
-    /// A negated lower bound of the value that `near` approximates.
+    /// Computes a negated lower bound of the value that `near` approximates.
     pub(crate) fn negated_lower(&mut self, near: &Approximation<M::V>) -> M::V {
         let slack = self.slack(near);
         let rest = match near.sum.tail {
@@ -310,7 +310,7 @@ impl<M: Machine> Approximator<'_, M> {
         self.raised(bound, near.exponent)
     }
 
-    /// The value that `near` approximates, rounded to one lane.
+    /// Computes the value that `near` approximates, rounded to one lane.
     pub(crate) fn value(&mut self, near: &Approximation<M::V>) -> M::V {
         let value = match near.sum.tail {
             None => near.sum.head,
@@ -324,12 +324,13 @@ impl<M: Machine> Approximator<'_, M> {
         if let Some(extra) = near.extra {
             error = self.m.add(error, extra);
         }
-        // This is rounded up, so it is positive unless the head is 0.
+        // The product is rounded up, so it is positive unless the head is 0.
         self.m.mul(magnitude, error)
     }
 
-    /// value · 2^exponent in two steps, as 2^exponent may be out of range when the product is not.
-    /// The first step is exact, so only one rounds, even for subnormal results.
+    /// Computes value · 2^exponent in two steps, because 2^exponent may be out of range when the
+    /// product is not. The first step is exact, so only the second rounds, even for subnormal
+    /// results.
     fn raised(&mut self, value: M::V, exponent: Option<M::V>) -> M::V {
         let Some(exponent) = exponent else {
             return value;

@@ -1,17 +1,18 @@
 //! Routines for the hyperbolic functions sinh, cosh and tanh.
 //!
-//! |x| = k·ln 2 + r with |r| ≤ 0.3467, and e^±r = cosh r ± sinh r. With q = 4⁻ᵏ,
+//! Let |x| = k·ln 2 + r with |r| ≤ 0.3467, and q = 4⁻ᵏ. Since e^±r = cosh r ± sinh r,
 //!
-//! 2¹⁻ᵏ sinh|x| = (1 − q) cosh r + (1 + q) sinh r, 2¹⁻ᵏ cosh|x| = (1 + q) cosh r + (1 − q) sinh r.
+//! - 2¹⁻ᵏ sinh|x| = (1 − q) cosh r + (1 + q) sinh r,
+//! - 2¹⁻ᵏ cosh|x| = (1 + q) cosh r + (1 − q) sinh r.
 //!
-//! For k = 0 the first is 2 sinh r alone, so small operands lose no digits. For k ≥ 1 both are at
-//! least 0.35.
+//! For k = 0 the first sum is 2 sinh r alone, so small operands lose no digits. For k ≥ 1 both sums
+//! are at least 0.35.
 
 use super::approximator::{Approximator, LN_2_HI, LN_2_LO, reciprocal_factorials};
 use super::double_double::{Approximation, DoubleDouble};
 use crate::machine::Machine;
 
-/// The quantities k, q = 4⁻ᵏ, cosh r and sinh r of e^|x|, defined at the top of this file.
+/// The quantities k, q, cosh r and sinh r for e^|x|, as defined at the top of this file.
 struct ExponentialParts<V> {
     /// k.
     exponent: V,
@@ -22,33 +23,33 @@ struct ExponentialParts<V> {
 }
 
 impl<M: Machine> Approximator<'_, M> {
-    /// sinh x, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁴ in `f64`.
+    /// sinh x, odd in x. Its relative error is below 2⁻³⁴ in `f32` and 2⁻⁵⁴ in `f64`.
     ///
-    /// Tails of the series are below 2⁻³⁷ and 2⁻⁶¹. In `f64` the terms from r³/6 on, at most
-    /// 0.0072, and those from r⁴/24 on, at most 0.0007, err by six ulps each. Times 1 + q ≤ 1.25
-    /// and relative to 0.35, both errors are 0.19 · 2⁻⁵². For k = 0 only the first counts, relative
-    /// to r: 0.13 · 2⁻⁵².
+    /// Tails of the series are below 2⁻³⁷ in `f32` and 2⁻⁶¹ in `f64`. In `f64` the terms of sinh r
+    /// from r³/6 on are at most 0.0072, those of cosh r from r⁴/24 on at most 0.0007. Both sums of
+    /// terms err by six ulps. Times 1 + q ≤ 1.25 and relative to 0.35, both errors are 0.19 · 2⁻⁵².
+    /// For k = 0 only the error of sinh r counts, relative to r: 0.13 · 2⁻⁵².
     pub(crate) fn sinh(&mut self, x: M::V) -> Approximation<M::V> {
         let parts = self.exponential_parts(x);
         let minus_q = self.m.neg(parts.q);
         let sum = self.half_sum(&parts, minus_q);
-        // Tiny x is doubled, since `halved` halves it for k = 0.
+        // A tiny x is doubled, because `halved` halves it for k = 0.
         let twice = self.m.add(x, x);
         let sum = self.signed(x, sum);
         let sum = self.or_where_tiny(x, twice, sum);
         self.halved(sum, parts.exponent, self.pick(2f64.powi(-34), 2f64.powi(-54)))
     }
 
-    /// cosh x, even in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵⁴ in `f64`: derived as for sinh,
-    /// but here the sum 2¹⁻ᵏ cosh|x| is at least 0.7.
+    /// cosh x, even in x. Its relative error is below 2⁻³⁴ in `f32` and 2⁻⁵⁴ in `f64`. The proof is
+    /// that for sinh, but the sum 2¹⁻ᵏ cosh|x| is at least 0.7.
     pub(crate) fn cosh(&mut self, x: M::V) -> Approximation<M::V> {
         let parts = self.exponential_parts(x);
         let sum = self.half_sum(&parts, parts.q);
         self.halved(sum, parts.exponent, self.pick(2f64.powi(-34), 2f64.powi(-54)))
     }
 
-    /// tanh x, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁵³ in `f64`: the sum of the errors
-    /// of sinh and cosh.
+    /// tanh x, odd in x. Its relative error is below 2⁻³⁴ in `f32` and 2⁻⁵³ in `f64`: the sum of
+    /// the errors of sinh and cosh.
     pub(crate) fn tanh(&mut self, x: M::V) -> Approximation<M::V> {
         let parts = self.exponential_parts(x);
         let minus_q = self.m.neg(parts.q);
@@ -60,7 +61,7 @@ impl<M: Machine> Approximator<'_, M> {
     }
 
     fn exponential_parts(&mut self, x: M::V) -> ExponentialParts<M::V> {
-        // Beyond these limits, sinh and cosh overflow the target, and tanh differs from 1 by far
+        // Beyond these limits, sinh and cosh overflow the target. There tanh differs from 1 by far
         // less than an ulp.
         let most = self.pick(128.0, 720.0);
         let most = self.number(most);
@@ -69,20 +70,20 @@ impl<M: Machine> Approximator<'_, M> {
         let log2_e = self.number(std::f64::consts::LOG2_E);
         let scaled = self.m.mul(x, log2_e);
         let exponent = self.m.nearest(scaled);
-        // The first product and difference are exact; the second product errs by 2^-83.
+        // The first product and the first difference are exact. The second product errs by 2⁻⁸³.
         let r = self.subtract_multiple(x, exponent, LN_2_HI);
         let minus_lo = self.number(-LN_2_LO);
         let rest = self.m.mul(exponent, minus_lo);
         let r = self.plus(r, rest);
-        // For k > 64, 4^-k is far below an ulp of 1, and might underflow.
+        // If k > 64, 4⁻ᵏ is far below an ulp of 1, and might underflow.
         let limit = self.number(64.0);
         let k = self.m.min(exponent, limit);
         let minus_two = self.number(-2.0);
         let k = self.m.mul(k, minus_two);
         let q = self.power_of_two(k);
         let (sinh_terms, cosh_terms) = (self.pick(4, 6), self.pick(3, 6));
-        // z = r² ≤ 0.1202: the tails of sinh, z⁵/11! and z⁷/15!, are below 2⁻⁴⁰ and 2⁻⁶¹; those of
-        // cosh, z⁵/10! and z⁸/16!, are below 2⁻³⁷ and 2⁻⁶⁸.
+        // z = r² ≤ 0.1202. The tail of sinh is z⁵/11! < 2⁻⁴⁰ in `f32`, z⁷/15! < 2⁻⁶¹ in `f64`. The
+        // tail of cosh is z⁵/10! < 2⁻³⁷ in `f32`, z⁸/16! < 2⁻⁶⁸ in `f64`.
         let z = self.times(r, r);
         let sinh = self.series(z.head, &reciprocal_factorials(sinh_terms, 3, 2));
         let sinh = self.m.mul(sinh, z.head);
@@ -98,7 +99,7 @@ impl<M: Machine> Approximator<'_, M> {
         ExponentialParts { exponent, q, cosh, sinh }
     }
 
-    /// (1 + p) cosh r + (1 − p) sinh r.
+    /// Computes (1 + p) cosh r + (1 − p) sinh r.
     fn half_sum(&mut self, parts: &ExponentialParts<M::V>, p: M::V) -> DoubleDouble<M::V> {
         let (one, minus_p) = (self.number(1.0), self.m.neg(p));
         let (above, below) = (self.plus(one, p), self.plus(one, minus_p));
@@ -106,14 +107,14 @@ impl<M: Machine> Approximator<'_, M> {
         self.plus(cosh, sinh)
     }
 
-    /// sum · 2ᵏ⁻¹.
+    /// Computes sum · 2ᵏ⁻¹.
     fn halved(&mut self, sum: DoubleDouble<M::V>, k: M::V, error: f64) -> Approximation<M::V> {
         let one = self.number(1.0);
         let exponent = self.m.sub(k, one);
         if self.has_tails() {
             return Approximation { exponent: Some(exponent), ..Approximation::new(sum, error) };
         }
-        // Results beyond the range of `f32` are still finite in `f64`.
+        // A result beyond the range of `f32` is still finite in `f64`.
         let power = self.power_of_two(exponent);
         let sum = self.scaled(sum, power);
         Approximation::new(sum, error)

@@ -1,28 +1,28 @@
-//! Routines for logarithms, and for inverse hyperbolic functions, which are logarithms: ln, log2,
-//! log10, asinh, acosh, atanh.
+//! Routines for logarithms: ln, log2, log10, and the inverse hyperbolic functions asinh, acosh,
+//! atanh.
 //!
 //! A number is 2ᵏ·m with √½ ≤ m < √2. Then ln m = 2 artanh s with s = (m − 1)/(m + 1), |s| ≤
-//! 0.1716. For a number 1 + u with k = 0, s = u/(2 + u), so a small u loses no digits.
+//! 0.1716. If the number is 1 + u and k = 0, then s = u/(2 + u), so a small u loses no digits.
 
 use super::approximator::{Approximator, LN_2_HI, LN_2_LO};
 use super::double_double::{Approximation, DoubleDouble};
 use crate::machine::{Format, Machine};
 
 const F64: Format = Format::F64;
-/// Bits of the double nearest to √½, and of 1.
+/// Bits of the double nearest to √½; `ONE` has those of 1.
 const ROOT_HALF: u64 = 0x3fe6_a09e_667f_3bcd;
 const ONE: u64 = 0x3ff0_0000_0000_0000;
-/// Above this (2³⁰), in `f64`, asinh x and acosh x equal ln 2x to 2⁻⁶⁶.
+/// For x above this limit (2³⁰), in `f64`, asinh x and acosh x equal ln 2x to 2⁻⁶⁶.
 const LARGE: f64 = 1_073_741_824.0;
-/// Above every `f32`; its square is finite in `f64`.
+/// A limit above every `f32`, whose square is finite in `f64`.
 const BEYOND_F32: f64 = f64::from_bits((1023 + 200) << 52); // 2^200
 
 /// The lanes where x is above [`LARGE`], for results in `f64`.
 #[derive(Clone, Copy)]
 struct LargeLanes<V> {
-    /// The mask of these lanes.
+    /// The mask of the lanes where x is above [`LARGE`].
     lanes: V,
-    /// x, clamped to the largest finite number.
+    /// The value x, clamped to the largest finite number.
     x: V,
 }
 
@@ -35,8 +35,8 @@ pub(crate) enum Base {
 }
 
 impl Base {
-    /// The logarithm of 2 as two parts. The first has at most 41 bits, so its product with an
-    /// exponent is exact.
+    /// The logarithm of 2 as the sum of two parts. The first part has at most 41 bits, so its
+    /// product with an exponent is exact.
     fn of_two(self) -> [f64; 2] {
         match self {
             Self::E => [LN_2_HI, LN_2_LO],
@@ -45,7 +45,7 @@ impl Base {
         }
     }
 
-    /// The logarithm of e as head and tail; `None` for 1.
+    /// The logarithm of e as head and tail, or `None` if it is 1.
     fn of_e(self) -> Option<[f64; 2]> {
         match self {
             Self::E => None,
@@ -55,20 +55,20 @@ impl Base {
     }
 }
 
-/// log₁₀ 2 = `LOG10_2_HI` + `LOG10_2_LO` to 2⁻⁹⁶, where `LOG10_2_HI` has 41 bits. The tests compare
-/// this sum and those of heads and tails with the exact numbers.
+/// `LOG10_2_HI` + `LOG10_2_LO` equals log₁₀ 2 to 2⁻⁹⁶, and `LOG10_2_HI` has 41 bits. The tests
+/// compare all split constants with the exact numbers.
 const LOG10_2_HI: f64 = f64::from_bits(0x3fd3_4413_509f_7000);
 const LOG10_2_LO: f64 = f64::from_bits(0x3d43_fde6_23e2_566b);
-/// Differences of log₂ e, log₁₀ e and 1/3 from the nearest doubles.
+/// Differences of log₂ e, log₁₀ e and 1/3 from the doubles nearest to them.
 const LOG2_E_TAIL: f64 = f64::from_bits(0x3c77_77d0_ffda_0d24);
 const LOG10_E_TAIL: f64 = f64::from_bits(0x3c69_5355_baaa_fad3);
 const ONE_THIRD_TAIL: f64 = f64::from_bits(0x3c75_5555_5555_5555);
 
 impl<M: Machine> Approximator<'_, M> {
-    /// The logarithm of finite x > 0. Relative error below 2⁻³⁴ in `f32`, 2⁻⁶⁰ in `f64`.
+    /// The logarithm of finite x > 0. Its relative error is below 2⁻³⁴ in `f32` and 2⁻⁶⁰ in `f64`.
     ///
-    /// In `f64` only [`Approximator::twice_artanh`] errs by more than 2⁻⁷⁰. It is at most half as
-    /// large as its sum with k·ln 2.
+    /// In `f64` only [`Approximator::twice_artanh`] errs by more than 2⁻⁷⁰. Its value is never
+    /// larger in magnitude than its sum with k·ln 2.
     pub(crate) fn ln(&mut self, x: M::V, base: Base) -> Approximation<M::V> {
         let (k, m) = self.significand(x);
         let one = self.number(1.0);
@@ -77,7 +77,7 @@ impl<M: Machine> Approximator<'_, M> {
         Approximation::new(ln, self.pick(2f64.powi(-34), 2f64.powi(-60)))
     }
 
-    /// Returns k and m for x = 2ᵏ·m > 0 with √½ ≤ m < √2, exactly.
+    /// Returns k and m such that x = 2ᵏ·m exactly and √½ ≤ m < √2, for x > 0.
     pub(super) fn significand(&mut self, x: M::V) -> (M::V, M::V) {
         let (x, offset) = match self.target {
             Format::F32 => (x, None), // every positive f32 is a normal f64
@@ -89,7 +89,7 @@ impl<M: Machine> Approximator<'_, M> {
                 (self.m.select(subnormal, scaled, x), Some(self.m.and(subnormal, bits)))
             }
         };
-        // Shift the bits so that the exponent field changes at √½.
+        // Adding `shift` makes the exponent field change at √½ instead of at 1.
         let shift = self.m.bits(F64, ONE - ROOT_HALF);
         let shifted = self.m.int_add(x, shift);
         let exponent = self.m.shift_right(shifted, 52);
@@ -107,7 +107,7 @@ impl<M: Machine> Approximator<'_, M> {
         (k, self.m.int_add(m, one_bits))
     }
 
-    /// The logarithm of 2ᵏ(1 + f) for √½ ≤ 1 + f ≤ √2.
+    /// Computes the logarithm of 2ᵏ(1 + f) for √½ ≤ 1 + f ≤ √2.
     fn ln_of_parts(&mut self, k: M::V, f: DoubleDouble<M::V>, base: Base) -> DoubleDouble<M::V> {
         let two = self.number(2.0);
         let below = self.plus(two, f);
@@ -115,7 +115,7 @@ impl<M: Machine> Approximator<'_, M> {
         self.ln_of_quotient(k, s, base)
     }
 
-    /// The logarithm of 2ᵏ(1 + s)/(1 − s) for |s| ≤ 0.1716.
+    /// Computes the logarithm of 2ᵏ(1 + s)/(1 − s) for |s| ≤ 0.1716.
     fn ln_of_quotient(&mut self, k: M::V, s: DoubleDouble<M::V>, base: Base) -> DoubleDouble<M::V> {
         let mut ln = self.twice_artanh(s);
         if let Some(scale) = base.of_e() {
@@ -138,11 +138,11 @@ impl<M: Machine> Approximator<'_, M> {
         self.plus(main, rest)
     }
 
-    /// 2 artanh s for |s| ≤ 0.1716, to 2⁻³⁶ in `f32`, 2⁻⁶¹ in `f64`.
+    /// 2 artanh s for |s| ≤ 0.1716, to 2⁻³⁶ in `f32` and 2⁻⁶¹ in `f64`.
     ///
-    /// s² ≤ 0.02944, so the tails of the series are below 2⁻³⁹ and 2⁻⁶⁵. In `f64` only the terms
-    /// from z²/5 on are rounded to a lane. They are at most 0.00018 of s and are rounded by 2⁻⁵²
-    /// five times.
+    /// For z = s² ≤ 0.02944, the tail of the series is below 2⁻³⁹ in `f32` and 2⁻⁶⁵ in `f64`. In
+    /// `f64` only the terms from z²/5 on are rounded to a lane. They are at most 0.00018 of s, and
+    /// five roundings by 2⁻⁵² affect them.
     fn twice_artanh(&mut self, s: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         let terms = self.pick(6, 11);
         if self.has_tails() {
@@ -162,7 +162,7 @@ impl<M: Machine> Approximator<'_, M> {
         self.m.mul(sum, s.head).into()
     }
 
-    /// ln(1 + u) for u ≥ 0, or ln 2x in the lanes of `large`.
+    /// Computes ln(1 + u) for u ≥ 0, but ln 2x in the lanes of `large`.
     fn ln_one_plus(
         &mut self,
         u: DoubleDouble<M::V>,
@@ -182,7 +182,7 @@ impl<M: Machine> Approximator<'_, M> {
             let tail = self.m.mul(tail, power);
             f = self.plus(f, tail);
         }
-        // If u is small, 1 + u has lost digits of it. In this case k = 0, and f is u itself.
+        // If u is small, 1 + u has lost digits of u. In this case k = 0, and f is u itself.
         let near_one = self.m.eq(k, zero);
         let f = self.choose(near_one, u, f);
         if let Some(LargeLanes { lanes, .. }) = large {
@@ -192,8 +192,8 @@ impl<M: Machine> Approximator<'_, M> {
         self.ln_of_parts(k, f, Base::E)
     }
 
-    /// Returns x clamped to [`LARGE`] in `f64`, and the lanes where x is above it. In `f32` no
-    /// lanes are returned, and x is clamped to [`BEYOND_F32`].
+    /// In `f64`, returns x clamped to [`LARGE`], and the lanes where x exceeds it. In `f32`,
+    /// returns x clamped to [`BEYOND_F32`], and `None`.
     fn large(&mut self, x: M::V) -> (M::V, Option<LargeLanes<M::V>>) {
         let limit = self.pick(BEYOND_F32, LARGE);
         let limit = self.number(limit);
@@ -207,9 +207,9 @@ impl<M: Machine> Approximator<'_, M> {
         (limited, Some(LargeLanes { lanes, x }))
     }
 
-    /// asinh x for finite x, odd in x: ln(1 + u) for u = |x| + x²/(1 + √(1 + x²)). Relative error
-    /// below 2⁻³⁴ in `f32`, 2⁻⁶⁰ in `f64`: u errs by 2⁻⁶⁹, and the logarithm as in
-    /// [`Approximator::ln`].
+    /// asinh x for finite x, odd in x: ln(1 + u) for u = |x| + x²/(1 + √(1 + x²)). Its relative
+    /// error is below 2⁻³⁴ in `f32` and 2⁻⁶⁰ in `f64`: u errs by 2⁻⁶⁹, and the logarithm as stated
+    /// for [`Approximator::ln`].
     pub(crate) fn asinh(&mut self, x: M::V) -> Approximation<M::V> {
         let magnitude = self.m.abs(x);
         let (t, large) = self.large(magnitude);
@@ -225,8 +225,8 @@ impl<M: Machine> Approximator<'_, M> {
         Approximation::new(ln, self.pick(2f64.powi(-34), 2f64.powi(-60)))
     }
 
-    /// acosh x for finite x ≥ 1: ln(1 + u) for u = x − 1 + √((x − 1)(x + 1)). Relative error below
-    /// 2⁻³⁴ in `f32`, 2⁻⁶⁰ in `f64`, as for asinh; exactly 0 at 1.
+    /// acosh x for finite x ≥ 1, exactly 0 at 1: ln(1 + u) for u = x − 1 + √((x − 1)(x + 1)). Its
+    /// relative error is that of asinh.
     pub(crate) fn acosh(&mut self, x: M::V) -> Approximation<M::V> {
         let (x, large) = self.large(x);
         let (one, minus_one) = (self.number(1.0), self.number(-1.0));
@@ -238,10 +238,10 @@ impl<M: Machine> Approximator<'_, M> {
         Approximation::new(ln, self.pick(2f64.powi(-34), 2f64.powi(-60)))
     }
 
-    /// atanh x for |x| < 1, odd in x. Relative error below 2⁻³⁴ in `f32`, 2⁻⁶⁰ in `f64`.
+    /// atanh x for |x| < 1, odd in x. Its relative error is below 2⁻³⁴ in `f32` and 2⁻⁶⁰ in `f64`.
     ///
     /// Let (1 + |x|)/(1 − |x|) = 2ᵏ·m. Then s = ((1 + |x|) − 2ᵏ(1 − |x|)) / ((1 + |x|) + 2ᵏ(1 −
-    /// |x|)), which is |x| for k = 0.
+    /// |x|)). For k = 0, s is |x|.
     pub(crate) fn atanh(&mut self, x: M::V) -> Approximation<M::V> {
         let t = self.m.abs(x);
         let (one, zero, minus_t) = (self.number(1.0), self.number(0.0), self.m.neg(t));
@@ -250,7 +250,7 @@ impl<M: Machine> Approximator<'_, M> {
         let (k, _) = self.significand(ratio);
         let power = self.power_of_two(k);
         let below = self.scaled(below, power);
-        // The heads are within a factor of 2 of each other, so their difference is exact.
+        // The heads differ by less than a factor of 2, so their difference is exact.
         let minus_below = self.opposite(below);
         let (difference, sum) = (self.plus(above, minus_below), self.plus_nonneg(above, below));
         let s = self.over(difference, sum);
@@ -270,8 +270,8 @@ mod tests {
 
     #[test]
     fn heads_and_tails_make_up_the_constants() {
-        // OEIS A007524, A007525 and A002285: the first 127 bits after the point, or for log₂ e,
-        // which is above 1, the first 128 bits.
+        // These are OEIS A007524, A007525 and A002285: the first 127 bits after the point. For log₂
+        // e, which is above 1, they are the first 128 bits.
         let log10_2 = 0x2688_26a1_3ef3_fde6_23e2_566b_02df_245e_u128;
         let log2_e = 0xb8aa_3b29_5c17_f0bb_be87_fed0_691d_3e88_u128;
         let log10_e = 0x3796_f62a_4dca_1c65_4d56_eaab_eb4c_f70c_u128;

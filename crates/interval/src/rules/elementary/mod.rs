@@ -1,6 +1,6 @@
-//! Rules of elementary functions. This file has sine, cosine and tangent, from the routines in
-//! [`trigonometric`] or, for operands near 0, in [`near`]. [`monotone`] has the monotone functions,
-//! [`atan2`] the angle of a point.
+//! Rules of elementary functions. This file has the rules of sine, cosine and tangent. They use the
+//! routines in [`trigonometric`], or those in [`near`] for operands near 0. [`monotone`] has the
+//! rules of monotone functions, [`atan2`] that of the angle of a point.
 
 pub(crate) mod approximator;
 mod arc;
@@ -26,7 +26,7 @@ impl<M: Machine> Rule<'_, M> {
         if self.is_near(a.range) {
             return self.near_waves(a)[0];
         }
-        // The maximum 1 is at π/2 + 2πj, the minimum at −π/2 + 2πj.
+        // Sine is 1 at π/2 + 2πj and −1 at −π/2 + 2πj, for integers j.
         self.wave(a, |approx, x, half_pi| approx.sin(x, half_pi), 0.25, -0.25)
     }
 
@@ -37,8 +37,8 @@ impl<M: Machine> Rule<'_, M> {
         self.wave(a, |approx, x, half_pi| approx.cos(x, half_pi), 0.0, 0.5)
     }
 
-    /// Encloses sine or cosine. `f` approximates the function and counts quarter turns. `peak` and
-    /// `trough` are angles, in turns, at which the function is 1 and −1.
+    /// Encloses sine or cosine. `f` approximates the function and counts quarter turns. The
+    /// function is 1 at the angle `peak` and −1 at `trough`, in turns.
     fn wave(
         &mut self,
         a: &Operand<M::V>,
@@ -63,8 +63,7 @@ impl<M: Machine> Rule<'_, M> {
         Enclosure { neg_lo, hi, ..a.value }
     }
 
-    /// [−lo, hi] of sine and of cosine. The operand is a single number, which may be arbitrarily
-    /// large.
+    /// Encloses sine and cosine at a single number, however large. Both are returned as [−lo, hi].
     pub(super) fn waves_of_point(&mut self, a: &Operand<M::V>) -> [[M::V; 2]; 2] {
         let half_pi = HalfPi::for_angles(a.range);
         let bounds = by_halves(self.m, self.format, [a.value.hi], |approx, [x]| {
@@ -86,7 +85,7 @@ impl<M: Machine> Rule<'_, M> {
         let half_pi = HalfPi::for_angles(a.range);
         let tan = |approx: &mut Approximator<'_, M>, x| approx.tan(x, half_pi);
         let [neg_lo, hi, first, last] = self.values_and_turns(a, tan, true, 0.5);
-        // In half turns, the poles are at half integers.
+        // Counted in half turns, the poles are at half integers.
         let pole = self.has_turn([first, last], 0.5);
         let mut free = self.not(pole);
         if let Some(near) = self.within_limit(a, half_pi) {
@@ -99,8 +98,8 @@ impl<M: Machine> Rule<'_, M> {
         a.value.facts.and(self.m, &own).with([neg_lo, hi])
     }
 
-    /// Evaluates a function at both ends of its operand. Returns −lo and hi of its values there,
-    /// and −lo and hi of the angle as returned by [`turns`]. If the function `rises`, its value at
+    /// Evaluates a function at both ends of its operand. Returns −lo and hi of the values there,
+    /// and −lo and hi of the angle as returned by [`turns`]. If the function `rises`, the value at
     /// the lower end is the least.
     fn values_and_turns(
         &mut self,
@@ -142,11 +141,11 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
-    /// Lanes where the interval of angles, given by [`turns`], contains j + `offset` for some
-    /// integer j.
+    /// Lanes where the angles contain j + `offset` for some integer j. The angles are given as
+    /// [−lo, hi] by [`turns`].
     fn has_turn(&mut self, [neg_lo, hi]: [M::V; 2], offset: f64) -> M::V {
         // Tests floor(hi − offset) ≥ ceil(lo − offset). Both differences are multiples of 1/8 below
-        // 2^21, exact in f32.
+        // 2^21, which are exact in `f32`.
         let (offset, zero) = (self.number(offset), self.zero());
         let last = self.m.sub(hi, offset);
         let last = self.m.floor(last);
@@ -156,8 +155,7 @@ impl<M: Machine> Rule<'_, M> {
         self.m.le(zero, count)
     }
 
-    /// Lanes where both ends are within the limit of angle reduction; `None` if this holds for all
-    /// lanes.
+    /// Lanes where both ends are within the limit of angle reduction. `None` stands for all lanes.
     fn within_limit(&mut self, a: &Operand<M::V>, half_pi: &HalfPi) -> Option<M::V> {
         let limit = half_pi.limit(self.format);
         if (Interval { lo: -limit, hi: limit }).encloses(a.range) {
@@ -169,11 +167,12 @@ impl<M: Machine> Rule<'_, M> {
     }
 }
 
-/// Multiplies the counts of quarter turns at both ends by `scale`. Returns them as [−lo, hi].
+/// Multiplies the counts of quarter turns at both ends by `scale`, and returns them as [−lo, hi].
 ///
-/// Each count is an integer ± ½, on the side of the angle. The side can be wrong only if the angle
-/// is closer to a multiple of a quarter turn than the error of its reduction. In that case sine and
-/// cosine are ±1 within their own error, and no float is as close to a pole of the tangent.
+/// Each count is an integer ± ½, on the side of the integer where the angle is. The side can be
+/// wrong only if the angle is closer to a multiple of a quarter turn than the error of its
+/// reduction. Then sine and cosine are ±1 within their own error. No float is as close to a pole of
+/// the tangent.
 fn turns<M: Machine>(m: &mut M, lo: M::V, hi: M::V, scale: f64) -> [M::V; 2] {
     let minus = m.number(Format::F64, -scale);
     let plus = m.number(Format::F64, scale);

@@ -1,5 +1,5 @@
-//! Rules of functions that are monotone, or monotone in the magnitude: their bounds come from
-//! routines at two ends.
+//! Rules of functions that are monotone, or monotone in the operand's magnitude. Routines evaluate
+//! them at two ends.
 
 use super::approximator::{Approximator, by_halves};
 use super::double_double::Approximation;
@@ -10,7 +10,8 @@ use crate::machine::{Format, Machine};
 use crate::rules::Rule;
 
 impl<M: Machine> Rule<'_, M> {
-    /// [−lo, hi] of a function, from approximations at the operands where it is least and greatest.
+    /// Bounds of a function as [−lo, hi], from the operands where the function is least and
+    /// greatest.
     fn bounds_at(
         &mut self,
         [least, greatest]: [M::V; 2],
@@ -53,7 +54,7 @@ impl<M: Machine> Rule<'_, M> {
         a.value.facts.with(self.bounds_at(ends, f))
     }
 
-    /// Encloses an increasing function that is infinite where its operand is, by a routine for
+    /// Encloses an increasing function that is infinite where its operand is. The routine `f` takes
     /// finite operands.
     pub(in crate::rules) fn increasing_unbounded(
         &mut self,
@@ -88,7 +89,7 @@ impl<M: Machine> Rule<'_, M> {
             let (at_lo, at_hi) = (approx.ln(lo, base), approx.ln(hi, base));
             [approx.negated_lower(&at_lo), approx.upper(&at_hi)]
         });
-        // The result is −∞ at a lower end ≤ 0, and +∞ at an infinite upper end.
+        // The result is −∞ for a lower end ≤ 0, and +∞ for an infinite upper end.
         let infinity = self.infinity();
         if a.range.lo <= 0.0 {
             let zero = self.zero();
@@ -103,8 +104,8 @@ impl<M: Machine> Rule<'_, M> {
         a.value.facts.and(self.m, &own).with([neg_lo, hi])
     }
 
-    /// `[lo, hi]`, raised to the least positive number of the format, where the logarithm is
-    /// defined.
+    /// The operand's `[lo, hi]`. An end that is not positive becomes the least positive number of
+    /// the format.
     pub(in crate::rules) fn positive_ends(&mut self, a: &Operand<M::V>) -> [M::V; 2] {
         let lo = self.lo(&a.value);
         if a.range.lo > 0.0 {
@@ -132,14 +133,14 @@ impl<M: Machine> Rule<'_, M> {
         let least = self.neg_mignitude(a);
         let ends = [least, self.magnitude(a)];
         let [neg_lo, hi] = self.bounds_at(ends, |approx, x| approx.cosh(x));
-        // No value is below 1.
+        // The hyperbolic cosine is never below 1.
         let minus_one = self.number(-1.0);
         Enclosure { neg_lo: self.m.min(neg_lo, minus_one), hi, ..a.value }
     }
 
     pub(in crate::rules) fn tanh(&mut self, a: &Operand<M::V>) -> Enclosure<M::V> {
         let bounds = self.increasing(a, |approx, x| approx.tanh(x));
-        // No value is beyond ±1.
+        // The hyperbolic tangent is never beyond ±1.
         let one = self.number(1.0);
         let (neg_lo, hi) = (self.m.min(bounds.neg_lo, one), self.m.min(bounds.hi, one));
         Enclosure { neg_lo, hi, ..bounds }
@@ -163,7 +164,7 @@ impl<M: Machine> Rule<'_, M> {
         a.value.facts.and(self.m, &own).with([neg_lo, hi])
     }
 
-    /// `bound`, or +∞ in lanes where the upper end is at least `limit`.
+    /// Takes +∞ in lanes where the operand's upper end is at least `limit`, else `bound`.
     fn infinite_from(&mut self, a: &Operand<M::V>, limit: f64, bound: M::V) -> M::V {
         if a.range.hi < limit {
             return bound;
@@ -173,7 +174,7 @@ impl<M: Machine> Rule<'_, M> {
         self.m.select(reached, infinity, bound)
     }
 
-    /// `[lo, hi]`, clamped to a domain.
+    /// The operand's `[lo, hi]`, clamped to the domain from `least` to `most`.
     fn limited_ends(&mut self, a: &Operand<M::V>, least: f64, most: f64) -> [M::V; 2] {
         let ends = [self.lo(&a.value), a.value.hi];
         if (Interval { lo: least, hi: most }).encloses(a.range) {
@@ -186,7 +187,7 @@ impl<M: Machine> Rule<'_, M> {
         })
     }
 
-    /// Claims of an operation that is defined from `least` to `most`.
+    /// Claims of an operation that is defined from `least` to `most`, ends included.
     fn between(&mut self, a: &Operand<M::V>, least: f64, most: f64) -> Claims<M::V> {
         if (Interval { lo: least, hi: most }).encloses(a.range) {
             return Claims::TOTAL;

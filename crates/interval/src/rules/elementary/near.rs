@@ -3,10 +3,10 @@
 //!
 //! An angle is k·π/2 + s − n with a small correction n. The first two parts of π/2 have so few bits
 //! that their products with k are exact. So every step to s and n is exact except the last product.
-//! No `f32` up to its limit is closer than 2⁻²⁶·⁴ to a multiple of π/2; at that distance n is 1.6 %
-//! of s. No `f64` is closer than 2⁻⁶⁰·⁵; at that distance n is below 2⁻¹⁴ of s.
+//! No `f32` up to the limit is closer than 2⁻²⁶·⁴ to a multiple of π/2, where n is 1.6 % of s. No
+//! `f64` is closer than 2⁻⁶⁰·⁵, where n is below 2⁻¹⁴ of s.
 //!
-//! Results are an exact head and a small tail, so only their sum rounds at full size. The bounds on
+//! A result is an exact head and a small tail, so only their sum rounds at full size. The bounds on
 //! the tails' errors assume rounding up. The example `exhaustive` has tested them for every `f32`
 //! up to the limit.
 
@@ -17,17 +17,17 @@ use crate::machine::Machine;
 
 /// The constants of one format.
 struct NearConstants {
-    /// Largest magnitude of an operand that can be reduced.
+    /// Largest magnitude of an operand for which this file's routines work.
     limit: f64,
-    /// Operands with a narrower range than this are almost constant, so they are evaluated rarely
-    /// and use the slower routine, which is tighter.
+    /// Least width of a range for these routines. Operands with a narrower range are almost
+    /// constant and rarely evaluated. They use the slower routines, which are tighter.
     narrow: f64,
-    /// π/2 in three parts, the last one rounded. The tests compare them with π.
+    /// π/2 in three parts, of which the last is rounded. The tests compare the parts with π.
     half_pi: [f64; 3],
-    /// Adding 1.5·2²³ or 1.5·2⁵² puts an integer into the low bits.
+    /// The number 1.5·2²³ or 1.5·2⁵². Adding it to an integer puts the integer into the low bits.
     integer: f64,
-    /// Polynomials in z = s² ≤ 0.618 for (cos s − 1 + z/2)/z² and (sin s − s)/s³. They minimize the
-    /// largest error of cosine and sine.
+    /// Polynomial in z = s² ≤ 0.618 for (cos s − 1 + z/2)/z²; `sin` is one for (sin s − s)/s³. They
+    /// minimize the largest errors of cosine and sine.
     cos: &'static [f64],
     sin: &'static [f64],
     /// Half a unit in the last place of 1.
@@ -79,22 +79,22 @@ static NEAR_F64: NearConstants = NearConstants {
     half_ulp: f64::from_bits((1023 - 53) << 52),
 };
 
-/// A reduced angle: k quarter turns plus `rest` minus `correction`.
+/// An angle of k quarter turns plus `rest` minus `correction`.
 struct ReducedAngle<V> {
-    /// k in the low bits.
+    /// The low bits are those of the integer k.
     bits: V,
-    /// s in the equation at the top of this file; `correction` is n.
+    /// The number s in the equation at the top of this file; `correction` is n there.
     rest: V,
     correction: V,
 }
 
-/// A value as head + tail.
+/// A value as the sum of head and tail.
 struct HeadAndTail<V> {
     head: V,
     tail: V,
 }
 
-/// Bounds of both functions at one end, each as −lo and hi.
+/// Bounds of sine and cosine at one end of the operand, each as −lo and hi.
 struct EndBounds<V> {
     sin: [V; 2],
     cos: [V; 2],
@@ -103,7 +103,7 @@ struct EndBounds<V> {
 }
 
 impl<M: Machine> Rule<'_, M> {
-    /// Whether the routines of this file can compute sine and cosine of an operand within `range`.
+    /// Returns whether these routines can compute sine and cosine of an operand within `range`.
     pub(crate) fn is_near(&self, range: Interval) -> bool {
         let NearConstants { limit, narrow, .. } = *self.constants();
         (Interval { lo: -limit, hi: limit }).encloses(range) && range.hi - range.lo >= narrow
@@ -117,10 +117,10 @@ impl<M: Machine> Rule<'_, M> {
     pub(crate) fn near_waves(&mut self, a: &Operand<M::V>) -> [Enclosure<M::V>; 2] {
         let lo = self.m.neg(a.value.neg_lo);
         let (lo, hi) = (self.near_end(lo), self.near_end(a.value.hi));
-        // At each whole number of quarter turns between the ends, sine or cosine has an extremum.
-        // The maxima of the sine are at numbers congruent to 1 modulo 4. The minima of the cosine,
-        // minima of the sine and maxima of the cosine follow at 2, 3 and 4. All comparisons are of
-        // integers, read as subnormal floats with the same bits.
+        // Sine or cosine has an extremum at each whole number of quarter turns between the ends.
+        // Modulo 4, the maxima of sine are at 1, the minima of cosine at 2, the minima of sine at
+        // 3, and the maxima of cosine at 4. All comparisons are of integers, read as subnormal
+        // floats with the same bits.
         let passed = self.m.int_sub(hi.quarters, lo.quarters);
         let [zero, one, two, three] = [0, 1, 2, 3].map(|bits| self.m.bits(self.format, bits));
         let [to_first, to_second] = [zero, one].map(|from| {
@@ -135,8 +135,8 @@ impl<M: Machine> Rule<'_, M> {
         [sin, cos].map(|[neg_lo, hi]| Enclosure { neg_lo, hi, ..a.value })
     }
 
-    /// [−lo, hi] over the interval, from the bounds at its ends and the masks of an inner minimum
-    /// and maximum.
+    /// Bounds over the operand as [−lo, hi], from the bounds at its ends. The masks tell where a
+    /// minimum and a maximum lie between the ends.
     fn near_wave(&mut self, [at_lo, at_hi]: [[M::V; 2]; 2], extrema: [M::V; 2]) -> [M::V; 2] {
         let one = self.number(1.0);
         std::array::from_fn(|i| {
@@ -147,7 +147,7 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// Sine and cosine at points up to the limit. The relative error is at most [`NEAR_UNITS`]
-    /// units of 2⁻²³ or 2⁻⁵², and values exceed ±1 by at most one unit.
+    /// units of 2⁻²³ in `f32` or 2⁻⁵² in `f64`. Values exceed ±1 by at most one unit.
     pub(crate) fn near_waves_at(&mut self, a: M::V) -> [M::V; 2] {
         let turned = self.near_reduce(a);
         let values = self.near_sums(&turned).map(|sum| [self.m.add(sum.head, sum.tail)]);
@@ -175,8 +175,8 @@ impl<M: Machine> Rule<'_, M> {
         let [sin, cos] = self.turn_back(&turned, bounds).map(|([neg_lo, hi], sign)| {
             [self.m.select_signed(sign, hi, neg_lo), self.m.select_signed(sign, neg_lo, hi)]
         });
-        // Subtract 1 in lanes where the angle is below k quarter turns: a set mask is −1 as an
-        // integer.
+        // Subtracts 1 in lanes where the angle is below k quarter turns. As an integer, a set mask
+        // is −1.
         let zero = self.zero();
         let before = self.m.lt(turned.rest, zero);
         EndBounds { sin, cos, quarters: self.m.int_add(turned.bits, before) }
@@ -192,7 +192,7 @@ impl<M: Machine> Rule<'_, M> {
         let near = self.m.mul_add(k, first, x);
         let second = self.m.mul(k, second);
         let rest = self.m.sub(near, second);
-        // rest − near is exact, and so is the error of `rest`.
+        // The difference rest − near is exact, and so is the error of `rest`.
         let moved = self.m.sub(rest, near);
         let added = self.m.add(second, moved);
         let correction = self.m.mul_add(k, third, added);
@@ -200,11 +200,11 @@ impl<M: Machine> Rule<'_, M> {
         ReducedAngle { bits: self.m.add(k, magic), rest, correction }
     }
 
-    /// Sine and cosine of s − n, |s| ≤ 0.786.
+    /// Sine and cosine of s − n, for |s| ≤ 0.786.
     fn near_sums(&mut self, turned: &ReducedAngle<M::V>) -> [HeadAndTail<M::V>; 2] {
         let ReducedAngle { rest: s, correction: n, .. } = *turned;
         let z = self.m.mul(s, s);
-        // cos s = 1 − z/2 + z²(1/24 − …). n·sin s is approximated by n·s.
+        // cos s = 1 − z/2 + z²(1/24 − …). The term n·sin s is approximated by n·s.
         let (one, minus_half) = (self.number(1.0), self.number(-0.5));
         let one_minus_half_z = self.m.mul_add(z, minus_half, one);
         let constants = self.constants();
@@ -213,22 +213,22 @@ impl<M: Machine> Rule<'_, M> {
         let moved = self.m.mul(n, s);
         let cos =
             HeadAndTail { head: one_minus_half_z, tail: self.m.mul_add(fourth, series, moved) };
-        // sin s = s − s·z(1/6 − …). n·cos s is approximated by n·(1 − z/2).
+        // sin s = s − s·z(1/6 − …). The term n·cos s is approximated by n·(1 − z/2).
         let cube = self.m.mul(s, z);
         let series = self.series(z, constants.sin);
         let moved = self.m.mul(n, one_minus_half_z);
         [HeadAndTail { head: s, tail: self.m.mul_sub(cube, series, moved) }, cos]
     }
 
-    /// Values or bounds of sine and cosine of the angle, from those of the rest. Each must be
-    /// negated where the sign bit of the vector beside it is set.
+    /// Turns values or bounds for the rest into those for the angle. Each is returned with a
+    /// vector: in lanes with that vector's sign bit set, the caller must negate it.
     fn turn_back<const N: usize>(
         &mut self,
         turned: &ReducedAngle<M::V>,
         [sin, cos]: [[M::V; N]; 2],
     ) -> [([M::V; N], M::V); 2] {
-        // Bit 0 of k swaps sine and cosine. The signs are bit 1 of k and, for the cosine, bit 1 of
-        // k + 1. Each is shifted to the sign bit to select by it.
+        // Bit 0 of k swaps sine and cosine. Bit 1 of k is the sign of the sine, bit 1 of k + 1 that
+        // of the cosine. Each bit is shifted to the sign bit, by which lanes are selected.
         let last = self.format.pick(31, 63);
         let odd = self.m.shift_left(turned.bits, last);
         let sin_sign = self.m.shift_left(turned.bits, last - 1);
@@ -239,7 +239,7 @@ impl<M: Machine> Rule<'_, M> {
         })
     }
 
-    /// c₀ + z(c₁ + z(c₂ + …)).
+    /// Computes c₀ + z(c₁ + z(c₂ + …)).
     pub(super) fn series(&mut self, z: M::V, coefficients: &[f64]) -> M::V {
         let (last, rest) = coefficients.split_last().expect("a series has a term");
         let last = self.number(*last);
@@ -250,21 +250,21 @@ impl<M: Machine> Rule<'_, M> {
     }
 }
 
-/// Largest amounts by which the cosine's sum is above and below the exact value, in units of 2⁻²⁴
-/// or 2⁻⁵³ = ulp(cos s). For z ≥ ½, −z/2 is a multiple of ½ and too low by less than ½. So 1 − z/2
-/// is too high by at most ½, and the tail adds less than ⅓. For smaller z, 1 − z/2 is too high by
-/// less than 1 − z/2, −z/2 is too low by less than ¼, and the tail errs by less than z/2. This
-/// covers six roundings of z²/24 by two units each, the polynomial, and n·s³/6 for an n of one
-/// unit.
+/// Largest amounts by which the cosine's sum is above and below the exact value. The unit is 2⁻²⁴
+/// in `f32` or 2⁻⁵³ in `f64`, an ulp of cos s. For z ≥ ½, −z/2 is a multiple of ½ and too low by
+/// less than ½. So 1 − z/2 is too high by at most ½, and the tail adds less than ⅓. For smaller z,
+/// 1 − z/2 is too high by less than 1 − z/2, −z/2 is too low by less than ¼, and the tail errs by
+/// less than z/2. This covers the polynomial, six roundings of z²/24 by two units each, and n·s³/6
+/// for an n of one unit.
 const COS_SLACK: [f64; 2] = [1.0, 0.75];
-/// Bound on the error of the sine's tail, in units of 2⁻²⁴ or 2⁻⁵³ times |s|. At most three
-/// roundings of 0.1·|s| go in one direction, by two units each: 0.61. The polynomial adds 0.07, and
-/// n·(cos s − 1 + z/2) adds 0.03.
+/// Bound on the error of the sine's tail, in units of 2⁻²⁴·|s| in `f32` or 2⁻⁵³·|s| in `f64`. At
+/// most three roundings of 0.1·|s| go in one direction, by two units each: 0.61. The polynomial
+/// adds 0.07, and n·(cos s − 1 + z/2) adds 0.03.
 const SIN_SLACK: f64 = 0.75;
 
-/// Bound on the relative error of [`Rule::near_waves_at`], in units of 2⁻²³ or 2⁻⁵². Rounding the
-/// value up adds less than one unit. Half of [`COS_SLACK`] is at most 0.708 of a cosine of π/4,
-/// half of [`SIN_SLACK`] 0.42 of a sine.
+/// Bound on the relative error of [`Rule::near_waves_at`], in units of 2⁻²³ in `f32` or 2⁻⁵² in
+/// `f64`. Rounding the value up adds less than one unit. Half of [`COS_SLACK`] is at most 0.708 of
+/// a cosine of π/4; half of [`SIN_SLACK`] is at most 0.42 of a sine.
 pub(crate) const NEAR_UNITS: f64 = 1.75;
 
 #[cfg(test)]
@@ -273,7 +273,7 @@ mod tests {
 
     #[test]
     fn parts_of_half_pi_make_up_half_pi() {
-        // The first 121 bits of π/2 and the next 24: OEIS A062964, halved.
+        // The first 121 bits of π/2 and the next 24 bits (OEIS A062964, halved).
         let half_pi = 0x192_1fb5_4442_d184_6989_8cc5_1701_b839_u128;
         let next = 0xa2_5204_u128;
         let bits = |part: f64| 53 - part.to_bits().trailing_zeros();
@@ -287,7 +287,7 @@ mod tests {
         }
         assert!(parts[..2].iter().all(|part| bits(*part) <= 17));
 
-        // The first two parts are the first 83 bits, and the third what follows.
+        // The first two parts have the first 83 bits of π/2, the third part what follows.
         let [first, second, third] = NEAR_F64.half_pi;
         let scaled = |part: f64| (part * 2_f64.powi(82)) as u128;
         assert_eq!(scaled(first) + scaled(second), half_pi >> 38);

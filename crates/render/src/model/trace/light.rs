@@ -16,7 +16,7 @@ use zeroset_space::Ball;
 use zeroset_syntax::{SurfaceColor, SurfaceKind};
 use zeroset_trace::{Driver, GBuffer, KernelStats, RayGrid, TraceOptions};
 
-/// Distance from the surface at which shadow rays start, in slabs of the smallest size. This keeps
+/// Distance from the surface at which shadow rays start, in widths of the smallest slab. This keeps
 /// the surface from shadowing itself.
 const SHADOW_OFFSET_SLABS: f64 = 2.0;
 

@@ -68,7 +68,7 @@ pub fn function(name: &str, operands: &[Term]) -> Result<Function, &'static str>
     Ok(Function { graph, root })
 }
 
-/// Returns an operation on x and a constant, which is the last operand or else the first.
+/// Returns an operation on x and a constant: the last operand if `last`, or else the first.
 fn with_integer(op: Op, integer: i64, last: bool) -> Function {
     let mut graph = Graph::new();
     let (x, n) = (graph.variable(Axis::X), graph.integer(integer));
@@ -139,11 +139,11 @@ impl Function {
 pub enum KnownDomain {
     /// No bounds, so the code contains every guard.
     Nothing,
-    /// The box itself, like a picture's domain, so unneeded guards and cases are left out.
+    /// The operands' box, as if it were a picture's domain. The code leaves out unneeded guards.
     TheBox,
 }
 
-/// Native code in one precision, cached by function and empty operands.
+/// Native code in one precision, cached by function and by which operands are empty.
 pub struct Native<T: Real> {
     known_domain: KnownDomain,
     kernels: HashMap<String, zeroset_jit::Native<Enclose, T>>,
@@ -154,8 +154,8 @@ impl<T: Real> Native<T> {
         Self { known_domain, kernels: HashMap::new() }
     }
 
-    /// Encloses `function`, whose name in the cache is `key`. The ends of the operands must be
-    /// floats of the precision. `None` stands for the empty set.
+    /// Encloses `function`, whose name in the cache is `key`. The operands' ends must be floats of
+    /// type `T`. An operand `None` stands for the empty set.
     pub fn enclose(
         &mut self,
         key: &str,
@@ -191,7 +191,7 @@ impl<T: Real> Native<T> {
     }
 }
 
-/// Returns the bounds rounded outward to floats of a precision.
+/// Rounds bounds outward to floats of type `T`.
 pub fn outward<T: Real>(bounds: Interval) -> Interval {
     let (neg_lo, hi): (f64, f64) = (T::above(-bounds.lo).into(), T::above(bounds.hi).into());
     Interval { lo: 0.0 - neg_lo, hi: 0.0 + hi }

@@ -1,20 +1,17 @@
 //! A reader of test cases in the interval test language of ITF1788: `name operand… = result;`
 //! within `testcase … { }`.
 //!
-//! It knows the notation of numbers, intervals and decorations, but no operations.
+//! The reader knows the notation of numbers, intervals and decorations, but no operations.
 
 use zeroset_interval::{Facts, Interval};
 
 /// One line of a test: an operation, its operands and its tightest result.
 #[derive(Clone, Debug)]
 pub struct TestCase {
-    /// Name of the operation.
     pub name: String,
-    /// The operands in order.
     pub operands: Vec<Term>,
-    /// The tightest result.
     pub result: Term,
-    /// The line of the file, with single spaces.
+    /// The case's line in the file, with single spaces.
     pub text: String,
 }
 
@@ -29,8 +26,8 @@ pub enum Term {
     Integer(i32),
 }
 
-/// A decoration of IEEE 1788, from the weakest claim to the strongest. `com` (also bounded) counts
-/// as `Dac`, since the bounds themselves show whether they are finite.
+/// A decoration of IEEE 1788, from the weakest claim to the strongest. `com` counts as `Dac`: it
+/// adds that the bounds are finite, which the bounds show themselves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Decoration {
     /// Nothing is claimed.
@@ -154,7 +151,7 @@ fn number(text: &str) -> f64 {
         Some(digits) => hexadecimal(digits),
         None => magnitude.parse().ok(),
     };
-    // 0 − 0 is +0: an interval has no signed zeros.
+    // Adding +0 turns −0 into +0, since an interval has no signed zeros.
     0.0 + sign * value.unwrap_or_else(|| panic!("a number: {text}"))
 }
 

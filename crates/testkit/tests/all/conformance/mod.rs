@@ -2,8 +2,8 @@
 //! native kernels in `f32` and `f64`.
 //!
 //! Every enclosure must contain the tightest one. `tests/data/itl/report.txt` lists how much wider
-//! enclosures are, and this test compares it.
-//! `ZEROSET_BLESS=1 cargo test -p zeroset-testkit --test all conformance` rewrites it.
+//! enclosures are. The test fails if its report differs from this file.
+//! `ZEROSET_BLESS=1 cargo test -p zeroset-testkit --test all conformance` rewrites the file.
 
 mod function;
 mod itl;
@@ -17,15 +17,15 @@ use tally::{EvaluatorTally, Ulp, Verdict, judge};
 use zeroset_eval::Real;
 use zeroset_interval::{Facts, Interval};
 
-/// Operations with the tightest enclosures: in software, and natively for finite operands.
+/// Operations whose enclosures must be the tightest: in software, and natively for finite operands.
 const TIGHTEST: [&str; 15] = [
     "neg", "add", "sub", "mul", "div", "recip", "sqr", "sqrt", "abs", "sign", "floor", "ceil",
     "trunc", "min", "max",
 ];
 const ROUND: &str = "roundTiesToEven";
 
-/// Greatest excess, in ulps, of an enclosure that is counted without being listed. For an operation
-/// that should be tightest, every excess is listed.
+/// Enclosures up to this number of ulps wider than the tightest are counted, but not listed. For
+/// the operations of `TIGHTEST`, every excess is listed.
 const UNREMARKABLE: u64 = 64;
 
 fn is_tightest(name: &str) -> bool {
@@ -36,7 +36,7 @@ fn data() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../tests/data/itl")
 }
 
-/// A case that can be run: its function, and its operands that are intervals or empty.
+/// A case that can be run: its function, and those of its operands that are intervals or empty.
 struct RunnableCase<'a> {
     case: &'a TestCase,
     function: Function,
@@ -148,7 +148,9 @@ fn natively<T: Real>(cases: &[TestCase], known_domain: KnownDomain, ulp: Ulp) ->
             runnable.record(answer, runnable.result.map(outward::<T>), ulp, &mut tally);
             continue;
         }
-        // For operands widened to floats, the tightest result is known only from software.
+        // The operands were widened to floats, so the enclosure may be wider than the case's
+        // result. For operations of `TIGHTEST`, software gives the tightest enclosure of the
+        // widened operands.
         if let Err(violation) = judge(answer, runnable.result, ulp) {
             panic!("{} natively: {violation}", case.text);
         }

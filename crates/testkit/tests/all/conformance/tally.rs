@@ -34,7 +34,7 @@ impl Ulp {
 pub enum Verdict {
     /// The result is the tightest, or correctly proven empty.
     Tight,
-    /// One end is too far out by this number of floats, and the other end by at most as many.
+    /// The worse end is too far out by this number of floats.
     Wider(u64),
     /// An end is infinite although a finite one is possible.
     Unbounded,
@@ -66,7 +66,6 @@ pub fn judge(answer: QueryResult, tightest: Option<Interval>, ulp: Ulp) -> Resul
 const WIDTHS: [(u64, &str); 5] =
     [(1, "1 ulp"), (2, "2"), (4, "3-4"), (64, "5-64"), (u64::MAX, "more")];
 
-/// Counts for one operation.
 #[derive(Default)]
 struct OperationTally {
     cases: u64,
@@ -85,7 +84,7 @@ pub struct EvaluatorTally {
     rows: BTreeMap<String, OperationTally>,
     skipped: BTreeMap<String, u64>,
     listed: Vec<String>,
-    /// Number of results that are not the tightest although they should be, for finite operands.
+    /// Number of results for finite operands that should be the tightest but are not.
     pub loose: u64,
 }
 
@@ -119,7 +118,7 @@ impl EvaluatorTally {
         }
     }
 
-    /// Compares the facts about definition and continuity with the expected ones.
+    /// Counts whether the evaluator's decoration equals the expected one, is weaker or is stronger.
     pub fn decorate(&mut self, name: &str, ours: Decoration, expected: Decoration) {
         let row = self.rows.get_mut(name).expect("counted before");
         row.decorations[match ours.cmp(&expected) {
@@ -129,7 +128,6 @@ impl EvaluatorTally {
         }] += 1;
     }
 
-    /// Adds a line to the list of cases.
     pub fn list(&mut self, line: String) {
         self.listed.push(line);
     }

@@ -1,8 +1,8 @@
-//! The rays of a tile of 4×4 pixels, evaluated together. Each starts with the part of the segment
+//! The rays of a 4×4 tile, evaluated together. Each ray starts with the part of the tile's segment
 //! that the tile's form does not rule out.
 //!
-//! Most rays are decided at once. The others continue in the [pool](super::pool), with rays of
-//! other tiles.
+//! Most rays are decided at once. The others continue in the [pool](super::pool), together with
+//! rays of other tiles.
 
 use super::level::Level;
 use super::pixels::TilePixels;
@@ -15,13 +15,13 @@ use crate::scalar::Scalar;
 use fearless_simd::prelude::*;
 use zeroset_eval::{LANES, Lanes};
 
-/// If a tile has at most this many rays left, they wait in the pool for rays of other tiles,
-/// instead of being evaluated at once.
+/// A tile's remaining rays are not evaluated at once if they are at most this many. They wait in
+/// the pool for rays of other tiles.
 const FEW: u32 = 8;
 
 impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
-    /// Follows the unfinished rays of a 4×4 tile, or puts them into the pool. `within`: whether the
-    /// whole segment is in the region.
+    /// Follows the unfinished rays of a 4×4 tile, or puts them into the pool. `within` states that
+    /// the whole segment is in the region.
     #[inline(always)]
     pub(super) fn follow(
         &mut self,
@@ -74,7 +74,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
             let ends = self.memory.left(bit);
             self.set_apart(rays.at(bit), ends.map(Into::into));
         }
-        // The far ends are copied, since the pool may be evaluated before they are used.
+        // The far ends are copied, since evaluating the pool overwrites them.
         let last = self.memory.contractions.far;
         let mut rest = classes.shorter | classes.cut;
         while rest != 0 {
@@ -90,14 +90,13 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// Writes the rays of a 4×4 tile to the batch, each with the part of `segment` that the tile's
-    /// plane leaves.
+    /// Writes the rays of a 4×4 tile to the batch. Each gets the part of `segment` that the tile's
+    /// plane does not rule out.
     ///
-    /// Unless `segment` lies `within` the region, these parts are clipped to the region too. Then
-    /// `inside` is set, for each ray, to values of s between which the ray is certainly in the
-    /// region.
+    /// If `segment` is not `within` the region, the parts are also clipped to the region. Then
+    /// `inside` gets, for each ray, the range of s in which it is proven to lie in the region.
     ///
-    /// Returns the lanes in which anything is left, as bits.
+    /// Returns the lanes with a non-empty part, as bits.
     #[inline(always)]
     fn place(
         &mut self,

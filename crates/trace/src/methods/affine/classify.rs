@@ -1,4 +1,4 @@
-//! Segments of rays that were evaluated together, classified by their remaining parts.
+//! Classes of ray segments, by the parts that their evaluation leaves of them.
 
 use super::super::local_ray::CUT;
 use super::narrow::{LINEAR_RATIO, NONLINEAR_SHARE, STALL_RATIO, are_progress};
@@ -7,17 +7,16 @@ use crate::simd_chunks::parts;
 use fearless_simd::prelude::*;
 use zeroset_eval::{Contractions, Lanes, Segments};
 
-/// Lengths of segments that separate the classes. They are the same for all rays.
+/// Lengths of segments that separate the classes, for all rays.
 #[derive(Clone, Copy)]
 pub(super) struct LengthLimits<T> {
-    /// Length of the shortest segments.
+    /// A shorter segment is not evaluated again.
     pub grain: T,
-    /// Length of the shortest segments that are cut. The kernel cannot narrow shorter ones because
-    /// of rounding.
+    /// A shorter segment is not cut, since rounding keeps the kernel from narrowing it.
     pub coarse: T,
 }
 
-/// Segments that are evaluated together, and how short their brackets must be.
+/// Segments that are evaluated together, with the allowed lengths of their brackets.
 #[derive(Default)]
 pub(super) struct EvaluatedSegments<T: Scalar> {
     pub segments: Segments<T>,
@@ -25,32 +24,34 @@ pub(super) struct EvaluatedSegments<T: Scalar> {
     pub longest: Lanes<T>,
 }
 
-/// Classes of segments. A live lane's bit is set in exactly one of them.
+/// Classes of segments. Each is a set of lanes, as bits. A live lane is in exactly one class.
 pub(super) struct SegmentClasses {
-    /// Nothing is left.
+    /// Nothing of the segment is left.
     pub empty: u16,
-    /// The rest is a bracket: its ends have opposite signs, and it is short enough. How short
-    /// depends on whether the form was nearly linear.
+    /// The remaining part is a bracket: its ends have opposite signs, and it is short enough. If
+    /// the form was not nearly linear, it must be shorter still.
     pub short: u16,
-    /// The segment got much shorter.
+    /// The remaining part is much shorter than the segment.
     pub shorter: u16,
-    /// The segment is cut in two.
+    /// The remaining part is cut in two.
     pub cut: u16,
-    /// None of these: precision does not suffice, so the segment is undecided.
+    /// The segment is undecided: for lack of precision, none of the above holds.
     pub open: u16,
 }
 
 impl SegmentClasses {
-    /// Makes brackets undecided, since a zero of a numerator need not be a zero of the function.
+    /// Makes brackets undecided, for a rational form: a zero of its numerator need not be a zero of
+    /// the function.
     pub fn leave_brackets_open(&mut self) {
         self.open |= std::mem::take(&mut self.short);
     }
 }
 
 impl<T: Scalar> EvaluatedSegments<T> {
-    /// Classifies the segments in the `live` lanes by the kernel's results. Replaces each by its
-    /// remaining part, or by the nearer half of that part if it is cut. `inside`: the values of s
-    /// between which each ray is certainly in the region; `None` if all segments are.
+    /// Classifies the segments in the `live` lanes by the kernel's results. Replaces each segment
+    /// by its remaining part. If that part is cut, replaces it by the nearer half. `inside` has,
+    /// for each ray, the range of s in which the ray is proven to lie in the region; `None` if all
+    /// segments are proven to lie there.
     #[inline(always)]
     pub fn classify<S: Simd>(
         &mut self,
@@ -76,7 +77,7 @@ impl<T: Scalar> EvaluatedSegments<T> {
                 (part.load(&out.near), part.load(&out.far), part.load(longest));
             let (length, before) = (far - near, asked[1] - asked[0]);
             empty |= part.bits(length.simd_lt(T::default()));
-            // The first limit is for forms that were nearly linear, the second for all others.
+            // The first limit is for forms that were nearly linear. The second is for all forms.
             let enough = length.simd_le(longest) & length.simd_le(before * steady);
             short |= part.bits(enough | length.simd_le(longest * unsteady));
             let much = length.simd_le(before * stalled);

@@ -1,5 +1,5 @@
-//! Tests of the remaining parts of segments against exact points of exact rays. Pictures and tiles
-//! are random, from near and far, and of all sizes.
+//! Tests of clipping and narrowing against exact points of exact rays. Pictures and tiles are
+//! random. They have all sizes, and are seen from near and far.
 //!
 //! A long run: `ZEROSET_CASES=100000 cargo test --release -p zeroset-trace exact -- --nocapture`.
 
@@ -19,13 +19,15 @@ use zeroset_space::Region;
 use zeroset_testkit::simd::levels;
 use zeroset_testkit::{Adversarial, Effort, Ends, Rng};
 
-/// Number of pixels in a row, and of rows.
+/// Number of columns, and of rows, of a picture.
 const SIDE: u32 = 48;
 
-/// Checks a random case with vectors of one width. Returns what it counts, or what is wrong.
+/// Checks a random case with vectors of one width. Returns how many checks of each kind the case
+/// made, or a description of the failure.
 type Property<const N: usize> = fn(&mut Rng, Level) -> Result<[u32; N], String>;
 
-/// Checks random cases of a property, each in `f32` or `f64`, and adds up what they count.
+/// Checks random cases of a property, in `f32` or `f64`. Returns the sums of the properties'
+/// counts, and the number of cases.
 fn attack<const N: usize>(
     seed: u64,
     cases: u64,
@@ -50,7 +52,7 @@ fn attack<const N: usize>(
     (all, cases)
 }
 
-/// Returns a number uniform in [−1, 1].
+/// A random number, uniform in [−1, 1].
 fn signed(rng: &mut Rng) -> f64 {
     f64::uniform(rng) * 2.0 - 1.0
 }
@@ -59,13 +61,13 @@ fn vector(rng: &mut Rng) -> DVec3 {
     DVec3::new(signed(rng), signed(rng), signed(rng))
 }
 
-/// Returns a power of two: usually of moderate size, sometimes with an exponent of up to `extreme`.
+/// A random power of two: mostly of moderate size, sometimes with an exponent of up to `extreme`.
 fn size(rng: &mut Rng, extreme: i32) -> f64 {
     let most = if rng.u32(0..8) == 0 { extreme } else { 8 };
     2_f64.powi(rng.i32(-most..=most))
 }
 
-/// Returns the number itself, or a number at a distance between a few roundings and `size` / 8.
+/// Returns `number` itself, or moved at random: by a few roundings, or by up to `size` / 8.
 fn perturbed(number: f64, size: f64, rng: &mut Rng) -> f64 {
     match rng.u32(0..4) {
         0 => number,
@@ -73,7 +75,7 @@ fn perturbed(number: f64, size: f64, rng: &mut Rng) -> f64 {
     }
 }
 
-/// Returns a region, the rays of a picture and their frame; `None` if the random camera is invalid.
+/// A random region, the rays of a picture and their frame. `None` if the random camera is invalid.
 fn picture(rng: &mut Rng) -> Option<(Region, RayGrid, RayFrame)> {
     let size = size(rng, 55);
     let away = [0.0, 1.0, 1e4][rng.u32(0..3) as usize];
@@ -92,7 +94,7 @@ fn picture(rng: &mut Rng) -> Option<(Region, RayGrid, RayFrame)> {
     }
     let mut eye = centre + distance * way;
     if rng.u32(0..6) == 0 {
-        // In the region, or in one of its faces.
+        // The eye is in the region, or in one of its faces.
         eye = centre + half * vector(rng);
         let axis = rng.u32(0..3) as usize;
         if rng.bool() {
@@ -113,7 +115,7 @@ fn picture(rng: &mut Rng) -> Option<(Region, RayGrid, RayFrame)> {
     Some((region, rays, frame))
 }
 
-/// Random tiles with `side` pixels on a side: their first pixels, centers and half extents.
+/// Random tiles of `side` × `side` pixels: their first pixels, centers and half extents.
 struct SixteenTiles {
     side: usize,
     first: [[usize; 2]; LANES],
@@ -134,14 +136,14 @@ impl SixteenTiles {
         Self { side, first, centre, half }
     }
 
-    /// Returns the rays of a tile's corners.
+    /// Returns the rays of the corners of the tile in a lane.
     fn corners(&self, rays: &RayGrid, lane: usize) -> [Ray; 4] {
         let ([column, row], last) = (self.first[lane], self.side - 1);
         [[0, 0], [last, 0], [0, last], [last, last]].map(|[i, j]| rays.ray(column + i, row + j))
     }
 }
 
-/// Returns the values of s between which a ray is in the region's box; `None` if it misses the box.
+/// Returns the range of s in which a ray is in the region's box. `None` if it misses the box.
 fn in_box(region: &Region, ray: &Ray, start: f64) -> Option<[BigRational; 2]> {
     let mut ends: Option<[BigRational; 2]> = None;
     for axis in 0..3 {
@@ -172,14 +174,14 @@ fn at(ray: &Ray, s: f64, start: f64) -> [BigRational; 3] {
     [0, 1, 2].map(|axis| exact(ray.origin[axis]) + &t * exact(ray.direction[axis]))
 }
 
-/// Returns whether `left` contains all that `asked` and `wanted` have in common; `None` if they
-/// have nothing in common.
+/// Returns whether `left` contains the intersection of `asked` and the range from `first` to
+/// `last`. `None` if that intersection is empty.
 fn keeps(asked: [f64; 2], left: [f64; 2], [first, last]: &[BigRational; 2]) -> Option<bool> {
     let (first, last) = (first.max(&exact(asked[0])).clone(), last.min(&exact(asked[1])).clone());
     (first <= last).then(|| exact(left[0]) <= first && last <= exact(left[1]))
 }
 
-/// Returns roughly where a ray meets the faces of the region, within the frame's span.
+/// Returns the approximate s at which a ray enters and leaves the region, within the frame's span.
 fn about(region: &Region, ray: &Ray, frame: &RayFrame) -> [f64; 2] {
     let [mut near, mut far] = frame.span;
     for axis in 0..3 {
@@ -190,7 +192,7 @@ fn about(region: &Region, ray: &Ray, frame: &RayFrame) -> [f64; 2] {
     [near, far]
 }
 
-/// Returns segments to clip: the frame's span, or segments near where the tile is in the region.
+/// Returns segments to clip: all of the frame's span, or segments that end near the region's faces.
 fn segments(
     tiles: &SixteenTiles,
     (region, rays, frame): &(Region, RayGrid, RayFrame),
@@ -209,8 +211,8 @@ fn segments(
     asked
 }
 
-/// Counts rays of which something is left, segments that were shortened, tiles that are inside the
-/// region, and rays that are certainly between its faces.
+/// Clips tiles and rays. Counts rays with a part left, segments that were shortened, tiles called
+/// inside the region, and rays called between its faces.
 fn clipped<T: Scalar>(rng: &mut Rng, level: Level) -> Result<[u32; 4], String> {
     let mut counts = [0; 4];
     let Some(picture) = picture(rng) else { return Ok(counts) };
@@ -288,13 +290,13 @@ fn no_exact_point_of_the_region_is_clipped_away_and_none_outside_is_called_insid
     assert!(inside > cases && certain > cases, "{inside} {certain}");
 }
 
-/// Returns a form's value and slopes, and its error, for a segment of this half length.
+/// A random form on a segment of half length `half_way`: its value and slopes, and its error.
 fn random_form<T: Scalar + Adversarial>(rng: &mut Rng, half_way: f64) -> ([f64; 4], f64) {
     let number = |x: f64| -> f64 { T::nearest(x).into() };
     let extreme = if T::UNIT > 1e-10 { 140 } else { 1000 };
     let mut scale = size(rng, extreme);
     if rng.u32(0..8) == 0 {
-        // So small that the change of t per unit of the function overflows.
+        // The form is so small that the change of t per unit of its value overflows.
         scale = half_way * 2_f64.powi(-extreme + rng.i32(-8..=16));
     }
     let depth = number(scale * signed(rng));
@@ -312,7 +314,7 @@ fn random_form<T: Scalar + Adversarial>(rng: &mut Rng, half_way: f64) -> ([f64; 
             4 => error = any.abs(),
             k => form[k as usize] = any,
         }
-        // A form has infinite numbers only after an overflow. Then its error is infinite, too.
+        // A form has infinite numbers only after an overflow. Then its error is not finite either.
         if form.iter().any(|number| !number.is_finite()) {
             error = if rng.bool() { f64::INFINITY } else { f64::NAN };
         }
@@ -320,7 +322,7 @@ fn random_form<T: Scalar + Adversarial>(rng: &mut Rng, half_way: f64) -> ([f64; 
     (form, error)
 }
 
-/// Returns the exact zeros of a form along a ray at these symbols, if any.
+/// Returns the exact range of s in which a form may be 0 on the ray at these symbols, if any.
 fn zeros_of(
     form: [f64; 4],
     error: f64,
@@ -339,11 +341,12 @@ fn zeros_of(
     Some(if a < b { [a, b] } else { [b, a] })
 }
 
-/// Narrows segments of sixteen parts of a tile by its form's plane. Counts zeros that are left,
-/// segments that were shortened, and hits.
+/// Narrows the segments of sixteen parts of a random tile, by the plane near which the tile's form
+/// may be 0. Fails if a zero is dropped, or a hit is off the plane. Counts kept zeros, shortened
+/// segments and hits.
 fn narrowed<T: Scalar + Adversarial>(rng: &mut Rng, level: Level) -> Result<[u32; 3], String> {
     let number = |x: f64| -> f64 { T::nearest(x).into() };
-    // A tile in the form in which it is written to a batch.
+    // The tile is rounded as when it is written to a batch.
     let reach = size(rng, 60);
     let mut tile = Tiles::<T> { count: 1, ..Tiles::default() };
     let mut out = Planes::<T>::default();
@@ -353,7 +356,7 @@ fn narrowed<T: Scalar + Adversarial>(rng: &mut Rng, level: Level) -> Result<[u32
         tile.centre[axis][0] = T::nearest(centre[axis]);
         tile.half[axis][0] = T::nearest(half[axis] + T::PATH_ERROR * reach);
     }
-    // A segment, and a form that may have zeros on it.
+    // The segment is random, and the form may have zeros on it.
     let length = size(rng, 60);
     let near = number(length * signed(rng));
     let far: f64 = T::above(near + length * 2_f64.powi(-rng.i32(0..=20))).into();
@@ -367,7 +370,7 @@ fn narrowed<T: Scalar + Adversarial>(rng: &mut Rng, level: Level) -> Result<[u32
     lane(&mut out.middle, middle);
     lane(&mut out.half, half_way);
 
-    // Parts of the tile, or rays.
+    // The parts of the tile are smaller tiles, or rays.
     let are_rays = rng.bool();
     let [mut centres, mut halves] = [[Lanes::splat(0.0); 2]; 2];
     let [mut places, mut reaches] = [[Lanes::splat(T::default()); 2]; 2];
@@ -376,7 +379,7 @@ fn narrowed<T: Scalar + Adversarial>(rng: &mut Rng, level: Level) -> Result<[u32
             let part = if are_rays { 0.0 } else { 2_f64.powi(-rng.i32(0..=4)) };
             let aside = if rng.bool() { signed(rng) } else { f64::from(rng.i32(-1..=1)) };
             let at = centre[axis] + half[axis] * (1.0 - part) * aside;
-            // Exact places of rays need not be floats of `T`.
+            // The exact screen coordinates of rays need not be floats of `T`.
             centres[axis][lane] = if are_rays { at } else { number(at) };
             halves[axis][lane] = number(half[axis] * part);
             places[axis][lane] = T::nearest(at);
@@ -426,7 +429,8 @@ fn narrowed<T: Scalar + Adversarial>(rng: &mut Rng, level: Level) -> Result<[u32
                 Some(false) => return wrong("a zero is left out", &symbols),
                 None => {}
             }
-            // If the form proves a zero on each ray, a hit is written at the plane.
+            // If the form proves a zero on each ray, a hit is written at the plane. So each zero
+            // must be near the plane.
             let [value, across, upward, depth] = form.map(f64::abs);
             if are_rays && (value + across + upward + error) * (1.0 + 1e-9) < depth {
                 counts[2] += 1;
@@ -451,9 +455,9 @@ fn no_exact_zero_of_a_form_is_outside_of_what_its_plane_leaves() {
     assert!(kept > 8 * cases && shorter > 4 * cases && hit > cases, "{kept} {shorter} {hit}");
 }
 
-/// Writes rays to a batch. Counts coordinates whose error is small compared with the region.
+/// Places rays in a batch. Counts coordinates whose error is small compared with the region.
 fn placed<T: Scalar>(rng: &mut Rng, level: Level) -> Result<[u32; 1], String> {
-    /// Rounding error of coordinates along a ray in kernels, as a share of their terms.
+    /// Rounding error of a coordinate in kernels, in units times the sum of its terms' magnitudes.
     const ALONG: f64 = 3.0;
     let Some((region, rays, frame)) = picture(rng) else { return Ok([0]) };
     let pixels = [(); LANES].map(|()| [(); 2].map(|()| rng.u32(0..SIDE) as usize));
@@ -495,10 +499,10 @@ fn exact_rays_are_no_farther_from_those_of_a_batch_than_its_error() {
     assert!(close > 20 * cases, "{close}");
 }
 
-/// Rounds the remaining parts of segments to floats. Counts segments both of whose ends moved.
+/// Rounds the remaining parts of segments to floats. Counts segments whose two ends both moved.
 fn rounded<T: Scalar>(rng: &mut Rng, level: Level) -> Result<[u32; 1], String> {
     let number = |x: f64| -> f64 { T::nearest(x).into() };
-    // Segments are far longer than any number that underflows.
+    // Segments are far longer than subnormal numbers.
     let reach = size(rng, 60);
     let mut asked = [Lanes::splat(0.0); 2];
     let mut left = asked;

@@ -1,7 +1,7 @@
-//! The rays of a picture as points o + a·o₁ + b·o₂ + s·(d + a·d₁ + b·d₂) near the region, in the
-//! precision of the kernels.
+//! The rays of a picture as points o + a·o₁ + b·o₂ + s·(d + a·d₁ + b·d₂) near the region. The
+//! floats have the precision of the kernels.
 //!
-//! Screen coordinates (a, b) are those of the [`RayGrid`]. s is the ray's t minus the t of a plane
+//! (a, b) are screen coordinates of the [`RayGrid`]. s is the ray's t minus the t of a plane
 //! through the region's center. So `f32` resolves the region, however far away the eye is.
 
 use super::screens::{Ends, ScreenRays};
@@ -13,24 +13,24 @@ use glam::DVec3;
 use zeroset_eval::{LANES, Lanes, Segments, Tiles};
 use zeroset_space::Region;
 
-/// Error of forms in multiples of the rounding error of their coordinates.
+/// Error of forms as a multiple of the rounding error of coordinates in them.
 pub(super) const FORM_BLUR: f64 = 4.0;
 
-/// The quantities that all rays of a picture share.
+/// The vectors and bounds that all rays of a picture share.
 #[derive(Clone, Copy)]
 pub(super) struct RayFrame {
-    /// t where s is 0.
+    /// The rays' t at s = 0.
     pub start: f64,
-    /// Values of s between which rays may be in the region.
+    /// First and last s at which a ray may be in the region.
     pub span: [f64; 2],
     /// The vectors o, o₁ and o₂.
     pub origin: [DVec3; 3],
     /// The vectors d, d₁ and d₂.
     pub direction: [DVec3; 3],
-    /// Largest screen coordinates of the picture's rays.
+    /// On each screen axis, the largest coordinate of the picture's rays.
     pub reach: [f64; 2],
-    /// Per axis, a bound on the error of coordinates that are computed in `f64`, from this frame or
-    /// from the rays themselves.
+    /// Per axis, a bound of the error of coordinates computed in `f64`. It holds for points
+    /// computed from this frame, and from the rays themselves.
     pub error: DVec3,
 }
 
@@ -41,7 +41,7 @@ impl RayFrame {
         let start = middle.max(0.0);
         let half = (region.high() - region.low()) / 2.0;
         let reach_of_box = half.dot(forward.abs());
-        // Moved outward by more than the rounding of these operations.
+        // The ends are moved outward by more than their rounding errors.
         let slack = 1e-12 * (middle.abs() + reach_of_box + eye.length());
         let near = (middle - reach_of_box - slack).max(0.0);
         let far = (middle + reach_of_box + slack).max(0.0);
@@ -53,8 +53,8 @@ impl RayFrame {
             ([at, start * right, start * up], [forward, right, up])
         };
         let reach = rays.reach;
-        // Error of coordinates computed in `f64` from the eye: a dozen roundings, here and in the
-        // ray itself.
+        // The error of coordinates computed in `f64` from the eye. It covers a dozen roundings, in
+        // the frame and in the ray itself.
         let farthest = far.max(start);
         let error = 16.0
             * f64::EPSILON
@@ -64,18 +64,18 @@ impl RayFrame {
         Self { start, span: [near - start, far - start], origin, direction, reach, error }
     }
 
-    /// Returns the largest |s| of a segment's end.
+    /// Returns the largest |s| of a segment's ends.
     pub fn size(&self) -> f64 {
         self.span[0].abs().max(self.span[1].abs())
     }
 
-    /// Returns the shortest length along a ray that `T` resolves: that of the shortest segments, or
-    /// a few times the rounding error of coordinates.
+    /// Returns the shortest length along a ray that `T` resolves: the length of the shortest
+    /// segments, or a few times the rounding error of coordinates, whichever is larger.
     pub fn resolution<T: Scalar>(&self) -> f64 {
         (T::GRAIN * self.size()).max(FORM_BLUR * self.error_in::<T>(self.size()).max_element())
     }
 
-    /// Returns bounds on the error of coordinates that kernels compute from this frame in `T`, for
+    /// Returns bounds of the error of coordinates that kernels compute in `T` from this frame, for
     /// |s| up to `most`.
     ///
     /// They cover underflow, and the rounding of vectors and screen coordinates to `T`.
@@ -87,7 +87,7 @@ impl RayFrame {
         self.error + rounding + DVec3::splat(4.0 * least * scale)
     }
 
-    /// Returns a batch of tiles with the vectors of this frame.
+    /// Returns a batch of tiles, filled with this frame's vectors and errors.
     pub fn tiles<T: Scalar>(&self) -> Tiles<T> {
         let mut tiles = Tiles { error: self.segments_error(), ..Tiles::default() };
         for axis in 0..3 {
@@ -100,14 +100,15 @@ impl RayFrame {
         tiles
     }
 
-    /// Returns the error of coordinates of this picture's rays, in all lanes of a batch.
+    /// Returns the error of coordinates of this picture's rays, in each lane of a batch.
     pub fn segments_error<T: Scalar>(&self) -> [Lanes<T>; 3] {
         let error = self.error_in::<T>(self.size());
         [error.x, error.y, error.z].map(|error| Lanes::splat(T::above(error)))
     }
 
-    /// Writes the origins (s = 0) and directions of rays, given their screen coordinates rounded to
-    /// `T`. The number of roundings is that of a kernel for tiles, which [`Self::error_in`] covers.
+    /// Writes the origins (s = 0) and directions of rays. `at` has the rays' screen coordinates,
+    /// rounded to `T`. Results are rounded as in kernels for tiles, which [`Self::error_in`]
+    /// covers.
     #[inline(always)]
     pub fn place<S: Simd, T: Scalar>(&self, simd: S, at: &[Lanes<T>; 2], rays: &mut Segments<T>) {
         let ways = [&mut rays.origin, &mut rays.direction];
@@ -123,7 +124,7 @@ impl RayFrame {
         }
     }
 
-    /// Writes one screen coordinate of tiles: that of their centers, and their half extents,
+    /// Writes one screen coordinate of tiles: their centers and half extents. The half extents are
     /// enlarged by the rounding of both.
     #[inline(always)]
     pub fn place_tiles<S: Simd, T: Scalar>(
@@ -149,26 +150,26 @@ impl RayFrame {
         tiles.half[axis][lane] = T::nearest(half + T::PATH_ERROR * self.reach[axis]);
     }
 
-    /// Returns the origin (s = 0) and direction of the ray at these screen coordinates.
+    /// Returns the origin (s = 0) and direction of the ray with screen coordinates a and b.
     pub fn ray(&self, [a, b]: [f64; 2]) -> [DVec3; 2] {
         [&self.origin, &self.direction].map(|parts| parts[0] + a * parts[1] + b * parts[2])
     }
 
-    /// Returns the vectors of origins, then those of directions, as three parts per axis.
+    /// Returns the components of o, o₁ and o₂ for each axis, then those of d, d₁ and d₂.
     #[inline(always)]
     pub fn by_axis(&self) -> [[[f64; 3]; 3]; 2] {
         [self.origin, self.direction]
             .map(|[start, a, b]| [[start.x, a.x, b.x], [start.y, a.y, b.y], [start.z, a.z, b.z]])
     }
 
-    /// Returns the region's lower faces, its upper faces and the error of coordinates, by axis.
+    /// For each axis: returns the lower faces, the upper faces and the errors of coordinates.
     #[inline(always)]
     fn faces(&self, region: &Region) -> [[f64; 3]; 3] {
         [region.low(), region.high(), self.error].map(|ends| ends.to_array())
     }
 
-    /// Shortens segments to the part that may be in the region on some ray of their tile. If
-    /// nothing is left, the ends are in the wrong order.
+    /// Shortens segments to the parts that may be in the region on any ray of their tile. An empty
+    /// part has its ends in the wrong order.
     #[inline(always)]
     pub fn clip<S: Simd, T: Scalar>(
         &self,
@@ -184,14 +185,15 @@ impl RayFrame {
             for axis in 0..3 {
                 let [o, d] = [rays.range(origin[axis], k), rays.range(direction[axis], k)];
                 let (low, high) = (low[axis] - error[axis], high[axis] + error[axis]);
-                // If all rays advance in the same direction, they enter after the earliest possible
-                // entry, and leave before the latest possible exit.
+                // If all rays of a tile advance in the same direction, they enter after the
+                // earliest possible entry, and leave before the latest possible exit.
                 let (up, down) = (d[0].simd_gt(0.0), d[1].simd_lt(0.0));
                 let enter = up.select(low - o[1], o[0] - high);
                 let leave = up.select(high - o[0], o[1] - low);
                 let (least, most) = (up.select(d[0], -d[1]), up.select(d[1], -d[0]));
-                // For the earliest entry, a negative distance is divided by the least speed, a
-                // positive one by the greatest. For the latest exit, it is the other way round.
+                // The earliest entry is a negative distance divided by the least speed, or a
+                // positive one by the greatest. The latest exit is a negative one by the greatest,
+                // or a positive one by the least.
                 let first = enter / enter.simd_lt(0.0).select(least, most);
                 let last = leave / leave.simd_lt(0.0).select(most, least);
                 let one_way = up | down;
@@ -206,10 +208,11 @@ impl RayFrame {
         f64::narrow(fars, &mut ends[1]);
     }
 
-    /// Shortens segments of single rays as [`clip`](Self::clip) does. Returns the values of s
-    /// between which each ray is certainly between the region's faces, rounded inward, and not
-    /// behind the eye. As in [`between_faces`](crate::methods::local_ray::between_faces), the
-    /// clipping plane is ignored. No segment reaches farther than `size` from 0.
+    /// Shortens segments of single rays as [`clip`](Self::clip) does. Returns, for each ray, the
+    /// range of s in which it is proven to lie in the region's box and not behind the eye. The
+    /// range is rounded inward. A clipping plane is ignored, as in
+    /// [`between_faces`](crate::methods::local_ray::between_faces). All segments end within `size`
+    /// of 0.
     #[inline(always)]
     pub fn clip_rays<S: Simd, T: Scalar>(
         &self,
@@ -219,10 +222,10 @@ impl RayFrame {
         size: f64,
         ends: &mut Ends,
     ) -> [Lanes<T>; 2] {
-        /// Minimum speed along an axis; the reciprocals of lower speeds may overflow. A slower ray
-        /// is not clipped. It counts as certainly between the faces only if its speed is 0.
+        /// Minimum speed along an axis. A slower ray is not clipped, since its reciprocal speed may
+        /// overflow. It is proven to be between the faces only if its speed is 0.
         const MIN_SPEED: f64 = 1e-200;
-        /// Bound of the relative rounding error of these few operations.
+        /// Bound of the relative rounding error of the place at which a ray meets a face.
         const ROUNDING: f64 = 1e-12;
         let rays = TileVectors::new(simd, (screens, None));
         let ([origin, direction], [lows, highs, error]) = (self.by_axis(), self.faces(region));
@@ -238,8 +241,7 @@ impl RayFrame {
                 let inverse = 1.0 / d;
                 let (a, b) = ((low - o) * inverse, (high - o) * inverse);
                 let (enter, leave) = (a.min(b), a.max(b));
-                // The exact ray meets the face within `off` of this place. The second term covers
-                // rounding.
+                // Apart from rounding, the exact ray meets the face within `off` of the computed s.
                 let off = slack * inverse.abs();
                 let before = off + ROUNDING * (enter.abs() + off);
                 let after = off + ROUNDING * (leave.abs() + off);
@@ -253,7 +255,7 @@ impl RayFrame {
                 *last = is_level.select(level, last.min(leave - after));
             }
             *first += T::PATH_ERROR * (first.abs() + size);
-            // Signs behind the eye do not count.
+            // Signs of the function behind the eye do not count.
             *first = first.max(T::above(-self.start).into());
             *last -= T::PATH_ERROR * (last.abs() + size);
         }
@@ -265,8 +267,8 @@ impl RayFrame {
         inside
     }
 
-    /// Returns the lanes in which all rays of a tile are certainly in the region all along the
-    /// segment, and not behind the eye, as bits. The clipping plane is ignored.
+    /// Returns the lanes in which all rays of the tile are proven to be in the region, and not
+    /// behind the eye, along the whole segment. The lanes are bits. A clipping plane is ignored.
     #[inline(always)]
     pub fn inside<S: Simd, T: Scalar>(
         &self,
@@ -312,13 +314,13 @@ impl RayFrame {
     }
 }
 
-/// Returns a bound on the coordinates of a sum of three parts, for screen coordinates within
-/// `reach`.
+/// Bounds the magnitude of parts₀ + a·parts₁ + b·parts₂ in each coordinate. The screen coordinates
+/// a and b are within `reach`.
 fn largest(parts: &[DVec3; 3], reach: [f64; 2]) -> DVec3 {
     parts[0].abs() + reach[0] * parts[1].abs() + reach[1] * parts[2].abs()
 }
 
-/// Screen coordinates of tiles, as vectors of `f64`.
+/// Centers and half extents of tiles in screen coordinates, as vectors of `f64`.
 struct TileVectors<S: Simd> {
     centre: [[f64x8<S>; 2]; 2],
     half: [[f64x8<S>; 2]; 2],
@@ -337,7 +339,8 @@ impl<S: Simd> TileVectors<S> {
         }
     }
 
-    /// Returns bounds of one coordinate of a sum of three parts, for half of the tiles.
+    /// Returns bounds of one coordinate of parts₀ + a·parts₁ + b·parts₂ on each tile, for the eight
+    /// tiles of half `k`.
     #[inline(always)]
     fn range(&self, parts: [f64; 3], k: usize) -> [f64x8<S>; 2] {
         let (middle, [_, a, b]) = (self.middle(parts, k), parts);
@@ -345,7 +348,7 @@ impl<S: Simd> TileVectors<S> {
         [middle - reach, middle + reach]
     }
 
-    /// Returns the coordinate at the center of each tile.
+    /// Returns the coordinate that [`Self::range`] bounds, at the center of each tile.
     #[inline(always)]
     fn middle(&self, [start, a, b]: [f64; 3], k: usize) -> f64x8<S> {
         self.centre[1][k].mul_add(b, self.centre[0][k].mul_add(a, start))
@@ -367,7 +370,8 @@ mod tests {
         let perspective = Projection::Perspective { fov: 70.0 };
         let parallel = Projection::Orthographic { height: 6.0 };
         let (mut crossed, mut beside) = (0, 0);
-        // From outside, from inside, and along an axis, so that rays are level with four faces.
+        // The eye is outside the region, inside it, or outside on an axis. On the axis, rays are
+        // parallel to four faces.
         for (eye, projection) in [
             (DVec3::new(3.0, -4.0, 2.0), perspective),
             (DVec3::new(0.1, 0.2, 0.3), perspective),
@@ -400,7 +404,6 @@ mod tests {
                         let [origin, direction] = frame.ray([screens[0][lane], screens[1][lane]]);
                         let [first, last] =
                             local_ray::between_faces([origin, direction, frame.error], &region);
-                        // Not behind the eye.
                         let first = first.max(-frame.start);
                         let is_beside = first > last;
                         assert_eq!(near[lane] > far[lane], is_beside, "{first} {last}");
@@ -409,7 +412,7 @@ mod tests {
                             continue;
                         }
                         crossed += 1;
-                        // Rounded inward by a small amount.
+                        // The range must be rounded inward, but only by a small amount.
                         assert!(first <= near[lane] && near[lane] < first + 1e-10, "{first}");
                         assert!(far[lane] <= last && last - 1e-10 < far[lane], "{last}");
                     }

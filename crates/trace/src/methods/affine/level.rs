@@ -1,4 +1,4 @@
-//! Up to sixteen tiles at once: their places, and the segments that remain to be examined.
+//! Up to sixteen tiles of one size: their places, and the segments that still have to be examined.
 
 use super::plane::{Plane, PlaneLanes};
 use super::screens::{
@@ -11,36 +11,37 @@ use fearless_simd::{f64x8, prelude::*, u8x16};
 use std::ops::Range;
 use zeroset_eval::{LANES, Lanes, Planes, Tiles};
 
-/// Up to sixteen tiles of one size, and the segments that remain to be examined.
+/// The state of up to sixteen tiles of one size. The tiles' segments are the lanes of a batch.
 #[derive(Default)]
 pub(super) struct Level<T: Scalar> {
-    /// True if all segments of the tiles are in the region.
+    /// Whether all segments of the tiles are in the region.
     pub within: bool,
     /// Lanes that hold a segment to be evaluated, as bits.
     pub live: u16,
     /// Column and row of the first tile.
     first: [usize; 2],
-    /// Per tile, its column and row relative to the first tile.
+    /// The column and row of each tile, relative to the first tile.
     places: [[u8; 2]; LANES],
-    /// Per lane, the index of its tile, row by row.
+    /// For each lane, the index of its tile, row by row.
     tiles: [u8; LANES],
-    /// Per lane, how often its tile was evaluated.
+    /// For each lane, the number of evaluations of its tile.
     asked: [u8; LANES],
-    /// Per tile, the segments put aside, the nearest last.
+    /// For each tile, the segments put aside. The nearest is last.
     later: [PendingSegments<T>; LANES],
     /// Lanes whose tiles have segments put aside, as bits.
     waiting: u16,
     pub batch: Tiles<T>,
     pub out: Planes<T>,
-    /// Planes of the tiles that are split, and of those whose form proves hits.
+    /// For each lane, a plane near which the zeros of its tile lie. Computed only with the option
+    /// `contract`, if some tile's form proves hits, or some tile is split or examined ray by ray.
     pub planes: PlaneLanes<T>,
 }
 
-/// Number of evaluations after which a tile is split, with all of its remaining segment. Otherwise
-/// a tile that is far deeper than wide would be cut into a million segments.
+/// Number of evaluations after which a tile is split, together with all that remains of its
+/// segment. Otherwise a tile far deeper than wide would be cut into a million segments.
 const MAX_EVALUATIONS: u8 = 64;
 
-/// Columns and rows of the tiles in a square of sixteen.
+/// Columns and rows of the tiles in a square of 4×4 tiles.
 const SQUARE: [[u8; 2]; LANES] = {
     let mut places = [[0; 2]; LANES];
     let mut tile = 0;
@@ -52,16 +53,16 @@ const SQUARE: [[u8; 2]; LANES] = {
 };
 
 impl<T: Scalar> Level<T> {
-    /// Returns the column and row of the tile in a lane, in units of tiles.
+    /// Returns the column and row of the tile in a lane. The unit is a tile.
     #[inline(always)]
     pub fn place(&self, lane: usize) -> [usize; 2] {
         let [column, row] = self.places[usize::from(self.tiles[lane])].map(usize::from);
         [self.first[0] + column, self.first[1] + row]
     }
 
-    /// Starts with the unfinished tiles in these columns and rows, which count tiles: at most
-    /// [`LANES`] tiles. The `plane` of their parent tile narrows `segment` for each. Tiles that are
-    /// `within` the region are not clipped to it.
+    /// Starts with the unfinished tiles in these columns and rows, at most [`LANES`] tiles. Columns
+    /// and rows count tiles. Each tile starts with `segment`, narrowed by the `plane` of its parent
+    /// tile. Unless the tiles are `within` the region, segments are clipped to it.
     #[inline(always)]
     pub fn start(
         &mut self,
@@ -93,7 +94,8 @@ impl<T: Scalar> Level<T> {
         self.live &= !tracer.hidden_lanes(self, self.live, level);
     }
 
-    /// Sets the places of some tiles. Returns the lanes of unfinished tiles, as bits.
+    /// Sets the places of the tiles in these columns and rows. Returns the lanes of unfinished
+    /// tiles, as bits.
     #[inline(always)]
     fn take(
         &mut self,
@@ -131,7 +133,7 @@ impl<T: Scalar> Level<T> {
         open
     }
 
-    /// Like [`Self::take`] for a [square](Tracer::square) of tiles, given its first column and row.
+    /// As [`Self::take`], for the [square](BandTracer::square) that begins in this column and row.
     #[inline(always)]
     fn take_square(
         &mut self,
@@ -142,7 +144,8 @@ impl<T: Scalar> Level<T> {
         self.places = SQUARE;
         self.tiles = LANE_INDICES;
         let side = SIDES[LAST];
-        // A tile's center is given by the sum of its first and last pixel.
+        // A tile's center is halfway between its first and last pixel. `screens` takes the sum of
+        // the two pixels' columns or rows.
         let across = tracer.rays.screens(0, 2 * side * column + side - 1, 2 * side);
         let top = tracer.band.top + side * row;
         let upward = tracer.rays.screens(1, 2 * top + side - 1, 2 * side);
@@ -153,8 +156,8 @@ impl<T: Scalar> Level<T> {
         tracer.open_in_square([column, row])
     }
 
-    /// Shortens the segments in the batch to the part that may hold a zero in the region. Returns
-    /// the lanes in which anything is left, as bits.
+    /// Shortens the segments in the batch to the parts that may hold a zero in the region. Returns
+    /// the lanes with a non-empty part, as bits.
     #[inline(always)]
     fn shorten<S: Simd>(
         &mut self,
@@ -177,7 +180,7 @@ impl<T: Scalar> Level<T> {
         left
     }
 
-    /// Puts a part of the segment in a lane aside, to be evaluated after the nearer parts.
+    /// Puts a part of a lane's segment aside. It is evaluated after the nearer parts.
     #[inline(always)]
     pub fn put_aside(&mut self, lane: usize, part: [T; 2]) {
         let tile = usize::from(self.tiles[lane]);
@@ -185,7 +188,7 @@ impl<T: Scalar> Level<T> {
         self.waiting |= 1 << lane;
     }
 
-    /// Counts one evaluation of each tile. Returns the lanes of tiles that were evaluated
+    /// Counts one evaluation of each tile. Returns the lanes whose tiles have been evaluated
     /// [`MAX_EVALUATIONS`] times, as bits.
     #[inline(always)]
     pub fn count_evaluation(&mut self, simd: impl Simd) -> u16 {
@@ -194,7 +197,7 @@ impl<T: Scalar> Level<T> {
         asked.simd_ge(MAX_EVALUATIONS).to_bitmask() as u16
     }
 
-    /// Joins all segments that were put aside for the tile in a lane into one.
+    /// Joins all segments that were put aside for a lane's tile into one.
     #[inline(always)]
     pub fn merge_later(&mut self, lane: usize) {
         let later = &mut self.later[usize::from(self.tiles[lane])];
@@ -206,7 +209,7 @@ impl<T: Scalar> Level<T> {
         }
     }
 
-    /// Keeps the segments in these lanes and drops the others. Returns the dropped lanes whose
+    /// Keeps the segments in the lanes `kept` and drops the others. Returns the dropped lanes whose
     /// tiles have segments put aside, as bits.
     #[inline(always)]
     pub fn retain(&mut self, kept: u16) -> u16 {
@@ -215,8 +218,8 @@ impl<T: Scalar> Level<T> {
         done & self.waiting
     }
 
-    /// Continues with the next segment that was put aside for the tile in a lane. If the tile is
-    /// finished, drops all of these segments.
+    /// Continues with the next segment that was put aside for a lane's tile. If the tile has no
+    /// unfinished pixel (`is_open` is false), drops all of its segments.
     #[inline(always)]
     pub fn resume(&mut self, lane: usize, is_open: bool) {
         let tile = usize::from(self.tiles[lane]);
@@ -232,7 +235,7 @@ impl<T: Scalar> Level<T> {
         }
     }
 
-    /// Moves the live lanes to the front, if that saves a vector.
+    /// Moves the live lanes to the front if that saves a vector.
     #[inline(always)]
     pub fn pack<S: Simd>(&mut self, simd: S) {
         if saves_a_vector::<T, S>(self.live) {
@@ -251,7 +254,7 @@ impl<T: Scalar> Level<T> {
 
     #[inline(always)]
     fn pack_batch<S: Simd>(&mut self, simd: S) {
-        // The compiler keeps this local copy in a register, instead of reading it again for each
+        // The compiler keeps this copy in a register. It would read `self.live` again for each
         // quantity.
         let kept = self.live;
         let Tiles { centre: [across, up], half: [wide, high], near, far, .. } = &mut self.batch;

@@ -1,4 +1,4 @@
-//! Segments of up to sixteen rays, narrowed and cut until each ray meets a zero or nothing is left.
+//! Narrows and cuts the segments of up to sixteen rays, until each ray meets a zero or is empty.
 
 use super::screens::PendingSegments;
 use crate::kernel_stats::KernelStats;
@@ -14,46 +14,46 @@ use zeroset_eval::{
 use zeroset_interval::Facts;
 use zeroset_space::Region;
 
-/// The reason why a segment was followed no further.
+/// The reason why a segment was not narrowed further.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum StopReason {
-    /// It is as short as precision allows.
+    /// The segment is as short as precision allows.
     Arithmetic,
-    /// The effort allowed for a ray is spent.
+    /// The effort allowed for the ray is used up.
     Effort,
-    /// It is short enough for a preview.
+    /// The segment is short enough for a preview.
     Preview,
 }
 
-/// Result of following a ray.
+/// The result of following a ray.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum FollowResult {
     /// The ray meets no zero.
     Empty,
-    /// A bracket that holds the first zero.
+    /// The ray's first zero lies in this bracket.
     Hit([f64; 2]),
-    /// A segment on which nothing is proven. The ray behind it was not examined.
+    /// Nothing is proven on this segment. The ray behind it was not examined.
     Open([f64; 2], StopReason),
-    /// The ray meets no zero up to this value of s. The rest was not examined.
+    /// The ray meets no zero up to this s. It was not examined beyond.
     Resumed(f64),
 }
 
-/// Narrows segments in `T`.
+/// Narrows segments in floats of type `T`.
 pub(super) struct Narrower<'a, T: Scalar> {
     pub segments: &'a dyn Kernel<ContractSegments, T>,
-    /// Kernels that bound the function and the denominator of its rational form. `None` if segments
-    /// are narrowed by the function itself, not by the numerator.
+    /// Kernels that bound the function, and the denominator of its rational form. `None` if
+    /// segments are narrowed by the function itself, not by a numerator.
     cleared: Option<[&'a dyn Kernel<Enclose, T>; 2]>,
     zeros: Option<&'a dyn Kernel<FindZeros, T>>,
     region: &'a Region,
     contracts: bool,
-    /// Length below which a segment may stay undecided: [`crate::TraceOptions::least`].
+    /// Length below which a segment may stay undecided, in maximum lengths of a hit's bracket.
     least: f64,
-    /// True if undecided segments are examined again in `f64`.
+    /// Whether undecided segments are examined again in `f64`.
     refined_later: bool,
 }
 
-/// Reused buffers, and per ray the segments that remain to be examined, the nearest last.
+/// Buffers that are reused. `stacks` has the segments to examine on each ray; the nearest is last.
 #[derive(Default)]
 pub(super) struct Scratch<T: Scalar> {
     stacks: [PendingSegments; LANES],
@@ -61,22 +61,21 @@ pub(super) struct Scratch<T: Scalar> {
     out: Contractions<T>,
 }
 
-/// A segment is cut if more than this share of its length is left.
+/// A segment is cut if narrowing leaves more than this share of its length.
 pub(super) const STALL_RATIO: f64 = 0.6;
-/// A form counts as nearly linear if it leaves at most this share of a segment's length.
+/// A form counts as nearly linear if narrowing leaves at most this share of a segment's length.
 pub(super) const LINEAR_RATIO: f64 = 0.35;
-/// Maximum length of a bracket if the form was not nearly linear, as a share of the length
-/// otherwise allowed.
+/// Maximum length of a bracket whose form was not nearly linear, as a share of the usual maximum.
 pub(super) const NONLINEAR_SHARE: f64 = 1.0 / 32.0;
-/// A segment that can no longer be narrowed is limited by rounding if it is at most this many times
-/// the minimum length. Higher precision narrows it further.
+/// If a segment cannot be narrowed and its length is at most this many times the minimum length,
+/// rounding is the cause. Then higher precision narrows it further.
 pub(super) const STALL_LENGTH: f64 = 32.0;
-/// An undecided segment of at most this many times the minimum length is so for lack of precision,
-/// not of effort.
+/// An undecided segment longer than this many times the minimum length has used up the effort. A
+/// shorter one needs more precision.
 const EFFORT_LENGTH: f64 = 1024.0;
-/// Minimum length of segments as a share of the rounding error of their coordinates.
+/// Minimum length of segments, as a share of the rounding error of coordinates on the ray.
 pub(super) const MIN_BLUR_SHARE: f64 = 0.125;
-/// Number of segments examined on one ray before their minimum length grows.
+/// Number of segments examined on one ray before the ray's minimum length grows.
 const SEGMENTS_BEFORE_GROWTH: u32 = 96;
 
 impl<'a, T: Scalar> Narrower<'a, T> {
@@ -90,7 +89,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
         Ok(Self {
             segments: kernels.segments()?,
             cleared,
-            // Undecided segments that are examined again in `f64` need no test by intervals before.
+            // No interval test is needed for segments that are examined again in `f64`.
             zeros: if options.intervals && !refined_later { kernels.zeros().ok() } else { None },
             region,
             contracts: options.contract,
@@ -99,7 +98,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
         })
     }
 
-    /// Follows each ray along its segment, if it has one, and writes to `steps` how far.
+    /// Follows each ray along its segment, if it has one. Writes the results to `steps`.
     pub fn narrow(
         &self,
         local_rays: &[LocalRay],
@@ -121,7 +120,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                 grain[lane] = least[lane];
             }
         }
-        // Lanes of the rays that have segments left, in the order in which they are in the batch.
+        // Lanes of the rays with segments left, in the order of the batch.
         let mut lanes: Vec<usize> = (0..LANES).filter(|&lane| !stacks[lane].is_empty()).collect();
         let mut moved = true;
         while !lanes.is_empty() {
@@ -209,7 +208,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
         }
     }
 
-    /// Returns whether a bracket of a zero of the form holds a zero of the function.
+    /// Returns whether a bracket is proven to hold a zero of the function, not only of a numerator.
     fn is_zero(&self, local_ray: &LocalRay, segment: [f64; 2]) -> bool {
         let Some([function, denominator]) = self.cleared else { return true };
         let boxes = Boxes::around(&[bounds(local_ray, segment, self.region)]);
@@ -220,8 +219,8 @@ impl<'a, T: Scalar> Narrower<'a, T> {
             && denominator.facts(0).has(Facts::CONTINUOUS)
     }
 
-    /// Returns whether a segment may hold a zero. The test uses intervals, branch by branch if the
-    /// function jumps.
+    /// Returns whether a segment may hold a zero, tested by intervals. A function with jumps is
+    /// tested branch by branch.
     fn may_vanish(&self, local_ray: &LocalRay, segment: [f64; 2]) -> bool {
         let Some(kernel) = self.zeros else { return true };
         let boxes = Boxes::around(&[bounds(local_ray, segment, self.region)]);
@@ -231,8 +230,8 @@ impl<'a, T: Scalar> Narrower<'a, T> {
     }
 }
 
-/// Puts a ray's segment on its stack with ends rounded outward. Returns the minimum length of
-/// segments.
+/// Puts a ray's segment on its stack, with its ends rounded outward. Returns the minimum length of
+/// the ray's segments.
 fn push_outward<T: Scalar>(
     local_ray: &LocalRay,
     [near, far]: [f64; 2],
@@ -241,12 +240,12 @@ fn push_outward<T: Scalar>(
     let slack = T::PATH_ERROR * (near.abs() + far.abs());
     let outward = |end: f64, slack: f64| {
         let float: f64 = T::nearest(end).into();
-        // Most ends are floats already.
+        // Most ends are floats of `T` already.
         if float == end { end } else { T::nearest(end + slack).into() }
     };
     let (near, far) = (outward(near, -slack), outward(far, slack));
-    // The sign is unknown where the ray leaves the region. So the parts outside of it, due to
-    // outward rounding, are examined separately.
+    // Outside the region, the function's sign is unknown. Rounding may move a segment's ends out of
+    // the region, so the parts outside are examined separately.
     let mut inside = local_ray.inside;
     let within = inside[0] <= near && far <= inside[1];
     if !within {
@@ -270,22 +269,22 @@ fn push_outward<T: Scalar>(
         .max(MIN_BLUR_SHARE * blur)
 }
 
-/// Returns the maximum length of a hit's bracket. If the form is nearly linear (`steady`), the
-/// gradient anywhere in the bracket is about that at the root. Otherwise roots may be close
-/// together or multiple, and the normal depends on where exactly the gradient is taken.
+/// Returns the maximum length of a hit's bracket. A nearly linear form is `steady`: the gradient
+/// anywhere in the bracket is about that at the root. Otherwise roots may be close together or
+/// multiple, and the normal depends on the exact place.
 #[inline]
 fn enough(longest: f64, steady: bool) -> f64 {
     if steady { longest } else { NONLINEAR_SHARE * longest }
 }
 
-/// Returns whether the parts of a cut segment are shorter than the segment was before narrowing.
-/// Near the resolution of floats, narrowing may make a segment longer, so it would be cut forever.
-/// False if an end is not finite.
+/// Returns whether both parts of a cut segment are shorter than `length`, the segment's length
+/// before narrowing. Near the resolution of floats, narrowing may lengthen a segment, which would
+/// then be cut forever. Returns false if an end is not finite.
 fn is_progress([near, far]: [f64; 2], cut: f64, length: f64) -> bool {
     near < cut && cut < far && cut - near < length && far - cut < length
 }
 
-/// Like [`is_progress`], for as many segments as a vector holds.
+/// As [`is_progress`], for as many segments as a vector holds.
 #[inline(always)]
 pub(super) fn are_progress<S: Simd, V: SimdFloat<S>>(
     [near, far]: [V; 2],
@@ -296,7 +295,7 @@ pub(super) fn are_progress<S: Simd, V: SimdFloat<S>>(
     near.simd_lt(cut) & cut.simd_lt(far) & shorter
 }
 
-/// Writes a ray to a lane.
+/// Writes a ray to a lane of the batch.
 fn place<T: Scalar>(batch: &mut Segments<T>, lane: usize, local_ray: &LocalRay) {
     let rounding = rounding::<T>(local_ray);
     for axis in 0..3 {
@@ -306,7 +305,7 @@ fn place<T: Scalar>(batch: &mut Segments<T>, lane: usize, local_ray: &LocalRay) 
     }
 }
 
-/// Returns the rounding error of a ray's coordinates in `T`.
+/// Returns the rounding error of a ray's coordinates in floats of type `T`.
 pub(super) fn rounding<T: Scalar>(local_ray: &LocalRay) -> DVec3 {
     let most = local_ray.span[0].abs().max(local_ray.span[1].abs());
     let least: f64 = T::LEAST_NORMAL.into();

@@ -1,4 +1,4 @@
-//! The pixels of a tile: hits that the tile's form proves, and rays that must be followed.
+//! The pixels of a tile. Their rays get the hits that the tile's form proves, or are followed.
 
 use super::super::local_ray::{self, LocalRay};
 use super::plane::Plane;
@@ -11,37 +11,36 @@ use crate::scalar::Scalar;
 use fearless_simd::{f64x8, prelude::*};
 use zeroset_eval::{Contractions, LANES, Lanes};
 
-/// Bound on the relative rounding error of a bracket's distance. It is far below the length of
-/// brackets that kernels leave.
+/// Bound of the relative rounding error of a bracket's distance. Brackets are far longer than that.
 pub(super) const ROUNDED: f64 = 1e-13;
 
 /// A tile of 4×4 pixels. Its lanes and bits are pixels, row by row.
 pub(super) struct TilePixels {
     pub tile: TilePlace,
-    /// Index of its bits in [`BandTracer::open`].
+    /// Index of the tile in [`BandTracer::open`].
     pub index: usize,
-    /// First column and row.
+    /// Column and row of the first pixel, in the band.
     first: [usize; 2],
-    /// Columns and rows from one row of pixels to the next.
+    /// Change of column and of row in the band from one row of the tile's pixels to the next.
     next: [usize; 2],
-    /// Screen coordinates of its columns and rows.
+    /// Screen coordinates of the tile's columns, then of its rows.
     pub across: [f64; 4],
     pub upward: [f64; 4],
 }
 
 impl TilePixels {
-    /// Returns the screen coordinates of its rays.
+    /// Returns the screen coordinates of the tile's rays.
     #[inline(always)]
     pub(super) fn screens<S: Simd>(&self, simd: S) -> [[f64x8<S>; 2]; 2] {
         spread(simd, self.across, self.upward)
     }
 
-    /// Returns the screen coordinates of the ray with this bit.
+    /// Returns the screen coordinates of the ray with index `bit`.
     fn screen(&self, bit: usize) -> [f64; 2] {
         [self.across[bit % 4], self.upward[bit / 4]]
     }
 
-    /// Returns the column and row in the band of the pixel with this bit.
+    /// Returns the column and row in the band of the pixel with index `bit`.
     fn pixel(&self, bit: usize) -> [usize; 2] {
         let [column, row] = self.first;
         [column + bit % 4 + bit / 4 * self.next[0], row + bit / 4 * self.next[1]]
@@ -54,7 +53,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         let (mut first, mut next) = ([4 * column, 4 * row], [0, 1]);
         let [across, upward] = match self.rays.patch(self.band.top + row) {
             Some(patch) => {
-                // A patch lies in one row of the band.
+                // The pixels of a patch lie in one row of the band.
                 (first, next) = ([0, row], [4, 0]);
                 [0, 1].map(|axis| self.rays.screens(axis, 2 * [patch.column, patch.row][axis], 2))
             }
@@ -64,7 +63,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         TilePixels { tile: tile_place([column, row]), index, first, next, across, upward }
     }
 
-    /// Returns the column and row in the band of a ray's pixel, and the ray's screen coordinates.
+    /// Returns the column and row of a ray's pixel in the band, and the ray's screen coordinates.
     #[inline(always)]
     pub(super) fn pixel_of(&self, ray: &TileRay<T>) -> ([usize; 2], [f64; 2]) {
         let ([column, row], bit) = (place_of(ray.tile), ray.bit as usize % LANES);
@@ -84,7 +83,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         self.open[row * self.across + column] &= !(1 << ray.bit);
     }
 
-    /// Writes the hits that a tile's form proves on the rays of its pixels.
+    /// Writes the hits that a tile's form proves on the tile's rays.
     #[inline(always)]
     pub(super) fn write_plane_hits(&mut self, plane: &Plane<T>, depth: usize, place: [usize; 2]) {
         let ([columns, rows], is_patched) = (self.pixels(place, depth), self.rays.is_patched());
@@ -106,7 +105,8 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// Returns the distances at which rays meet a plane, and how far a zero may be from each.
+    /// Returns the distances at which a tile's rays meet a plane, and how far from there zeros may
+    /// be.
     #[inline(always)]
     fn plane_hits(&self, plane: &Plane<T>, patch: &TilePixels) -> [Lanes<f64>; 2] {
         let mut found = [Lanes::splat(0.0); 2];
@@ -121,7 +121,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         found
     }
 
-    /// Returns the distances of the middles of the remaining brackets, and half their lengths.
+    /// Returns the distances of the middles of the brackets, and half the brackets' lengths.
     #[inline(always)]
     pub(super) fn between(&self, patch: &TilePixels) -> [Lanes<f64>; 2] {
         let simd = self.simd;
@@ -139,8 +139,8 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         found
     }
 
-    /// Writes a hit in the middle of a bracket, computed as in [`Self::between`], and marks its
-    /// pixel as finished.
+    /// Writes a hit in the middle of a bracket, and marks the ray's pixel as finished. The
+    /// distances are computed as in [`Self::between`].
     #[inline(always)]
     pub(super) fn add_hit(&mut self, ray: &TileRay<T>, [near, far]: [f64; 2]) {
         let middle = self.frame.start + 0.5 * (near + far);
@@ -151,7 +151,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         self.band.add_hit(column, row, middle * length, off * length);
     }
 
-    /// Returns the lengths of the rays' directions.
+    /// Returns the lengths of the directions of a tile's rays.
     #[inline(always)]
     fn lengths(&self, patch: &TilePixels) -> [f64x8<S>; 2] {
         let simd = self.simd;
@@ -160,14 +160,14 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         }
         let [mut a, b] = patch.screens(simd);
         for (a, b) in a.iter_mut().zip(b) {
-            // Each product is rounded before it is added, as in `length`. A pixel's neighbors
-            // determine which of both functions it gets, so they must agree.
+            // Each product is rounded before it is added, as in `length`. The neighbors of a pixel
+            // determine which of the two functions is used for it, so both must agree.
             *a = (1.0 + *a * *a + b * b).sqrt();
         }
         a
     }
 
-    /// Writes hits at these distances on the rays with these bits.
+    /// Writes hits on the rays with these bits, at `distance`. Brackets reach `off` to both sides.
     #[inline(always)]
     pub(super) fn write_hits(
         &mut self,
@@ -191,13 +191,14 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// Returns the length of a ray's direction.
+    /// Returns the length of the direction of the ray with these screen coordinates.
     #[inline]
     fn length(&self, [a, b]: [f64; 2]) -> f64 {
         if self.rays.parallel { 1.0 } else { (1.0 + a * a + b * b).sqrt() }
     }
 
-    /// Follows up to sixteen rays, clipped to the region, one by one to the end.
+    /// Follows up to sixteen rays to the end. Rays that may leave the region are first clipped to
+    /// it.
     pub(super) fn follow_each(&mut self, rays: &[(TileRay<T>, [f64; 2])]) {
         let (region, error, start) = (self.method.task.region, self.frame.error, self.frame.start);
         let [mut screens, mut spans] = [[Lanes::splat(0.0); 2]; 2];
@@ -212,8 +213,8 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         let screen = |lane: usize| screens.each_ref().map(|lanes| lanes[lane]);
         let mut insides = [f64::NEG_INFINITY, f64::INFINITY].map(Lanes::splat);
         if rays.iter().any(|(ray, _)| !ray.within) {
-            // Rays are clipped as closely as `f64` allows, since the undecided place may be where
-            // they leave the region.
+            // Rays are clipped as closely as `f64` allows, since a ray may be undecided where it
+            // leaves the region.
             let Self { simd, size, .. } = *self;
             insides = self.frame.clip_rays(simd, &screens, region, size, &mut spans);
         }
@@ -233,9 +234,9 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
                     inside = local_ray::inside(region, &ray, start);
                 }
             }
-            // Segments in `T` may begin slightly behind the eye.
+            // Rounded to `T`, a segment may begin slightly behind the eye.
             span[0] = span[0].max(-start);
-            // False also if an end is NaN.
+            // The comparison is also false if an end is NaN.
             let is_left = span[0] <= span[1];
             if !is_left {
                 continue;

@@ -1,5 +1,5 @@
-//! Planes in the space of screen coordinates and s, from the forms of tiles. All zeros on a tile's
-//! rays lie near its plane.
+//! Planes in the space of screen coordinates and s. A tile's form gives its plane. All zeros on the
+//! tile's rays lie near the plane.
 
 use super::screens::ScreenRays;
 use crate::scalar::Scalar;
@@ -7,7 +7,7 @@ use crate::simd_chunks::parts;
 use fearless_simd::{f64x8, prelude::*};
 use zeroset_eval::{LANES, Lanes, Planes, Tiles};
 
-/// The planes of a batch of tiles, a lane each.
+/// The planes of a batch of tiles, one per lane.
 #[derive(Default)]
 pub(super) struct PlaneLanes<T: Scalar> {
     s: Lanes<T>,
@@ -15,27 +15,28 @@ pub(super) struct PlaneLanes<T: Scalar> {
     reach: Lanes<T>,
 }
 
-/// A plane, and how far from it zeros may be.
+/// A plane, and the distance from it within which zeros lie.
 #[derive(Clone, Copy)]
 pub(super) struct Plane<T> {
     /// Screen coordinates of the tile's center.
     centre: [T; 2],
-    /// s at the center, then its change per unit of each screen coordinate.
+    /// s of the plane at the center, then its change per unit of each screen coordinate.
     s: T,
     per_screen: [T; 2],
-    /// Maximum distance of a zero from the plane, along s. It covers the rounding of this
-    /// computation, and that of rays' screen coordinates to `T`.
+    /// Maximum distance of a zero from the plane, along s. It covers the rounding of the plane, and
+    /// of rays' screen coordinates to `T`.
     pub reach: T,
 }
 
 impl<T: Scalar> PlaneLanes<T> {
-    /// Computes the planes from the tiles' forms. A NaN in a plane means that it bounds nothing.
-    /// `aside`: the largest screen coordinates of the picture's rays.
+    /// Computes the planes from the tiles' forms. A plane with a NaN bounds nothing. `aside` has
+    /// the largest screen coordinates of the picture's rays.
     #[inline(always)]
     pub fn find<S: Simd>(&mut self, simd: S, batch: &Tiles<T>, out: &Planes<T>, aside: [f64; 2]) {
         let [rounding, few, lost] =
             [T::PATH_ERROR, 4.0 * T::UNIT, 2.0 * T::UNIT * T::LEAST_NORMAL.into()].map(T::nearest);
-        // The function may be so small that the quotient would overflow.
+        // The form is scaled if the slope along the rays is below `least`: the quotient could
+        // overflow.
         let least = T::LEAST_NORMAL.into() / (T::UNIT * T::UNIT);
         let [small, larger] = [least, 1.0 / least].map(T::nearest);
         let one = T::nearest(1.0);
@@ -47,8 +48,8 @@ impl<T: Scalar> PlaneLanes<T> {
             let [across, upward, along] = [across * scale, upward * scale, along * scale];
             let per_value = half / -along;
             let size = value.abs() + across.abs() + upward.abs() + error;
-            // The reach covers the rounding here and where rays meet the plane, the underflow of
-            // the quotient, and the form's error.
+            // The reach covers three errors: the rounding of the plane and of the points where rays
+            // meet it, the underflow of the quotient, and the form's error.
             let each = per_value.abs();
             let terms = each.mul_add(size, middle.abs() + half);
             let mut reach = each.mul_add(error, terms.mul_add(rounding, size * lost));
@@ -56,20 +57,21 @@ impl<T: Scalar> PlaneLanes<T> {
             for (axis, slope) in [across, upward].into_iter().enumerate() {
                 let half = part.load(&batch.half[axis]);
                 let per_screen = per_value * slope / half;
-                // The screen coordinates of rays are rounded to `T`.
+                // This covers the rounding of rays' screen coordinates to `T`.
                 let off = T::UNIT * aside[axis] + T::LEAST_NORMAL.into();
                 reach = per_screen.abs().mul_add(T::nearest(off), reach);
                 screen += half;
                 part.store(per_screen, &mut self.per_screen[axis]);
             }
-            // These sums are rounded, too. Products with screen coordinates may underflow.
+            // This covers the rounding of the sums above, and underflow of products with screen
+            // coordinates.
             reach = reach.mul_add(few, reach) + screen * T::LEAST_NORMAL;
             part.store(per_value.mul_add(value, middle), &mut self.s);
             part.store(reach, &mut self.reach);
         }
     }
 
-    /// Returns the plane of the tile in a lane of the same batch.
+    /// Returns the plane of the tile in a lane of `batch`.
     #[inline(always)]
     pub fn of(&self, batch: &Tiles<T>, lane: usize) -> Plane<T> {
         Plane {
@@ -82,7 +84,7 @@ impl<T: Scalar> PlaneLanes<T> {
 }
 
 impl<T: Scalar> Plane<T> {
-    /// Returns s where the plane meets the rays at these screen coordinates.
+    /// Returns the s at which the plane meets the rays with these screen coordinates.
     #[inline(always)]
     pub fn at<S: Simd>(&self, [mut along, up]: [[f64x8<S>; 2]; 2]) -> [f64x8<S>; 2] {
         let [s, a, b]: [f64; 3] = [self.s, self.per_screen[0], self.per_screen[1]].map(Into::into);
@@ -94,8 +96,8 @@ impl<T: Scalar> Plane<T> {
         along
     }
 
-    /// Shortens segments to the part that may hold a zero. If nothing is left, the ends are in the
-    /// wrong order. Returns the lanes in which anything is left, as bits.
+    /// Shortens sixteen segments to the parts that may hold a zero. An empty part has its ends in
+    /// the wrong order. Returns the lanes with a non-empty part, as bits.
     #[inline(always)]
     pub fn narrow<S: Simd>(
         &self,
@@ -115,7 +117,7 @@ impl<T: Scalar> Plane<T> {
                     reach = part.load(half).mul_add(part.splat(per_screen).abs(), reach);
                 }
             }
-            // This is more than the rounding error of these sums. An overflow gives NaN, which
+            // The added term exceeds the rounding error of these sums. An overflow gives NaN, which
             // bounds nothing.
             let reach = (s.abs() + reach).mul_add(rounding, reach);
             let [start, end] = [part.load(near), part.load(far)];
@@ -157,7 +159,6 @@ mod tests {
             assert!((0.25 - 1e-12..=0.25).contains(&near), "{near}");
             assert!((1.25..1.25 + 1e-12).contains(&far), "{far}");
         }
-        // Nothing is left.
         assert!(narrowed(&plane(1.0), 9.0).iter().all(|[near, far]| near > far));
     }
 

@@ -1,15 +1,13 @@
-//! Rays of several tiles, followed together to the end.
+//! The pool: rays of several tiles, followed together to the end.
 //!
-//! After the rays of a tile were evaluated once, few are left. A kernel takes little longer for
-//! sixteen rays than for one, so these few wait here until there are sixteen. The same holds for a
-//! tile that has few rays from the start. If a segment is cut, the nearer part stays in its lane,
-//! and the other part waits.
+//! A tile often has few rays left, after its first evaluation or even before. A kernel takes little
+//! longer for sixteen rays than for one. So these rays wait in the pool until there are sixteen. If
+//! a segment is cut, the nearer part stays in its lane, and the farther part waits.
 //!
-//! Some rays are set apart and followed one by one: rays that need more precision than tiles have,
-//! possible hits of a rational form, and all rays of tiles cut by a clipping plane or the edge of a
-//! ball.
+//! Some rays are set apart and followed one by one. They need more precision than tiles have, or
+//! are possible hits of a rational form, or a clipping plane or the edge of a ball cuts their tile.
 //!
-//! A ray is in the pool at most once: the next segment of its tile waits until the ray is finished.
+//! The pool holds a ray at most once. The next segment of its tile waits until the ray is finished.
 
 use super::classify::EvaluatedSegments;
 use super::narrow::Scratch;
@@ -19,7 +17,7 @@ use crate::scalar::Scalar;
 use fearless_simd::{mask8x16, mask32x16, prelude::*, u8x16, u32x16};
 use zeroset_eval::{Contractions, LANES, Lanes, Segments};
 
-/// Place of a 4×4 tile in its band: its row in the upper half of the bits, its column in the lower.
+/// Place of a 4×4 tile in its band. The upper half of the bits is the row, the lower the column.
 pub(super) type TilePlace = u32;
 
 /// Returns the place of the tile in this column and row.
@@ -38,45 +36,45 @@ pub(super) fn place_of(tile: TilePlace) -> [usize; 2] {
 #[derive(Clone, Copy, Default)]
 pub(super) struct TileRay<T> {
     pub tile: TilePlace,
-    /// Index of its bit among the tile's pixels.
+    /// Index of the ray's pixel among the tile's pixels.
     pub bit: u32,
     /// Maximum length of a hit's bracket.
     pub longest: T,
-    /// True if its whole segment is in the region.
+    /// Whether the ray's whole segment is in the region.
     pub within: bool,
 }
 
 impl<T> TileRay<T> {
-    /// Returns the ray of the same tile with this bit.
+    /// Returns the ray of the same tile whose pixel has index `bit`.
     #[inline(always)]
     pub fn at(self, bit: usize) -> Self {
         Self { bit: bit as u32, ..self }
     }
 }
 
-/// Rays that are followed together, a lane each.
+/// Rays that are followed together, one per lane.
 #[derive(Default)]
 pub(super) struct Pool<T: Scalar> {
     /// Lanes in use, as bits.
     pub live: u16,
     pub evaluated: EvaluatedSegments<T>,
-    /// Per lane, the values of s between which the ray is certainly in the region.
+    /// For each lane, the range of s in which the ray is proven to lie in the region.
     pub inside: [Lanes<T>; 2],
     pub tiles: [TilePlace; LANES],
     pub bits: [u32; LANES],
     /// Lanes whose rays are [within](TileRay::within) the region, as bits.
     within: u16,
-    /// Per lane, how often the ray was evaluated.
+    /// For each lane, the number of evaluations of the ray.
     pub rounds: [u8; LANES],
-    /// Per lane, the segments put aside, the nearest last.
+    /// For each lane, the segments put aside. The nearest is last.
     later: [PendingSegments<T>; LANES],
     /// Lanes that have segments put aside, as bits.
     waiting: u16,
-    /// Rays that are followed one by one, each between two values of s.
+    /// Rays that are followed one by one. Each has a first and a last s.
     pub apart: Vec<(TileRay<T>, [f64; 2])>,
 }
 
-/// Buffers that are used for one band after another.
+/// Buffers that are reused from band to band.
 #[derive(Default)]
 pub(super) struct RayBuffers<T: Scalar> {
     /// The rays of one tile.
@@ -86,32 +84,32 @@ pub(super) struct RayBuffers<T: Scalar> {
     pub scratch: Scratch<T>,
 }
 
-/// Values of [`Pool::inside`] for a ray whose whole segment is in the region.
+/// The range in [`Pool::inside`] of a ray whose whole segment is in the region.
 pub(super) const ANYWHERE: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
 
 impl<T: Scalar> RayBuffers<T> {
-    /// Sets the error of the rays' coordinates.
+    /// Sets the error of rays' coordinates in both batches.
     pub fn set_error(&mut self, error: [Lanes<T>; 3]) {
         self.tile_rays.segments.error = error;
         self.pool.evaluated.segments.error = error;
     }
 
-    /// Returns the segment that the kernel left in a lane.
+    /// Returns the part that the kernel left of a lane's segment.
     pub fn left(&self, lane: usize) -> [T; 2] {
         [self.contractions.near[lane], self.contractions.far[lane]]
     }
 }
 
 impl<T: Scalar> Pool<T> {
-    /// Puts a part of the segment in a lane aside, to be evaluated after the nearer parts.
+    /// Puts a part of a lane's segment aside. It is evaluated after the nearer parts.
     pub fn put_aside(&mut self, lane: usize, part: [T; 2]) {
         self.later[lane].push(part);
         self.waiting |= 1 << lane;
     }
 
-    /// Sets where the ray in a lane is certainly in the region, and cuts its segment at these
-    /// places. The sign is unknown where a ray leaves the region, so the parts are evaluated
-    /// separately. All parts but the nearest are put aside.
+    /// Sets the range of s in which a lane's ray is proven to lie in the region, and cuts the ray's
+    /// segment at the range's ends. The function's sign is unknown outside the region, so the parts
+    /// are evaluated separately. All parts but the nearest are put aside.
     pub fn cut_at_faces(&mut self, lane: usize, [first, last]: [T; 2]) {
         let segments = &self.evaluated.segments;
         (self.inside[0][lane], self.inside[1][lane]) = (first, last);
@@ -151,7 +149,8 @@ impl<T: Scalar> Pool<T> {
         (ray, last)
     }
 
-    /// Continues with the segments that were put aside for these lanes. Frees lanes without any.
+    /// Continues each lane in `done` with the next segment put aside for it. Frees lanes without
+    /// any.
     #[inline(always)]
     pub fn resume(&mut self, done: u16) {
         self.live &= !done;
@@ -167,9 +166,9 @@ impl<T: Scalar> Pool<T> {
         }
     }
 
-    /// Returns whether the pool holds a ray of a tile, or a ray of it is set apart. For a tile of a
-    /// coarser level, `finer` is the number of low bits in which the places of its 4×4 tiles may
-    /// differ.
+    /// Returns whether a ray of a tile is in the pool or set apart. `place` counts tiles of this
+    /// tile's size. The columns and rows of the 4×4 tiles in this tile differ only in the `finer`
+    /// lowest bits.
     #[inline(always)]
     pub fn has_ray_of<S: Simd>(&self, simd: S, place: [usize; 2], finer: u32) -> bool {
         let counts = !tile_place([(1 << finer) - 1; 2]);
@@ -179,8 +178,8 @@ impl<T: Scalar> Pool<T> {
         same & self.live != 0 || self.apart.iter().any(|(ray, _)| ray.tile & counts == tile)
     }
 
-    /// Copies rays of a tile to the pool: those in the lanes `from` of its batch to the free lanes
-    /// `to`. A ray's bit in the tile is its lane in the batch.
+    /// Copies rays of a tile to the pool: from the lanes `from` of the tile's batch to the free
+    /// lanes `to`. A ray's bit in the tile is its lane in the batch.
     #[inline(always)]
     pub fn take<S: Simd>(
         &mut self,
@@ -215,13 +214,13 @@ impl<T: Scalar> Pool<T> {
         self.live |= to;
     }
 
-    /// Moves the rays to the front, if that saves a vector.
+    /// Moves the rays to the front if that saves a vector.
     #[inline(always)]
     pub fn pack<S: Simd>(&mut self, simd: S) {
         if !saves_a_vector::<T, S>(self.live) {
             return;
         }
-        // The compiler keeps this local copy in a register, instead of reading it again for each
+        // The compiler keeps this copy in a register. It would read `self.live` again for each
         // quantity.
         let kept = self.live;
         let (EvaluatedSegments { segments, longest }, [first, last]) =

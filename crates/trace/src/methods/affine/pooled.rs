@@ -1,4 +1,4 @@
-//! Following the rays in the pool, and the rays that were set apart.
+//! Follows the rays in the pool, and the rays that were set apart.
 
 use super::pool::{Pool, RayBuffers, TileRay};
 use super::screens::LANE_INDICES;
@@ -8,10 +8,10 @@ use crate::scalar::Scalar;
 use fearless_simd::{mask32x16, prelude::*, u8x16, u32x16};
 use zeroset_eval::{LANES, Segments};
 
-/// Number of evaluations after which the rest of a ray is set apart.
+/// Number of evaluations after which a ray is set apart with the rest of its segment.
 const ROUNDS: u8 = 64;
 
-/// Returns the lowest `count` of the bits that are set.
+/// Returns the lowest `count` of the set bits.
 #[inline(always)]
 fn lowest<S: Simd>(simd: S, bits: u16, count: u32) -> u16 {
     let first = u32x16::simd_from(simd, LANE_INDICES.map(u32::from)).simd_lt(count);
@@ -22,9 +22,9 @@ fn lowest<S: Simd>(simd: S, bits: u16, count: u32) -> u16 {
 
 impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
     /// Puts rays of a tile into the pool: as many as there are free lanes, and at least one. `rest`
-    /// holds their lanes in the tile's batch, which are also their bits in the tile; the rays that
-    /// are added are removed from it. `rounds`: how often they were evaluated. Returns their lanes
-    /// in the batch and in the pool, in the same order.
+    /// has the rays' lanes in the tile's batch, which are also their bits in the tile. Added rays
+    /// are removed from `rest`. `rounds` is the number of evaluations that the rays have had.
+    /// Returns the added rays' lanes in the batch and in the pool, in the same order.
     #[inline(always)]
     pub(super) fn add_to_pool(&mut self, rest: &mut u16, rays: TileRay<T>, rounds: u8) -> [u16; 2] {
         while self.memory.pool.live == u16::MAX {
@@ -42,7 +42,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         [from, to]
     }
 
-    /// Sets a ray apart, to be followed alone.
+    /// Sets a ray apart: it is followed alone, between these values of s.
     pub(super) fn set_apart(&mut self, ray: TileRay<T>, ends: [f64; 2]) {
         let apart = &mut self.memory.pool.apart;
         apart.push((ray, ends));
@@ -56,7 +56,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         while !self.over && self.advance_pending() {}
     }
 
-    /// Gives up the rays in the pool and the rays set apart.
+    /// Gives up all rays in the pool and all rays set apart.
     pub(super) fn give_up_pool(&mut self) {
         let Pool { live, tiles, bits, .. } = self.memory.pool;
         let pooled = ones(live).map(|lane| (tiles[lane], bits[lane]));
@@ -68,8 +68,8 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// Evaluates the pool once or, if it is empty, follows the rays set apart. Returns `false` if
-    /// there was no ray to follow.
+    /// Evaluates the pool once. If it is empty, follows the rays set apart. Returns `false` if all
+    /// rays are finished.
     #[inline(always)]
     pub(super) fn advance_pending(&mut self) -> bool {
         if self.memory.pool.live != 0 {
@@ -82,7 +82,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         true
     }
 
-    /// Follows the rays that were set apart.
+    /// Follows all rays that were set apart.
     fn follow_apart(&mut self) {
         if self.is_cancelled() {
             return;
@@ -98,8 +98,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
     /// Evaluates the segments in the pool once.
     #[inline(always)]
     fn evaluate_pool(&mut self) {
-        // This is called from many places, so the code is kept out of line. It is compiled for the
-        // same vectors.
+        // Called from many places, so the code is kept out of line, compiled for the same vectors.
         self.simd.vectorize(
             #[inline(always)]
             || self.evaluate_pool_once(),
@@ -141,7 +140,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
                 ends = [near[lane], far[lane]];
             }
             let (ray, last) = self.memory.pool.free_lane(lane);
-            // The undecided part reaches to the end of the segments that were put aside.
+            // The undecided part reaches to the end of all segments that were put aside.
             let [near, far] = [ends[0], last.unwrap_or(ends[1])];
             self.set_apart(ray, [near.into(), far.into()]);
         }

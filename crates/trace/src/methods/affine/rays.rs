@@ -1,5 +1,4 @@
-//! Single rays, sixteen at a time, followed to a proven hit, to the end, or to an undecided
-//! segment.
+//! Single rays, sixteen at a time, followed to a proven hit, to an undecided segment or to the end.
 
 use super::MIN_BRACKET;
 use super::frame::FORM_BLUR;
@@ -16,29 +15,29 @@ use std::sync::OnceLock;
 use zeroset_eval::{Boxes, Contractions, Enclose, Kernel, KernelError, LANES, Segments, Zeros};
 use zeroset_interval::Facts;
 
-/// Returns whether a ray's bracket must be so short that segments cannot be narrowed to it in `T`.
+/// Returns whether a ray's bracket must be shorter than segments in `T` can be.
 fn is_blurred<T: Scalar>(local_ray: &LocalRay) -> bool {
     local_ray.longest * local_ray.direction.length()
         < MIN_BRACKET * FORM_BLUR * rounding::<T>(local_ray).max_element()
 }
 
-/// Follows single rays.
+/// Follows single rays, with refinement in `f64` if needed.
 pub(super) struct Follower<'a, T: Scalar> {
     narrower: Narrower<'a, T>,
-    /// True if undecided segments are examined again in `f64`.
+    /// Whether undecided segments are examined again in `f64`.
     refines: bool,
     /// Narrower in `f64`, created when the first ray needs it.
     double: OnceLock<Option<Narrower<'a, f64>>>,
     task: Task<'a>,
 }
 
-/// Length of a stretch that is examined in `f64`, in multiples of the segment that is undecided in
-/// `f32`.
+/// Length of the stretch that is examined in `f64`, as a multiple of the segment that is undecided
+/// in `f32`.
 const STRETCH: f64 = 256.0;
 
-/// Beside a gap there are more undecided segments than are examined. The length that is skipped
-/// behind each grows by this factor, up to the length of a hit's bracket. The ray is undecided
-/// anyway, and a root behind the gap should be painted.
+/// Near a gap, like that of sin(x)/x at 0, more segments are undecided than may be examined. So a
+/// length is skipped behind each undecided segment. The length grows by this factor, up to the
+/// length of a hit's bracket. The ray stays undecided, but a root behind the gap is painted.
 const GROWTH: f64 = 4.0;
 
 impl<'a, T: Scalar> Follower<'a, T> {
@@ -53,7 +52,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
         self.narrower.segments.eval(segments, out);
     }
 
-    /// Follows up to [`LANES`] rays, and returns their outcomes.
+    /// Follows up to [`LANES`] rays. Returns their outcomes.
     pub fn follow(
         &self,
         local_rays: &[LocalRay],
@@ -74,8 +73,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
         }
         let finer = blurred.contains(&true).then(|| self.double()).flatten();
         while pending.iter().any(Option::is_some) {
-            // Whether a ray is followed in `f64` is decided by that ray alone, so that its outcome
-            // depends on no other ray.
+            // Only the ray itself decides whether `f64` is used. So its outcome depends on no other
+            // ray.
             let is_finer = |lane: usize| finer.is_some() && blurred[lane];
             let part = |fine: bool| -> [Option<[f64; 2]>; LANES] {
                 std::array::from_fn(|lane| pending[lane].filter(|_| is_finer(lane) == fine))
@@ -102,8 +101,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
                     |from: f64| (from < local_ray.span[1]).then_some([from, local_ray.span[1]]);
                 pending[lane] = match steps[lane] {
                     FollowResult::Empty => None,
-                    // The zero on which a ray starts does not count. A segment found in `f64` may
-                    // be so short that `T` cannot resolve its end, so a minimum length is skipped.
+                    // The zero on which a ray starts does not count. At least `grain` is skipped,
+                    // since the end of a segment found in `f64` may be too near for `T` to resolve.
                     FollowResult::Hit([near, far]) | FollowResult::Open([near, far], _)
                         if start == Start::OnSurface && near <= local_ray.span[0] =>
                     {
@@ -143,9 +142,9 @@ impl<'a, T: Scalar> Follower<'a, T> {
         outcomes
     }
 
-    /// Examines again in `f64` the segments that are undecided in `f32`, and a stretch behind each.
-    /// If one segment is too short for `f32`, many others nearby are. Each stretch is longer than
-    /// the one before.
+    /// Examines segments that are undecided in `f32` again in `f64`, each with a stretch behind it,
+    /// since nearby segments are mostly undecided, too. On each ray, every stretch is at least four
+    /// times as long as the one before.
     fn refine(
         &self,
         local_rays: &[LocalRay],
@@ -157,12 +156,14 @@ impl<'a, T: Scalar> Follower<'a, T> {
             return;
         }
         let open: [Option<[f64; 2]>; LANES] = std::array::from_fn(|lane| match steps[lane] {
-            // A preview refines too: the segment may be at a jump, or out of the range of `T`.
+            // Previews examine segments in `f64`, too: a segment may be at a jump, or out of the
+            // range of `T`.
             FollowResult::Open([near, far], _) => {
                 let [first, longest] = local_rays[lane].span;
-                // In `T` the segment may begin before the start of its ray.
+                // Rounded to `T`, the segment may begin before its ray does.
                 let near = near.max(first);
-                // The stretch is so long that the next segment in `T` begins behind it.
+                // The stretch is so long that, rounded to `T`, the next segment begins behind
+                // `near`.
                 let least = T::GRAIN * first.abs().max(longest.abs());
                 let open = STRETCH * (far - near);
                 stretch[lane] = (4.0 * stretch[lane]).max(open).max(least);
@@ -187,7 +188,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
         }
     }
 
-    /// Returns the narrower in `f64`, if undecided segments are examined again in `f64`.
+    /// Returns the narrower that computes in `f64`. `None` if undecided segments are not examined
+    /// again, or if its kernels cannot be compiled.
     fn double(&self) -> Option<&Narrower<'a, f64>> {
         let make = || Narrower::new(self.task, false).ok();
         self.refines.then(|| self.double.get_or_init(make).as_ref()).flatten()
@@ -207,8 +209,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
         }
     }
 
-    /// Returns a bracket of the first zero, if that lies in an undecided segment or close behind
-    /// it.
+    /// Returns a bracket of the first zero, if it lies in an undecided segment or close behind.
     fn bracket_across_gap(&self, local_ray: &LocalRay, segment: [f64; 2]) -> Option<[f64; 2]> {
         if self.refines {
             self.bracket_across_gap_in::<f64>(local_ray, segment)

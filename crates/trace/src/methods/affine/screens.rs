@@ -1,14 +1,14 @@
-//! Screen coordinates of up to sixteen tiles or rays, and the remaining parts of their segments.
+//! Screen coordinates of up to sixteen tiles or rays, and the parts left of their segments.
 
 use crate::scalar::{HALF, Scalar};
 use fearless_simd::{f64x4, f64x8, prelude::*};
 use zeroset_eval::{LANES, Lanes};
 
-/// Screen coordinates of rays; or of the centers of tiles, together with the tiles' half extents.
+/// Screen coordinates of rays, or of the centers of tiles. For tiles, also their half extents.
 pub(super) type ScreenRays<'a, T> = (&'a [Lanes<T>; 2], Option<&'a [Lanes<T>; 2]>);
 
-/// Returns the screen coordinates of 4×4 places, row by row, given those of the columns and of the
-/// rows.
+/// Returns the screen coordinates of 4×4 places, row by row. `across` has those of the columns,
+/// `upward` those of the rows.
 #[inline(always)]
 pub(super) fn spread<S: Simd>(simd: S, across: [f64; 4], upward: [f64; 4]) -> [[f64x8<S>; 2]; 2] {
     let across = f64x4::simd_from(simd, across);
@@ -17,10 +17,10 @@ pub(super) fn spread<S: Simd>(simd: S, across: [f64; 4], upward: [f64; 4]) -> [[
     [[across; 2], [row(0).combine(row(1)), row(2).combine(row(3))]]
 }
 
-/// Segments that remain to be examined, the nearest last.
+/// Segments that still have to be examined. The nearest is last.
 pub(super) type PendingSegments<T = f64> = Vec<[T; 2]>;
 
-/// Index of each lane: the order of lanes before any has moved.
+/// The index of each lane, which is the order of lanes before any has moved.
 pub(super) const LANE_INDICES: [u8; LANES] = {
     let mut things = [0; LANES];
     let mut lane = 1;
@@ -31,30 +31,29 @@ pub(super) const LANE_INDICES: [u8; LANES] = {
     things
 };
 
-/// Returns whether fewer vectors of `T` would hold the live lanes if these were moved to the front.
-/// Kernels use vectors of the same width.
+/// Returns whether the live lanes would fill fewer vectors of `T` if they were moved to the front.
+/// Kernels use vectors as wide as those of `S`.
 #[inline(always)]
 pub(super) fn saves_a_vector<T, S: Simd>(live: u16) -> bool {
     let lanes = (S::f32s::LEN * size_of::<f32>() / size_of::<T>()) as u32;
-    // Usually the first vector holds the live lanes already, and nothing has to be counted.
+    // Usually all live lanes are in the first vector, and nothing has to be counted.
     lanes < LANES as u32
         && live >> lanes != 0
         && live.count_ones().div_ceil(lanes) < (LANES as u32 - live.leading_zeros()).div_ceil(lanes)
 }
 
-/// Returns the mask of the live lanes after they are moved to the front. At least one lane must not
-/// be live.
+/// Returns the live lanes after a move to the front. At least one lane must not be live.
 #[inline]
 pub(super) fn packed(live: u16) -> u16 {
     (1 << live.count_ones()) - 1
 }
 
-/// The remaining parts of segments, a lane each: near ends, then far ends.
+/// The parts left of segments, one per lane: near ends, then far ends.
 pub(super) type Ends = [Lanes<f64>; 2];
 
-/// Writes the remaining parts of segments as floats of `T`. `asked` holds the ends before, which
-/// are such floats. An end that differs from them is rounded outward. Returns the lanes in which
-/// anything is left, as bits. No segment reaches farther than `size` from 0.
+/// Writes the parts left of segments as floats of `T`. `asked` has the segments' ends, which are
+/// floats of `T`. An end of a part that differs from the segment's end is rounded outward. All
+/// segments end within `size` of 0. Returns the lanes with a non-empty part, as bits.
 #[inline(always)]
 pub(super) fn outward<S: Simd, T: Scalar>(
     simd: S,
@@ -78,7 +77,7 @@ pub(super) fn outward<S: Simd, T: Scalar>(
     any
 }
 
-/// Returns segments in `f64`.
+/// Converts segments to `f64`.
 #[inline(always)]
 pub(super) fn ends<S: Simd, T: Scalar>(simd: S, near: &Lanes<T>, far: &Lanes<T>) -> Ends {
     let mut ends = [Lanes::splat(0.0); 2];

@@ -1,4 +1,4 @@
-//! Tiles of rays: from 16×16 pixels to 4×4 pixels, and from those to single rays.
+//! Tiles of rays are split: from 16×16 pixels to 4×4 pixels, and from there to single rays.
 
 use super::Affine;
 use super::classify::LengthLimits;
@@ -18,21 +18,19 @@ use fearless_simd::{Level as Vectors, dispatch, prelude::*};
 use std::ops::Range;
 use zeroset_eval::{LANES, Lanes, Tiles};
 
-/// For each level: a tile is split once its segment is no longer than this many times its width.
+/// Per level, a tile is split if its segment is no longer than this many times the tile's width.
 const SLENDER: [f64; 2] = [3.0, 4.0];
-/// The ratio for patches. It is larger: surfaces at outlines are deep, patches are narrow, and the
-/// rays of a patch fill a batch.
+/// [`SLENDER`] for patches. It is larger, since patches lie at outlines, where surfaces are deep
+/// and patches are narrow, and since the rays of a patch fill a batch.
 const SLENDER_PATCH: f64 = 12.0;
-/// A tile is also split once the error of its form is at most this many times the form's change
-/// across the tile. Then the surface is steep rather than curved, and the parts of the tile have
-/// shorter segments.
+/// A tile is also split if its form's error is at most this many times the form's change across the
+/// tile. Then the surface is steep rather than curved, so the parts have shorter segments.
 const TILTED: f64 = 2.0;
-/// If more than this share of a segment's length is left, the segment is not evaluated again. Its
-/// tile is split, or the segment is cut.
+/// If more than this share of a segment's length is left, evaluating the segment again is no use.
+/// Its tile is split, or the segment is cut.
 const STALL_RATIO: f64 = 0.85;
 
-/// Buffers that a thread needs for a band. They are reused for later bands, since creating them
-/// takes a few hundred allocations.
+/// A thread's buffers for a band, which are reused. Creating them takes a few hundred allocations.
 #[derive(Default)]
 pub(super) struct BandBuffers<T: Scalar> {
     levels: [Level<T>; SIDES.len()],
@@ -139,7 +137,7 @@ impl<T: Scalar> BandState<T> {
     }
 }
 
-/// Like [`BandState::trace`], compiled for these vectors.
+/// As [`BandState::trace`], compiled for vectors of type `S`.
 #[inline(always)]
 fn trace_with<T: Scalar, S: Simd>(
     simd: S,
@@ -201,7 +199,7 @@ fn trace_with<T: Scalar, S: Simd>(
     false
 }
 
-/// Returns a bit for each pixel of each 4×4 tile, row by row. Bits outside the picture are clear.
+/// Returns a bit for each pixel of each 4×4 tile, row by row. Bits outside the band are clear.
 fn open_pixels(width: usize, height: usize) -> Vec<u16> {
     let (across, down) = (width.div_ceil(4), height.div_ceil(4));
     let mut open = vec![u16::MAX; across * down];
@@ -217,7 +215,7 @@ fn open_pixels(width: usize, height: usize) -> Vec<u16> {
     open
 }
 
-/// Clears the bits of pixels that are not wanted.
+/// Clears the bits of pixels that the band does not want.
 fn close_unasked(open: &mut [u16], band: &Band<'_>, across: usize, is_patched: bool) {
     if band.wants_all() {
         return;
@@ -235,23 +233,22 @@ fn close_unasked(open: &mut [u16], band: &Band<'_>, across: usize, is_patched: b
     }
 }
 
-/// Decisions about tiles that may hold a zero. A lane is set in at most one of the first four
-/// masks.
+/// Decisions about tiles that may hold a zero. Each is a set of lanes, as bits. A lane is in at
+/// most one of the first four sets.
 struct TileClasses<T> {
     /// Tiles whose form proves a zero on each ray, and locates it closely enough.
     flat: u16,
-    /// Tiles whose segment got much shorter, and is evaluated once more.
+    /// Tiles whose segment got much shorter. The segment is evaluated once more.
     shorter: u16,
-    /// Tiles whose parts are examined next.
+    /// Tiles that are split: their parts are examined next.
     finer: u16,
     /// Tiles whose segment is cut in two.
     cut: u16,
-    /// Tiles of `finer` that were evaluated so often that all of their remaining segment goes to
-    /// their parts.
+    /// Tiles of `finer` with so many evaluations that their parts get all of the remaining segment.
     exhausted: u16,
     /// Tiles whose remaining segment lies in the region.
     within: u16,
-    /// Far ends of the remaining segments.
+    /// Far ends of the tiles' remaining segments.
     far: Lanes<T>,
 }
 
@@ -276,14 +273,14 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// Continues with the segments that were put aside for the tiles in these lanes. A tile waits
-    /// until none of its rays is being followed.
+    /// Continues with the segments that were put aside for the tiles in `lanes`. A tile waits until
+    /// none of its rays is being followed.
     #[inline(always)]
     fn resume(&mut self, level: &mut Level<T>, mut lanes: u16, depth: usize) {
         while lanes != 0 && !self.over {
             for lane in ones(lanes) {
                 let place = level.place(lane);
-                // Column and row numbers of each finer level have two more bits.
+                // Columns and rows of each finer level have two more bits.
                 let finer = 2 * (LAST - depth) as u32;
                 if !self.memory.pool.has_ray_of(self.simd, place, finer) {
                     level.resume(lane, self.is_open(place, depth));
@@ -295,8 +292,8 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// Decides about the tiles that may hold a zero. Replaces each segment by its remaining part,
-    /// or by the nearer half of that part if it is cut.
+    /// Decides what to do with the tiles that may hold a zero. Replaces each segment by its
+    /// remaining part. If that part is cut, replaces it by the nearer half.
     #[inline(always)]
     fn tile_classes<const DEPTH: usize>(
         &self,
@@ -333,7 +330,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
             let footprint = near.mul_add(growth, width);
             empty |= part.bits(left.simd_lt(T::default()));
             narrowed |= part.bits(first.simd_le(near) & far.simd_le(last));
-            // False if both sides overflow.
+            // The comparison is false if both sides overflow.
             let enough = footprint * along.abs() * longest;
             fine |= part.bits((half * error * twice).simd_lt(enough));
             shorter |= part.bits(left.simd_le(before * stalled));
@@ -341,8 +338,8 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
             let is_tilted = error.simd_le(tilt * tilted);
             short |= part.bits(left.simd_le(footprint * slender) | is_tilted);
             let between = left.mul_add(share, near);
-            // For an eye in the region, a pixel at the eye has width 0, so only `grain` ends the
-            // cutting.
+            // If the eye is in the region, a pixel at the eye has width 0. Then only `grain` ends
+            // the cutting.
             let progress = are_progress([near, far], between, before);
             whole |= part.bits(left.simd_gt(grain) & progress);
             part.store(near, &mut batch.near);
@@ -365,7 +362,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
                 let Tiles { centre, half, near, far, .. } = &level.batch;
                 let rays = (centre, Some(half));
                 if flat != 0 {
-                    // If a whole segment lies in the region, so does any part of it.
+                    // The remaining part of a segment in the region is in the region, too.
                     let asked = asked.each_ref().map(|ends| T::wide(simd, ends));
                     let all = self.frame.inside(simd, rays, region, asked);
                     flat &= all;
@@ -391,7 +388,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         TileClasses { flat, shorter, finer, cut: cuts, exhausted: exhausted & finer, within, far }
     }
 
-    /// Carries out the decisions about tiles.
+    /// Carries out the decisions of [`Self::tile_classes`].
     #[inline(always)]
     fn apply_classes<const DEPTH: usize>(
         &mut self,
@@ -427,7 +424,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// Examines the sixteen parts of a tile.
+    /// Splits a tile: examines its sixteen parts.
     #[inline(always)]
     fn split(
         &mut self,

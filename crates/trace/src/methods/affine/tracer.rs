@@ -1,5 +1,4 @@
-//! The state of a band while it is traced: the places of its tiles, and the pixels that are not
-//! finished.
+//! The state of a band while it is traced: the places of its tiles, and its unfinished pixels.
 
 use super::Affine;
 use super::classify::LengthLimits;
@@ -16,41 +15,40 @@ use crate::scalar::Scalar;
 use fearless_simd::prelude::*;
 use std::ops::Range;
 
-/// Pixels on the side of a tile, per level. Each tile holds sixteen of the next level.
+/// Number of pixels on the side of a tile, per level. A tile has sixteen parts of the next level.
 pub(super) const SIDES: [usize; 2] = [16, 4];
-/// Level of the tiles whose parts are rays.
+/// The last level. Its tiles are split into rays.
 pub(super) const LAST: usize = SIDES.len() - 1;
 
-/// Minimum number of kernel calls between two checks whether the band is still wanted.
+/// Minimum number of kernel calls between two checks for cancellation.
 const CALLS_PER_CHECK: u64 = 16;
 
-/// The state while a band is traced.
+/// The state of a band while it is traced.
 pub(super) struct BandTracer<'a, 'b, 'm, T: Scalar, S> {
     pub method: &'a Affine<'m, T>,
     pub rays: &'a RayGrid,
     pub frame: RayFrame,
     pub band: &'a mut Band<'b>,
-    /// Per 4×4 tile, the pixels that are not finished, as bits.
+    /// For each 4×4 tile, its unfinished pixels, as bits.
     pub open: Vec<u16>,
-    /// Number of 4×4 tiles in a row.
+    /// Number of 4×4 tiles in a row of tiles.
     pub across: usize,
-    /// Screen coordinates of columns and of rows of pixels, in groups of four; unused for patches.
+    /// Screen coordinates of columns and of rows of pixels, in groups of four. Unused for patches.
     pub screens: &'a [Vec<[f64; 4]>; 2],
-    /// Largest |s| of a segment's end.
+    /// Largest |s| of a segment's ends.
     pub size: f64,
     pub limits: LengthLimits<T>,
     pub memory: &'a mut RayBuffers<T>,
     pub work: &'a mut KernelStats,
-    /// True if the rest of the band is no longer wanted.
+    /// Whether the band was canceled.
     pub over: bool,
-    /// Number of kernel calls at the last of these checks.
+    /// Number of kernel calls at the last check for cancellation.
     pub calls_at_check: u64,
-    /// Vector instructions of the processor.
     pub simd: S,
 }
 
 impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
-    /// Returns the first and last column and row of a tile's pixels in the band.
+    /// Returns a tile's first and last column in the band, then its first and last row.
     #[inline(always)]
     pub(super) fn pixels(&self, [column, row]: [usize; 2], level: usize) -> [[usize; 2]; 2] {
         let side = SIDES[level];
@@ -58,15 +56,15 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         [range(column, self.band.width), range(row, self.band.height)]
     }
 
-    /// Returns the screen coordinate of the middle of a column of tiles, and the maximum distance
-    /// of the tiles' rays from it.
+    /// Returns the screen coordinate of the middle of a column of tiles, and the largest distance
+    /// of the column's rays from the middle.
     #[inline(always)]
     pub(super) fn across(&self, column: usize, level: usize) -> [f64; 2] {
         let [columns, _] = self.pixels([column, 0], level);
         self.extent(0, columns[0], columns[1])
     }
 
-    /// Like [`Self::across`], for a row of tiles.
+    /// As [`Self::across`], for a row of tiles.
     #[inline(always)]
     pub(super) fn upward(&self, row: usize, level: usize) -> [f64; 2] {
         let top = self.band.top;
@@ -77,15 +75,15 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         self.extent(1, top + rows[0], top + rows[1])
     }
 
-    /// Like [`Self::across`], for pixels `first` to `last` along an axis: columns (0) or rows (1).
+    /// As [`Self::across`], for pixels `first` to `last` on an axis: 0 for columns, 1 for rows.
     #[inline(always)]
     pub(super) fn extent(&self, axis: usize, first: usize, last: usize) -> [f64; 2] {
         let centre = self.rays.screen(first + last, first + last)[axis];
         [centre, (last - first) as f64 * self.rays.unit]
     }
 
-    /// Returns the first column and row of these tiles, if they are 4×4 tiles of the last level
-    /// with all pixels in the picture.
+    /// Returns the first column and row of these tiles. `None` unless they are 4×4 tiles of the
+    /// last level, with all pixels in the band.
     #[inline(always)]
     pub(super) fn square(
         &self,
@@ -101,7 +99,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         is_square.then_some([columns.start, rows.start])
     }
 
-    /// Returns which tiles of a square have pixels that are not finished, as bits.
+    /// Returns the tiles of a square that have unfinished pixels, as bits.
     #[inline(always)]
     pub(super) fn open_in_square(&self, [column, row]: [usize; 2]) -> u16 {
         let mut all = 0;
@@ -114,7 +112,8 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         all
     }
 
-    /// Returns the part of a segment to examine, which is limited if the tile is a patch.
+    /// Returns the part of a segment to examine: for a patch, the part in
+    /// [`Patch::between`](crate::Patch).
     pub(super) fn from(&self, place: [usize; 2], [near, far]: [f64; 2]) -> [f64; 2] {
         match self.rays.patch(self.band.top + place[1]) {
             Some(patch) => {
@@ -125,8 +124,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         }
     }
 
-    /// Returns which of these lanes hold tiles whose remaining segments lie behind hits of other
-    /// surfaces, as bits.
+    /// Returns those of `lanes` whose remaining segments are [hidden](Self::is_hidden), as bits.
     #[inline(always)]
     pub(super) fn hidden_lanes(&self, level: &Level<T>, lanes: u16, depth: usize) -> u16 {
         if self.band.before.0.is_empty() {
@@ -138,7 +136,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         ones(lanes).filter(is_hidden).map(|lane| 1 << lane).sum()
     }
 
-    /// Returns whether all rays of a tile, from s on, are behind hits of other surfaces.
+    /// Returns whether all rays of a tile, from s on, lie behind hits of other surfaces.
     pub(super) fn is_hidden(&self, place: [usize; 2], level: usize, s: f64) -> bool {
         let (status, drawn) = self.band.before;
         if status.is_empty() {
@@ -150,9 +148,9 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
             (centre.abs() - half).max(0.0)
         };
         let (a, b) = (aside(0, columns), aside(1, rows.map(|row| self.band.top + row)));
-        // The ray with the shortest direction has the least distance at s.
+        // The ray of the tile with the shortest direction has the least distance at s.
         let shortest = if self.rays.parallel { 1.0 } else { (1.0 + a * a + b * b).sqrt() };
-        // A hit's bracket reaches no farther than this behind the painted point.
+        // The bracket of another surface's hit ends at most this far behind the painted point.
         let bracket = self.method.longest * self.footprint(s);
         let farthest = (self.frame.start + s - bracket) * shortest * (1.0 - ROUNDED);
         (rows[0]..=rows[1]).all(|row| {
@@ -162,13 +160,13 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         })
     }
 
-    /// Returns whether a tile has a pixel that is not finished.
+    /// Returns whether a tile has an unfinished pixel.
     #[inline(always)]
     pub(super) fn is_open(&self, place: [usize; 2], level: usize) -> bool {
         self.any_in(&self.open, place, level)
     }
 
-    /// Returns whether any bit of a tile is set, given the bits of each 4×4 tile.
+    /// Returns whether any bit of a tile is set. `bits` has the bits of each 4×4 tile.
     #[inline(always)]
     fn any_in(&self, bits: &[u16], [column, row]: [usize; 2], level: usize) -> bool {
         if level == LAST {
@@ -184,14 +182,14 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         })
     }
 
-    /// Returns the width of a pixel in units of s.
+    /// Returns the width of a pixel at s, in units of s.
     #[inline(always)]
     pub(super) fn footprint(&self, s: f64) -> f64 {
         self.rays.footprint(self.frame.start + s)
     }
 
-    /// Returns whether the rest of the band is no longer wanted. This is not checked at each call,
-    /// since reading a clock takes as long as a short kernel call.
+    /// Returns whether the rest of the band is unwanted. Few calls check this, since reading a
+    /// clock takes as long as a short kernel call.
     #[inline(always)]
     pub(super) fn is_cancelled(&mut self) -> bool {
         let calls = self.work.tiles.calls + self.work.segments.calls;

@@ -1,5 +1,4 @@
-//! Refinement of an isolated root to the tolerance. The signs at both ends of the part that holds
-//! it stay certain.
+//! Refinement of an isolated root to the tolerance. The signs at the ends of its part stay proven.
 
 use crate::kernel_stats::KernelStats;
 use crate::methods::local_ray::{LocalRay, bounds};
@@ -12,24 +11,24 @@ use zeroset_space::Region;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Isolated {
     ends: [f64; 2],
-    /// Approximate values at the ends.
+    /// Approximate values of the function at the two ends.
     values: [f64; 2],
     is_above: [bool; 2],
-    /// Stretch in which the sign is uncertain; the root is likely there.
+    /// A stretch in which the sign is uncertain. The root is likely to lie in it.
     uncertain: Option<[f64; 2]>,
-    /// Index of the end that was moved last.
+    /// Index of the end that moved last.
     moved: usize,
     /// Length at which the part is short enough.
     enough: f64,
 }
 
-/// Maximum number of rounds. Every third round halves the part, so that it reaches 2⁻²² of the
-/// ray's length: the resolution of `f32`.
+/// Maximum number of rounds. Every third round halves the part. So 66 rounds shorten it to 2⁻²² of
+/// its first length or less: about the resolution of `f32`.
 const ROUNDS: u32 = 66;
-/// Distance of the next place from the end that was moved last, as a share of the tolerance.
+/// How far the next place is from the end that moved last, as a multiple of [`Isolated::enough`].
 const STEP_BEYOND: f64 = 0.75;
 
-/// Refines roots to the tolerance.
+/// Shortens the parts of isolated roots to the tolerance.
 pub(super) fn refine<T: Scalar>(
     all: &mut [(&LocalRay, &mut Isolated)],
     slopes: &SlopeKernels<'_, T>,
@@ -54,8 +53,8 @@ pub(super) fn refine<T: Scalar>(
     }
 }
 
-/// Returns the sign of a value: `Some(true)` if it is certainly above 0, `Some(false)` if it is
-/// certainly below.
+/// Returns the sign of a value: `Some(true)` if it is proven to be above 0, `Some(false)` if it is
+/// proven to be below 0.
 pub(super) fn sign(value: Interval) -> Option<bool> {
     if value.lo > 0.0 { Some(true) } else { (value.hi < 0.0).then_some(false) }
 }
@@ -65,7 +64,7 @@ fn middle(value: Interval) -> f64 {
 }
 
 impl Isolated {
-    /// Creates a part from bounds of the values at its ends, which have opposite signs.
+    /// Creates a part from bounds of the values at its ends. Their signs must be opposite.
     pub fn new(ends: [f64; 2], values: [Interval; 2], enough: f64) -> Self {
         let is_above = values.map(|value| value.lo > 0.0);
         Self { ends, values: values.map(middle), is_above, uncertain: None, moved: 0, enough }
@@ -75,8 +74,8 @@ impl Isolated {
         self.ends
     }
 
-    /// Returns the longer of the two parts beside the uncertain stretch, or the whole part if there
-    /// is no such stretch.
+    /// Returns the longer of the two parts before and behind the uncertain stretch. If there is no
+    /// such stretch, returns the whole part.
     fn longer(&self) -> [f64; 2] {
         let [near, far] = self.ends;
         match self.uncertain {
@@ -90,14 +89,14 @@ impl Isolated {
         let [near, far] = self.longer();
         let middle = 0.5 * (near + far);
         let is_short = self.ends[1] - self.ends[0] <= self.enough;
-        // The uncertain stretch does not shrink. So the part is done once the ends are within a
-        // share of the tolerance of that stretch.
+        // The uncertain stretch does not shrink. So a part with both ends close to it is done, too.
         let is_near = self.uncertain.is_some() && far - near <= 0.125 * self.enough;
         is_short || is_near || !(near < middle && middle < far)
     }
 
-    /// Returns the next place to evaluate. In turn, this is where a line through the ends meets 0,
-    /// a place a little beyond it so that the other end comes near too, and the middle.
+    /// Returns the next place to evaluate. Three kinds alternate: the zero of the line through the
+    /// values at the ends, a place a little beyond the end that moved last, so that the other end
+    /// comes near, and the middle.
     fn next(&self, round: u32) -> f64 {
         let ([near, far], [a, b]) = (self.ends, self.values);
         let [from, to] = self.longer();
@@ -118,7 +117,7 @@ impl Isolated {
         if let Some(is_above) = sign(value) {
             let end = usize::from(is_above != self.is_above[0]);
             (self.ends[end], self.values[end], self.moved) = (place, middle(value), end);
-            // The root may lie outside the uncertain stretch, which is then dropped.
+            // An uncertain stretch that reaches beyond the shortened part is dropped.
             let [near, far] = self.ends;
             self.uncertain = self.uncertain.filter(|[first, last]| near <= *first && *last <= far);
         } else {

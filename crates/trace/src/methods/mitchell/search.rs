@@ -1,4 +1,4 @@
-//! Search for the first root on each of up to sixteen rays, by halving parts of the rays.
+//! Search for the first root on each of up to sixteen rays, by halving parts of rays.
 
 use super::isolated::{Isolated, refine, sign};
 use crate::kernel_stats::KernelStats;
@@ -12,7 +12,7 @@ use zeroset_eval::{FindZeros, Kernel, KernelError, LANES, Zeros};
 use zeroset_interval::Interval;
 use zeroset_space::Region;
 
-/// Searches for roots in `T`.
+/// Searches rays for roots, in floats of type `T`.
 pub(super) struct Searcher<'a, T: Scalar> {
     slopes: SlopeKernels<'a, T>,
     zeros: &'a dyn Kernel<FindZeros, T>,
@@ -22,33 +22,33 @@ pub(super) struct Searcher<'a, T: Scalar> {
 
 /// Number of parts examined on a ray before the minimum length of its parts grows.
 const PARTS_BEFORE_GROWTH: u32 = 256;
-/// Factor by which the minimum length grows with each further part.
+/// Factor by which the minimum length then grows with each part.
 const GRAIN_GROWTH: f64 = 1.5;
 
 /// State of the search along one ray.
 struct RaySearch<'a> {
     local_ray: &'a LocalRay,
-    /// Parts that remain to be examined, the nearest last.
+    /// Parts that still have to be examined. The nearest is last.
     parts: Vec<[f64; 2]>,
-    /// Minimum length of the parts that are cut.
+    /// A part of at most this length is not cut.
     grain: f64,
     examined: u32,
     open_parts: u32,
-    /// True while the ray is on the surface that it started from.
+    /// Whether the ray has not yet left the surface that it started on.
     leaving: bool,
     outcome: RayOutcome,
-    /// A part that holds one root, once it is found.
+    /// A part that holds one root, if one is found.
     isolated: Option<Isolated>,
 }
 
-/// A part of a ray that is examined.
+/// A part of a ray to examine.
 #[derive(Clone, Copy)]
 struct RayPart {
-    /// Index of the ray.
+    /// Index of the part's ray.
     ray: usize,
     ends: [f64; 2],
     cuboid: Cuboid,
-    /// True if the function has no known finite bounds there.
+    /// Whether the function has no known finite bounds on the part.
     unbounded: bool,
 }
 
@@ -92,7 +92,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
         rays.into_iter().map(outcome).collect()
     }
 
-    /// Takes the next part of each ray, and returns the parts that may hold a zero.
+    /// Takes the next part of each ray. Returns the parts that may hold a zero.
     fn possible(&self, rays: &mut [RaySearch], work: &mut KernelStats) -> Vec<RayPart> {
         let mut parts = Vec::with_capacity(LANES);
         for (number, ray) in rays.iter_mut().enumerate() {
@@ -118,7 +118,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
         parts
     }
 
-    /// Isolates the root of each part, cuts the part in two, or finds it empty.
+    /// Decides each part: isolates its root, cuts the part in two, or drops it as empty.
     fn classify(&self, rays: &mut [RaySearch], parts: &[RayPart], work: &mut KernelStats) {
         let slopes = self.slopes.along(
             &cuboids(parts),
@@ -141,8 +141,8 @@ impl<'a, T: Scalar> Searcher<'a, T> {
                 self.cut(ray, part, work);
             }
         }
-        // If df/dt has one sign, there is one root if the signs at the ends differ, and none
-        // otherwise.
+        // If df/dt has a constant sign on a part, the part holds one root if the function's signs
+        // at its ends differ, and none otherwise.
         let values = [0, 1].map(|end| {
             let place =
                 |part: &RayPart| bounds(rays[part.ray].local_ray, [part.ends[end]; 2], self.region);
@@ -153,7 +153,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
             let ends = [0, 1].map(|end| values[end][lane]);
             match ends.map(sign) {
                 [Some(a), Some(b)] if a == b => ray.leaving = false,
-                // The only root in this part is the one that the ray starts on.
+                // The part's only root is on the surface that the ray starts on.
                 [Some(_), Some(_)] if ray.leaving => ray.leaving = false,
                 [Some(_), Some(_)] => {
                     let enough = ray.local_ray.longest.max(ray.grain);
@@ -165,7 +165,8 @@ impl<'a, T: Scalar> Searcher<'a, T> {
         }
     }
 
-    /// Cuts a part in two, or makes it undecided if it is as short as precision allows.
+    /// Cuts a part in two. A part too short to cut becomes a hit or undecided, or is dropped while
+    /// the ray leaves the surface that it starts on.
     fn cut(&self, ray: &mut RaySearch, part: &RayPart, work: &mut KernelStats) {
         let [near, far] = part.ends;
         let cut = near + CUT * (far - near);
@@ -208,8 +209,8 @@ impl<'a> RaySearch<'a> {
     fn new<T: Scalar>(local_ray: &'a LocalRay, start: Start) -> Self {
         let [near, far] = local_ray.span;
         let [first, last] = [local_ray.inside[0].max(near), local_ray.inside[1].min(far)];
-        // The sign is unknown where the ray crosses the region's faces. Because of rounding, the
-        // parts there stay undecided, so they are separate.
+        // At the region's faces, rounding makes the sign uncertain. The parts around the faces stay
+        // undecided, so they are examined separately.
         let mut parts = Vec::with_capacity(16);
         if first < last {
             parts.extend([[last, far], [first, last], [near, first]]);
