@@ -102,69 +102,50 @@ pub trait Kernel<Q: Query, T: Real = f32>: Send + Sync {
     }
 }
 
-/// Bounds of the function's values over a box. At each real point of the box where the function is
-/// defined, its value is within them. The facts tell where it is defined and continuous.
-#[derive(Clone, Copy, Debug)]
-pub struct Enclose;
+/// Defines a query: its name, the number of its expressions, what kernels read and write, and how
+/// the answer is computed.
+macro_rules! query {
+    (
+        $(#[$doc:meta])* $query:ident($name:literal, $outputs:literal): $input:ty => $output:ty,
+        |$tape:ident, $m:ident, $loader:ident| $answer:expr
+    ) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug)]
+        pub struct $query;
 
-/// A test whether a box may hold a zero of the function. If the bit of a lane in
-/// [`Zeros::possible`] is clear, its box holds no zero. A set bit claims nothing.
-#[derive(Clone, Copy, Debug)]
-pub struct FindZeros;
+        impl sealed::Sealed for $query {}
 
-/// Bounds of the function's gradient over a box, and whether the function is differentiable in the
-/// box. The tape computes the function and its three partial derivatives.
-#[derive(Clone, Copy, Debug)]
-pub struct EncloseGradient;
+        impl Query for $query {
+            const NAME: &'static str = $name;
+            const OUTPUTS: usize = $outputs;
+            type Input<T: Real> = $input;
+            type Output<T: Real> = $output;
 
-/// Narrows a segment of a ray to a part that contains all zeros on it in the domain. Also tells
-/// whether the signs at the ends of the segment prove a zero.
-#[derive(Clone, Copy, Debug)]
-pub struct ContractSegments;
+            fn answer<T: Real, M: Machine>(
+                $tape: &Tape<T>,
+                $m: &mut M,
+                $loader: &mut impl Loader<M>,
+            ) -> QueryResult<M::V> {
+                $answer
+            }
+        }
+    };
+}
 
-/// Like [`ContractSegments`], but for all rays of a tile at once. Also returns a linear
-/// approximation of the function.
-#[derive(Clone, Copy, Debug)]
-pub struct ContractTiles;
-
-/// Approximate value of the function at a point, computed in `T` and rounded up. No error bound is
-/// claimed.
-#[derive(Clone, Copy, Debug)]
-pub struct Sample;
-
-/// Approximate value and gradient at a point, as for [`Sample`]. The tape computes the function and
-/// its three partial derivatives.
-#[derive(Clone, Copy, Debug)]
-pub struct SampleGradient;
-
-impl Query for Enclose {
-    const NAME: &'static str = "bounds";
-    const OUTPUTS: usize = 1;
-    type Input<T: Real> = Boxes<T>;
-    type Output<T: Real> = Enclosures<T>;
-
-    fn answer<T: Real, M: Machine>(
-        tape: &Tape<T>,
-        m: &mut M,
-        loader: &mut impl Loader<M>,
-    ) -> QueryResult<M::V> {
+query! {
+    /// Bounds of the function's values over a box. At each real point of the box where the function
+    /// is defined, its value is within them. The facts tell where it is defined and continuous.
+    Enclose("bounds", 1): Boxes<T> => Enclosures<T>, |tape, m, loader| {
         let Enclosure { neg_lo, hi, facts } = tape.evaluate(m, &mut Bounds(loader))[0];
         let masks = vec![facts.nowhere, facts.defined, facts.continuous];
         QueryResult { quantities: vec![neg_lo, hi], masks }
     }
 }
 
-impl Query for FindZeros {
-    const NAME: &'static str = "zeros";
-    const OUTPUTS: usize = 1;
-    type Input<T: Real> = Boxes<T>;
-    type Output<T: Real> = Zeros;
-
-    fn answer<T: Real, M: Machine>(
-        tape: &Tape<T>,
-        m: &mut M,
-        loader: &mut impl Loader<M>,
-    ) -> QueryResult<M::V> {
+query! {
+    /// A test whether a box may hold a zero of the function. If the bit of a lane in
+    /// [`Zeros::possible`] is clear, its box holds no zero. A set bit claims nothing.
+    FindZeros("zeros", 1): Boxes<T> => Zeros, |tape, m, loader| {
         let masks = if let Some(possible) = tape.vanishing_together(m, loader) {
             // Only the mask `possible` is computed; the other two claim nothing.
             vec![possible, Fact::False, Fact::False]
@@ -184,17 +165,10 @@ impl Query for FindZeros {
     }
 }
 
-impl Query for EncloseGradient {
-    const NAME: &'static str = "gradient bounds";
-    const OUTPUTS: usize = 4;
-    type Input<T: Real> = Boxes<T>;
-    type Output<T: Real> = GradientEnclosures<T>;
-
-    fn answer<T: Real, M: Machine>(
-        tape: &Tape<T>,
-        m: &mut M,
-        loader: &mut impl Loader<M>,
-    ) -> QueryResult<M::V> {
+query! {
+    /// Bounds of the function's gradient over a box, and whether the function is differentiable in
+    /// the box. The tape computes the function and its three partial derivatives.
+    EncloseGradient("gradient bounds", 4): Boxes<T> => GradientEnclosures<T>, |tape, m, loader| {
         let values = tape.evaluate(m, &mut SmoothnessDomain(Bounds(loader)));
         let (function, derivatives) = values.split_first().expect("a function");
         let (mut lipschitz, mut differentiable) = (function.lipschitz, function.differentiable);
@@ -212,33 +186,19 @@ impl Query for EncloseGradient {
     }
 }
 
-impl Query for ContractSegments {
-    const NAME: &'static str = "segments";
-    const OUTPUTS: usize = 1;
-    type Input<T: Real> = Segments<T>;
-    type Output<T: Real> = Contractions<T>;
-
-    fn answer<T: Real, M: Machine>(
-        tape: &Tape<T>,
-        m: &mut M,
-        loader: &mut impl Loader<M>,
-    ) -> QueryResult<M::V> {
+query! {
+    /// Narrows a segment of a ray to a part that contains all zeros on it in the domain. Also tells
+    /// whether the signs at the ends of the segment prove a zero.
+    ContractSegments("segments", 1): Segments<T> => Contractions<T>, |tape, m, loader| {
         let (_, new, _) = evaluate_and_contract::<SegmentPath, _, _, _, _>(tape, m, loader);
         QueryResult { quantities: vec![new.near, new.far], masks: vec![new.possible, new.crossing] }
     }
 }
 
-impl Query for ContractTiles {
-    const NAME: &'static str = "tiles";
-    const OUTPUTS: usize = 1;
-    type Input<T: Real> = Tiles<T>;
-    type Output<T: Real> = Planes<T>;
-
-    fn answer<T: Real, M: Machine>(
-        tape: &Tape<T>,
-        m: &mut M,
-        loader: &mut impl Loader<M>,
-    ) -> QueryResult<M::V> {
+query! {
+    /// Like [`ContractSegments`], but for all rays of a tile at once. Also returns a linear
+    /// approximation of the function.
+    ContractTiles("tiles", 1): Tiles<T> => Planes<T>, |tape, m, loader| {
         let (form, new, RayRange { middle, half }) =
             evaluate_and_contract::<TilePath, _, _, _, _>(tape, m, loader);
         let zero = m.number(T::FORMAT, 0.0);
@@ -249,52 +209,22 @@ impl Query for ContractTiles {
     }
 }
 
-/// Samples all expressions that a tape computes.
-fn samples<T: Real, M: Machine>(
-    tape: &Tape<T>,
-    m: &mut M,
-    loader: &mut impl Loader<M>,
-) -> QueryResult<M::V> {
-    QueryResult { quantities: tape.evaluate(m, &mut Samples(loader)), masks: Vec::new() }
-}
-
-impl Query for Sample {
-    const NAME: &'static str = "values";
-    const OUTPUTS: usize = 1;
-    type Input<T: Real> = Points<T>;
-    type Output<T: Real> = Values<T>;
-
-    fn answer<T: Real, M: Machine>(
-        tape: &Tape<T>,
-        m: &mut M,
-        loader: &mut impl Loader<M>,
-    ) -> QueryResult<M::V> {
-        samples(tape, m, loader)
+query! {
+    /// Approximate value of the function at a point, computed in `T` and rounded up. No error bound
+    /// is claimed.
+    Sample("values", 1): Points<T> => Values<T>, |tape, m, loader| {
+        QueryResult { quantities: tape.evaluate(m, &mut Samples(loader)), masks: Vec::new() }
     }
 }
 
-impl Query for SampleGradient {
-    const NAME: &'static str = "gradients";
-    const OUTPUTS: usize = 4;
-    type Input<T: Real> = Points<T>;
-    type Output<T: Real> = Gradients<T>;
-
-    fn answer<T: Real, M: Machine>(
-        tape: &Tape<T>,
-        m: &mut M,
-        loader: &mut impl Loader<M>,
-    ) -> QueryResult<M::V> {
-        samples(tape, m, loader)
+query! {
+    /// Approximate value and gradient at a point, as for [`Sample`]. The tape computes the function
+    /// and its three partial derivatives.
+    SampleGradient("gradients", 4): Points<T> => Gradients<T>, |tape, m, loader| {
+        QueryResult { quantities: tape.evaluate(m, &mut Samples(loader)), masks: Vec::new() }
     }
 }
 
 mod sealed {
     pub trait Sealed {}
-    impl Sealed for super::Enclose {}
-    impl Sealed for super::FindZeros {}
-    impl Sealed for super::EncloseGradient {}
-    impl Sealed for super::ContractSegments {}
-    impl Sealed for super::ContractTiles {}
-    impl Sealed for super::Sample {}
-    impl Sealed for super::SampleGradient {}
 }
