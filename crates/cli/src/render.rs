@@ -59,11 +59,7 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
             view::region(document, anywhere, cut)?
         };
         let model = Model::new(document, &region, &settings)?;
-        let camera = if around.axes {
-            framing::of_domain(&region, document, &choice, &settings)?
-        } else {
-            framing::camera(&model, document, &choice, &settings)?
-        };
+        let camera = framing::camera(&model, document, &choice, &settings, around.axes)?;
         let seen = document.surfaces.iter().filter(|surface| !surface.hidden).count();
         let pixels = settings.width * settings.height * seen;
         let bar = Progress::new(pixels as u64, "tracing");
