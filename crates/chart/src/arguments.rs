@@ -8,8 +8,7 @@ use clap::{Args, Parser, Subcommand};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::time::Duration;
-use zeroset_trace::is_tolerance;
-use zeroset_trace::{METHODS, Method, Precision};
+use zeroset_trace::{METHODS, Method, Precision, is_tolerance};
 
 /// Measure and chart the methods of zeroset: speed against accuracy.
 ///

@@ -3,8 +3,7 @@
 
 use crate::edges::slope;
 use rayon::prelude::*;
-use zeroset_trace::GBuffer;
-use zeroset_trace::RayGrid;
+use zeroset_trace::{GBuffer, RayGrid};
 
 /// Largest difference in depth at which a point of the smaller picture counts as on the same part
 /// of a surface. In widths of a pixel of that picture, and multiplied by the slope.

@@ -5,9 +5,8 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
 use zeroset_eval::LANES;
-use zeroset_trace::GBuffer;
 use zeroset_trace::painted::SHADED_ROWS;
-use zeroset_trace::{RayGrid, SIDE};
+use zeroset_trace::{GBuffer, RayGrid, SIDE};
 
 /// Least cosine of the angle between two normals, about 20 degrees, that is not yet an edge.
 const LEAST_COSINE: f32 = 0.94;

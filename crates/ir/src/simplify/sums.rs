@@ -4,9 +4,8 @@
 //! count operations of all tapes (919, or 1498 for gradients), or boxes enclosed by bisection down
 //! to 1/32 of a domain.
 
-use super::Rewriter;
 use super::form::{Condition, Product, Sum};
-use super::numbers;
+use super::{Rewriter, numbers};
 use crate::constant::bits;
 use crate::graph::NodeId;
 use crate::variability::Variability;
