@@ -2,14 +2,15 @@
 
 use crate::error::ChartError;
 use crate::errors::PixelErrors;
-use crate::grid::{Configuration, precision};
+use crate::grid::Configuration;
 use crate::machine::Environment;
 use crate::measure::Measured;
 use crate::surfaces::ChartSurface;
 use crate::views::View;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
-use zeroset_trace::{Camera, GBuffer, KernelStats, Method, Projection};
+use zeroset_render::names::Named;
+use zeroset_trace::{Camera, GBuffer, KernelStats, Method, Precision, Projection};
 
 /// Conditions that the rows of one view of one surface share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -176,7 +177,7 @@ impl Row {
         let unknown = || ChartError::UnknownMethod(self.method.clone());
         Ok(Configuration {
             method: Method::named(&self.method).ok_or_else(unknown)?,
-            precision: self.precision.as_deref().and_then(precision),
+            precision: self.precision.as_deref().and_then(Precision::named),
             depth: self.max_depth,
             tolerance: self.tolerance,
             steps: self.steps,

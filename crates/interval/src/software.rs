@@ -204,16 +204,15 @@ impl Machine for Software {
             let product = self.mul(a, b);
             return self.add(product, c);
         }
-        match (a, b, c) {
-            (Vector128::F32(_), Vector128::F32(_), Vector128::F32(_)) => {
+        match a {
+            Vector128::F32(_) => {
                 let (a, b, c) = (a.f32(), b.f32(), c.f32());
                 Vector128::from_f32(std::array::from_fn(|i| f32_up::mul_add(a[i], b[i], c[i])))
             }
-            (Vector128::F64(_), Vector128::F64(_), Vector128::F64(_)) => {
+            Vector128::F64(_) => {
                 let (a, b, c) = (a.f64(), b.f64(), c.f64());
                 Vector128::from_f64(std::array::from_fn(|i| f64_up::mul_add(a[i], b[i], c[i])))
             }
-            _ => panic!("operands of one operation share a format"),
         }
     }
     fn select(&mut self, mask: Vector128, a: Vector128, b: Vector128) -> Vector128 {
