@@ -34,15 +34,15 @@ impl Machine for Counter {
         mul_add mul_sub select select_signed
     }
 
-    fn shift_left(&mut self, _: (), _: u8) {
+    fn shift_left(&mut self, (): (), _: u8) {
         self.0 += 1;
     }
 
-    fn shift_right(&mut self, _: (), _: u8) {
+    fn shift_right(&mut self, (): (), _: u8) {
         self.0 += 1;
     }
 
-    fn widen(&mut self, _: ()) -> [(); 2] {
+    fn widen(&mut self, (): ()) -> [(); 2] {
         self.0 += 1;
         [(); 2]
     }
