@@ -95,11 +95,7 @@ impl Scene {
         let anew = || Model::new(document, &region, &settings);
         let model = Arc::new(again.map_or_else(anew, Ok).map_err(Error::formula)?);
         *last() = Some(Arc::clone(&model));
-        let camera = if around.axes {
-            framing::of_domain(&region, document, choice, &settings)
-        } else {
-            framing::camera(&model, document, choice, &settings)
-        };
+        let camera = framing::camera(&model, document, choice, &settings, around.axes);
         let camera = camera.map_err(Error::scene)?;
         let (mut rows, mut marks) = (PictureArrays::default(), None);
         let size = [settings.width, settings.height];

@@ -6,8 +6,7 @@ use std::time::Instant;
 use zeroset_live::{DocumentSource, Live, Rendering, Reply, Request};
 use zeroset_render::model::render;
 use zeroset_render::picture::{Precision, Settings};
-use zeroset_scene::gallery;
-use zeroset_scene::view;
+use zeroset_scene::{gallery, view};
 use zeroset_shade::Pattern;
 use zeroset_trace::TraceOptions;
 

@@ -53,7 +53,7 @@ fn what_is_visible_fills_the_picture_and_nothing_bounded_is_cut() {
         let settings = Settings { width: SIDE, height: SIDE, ..Settings::default() };
         let model = Model::new(&document, &region, &settings).expect(&text);
         let started = Instant::now();
-        let camera = framing::camera(&model, &document, &CameraChoice::default(), &settings);
+        let camera = framing::camera(&model, &document, &CameraChoice::default(), &settings, false);
         let camera = camera.expect(&text);
         times.push(started.elapsed().as_secs_f64() * 1e3);
         let (share, touches) = share(&model, &camera, SIDE, SIDE);
@@ -80,7 +80,7 @@ fn a_tall_picture_and_a_wide_one_hold_it_all() {
     for (width, height) in [(60, 150), (150, 60), (90, 90)] {
         let settings = Settings { width, height, ..Settings::default() };
         let model = Model::new(&document, &region, &settings).expect("compiles");
-        let camera = framing::camera(&model, &document, &CameraChoice::default(), &settings);
+        let camera = framing::camera(&model, &document, &CameraChoice::default(), &settings, false);
         let (share, touches) = share(&model, &camera.expect("a camera"), width, height);
         assert!(!touches && (SHARES[0]..SHARES[1]).contains(&share), "{width}x{height}: {share}");
     }
@@ -107,7 +107,7 @@ fn what_was_chosen_stays() {
         let (region, _) = region(&document, DomainChoice::Document, None).expect("given");
         let settings = Settings { width: SIDE, height: SIDE, ..Settings::default() };
         let model = Model::new(&document, &region, &settings).expect("compiles");
-        let framed = framing::camera(&model, &document, &choice, &settings).expect("valid");
+        let framed = framing::camera(&model, &document, &choice, &settings, false).expect("valid");
         let given = zeroset_scene::view::camera(&document, &region, &choice).expect("valid");
         assert_eq!(framed, given, "{text} {choice:?}");
     }
@@ -120,7 +120,7 @@ fn flat_things_are_not_seen_edge_on() {
         let (region, _) = region(&document, DomainChoice::Document, None).expect("a plane");
         let settings = Settings { width: SIDE, height: SIDE, ..Settings::default() };
         let model = Model::new(&document, &region, &settings).expect("compiles");
-        let camera = framing::camera(&model, &document, &CameraChoice::default(), &settings);
+        let camera = framing::camera(&model, &document, &CameraChoice::default(), &settings, false);
         let camera = camera.expect("a camera");
         let settings = Settings { normals: None, ..settings };
         let buffer = model.trace(&camera, &settings, &|_| true).expect("kernels").buffer;

@@ -1,6 +1,6 @@
 //! Command-line arguments.
 
-use crate::grid::{Values, precision};
+use crate::grid::Values;
 use crate::groups::distinct;
 use crate::row::Conditions;
 use clap::builder::{PossibleValuesParser, RangedI64ValueParser};
@@ -8,8 +8,8 @@ use clap::{Args, Parser, Subcommand};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::time::Duration;
-use zeroset_trace::is_tolerance;
-use zeroset_trace::{METHODS, Method, Precision};
+use zeroset_render::names::Named;
+use zeroset_trace::{METHODS, Method, Precision, is_tolerance};
 
 /// Measure and chart the methods of zeroset: speed against accuracy.
 ///
@@ -225,7 +225,9 @@ fn tolerance(text: &str) -> Result<f64, String> {
 }
 
 fn precision_name(text: &str) -> Result<String, String> {
-    precision(text).map(|_| text.to_owned()).ok_or_else(|| "not one of f32, f64, auto".to_owned())
+    Precision::named(text)
+        .map(|_| text.to_owned())
+        .ok_or_else(|| "not one of f32, f64, auto".to_owned())
 }
 
 impl RunArguments {

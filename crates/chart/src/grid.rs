@@ -1,6 +1,7 @@
 //! The grid of configurations: each method, with each value of each option that it reads.
 
 use std::fmt;
+use zeroset_render::names::Named;
 use zeroset_render::picture::Settings;
 use zeroset_trace::{
     DEPTH, Method, MethodOption, PRECISION, Precision, STEPS, TOLERANCE, TraceOptions,
@@ -32,11 +33,6 @@ pub struct Configuration {
     pub tolerance: Option<f64>,
     /// Number of steps along a ray.
     pub steps: Option<u32>,
-}
-
-/// The precision with this name.
-pub fn precision(name: &str) -> Option<Precision> {
-    [Precision::Auto, Precision::F32, Precision::F64].into_iter().find(|p| p.to_string() == name)
 }
 
 /// The options of a method that the grid varies. On-off switches are left to `benches/frame.rs`. If
@@ -76,7 +72,7 @@ impl Configuration {
     fn with_each(self, option: MethodOption, values: &Values) -> Vec<Self> {
         let Values { depths, tolerances, steps, precisions } = values;
         if option == PRECISION {
-            let precisions = precisions.iter().filter_map(|name| precision(name));
+            let precisions = precisions.iter().filter_map(|name| Precision::named(name));
             precisions.map(|value| Self { precision: Some(value), ..self }).collect()
         } else if option == DEPTH {
             depths.iter().map(|value| Self { depth: Some(*value), ..self }).collect()

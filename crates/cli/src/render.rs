@@ -5,18 +5,16 @@ use super::files::Files;
 use super::output::print;
 use super::png_file::PictureOrigin;
 use super::progress::Progress;
-use super::sequence;
 use super::subject::{self, Subject};
 use super::vector::Size;
-use super::{UNDECIDED, notes, report};
+use super::{UNDECIDED, notes, report, sequence};
 use anyhow::{Context, Result, anyhow, ensure};
 use glam::DVec3;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use zeroset_render::framing;
 use zeroset_render::model::{Model, Strip};
-use zeroset_render::overlay::Overlay;
-use zeroset_render::overlay::PictureView;
+use zeroset_render::overlay::{Overlay, PictureView};
 use zeroset_render::picture::{Picture, Precision, Settings, UndecidedStatistics};
 use zeroset_scene::blank::Blank;
 use zeroset_scene::domain::AutoDomain;
@@ -59,11 +57,7 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
             view::region(document, anywhere, cut)?
         };
         let model = Model::new(document, &region, &settings)?;
-        let camera = if around.axes {
-            framing::of_domain(&region, document, &choice, &settings)?
-        } else {
-            framing::camera(&model, document, &choice, &settings)?
-        };
+        let camera = framing::camera(&model, document, &choice, &settings, around.axes)?;
         let seen = document.surfaces.iter().filter(|surface| !surface.hidden).count();
         let pixels = settings.width * settings.height * seen;
         let bar = Progress::new(pixels as u64, "tracing");

@@ -27,6 +27,6 @@ pub fn stage(
         return Ok(None);
     };
     let choice = CameraChoice::default();
-    let camera = framing::camera_while(&model, &document, &choice, settings, wanted)?;
+    let camera = framing::camera_while(&model, &document, &choice, settings, false, wanted)?;
     Ok(camera.map(|camera| (model, camera)))
 }

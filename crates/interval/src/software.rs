@@ -145,6 +145,15 @@ fn compare(
     )
 }
 
+/// Operations that treat each lane alone, each with its function for `f32` and for `f64`.
+macro_rules! lanewise {
+    ($($name:ident($($operand:ident),*) = $by:ident($f32:expr, $f64:expr);)*) => {$(
+        fn $name(&mut self, $($operand: Vector128),*) -> Vector128 {
+            $by($($operand,)* $f32, $f64)
+        }
+    )*};
+}
+
 impl Machine for Software {
     type V = Vector128;
 
@@ -165,80 +174,45 @@ impl Machine for Software {
         }
     }
 
-    fn add(&mut self, a: Vector128, b: Vector128) -> Vector128 {
-        binary(a, b, f32_up::add, f64_up::add)
+    lanewise! {
+        add(a, b) = binary(f32_up::add, f64_up::add);
+        sub(a, b) = binary(f32_up::sub, f64_up::sub);
+        mul(a, b) = binary(f32_up::mul, f64_up::mul);
+        div(a, b) = binary(f32_up::div, f64_up::div);
+        sqrt(a) = unary(f32_up::sqrt, f64_up::sqrt);
+        neg(a) = unary(|a| -a, |a| -a);
+        abs(a) = unary(f32::abs, f64::abs);
+        min(a, b) = binary(|a, b| if a < b { a } else { b }, |a, b| if a < b { a } else { b });
+        max(a, b) = binary(|a, b| if a > b { a } else { b }, |a, b| if a > b { a } else { b });
+        floor(a) = unary(f32::floor, f64::floor);
+        ceil(a) = unary(f32::ceil, f64::ceil);
+        trunc(a) = unary(f32::trunc, f64::trunc);
+        nearest(a) = unary(f32::round_ties_even, f64::round_ties_even);
+        lt(a, b) = compare(|a, b| a < b, |a, b| a < b);
+        le(a, b) = compare(|a, b| a <= b, |a, b| a <= b);
+        eq(a, b) = compare(|a, b| a == b, |a, b| a == b);
+        and(a, b) = integer(|a, b| a & b, |a, b| a & b);
+        or(a, b) = integer(|a, b| a | b, |a, b| a | b);
+        xor(a, b) = integer(|a, b| a ^ b, |a, b| a ^ b);
+        int_add(a, b) = integer(u32::wrapping_add, u64::wrapping_add);
+        int_sub(a, b) = integer(u32::wrapping_sub, u64::wrapping_sub);
     }
-    fn sub(&mut self, a: Vector128, b: Vector128) -> Vector128 {
-        binary(a, b, f32_up::sub, f64_up::sub)
-    }
-    fn mul(&mut self, a: Vector128, b: Vector128) -> Vector128 {
-        binary(a, b, f32_up::mul, f64_up::mul)
-    }
+
     fn mul_add(&mut self, a: Vector128, b: Vector128, c: Vector128) -> Vector128 {
         if !self.fuses {
             let product = self.mul(a, b);
             return self.add(product, c);
         }
-        match (a, b, c) {
-            (Vector128::F32(_), Vector128::F32(_), Vector128::F32(_)) => {
+        match a {
+            Vector128::F32(_) => {
                 let (a, b, c) = (a.f32(), b.f32(), c.f32());
                 Vector128::from_f32(std::array::from_fn(|i| f32_up::mul_add(a[i], b[i], c[i])))
             }
-            (Vector128::F64(_), Vector128::F64(_), Vector128::F64(_)) => {
+            Vector128::F64(_) => {
                 let (a, b, c) = (a.f64(), b.f64(), c.f64());
                 Vector128::from_f64(std::array::from_fn(|i| f64_up::mul_add(a[i], b[i], c[i])))
             }
-            _ => panic!("operands of one operation share a format"),
         }
-    }
-    fn div(&mut self, a: Vector128, b: Vector128) -> Vector128 {
-        binary(a, b, f32_up::div, f64_up::div)
-    }
-    fn sqrt(&mut self, a: Vector128) -> Vector128 {
-        unary(a, f32_up::sqrt, f64_up::sqrt)
-    }
-    fn neg(&mut self, a: Vector128) -> Vector128 {
-        unary(a, |a| -a, |a| -a)
-    }
-    fn abs(&mut self, a: Vector128) -> Vector128 {
-        unary(a, f32::abs, f64::abs)
-    }
-    fn min(&mut self, a: Vector128, b: Vector128) -> Vector128 {
-        binary(a, b, |a, b| if a < b { a } else { b }, |a, b| if a < b { a } else { b })
-    }
-    fn max(&mut self, a: Vector128, b: Vector128) -> Vector128 {
-        binary(a, b, |a, b| if a > b { a } else { b }, |a, b| if a > b { a } else { b })
-    }
-    fn floor(&mut self, a: Vector128) -> Vector128 {
-        unary(a, f32::floor, f64::floor)
-    }
-    fn ceil(&mut self, a: Vector128) -> Vector128 {
-        unary(a, f32::ceil, f64::ceil)
-    }
-    fn trunc(&mut self, a: Vector128) -> Vector128 {
-        unary(a, f32::trunc, f64::trunc)
-    }
-    fn nearest(&mut self, a: Vector128) -> Vector128 {
-        unary(a, f32::round_ties_even, f64::round_ties_even)
-    }
-
-    fn lt(&mut self, a: Vector128, b: Vector128) -> Vector128 {
-        compare(a, b, |a, b| a < b, |a, b| a < b)
-    }
-    fn le(&mut self, a: Vector128, b: Vector128) -> Vector128 {
-        compare(a, b, |a, b| a <= b, |a, b| a <= b)
-    }
-    fn eq(&mut self, a: Vector128, b: Vector128) -> Vector128 {
-        compare(a, b, |a, b| a == b, |a, b| a == b)
-    }
-    fn and(&mut self, a: Vector128, b: Vector128) -> Vector128 {
-        integer(a, b, |a, b| a & b, |a, b| a & b)
-    }
-    fn or(&mut self, a: Vector128, b: Vector128) -> Vector128 {
-        integer(a, b, |a, b| a | b, |a, b| a | b)
-    }
-    fn xor(&mut self, a: Vector128, b: Vector128) -> Vector128 {
-        integer(a, b, |a, b| a ^ b, |a, b| a ^ b)
     }
     fn select(&mut self, mask: Vector128, a: Vector128, b: Vector128) -> Vector128 {
         let chosen = self.and(mask, a);
@@ -251,12 +225,6 @@ impl Machine for Software {
         self.select(mask, a, b)
     }
 
-    fn int_add(&mut self, a: Vector128, b: Vector128) -> Vector128 {
-        integer(a, b, u32::wrapping_add, u64::wrapping_add)
-    }
-    fn int_sub(&mut self, a: Vector128, b: Vector128) -> Vector128 {
-        integer(a, b, u32::wrapping_sub, u64::wrapping_sub)
-    }
     fn shift_left(&mut self, a: Vector128, by: u8) -> Vector128 {
         each(a, |a| a << by, |a| a << by)
     }

@@ -6,12 +6,17 @@ use zeroset_interval::{Format, Machine};
 #[derive(Debug, Default)]
 pub struct Counter(pub usize);
 
+/// Operations that count once, by their number of vectors.
 macro_rules! counted {
-    ($($name:ident($($operand:ident: $kind:ty),*) -> $result:ty = $value:expr;)*) => {
-        $(fn $name(&mut self, $($operand: $kind),*) -> $result {
+    ($($one:ident)*; $($two:ident)*; $($three:ident)*) => {
+        $(fn $one(&mut self, _: ()) {
             self.0 += 1;
-            $(let _ = $operand;)*
-            $value
+        })*
+        $(fn $two(&mut self, _: (), _: ()) {
+            self.0 += 1;
+        })*
+        $(fn $three(&mut self, _: (), _: (), _: ()) {
+            self.0 += 1;
         })*
     };
 }
@@ -24,35 +29,26 @@ impl Machine for Counter {
     fn bits(&mut self, _: Format, _: u64) {}
 
     counted! {
-        add(a: (), b: ()) -> () = ();
-        sub(a: (), b: ()) -> () = ();
-        mul(a: (), b: ()) -> () = ();
-        mul_add(a: (), b: (), c: ()) -> () = ();
-        mul_sub(a: (), b: (), c: ()) -> () = ();
-        div(a: (), b: ()) -> () = ();
-        sqrt(a: ()) -> () = ();
-        neg(a: ()) -> () = ();
-        abs(a: ()) -> () = ();
-        min(a: (), b: ()) -> () = ();
-        max(a: (), b: ()) -> () = ();
-        floor(a: ()) -> () = ();
-        ceil(a: ()) -> () = ();
-        trunc(a: ()) -> () = ();
-        nearest(a: ()) -> () = ();
-        lt(a: (), b: ()) -> () = ();
-        le(a: (), b: ()) -> () = ();
-        eq(a: (), b: ()) -> () = ();
-        and(a: (), b: ()) -> () = ();
-        or(a: (), b: ()) -> () = ();
-        xor(a: (), b: ()) -> () = ();
-        select(mask: (), a: (), b: ()) -> () = ();
-        select_signed(sign: (), a: (), b: ()) -> () = ();
-        int_add(a: (), b: ()) -> () = ();
-        int_sub(a: (), b: ()) -> () = ();
-        shift_left(a: (), by: u8) -> () = ();
-        shift_right(a: (), by: u8) -> () = ();
-        widen(a: ()) -> [(); 2] = [(); 2];
-        narrow(halves: [(); 2]) -> () = ();
+        sqrt neg abs floor ceil trunc nearest;
+        add sub mul div min max lt le eq and or xor int_add int_sub;
+        mul_add mul_sub select select_signed
+    }
+
+    fn shift_left(&mut self, (): (), _: u8) {
+        self.0 += 1;
+    }
+
+    fn shift_right(&mut self, (): (), _: u8) {
+        self.0 += 1;
+    }
+
+    fn widen(&mut self, (): ()) -> [(); 2] {
+        self.0 += 1;
+        [(); 2]
+    }
+
+    fn narrow(&mut self, _: [(); 2]) {
+        self.0 += 1;
     }
 
     /// Counts the routine once, since native code runs it in a loop.

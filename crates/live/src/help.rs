@@ -1,9 +1,8 @@
 //! The prompt's help, built from the tables of commands, functions and equivalents.
 
 use super::command::COMMANDS;
-use super::equivalents;
 use super::reply::{Refusal, Reply, refused, say};
-use super::status_words;
+use super::{equivalents, status_words};
 use std::collections::HashSet;
 use std::fmt::Write as _;
 use zeroset_style::COLOR_MAPS;

@@ -49,8 +49,9 @@ const SIDES: [DVec3; 5] = [
 
 /// The camera for pictures of `model`, which was compiled from `document`. Camera settings in
 /// `choice` or the document are kept. If neither sets an eye, a target, a scale, or a view other
-/// than the default, the visible points are fitted into the picture. Returns `None` once `wanted`
-/// returns false.
+/// than the default, the visible points are fitted into the picture. With `axes`, the region's whole
+/// box and its labels are fitted instead. Returns `None` once `wanted` returns false.
+///
 /// # Errors
 /// If eye and target coincide, if the up direction is parallel to the view, or if a number is out
 /// of range.
@@ -59,8 +60,12 @@ pub fn camera_while(
     document: &Document,
     choice: &CameraChoice,
     settings: &Settings,
+    axes: bool,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Camera>, SceneError> {
+    if axes {
+        return of_domain(model.region(), document, choice, settings).map(Some);
+    }
     camera_over(&[model], document, choice, settings, model.region(), false, wanted)
 }
 
@@ -118,8 +123,10 @@ pub fn camera(
     document: &Document,
     choice: &CameraChoice,
     settings: &Settings,
+    axes: bool,
 ) -> Result<Camera, SceneError> {
-    match camera_while(model, document, choice, settings, &settings.has_time_to_choose())? {
+    let wanted = settings.has_time_to_choose();
+    match camera_while(model, document, choice, settings, axes, &wanted)? {
         Some(camera) => Ok(camera),
         None => whole(model.region(), document, choice, settings),
     }
@@ -160,7 +167,7 @@ fn usual(
 ///
 /// # Errors
 /// As [`camera_while`].
-pub fn of_domain(
+pub(crate) fn of_domain(
     region: &Region,
     document: &Document,
     choice: &CameraChoice,

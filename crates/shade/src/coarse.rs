@@ -3,8 +3,7 @@
 
 use crate::edges::slope;
 use rayon::prelude::*;
-use zeroset_trace::GBuffer;
-use zeroset_trace::RayGrid;
+use zeroset_trace::{GBuffer, RayGrid};
 
 /// Points of the two pictures are on the same part of a surface if their depths differ by at most
 /// this. The unit is a pixel width of the smaller picture, times the slope.

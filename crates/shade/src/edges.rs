@@ -5,9 +5,8 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
 use zeroset_eval::LANES;
-use zeroset_trace::GBuffer;
 use zeroset_trace::painted::SHADED_ROWS;
-use zeroset_trace::{RayGrid, SIDE};
+use zeroset_trace::{GBuffer, RayGrid, SIDE};
 
 /// Two normals make an edge if the cosine of their angle is below this (about 20 degrees).
 const LEAST_COSINE: f32 = 0.94;

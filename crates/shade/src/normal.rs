@@ -13,11 +13,8 @@ use crate::shade::{ColoredRows, ShadingInput};
 use glam::DVec3;
 use zeroset_eval::{Kernel, Kernels, LANES, Points, Real, Sample, SampleGradient};
 use zeroset_space::Ray;
-use zeroset_trace::GBuffer;
-use zeroset_trace::KernelStats;
-use zeroset_trace::RayGrid;
-use zeroset_trace::Rows;
 use zeroset_trace::painted::SHADED_ROWS;
+use zeroset_trace::{GBuffer, KernelStats, RayGrid, Rows};
 
 /// The kernel that normals are computed with.
 #[derive(Clone, Copy)]

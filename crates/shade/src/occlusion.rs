@@ -6,9 +6,7 @@
 
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
-use zeroset_trace::GBuffer;
-use zeroset_trace::RayGrid;
-use zeroset_trace::SurfaceIds;
+use zeroset_trace::{GBuffer, RayGrid, SurfaceIds};
 
 /// Number of sampling patterns, one for each pixel of a small square. The patterns sample different
 /// directions, and the mean over the square covers all directions.

@@ -10,10 +10,9 @@ use rayon::prelude::*;
 pub use shader::{ColoredRows, Shader};
 pub(crate) use shader::{ShadingInput, ViewAndNormals};
 use zeroset_style::Look;
-use zeroset_trace::GBuffer;
-use zeroset_trace::RayGrid;
 use zeroset_trace::buffer_pool::{BufferPool, PICTURES, serves};
 use zeroset_trace::painted::{SHADED_ROWS, windows};
+use zeroset_trace::{GBuffer, RayGrid};
 
 /// The colors of one surface.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -12,8 +12,7 @@ use crate::ray_result::RayResult;
 use crate::squares::{RAYS, patches, squares};
 use std::fmt;
 use zeroset_eval::{KernelError, SurfaceKernels};
-use zeroset_space::Ray;
-use zeroset_space::Region;
+use zeroset_space::{Ray, Region};
 
 /// A way to find where rays first meet a surface: a row of [`METHODS`](crate::METHODS).
 #[derive(Clone, Copy)]

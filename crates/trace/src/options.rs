@@ -101,11 +101,8 @@ impl Precision {
 
 impl fmt::Display for Precision {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Auto => "auto",
-            Self::F32 => "f32",
-            Self::F64 => "f64",
-        })
+        let row = Self::NAMES.iter().find(|row| row.0 == *self);
+        f.write_str(row.map_or("", |row| row.1))
     }
 }
 

@@ -11,8 +11,7 @@ use crate::ray_result::{RayResult, Status, UndecidedReason};
 use crate::rows::{Rows, for_each_part};
 use zeroset_eval::{Boxes, Enclose, Kernel, LANES, Real};
 use zeroset_interval::{Facts, Interval};
-use zeroset_space::Ray;
-use zeroset_space::{Entry, Region};
+use zeroset_space::{Entry, Ray, Region};
 
 /// Number of entry points that are enclosed at a time.
 const BATCH: usize = 256;

@@ -57,6 +57,8 @@ pub trait HasKernel<Q: Query, T: Real> {
     fn slot(&self) -> &KernelSlot<Q, T>;
 }
 
+/// Defines the queries that a set has kernels for, each with its slot. Methods get each kernel by
+/// the slot's name.
 macro_rules! has {
     ($($question:ty: $slot:ident,)*) => {
         $(impl<T: Real> HasKernel<$question, T> for PrecisionKernels<T> {
@@ -64,6 +66,16 @@ macro_rules! has {
                 &self.$slot
             }
         })*
+
+        impl<T: Real> Kernels<T> for PrecisionKernels<T> {
+            $(fn $slot(&self) -> KernelResult<'_, $question, T> {
+                Ok(self.get_or_compile()?.for_tracer())
+            })*
+
+            fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError> {
+                Ok(None)
+            }
+        }
     };
 }
 
@@ -86,24 +98,6 @@ impl<T: Real> PrecisionKernels<T> {
             Ok(RecordingKernel { kernel, recorded: self.records.then(Mutex::default) })
         };
         self.slot().get_or_init(make).as_ref().map_err(Clone::clone)
-    }
-}
-
-impl<T: Real> Kernels<T> for PrecisionKernels<T> {
-    fn zeros(&self) -> KernelResult<'_, FindZeros, T> {
-        Ok(self.get_or_compile()?.for_tracer())
-    }
-    fn bounds(&self) -> KernelResult<'_, Enclose, T> {
-        Ok(self.get_or_compile()?.for_tracer())
-    }
-    fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError> {
-        Ok(None)
-    }
-    fn segments(&self) -> KernelResult<'_, ContractSegments, T> {
-        Ok(self.get_or_compile()?.for_tracer())
-    }
-    fn tiles(&self) -> KernelResult<'_, ContractTiles, T> {
-        Ok(self.get_or_compile()?.for_tracer())
     }
 }
 

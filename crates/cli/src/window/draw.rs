@@ -12,8 +12,7 @@ use minifb::MouseMode;
 use std::sync::Arc;
 use std::time::Instant;
 use zeroset_live::{Fault, Rendering, Slider, Snapshot};
-use zeroset_render::overlay::Overlay;
-use zeroset_render::overlay::{Canvas, Rgb};
+use zeroset_render::overlay::{Canvas, Overlay, Rgb};
 
 const PAPER: Rgb = 0x00f4_f4f6;
 const DIM: Rgb = 0x00b0_b0bc;

@@ -1,8 +1,7 @@
 //! Functions of one operand, choices and restrictions.
 
-use super::Rewriter;
 use super::form::{Condition, PartialExpr, Product};
-use super::numbers;
+use super::{Rewriter, numbers};
 use crate::graph::{Node, NodeId};
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};

@@ -1,8 +1,7 @@
 //! Powers: integer exponents join products, and half-integer exponents become square roots.
 
-use super::Rewriter;
 use super::form::{Condition, PartialExpr, Product};
-use super::numbers;
+use super::{Rewriter, numbers};
 use crate::graph::NodeId;
 use crate::variability::Variability;
 use num_rational::BigRational;

@@ -1,8 +1,7 @@
 //! Collecting and emitting products: `c · Π baseᵢ^nᵢ`.
 
-use super::Rewriter;
 use super::form::{Condition, Factor, PartialExpr, Product};
-use super::numbers;
+use super::{Rewriter, numbers};
 use crate::graph::{Node, NodeId};
 use crate::variability::Variability;
 use num_integer::gcd;

@@ -4,9 +4,8 @@
 //! Operations are those of all tapes (919 for functions, 1498 for gradients). Boxes are those that
 //! bisection encloses, down to 1/32 of a domain.
 
-use super::Rewriter;
 use super::form::{Condition, Product, Sum};
-use super::numbers;
+use super::{Rewriter, numbers};
 use crate::constant::bits;
 use crate::graph::NodeId;
 use crate::variability::Variability;

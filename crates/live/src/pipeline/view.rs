@@ -76,13 +76,8 @@ impl Worker {
             }
         }
         let wanted = || self.shared.wanted(job);
-        let region = model.region();
-        let camera = if axes {
-            Some(framing::of_domain(region, document, choice, settings)?)
-        } else {
-            framing::camera_while(model, document, choice, settings, &wanted)?
-        };
-        let (model, region) = (Arc::downgrade(model), *region);
+        let camera = framing::camera_while(model, document, choice, settings, axes, &wanted)?;
+        let (model, region) = (Arc::downgrade(model), *model.region());
         let framed = |camera| FittedCamera { model, region, formula, key, camera, arrived: true };
         self.framed = camera.map(framed);
         Ok(camera)

@@ -1,8 +1,9 @@
 //! The worker thread, and what it reuses from one request to the next.
 
-use super::domain_hysteresis;
 use super::pace::Pace;
-use super::{Fault, FaultReason, PipelineState, Rendering, Request, Shared, same_document};
+use super::{
+    Fault, FaultReason, PipelineState, Rendering, Request, Shared, domain_hysteresis, same_document,
+};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, PoisonError, Weak};
 use std::time::{Duration, Instant};

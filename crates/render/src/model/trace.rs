@@ -32,6 +32,22 @@ const STEP: f64 = 1e-3;
 /// Beyond this many half extents of the region from the origin, `f32` is too coarse for normals.
 const FAR: f64 = 1024.0;
 
+/// Runs a pass whose kernels for colors compute in the precision of the settings.
+macro_rules! in_precision {
+    ($model:expr, $settings:expr, $advance:expr, |$pass:ident| $run:expr) => {
+        match $settings.options.precision {
+            Precision::Auto | Precision::F32 => {
+                let $pass = RenderPass::<f32>::new($model, $settings, $advance);
+                $run
+            }
+            Precision::F64 => {
+                let $pass = RenderPass::<f64>::new($model, $settings, $advance);
+                $run
+            }
+        }
+    };
+}
+
 impl Model {
     /// Draws a picture. `advance` gets the number of pixels finished since the last call, where a
     /// pixel counts once per surface. The work ends early if `advance` returns `false` or the
@@ -61,16 +77,8 @@ impl Model {
         overview: Option<&Overview>,
         own: Option<Range<usize>>,
     ) -> Result<Picture, ProgramError> {
-        match settings.options.precision {
-            Precision::Auto | Precision::F32 => {
-                RenderPass { overview, own, ..RenderPass::<f32>::new(self, settings, advance) }
-                    .draw(rays)
-            }
-            Precision::F64 => {
-                RenderPass { overview, own, ..RenderPass::<f64>::new(self, settings, advance) }
-                    .draw(rays)
-            }
-        }
+        in_precision!(self, settings, advance, |pass| RenderPass { overview, own, ..pass }
+            .draw(rays))
     }
 
     /// Traces again the pixels that a preview (`Settings::is_preview`) left undecided. `settings`
@@ -88,14 +96,7 @@ impl Model {
         advance: Advance<'_>,
     ) -> Result<Option<Picture>, ProgramError> {
         let rays = camera.rays(settings.width, settings.height);
-        match settings.options.precision {
-            Precision::Auto | Precision::F32 => {
-                RenderPass::<f32>::new(self, settings, advance).settle(picture, &rays)
-            }
-            Precision::F64 => {
-                RenderPass::<f64>::new(self, settings, advance).settle(picture, &rays)
-            }
-        }
+        in_precision!(self, settings, advance, |pass| pass.settle(picture, &rays))
     }
 
     /// Draws the picture in other light. It is traced again only if its normals were not kept.
@@ -115,14 +116,7 @@ impl Model {
             return self.trace(camera, settings, advance);
         }
         let rays = camera.rays(settings.width, settings.height);
-        match settings.options.precision {
-            Precision::Auto | Precision::F32 => {
-                RenderPass::<f32>::new(self, settings, advance).relight(picture, &rays)
-            }
-            Precision::F64 => {
-                RenderPass::<f64>::new(self, settings, advance).relight(picture, &rays)
-            }
-        }
+        in_precision!(self, settings, advance, |pass| pass.relight(picture, &rays))
     }
 }
 

@@ -313,8 +313,8 @@ mod tests {
         let (document, choice) = (document.expect("reads"), CameraChoice::default());
         let region = view::region(&document, DomainChoice::Document, None).expect("a cube").0;
         let model = Model::new(&document, &region, &settings).expect("a model");
-        let whole = framing::of_domain(&region, &document, &choice, &settings);
-        let near = framing::camera(&model, &document, &choice, &settings);
+        let whole = framing::camera(&model, &document, &choice, &settings, true);
+        let near = framing::camera(&model, &document, &choice, &settings, false);
         let camera = if fitted { whole } else { near }.expect("a camera");
         let picture = model.picture(&camera, &settings, &|_, _| {}).expect("a picture");
         let shown = PictureView { camera: &camera, region: &region, picture: &picture };

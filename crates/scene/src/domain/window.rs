@@ -5,15 +5,12 @@
 //! The choice is a heuristic; nothing here is a proof. This module depends neither on cameras nor
 //! on pictures.
 
-use super::FLAT;
-use super::climb;
 use super::critical::{CriticalDistances, CriticalSearch};
-use super::ground;
 use super::heights::{self, Grid, shown};
 use super::shape::GraphShape;
 use super::tops::around_tops;
 use super::waves::{Wave, resolvable_half};
-use super::{BOX_DEPTH, DEFAULT_HALF};
+use super::{BOX_DEPTH, DEFAULT_HALF, FLAT, climb, ground};
 use zeroset_eval::{Kernel, Sample};
 use zeroset_space::{Cell, CellSearch};
 

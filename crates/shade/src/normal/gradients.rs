@@ -6,10 +6,8 @@ use crate::shade::{ColoredRows, ShadingInput, ViewAndNormals};
 use fearless_simd::{Level, dispatch, f32x16, prelude::*, u32x16};
 use zeroset_eval::{Gradients, Kernel, LANES, Lanes, Points, Real, SampleGradient};
 use zeroset_interval::Format;
-use zeroset_trace::KernelStats;
-use zeroset_trace::Status;
 use zeroset_trace::painted::{PixelWindow, bits};
-use zeroset_trace::{RayDirections, RayGrid};
+use zeroset_trace::{KernelStats, RayDirections, RayGrid, Status};
 
 /// Number of windows that each step processes together. This avoids two delays. Setting the
 /// rounding mode for a kernel waits for all earlier arithmetic. Reading a kernel's output right

@@ -6,10 +6,8 @@ use crate::color::{BLACK, LinearRgb, SrgbTable};
 use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*, u8x16};
 use glam::Vec3;
 use zeroset_eval::{LANES, Lanes};
-use zeroset_trace::Columns;
-use zeroset_trace::RayGrid;
-use zeroset_trace::Status;
 use zeroset_trace::painted::{FULL, PixelWindow, bits};
+use zeroset_trace::{Columns, RayGrid, Status};
 
 /// Distance between the stripes of a hatch, and their width, in pixels along a row.
 const HATCH_PERIOD: usize = 6;

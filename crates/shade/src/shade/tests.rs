@@ -4,8 +4,7 @@ use super::*;
 use glam::DVec3;
 use zeroset_style::LOOKS;
 use zeroset_testkit::simd::{is_fused, levels};
-use zeroset_trace::Status;
-use zeroset_trace::{Camera, Projection};
+use zeroset_trace::{Camera, Projection, Status};
 
 /// One pixel painted at distance 4 on the way along +y from (0, −5, 0).
 fn painted(normal: [f32; 3]) -> (GBuffer, RayGrid) {

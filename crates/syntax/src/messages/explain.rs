@@ -1,6 +1,7 @@
 //! Explains errors in words, and advises on corrections.
 
-use crate::messages::error::{Error, ErrorKind, Suggestion};
+use crate::messages::error::ErrorKind::{self, *};
+use crate::messages::error::{Error, Suggestion};
 use crate::settings::setting;
 use zeroset_style::{COLOR_MAPS, LOOKS, VIEWS};
 
@@ -11,16 +12,16 @@ impl Error {
     /// A few words to show at the error's caret.
     pub fn label(&self) -> Option<&'static str> {
         Some(match &self.kind {
-            ErrorKind::Unclosed { .. } => "opened here",
-            ErrorKind::UnclosedBar => "this bar",
-            ErrorKind::MissingAfter { .. } => "expected a value after this",
-            ErrorKind::MissingBefore { .. } => "expected a value before this",
-            ErrorKind::TooDeep { .. } | ErrorKind::NoStack => "nesting limit exceeded here",
-            ErrorKind::UnknownName { .. } => "no value has this name",
-            ErrorKind::UnknownFunction { .. } => "no function has this name",
-            ErrorKind::SeveralEquals => "the second one",
-            ErrorKind::ConditionAsValue => "this is true or false, not a number",
-            ErrorKind::ValueAsCondition { .. } => "this is a number",
+            Unclosed { .. } => "opened here",
+            UnclosedBar => "this bar",
+            MissingAfter { .. } => "expected a value after this",
+            MissingBefore { .. } => "expected a value before this",
+            TooDeep { .. } | NoStack => "nesting limit exceeded here",
+            UnknownName { .. } => "no value has this name",
+            UnknownFunction { .. } => "no function has this name",
+            SeveralEquals => "the second one",
+            ConditionAsValue => "this is true or false, not a number",
+            ValueAsCondition { .. } => "this is a number",
             _ => return None,
         })
     }
@@ -28,82 +29,68 @@ impl Error {
     /// The reason why the text is an error.
     pub fn reason(&self) -> Option<&'static str> {
         Some(match &self.kind {
-            ErrorKind::TooLong { .. }
-            | ErrorKind::TooManySymbols { .. }
-            | ErrorKind::TooDeep { .. } => "the limit keeps parsing fast and safe on any input",
-            ErrorKind::TooManySurfaces { .. } => {
-                "each line that is not a definition draws a surface"
+            TooLong { .. } | TooManySymbols { .. } | TooDeep { .. } => {
+                "the limit keeps parsing fast and safe on any input"
             }
-            ErrorKind::TooLarge { .. } => "each use of a definition inserts a copy of it",
-            ErrorKind::NotUtf8 { .. } => "formulas are UTF-8 text",
-            ErrorKind::NothingToDraw { .. } => {
+            TooManySurfaces { .. } => "each line that is not a definition draws a surface",
+            TooLarge { .. } => "each use of a definition inserts a copy of it",
+            NotUtf8 { .. } => "formulas are UTF-8 text",
+            NothingToDraw { .. } => {
                 "a line `name = …` is a definition; any other line is drawn, \
                  and so is a function of (x, y, z) or (x, y)"
             }
-            ErrorKind::UnexpectedCharacter { character } => return character_reason(*character),
-            ErrorKind::AmbiguousBars => {
+            UnexpectedCharacter { character } => return character_reason(*character),
+            AmbiguousBars => {
                 "opening and closing bars look alike, so this has more than one reading"
             }
-            ErrorKind::NumberAfterFactor | ErrorKind::LostSuperscript { .. } => {
+            NumberAfterFactor | LostSuperscript { .. } => {
                 "a number goes before what it multiplies; \
                  after it, it is often a superscript lost in copying"
             }
-            ErrorKind::NumberAfterNumber => "a product of two numbers needs an explicit `*`",
-            ErrorKind::Tuple | ErrorKind::Vector => {
+            NumberAfterNumber => "a product of two numbers needs an explicit `*`",
+            Tuple | Vector => {
                 "a surface is one equation between numbers, in x, y and z; \
                  there are no parametric forms"
             }
-            ErrorKind::Calculus => {
-                "formulas are computed as they stand, nothing is derived from them"
-            }
-            ErrorKind::Program { .. } => "a formula is read as a whole, not run step by step",
-            ErrorKind::IntegerDivision => {
-                "it begins a comment, and what follows looks like a divisor"
-            }
-            ErrorKind::RangeNotWhole => "a sum is written out before anything is drawn",
-            ErrorKind::TooManyTerms { .. } => "each term becomes a part of the formula",
-            ErrorKind::Comma => "commas separate the arguments of a function, inside its brackets",
-            ErrorKind::NeedsArgument { count: 1, .. } if self.suggestion.is_some() => {
+            Calculus => "formulas are computed as they stand, nothing is derived from them",
+            Program { .. } => "a formula is read as a whole, not run step by step",
+            IntegerDivision => "it begins a comment, and what follows looks like a divisor",
+            RangeNotWhole => "a sum is written out before anything is drawn",
+            TooManyTerms { .. } => "each term becomes a part of the formula",
+            Comma => "commas separate the arguments of a function, inside its brackets",
+            NeedsArgument { count: 1, .. } if self.suggestion.is_some() => {
                 "an argument without brackets cannot start with a sign"
             }
-            ErrorKind::Complex => "all values are real; `i` has no value here",
-            ErrorKind::NotAFunction { .. } => {
-                "brackets after a value multiply, and a product has no commas"
-            }
-            ErrorKind::InversePower { .. } => {
+            Complex => "all values are real; `i` has no value here",
+            NotAFunction { .. } => "brackets after a value multiply, and a product has no commas",
+            InversePower { .. } => {
                 "`^-1` means the inverse only for sin, cos, tan, sinh, cosh and tanh"
             }
-            ErrorKind::Reserved { is_function: true, .. } => "it is a function of the language",
-            ErrorKind::Reserved { .. } => "it is a word of the language",
-            ErrorKind::Recursion { .. } => {
+            Reserved { is_function: true, .. } => "it is a function of the language",
+            Reserved { .. } => "it is a word of the language",
+            Recursion { .. } => {
                 "a definition is expanded where it is used, and this would never end"
             }
-            ErrorKind::EquationInCondition => {
+            EquationInCondition => {
                 "an equation describes a surface; \
                  `and`, `or` and `not` combine solids, which have an inside"
             }
-            ErrorKind::SeveralEquals | ErrorKind::MixedChain => {
+            SeveralEquals | MixedChain => {
                 "an equation sets two sides equal; only inequalities form chains"
             }
-            ErrorKind::UnequalOutsideBraces => {
-                "the complement of a surface has no boundary to draw"
-            }
-            ErrorKind::RestrictionIsEquation => {
-                "two surfaces meet in a curve, and curves are not drawn"
-            }
-            ErrorKind::MixedRestriction => {
+            UnequalOutsideBraces => "the complement of a surface has no boundary to draw",
+            RestrictionIsEquation => "two surfaces meet in a curve, and curves are not drawn",
+            MixedRestriction => {
                 "the boundary would belong to one part of the region and not to the other"
             }
-            ErrorKind::DefinitionIsCondition => "a definition is used in place of a number",
-            ErrorKind::RestrictedDefinition => "braces go after a formula that is drawn",
-            ErrorKind::NotConstant { .. } => {
-                "sliders, ranges and settings need a value known in advance"
-            }
-            ErrorKind::UndefinedConstant => "it is undefined or too large, like 1/0 or 9^9^9^9",
-            ErrorKind::OverrideCoordinate { .. } | ErrorKind::CoordinateFunction { .. } => {
+            DefinitionIsCondition => "a definition is used in place of a number",
+            RestrictedDefinition => "braces go after a formula that is drawn",
+            NotConstant { .. } => "sliders, ranges and settings need a value known in advance",
+            UndefinedConstant => "it is undefined or too large, like 1/0 or 9^9^9^9",
+            OverrideCoordinate { .. } | CoordinateFunction { .. } => {
                 "x, y and z are the coordinates of space"
             }
-            ErrorKind::ConditionAsValue => {
+            ConditionAsValue => {
                 "comparisons combine with `and`, `or` and `not`, not with arithmetic"
             }
             _ => return None,
@@ -112,7 +99,7 @@ impl Error {
 
     /// Advice on what to write. `text` is the text in which the error lies.
     pub fn help(&self, text: &str) -> Option<String> {
-        if let ErrorKind::UnexpectedCharacter { character } = self.kind
+        if let UnexpectedCharacter { character } = self.kind
             && let Some(help) = character_help(character)
         {
             return Some(help.to_owned());
@@ -122,16 +109,16 @@ impl Error {
         };
         let replacement = &meant.replacement;
         Some(match &self.kind {
-            ErrorKind::Unopened { .. } => return self.advice(),
-            ErrorKind::UnknownName { name, .. } if is_clause(name) => return self.advice(),
-            ErrorKind::UnknownName { .. }
-            | ErrorKind::UnknownFunction { .. }
-            | ErrorKind::UnknownOverride { .. }
-            | ErrorKind::BadColor
-            | ErrorKind::BadColorMap
-            | ErrorKind::BadSetting { .. }
-            | ErrorKind::BadLook => format!("did you mean `{replacement}`?"),
-            ErrorKind::UnexpectedCharacter { .. } => format!("write `{replacement}`"),
+            Unopened { .. } => return self.advice(),
+            UnknownName { name, .. } if is_clause(name) => return self.advice(),
+            UnknownName { .. }
+            | UnknownFunction { .. }
+            | UnknownOverride { .. }
+            | BadColor
+            | BadColorMap
+            | BadSetting { .. }
+            | BadLook => format!("did you mean `{replacement}`?"),
+            UnexpectedCharacter { .. } => format!("write `{replacement}`"),
             _ => match text.get(meant.span.range()) {
                 // A short sign alone is unclear, so the advice also shows the replaced text.
                 Some(typed)
@@ -149,38 +136,38 @@ impl Error {
     /// Advice for an error without a suggestion.
     fn advice(&self) -> Option<String> {
         Some(match &self.kind {
-            ErrorKind::UnknownName { name, .. } if is_clause(name) => {
+            UnknownName { name, .. } if is_clause(name) => {
                 "to restrict a formula, write the condition in braces: `x + y = z {z > 0}`"
                     .to_owned()
             }
-            ErrorKind::UnknownName { name, letter: None } => {
+            UnknownName { name, letter: None } => {
                 format!("give it a value with a line `{name} = 1` or with `-D {name}=1`")
             }
-            ErrorKind::UnknownName { name, letter: Some(letter) } => {
+            UnknownName { name, letter: Some(letter) } => {
                 let product = name.chars().map(String::from).collect::<Vec<_>>().join("*");
                 format!(
                     "to read it as `{product}`, give `{letter}` a value \
                      with a line `{letter} = 1` or with `-D {letter}=1`"
                 )
             }
-            ErrorKind::Recursion { cycle } if cycle.len() == 1 => {
+            Recursion { cycle } if cycle.len() == 1 => {
                 "write a sum as `sum(k = 1..5, …)`, a function applied again as `iterate(f, 5, x)`"
                     .to_owned()
             }
-            ErrorKind::UnknownFunction { name } if name == "erf" => {
+            UnknownFunction { name } if name == "erf" => {
                 "no proven bounds are known here; an approximation within 0.0005 is \
                  `erf(a) = tanh(1.128379a + 0.100906a^3)`, as a line of its own"
                     .to_owned()
             }
-            ErrorKind::UnknownFunction { name } if name == "gamma" => {
+            UnknownFunction { name } if name == "gamma" => {
                 "no proven bounds are known here; for whole numbers write the product, \
                  `product(k = 1..4, k)`"
                     .to_owned()
             }
-            ErrorKind::UnknownFunction { name } => format!(
+            UnknownFunction { name } => format!(
                 "define it with a line `{name}(a) = …`, or give `{name}` a value to multiply with"
             ),
-            ErrorKind::NothingToDraw { last, parameters: Some(count), .. } => {
+            NothingToDraw { last, parameters: Some(count), .. } => {
                 let arguments: Vec<&str> =
                     ["x", "y", "z"].into_iter().cycle().take(*count).collect();
                 format!(
@@ -189,29 +176,29 @@ impl Error {
                     arguments.join(", ")
                 )
             }
-            ErrorKind::NothingToDraw { last, is_number: true, .. } => {
+            NothingToDraw { last, is_number: true, .. } => {
                 format!("add a line that uses `{last}`, such as `x^2 + y^2 + z^2 = {last}^2`")
             }
-            ErrorKind::NothingToDraw { last, is_number: false, .. } => {
+            NothingToDraw { last, is_number: false, .. } => {
                 format!("to draw where `{last}` is 0, add a line that is just `{last}`")
             }
-            ErrorKind::NeedsArgument { name, count: 1 } => format!("write `{name}(…)`"),
-            ErrorKind::NeedsArgument { name, .. } => {
+            NeedsArgument { name, count: 1 } => format!("write `{name}(…)`"),
+            NeedsArgument { name, .. } => {
                 format!("write `{name}(…, …)`: without brackets a function takes only one argument")
             }
-            ErrorKind::WrongCount { usage, .. } => usage.clone()?,
-            ErrorKind::FormUsage { usage, .. } => format!("write it as in `{usage}`"),
-            ErrorKind::InversePower { name } => format!("for the reciprocal, write `1/{name}(…)`"),
-            ErrorKind::BadView => format!(
+            WrongCount { usage, .. } => usage.clone()?,
+            FormUsage { usage, .. } => format!("write it as in `{usage}`"),
+            InversePower { name } => format!("for the reciprocal, write `1/{name}(…)`"),
+            BadView => format!(
                 "write `view front` ({}) or `view eye (2, -3, 1.5) target (0, 0, 0)`",
                 VIEWS.map(|view| view.name).join(", ")
             ),
-            ErrorKind::BadVector { key } => format!("write `{key} (1, 2, 3)`"),
-            ErrorKind::BadDomain => setting("domain")?.hint.to_owned(),
-            ErrorKind::BadColor => setting("background")?.hint.to_owned(),
-            ErrorKind::BadLook => there_are(&LOOKS.map(|look| look.name)),
-            ErrorKind::BadSetting { hint, .. } => (*hint).to_owned(),
-            ErrorKind::BadColorMap => there_are(&COLOR_MAPS.map(|map| map.name)),
+            BadVector { key } => format!("write `{key} (1, 2, 3)`"),
+            BadDomain => setting("domain")?.hint.to_owned(),
+            BadColor => setting("background")?.hint.to_owned(),
+            BadLook => there_are(&LOOKS.map(|look| look.name)),
+            BadSetting { hint, .. } => (*hint).to_owned(),
+            BadColorMap => there_are(&COLOR_MAPS.map(|map| map.name)),
             kind => fixed_advice(kind)?.to_owned(),
         })
     }
@@ -244,102 +231,96 @@ fn is_clause(word: &str) -> bool {
 /// Advice that depends only on the kind of the error.
 fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
     Some(match kind {
-        ErrorKind::Empty => "write an equation such as `x^2 + y^2 + z^2 = 1`",
-        ErrorKind::Unclosed { .. } => "write the bracket that closes it where it should end",
-        ErrorKind::Mismatched { .. } => "close each bracket by its own kind, the inner one first",
-        ErrorKind::Unopened { .. } => "remove it, or open a bracket before it",
-        ErrorKind::AmbiguousBars | ErrorKind::UnclosedBar => "write `abs(…)` in place of bars",
-        ErrorKind::EmptyBars => "an absolute value is written `|x|`, a choice `or`",
-        ErrorKind::Comma => {
+        Empty => "write an equation such as `x^2 + y^2 + z^2 = 1`",
+        Unclosed { .. } => "write the bracket that closes it where it should end",
+        Mismatched { .. } => "close each bracket by its own kind, the inner one first",
+        Unopened { .. } => "remove it, or open a bracket before it",
+        AmbiguousBars | UnclosedBar => "write `abs(…)` in place of bars",
+        EmptyBars => "an absolute value is written `|x|`, a choice `or`",
+        Comma => {
             "put each surface and each value on a line of its own; join conditions with `and`, \
              and restrict a formula in braces: `z = x*y {x < 1}`"
         }
-        ErrorKind::Tuple => {
+        Tuple => {
             "write one equation in x, y and z; a product is written with `*`, a vector `vec2(x, y)`"
         }
-        ErrorKind::Vector => "take its `length(…)`, or a component such as `.x`",
-        ErrorKind::Calculus => "write the derivative or the integral out, as a formula",
-        ErrorKind::Program { .. } => {
+        Vector => "take its `length(…)`, or a component such as `.x`",
+        Calculus => "write the derivative or the integral out, as a formula",
+        Program { .. } => {
             "write a choice as `c ? a : b`, a loop as `sum(k = 1..3, …)` or `iterate(f, 3, x)`"
         }
-        ErrorKind::TooManySteps { .. } => "let the loop end earlier",
-        ErrorKind::Array => {
-            "give each element a name of its own, or use a vector such as `vec3(a, b, c)`"
-        }
-        ErrorKind::LoopEnd => {
+        TooManySteps { .. } => "let the loop end earlier",
+        Array => "give each element a name of its own, or use a vector such as `vec3(a, b, c)`",
+        LoopEnd => {
             "let it count between numbers, as in `for (int i = 0; i < 5; i++)` or `for i in range(5):`"
         }
-        ErrorKind::OutParameter { .. } => {
+        OutParameter { .. } => {
             "call it in a statement of its own, and give it names or components: `fold(p.xz);`"
         }
-        ErrorKind::NoEffect => "remove it, or set a name to its value",
-        ErrorKind::IntegerDivision => {
+        NoEffect => "remove it, or set a name to its value",
+        IntegerDivision => {
             "write `floor(a/b)` for a division, or put the comment on a line of its own"
         }
-        ErrorKind::VectorSize { .. } => "give as many numbers as it has components, or one for all",
-        ErrorKind::VectorSizes { .. } => "take components, as in `p.xy`",
-        ErrorKind::ComponentOfNumber { .. } => "a product is written `*`",
-        ErrorKind::NoComponent { .. } => "components are .x, .y, .z and .w, in this order",
-        ErrorKind::CrossSize => "write `cross(vec3(…), vec3(…))`",
-        ErrorKind::Matrix => {
+        VectorSize { .. } => "give as many numbers as it has components, or one for all",
+        VectorSizes { .. } => "take components, as in `p.xy`",
+        ComponentOfNumber { .. } => "a product is written `*`",
+        NoComponent { .. } => "components are .x, .y, .z and .w, in this order",
+        CrossSize => "write `cross(vec3(…), vec3(…))`",
+        Matrix => {
             "add matrices of one size, or multiply with a number, a matrix or a vector: `m*p.xy`"
         }
-        ErrorKind::MatrixValue => "take its `determinant(…)`, or a component of `m*p`",
-        ErrorKind::NotAMatrix => "write a matrix column by column, as in `mat2(c, s, -s, c)`",
-        ErrorKind::MatrixSize { .. } => "give all elements, or one for the diagonal",
-        ErrorKind::MatrixShape => "a column of values is a vector; write out any other product",
-        ErrorKind::PieceWithoutCondition => {
+        MatrixValue => "take its `determinant(…)`, or a component of `m*p`",
+        NotAMatrix => "write a matrix column by column, as in `mat2(c, s, -s, c)`",
+        MatrixSize { .. } => "give all elements, or one for the diagonal",
+        MatrixShape => "a column of values is a vector; write out any other product",
+        PieceWithoutCondition => {
             "write `{x < 0: a, b}`: conditions first, then a value for all other points"
         }
-        ErrorKind::RangeNotWhole => "write the number in digits, as in `sum(k = 1..5, sin(k x)/k)`",
-        ErrorKind::Prefix => "what is `(+ a b)` in prefix notation is `a + b` here",
-        ErrorKind::RestrictionInside => "write a choice there, as in `z = {x > 0: x, 0} + y`",
-        ErrorKind::WholeQuotient => "write `floor(i/2)`, or `float(i)/2.` for all of it",
-        ErrorKind::Degree { .. } => "write it in digits, or the polynomial itself",
-        ErrorKind::Parametric => {
+        RangeNotWhole => "write the number in digits, as in `sum(k = 1..5, sin(k x)/k)`",
+        Prefix => "what is `(+ a b)` in prefix notation is `a + b` here",
+        RestrictionInside => "write a choice there, as in `z = {x > 0: x, 0} + y`",
+        WholeQuotient => "write `floor(i/2)`, or `float(i)/2.` for all of it",
+        Degree { .. } => "write it in digits, or the polynomial itself",
+        Parametric => {
             "eliminate the parameters: what is a ball for `x = cos u cos v, …` is `x^2 + y^2 + z^2 = 1`"
         }
-        ErrorKind::PlotCoordinates => {
+        PlotCoordinates => {
             "write the equation with `rho`, `theta` and `phi` (distance from the origin, angle around z, angle from z), \
              or with `r`, `theta` and `z`"
         }
-        ErrorKind::Solid { formula } => formula,
-        ErrorKind::InWords => {
+        Solid { formula } => formula,
+        InWords => {
             "write signs: `x^2` for x squared, `sqrt(x)` for a square root, `+`, `-`, `*`, `/`, and `=` for equals"
         }
-        ErrorKind::Remark => "write a remark behind `#`",
-        ErrorKind::SeriesStep => "leave the step out, or let it be 1 or more",
-        ErrorKind::TooManyTerms { .. } => "end the range earlier",
-        ErrorKind::Complex => "rewrite the formula with real and imaginary parts",
-        ErrorKind::Reserved { .. } => "choose another name",
-        ErrorKind::TooManySurfaces { .. } => "draw fewer at a time",
-        ErrorKind::ZerothRoot => "the second argument of `root(a, n)` says which root to take",
-        ErrorKind::ConditionAsValue => "compare outside the arithmetic, as in `x + 1 < y`",
-        ErrorKind::ValueAsCondition { .. } => "compare it with something, as in `x^2 + y^2 < 1`",
-        ErrorKind::EquationInCondition => {
-            "use `<=` or `>=`, or restrict the equation: `x + y = z {z > 0}`"
-        }
-        ErrorKind::SeveralEquals => "to draw two equations, put each on a line of its own",
-        ErrorKind::MixedChain => "restrict the equation: `x + y = z {z < 1}`",
-        ErrorKind::UnequalOutsideBraces => "exclude points from an equation: `x*y = 1 {x != 0}`",
-        ErrorKind::RestrictionNotCondition => "compare it with something, as in `{z > 0}`",
-        ErrorKind::RestrictionIsEquation => "use `<`, `<=`, `>`, `>=` or `!=` in braces",
-        ErrorKind::MixedRestriction => "use `<` and `>` throughout, or `<=` and `>=` throughout",
-        ErrorKind::DefinitionIsCondition => {
-            "define left minus right, `d = x^2 - 1`, and draw `d <= 0`"
-        }
-        ErrorKind::RangeOutsideDefinition => {
+        Remark => "write a remark behind `#`",
+        SeriesStep => "leave the step out, or let it be 1 or more",
+        TooManyTerms { .. } => "end the range earlier",
+        Complex => "rewrite the formula with real and imaginary parts",
+        Reserved { .. } => "choose another name",
+        TooManySurfaces { .. } => "draw fewer at a time",
+        ZerothRoot => "the second argument of `root(a, n)` says which root to take",
+        ConditionAsValue => "compare outside the arithmetic, as in `x + 1 < y`",
+        ValueAsCondition { .. } => "compare it with something, as in `x^2 + y^2 < 1`",
+        EquationInCondition => "use `<=` or `>=`, or restrict the equation: `x + y = z {z > 0}`",
+        SeveralEquals => "to draw two equations, put each on a line of its own",
+        MixedChain => "restrict the equation: `x + y = z {z < 1}`",
+        UnequalOutsideBraces => "exclude points from an equation: `x*y = 1 {x != 0}`",
+        RestrictionNotCondition => "compare it with something, as in `{z > 0}`",
+        RestrictionIsEquation => "use `<`, `<=`, `>`, `>=` or `!=` in braces",
+        MixedRestriction => "use `<` and `>` throughout, or `<=` and `>=` throughout",
+        DefinitionIsCondition => "define left minus right, `d = x^2 - 1`, and draw `d <= 0`",
+        RangeOutsideDefinition => {
             "to limit a coordinate, write a line such as `domain x in [-2, 2]`"
         }
-        ErrorKind::HalfFraction => "write `\\frac{a}{b}`",
-        ErrorKind::BadRange => "write `r = 2 in [0, 5]`",
-        ErrorKind::EmptyRange => "write the smaller number first",
-        ErrorKind::OutsideRange => "choose a value between the ends",
-        ErrorKind::OverrideNotAName { .. } => "write `-D name=value`, such as `-D r=2`",
-        ErrorKind::OverrideCoordinate { .. } => "to crop the picture, set a domain",
-        ErrorKind::CoordinateFunction { .. } => "give the function another name, such as `f`",
-        ErrorKind::UnknownOverride { .. } => "use it in the formula, or drop the setting",
-        ErrorKind::OverrideFunction { .. } => "change its definition in the text instead",
+        HalfFraction => "write `\\frac{a}{b}`",
+        BadRange => "write `r = 2 in [0, 5]`",
+        EmptyRange => "write the smaller number first",
+        OutsideRange => "choose a value between the ends",
+        OverrideNotAName { .. } => "write `-D name=value`, such as `-D r=2`",
+        OverrideCoordinate { .. } => "to crop the picture, set a domain",
+        CoordinateFunction { .. } => "give the function another name, such as `f`",
+        UnknownOverride { .. } => "use it in the formula, or drop the setting",
+        OverrideFunction { .. } => "change its definition in the text instead",
         _ => return None,
     })
 }

@@ -5,8 +5,7 @@
 use crate::method::Segment;
 use glam::DVec3;
 use zeroset_interval::Interval;
-use zeroset_space::Ray;
-use zeroset_space::Region;
+use zeroset_space::{Ray, Region};
 
 /// The place at which a part of a ray is cut, as a share of the part's length. It is not the
 /// middle, where symmetric surfaces have zeros: there a sign would be uncertain.

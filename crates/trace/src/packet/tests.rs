@@ -5,8 +5,7 @@ use crate::painted::ones;
 use fearless_simd::{Level, dispatch};
 use num_bigint::BigInt;
 use num_rational::BigRational;
-use zeroset_space::HalfSpace;
-use zeroset_space::Ray;
+use zeroset_space::{HalfSpace, Ray};
 use zeroset_testkit::simd::levels;
 
 struct Random(u64);

@@ -14,8 +14,7 @@ use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 use num_rational::BigRational;
 use zeroset_eval::{LANES, Lanes, Planes, Segments, Tiles};
-use zeroset_space::Ray;
-use zeroset_space::Region;
+use zeroset_space::{Ray, Region};
 use zeroset_testkit::simd::levels;
 use zeroset_testkit::{Adversarial, Effort, Ends, Rng};
 
