@@ -11,6 +11,7 @@ mod properties;
 mod reference;
 mod reproduce;
 mod rigour;
+mod shortening;
 mod simplify;
 mod slopes;
 mod soundness;
