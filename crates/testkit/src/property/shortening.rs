@@ -40,8 +40,8 @@ pub fn random_choices(rng: &mut Rng, depth: u32) -> String {
     let (a, b) = (random_choices(rng, depth - 1), part(rng));
     let n = number(rng);
     let k = f64::from(rng.u32(1..=800)) / 1000.0;
-    // 2·c·k from 0 to 1.2: a blend with more than 1 does not grow with its operands.
-    let c = f64::from(rng.u32(0..=12)) / 20.0 / k;
+    // 2·c·k from 0 to 3: a blend with more than 1 does not grow with its operands.
+    let c = f64::from(rng.u32(0..=15)) / 10.0 / k;
     match rng.u32(0..16) {
         0..=2 => format!("min({a},{b})"),
         3 | 4 => format!("max({a},{b})"),
@@ -59,44 +59,68 @@ pub fn random_choices(rng: &mut Rng, depth: u32) -> String {
     }
 }
 
+/// The tapes of a formula, in the precision of the bounds and in `f64`. `None` if it is too large.
+fn tapes<T: Adversarial>(text: &str, simple: bool) -> Option<(Tape<T>, Tape<f64>)> {
+    let document = read(text, &Options::default()).ok()?;
+    let domain = [Interval { lo: -HALF, hi: HALF }; 3];
+    let mut graph = (document.graph, vec![document.surfaces.first()?.root]);
+    if simple {
+        graph = simplify(&graph.0, &graph.1, &domain, &[]).ok()?;
+    }
+    let assumptions = Assumptions { domain, parameters: Vec::new() };
+    let (graph, roots) = (&graph.0, &graph.1[..1]);
+    let single = Tape::<T>::new(graph, roots, &assumptions).coarse();
+    Some((single, Tape::<f64>::new(graph, roots, &assumptions).coarse()))
+}
+
+/// Encloses a function at points.
+fn enclosed(kernel: &Threaded<Enclose, f64>, points: &[[Interval; 3]]) -> Enclosures<f64> {
+    let mut found = Enclosures::default();
+    kernel.eval(&Boxes::<f64>::around(points)[0], &mut found);
+    found
+}
+
 /// Checks that the steps selected for random boxes of a random formula give the same signs, and
 /// values at the same points, as all steps do. Each claim is a proof by intervals at single points.
+/// The boxes are around a point at which the formula is nearly 0.
 ///
 /// # Errors
 /// The first contradiction, with the formula, the box and the point.
 pub fn check_shortening<T: Adversarial>(rng: &mut Rng) -> Result<Tally, Failure> {
-    let depth = rng.u32(2..=6);
-    let text = random_choices(rng, depth);
-    let Ok(document) = read(&text, &Options::default()) else { return Ok(Tally::default()) };
-    let domain = [Interval { lo: -HALF, hi: HALF }; 3];
-    let roots = [document.surfaces[0].root];
-    let Ok((graph, roots)) = simplify(&document.graph, &roots, &domain, &[]) else {
-        return Ok(Tally::default());
+    let (depth, simple) = (rng.u32(2..=6), rng.bool());
+    let mut text = random_choices(rng, depth);
+    let middle = [(); 3].map(|()| f64::from(rng.i32(-1000..=1000)) / 1000.0 * HALF);
+    let whole = |tape: &Tape<f64>| {
+        Threaded::<Enclose, f64>::new(tape.clone(), &Binding::empty()).expect("stencils")
     };
-    let assumptions = Assumptions { domain, parameters: Vec::new() };
-    let whole = Tape::<T>::new(&graph, &roots, &assumptions).coarse();
-    let exact = Tape::<f64>::new(&graph, &roots, &assumptions).coarse();
-    let shortener = Shortener::new(&whole);
+    let Some((_, exact)) = tapes::<T>(&text, simple) else { return Ok(Tally::default()) };
+    let at = enclosed(&whole(&exact), &[middle.map(|at| Interval { lo: at, hi: at })]);
+    if at.facts(0).has(Facts::DEFINED) && at.hi[0].abs() < 1e3 {
+        text = format!("{text}-({:.6})", at.hi[0]);
+    }
+    let Some((single, exact)) = tapes::<T>(&text, simple) else { return Ok(Tally::default()) };
+    let shortener = Shortener::new(&single);
     let none = Binding::empty();
-    let traced = Threaded::<Enclose, T>::traced(whole.clone(), &none, shortener.deciding());
+    let traced = Threaded::<Enclose, T>::traced(single.clone(), &none, shortener.deciding());
     let traced = traced.expect("stencils");
-    let all = Threaded::<Enclose, f64>::new(exact.clone(), &Binding::empty());
+    let all = whole(&exact);
     let mut tally = Tally::default();
     for _ in 0..BATCHES {
-        let region = [(); 3].map(|()| {
-            let size = HALF / f64::from(1_u32 << rng.u32(0..6));
-            let lo = f64::from(rng.u32(0..=1000)) / 1000.0 * (2.0 * HALF - size) - HALF;
+        let scale = f64::from(1_u32 << rng.u32(0..7));
+        let region = [0, 1, 2].map(|axis| {
+            let (size, share) = (HALF / scale, f64::from(rng.u32(0..=100)) / 100.0);
+            let lo = middle[axis] - share * size;
             let ends = [lo, lo + size].map(|end| T::nearest(end.clamp(-HALF, HALF)).into());
             Interval { lo: ends[0], hi: ends[1] }
         });
         let select = |_: &Enclosures<T>, trace: &zeroset_jit::Trace<'_, T>| {
-            shortener.select(&whole, &trace.lane(0))
+            shortener.select(&single, &trace.lane(0))
         };
         let boxes = &Boxes::around(&[region])[0];
         let Some(selection) = traced.eval_traced(boxes, &mut Enclosures::default(), select) else {
             continue;
         };
-        let short = Threaded::<Enclose, f64>::new(exact.select(&selection), &Binding::empty());
+        let short = whole(&exact.select(&selection));
         let points: Vec<[Interval; 3]> = (0..LANES)
             .map(|_| {
                 region.map(|Interval { lo, hi }| {
@@ -105,14 +129,7 @@ pub fn check_shortening<T: Adversarial>(rng: &mut Rng) -> Result<Tally, Failure>
                 })
             })
             .collect();
-        let batch = &Boxes::<f64>::around(&points)[0];
-        let claims = |kernel: &dyn Kernel<Enclose, f64>| {
-            let mut found = Enclosures::default();
-            kernel.eval(batch, &mut found);
-            found
-        };
-        let (before, after) =
-            (claims(all.as_ref().expect("stencils")), claims(&short.expect("stencils")));
+        let (before, after) = (enclosed(&all, &points), enclosed(&short, &points));
         for (lane, point) in points.iter().enumerate() {
             tally.compared += 1;
             let [was, is] = [&before, &after].map(|found| {
@@ -132,7 +149,7 @@ pub fn check_shortening<T: Adversarial>(rng: &mut Rng) -> Result<Tally, Failure>
                 || is_defined && (differs(was, is) || differs(is, was));
             if is_false {
                 let mut what = format!("{text}\nin {region:?} at {point:?}: {was:?} became {is:?}");
-                let _ = write!(what, "\n{} of {} steps", selection.len(), whole.steps().len());
+                let _ = write!(what, "\n{} of {} steps", selection.len(), single.steps().len());
                 return Err(Failure::new(what));
             }
         }
