@@ -13,6 +13,7 @@ mod framing;
 mod normals;
 mod overlap;
 mod paints;
+mod parts;
 mod properties;
 mod property_support;
 mod reference;

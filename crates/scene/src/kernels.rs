@@ -28,9 +28,14 @@ pub enum Evaluator {
     /// Native code.
     #[default]
     Native,
+    /// Native code of whole functions only: parts of space do not get the steps that matter there.
+    Whole,
     /// The reference evaluator: equal results bit for bit, but some hundred times slower.
     Reference,
 }
+
+/// Stands for the query of a kernel if a surface is drawn by stencils, not by kernels of its own.
+const STENCILS: &str = "stencils";
 
 /// A record of a compiled kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,6 +66,7 @@ impl CompiledKernel {
     /// The reason why a picture needs the kernel.
     pub fn reason(&self) -> &'static str {
         match (self.form, self.question) {
+            (_, STENCILS) => "to run, in each part of space, the steps that matter there",
             (_, question) if question == ContractTiles::NAME => "to find the surface, tile by tile",
             (_, question) if question == ContractSegments::NAME => {
                 "to find the surface, ray by ray"
@@ -102,27 +108,29 @@ impl KernelList {
         made
     }
 
-    fn add(&self, made: CompiledKernel) -> Result<(), ProgramError> {
-        let mut list = self.list();
-        list.push(made);
-        within_limit(&list)
+    fn add(&self, made: CompiledKernel) {
+        self.list().push(made);
     }
 
-    /// Fails once the code of all kernels is too large.
-    fn is_open(&self) -> Result<(), ProgramError> {
-        within_limit(&self.list())
+    /// Adds a surface that is drawn by stencils, if it is not listed yet.
+    fn add_stencils(&self, surface: usize) {
+        let (form, format) = (KernelSource::Function, Format::F32);
+        let made =
+            CompiledKernel { surface, question: STENCILS, form, format, bytes: 0, vector_bytes: 0 };
+        let mut list = self.list();
+        if !list.contains(&made) {
+            list.push(made);
+        }
+    }
+
+    /// Returns whether the kernels have as much code as may be compiled.
+    fn is_full(&self) -> bool {
+        self.list().iter().map(|made| made.bytes).sum::<usize>() > CODE_BYTES
     }
 
     fn list(&self) -> MutexGuard<'_, Vec<CompiledKernel>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
-}
-
-fn within_limit(made: &[CompiledKernel]) -> Result<(), ProgramError> {
-    if made.iter().map(|made| made.bytes).sum::<usize>() > CODE_BYTES {
-        return Err(ProgramError::TooMuchCode { limit: CODE_BYTES });
-    }
-    Ok(())
 }
 
 /// The code of a kernel before parameter values are bound, and the uniforms that the code reads.
@@ -133,7 +141,7 @@ struct UnboundKernel<Q: Query, T: Real> {
 
 enum Steps<Q: Query, T: Real> {
     Native(Compiled<Q, T>),
-    /// A formula that is too large to compile is run by stencils.
+    /// The code is too large to compile, or there is too much code already.
     Stencils(Tape<T>),
     Reference(Tape<T>),
 }
@@ -189,28 +197,26 @@ impl CodeStore {
         steps: Result<Option<(Tape<T>, Uniforms)>, ProgramError>,
     ) -> Result<Option<UnboundKernel<Q, T>>, ProgramError> {
         let Some((tape, uniforms)) = steps? else { return Ok(None) };
-        // The kernels compiled so far may have used up the limit.
-        self.ledger.is_open()?;
         let (question, format) = (Q::NAME, T::FORMAT);
         let mut made =
             CompiledKernel { surface, question, form, format, bytes: 0, vector_bytes: 0 };
+        // A test branch by branch is only an addition to the test of the function.
+        let by_stencils = |tape: Tape<T>| (!tape.is_by_branches()).then_some(Steps::Stencils(tape));
         let steps = match self.evaluator {
-            Evaluator::Native => {
-                match Compiled::new(tape.clone()) {
-                    Ok(compiled) => {
-                        made.bytes = compiled.code_bytes();
-                        made.vector_bytes = compiled.vector_bytes();
-                        Steps::Native(compiled)
-                    }
-                    // A test branch by branch is only an addition to the test of the function.
-                    Err(error) if error.is_of_size() && tape.is_by_branches() => return Ok(None),
-                    Err(error) if error.is_of_size() => Steps::Stencils(tape),
-                    Err(error) => return Err(error.into()),
+            Evaluator::Reference => Some(Steps::Reference(tape)),
+            Evaluator::Native | Evaluator::Whole if self.ledger.is_full() => by_stencils(tape),
+            Evaluator::Native | Evaluator::Whole => match Compiled::new(tape.clone()) {
+                Ok(compiled) => {
+                    made.bytes = compiled.code_bytes();
+                    made.vector_bytes = compiled.vector_bytes();
+                    Some(Steps::Native(compiled))
                 }
-            }
-            Evaluator::Reference => Steps::Reference(tape),
+                Err(error) if error.is_of_size() => by_stencils(tape),
+                Err(error) => return Err(error.into()),
+            },
         };
-        self.ledger.add(made)?;
+        let Some(steps) = steps else { return Ok(None) };
+        self.ledger.add(made);
         Ok(Some(UnboundKernel { steps, uniforms }))
     }
 }
@@ -312,7 +318,7 @@ impl<T: WholeFloat> Bindings<T> {
     fn find_short(&self) -> Option<Short> {
         let (surface, simplified) = (self.surface, &self.store.simplified);
         let (single, uniforms) = simplified.steps(surface, KernelSource::Function, true).ok()??;
-        if self.store.evaluator == Evaluator::Reference
+        if self.store.evaluator != Evaluator::Native
             || !WholeFunction::is_worth_shortening(&single)
             || self.without_poles().ok()? != KernelSource::Function
             || simplified.steps::<T>(surface, KernelSource::Branches, true).ok()?.is_some()
@@ -322,6 +328,7 @@ impl<T: WholeFloat> Bindings<T> {
         let values = uniforms.values(&self.values)?;
         let (double, _) = simplified.steps(surface, KernelSource::Function, true).ok()??;
         let whole = Arc::new(WholeFunction::new(single, double, &values));
+        self.store.ledger.add_stencils(surface);
         let surface = ShortSurface::new(&whole, None);
         Some(Short { whole, surface })
     }

@@ -94,14 +94,6 @@ pub enum ProgramError {
     /// A kernel cannot be compiled.
     #[error(transparent)]
     Code(#[from] zeroset_jit::Error),
-    /// All surfaces together need too much code, although each alone does not.
-    #[error(
-        "all surfaces together need more than {limit} bytes of code; draw some of them at a time"
-    )]
-    TooMuchCode {
-        /// Largest number of bytes allowed.
-        limit: usize,
-    },
     /// A kernel is not available.
     #[error(transparent)]
     Kernel(#[from] KernelError),

@@ -16,8 +16,8 @@ pub struct Limits {
 }
 
 impl Default for Limits {
-    /// One mebibyte, 100,000 tokens, a nesting depth of 200, 65,536 nodes, 1,000 surfaces.
+    /// Ten mebibytes, a million tokens, a nesting depth of 200, 262,144 nodes, 1,000 surfaces.
     fn default() -> Self {
-        Self { bytes: 10 << 20, symbols: 2_000_000, depth: 200, nodes: 1 << 20, surfaces: 1000 }
+        Self { bytes: 10 << 20, symbols: 1_000_000, depth: 200, nodes: 1 << 18, surfaces: 1000 }
     }
 }

@@ -1,0 +1,121 @@
+//! Pictures of large formulas by the steps that matter in each part equal pictures by all steps.
+
+use glam::DVec3;
+use std::fmt::Write as _;
+use zeroset_render::picture::Precision;
+use zeroset_scene::kernels::Evaluator;
+use zeroset_scene::program::Program;
+use zeroset_scene::view::{DomainChoice, bounds, region};
+use zeroset_syntax::{Options, read};
+use zeroset_testkit::Rng;
+use zeroset_testkit::property::random_choices;
+use zeroset_trace::{Camera, Driver, GBuffer, Method, Projection, Status, TraceOptions};
+
+const SIZE: usize = 48;
+
+/// The statuses of a picture of a text, by parts and by all steps. `None` if the text has no
+/// surface.
+fn both(text: &str, options: TraceOptions) -> Option<[Vec<Status>; 2]> {
+    let document = read(text, &Options::default()).ok()?;
+    let (region, _) =
+        region(&document, DomainChoice::Bounds([-2.0, 2.0, -2.0, 2.0, -2.0, 2.0]), None).ok()?;
+    let program = Program::new(&document, bounds(&region)).ok()?;
+    let projection = Projection::Perspective { fov: 40.0 };
+    let camera = Camera::new(DVec3::new(4.0, 5.0, 3.0), DVec3::ZERO, DVec3::Z, projection).ok()?;
+    let rays = camera.rays(SIZE, SIZE);
+    let method = Method::named("affine").expect("the default method");
+    Some([Evaluator::Native, Evaluator::Whole].map(|evaluator| {
+        let program = program.on(evaluator);
+        let mut buffer = GBuffer::new(SIZE, SIZE, 0);
+        let tracer = method.prepare(program.surface(0), &region, options).expect("kernels");
+        let driver = Driver { rays: &rays, tracer: &*tracer, advance: &|_| true };
+        driver.picture(&mut buffer);
+        buffer.status
+    }))
+}
+
+/// Number of pixels that are hit, undecided by parts, and undecided by all steps.
+#[derive(Debug, Default)]
+struct Counts {
+    hit: usize,
+    undecided: [usize; 2],
+}
+
+impl Counts {
+    /// Adds the pictures of a text.
+    ///
+    /// # Panics
+    /// If one picture proves a hit where the other proves a miss.
+    fn add(&mut self, text: &str, [parts, whole]: &[Vec<Status>; 2]) {
+        for (pixel, pair) in parts.iter().zip(whole).enumerate() {
+            let contradict =
+                matches!(pair, (Status::Hit, Status::Miss) | (Status::Miss, Status::Hit));
+            assert!(!contradict, "pixel {pixel}: {pair:?}\n{text}");
+            self.hit += usize::from(*pair.1 == Status::Hit);
+            self.undecided[0] += usize::from(*pair.0 == Status::Undecided);
+            self.undecided[1] += usize::from(*pair.1 == Status::Undecided);
+        }
+    }
+}
+
+/// A union of spheres, sharp or blended.
+fn spheres(count: usize, is_smooth: bool, rng: &mut Rng) -> String {
+    let number = |rng: &mut Rng| f64::from(rng.i32(-1500..=1500)) / 1000.0;
+    let mut parts: Vec<String> = Vec::new();
+    let mut text = String::new();
+    for n in 0..count {
+        let [x, y, z] = [(); 3].map(|()| number(rng));
+        let _ = writeln!(text, "s_{n} = sqrt((x-({x}))^2+(y-({y}))^2+(z-({z}))^2)-0.2");
+        parts.push(format!("s_{n}"));
+    }
+    for n in 0.. {
+        let [a, b] = match &parts[..] {
+            [a, b, ..] => [a.clone(), b.clone()],
+            _ => break,
+        };
+        let blend =
+            if is_smooth { format!("-max(0.1-abs({a}-{b}),0)^2/0.4") } else { String::new() };
+        let _ = writeln!(text, "t_{n} = min({a},{b}){blend}");
+        parts.drain(..2);
+        parts.push(format!("t_{n}"));
+    }
+    format!("{text}0 = {}", parts[0])
+}
+
+#[test]
+fn unions_of_spheres_are_the_same() {
+    let mut rng = Rng::with_seed(0x5eed_c000);
+    let mut counts = Counts::default();
+    for precision in [Precision::Auto, Precision::F64] {
+        for is_smooth in [false, true] {
+            let text = spheres(80, is_smooth, &mut rng);
+            let options = TraceOptions { precision, ..TraceOptions::default() };
+            let pictures = both(&text, options).expect("a surface");
+            counts.add(&text, &pictures);
+        }
+    }
+    assert!(counts.hit > 2000 && counts.undecided == [0, 0], "{counts:?}");
+}
+
+#[test]
+fn random_solids_are_the_same() {
+    let mut counts = Counts::default();
+    let mut drawn = 0;
+    for seed in 0x5eed_c100_u64.. {
+        if drawn == 12 {
+            break;
+        }
+        let mut rng = Rng::with_seed(seed);
+        let text = format!("0 = {}", random_choices(&mut rng, 14));
+        if text.len() < 4000 || text.len() > 40_000 || text.contains("if(") {
+            continue;
+        }
+        if let Some(pictures) = both(&text, TraceOptions::default()) {
+            println!("seed {seed:#x}: {} bytes", text.len());
+            counts.add(&text, &pictures);
+            drawn += 1;
+        }
+    }
+    let [parts, whole] = counts.undecided;
+    assert!(counts.hit > 1000 && parts <= whole + whole / 4 + 50, "{counts:?}");
+}
