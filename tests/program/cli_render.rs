@@ -166,18 +166,7 @@ fn a_fallback_is_named_with_its_reason() {
         (&"knoll".into(), &0.into())
     );
     assert!(far.stderr.contains("surface 1 was traced by knoll, not affine: "), "{}", far.stderr);
-    // The affine forms of the first surface need more stack than a kernel may use. Those of the
-    // second surface do not.
-    let terms =
-        |n: u32| (0..n).map(|k| format!("exp(x*{k}/99+y/{k}.7)-z*{k}/7")).collect::<Vec<_>>();
-    let text = format!("min({})=0; x^2+y^2+z^2=4", terms(320).join(","));
-    let run = place.run(&["render", &text, "--domain", "2.5", "--json", "--size", "16"]).ok();
-    let object = run.json();
-    assert_eq!(object["method"], "affine");
-    let fallbacks = object["fallbacks"].as_array().expect("a list");
-    assert!(fallbacks.len() == 1 && fallbacks[0]["method"] == "knoll", "{fallbacks:?}");
-    assert!(run.stderr.contains("its affine forms cannot be compiled: "), "{}", run.stderr);
-    assert!(run.stderr.contains("knoll proves misses, and hits only"), "{}", run.stderr);
+    assert!(far.stderr.contains("knoll proves misses, and hits only"), "{}", far.stderr);
     // Without a fallback, the JSON object lists none.
     assert!(
         place.run(&["render", SPHERE, "--json", "--size", "8"]).json().get("fallbacks").is_none()

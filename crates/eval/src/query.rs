@@ -189,7 +189,7 @@ impl Query for Enclose {
     fn coordinate<T: Real, M: Machine>(
         m: &mut M,
         loader: &mut impl Loader<M>,
-        _: (),
+        (): (),
         axis: Axis,
     ) -> Enclosure<M::V> {
         coordinate_bounds(m, loader, axis)
@@ -198,7 +198,7 @@ impl Query for Enclose {
     fn result<T: Real, M: Machine>(
         _: &mut M,
         _: &mut impl Loader<M>,
-        _: (),
+        (): (),
         values: &[Enclosure<M::V>],
         _: bool,
     ) -> QueryResult<M::V> {
@@ -221,7 +221,7 @@ impl Query for FindZeros {
     fn coordinate<T: Real, M: Machine>(
         m: &mut M,
         loader: &mut impl Loader<M>,
-        _: (),
+        (): (),
         axis: Axis,
     ) -> Enclosure<M::V> {
         coordinate_bounds(m, loader, axis)
@@ -230,7 +230,7 @@ impl Query for FindZeros {
     fn result<T: Real, M: Machine>(
         m: &mut M,
         _: &mut impl Loader<M>,
-        _: (),
+        (): (),
         values: &[Enclosure<M::V>],
         is_bounded: bool,
     ) -> QueryResult<M::V> {
@@ -275,7 +275,7 @@ impl Query for EncloseGradient {
     fn coordinate<T: Real, M: Machine>(
         m: &mut M,
         loader: &mut impl Loader<M>,
-        _: (),
+        (): (),
         axis: Axis,
     ) -> Smooth<M::V> {
         leaf(coordinate_bounds(m, loader, axis))
@@ -284,7 +284,7 @@ impl Query for EncloseGradient {
     fn result<T: Real, M: Machine>(
         m: &mut M,
         _: &mut impl Loader<M>,
-        _: (),
+        (): (),
         values: &[Smooth<M::V>],
         _: bool,
     ) -> QueryResult<M::V> {
@@ -387,7 +387,7 @@ impl Query for Sample {
     fn coordinate<T: Real, M: Machine>(
         m: &mut M,
         loader: &mut impl Loader<M>,
-        _: (),
+        (): (),
         axis: Axis,
     ) -> M::V {
         loader.input(m, axis as usize)
@@ -396,7 +396,7 @@ impl Query for Sample {
     fn result<T: Real, M: Machine>(
         _: &mut M,
         _: &mut impl Loader<M>,
-        _: (),
+        (): (),
         values: &[M::V],
         _: bool,
     ) -> QueryResult<M::V> {
@@ -417,7 +417,7 @@ impl Query for SampleGradient {
     fn coordinate<T: Real, M: Machine>(
         m: &mut M,
         loader: &mut impl Loader<M>,
-        _: (),
+        (): (),
         axis: Axis,
     ) -> M::V {
         loader.input(m, axis as usize)
@@ -426,7 +426,7 @@ impl Query for SampleGradient {
     fn result<T: Real, M: Machine>(
         _: &mut M,
         _: &mut impl Loader<M>,
-        _: (),
+        (): (),
         values: &[M::V],
         _: bool,
     ) -> QueryResult<M::V> {

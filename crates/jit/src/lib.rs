@@ -1,9 +1,10 @@
 //! Native kernels. Cranelift compiles a tape to code that runs with the rounding mode set to +∞.
-//! The code is freed when its last handle is dropped.
+//! The code is freed when its last handle is dropped. A formula that is too large to compile is run
+//! by stencils: code for single steps, which is never freed.
 //!
-//! This is the only crate with unsafe code, in three files: `rounding` (the call), `code` (the
-//! memory) and `kernel` (the safe handles). A fourth, `comparison`, is for measurements only. The
-//! crate knows nothing of rays or text.
+//! This is the only crate with unsafe code, in four files: `rounding` (the call), `code` (the
+//! memory), `kernel` and `threaded` (the safe handles). A fifth, `comparison`, is for measurements
+//! only. The crate knows nothing of rays or text.
 
 mod code;
 #[cfg(feature = "comparison")]

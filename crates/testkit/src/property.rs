@@ -121,6 +121,15 @@ pub fn slopes(data: &[u8]) -> Result<Tally, Failure> {
     ask(native, &case, &mut rng, BOXES)
 }
 
+/// Runs [`check_shortening`] on a formula and a precision drawn from bytes.
+///
+/// # Errors
+/// The first contradiction.
+pub fn shorten(data: &[u8]) -> Result<Tally, Failure> {
+    let mut rng = Rng::from_bytes(data);
+    if rng.bool() { check_shortening::<f64>(&mut rng) } else { check_shortening::<f32>(&mut rng) }
+}
+
 /// Runs [`check_contraction`] on a case, or [`linear`] on an operation. Bytes choose the check, its
 /// input and the precision.
 ///

@@ -1,7 +1,7 @@
 //! The thresholds of each step, from the function down to its operands.
 //!
 //! A rule names, for a step with given thresholds, those of its operands. It may also replace the
-//! step by one of its operands. `docs/correctness.md` has the proofs.
+//! step by one of its operands. `docs/parts.md` has the proofs.
 
 use super::{Shortener, StepBounds};
 use crate::real::Real;
@@ -94,14 +94,12 @@ impl<'a, T: Real> Needs<'a, T> {
 
     /// Returns what is known about a step.
     fn known(&self, index: usize) -> StepBounds {
-        let nothing = StepBounds { values: Interval::ENTIRE, is_defined: false };
-        match &self.tape.steps()[index] {
-            Step::Constant(values, _) => StepBounds { values: *values, is_defined: true },
-            _ => {
-                let place = self.shortener.places[index] as usize;
-                self.bounds.get(place).copied().unwrap_or(nothing)
-            }
+        if let Step::Constant(values, _) = &self.tape.steps()[index] {
+            return StepBounds { values: *values, is_defined: true };
         }
+        let place = self.shortener.places[index] as usize;
+        let nothing = StepBounds { values: Interval::ENTIRE, is_defined: false };
+        self.bounds.get(place).copied().unwrap_or(nothing)
     }
 
     fn constant(&self, index: usize) -> Option<Interval> {
@@ -173,7 +171,9 @@ impl<'a, T: Real> Needs<'a, T> {
 
     /// Needs the exact values of operands.
     fn need_all(&mut self, operands: &[usize]) {
-        operands.iter().for_each(|&operand| self.need(operand, Interval::ENTIRE));
+        for &operand in operands {
+            self.need(operand, Interval::ENTIRE);
+        }
     }
 
     /// Needs an operand between thresholds, and a constant.
@@ -205,7 +205,9 @@ impl<'a, T: Real> Needs<'a, T> {
         } else if is_beyond(&a, &b) {
             self.replace(index, operands[1], thresholds);
         } else {
-            operands.iter().for_each(|&operand| self.need(operand, thresholds));
+            for operand in operands {
+                self.need(operand, thresholds);
+            }
         }
     }
 
@@ -239,8 +241,12 @@ impl<'a, T: Real> Needs<'a, T> {
                 self.need(inner, Interval::ENTIRE);
                 self.within_blend[inner] = true;
             }
-            blend.constants.iter().for_each(|&constant| self.need(constant, Interval::ENTIRE));
-            operands.iter().for_each(|&operand| self.need(operand, by(reach)));
+            for constant in blend.constants {
+                self.need(constant, Interval::ENTIRE);
+            }
+            for operand in operands {
+                self.need(operand, by(reach));
+            }
         }
     }
 

@@ -86,6 +86,9 @@ fn enclosed(kernel: &Threaded<Enclose, f64>, points: &[[Interval; 3]]) -> Enclos
 ///
 /// # Errors
 /// The first contradiction, with the formula, the box and the point.
+///
+/// # Panics
+/// If stencils cannot be compiled.
 pub fn check_shortening<T: Adversarial>(rng: &mut Rng) -> Result<Tally, Failure> {
     let (depth, simple) = (rng.u32(2..=6), rng.bool());
     let mut text = random_choices(rng, depth);

@@ -6,7 +6,7 @@
 
 use std::path::{Path, PathBuf};
 use zeroset_testkit::property::{
-    forms, jit_vs_oracle, jit_vs_reference, parse, simplify, slopes, spelled,
+    forms, jit_vs_oracle, jit_vs_reference, parse, shorten, simplify, slopes, spelled,
 };
 use zeroset_testkit::suite::{Failure, Tally};
 use zeroset_testkit::{Effort, attack};
@@ -64,4 +64,9 @@ fn affine_forms_hold_what_the_oracle_knows() {
 #[test]
 fn bounds_of_gradients_hold_what_the_oracle_knows() {
     hold(slopes, "slopes", 0x5eed_0790, 1000);
+}
+
+#[test]
+fn shortened_functions_have_the_signs_of_the_whole() {
+    hold(shorten, "shorten", 0x5eed_07a0, 1000);
 }

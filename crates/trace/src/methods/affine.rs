@@ -63,41 +63,7 @@ pub(crate) const METHOD: Method = Method {
 };
 
 fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelError> {
-    match Affine::<T>::new(task) {
-        Ok(tracer) => Ok(Box::new(tracer)),
-        // Kernels of affine forms are several times as large as those of intervals. If a formula is
-        // too large for them, the method `knoll` replaces this method.
-        Err(why) => {
-            Ok(Box::new(KnollFallback { tracer: knoll::prepare::<T>(task)?, why: why.to_string() }))
-        }
-    }
-}
-
-/// The method `knoll`, for a formula whose affine forms cannot be compiled.
-struct KnollFallback<'a> {
-    tracer: Box<dyn Tracer + 'a>,
-    why: String,
-}
-
-impl Tracer for KnollFallback<'_> {
-    fn follow(
-        &self,
-        rays: &[Segment],
-        start: Start,
-        found: &mut [RayResult],
-        work: &mut KernelStats,
-    ) {
-        self.tracer.follow(rays, start, found, work);
-    }
-
-    fn fallback(&self, _: &RayGrid) -> Option<Fallback> {
-        let why = format!("its affine forms cannot be compiled: {}", self.why);
-        Some(Fallback { method: knoll_row(), why })
-    }
-
-    fn band(&self, rays: &RayGrid, band: &mut Band<'_>, work: &mut KernelStats) {
-        self.tracer.band(rays, band, work);
-    }
+    Ok(Box::new(Affine::<T>::new(task)?))
 }
 
 /// Returns the row of `knoll`, the method that replaces this one.
