@@ -154,7 +154,8 @@ batch! {
 batch! {
     /// Tiles of rays, cut to a range of t. A tile holds the points
     /// `o + a·oₐ + b·o_b + t·(d + a·dₐ + b·d_b)`, for screen coordinates (a, b) within `half` of
-    /// `centre` and t from `near` to `far`. Real points are within `error` of these points, as in [`Segments`].
+    /// `centre` and t from `near` to `far`. Real points are within `error` of these points, as in
+    /// [`Segments`].
     ///
     /// Origins and directions are the same in all lanes, since all tiles belong to one picture.
     Tiles {

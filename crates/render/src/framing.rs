@@ -49,8 +49,8 @@ const SIDES: [DVec3; 5] = [
 
 /// The camera for pictures of `model`, which was compiled from `document`. Camera settings in
 /// `choice` or the document are kept. If neither sets an eye, a target, a scale, or a view other
-/// than the default, the visible points are fitted into the picture. With `axes`, the region's whole
-/// box and its labels are fitted instead. Returns `None` once `wanted` returns false.
+/// than the default, the visible points are fitted into the picture. With `axes`, the region's
+/// whole box and its labels are fitted instead. Returns `None` once `wanted` returns false.
 ///
 /// # Errors
 /// If eye and target coincide, if the up direction is parallel to the view, or if a number is out

@@ -1,9 +1,9 @@
 //! Parts of a picture in which a surface can do with fewer operations.
 //!
-//! A surface of many parts is a long formula, of which a few pixels see little. So a band is divided
-//! across and in depth until its surface gets no simpler. Each part is traced by the kernels of its
-//! own surface, the nearest part of a pixel first. A part in which the surface has no zero is left
-//! out.
+//! A surface of many parts is a long formula, of which a few pixels see little. So a band is
+//! divided across and in depth until its surface gets no simpler. Each part is traced by the
+//! kernels of its own surface, the nearest part of a pixel first. A part in which the surface has
+//! no zero is left out.
 
 use super::Affine;
 use super::tiles::{BandPart, BandState};
