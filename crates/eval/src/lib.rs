@@ -40,5 +40,5 @@ pub use shorten::{Selection, Shortener, StepBounds};
 pub use surface::{
     KernelError, KernelFloat, KernelResult, Kernels, PartSurface, SurfaceKernels, ZeroTest,
 };
-pub use tape::{Assumptions, Operands, Step, Tape};
+pub use tape::{Assumptions, Step, StepOperands, Tape};
 pub use value_kind::{Loader, ValueKind, Vector};

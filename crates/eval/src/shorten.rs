@@ -10,9 +10,9 @@
 mod thresholds;
 
 use crate::real::Real;
-use crate::tape::{Operands, Step, Tape};
+use crate::tape::{Step, StepOperands, Tape};
 use smallvec::SmallVec;
-use thresholds::Needs;
+use thresholds::StepNeeds;
 use zeroset_interval::Interval;
 use zeroset_ops::Op;
 
@@ -33,7 +33,7 @@ pub struct StepBounds {
 pub struct Selection {
     /// Index of each step in the tape.
     steps: Vec<u32>,
-    /// Operands of each step, as positions in this selection.
+    /// StepOperands of each step, as positions in this selection.
     operands: Vec<SmallVec<[u32; 3]>>,
     /// Position of the step that computes the function.
     output: u32,
@@ -123,7 +123,7 @@ impl Shortener {
     /// # Panics
     /// If this is not the tape that was examined.
     pub fn select<T: Real>(&self, tape: &Tape<T>, bounds: &[StepBounds]) -> Option<Selection> {
-        let needs = Needs::of(tape, self, bounds);
+        let needs = StepNeeds::of(tape, self, bounds);
         let steps = tape.steps();
         let mut place = vec![u32::MAX; steps.len()];
         let mut selection = Selection { steps: Vec::new(), operands: Vec::new(), output: 0 };
@@ -180,7 +180,7 @@ impl<T: Real> Tape<T> {
             let mut range = self.range(index);
             let step = match &self.steps()[index] {
                 Step::Apply(op, operands) => {
-                    let chosen: Operands = chosen.iter().map(|&place| place as usize).collect();
+                    let chosen: StepOperands = chosen.iter().map(|&place| place as usize).collect();
                     changed[position] = chosen.iter().zip(operands).any(|(&place, &operand)| {
                         changed[place] || selection.steps[place] as usize != operand
                     });

@@ -42,7 +42,7 @@ impl Assumptions {
 }
 
 /// Indices of a step's operands.
-pub type Operands = SmallVec<[usize; 3]>;
+pub type StepOperands = SmallVec<[usize; 3]>;
 
 /// One step of a [`Tape`].
 #[derive(Clone, Debug, PartialEq)]
@@ -54,7 +54,7 @@ pub enum Step {
     /// A constant: its bounds, and which kind of exponent it would be.
     Constant(Interval, Exponent),
     /// An operation on earlier steps.
-    Apply(Op, Operands),
+    Apply(Op, StepOperands),
 }
 
 impl Step {

@@ -8,7 +8,7 @@ use crate::code::Code;
 use crate::count::Counter;
 use crate::error::Error;
 use crate::lanes::{Emitter, LaneVector};
-use crate::stencil_code::{Frame, StencilPointers, compile_stencil};
+use crate::stencil_code::{StencilFrame, StencilPointers, compile_stencil};
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 use std::any::{Any, TypeId};
@@ -176,7 +176,7 @@ impl<Q: Query, T: Real> StencilFinder<Q, T> {
 /// Loads the operands of a step from the frame and the constants.
 fn load<Q: Query, T: Real>(
     emitter: &mut Emitter<'_, '_>,
-    frame: &Frame<T>,
+    frame: &StencilFrame<T>,
     operands: &[StencilOperand<Q>],
 ) -> Vec<Term<<Q::Kind as ValueKind>::Value<LaneVector>>> {
     let mut values = Vec::new();

@@ -49,7 +49,7 @@ pub struct Run {
 /// The pointers that a stencil gets as arguments.
 pub struct StencilPointers<T> {
     /// The frame and the constants.
-    pub frame: Frame<T>,
+    pub frame: StencilFrame<T>,
     /// The next lanes of the input batch.
     pub input: BatchPointers<T>,
     /// The next lanes of the output batch.
@@ -59,7 +59,7 @@ pub struct StencilPointers<T> {
 }
 
 /// The memory in which a stencil finds operands.
-pub struct Frame<T> {
+pub struct StencilFrame<T> {
     values: Value,
     constants: Value,
     places: Value,
@@ -67,7 +67,7 @@ pub struct Frame<T> {
     format: PhantomData<T>,
 }
 
-impl<T: Real> Frame<T> {
+impl<T: Real> StencilFrame<T> {
     /// Returns the address of an operand, or of the step's value if `number` is 0.
     pub fn address(&self, m: &mut Emitter<'_, '_>, number: usize, is_constant: bool) -> Value {
         let base = if is_constant { self.constants } else { self.values };
@@ -158,7 +158,7 @@ pub fn compile_stencil<T: Real>(
     };
     let mut emitter = Emitter::new(&mut builder, width);
     let mut pointers = StencilPointers {
-        frame: Frame { values, constants, places, width, format: PhantomData },
+        frame: StencilFrame { values, constants, places, width, format: PhantomData },
         input: BatchPointers::new(input, constants),
         output: OutputPointer { lanes: output, format: PhantomData },
         lane,

@@ -45,7 +45,7 @@ thread_local! {
 pub struct Threaded<Q: Query, T: Real = f32> {
     tape: Arc<Tape<T>>,
     calls: Vec<StencilCall>,
-    constants: Arc<ConstantPool<Q, T>>,
+    constants: Arc<TapeConstants<Q, T>>,
     /// Size of the frame in blocks.
     frame: usize,
     width: usize,
@@ -81,7 +81,7 @@ impl<T: Real> Trace<'_, T> {
 
 /// Where the value of a step is.
 #[derive(Clone, Copy)]
-struct Place<Q: Query> {
+struct ValuePlace<Q: Query> {
     shape: Shape<Q>,
     is_constant: bool,
     /// Offset in bytes.
@@ -116,15 +116,15 @@ impl Slots {
 
 /// Constants and parameters of a tape, computed in software and repeated in all lanes. Tapes of
 /// [selected](Selection) steps share those of the whole tape.
-pub struct ConstantPool<Q: Query, T: Real = f32> {
+pub struct TapeConstants<Q: Query, T: Real = f32> {
     blocks: Vec<Block>,
     /// Per step of the whole tape, the place of its value if it is a constant or a parameter.
-    places: Vec<Option<(Place<Q>, OperandNumber)>>,
+    places: Vec<Option<(ValuePlace<Q>, OperandNumber)>>,
     width: usize,
     format: PhantomData<T>,
 }
 
-impl<Q: Query, T: Real> ConstantPool<Q, T> {
+impl<Q: Query, T: Real> TapeConstants<Q, T> {
     /// Computes the constants of a [coarse](Tape::coarse) tape with bound parameters.
     ///
     /// # Errors
@@ -160,7 +160,7 @@ impl<Q: Query, T: Real> ConstantPool<Q, T> {
                 let lanes = [lane.to_ne_bytes(); ALIGNMENT / 8];
                 bytes.extend_from_slice(&lanes.as_flattened()[..width]);
             });
-            let place = Place { shape, is_constant: true, at };
+            let place = ValuePlace { shape, is_constant: true, at };
             let number = finder.number(&place.operand(tape, index));
             places.push(Some((place, number)));
         }
@@ -168,7 +168,7 @@ impl<Q: Query, T: Real> ConstantPool<Q, T> {
     }
 }
 
-impl<Q: Query> Place<Q> {
+impl<Q: Query> ValuePlace<Q> {
     /// The value of this step as an operand.
     fn operand<T: Real>(&self, tape: &Tape<T>, index: usize) -> StencilOperand<Q> {
         StencilOperand {
@@ -220,7 +220,7 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
         let tape = Arc::new(tape.coarse());
         let mut result = Err(Error::Unsupported("vectors"));
         for width in vector_widths() {
-            let constants = Arc::new(ConstantPool::of_width(&tape, binding, width)?);
+            let constants = Arc::new(TapeConstants::of_width(&tape, binding, width)?);
             result = Self::with_constants(&tape, &constants, None, steps);
             if result.is_ok() {
                 break;
@@ -240,7 +240,7 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
     pub fn selected(
         tape: Tape<T>,
         selection: &Selection,
-        constants: &Arc<ConstantPool<Q, T>>,
+        constants: &Arc<TapeConstants<Q, T>>,
         traced: &[usize],
     ) -> Result<Self, Error> {
         assert_eq!(tape.outputs(), Q::OUTPUTS, "expressions that answer for {}", Q::NAME);
@@ -259,13 +259,13 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
     pub fn narrow(tape: Tape<T>, binding: &Binding<T>, width: usize) -> Result<Self, Error> {
         Q::check(&tape, binding);
         let tape = Arc::new(tape.coarse());
-        let constants = Arc::new(ConstantPool::of_width(&tape, binding, width)?);
+        let constants = Arc::new(TapeConstants::of_width(&tape, binding, width)?);
         Self::with_constants(&tape, &constants, None, &[])
     }
 
     fn with_constants(
         tape: &Arc<Tape<T>>,
-        constants: &Arc<ConstantPool<Q, T>>,
+        constants: &Arc<TapeConstants<Q, T>>,
         selection: Option<&Selection>,
         traced: &[usize],
     ) -> Result<Self, Error> {
@@ -275,7 +275,7 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
         let last_use = last_uses(tape);
         let trace = traced.len() * TRACE_LANES * size_of::<Lanes<T>>();
         let mut slots = Slots { end: trace, ..Slots::default() };
-        let mut places: Vec<Place<Q>> = Vec::with_capacity(tape.steps().len());
+        let mut places: Vec<ValuePlace<Q>> = Vec::with_capacity(tape.steps().len());
         let mut kernel = Self {
             tape: Arc::clone(tape),
             calls: Vec::with_capacity(tape.steps().len() + traced.len() + 1),
@@ -340,11 +340,16 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
     }
 
     /// Adds the call for a step. Returns the place of the step's value.
-    fn add_step(&mut self, stencil: &Stencil<Q>, slots: &mut Slots, operands: &[u32]) -> Place<Q> {
+    fn add_step(
+        &mut self,
+        stencil: &Stencil<Q>,
+        slots: &mut Slots,
+        operands: &[u32],
+    ) -> ValuePlace<Q> {
         let shape = stencil.shape.expect("a step has a value");
         let at = slots.take(parts::<Q>(&shape), self.width);
         self.add_call(stencil, at, operands);
-        Place { shape, is_constant: false, at }
+        ValuePlace { shape, is_constant: false, at }
     }
 
     fn add_call(&mut self, stencil: &Stencil<Q>, at: u32, operands: &[u32]) {

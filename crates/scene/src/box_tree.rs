@@ -13,10 +13,10 @@ use zeroset_interval::Interval;
 const ALONG: usize = 4;
 
 /// Gradients of a function over its domain.
-pub(crate) struct BoxTree<T: WholeFloat>(Node<T>);
+pub(crate) struct BoxTree<T: WholeFloat>(TreeNode<T>);
 
 /// A box, and the function in it.
-struct Node<T: WholeFloat> {
+struct TreeNode<T: WholeFloat> {
     bounds: [Interval; 3],
     kernels: ShortKernels<T>,
     /// The parts of the box, created when a point in it is first evaluated. Empty if they need
@@ -31,13 +31,13 @@ impl<T: WholeFloat> BoxTree<T> {
     /// If the function has no kernel for gradients.
     pub fn new(whole: &Arc<WholeFunction>) -> Result<Self, KernelError> {
         let domain = T::whole(whole).tape.assumptions().domain;
-        let root = Node::new(whole, None, domain);
+        let root = TreeNode::new(whole, None, domain);
         root.kernels.forward().map(|_| ())?;
         Ok(Self(root))
     }
 }
 
-impl<T: WholeFloat> Node<T> {
+impl<T: WholeFloat> TreeNode<T> {
     fn new(
         whole: &Arc<WholeFunction>,
         selection: Option<Selection>,

@@ -7,7 +7,7 @@ use zeroset_eval::{
     Selection, Shortener, SurfaceKernels, Tape, Tiles,
 };
 use zeroset_interval::Interval;
-use zeroset_jit::{ConstantPool, Threaded};
+use zeroset_jit::{TapeConstants, Threaded};
 
 /// Least number of steps whose bounds decide what can be dropped. A formula with fewer has a kernel
 /// of its own that is faster than stencils.
@@ -68,10 +68,10 @@ impl WholeFloat for f64 {
 }
 
 /// A kernel that is created when it is first requested.
-type Once<Q, T> = OnceLock<Result<Threaded<Q, T>, KernelError>>;
+type OnceThreaded<Q, T> = OnceLock<Result<Threaded<Q, T>, KernelError>>;
 
 /// The constants of a whole function for one query.
-type OncePool<Q, T> = OnceLock<Result<Arc<ConstantPool<Q, T>>, KernelError>>;
+type OncePool<Q, T> = OnceLock<Result<Arc<TapeConstants<Q, T>>, KernelError>>;
 
 /// The constants of a whole function, for each query that needs them.
 #[derive(Default)]
@@ -116,16 +116,16 @@ pub(crate) struct ShortKernels<T: WholeFloat> {
     whole: Arc<WholeFunction>,
     selection: Arc<Option<Selection>>,
     tape: OnceLock<Tape<T>>,
-    zeros: Once<FindZeros, T>,
-    bounds: Once<Enclose, T>,
-    segments: Once<ContractSegments, T>,
-    tiles: Once<ContractTiles, T>,
-    values: Once<Sample, T>,
-    forward: Once<SampleForward, T>,
+    zeros: OnceThreaded<FindZeros, T>,
+    bounds: OnceThreaded<Enclose, T>,
+    segments: OnceThreaded<ContractSegments, T>,
+    tiles: OnceThreaded<ContractTiles, T>,
+    values: OnceThreaded<Sample, T>,
+    forward: OnceThreaded<SampleForward, T>,
     shortener: OnceLock<Shortener>,
     /// Kernels that also trace bounds.
-    traced_tiles: Once<ContractTiles, T>,
-    traced_boxes: Once<Enclose, T>,
+    traced_tiles: OnceThreaded<ContractTiles, T>,
+    traced_boxes: OnceThreaded<Enclose, T>,
 }
 
 impl<T: WholeFloat> ShortKernels<T> {
@@ -166,7 +166,7 @@ impl<T: WholeFloat> ShortKernels<T> {
             return kernel.map_err(|error| Arc::new(error) as _);
         };
         let make = || {
-            let pool = ConstantPool::new(tape, binding).map(Arc::new);
+            let pool = TapeConstants::new(tape, binding).map(Arc::new);
             pool.map_err(|error| Arc::new(error) as _)
         };
         let constants = pool(pools).get_or_init(make).as_ref().map_err(Arc::clone)?;
@@ -176,7 +176,7 @@ impl<T: WholeFloat> ShortKernels<T> {
 
     fn kernel<'a, Q: Query>(
         &self,
-        once: &'a Once<Q, T>,
+        once: &'a OnceThreaded<Q, T>,
         pool: impl Fn(&Pools<T>) -> &OncePool<Q, T>,
     ) -> KernelResult<'a, Q, T> {
         match once.get_or_init(|| self.create(pool, &[])) {
@@ -204,7 +204,7 @@ impl<T: WholeFloat> ShortKernels<T> {
     /// there may be a zero. `None` if the function has too few choices.
     fn selections<Q: Query>(
         &self,
-        once: &Once<Q, T>,
+        once: &OnceThreaded<Q, T>,
         pool: impl Fn(&Pools<T>) -> &OncePool<Q, T>,
         input: &Q::Input<T>,
         possible: impl Fn(&Q::Output<T>) -> u16,

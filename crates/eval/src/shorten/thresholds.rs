@@ -10,7 +10,7 @@ use zeroset_interval::Interval;
 use zeroset_ops::Op;
 
 /// What each step of a tape is needed for.
-pub struct Needs<'a, T: Real> {
+pub struct StepNeeds<'a, T: Real> {
     tape: &'a Tape<T>,
     shortener: &'a Shortener,
     bounds: &'a [StepBounds],
@@ -47,7 +47,7 @@ struct Blend {
     constants: [usize; 3],
 }
 
-impl<'a, T: Real> Needs<'a, T> {
+impl<'a, T: Real> StepNeeds<'a, T> {
     /// Finds the thresholds of all steps of a tape of one function.
     pub fn of(tape: &'a Tape<T>, shortener: &'a Shortener, bounds: &'a [StepBounds]) -> Self {
         let count = tape.steps().len();
@@ -169,14 +169,14 @@ impl<'a, T: Real> Needs<'a, T> {
         }
     }
 
-    /// Needs the exact values of operands.
+    /// StepNeeds the exact values of operands.
     fn need_all(&mut self, operands: &[usize]) {
         for &operand in operands {
             self.need(operand, Interval::ENTIRE);
         }
     }
 
-    /// Needs an operand between thresholds, and a constant.
+    /// StepNeeds an operand between thresholds, and a constant.
     fn shift(&mut self, [operand, constant]: [usize; 2], thresholds: Interval) {
         self.need(operand, thresholds);
         self.need(constant, Interval::ENTIRE);
