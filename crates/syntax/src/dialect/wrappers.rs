@@ -37,6 +37,10 @@ const SYMBOLS: &[&str] = &["symbols", "Symbol", "var", "sym", "PolynomialRing"];
 /// Functions that create grids of coordinates.
 const GRIDS: &[&str] = &["meshgrid", "ndgrid", "mgrid", "ogrid"];
 
+/// Beginnings of the lines of a Surfer file.
+const LINES: &[&str] =
+    &["camera_", "light_", "background_", "surface_", "rotation_", "scale_", "transform_"];
+
 /// Words that may stand before a formula to draw.
 const PLOT_WORDS: &[&str] = &["plot", "graph", "draw", "Plot", "Graph", "Draw"];
 
@@ -193,14 +197,16 @@ impl Words<'_> {
     /// picture.
     fn of_surfer(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         const PARAMETER: &str = "surface_parameter_";
-        if !self.text.contains("surface_equation") {
-            return None;
-        }
         let (first, rest) = tokens.split_first()?;
         let equals = rest.first().filter(|equals| equals.kind == Equals)?;
         let word = self.word(*first);
         if word == "surface_equation" {
             return Some(vec![rest[1..].to_vec()]);
+        }
+        // Few lines begin like this, so the text is rarely searched.
+        let is_line = LINES.iter().any(|begin| word.starts_with(begin));
+        if !is_line || !self.text.contains("surface_equation") {
+            return None;
         }
         if let Some(name) = word.strip_prefix(PARAMETER).filter(|name| !name.is_empty()) {
             let end = first.span.end;
@@ -209,11 +215,7 @@ impl Words<'_> {
             all.extend(&rest[1..]);
             return Some(vec![all]);
         }
-        let is_look =
-            ["camera_", "light_", "background_", "surface_", "rotation_", "scale_", "transform_"]
-                .iter()
-                .any(|begin| word.starts_with(begin));
-        is_look.then(Vec::new)
+        Some(Vec::new())
     }
 
     /// Returns whether the text assigns `surface`, which is drawn by Surfer's `draw_surface`.
