@@ -2,10 +2,12 @@
 
 use glam::DVec3;
 use std::fmt::Write as _;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use zeroset_render::picture::Precision;
 use zeroset_scene::kernels::Evaluator;
 use zeroset_scene::program::Program;
 use zeroset_scene::view::{DomainChoice, bounds, region};
+use zeroset_space::Region;
 use zeroset_syntax::{Options, read};
 use zeroset_testkit::Rng;
 use zeroset_testkit::property::random_choices;
@@ -13,25 +15,59 @@ use zeroset_trace::{Camera, Driver, GBuffer, Method, Projection, Status, TraceOp
 
 const SIZE: usize = 48;
 
+/// A document in the cube from −2 to 2, and its camera.
+struct Scene {
+    program: Program,
+    region: Region,
+    camera: Camera,
+    options: TraceOptions,
+}
+
+impl Scene {
+    /// # Panics
+    /// If the text has no surface.
+    fn new(text: &str) -> Self {
+        Self::read(text).expect("a surface")
+    }
+
+    fn read(text: &str) -> Option<Self> {
+        let document = read(text, &Options::default()).ok()?;
+        let cube = DomainChoice::Bounds([-2.0, 2.0, -2.0, 2.0, -2.0, 2.0]);
+        let (region, _) = region(&document, cube, None).ok()?;
+        let program = Program::new(&document, bounds(&region)).ok()?;
+        let projection = Projection::Perspective { fov: 40.0 };
+        let eye = DVec3::new(4.0, 5.0, 3.0);
+        let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).ok()?;
+        Some(Self { program, region, camera, options: TraceOptions::default() })
+    }
+
+    /// The statuses of a picture, as far as `advance` wants it.
+    fn status(&self, advance: &(dyn Fn(usize) -> bool + Sync)) -> Vec<Status> {
+        self.status_on(Evaluator::Native, advance)
+    }
+
+    fn status_on(
+        &self,
+        evaluator: Evaluator,
+        advance: &(dyn Fn(usize) -> bool + Sync),
+    ) -> Vec<Status> {
+        let rays = self.camera.rays(SIZE, SIZE);
+        let method = Method::named("affine").expect("the default method");
+        let program = self.program.on(evaluator);
+        let mut buffer = GBuffer::new(SIZE, SIZE, 0);
+        let surface = program.surface(0);
+        let tracer = method.prepare(surface, &self.region, self.options).expect("kernels");
+        Driver { rays: &rays, tracer: &*tracer, advance }.picture(&mut buffer);
+        buffer.status
+    }
+}
+
 /// The statuses of a picture of a text, by parts and by all steps. `None` if the text has no
 /// surface.
 fn both(text: &str, options: TraceOptions) -> Option<[Vec<Status>; 2]> {
-    let document = read(text, &Options::default()).ok()?;
-    let (region, _) =
-        region(&document, DomainChoice::Bounds([-2.0, 2.0, -2.0, 2.0, -2.0, 2.0]), None).ok()?;
-    let program = Program::new(&document, bounds(&region)).ok()?;
-    let projection = Projection::Perspective { fov: 40.0 };
-    let camera = Camera::new(DVec3::new(4.0, 5.0, 3.0), DVec3::ZERO, DVec3::Z, projection).ok()?;
-    let rays = camera.rays(SIZE, SIZE);
-    let method = Method::named("affine").expect("the default method");
-    Some([Evaluator::Native, Evaluator::Whole].map(|evaluator| {
-        let program = program.on(evaluator);
-        let mut buffer = GBuffer::new(SIZE, SIZE, 0);
-        let tracer = method.prepare(program.surface(0), &region, options).expect("kernels");
-        let driver = Driver { rays: &rays, tracer: &*tracer, advance: &|_| true };
-        driver.picture(&mut buffer);
-        buffer.status
-    }))
+    let scene = Scene { options, ..Scene::read(text)? };
+    let evaluators = [Evaluator::Native, Evaluator::Whole];
+    Some(evaluators.map(|evaluator| scene.status_on(evaluator, &|_| true)))
 }
 
 /// Number of pixels that are hit, undecided by parts, and undecided by all steps.
@@ -119,4 +155,54 @@ fn random_solids_are_the_same() {
     }
     let [parts, whole] = counts.undecided;
     assert!(counts.hit > 1000 && parts <= whole + whole / 4 + 50, "{counts:?}");
+}
+
+/// A picture that is given up proves no miss where the whole picture has a hit.
+#[test]
+fn what_is_given_up_is_no_miss() {
+    let text = spheres(80, false, &mut Rng::with_seed(0x5eed_c200));
+    let scene = Scene::new(&text);
+    let whole = scene.status(&|_| true);
+    let mut undecided = 0;
+    for wanted in (0..SIZE * SIZE).step_by(SIZE * SIZE / 24) {
+        let done = AtomicUsize::new(0);
+        let advance = |pixels: usize| done.fetch_add(pixels, Ordering::Relaxed) < wanted;
+        for (found, whole) in scene.status(&advance).iter().zip(&whole) {
+            let is_false = (*found, *whole) == (Status::Miss, Status::Hit);
+            assert!(!is_false, "{wanted} pixels");
+            undecided += usize::from(*found == Status::Undecided);
+        }
+    }
+    assert!(undecided > 0, "nothing was given up");
+}
+
+/// An eye that looks away from the region sees nothing.
+#[test]
+fn a_region_behind_the_eye_is_missed() {
+    let text = spheres(80, false, &mut Rng::with_seed(0x5eed_c300));
+    let mut scene = Scene::new(&text);
+    let projection = Projection::Perspective { fov: 40.0 };
+    scene.camera =
+        Camera::new(DVec3::X * 10.0, DVec3::X * 20.0, DVec3::Z, projection).expect("a camera");
+    assert!(scene.status(&|_| true).iter().all(|status| *status == Status::Miss));
+}
+
+/// A function is above 0 everywhere, but nearly touches it. The steps that matter in one part cross
+/// 0 in the next part, where they claim nothing.
+#[test]
+fn steps_prove_nothing_beyond_their_part() {
+    let spheres = spheres(60, false, &mut Rng::with_seed(0x5eed_c400));
+    // The spheres lie far below.
+    let spheres = spheres.replace("(z-(", "(z+1.6-0.2*(");
+    let (spheres, last) = spheres.rsplit_once("0 = ").expect("an equation");
+    // The tangent of the sine at 0.250001, minus the sine.
+    let tangent = "(z-0.250001)*cos(0.250001)+sin(0.250001)-sin(z)";
+    let near = format!("({tangent}+1e-19)*(z-0.249998)");
+    let text = format!("{spheres}0 = min({last}, max({near}, 0.249999-z))");
+    let mut scene = Scene::new(&text);
+    let projection = Projection::Orthographic { height: 1.0 };
+    scene.camera =
+        Camera::new(DVec3::Z * 5.0, DVec3::ZERO, DVec3::Y, projection).expect("a camera");
+    scene.options = TraceOptions { precision: Precision::F64, ..TraceOptions::default() };
+    assert!(scene.status(&|_| true).iter().all(|status| *status != Status::Hit));
 }

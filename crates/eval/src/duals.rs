@@ -96,6 +96,8 @@ impl ValueKind for Duals {
                 let zero = m.number(T::FORMAT, 0.0);
                 Some((m.lt(a.value, zero), [1, 2]))
             }
+            // The second operand stands for the first where that has no value.
+            (Class::Fallback, [a, _]) => Some((m.eq(a.value, a.value), [0, 1])),
             _ => None,
         };
         if let Some((mask, chosen)) = choice {

@@ -33,7 +33,7 @@ pub struct StepBounds {
 pub struct Selection {
     /// Index of each step in the tape.
     steps: Vec<u32>,
-    /// StepOperands of each step, as positions in this selection.
+    /// Operands of each step, as positions in this selection.
     operands: Vec<SmallVec<[u32; 3]>>,
     /// Position of the step that computes the function.
     output: u32,

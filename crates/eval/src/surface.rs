@@ -71,6 +71,10 @@ pub trait Kernels<T: Real>: Sync {
     fn gradients(&self) -> KernelResult<'_, SampleGradient, T> {
         Err(Arc::new(NoKernel))
     }
+    /// Returns whether parts of space may have surfaces of their own ([`Self::in_tiles`]).
+    fn has_parts(&self) -> bool {
+        false
+    }
     /// For each tile, the surface as far as the tile is concerned. An empty list stands for
     /// [`PartSurface::Same`] in each.
     fn in_tiles(&self, _: &Tiles<T>) -> Vec<PartSurface> {

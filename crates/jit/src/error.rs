@@ -3,7 +3,7 @@
 /// The reason why native code could not be compiled.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
-    /// This processor lacks a feature that kernels need.
+    /// This processor lacks a feature that kernels need, or a frame would be too large.
     #[error("native kernels need {0}")]
     Unsupported(&'static str),
     /// The expression has more operations than a kernel may hold.

@@ -1,8 +1,8 @@
 //! Stencils: code for one step of a tape, compiled once per process.
 //!
 //! A stencil reads the values of a step's operands from a frame in memory and writes the step's
-//! value there. Which vectors a value has is known when the stencil is compiled. So there is a
-//! stencil for each operation, shape and [coarse](Tape::coarse) range of its operands.
+//! value there. Which vectors a value has is known when the stencil is compiled. So an operation
+//! has a stencil for each shape, [coarse](Tape::coarse) range and kind of exponent of its operands.
 
 use crate::code::Code;
 use crate::count::Counter;

@@ -27,8 +27,8 @@ pub struct StencilCall {
     /// First instruction of the stencil.
     pub entry: *const u8,
     /// Offsets in bytes: of the step's value in the frame, then of its operands in the frame or
-    /// among the constants.
-    pub places: [u32; 1 + OPERANDS + 1],
+    /// among the constants. The last entry is unused.
+    pub places: [u32; 1 + OPERANDS],
 }
 
 /// The memory that the calls of a tape work on.

@@ -16,7 +16,8 @@ use zeroset_eval::{
     Binding, Input, Kernel, Lanes, Loader, Output, Query, Real, Selection, Step, StepBounds, Tape,
     ValueKind,
 };
-use zeroset_interval::{Interval, Software, Vector128};
+use zeroset_interval::{Exponent, Interval, Software, Vector128};
+use zeroset_ops::Op;
 
 /// Bytes to which vectors are aligned, whatever their width.
 const ALIGNMENT: usize = 64;
@@ -88,7 +89,7 @@ struct ValuePlace<Q: Query> {
     at: u32,
 }
 
-/// Offsets in a frame, of which those that are free again are used first.
+/// Offsets in a frame. Those that are free again are used first.
 #[derive(Default)]
 struct Slots {
     /// Free offsets, by number of vectors.
@@ -118,8 +119,9 @@ impl Slots {
 /// [selected](Selection) steps share those of the whole tape.
 pub struct TapeConstants<Q: Query, T: Real = f32> {
     blocks: Vec<Block>,
-    /// Per step of the whole tape, the place of its value if it is a constant or a parameter.
-    places: Vec<Option<(ValuePlace<Q>, OperandNumber)>>,
+    /// Per step of the whole tape, the place of its value if it is a constant or a parameter. Then
+    /// its number as an operand, and as an exponent.
+    places: Vec<Option<(ValuePlace<Q>, [OperandNumber; 2])>>,
     width: usize,
     format: PhantomData<T>,
 }
@@ -161,8 +163,10 @@ impl<Q: Query, T: Real> TapeConstants<Q, T> {
                 bytes.extend_from_slice(&lanes.as_flattened()[..width]);
             });
             let place = ValuePlace { shape, is_constant: true, at };
-            let number = finder.number(&place.operand(tape, index));
-            places.push(Some((place, number)));
+            let operand = place.operand(tape, index);
+            let exponent = StencilOperand { exponent: step.exponent(), ..operand };
+            let numbers = [operand, exponent].map(|operand| finder.number(&operand));
+            places.push(Some((place, numbers)));
         }
         Ok(Self { blocks: blocks(&bytes), places, width, format: PhantomData })
     }
@@ -174,7 +178,8 @@ impl<Q: Query> ValuePlace<Q> {
         StencilOperand {
             shape: self.shape,
             range: tape.range(index),
-            exponent: tape.steps()[index].exponent(),
+            // Only powers distinguish exponents.
+            exponent: Exponent::Real,
             is_constant: self.is_constant,
         }
     }
@@ -285,7 +290,7 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
             traced: Vec::new(),
             query: PhantomData,
         };
-        let mut numbers: Vec<OperandNumber> = Vec::with_capacity(tape.steps().len());
+        let mut numbers: Vec<[OperandNumber; 2]> = Vec::with_capacity(tape.steps().len());
         let mut operands: Vec<OperandNumber> = Vec::new();
         for (index, step) in tape.steps().iter().enumerate() {
             let place = match step {
@@ -302,7 +307,8 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
                 }
                 Step::Apply(op, used) => {
                     operands.clear();
-                    operands.extend(used.iter().map(|&used| numbers[used]));
+                    let is_power = usize::from(*op == Op::Pow);
+                    operands.extend(used.iter().map(|&used| numbers[used][is_power]));
                     let stencil = finder.find(&StencilStep::Apply(*op, &operands))?;
                     let at: SmallVec<[u32; 3]> = used.iter().map(|&used| places[used].at).collect();
                     let place = kernel.add_step(stencil, &mut slots, &at);
@@ -317,10 +323,10 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
                     place
                 }
             };
-            numbers.push(finder.number(&place.operand(tape, index)));
+            numbers.push([finder.number(&place.operand(tape, index)); 2]);
             places.push(place);
             if traced.get(kernel.traced.len()) == Some(&index) {
-                let stencil = finder.find(&StencilStep::Trace(numbers[index]))?;
+                let stencil = finder.find(&StencilStep::Trace(numbers[index][0]))?;
                 let at = (kernel.traced.len() * TRACE_LANES * size_of::<Lanes<T>>()) as u32;
                 kernel.traced.push(index);
                 kernel.add_call(stencil, at, &[places[index].at]);
@@ -328,7 +334,7 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
         }
         let outputs = tape.outputs_at();
         operands.clear();
-        operands.extend(outputs.iter().map(|&output| numbers[output]));
+        operands.extend(outputs.iter().map(|&output| numbers[output][0]));
         let result = finder.find(&StencilStep::Result(&operands, tape.is_bounded()))?;
         let at: Vec<u32> = outputs.iter().map(|&output| places[output].at).collect();
         kernel.add_call(result, 0, &at);
@@ -417,11 +423,6 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
             };
             then(output, &Trace { lanes })
         })
-    }
-
-    /// Size in bytes of the calls and constants.
-    pub fn bytes(&self) -> usize {
-        size_of_val(&self.calls[..]) + size_of_val(&self.constants.blocks[..])
     }
 }
 

@@ -115,9 +115,9 @@ impl<T: WholeFloat> Kernel<SampleGradient, T> for BoxTree<T> {
                 continue;
             }
             let node = if self.0.contains(point) { self.0.around(point) } else { &self.0 };
-            if let Ok(kernel) = node.kernels.forward() {
-                kernel.eval(points, &mut some);
-            }
+            let root = || self.0.kernels.forward();
+            let kernel = node.kernels.forward().or_else(|_| root()).expect("created with the tree");
+            kernel.eval(points, &mut some);
             rest.retain(|&lane| {
                 let is_other = lane != first && !node.contains(at(lane));
                 if !is_other {

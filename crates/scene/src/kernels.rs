@@ -48,9 +48,9 @@ pub struct CompiledKernel {
     pub form: KernelSource,
     /// Floating-point format of the kernel.
     pub format: Format,
-    /// Size of the machine code in bytes; 0 for the reference evaluator.
+    /// Size of the machine code in bytes; 0 for stencils and for the reference evaluator.
     pub bytes: usize,
-    /// Size in bytes of one vector of the kernel; 0 for the reference evaluator.
+    /// Size in bytes of one vector of the kernel; 0 for stencils and for the reference evaluator.
     pub vector_bytes: usize,
 }
 
@@ -313,8 +313,8 @@ impl<T: WholeFloat> Bindings<T> {
         self.short.get_or_init(|| self.find_short()).as_ref()
     }
 
-    /// The steps of the function in both precisions. `None` if it has few choices, if it jumps, or
-    /// if zeros are those of a numerator.
+    /// The steps of the function in both precisions. `None` if it has few choices, if it is
+    /// evaluated branch by branch, or if zeros are those of a numerator.
     fn find_short(&self) -> Option<Short> {
         let (surface, simplified) = (self.surface, &self.store.simplified);
         let (single, uniforms) = simplified.steps(surface, KernelSource::Function, true).ok()??;
@@ -423,6 +423,10 @@ fn known<Q, T>(bound: &Result<Bound<Q, T>, KernelError>) -> KernelResult<'_, Q, 
 }
 
 impl<T: WholeFloat + KernelFloat> Kernels<T> for Bindings<T> {
+    fn has_parts(&self) -> bool {
+        self.short().is_some()
+    }
+
     fn in_tiles(&self, tiles: &Tiles<T>) -> Vec<PartSurface> {
         self.short().map_or_else(Vec::new, |short| T::kernels(&short.surface).in_tiles(tiles))
     }

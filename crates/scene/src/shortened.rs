@@ -29,12 +29,13 @@ pub(crate) struct WholeTape<T: Real> {
     pub tape: Tape<T>,
     binding: Binding<T>,
     pools: Pools<T>,
+    bounds: OnceThreaded<Enclose, T>,
 }
 
 impl<T: Real> WholeTape<T> {
     fn new(tape: Tape<T>, values: &[Interval]) -> Self {
         let binding = Binding::new(values);
-        Self { tape: tape.coarse(), binding, pools: Pools::default() }
+        Self { tape: tape.coarse(), binding, pools: Pools::default(), bounds: OnceLock::new() }
     }
 }
 
@@ -117,7 +118,6 @@ pub(crate) struct ShortKernels<T: WholeFloat> {
     selection: Arc<Option<Selection>>,
     tape: OnceLock<Tape<T>>,
     zeros: OnceThreaded<FindZeros, T>,
-    bounds: OnceThreaded<Enclose, T>,
     segments: OnceThreaded<ContractSegments, T>,
     tiles: OnceThreaded<ContractTiles, T>,
     values: OnceThreaded<Sample, T>,
@@ -135,7 +135,6 @@ impl<T: WholeFloat> ShortKernels<T> {
             selection: Arc::clone(selection),
             tape: OnceLock::new(),
             zeros: OnceLock::new(),
-            bounds: OnceLock::new(),
             segments: OnceLock::new(),
             tiles: OnceLock::new(),
             values: OnceLock::new(),
@@ -160,7 +159,7 @@ impl<T: WholeFloat> ShortKernels<T> {
         pool: impl Fn(&Pools<T>) -> &OncePool<Q, T>,
         traced: &[usize],
     ) -> Result<Threaded<Q, T>, KernelError> {
-        let WholeTape { tape, binding, pools } = T::whole(&self.whole);
+        let WholeTape { tape, binding, pools, .. } = T::whole(&self.whole);
         let Some(selection) = &*self.selection else {
             let kernel = Threaded::traced(tape.clone(), binding, traced);
             return kernel.map_err(|error| Arc::new(error) as _);
@@ -254,7 +253,13 @@ impl<T: WholeFloat> Kernels<T> for ShortKernels<T> {
     }
 
     fn bounds(&self) -> KernelResult<'_, Enclose, T> {
-        self.kernel(&self.bounds, |pools| &pools.bounds)
+        // Brackets of zeros are also sought beyond the part, where its steps prove nothing.
+        let WholeTape { tape, binding, bounds, .. } = T::whole(&self.whole);
+        let make = || {
+            let kernel = Threaded::new(tape.clone(), binding);
+            kernel.map_err(|error| Arc::new(error) as KernelError)
+        };
+        bounds.get_or_init(make).as_ref().map(|kernel| kernel as _).map_err(Arc::clone)
     }
 
     fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError> {
@@ -266,7 +271,7 @@ impl<T: WholeFloat> Kernels<T> for ShortKernels<T> {
     }
 
     fn tiles(&self) -> KernelResult<'_, ContractTiles, T> {
-        // A kernel that also traces takes a little longer than another to create.
+        // A kernel that also traces gives the same results, so no other has to be created.
         if let Some(Ok(traced)) = self.traced_tiles.get() {
             return Ok(traced);
         }

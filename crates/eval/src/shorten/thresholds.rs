@@ -18,7 +18,7 @@ pub struct StepNeeds<'a, T: Real> {
     thresholds: Vec<Option<Interval>>,
     /// Per step, what replaces it, if anything.
     substitutes: Vec<Option<Substitute>>,
-    /// Steps inside of a blend, whose operands got their thresholds from the blend.
+    /// Steps inside a blend. The blend has set the thresholds of their operands.
     within_blend: Vec<bool>,
 }
 
@@ -169,14 +169,14 @@ impl<'a, T: Real> StepNeeds<'a, T> {
         }
     }
 
-    /// StepNeeds the exact values of operands.
+    /// Needs the exact values of operands.
     fn need_all(&mut self, operands: &[usize]) {
         for &operand in operands {
             self.need(operand, Interval::ENTIRE);
         }
     }
 
-    /// StepNeeds an operand between thresholds, and a constant.
+    /// Needs an operand between thresholds, and a constant.
     fn shift(&mut self, [operand, constant]: [usize; 2], thresholds: Interval) {
         self.need(operand, thresholds);
         self.need(constant, Interval::ENTIRE);

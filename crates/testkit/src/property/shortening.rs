@@ -80,9 +80,9 @@ fn enclosed(kernel: &Threaded<Enclose, f64>, points: &[[Interval; 3]]) -> Enclos
     found
 }
 
-/// Checks that the steps selected for random boxes of a random formula give the same signs, and
-/// values at the same points, as all steps do. Each claim is a proof by intervals at single points.
-/// The boxes are around a point at which the formula is nearly 0.
+/// Compares the steps selected for random boxes of a random formula with all steps. Both must have
+/// values at the same points, with the same signs. Each claim is a proof by intervals at single
+/// points. The boxes are around a point at which the formula is nearly 0.
 ///
 /// # Errors
 /// The first contradiction, with the formula, the box and the point.

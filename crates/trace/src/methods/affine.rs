@@ -21,6 +21,7 @@ mod exact;
 mod frame;
 mod level;
 mod narrow;
+mod part_tree;
 mod parts;
 mod pixels;
 mod plane;
@@ -43,8 +44,9 @@ use crate::ray_result::RayResult;
 use crate::scalar::Scalar;
 use frame::RayFrame;
 use narrow::Scratch;
+use part_tree::PartTree;
 use rays::Follower;
-use std::sync::OnceLock;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use tiles::{BandBuffers, BandState};
 use zeroset_eval::{ContractTiles, Kernel, KernelError};
 
@@ -81,6 +83,8 @@ struct Affine<'a, T: Scalar> {
     longest: f64,
     /// Buffers that no thread is using.
     buffers: BufferPool<Box<BandBuffers<T>>>,
+    /// The parts of the latest picture of which patches were traced.
+    tree: Mutex<Option<Arc<PartTree>>>,
     /// This method in `f64`, created for the first picture that needs it.
     double: OnceLock<Option<Box<Affine<'a, f64>>>>,
 }
@@ -123,6 +127,7 @@ impl<'a, T: Scalar> Affine<'a, T> {
             task,
             longest: task.options.longest(),
             buffers: BufferPool::new(usize::MAX),
+            tree: Mutex::new(None),
             double: OnceLock::new(),
         })
     }
@@ -134,6 +139,15 @@ impl<'a, T: Scalar> Affine<'a, T> {
     fn is_too_far(&self, frame: &RayFrame) -> bool {
         let extent = self.task.region.high() - self.task.region.low();
         frame.error.cmpgt(extent * MAX_RAY_ERROR).any()
+    }
+
+    /// Returns the parts of the picture with these rays.
+    fn tree(&self, frame: RayFrame, rays: &RayGrid) -> Arc<PartTree> {
+        let mut tree = self.tree.lock().unwrap_or_else(PoisonError::into_inner);
+        match &*tree {
+            Some(tree) if tree.is_of(&frame) => Arc::clone(tree),
+            _ => Arc::clone(tree.insert(Arc::new(PartTree::new::<T>(frame, rays)))),
+        }
     }
 
     /// Returns this method in `f64`; `None` if its kernels cannot be compiled.
@@ -186,6 +200,13 @@ impl<T: Scalar> Tracer for Affine<'_, T> {
             return double.band(rays, band, work);
         }
         let mut state = BandState::new(self, frame, rays, band);
+        if rays.is_patched() && T::kernels(self.task.surface).has_parts() {
+            let tree = self.tree(frame, rays);
+            if !tree.trace(self, &mut state, rays, band, work) {
+                state.finish(self);
+            }
+            return;
+        }
         let whole = state.whole(rays, band);
         if !parts::trace(self, None, &mut state, rays, band, &whole, work) {
             state.finish(self);

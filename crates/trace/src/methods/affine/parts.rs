@@ -19,7 +19,7 @@ use zeroset_eval::{LANES, PartSurface, SurfaceKernels, Tiles};
 
 /// A part of a band is not divided in depth if its segment is at most this many times as long as
 /// the part is wide.
-const SLENDER: f64 = 2.0;
+const LONGEST: f64 = 2.0;
 /// Number of parts along each direction if a part is divided in both.
 const EACH: usize = 4;
 
@@ -35,10 +35,14 @@ pub(super) fn trace<T: Scalar>(
     work: &mut KernelStats,
 ) -> bool {
     let parts = divided::<T>(state, rays, band, part);
+    if parts.is_empty() {
+        // The region is behind the eye.
+        return state.trace(method, rays, band, part, work);
+    }
     let batch = batch(state, rays, band, &parts);
     let kernels = T::kernels(surface.unwrap_or(method.task.surface));
     let surfaces = kernels.in_tiles(&batch);
-    // Most surfaces of parts are divided again, and then need no kernels for tracing.
+    // Most parts are divided again. Then no kernels are needed that trace with their surfaces.
     let own = OnceCell::new();
     let create = || Affine::for_part(Task { surface: surface?, ..method.task }).ok();
     let trace_all = |state: &mut BandState<T>, band: &mut Band<'_>, part, work: &mut _| match own
@@ -63,13 +67,15 @@ pub(super) fn trace<T: Scalar>(
             }
         };
         if is_over {
+            // Pixels are finished in some parts of their rays only.
+            band.give_up(0);
             return true;
         }
     }
     false
 }
 
-/// Divides a part into at most sixteen, column by column, and each of these from near to far.
+/// Divides a part into at most sixteen parts: area by area, and each area from near to far.
 fn divided<T: Scalar>(
     state: &BandState<T>,
     rays: &RayGrid,
@@ -82,7 +88,7 @@ fn divided<T: Scalar>(
     let width = 2.0 * (columns[1] - columns[0] + 1) as f64 * rays.unit * middle.max(0.0);
     let length = far - near;
     let is_several = part.columns.len().max(part.rows.len()) > 1;
-    let (across, deep) = if !is_several && (part.level == LAST || length > SLENDER * width) {
+    let (across, deep) = if !is_several && (part.level == LAST || length > LONGEST * width) {
         (1, LANES)
     } else if !is_several {
         (LANES, 1)

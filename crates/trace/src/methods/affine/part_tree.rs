@@ -1,0 +1,250 @@
+//! A tree of parts of a picture, for rays of patches.
+//!
+//! Patches lie along the edges of what is visible, many in the same few parts of the picture. So
+//! each part, a range of the screen over a segment of the rays, keeps its surface and its own
+//! parts. They are created when a patch in them is first traced.
+
+use super::Affine;
+use super::frame::RayFrame;
+use super::tiles::{BandPart, BandState};
+use super::tracer::LAST;
+use crate::band::Band;
+use crate::grid::RayGrid;
+use crate::kernel_stats::KernelStats;
+use crate::method::Task;
+use crate::painted::ones;
+use crate::scalar::Scalar;
+use std::sync::{Arc, OnceLock};
+use zeroset_eval::{LANES, PartSurface, SurfaceKernels, Tiles};
+
+/// Center and half the extent of a part of the screen, per axis.
+type Area = [[f64; 2]; 2];
+
+/// A part of a picture.
+struct Part {
+    area: Area,
+    /// Values of s, which are floats of the tracer's precision.
+    span: [f64; 2],
+    /// The part's surface; `None` for that of the whole picture.
+    surface: Option<Arc<dyn SurfaceKernels>>,
+    /// Number of divisions since the surface got simpler.
+    divisions: u32,
+    /// The parts of this part, nearest first. Those without zeros are left out. Empty if the
+    /// surface gets no simpler.
+    parts: OnceLock<Vec<Part>>,
+}
+
+/// The parts of a picture.
+pub(super) struct PartTree {
+    root: Part,
+    /// The picture's rays.
+    frame: RayFrame,
+}
+
+impl PartTree {
+    /// Creates the tree of a picture.
+    pub fn new<T: Scalar>(frame: RayFrame, rays: &RayGrid) -> Self {
+        let [near, far] = frame.span;
+        let root = Part {
+            area: rays.reach.map(|reach| [0.0, reach]),
+            span: [-T::above(-near).into(), T::above(far).into()],
+            surface: None,
+            divisions: 0,
+            parts: OnceLock::new(),
+        };
+        Self { root, frame }
+    }
+
+    /// Returns whether the tree belongs to these rays.
+    pub fn is_of(&self, frame: &RayFrame) -> bool {
+        (self.frame.origin, self.frame.direction, self.frame.span, self.frame.start)
+            == (frame.origin, frame.direction, frame.span, frame.start)
+    }
+
+    /// Traces the patches of a band. Returns whether the rest of the band is no longer wanted.
+    pub fn trace<T: Scalar>(
+        &self,
+        method: &Affine<'_, T>,
+        state: &mut BandState<T>,
+        rays: &RayGrid,
+        band: &mut Band<'_>,
+        work: &mut KernelStats,
+    ) -> bool {
+        let areas: Vec<Area> = (0..band.height).map(|row| area(rays, band, row)).collect();
+        let mut pass = Pass { tree: self, method, state, rays, band, work, areas };
+        let all = u16::MAX >> (LANES - pass.areas.len());
+        let is_over = pass.trace(&self.root, all);
+        if is_over {
+            // Pixels are finished in some parts of their rays only.
+            band.give_up(0);
+        }
+        is_over
+    }
+}
+
+/// The patches of a band that are traced.
+struct Pass<'p, 'b, 'm, T: Scalar> {
+    tree: &'p PartTree,
+    method: &'p Affine<'m, T>,
+    state: &'p mut BandState<T>,
+    rays: &'p RayGrid,
+    band: &'p mut Band<'b>,
+    work: &'p mut KernelStats,
+    areas: Vec<Area>,
+}
+
+impl<T: Scalar> Pass<'_, '_, '_, T> {
+    /// Traces the patches of these rows in a part. Returns whether the rest of the band is no
+    /// longer wanted.
+    fn trace(&mut self, part: &Part, rows: u16) -> bool {
+        let rows: u16 =
+            ones(rows).filter(|row| self.is_wanted(*row, part)).map(|row| 1 << row).sum();
+        if rows == 0 {
+            return !self.band.is_wanted();
+        }
+        let parts = part.parts.get_or_init(|| self.divided(part));
+        if parts.is_empty() {
+            return self.trace_all(part, rows);
+        }
+        // Areas overlap. In each range of depth, a patch belongs to the first area around it.
+        let (mut rest, mut span) = (rows, None);
+        for inner in parts {
+            if span != Some(inner.span) {
+                (rest, span) = (rows, Some(inner.span));
+            }
+            let inside: u16 = ones(rest)
+                .filter(|row| contains(&inner.area, &self.areas[*row]))
+                .map(|row| 1 << row)
+                .sum();
+            rest &= !inside;
+            if inside != 0 && self.trace(inner, inside) {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Returns whether the patch of a row has pixels that are not finished, and zeros in this part
+    /// are wanted.
+    fn is_wanted(&self, row: usize, part: &Part) -> bool {
+        let [near, far] = part.span.map(|s| self.tree.frame.start + s);
+        let wanted = self.rays.patch(self.band.top + row).expect("a patch").between;
+        let slack = 1e-9 * (near.abs() + far.abs());
+        near - slack <= wanted[1]
+            && wanted[0] <= far + slack
+            && self.state.is_open(&patches(row, row + 1, part.span))
+    }
+
+    /// Traces the patches of these rows by the part's own surface.
+    fn trace_all(&mut self, part: &Part, rows: u16) -> bool {
+        let task = self.method.task;
+        let own = part
+            .surface
+            .as_ref()
+            .and_then(|surface| Affine::for_part(Task { surface: &**surface, ..task }).ok());
+        let mut first = 0;
+        while first < self.areas.len() {
+            let count = (rows >> first).trailing_ones() as usize;
+            if count > 0 {
+                let part = patches(first, first + count, part.span);
+                let Self { state, rays, band, work, method, .. } = self;
+                let is_over = match &own {
+                    Some(own) => state.trace(own, rays, band, &part, work),
+                    None => state.trace(method, rays, band, &part, work),
+                };
+                if is_over {
+                    return true;
+                }
+            }
+            first += count + 1;
+        }
+        false
+    }
+
+    /// Divides a part into sixteen. Those without zeros are left out. Empty if the surface has too
+    /// few choices.
+    fn divided(&self, part: &Part) -> Vec<Part> {
+        let frame = &self.tree.frame;
+        let [near, far] = part.span;
+        let middle =
+            if self.rays.parallel { 1.0 } else { (frame.start + 0.5 * (near + far)).max(0.0) };
+        let mut sizes = [part.area[0][1] * middle, part.area[1][1] * middle, 0.5 * (far - near)];
+        let mut counts = [1; 3];
+        while counts.iter().product::<usize>() < LANES {
+            let longest = (0..3).max_by(|&a, &b| sizes[a].total_cmp(&sizes[b])).unwrap_or(2);
+            counts[longest] *= 2;
+            sizes[longest] /= 2.0;
+        }
+        // A patch is up to a pixel wide. Each lies in at least one area.
+        let margin = 4.0 * self.rays.unit * PATCH;
+        let range = |axis: usize, k: usize| {
+            let [centre, half] = part.area[axis];
+            let step = 2.0 * half / counts[axis] as f64;
+            [centre - half + (k as f64 + 0.5) * step, 0.5 * step + margin]
+        };
+        let end = |k: usize| match k {
+            0 => near,
+            _ if k == counts[2] => far,
+            _ => T::nearest(near + (far - near) * k as f64 / counts[2] as f64).into(),
+        };
+        let mut areas = Vec::with_capacity(LANES);
+        for depth in 0..counts[2] {
+            for row in 0..counts[1] {
+                for column in 0..counts[0] {
+                    areas.push(([range(0, column), range(1, row)], [end(depth), end(depth + 1)]));
+                }
+            }
+        }
+        let mut tiles: Tiles<T> = frame.tiles();
+        tiles.count = areas.len() as u32;
+        for (lane, (area, span)) in areas.iter().enumerate() {
+            for (axis, range) in area.iter().enumerate() {
+                frame.place_tile(axis, *range, lane, &mut tiles);
+            }
+            [tiles.near[lane], tiles.far[lane]] = span.map(T::nearest);
+        }
+        let kernels = T::kernels(part.surface.as_deref().unwrap_or(self.method.task.surface));
+        let surfaces = kernels.in_tiles(&tiles);
+        if surfaces.is_empty() {
+            return Vec::new();
+        }
+        let divisions = part.divisions + 1;
+        let part = |((area, span), surface): ((Area, [f64; 2]), PartSurface)| {
+            let (surface, divisions) = match surface {
+                PartSurface::Empty => return None,
+                PartSurface::Same => (part.surface.clone(), divisions),
+                PartSurface::Short(surface) => (Some(Arc::from(surface)), 0),
+            };
+            let is_last = divisions > IN_VAIN;
+            let parts = if is_last { OnceLock::from(Vec::new()) } else { OnceLock::new() };
+            (span[0] < span[1]).then_some(Part { area, span, surface, divisions, parts })
+        };
+        areas.into_iter().zip(surfaces).filter_map(part).collect()
+    }
+}
+
+/// Number of divisions that may bring no simpler surface. The first parts of a picture are large.
+const IN_VAIN: u32 = 1;
+
+/// Rays along the side of a patch.
+const PATCH: f64 = 4.0;
+
+/// The patches in some rows of a band.
+fn patches(first: usize, end: usize, span: [f64; 2]) -> BandPart {
+    BandPart { level: LAST, columns: 0..1, rows: first..end, span }
+}
+
+/// The area of the patch in a row of a band.
+fn area(rays: &RayGrid, band: &Band<'_>, row: usize) -> Area {
+    let patch = rays.patch(band.top + row).expect("rays of patches");
+    let ends = [patch.column, patch.row].map(|first| 2 * first + 3);
+    let [across, upward] = [rays.screen(ends[0], ends[0])[0], rays.screen(ends[1], ends[1])[1]];
+    [[across, 3.0 * rays.unit], [upward, 3.0 * rays.unit]]
+}
+
+fn contains(outer: &Area, inner: &Area) -> bool {
+    outer
+        .iter()
+        .zip(inner)
+        .all(|([centre, half], [at, reach])| (at - centre).abs() + reach <= *half)
+}
