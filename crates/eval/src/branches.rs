@@ -150,6 +150,13 @@ fn shared(choices: &[Choice], split: Split, next: usize) -> Option<usize> {
     turn.find(|&k| choices[k].split == split)
 }
 
+impl<T: Real> Tape<T> {
+    /// Returns whether an operation of the tape may jump or have a pole.
+    pub fn may_jump(&self) -> bool {
+        (0..self.steps().len()).any(|index| split(self, index) != Split::Whole)
+    }
+}
+
 fn split<T: Real>(tape: &Tape<T>, index: usize) -> Split {
     match &tape.steps()[index] {
         Step::Apply(op, operands) => {

@@ -4,8 +4,11 @@
 //! changes along a segment in the box. Without that fact, bounds of derivatives prove nothing.
 
 use crate::real::Real;
-use crate::value_kind::{Intervals, Loader, ValueKind, Vector, parameter_bounds};
+use crate::value_kind::{
+    Intervals, Loader, ValueKind, Vector, coordinate_bounds, parameter_bounds,
+};
 use zeroset_interval::{Enclosure, Exponent, Fact, Interval, Machine, Term};
+use zeroset_ir::Axis;
 use zeroset_ops::{Class, Law, Op};
 
 /// An enclosure, with facts about how smooth the expression is over the box.
@@ -23,12 +26,24 @@ pub struct Smooth<V> {
 pub struct Smoothness;
 
 /// The value of a coordinate, parameter or constant.
-pub(crate) fn leaf<V: Copy>(value: Enclosure<V>) -> Smooth<V> {
+fn leaf<V: Copy>(value: Enclosure<V>) -> Smooth<V> {
     Smooth { value, lipschitz: Fact::True, differentiable: Fact::True }
 }
 
 impl ValueKind for Smoothness {
     type Value<V: Vector> = Smooth<V>;
+    type Context<V: Vector> = ();
+
+    fn context<T: Real, M: Machine>(_: &mut M, _: &mut impl Loader<M>) {}
+
+    fn coordinate<T: Real, M: Machine>(
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+        (): (),
+        axis: Axis,
+    ) -> Smooth<M::V> {
+        leaf(coordinate_bounds(m, loader, axis))
+    }
 
     fn parameter<T: Real, M: Machine>(
         m: &mut M,

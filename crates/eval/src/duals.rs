@@ -26,12 +26,6 @@ impl<V: Vector> Dual<V> {
         Self { value, slopes: None }
     }
 
-    /// The value of a coordinate.
-    pub fn coordinate<T: Real, M: Machine<V = V>>(m: &mut M, value: V, axis: Axis) -> Self {
-        let slope = |other: Axis| if other == axis { 1.0 } else { 0.0 };
-        Self { value, slopes: Some(Axis::ALL.map(|other| m.number(T::FORMAT, slope(other)))) }
-    }
-
     fn slopes<T: Real, M: Machine<V = V>>(&self, m: &mut M) -> [V; 3] {
         self.slopes.unwrap_or_else(|| [m.number(T::FORMAT, 0.0); 3])
     }
@@ -69,6 +63,22 @@ fn evaluate<T: Real, M: Machine>(
 
 impl ValueKind for Duals {
     type Value<V: Vector> = Dual<V>;
+    type Context<V: Vector> = ();
+
+    fn context<T: Real, M: Machine>(_: &mut M, _: &mut impl Loader<M>) {}
+
+    fn coordinate<T: Real, M: Machine>(
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+        (): (),
+        axis: Axis,
+    ) -> Dual<M::V> {
+        let slopes = Axis::ALL.map(|other| {
+            let slope = if other == axis { 1.0 } else { 0.0 };
+            m.number(T::FORMAT, slope)
+        });
+        Dual { value: loader.input(m, axis as usize), slopes: Some(slopes) }
+    }
 
     fn parameter<T: Real, M: Machine>(
         m: &mut M,

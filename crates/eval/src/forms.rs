@@ -5,7 +5,7 @@ use zeroset_interval::{Contraction, Form, Format, Machine, contract};
 use zeroset_ir::Axis;
 
 /// The way in which coordinates depend on `N` symbols. The last symbol runs along a ray.
-pub(crate) trait Path<const N: usize> {
+pub trait Path<const N: usize>: Copy + Send + Sync + 'static {
     /// Indices of the input's quantities that hold the lower and the upper end of t.
     const ENDS: [usize; 2];
 
@@ -19,10 +19,12 @@ pub(crate) trait Path<const N: usize> {
 }
 
 /// The path along segments of rays. It reads the quantities of [`Segments`](crate::Segments).
-pub(crate) struct SegmentPath;
+#[derive(Clone, Copy, Debug)]
+pub struct SegmentPath;
 
 /// The path through tiles of rays. It reads the quantities of [`Tiles`](crate::Tiles).
-pub(crate) struct TilePath;
+#[derive(Clone, Copy, Debug)]
+pub struct TilePath;
 
 /// A range of t along a ray. `middle` ± `half` contains the segment from end to end.
 #[derive(Clone, Copy)]

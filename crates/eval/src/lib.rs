@@ -32,7 +32,7 @@ pub use enclosure::{enclose, enclose_all};
 pub use lanes::{LANES, Lanes};
 pub use query::{
     ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros, Kernel, Query,
-    QueryResult, QueryValue, Sample, SampleForward, SampleGradient,
+    QueryContext, QueryResult, QueryValue, Sample, SampleForward, SampleGradient,
 };
 pub use real::Real;
 pub use reference::Reference;

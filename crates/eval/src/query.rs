@@ -9,15 +9,14 @@ use crate::batch::{
     Segments, Tiles, Values, Zeros,
 };
 use crate::binding::Binding;
-use crate::differentiable::{Smooth, Smoothness, leaf};
+use crate::differentiable::{Smooth, Smoothness};
 use crate::duals::{Dual, Duals};
-use crate::forms::{Path, RayRange, SegmentPath, TilePath, contract_path};
+use crate::forms::{RayRange, SegmentPath, TilePath, contract_path};
 use crate::lanes::LANES;
 use crate::real::Real;
 use crate::tape::{Tape, may_vanish};
-use crate::value_kind::{Forms, Intervals, Loader, Numbers, ValueKind, Vector, coordinate_bounds};
+use crate::value_kind::{Forms, Intervals, Loader, Numbers, ValueKind};
 use zeroset_interval::{Enclosure, Fact, Form, Machine};
-use zeroset_ir::Axis;
 
 /// A query, represented by a type.
 pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
@@ -27,8 +26,6 @@ pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
     const OUTPUTS: usize;
     /// The kind of values that a tape computes.
     type Kind: ValueKind;
-    /// What the coordinates of a batch have in common, such as a range of t.
-    type Context<V: Vector>: Copy;
     /// The batch that a kernel reads.
     type Input<T: Real>: Input<T>;
     /// The batch that a kernel writes.
@@ -65,23 +62,12 @@ pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
         );
     }
 
-    /// Loads the context of a batch.
-    fn context<T: Real, M: Machine>(m: &mut M, loader: &mut impl Loader<M>) -> Self::Context<M::V>;
-
-    /// Loads or computes a coordinate.
-    fn coordinate<T: Real, M: Machine>(
-        m: &mut M,
-        loader: &mut impl Loader<M>,
-        context: Self::Context<M::V>,
-        axis: Axis,
-    ) -> QueryValue<Self, M>;
-
     /// Computes the result from the values of the expressions. `is_bounded` states that the first
     /// is finite in every sample.
     fn result<T: Real, M: Machine>(
         m: &mut M,
         loader: &mut impl Loader<M>,
-        context: Self::Context<M::V>,
+        context: QueryContext<Self, M>,
         values: &[QueryValue<Self, M>],
         is_bounded: bool,
     ) -> QueryResult<M::V>;
@@ -96,11 +82,14 @@ pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
         m: &mut M,
         loader: &mut impl Loader<M>,
     ) -> QueryResult<M::V> {
-        let context = Self::context::<T, M>(m, loader);
+        let context = Self::Kind::context::<T, M>(m, loader);
         let values = tape.evaluate::<Self, M>(m, loader, context);
         Self::result::<T, M>(m, loader, context, &values, tape.is_bounded())
     }
 }
+
+/// What the coordinates of a batch have in common for query `Q` on machine `M`.
+pub type QueryContext<Q, M> = <<Q as Query>::Kind as ValueKind>::Context<<M as Machine>::V>;
 
 /// A value that a tape computes for query `Q` on machine `M`.
 pub type QueryValue<Q, M> = <<Q as Query>::Kind as ValueKind>::Value<<M as Machine>::V>;
@@ -180,20 +169,8 @@ impl Query for Enclose {
     const NAME: &'static str = "bounds";
     const OUTPUTS: usize = 1;
     type Kind = Intervals;
-    type Context<V: Vector> = ();
     type Input<T: Real> = Boxes<T>;
     type Output<T: Real> = Enclosures<T>;
-
-    fn context<T: Real, M: Machine>(_: &mut M, _: &mut impl Loader<M>) {}
-
-    fn coordinate<T: Real, M: Machine>(
-        m: &mut M,
-        loader: &mut impl Loader<M>,
-        (): (),
-        axis: Axis,
-    ) -> Enclosure<M::V> {
-        coordinate_bounds(m, loader, axis)
-    }
 
     fn result<T: Real, M: Machine>(
         _: &mut M,
@@ -212,20 +189,8 @@ impl Query for FindZeros {
     const NAME: &'static str = "zeros";
     const OUTPUTS: usize = 1;
     type Kind = Intervals;
-    type Context<V: Vector> = ();
     type Input<T: Real> = Boxes<T>;
     type Output<T: Real> = Zeros;
-
-    fn context<T: Real, M: Machine>(_: &mut M, _: &mut impl Loader<M>) {}
-
-    fn coordinate<T: Real, M: Machine>(
-        m: &mut M,
-        loader: &mut impl Loader<M>,
-        (): (),
-        axis: Axis,
-    ) -> Enclosure<M::V> {
-        coordinate_bounds(m, loader, axis)
-    }
 
     fn result<T: Real, M: Machine>(
         m: &mut M,
@@ -266,20 +231,8 @@ impl Query for EncloseGradient {
     const NAME: &'static str = "gradient bounds";
     const OUTPUTS: usize = 4;
     type Kind = Smoothness;
-    type Context<V: Vector> = ();
     type Input<T: Real> = Boxes<T>;
     type Output<T: Real> = GradientEnclosures<T>;
-
-    fn context<T: Real, M: Machine>(_: &mut M, _: &mut impl Loader<M>) {}
-
-    fn coordinate<T: Real, M: Machine>(
-        m: &mut M,
-        loader: &mut impl Loader<M>,
-        (): (),
-        axis: Axis,
-    ) -> Smooth<M::V> {
-        leaf(coordinate_bounds(m, loader, axis))
-    }
 
     fn result<T: Real, M: Machine>(
         m: &mut M,
@@ -306,23 +259,9 @@ impl Query for EncloseGradient {
 impl Query for ContractSegments {
     const NAME: &'static str = "segments";
     const OUTPUTS: usize = 1;
-    type Kind = Forms<1>;
-    type Context<V: Vector> = RayRange<V>;
+    type Kind = Forms<SegmentPath, 1>;
     type Input<T: Real> = Segments<T>;
     type Output<T: Real> = Contractions<T>;
-
-    fn context<T: Real, M: Machine>(m: &mut M, loader: &mut impl Loader<M>) -> RayRange<M::V> {
-        RayRange::load::<SegmentPath, _, 1>(m, T::FORMAT, loader)
-    }
-
-    fn coordinate<T: Real, M: Machine>(
-        m: &mut M,
-        loader: &mut impl Loader<M>,
-        depth: RayRange<M::V>,
-        axis: Axis,
-    ) -> Form<M::V, 1> {
-        SegmentPath::coordinate(m, loader, depth, axis)
-    }
 
     fn result<T: Real, M: Machine>(
         m: &mut M,
@@ -339,23 +278,9 @@ impl Query for ContractSegments {
 impl Query for ContractTiles {
     const NAME: &'static str = "tiles";
     const OUTPUTS: usize = 1;
-    type Kind = Forms<3>;
-    type Context<V: Vector> = RayRange<V>;
+    type Kind = Forms<TilePath, 3>;
     type Input<T: Real> = Tiles<T>;
     type Output<T: Real> = Planes<T>;
-
-    fn context<T: Real, M: Machine>(m: &mut M, loader: &mut impl Loader<M>) -> RayRange<M::V> {
-        RayRange::load::<TilePath, _, 3>(m, T::FORMAT, loader)
-    }
-
-    fn coordinate<T: Real, M: Machine>(
-        m: &mut M,
-        loader: &mut impl Loader<M>,
-        depth: RayRange<M::V>,
-        axis: Axis,
-    ) -> Form<M::V, 3> {
-        TilePath::coordinate(m, loader, depth, axis)
-    }
 
     fn result<T: Real, M: Machine>(
         m: &mut M,
@@ -378,20 +303,8 @@ impl Query for Sample {
     const NAME: &'static str = "values";
     const OUTPUTS: usize = 1;
     type Kind = Numbers;
-    type Context<V: Vector> = ();
     type Input<T: Real> = Points<T>;
     type Output<T: Real> = Values<T>;
-
-    fn context<T: Real, M: Machine>(_: &mut M, _: &mut impl Loader<M>) {}
-
-    fn coordinate<T: Real, M: Machine>(
-        m: &mut M,
-        loader: &mut impl Loader<M>,
-        (): (),
-        axis: Axis,
-    ) -> M::V {
-        loader.input(m, axis as usize)
-    }
 
     fn result<T: Real, M: Machine>(
         _: &mut M,
@@ -408,20 +321,8 @@ impl Query for SampleGradient {
     const NAME: &'static str = "gradients";
     const OUTPUTS: usize = 4;
     type Kind = Numbers;
-    type Context<V: Vector> = ();
     type Input<T: Real> = Points<T>;
     type Output<T: Real> = Gradients<T>;
-
-    fn context<T: Real, M: Machine>(_: &mut M, _: &mut impl Loader<M>) {}
-
-    fn coordinate<T: Real, M: Machine>(
-        m: &mut M,
-        loader: &mut impl Loader<M>,
-        (): (),
-        axis: Axis,
-    ) -> M::V {
-        loader.input(m, axis as usize)
-    }
 
     fn result<T: Real, M: Machine>(
         _: &mut M,
@@ -438,21 +339,8 @@ impl Query for SampleForward {
     const NAME: &'static str = "gradients";
     const OUTPUTS: usize = 1;
     type Kind = Duals;
-    type Context<V: Vector> = ();
     type Input<T: Real> = Points<T>;
     type Output<T: Real> = Gradients<T>;
-
-    fn context<T: Real, M: Machine>(_: &mut M, _: &mut impl Loader<M>) {}
-
-    fn coordinate<T: Real, M: Machine>(
-        m: &mut M,
-        loader: &mut impl Loader<M>,
-        (): (),
-        axis: Axis,
-    ) -> Dual<M::V> {
-        let value = loader.input(m, axis as usize);
-        Dual::coordinate::<T, M>(m, value, axis)
-    }
 
     fn result<T: Real, M: Machine>(
         m: &mut M,

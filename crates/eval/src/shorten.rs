@@ -41,13 +41,8 @@ pub struct Selection {
 
 impl Selection {
     /// Number of steps.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.steps.len()
-    }
-
-    /// Whether there is no step, which is never the case.
-    pub fn is_empty(&self) -> bool {
-        self.steps.is_empty()
     }
 
     /// Index in the tape of the selected step in this position.
@@ -152,7 +147,7 @@ impl Shortener {
             selection.operands.push(operands);
         }
         selection.output = place[tape.outputs_at()[0]];
-        (selection.len() < steps.len()).then_some(selection)
+        (selection.count() < steps.len()).then_some(selection)
     }
 }
 
@@ -163,7 +158,7 @@ impl<T: Real> Tape<T> {
     /// If the selection is from a tape with other steps.
     #[must_use]
     pub fn select(&self, selection: &Selection) -> Self {
-        let mut changed = vec![false; selection.len()];
+        let mut changed = vec![false; selection.count()];
         let (mut steps, mut ranges) = (Vec::new(), Vec::<Interval>::new());
         for (position, (&index, chosen)) in
             selection.steps.iter().zip(&selection.operands).enumerate()

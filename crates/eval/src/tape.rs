@@ -3,7 +3,7 @@
 
 use crate::branches::Branches;
 use crate::lanes::Lanes;
-use crate::query::{Query, QueryValue};
+use crate::query::{Query, QueryContext, QueryValue};
 use crate::real::{Real, outward};
 use crate::value_kind::{Loader, ValueKind};
 use smallvec::SmallVec;
@@ -209,14 +209,14 @@ impl<T: Real> Tape<T> {
         &self,
         m: &mut M,
         loader: &mut impl Loader<M>,
-        context: Q::Context<M::V>,
+        context: QueryContext<Q, M>,
     ) -> Vec<QueryValue<Q, M>> {
         assert!(self.branches.is_none(), "branches only find zeros");
         let mut terms: Vec<Term<QueryValue<Q, M>>> = Vec::with_capacity(self.steps.len());
         let mut twins = Twins(HashMap::new());
         for (step, &range) in self.steps.iter().zip(&self.ranges) {
             let value = match step {
-                Step::Coordinate(axis) => Q::coordinate::<T, M>(m, loader, context, *axis),
+                Step::Coordinate(axis) => Q::Kind::coordinate::<T, M>(m, loader, context, *axis),
                 Step::Parameter(number) => Q::Kind::parameter::<T, M>(m, loader, *number as usize),
                 Step::Constant(bounds, _) => Q::Kind::constant::<T, M>(m, *bounds),
                 Step::Apply(op, operands) => {

@@ -2,7 +2,9 @@
 //!
 //! Each kind implements the steps of a tape in its own way, on any machine.
 
+use crate::forms::{Path, RayRange};
 use crate::real::{Real, middle};
+use std::marker::PhantomData;
 use zeroset_interval::{
     Enclosure, Exponent, Form, Interval, Machine, Term, enclose, enclose_sincos, evaluate,
     evaluate_sincos, form_bounds, linearise, linearise_sincos,
@@ -15,6 +17,18 @@ pub trait ValueKind: Copy + Send + Sync + 'static {
     /// A value of this kind in the lanes of vectors `V`.
     type Value<V: Vector>: Vector;
 
+    /// What the coordinates of a batch have in common, such as a range of t.
+    type Context<V: Vector>: Copy;
+
+    /// Loads the context of a batch.
+    fn context<T: Real, M: Machine>(m: &mut M, loader: &mut impl Loader<M>) -> Self::Context<M::V>;
+    /// Loads or computes a coordinate.
+    fn coordinate<T: Real, M: Machine>(
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+        context: Self::Context<M::V>,
+        axis: Axis,
+    ) -> Self::Value<M::V>;
     /// Returns the parameter with this number.
     fn parameter<T: Real, M: Machine>(
         m: &mut M,
@@ -85,9 +99,9 @@ pub struct Intervals;
 #[derive(Clone, Copy, Debug)]
 pub struct Numbers;
 
-/// Affine forms of `N` symbols.
+/// Affine forms of `N` symbols on a path.
 #[derive(Clone, Copy, Debug)]
-pub struct Forms<const N: usize>;
+pub struct Forms<P, const N: usize>(PhantomData<P>);
 
 /// Number of quantities per parameter in a [`Binding`](crate::Binding): −lo, hi, and a value
 /// between them.
@@ -116,6 +130,18 @@ pub(crate) fn coordinate_bounds<M: Machine>(
 
 impl ValueKind for Intervals {
     type Value<V: Vector> = Enclosure<V>;
+    type Context<V: Vector> = ();
+
+    fn context<T: Real, M: Machine>(_: &mut M, _: &mut impl Loader<M>) {}
+
+    fn coordinate<T: Real, M: Machine>(
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+        (): (),
+        axis: Axis,
+    ) -> Enclosure<M::V> {
+        coordinate_bounds(m, loader, axis)
+    }
 
     fn parameter<T: Real, M: Machine>(
         m: &mut M,
@@ -174,6 +200,18 @@ impl ValueKind for Intervals {
 
 impl ValueKind for Numbers {
     type Value<V: Vector> = V;
+    type Context<V: Vector> = ();
+
+    fn context<T: Real, M: Machine>(_: &mut M, _: &mut impl Loader<M>) {}
+
+    fn coordinate<T: Real, M: Machine>(
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+        (): (),
+        axis: Axis,
+    ) -> M::V {
+        loader.input(m, axis as usize)
+    }
 
     fn parameter<T: Real, M: Machine>(
         m: &mut M,
@@ -214,8 +252,22 @@ impl ValueKind for Numbers {
     }
 }
 
-impl<const N: usize> ValueKind for Forms<N> {
+impl<P: Path<N>, const N: usize> ValueKind for Forms<P, N> {
     type Value<V: Vector> = Form<V, N>;
+    type Context<V: Vector> = RayRange<V>;
+
+    fn context<T: Real, M: Machine>(m: &mut M, loader: &mut impl Loader<M>) -> RayRange<M::V> {
+        RayRange::load::<P, _, N>(m, T::FORMAT, loader)
+    }
+
+    fn coordinate<T: Real, M: Machine>(
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+        depth: RayRange<M::V>,
+        axis: Axis,
+    ) -> Form<M::V, N> {
+        P::coordinate(m, loader, depth, axis)
+    }
 
     fn parameter<T: Real, M: Machine>(
         m: &mut M,

@@ -37,6 +37,9 @@ const STACK_LIMIT: u32 = 512 << 10;
 /// this size.
 const FAST_TIER_FROM: usize = 1_200;
 
+/// Number of arguments of a kernel.
+pub const KERNEL_ARGUMENTS: usize = 5;
+
 /// The effort that code generation spends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tier {
@@ -222,7 +225,7 @@ pub fn place(bytes: &[u8], alignment: u64, width: usize) -> Result<Code, Error> 
     let module = memory.module();
     debug_assert!(module.target_config().pointer_bits() == 64, "kernels use 64-bit pointers");
     let report = |error: cranelift_module::ModuleError| Error::Codegen(format!("{error:?}"));
-    let id = module.declare_anonymous_function(&signature()).map_err(report)?;
+    let id = module.declare_anonymous_function(&signature(KERNEL_ARGUMENTS)).map_err(report)?;
     module.define_function_bytes(id, alignment, bytes, &[]).map_err(report)?;
     module.finalize_definitions().map_err(report)?;
     Ok(Code::new(memory, id, bytes.len(), width))
@@ -243,12 +246,8 @@ pub fn intermediate_code<Q: Query, T: Real>(tape: &Tape<T>) -> Result<String, Er
     Ok(build::<Q, T>(tape, VECTOR)?.display().to_string())
 }
 
-pub fn signature() -> Signature {
-    signature_of(5)
-}
-
 /// The signature of a function with this number of integer arguments and no result.
-pub fn signature_of(arguments: usize) -> Signature {
+pub fn signature(arguments: usize) -> Signature {
     // The convention that the assembly in `rounding` expects, even if the operating system's
     // differs.
     let convention = if cfg!(all(target_vendor = "apple", target_arch = "aarch64")) {
@@ -319,17 +318,35 @@ fn build_with<Q: Query, T: Real>(
     if counter.0 > INSTRUCTION_LIMIT {
         return Err(Error::TooLong { instructions: counter.0, limit: INSTRUCTION_LIMIT });
     }
+    write_function(|builder, arguments| write_kernel::<Q, T>(builder, arguments, width, write))
+}
+
+/// Writes intermediate code of a function with `N` arguments, up to its return.
+pub fn write_function<const N: usize>(
+    write: impl FnOnce(&mut FunctionBuilder<'_>, [Value; N]),
+) -> Result<Function, Error> {
     let mut function = Function::new();
-    function.signature = signature();
+    function.signature = signature(N);
     let mut context = FunctionBuilderContext::new();
     let mut builder = FunctionBuilder::new(&mut function, &mut context);
     let entry = builder.create_block();
     builder.append_block_params_for_function_params(entry);
     builder.switch_to_block(entry);
-    let arguments: Vec<Value> = builder.block_params(entry).to_vec();
-    let [inputs, outputs, count, parameters, _guards] = arguments[..] else {
-        unreachable!("the signature has five parameters");
-    };
+    let arguments = builder.block_params(entry).try_into().expect("as many as in the signature");
+    write(&mut builder, arguments);
+    builder.ins().return_(&[]);
+    builder.seal_all_blocks();
+    builder.finalize(target(Tier::Optimizing, StackProbe::Code)?.frontend_config());
+    Ok(function)
+}
+
+/// Writes the loop of a kernel over the lanes in use.
+fn write_kernel<Q: Query, T: Real>(
+    builder: &mut FunctionBuilder<'_>,
+    [inputs, outputs, count, parameters, _guards]: [Value; KERNEL_ARGUMENTS],
+    width: usize,
+    write: impl Fn(&mut Emitter<'_, '_>, &mut BatchPointers<T>) -> QueryResult<LaneVector>,
+) {
     let (body, end) = (builder.create_block(), builder.create_block());
     // Parameters of the loop's block: the addresses of the next lanes in the input and output
     // batch, the number of the first of these lanes, and the masks found so far.
@@ -339,7 +356,7 @@ fn build_with<Q: Query, T: Real>(
 
     builder.switch_to_block(body);
     let mut cursor = BatchPointers::<T>::new(input, parameters);
-    let mut emitter = Emitter::new(&mut builder, width);
+    let mut emitter = Emitter::new(builder, width);
     let answer = write(&mut emitter, &mut cursor);
     let (known, found) = store_result::<T>(&mut emitter, answer, output);
     let mut all = masks;
@@ -361,10 +378,6 @@ fn build_with<Q: Query, T: Real>(
         }
         builder.ins().store(trusted(), all, outputs, offset::<T>(<Q::Output<T>>::QUANTITIES));
     }
-    builder.ins().return_(&[]);
-    builder.seal_all_blocks();
-    builder.finalize(target(Tier::Optimizing, StackProbe::Code)?.frontend_config());
-    Ok(function)
 }
 
 /// Stores the quantities of a result in the output's next lanes. Returns the bits of masks that

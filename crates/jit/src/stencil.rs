@@ -204,8 +204,8 @@ fn make<Q: Query, T: Real>(
         let StencilPointers { frame, input, output, lane } = pointers;
         let value = match step {
             StencilStep::Coordinate(axis) => {
-                let context = Q::context::<T, _>(emitter, input);
-                Q::coordinate::<T, _>(emitter, input, context, *axis)
+                let context = Q::Kind::context::<T, _>(emitter, input);
+                Q::Kind::coordinate::<T, _>(emitter, input, context, *axis)
             }
             StencilStep::Apply(op, _) => {
                 let operands = load::<Q, T>(emitter, frame, operands);
@@ -222,7 +222,7 @@ fn make<Q: Query, T: Real>(
                     .into_iter()
                     .map(|operand| operand.value)
                     .collect();
-                let context = Q::context::<T, _>(emitter, input);
+                let context = Q::Kind::context::<T, _>(emitter, input);
                 let result = Q::result::<T, _>(emitter, input, context, &values, *is_bounded);
                 output.store::<Q>(emitter, result, *lane);
                 return;

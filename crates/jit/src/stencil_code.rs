@@ -2,23 +2,25 @@
 
 use crate::code::Code;
 use crate::compiler::{
-    BatchPointers, StackProbe, Tier, args, generate_at, machine_code, offset, place, signature,
-    signature_of, store_result, target, trusted,
+    BatchPointers, KERNEL_ARGUMENTS, StackProbe, Tier, args, generate_at, machine_code, offset,
+    place, signature, store_result, trusted, write_function,
 };
 use crate::error::Error;
 use crate::lanes::{Emitter, LaneVector, VECTOR, type_of};
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::{I32, I64};
-use cranelift_codegen::ir::{Function, InstBuilder, Value};
-use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
+use cranelift_codegen::ir::{InstBuilder, Value};
+use cranelift_frontend::FunctionBuilder;
 use std::marker::PhantomData;
 use std::mem::offset_of;
 use std::sync::OnceLock;
 use zeroset_eval::{Batch, Output, Query, QueryResult, Real};
 use zeroset_interval::Enclosure;
 
-/// Largest number of operands of a step.
+/// Largest number of operands of a step: a result may need a function and its derivatives.
 const OPERANDS: usize = 4;
+/// Number of arguments of a stencil.
+const STENCIL_ARGUMENTS: usize = 6;
 
 /// A call of a stencil.
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +29,7 @@ pub struct StencilCall {
     /// First instruction of the stencil.
     pub entry: *const u8,
     /// Offsets in bytes: of the step's value in the frame, then of its operands in the frame or
-    /// among the constants. The last entry is unused.
+    /// among the constants.
     pub places: [u32; 1 + OPERANDS],
 }
 
@@ -44,6 +46,10 @@ pub struct Run {
     pub constants: *const u8,
     /// The input batch.
     pub input: *const u8,
+    /// Bytes of a vector.
+    pub width: usize,
+    /// Lanes of a vector.
+    pub lanes: usize,
 }
 
 /// The pointers that a stencil gets as arguments.
@@ -145,28 +151,16 @@ pub fn compile_stencil<T: Real>(
     width: usize,
     write: impl FnOnce(&mut Emitter<'_, '_>, &mut StencilPointers<T>),
 ) -> Result<Code, Error> {
-    let mut function = Function::new();
-    function.signature = signature_of(6);
-    let mut context = FunctionBuilderContext::new();
-    let mut builder = FunctionBuilder::new(&mut function, &mut context);
-    let entry = builder.create_block();
-    builder.append_block_params_for_function_params(entry);
-    builder.switch_to_block(entry);
-    let arguments: Vec<Value> = builder.block_params(entry).to_vec();
-    let [values, places, input, constants, output, lane] = arguments[..] else {
-        unreachable!("the signature has six parameters");
-    };
-    let mut emitter = Emitter::new(&mut builder, width);
-    let mut pointers = StencilPointers {
-        frame: StencilFrame { values, constants, places, width, format: PhantomData },
-        input: BatchPointers::new(input, constants),
-        output: OutputPointer { lanes: output, format: PhantomData },
-        lane,
-    };
-    write(&mut emitter, &mut pointers);
-    builder.ins().return_(&[]);
-    builder.seal_all_blocks();
-    builder.finalize(target(Tier::Optimizing, StackProbe::Code)?.frontend_config());
+    let function = write_function(|builder, arguments: [Value; STENCIL_ARGUMENTS]| {
+        let [values, places, input, constants, output, lane] = arguments;
+        let mut pointers = StencilPointers {
+            frame: StencilFrame { values, constants, places, width, format: PhantomData },
+            input: BatchPointers::new(input, constants),
+            output: OutputPointer { lanes: output, format: PhantomData },
+            lane,
+        };
+        write(&mut Emitter::new(builder, width), &mut pointers);
+    })?;
     generate_at(function, width)
 }
 
@@ -176,42 +170,31 @@ pub fn compile_stencil<T: Real>(
 ///
 /// # Errors
 /// If code generation fails.
-pub fn call_loop<T: Real>(width: usize) -> Result<&'static Code, Error> {
-    static LOOPS: [OnceLock<Code>; 8] = [const { OnceLock::new() }; 8];
-    let lanes = width / size_of::<T>();
-    let slot = &LOOPS[(lanes.trailing_zeros() as usize) * 2 % 8 + usize::from(size_of::<T>() == 8)];
-    if let Some(code) = slot.get() {
+pub fn call_loop() -> Result<&'static Code, Error> {
+    static LOOP: OnceLock<Code> = OnceLock::new();
+    if let Some(code) = LOOP.get() {
         return Ok(code);
     }
-    let made = compile_loop::<T>(width)?;
-    Ok(slot.get_or_init(|| made))
+    let function = write_function(write_loop)?;
+    let code = machine_code(function, Some(Tier::Optimizing), StackProbe::Code)?;
+    let code = place(code.buffer.data(), u64::from(code.buffer.alignment), VECTOR)?;
+    Ok(LOOP.get_or_init(|| code))
 }
 
-fn compile_loop<T: Real>(width: usize) -> Result<Code, Error> {
-    let mut function = Function::new();
-    function.signature = signature();
-    let stencil = function.import_signature(signature_of(6));
-    let mut context = FunctionBuilderContext::new();
-    let mut builder = FunctionBuilder::new(&mut function, &mut context);
-    let entry = builder.create_block();
-    builder.append_block_params_for_function_params(entry);
-    builder.switch_to_block(entry);
-    let arguments: Vec<Value> = builder.block_params(entry).to_vec();
-    let [run, outputs, count, ..] = arguments[..] else {
-        unreachable!("the signature has five parameters");
-    };
+fn write_loop(
+    builder: &mut FunctionBuilder<'_>,
+    [run, outputs, count, ..]: [Value; KERNEL_ARGUMENTS],
+) {
+    let stencil = builder.import_signature(signature(STENCIL_ARGUMENTS));
     let mut field = |at: usize| builder.ins().load(I64, trusted(), run, at as i32);
     let first = field(offset_of!(Run, first));
     let end = field(offset_of!(Run, end));
     let frame = field(offset_of!(Run, frame));
     let constants = field(offset_of!(Run, constants));
     let inputs = field(offset_of!(Run, input));
-    let (vectors, calls, next, done) = (
-        builder.create_block(),
-        builder.create_block(),
-        builder.create_block(),
-        builder.create_block(),
-    );
+    let width = field(offset_of!(Run, width));
+    let lanes = field(offset_of!(Run, lanes));
+    let [vectors, calls, next, done] = [(); 4].map(|()| builder.create_block());
     let [input, output, lane] = [(); 3].map(|()| builder.append_block_param(vectors, I64));
     let call = builder.append_block_param(calls, I64);
     let zero = builder.ins().iconst(I64, 0);
@@ -230,16 +213,11 @@ fn compile_loop<T: Real>(width: usize) -> Result<Code, Error> {
     builder.ins().brif(more, calls, &args(&[call]), next, &[]);
 
     builder.switch_to_block(next);
-    let input = builder.ins().iadd_imm_s(input, width as i64);
-    let output = builder.ins().iadd_imm_s(output, width as i64);
-    let lane = builder.ins().iadd_imm_s(lane, (width / size_of::<T>()) as i64);
+    let input = builder.ins().iadd(input, width);
+    let output = builder.ins().iadd(output, width);
+    let lane = builder.ins().iadd(lane, lanes);
     let more = builder.ins().icmp(IntCC::UnsignedLessThan, lane, count);
     builder.ins().brif(more, vectors, &args(&[input, output, lane]), done, &[]);
 
     builder.switch_to_block(done);
-    builder.ins().return_(&[]);
-    builder.seal_all_blocks();
-    builder.finalize(target(Tier::Optimizing, StackProbe::Code)?.frontend_config());
-    let code = machine_code(function, Some(Tier::Optimizing), StackProbe::Code)?;
-    place(code.buffer.data(), u64::from(code.buffer.alignment), VECTOR)
 }

@@ -50,8 +50,8 @@ pub struct Threaded<Q: Query, T: Real = f32> {
     /// Size of the frame in blocks.
     frame: usize,
     width: usize,
-    /// Steps whose bounds are traced. The trace is the first part of the frame.
-    traced: Vec<usize>,
+    /// Number of steps whose bounds are traced. The trace is the first part of the frame.
+    traced: usize,
     query: PhantomData<Q>,
 }
 
@@ -234,8 +234,9 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
         result
     }
 
-    /// Lays out the calls for some steps of a tape, with the constants of the whole tape. Also
-    /// traces the bounds of some of the selected steps, which are in order.
+    /// Lays out the calls for a tape, with the constants of the tape from which its steps were
+    /// selected; `None` stands for all steps. Also traces the bounds of some steps, which are in
+    /// order.
     ///
     /// # Errors
     /// As for [`Threaded::new`].
@@ -244,12 +245,12 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
     /// If `tape` is not that of the selection, and as for [`Threaded::traced`].
     pub fn selected(
         tape: Tape<T>,
-        selection: &Selection,
+        selection: Option<&Selection>,
         constants: &Arc<TapeConstants<Q, T>>,
         traced: &[usize],
     ) -> Result<Self, Error> {
         assert_eq!(tape.outputs(), Q::OUTPUTS, "expressions that answer for {}", Q::NAME);
-        Self::with_constants(&Arc::new(tape.coarse()), constants, Some(selection), traced)
+        Self::with_constants(&Arc::new(tape.coarse()), constants, selection, traced)
     }
 
     /// Like [`Threaded::new`], but with vectors of `width` bytes, to compare with processors that
@@ -275,7 +276,7 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
         traced: &[usize],
     ) -> Result<Self, Error> {
         let width = constants.width;
-        call_loop::<T>(width)?;
+        call_loop()?;
         let mut finder = StencilFinder::<Q, T>::new(width);
         let last_use = last_uses(tape);
         let trace = traced.len() * TRACE_LANES * size_of::<Lanes<T>>();
@@ -287,7 +288,7 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
             constants: Arc::clone(constants),
             frame: 0,
             width,
-            traced: Vec::new(),
+            traced: 0,
             query: PhantomData,
         };
         let mut numbers: Vec<[OperandNumber; 2]> = Vec::with_capacity(tape.steps().len());
@@ -325,10 +326,10 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
             };
             numbers.push([finder.number(&place.operand(tape, index)); 2]);
             places.push(place);
-            if traced.get(kernel.traced.len()) == Some(&index) {
+            if traced.get(kernel.traced) == Some(&index) {
                 let stencil = finder.find(&StencilStep::Trace(numbers[index][0]))?;
-                let at = (kernel.traced.len() * TRACE_LANES * size_of::<Lanes<T>>()) as u32;
-                kernel.traced.push(index);
+                let at = (kernel.traced * TRACE_LANES * size_of::<Lanes<T>>()) as u32;
+                kernel.traced += 1;
                 kernel.add_call(stencil, at, &[places[index].at]);
             }
         }
@@ -373,7 +374,7 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
         then: impl FnOnce(&Q::Output<T>, &[Block]) -> R,
     ) -> R {
         Q::check_input(&self.tape, input);
-        let call_loop = call_loop::<T>(self.width).expect("it was compiled with the tape");
+        let call_loop = call_loop().expect("it was compiled with the tape");
         (0..Q::Output::<T>::MASKS).for_each(|number| *output.mask_mut(number) = 0);
         FRAME.with_borrow_mut(|frame| {
             if frame.len() < self.frame {
@@ -386,6 +387,8 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
                 frame: frame.as_mut_ptr().cast(),
                 constants: self.constants.blocks.as_ptr().cast(),
                 input: (&raw const *input).cast(),
+                width: self.width,
+                lanes: self.width / size_of::<T>(),
             };
             // SAFETY: the loop calls the stencils of this tape, which were compiled for its query,
             // format and width. There is at least one call, that of the result. Stencils read
@@ -418,7 +421,7 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
             let lanes = unsafe {
                 std::slice::from_raw_parts(
                     frame.as_ptr().cast::<Lanes<T>>(),
-                    TRACE_LANES * self.traced.len(),
+                    TRACE_LANES * self.traced,
                 )
             };
             then(output, &Trace { lanes })

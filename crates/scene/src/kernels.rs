@@ -313,15 +313,15 @@ impl<T: WholeFloat> Bindings<T> {
         self.short.get_or_init(|| self.find_short()).as_ref()
     }
 
-    /// The steps of the function in both precisions. `None` if it has few choices, if it is
-    /// evaluated branch by branch, or if zeros are those of a numerator.
+    /// The steps of the function in both precisions. `None` if it has few choices, if it may
+    /// jump or have poles, or if zeros are those of a numerator.
     fn find_short(&self) -> Option<Short> {
         let (surface, simplified) = (self.surface, &self.store.simplified);
         let (single, uniforms) = simplified.steps(surface, KernelSource::Function, true).ok()??;
         if self.store.evaluator != Evaluator::Native
             || !WholeFunction::is_worth_shortening(&single)
+            || single.may_jump()
             || self.without_poles().ok()? != KernelSource::Function
-            || simplified.steps::<T>(surface, KernelSource::Branches, true).ok()?.is_some()
         {
             return None;
         }

@@ -37,6 +37,18 @@ impl<T: Real> WholeTape<T> {
         let binding = Binding::new(values);
         Self { tape: tape.coarse(), binding, pools: Pools::default(), bounds: OnceLock::new() }
     }
+
+    /// The constants for one query.
+    fn constants<Q: Query>(
+        &self,
+        pool: impl Fn(&Pools<T>) -> &OncePool<Q, T>,
+    ) -> Result<&Arc<TapeConstants<Q, T>>, KernelError> {
+        let make = || {
+            let constants = TapeConstants::new(&self.tape, &self.binding).map(Arc::new);
+            constants.map_err(|error| Arc::new(error) as _)
+        };
+        pool(&self.pools).get_or_init(make).as_ref().map_err(Arc::clone)
+    }
 }
 
 impl WholeFunction {
@@ -70,6 +82,11 @@ impl WholeFloat for f64 {
 
 /// A kernel that is created when it is first requested.
 type OnceThreaded<Q, T> = OnceLock<Result<Threaded<Q, T>, KernelError>>;
+
+/// Returns a kernel, or the error of its creation.
+fn known<Q: Query, T: Real>(once: &Result<Threaded<Q, T>, KernelError>) -> KernelResult<'_, Q, T> {
+    once.as_ref().map(|kernel| kernel as _).map_err(Arc::clone)
+}
 
 /// The constants of a whole function for one query.
 type OncePool<Q, T> = OnceLock<Result<Arc<TapeConstants<Q, T>>, KernelError>>;
@@ -159,16 +176,8 @@ impl<T: WholeFloat> ShortKernels<T> {
         pool: impl Fn(&Pools<T>) -> &OncePool<Q, T>,
         traced: &[usize],
     ) -> Result<Threaded<Q, T>, KernelError> {
-        let WholeTape { tape, binding, pools, .. } = T::whole(&self.whole);
-        let Some(selection) = &*self.selection else {
-            let kernel = Threaded::traced(tape.clone(), binding, traced);
-            return kernel.map_err(|error| Arc::new(error) as _);
-        };
-        let make = || {
-            let pool = TapeConstants::new(tape, binding).map(Arc::new);
-            pool.map_err(|error| Arc::new(error) as _)
-        };
-        let constants = pool(pools).get_or_init(make).as_ref().map_err(Arc::clone)?;
+        let constants = T::whole(&self.whole).constants(pool)?;
+        let selection = self.selection.as_ref().as_ref();
         Threaded::selected(self.tape().clone(), selection, constants, traced)
             .map_err(|error| Arc::new(error) as _)
     }
@@ -178,10 +187,7 @@ impl<T: WholeFloat> ShortKernels<T> {
         once: &'a OnceThreaded<Q, T>,
         pool: impl Fn(&Pools<T>) -> &OncePool<Q, T>,
     ) -> KernelResult<'a, Q, T> {
-        match once.get_or_init(|| self.create(pool, &[])) {
-            Ok(kernel) => Ok(kernel),
-            Err(error) => Err(Arc::clone(error)),
-        }
+        known(once.get_or_init(|| self.create(pool, &[])))
     }
 
     /// The kernel that samples the function and propagates its gradient forward.
@@ -223,7 +229,7 @@ impl<T: WholeFloat> ShortKernels<T> {
                     return PartSelection::Empty;
                 }
                 match shortener.select(tape, &trace.lane(lane)) {
-                    Some(short) if short.len() <= most => {
+                    Some(short) if short.count() <= most => {
                         PartSelection::Short(match &*self.selection {
                             Some(outer) => short.from_outer(outer),
                             None => short,
@@ -254,12 +260,13 @@ impl<T: WholeFloat> Kernels<T> for ShortKernels<T> {
 
     fn bounds(&self) -> KernelResult<'_, Enclose, T> {
         // Brackets of zeros are also sought beyond the part, where its steps prove nothing.
-        let WholeTape { tape, binding, bounds, .. } = T::whole(&self.whole);
+        let whole = T::whole(&self.whole);
         let make = || {
-            let kernel = Threaded::new(tape.clone(), binding);
-            kernel.map_err(|error| Arc::new(error) as KernelError)
+            let constants = whole.constants(|pools| &pools.bounds)?;
+            Threaded::selected(whole.tape.clone(), None, constants, &[])
+                .map_err(|error| Arc::new(error) as KernelError)
         };
-        bounds.get_or_init(make).as_ref().map(|kernel| kernel as _).map_err(Arc::clone)
+        known(whole.bounds.get_or_init(make))
     }
 
     fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError> {

@@ -152,7 +152,7 @@ pub fn check_shortening<T: Adversarial>(rng: &mut Rng) -> Result<Tally, Failure>
                 || is_defined && (differs(was, is) || differs(is, was));
             if is_false {
                 let mut what = format!("{text}\nin {region:?} at {point:?}: {was:?} became {is:?}");
-                let _ = write!(what, "\n{} of {} steps", selection.len(), single.steps().len());
+                let _ = write!(what, "\n{} of {} steps", selection.count(), single.steps().len());
                 return Err(Failure::new(what));
             }
         }

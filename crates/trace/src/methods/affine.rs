@@ -200,16 +200,20 @@ impl<T: Scalar> Tracer for Affine<'_, T> {
             return double.band(rays, band, work);
         }
         let mut state = BandState::new(self, frame, rays, band);
-        if rays.is_patched() && T::kernels(self.task.surface).has_parts() {
-            let tree = self.tree(frame, rays);
-            if !tree.trace(self, &mut state, rays, band, work) {
-                state.finish(self);
-            }
-            return;
-        }
         let whole = state.whole(rays, band);
-        if !parts::trace(self, None, &mut state, rays, band, &whole, work) {
+        let has_parts = T::kernels(self.task.surface).has_parts();
+        let is_over = if !has_parts {
+            state.trace(self, rays, band, &whole, work)
+        } else if rays.is_patched() {
+            self.tree(frame, rays).trace(self, &mut state, rays, band, work)
+        } else {
+            parts::trace(self, None, &mut state, rays, band, &whole, work)
+        };
+        if !is_over {
             state.finish(self);
+        } else if has_parts {
+            // Pixels are finished in some parts of their rays only.
+            band.give_up(0);
         }
     }
 }

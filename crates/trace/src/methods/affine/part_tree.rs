@@ -73,12 +73,7 @@ impl PartTree {
         let areas: Vec<Area> = (0..band.height).map(|row| area(rays, band, row)).collect();
         let mut pass = Pass { tree: self, method, state, rays, band, work, areas };
         let all = u16::MAX >> (LANES - pass.areas.len());
-        let is_over = pass.trace(&self.root, all);
-        if is_over {
-            // Pixels are finished in some parts of their rays only.
-            band.give_up(0);
-        }
-        is_over
+        pass.trace(&self.root, all)
     }
 }
 

@@ -23,7 +23,7 @@ const LONGEST: f64 = 2.0;
 /// Number of parts along each direction if a part is divided in both.
 const EACH: usize = 4;
 
-/// Traces a part of a band by a method, or by the surface of that part if there is one. Returns
+/// Traces a part of a band of pixels by a method, or by the surface of that part if there is one. Returns
 /// whether the rest of the band is no longer wanted.
 pub(super) fn trace<T: Scalar>(
     method: &Affine<'_, T>,
@@ -67,8 +67,6 @@ pub(super) fn trace<T: Scalar>(
             }
         };
         if is_over {
-            // Pixels are finished in some parts of their rays only.
-            band.give_up(0);
             return true;
         }
     }
@@ -83,18 +81,18 @@ fn divided<T: Scalar>(
     part: &BandPart,
 ) -> Vec<BandPart> {
     let [near, far] = part.span;
-    let [columns, _] = pixels(rays, band, part);
+    let [columns, _] = pixels(band, part);
     let middle = if rays.parallel { 1.0 } else { state.frame.start + 0.5 * (near + far) };
     let width = 2.0 * (columns[1] - columns[0] + 1) as f64 * rays.unit * middle.max(0.0);
     let length = far - near;
-    let is_several = part.columns.len().max(part.rows.len()) > 1;
+    let is_several = part.columns.len() > 1;
     let (across, deep) = if !is_several && (part.level == LAST || length > LONGEST * width) {
         (1, LANES)
     } else if !is_several {
         (LANES, 1)
     } else if length > EACH as f64 * width {
         (1, LANES)
-    } else if EACH as f64 * length < width || rays.is_patched() {
+    } else if EACH as f64 * length < width {
         (LANES, 1)
     } else {
         (EACH, EACH)
@@ -122,16 +120,12 @@ fn areas(band: &Band<'_>, part: &BandPart, is_several: bool, across: usize) -> V
         return vec![part.clone()];
     }
     if is_several {
-        let is_down = rows.len() > 1;
-        let all = if is_down { rows } else { columns };
-        let step = all.len().div_ceil(across);
-        let area = |start: usize| {
-            let some = start..all.end.min(start + step);
-            let (columns, rows) =
-                if is_down { (columns.clone(), some) } else { (some, rows.clone()) };
-            BandPart { columns, rows, ..part.clone() }
+        let step = columns.len().div_ceil(across);
+        let area = |start: usize| BandPart {
+            columns: start..columns.end.min(start + step),
+            ..part.clone()
         };
-        return all.clone().step_by(step).map(area).collect();
+        return columns.clone().step_by(step).map(area).collect();
     }
     let [columns, rows] = [(columns, band.width), (rows, band.height)].map(|(one, size)| {
         let finer = SIDES[*level] / SIDES[LAST];
@@ -156,7 +150,7 @@ fn batch<T: Scalar>(
     let mut tiles = state.frame.tiles::<T>();
     tiles.count = parts.len() as u32;
     for (lane, part) in parts.iter().enumerate() {
-        for (axis, [first, last]) in pixels(rays, band, part).into_iter().enumerate() {
+        for (axis, [first, last]) in pixels(band, part).into_iter().enumerate() {
             let centre = rays.screen(first + last, first + last)[axis];
             let half = (last - first) as f64 * rays.unit;
             state.frame.place_tile(axis, [centre, half], lane, &mut tiles);
@@ -167,15 +161,10 @@ fn batch<T: Scalar>(
 }
 
 /// Returns the first and last column and row of the pixels in a part of a band.
-fn pixels(rays: &RayGrid, band: &Band<'_>, part: &BandPart) -> [[usize; 2]; 2] {
-    let patches = part.rows.clone().filter_map(|row| rays.patch(band.top + row));
-    let around =
-        patches.map(|patch| [[patch.column, patch.column + 3], [patch.row, patch.row + 3]]);
+fn pixels(band: &Band<'_>, part: &BandPart) -> [[usize; 2]; 2] {
     let side = SIDES[part.level];
     let range =
         |some: &Range<usize>, size: usize| [side * some.start, (side * some.end).min(size) - 1];
-    let [columns, rows] = [range(&part.columns, band.width), range(&part.rows, band.height)];
-    around
-        .reduce(|a, b| [0, 1].map(|axis| [a[axis][0].min(b[axis][0]), a[axis][1].max(b[axis][1])]))
-        .unwrap_or([columns, rows.map(|row| band.top + row)])
+    let rows = range(&part.rows, band.height).map(|row| band.top + row);
+    [range(&part.columns, band.width), rows]
 }
