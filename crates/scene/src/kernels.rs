@@ -66,7 +66,7 @@ impl CompiledKernel {
     /// The reason why a picture needs the kernel.
     pub fn reason(&self) -> &'static str {
         match (self.form, self.question) {
-            (_, STENCILS) => "to run, in each part of space, the steps that matter there",
+            (_, STENCILS) => "for the steps that matter in each part of space",
             (_, question) if question == ContractTiles::NAME => "to find the surface, tile by tile",
             (_, question) if question == ContractSegments::NAME => {
                 "to find the surface, ray by ray"

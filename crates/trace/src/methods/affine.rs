@@ -145,7 +145,7 @@ impl<'a, T: Scalar> Affine<'a, T> {
     fn tree(&self, frame: RayFrame, rays: &RayGrid) -> Arc<PartTree> {
         let mut tree = self.tree.lock().unwrap_or_else(PoisonError::into_inner);
         match &*tree {
-            Some(tree) if tree.is_of(&frame) => Arc::clone(tree),
+            Some(tree) if tree.is_of(&frame, rays) => Arc::clone(tree),
             _ => Arc::clone(tree.insert(Arc::new(PartTree::new::<T>(frame, rays)))),
         }
     }

@@ -39,6 +39,9 @@ pub(super) struct PartTree {
     root: Part,
     /// The picture's rays.
     frame: RayFrame,
+    /// How far an area reaches beyond its share of the screen: more than the size of a patch. So
+    /// each patch lies in at least one area.
+    margin: f64,
 }
 
 impl PartTree {
@@ -52,13 +55,14 @@ impl PartTree {
             divisions: 0,
             parts: OnceLock::new(),
         };
-        Self { root, frame }
+        Self { root, frame, margin: margin(rays) }
     }
 
-    /// Returns whether the tree belongs to these rays.
-    pub fn is_of(&self, frame: &RayFrame) -> bool {
-        (self.frame.origin, self.frame.direction, self.frame.span, self.frame.start)
-            == (frame.origin, frame.direction, frame.span, frame.start)
+    /// Returns whether the tree belongs to these rays, and to patches of this size.
+    pub fn is_of(&self, frame: &RayFrame, rays: &RayGrid) -> bool {
+        let Self { frame: own, margin: size, .. } = self;
+        (own.origin, own.direction, own.span, own.start, *size)
+            == (frame.origin, frame.direction, frame.span, frame.start, margin(rays))
     }
 
     /// Traces the patches of a band. Returns whether the rest of the band is no longer wanted.
@@ -170,12 +174,10 @@ impl<T: Scalar> Pass<'_, '_, '_, T> {
             counts[longest] *= 2;
             sizes[longest] /= 2.0;
         }
-        // A patch is up to a pixel wide. Each lies in at least one area.
-        let margin = 4.0 * self.rays.unit * PATCH;
         let range = |axis: usize, k: usize| {
             let [centre, half] = part.area[axis];
             let step = 2.0 * half / counts[axis] as f64;
-            [centre - half + (k as f64 + 0.5) * step, 0.5 * step + margin]
+            [centre - half + (k as f64 + 0.5) * step, 0.5 * step + self.tree.margin]
         };
         let end = |k: usize| match k {
             0 => near,
@@ -221,8 +223,10 @@ impl<T: Scalar> Pass<'_, '_, '_, T> {
 /// Number of divisions that may bring no simpler surface. The first parts of a picture are large.
 const IN_VAIN: u32 = 1;
 
-/// Rays along the side of a patch.
-const PATCH: f64 = 4.0;
+/// Twice the size of a patch of 4×4 rays, which are two units apart.
+fn margin(rays: &RayGrid) -> f64 {
+    16.0 * rays.unit
+}
 
 /// The patches in some rows of a band.
 fn patches(first: usize, end: usize, span: [f64; 2]) -> BandPart {
