@@ -11,7 +11,7 @@ use zeroset_space::Region;
 use zeroset_syntax::{Options, read};
 use zeroset_testkit::Rng;
 use zeroset_testkit::property::random_choices;
-use zeroset_trace::{Camera, Driver, GBuffer, Method, Projection, Status, TraceOptions};
+use zeroset_trace::{Camera, Driver, GBuffer, Method, Patch, Projection, Status, TraceOptions};
 
 const SIZE: usize = 48;
 
@@ -205,4 +205,30 @@ fn steps_prove_nothing_beyond_their_part() {
         Camera::new(DVec3::Z * 5.0, DVec3::ZERO, DVec3::Y, projection).expect("a camera");
     scene.options = TraceOptions { precision: Precision::F64, ..TraceOptions::default() };
     assert!(scene.status(&|_| true).iter().all(|status| *status != Status::Hit));
+}
+
+/// Patches of one size, traced after smaller ones by the same tracer, have the statuses that they
+/// have by all steps.
+#[test]
+fn patches_of_any_size_are_traced() {
+    let scene = Scene::new(&spheres(80, false, &mut Rng::with_seed(0x5eed_c500)));
+    let method = Method::named("affine").expect("the default method");
+    let between = [0.0, f64::INFINITY];
+    let pictures = [Evaluator::Native, Evaluator::Whole].map(|evaluator| {
+        let program = scene.program.on(evaluator);
+        let surface = program.surface(0);
+        let tracer = method.prepare(surface, &scene.region, scene.options).expect("kernels");
+        [64 * SIZE, SIZE].map(|size| {
+            let patches = (0..size).step_by(size / (SIZE / 4)).flat_map(|row| {
+                let columns = (0..size).step_by(size / (SIZE / 4));
+                columns.map(move |column| Patch { column, row, between })
+            });
+            let rays = scene.camera.rays(size, size).patches(patches.collect());
+            let mut buffer = GBuffer::new(rays.width(), rays.height(), 0);
+            Driver { rays: &rays, tracer: &*tracer, advance: &|_| true }.picture(&mut buffer);
+            buffer.status
+        })
+    });
+    assert!(pictures[1][1].iter().filter(|status| **status == Status::Hit).count() > 200);
+    assert_eq!(pictures[0], pictures[1]);
 }

@@ -23,8 +23,8 @@ const LONGEST: f64 = 2.0;
 /// Number of parts along each direction if a part is divided in both.
 const EACH: usize = 4;
 
-/// Traces a part of a band of pixels by a method, or by the surface of that part if there is one. Returns
-/// whether the rest of the band is no longer wanted.
+/// Traces a part of a band of pixels, not of patches, by a method, or by the surface of that part
+/// if there is one. Returns whether the rest of the band is no longer wanted.
 pub(super) fn trace<T: Scalar>(
     method: &Affine<'_, T>,
     surface: Option<&dyn SurfaceKernels>,
