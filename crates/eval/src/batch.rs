@@ -5,6 +5,7 @@
 
 use crate::lanes::{LANES, Lanes};
 use crate::real::Real;
+use crate::shorten::LaneSet;
 use zeroset_interval::{Facts, Interval};
 
 /// Memory that a kernel reads or writes. It begins with quantities, which have a value per lane.
@@ -342,6 +343,47 @@ impl<T: Real> Segments<T> {
 }
 
 impl<T: Real> Tiles<T> {
+    /// Returns boxes around the points of the tiles that are in `domain`, and the lanes of the
+    /// tiles that have such points. In other lanes, the box is the domain.
+    ///
+    /// # Panics
+    /// If no lanes are in use.
+    pub fn boxes(&self, domain: &[Interval; 3]) -> (Boxes<T>, LaneSet) {
+        let point = |at: f64| Interval { lo: at, hi: at };
+        let around = |middle: T, half: T| {
+            let (middle, half) = (point(middle.into()), half.into());
+            middle.plus(Interval { lo: -half, hi: half })
+        };
+        let mut inside = 0;
+        let boxes: Vec<[Interval; 3]> = (0..self.count as usize)
+            .map(|lane| {
+                let screen = [0, 1].map(|k| around(self.centre[k][lane], self.half[k][lane]));
+                // For a fixed ray, coordinates grow or fall along t. So the ends of t suffice.
+                let at = |t: T, axis: usize| {
+                    let part = |k: usize| {
+                        let [start, along] = [&self.origin, &self.direction]
+                            .map(|parts| point(parts[3 * k + axis][lane].into()));
+                        start.plus(along.times(point(t.into())))
+                    };
+                    part(0).plus(screen[0].times(part(1))).plus(screen[1].times(part(2)))
+                };
+                let [near, far] = [self.near[lane], self.far[lane]];
+                let bounds: [Interval; 3] = std::array::from_fn(|axis| {
+                    let error: f64 = self.error[axis][lane].into();
+                    let all = at(near, axis).hull(at(far, axis));
+                    let Interval { lo, hi } = all.plus(Interval { lo: -error, hi: error });
+                    Interval { lo: lo.max(domain[axis].lo), hi: hi.min(domain[axis].hi) }
+                });
+                if bounds.iter().any(|bounds| bounds.lo > bounds.hi) {
+                    return *domain;
+                }
+                inside |= 1 << lane;
+                bounds
+            })
+            .collect();
+        (Boxes::around(&boxes).swap_remove(0), inside)
+    }
+
     /// Adds bounds on the rounding errors of kernels to `error`.
     pub fn allow_rounding(&mut self) {
         for lane in 0..(self.count as usize).min(LANES) {
@@ -373,6 +415,17 @@ fn size<T: Real>(number: T) -> f64 {
 }
 
 impl<T: Real> Enclosures<T> {
+    /// The lanes in which the function may be 0.
+    pub fn possible(&self) -> LaneSet {
+        let is_apart = |lane: usize| {
+            let [neg_lo, hi]: [f64; 2] = [self.neg_lo[lane].into(), self.hi[lane].into()];
+            neg_lo < 0.0 || hi < 0.0
+        };
+        let apart =
+            (0..LANES).filter(|&lane| is_apart(lane)).map(|lane| 1 << lane).sum::<LaneSet>();
+        !apart & !self.nowhere
+    }
+
     /// The facts that are proven about the function over the box of `lane`.
     pub fn facts(&self, lane: usize) -> Facts {
         [

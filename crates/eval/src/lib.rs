@@ -36,7 +36,7 @@ pub use query::{
 };
 pub use real::Real;
 pub use reference::Reference;
-pub use shorten::{Selection, Shortener, StepBounds};
+pub use shorten::{LaneSet, SelectedOperand, SelectedStep, Selection, Shortener, StepBounds};
 pub use surface::{
     KernelError, KernelFloat, KernelResult, Kernels, PartSurface, SurfaceKernels, ZeroTest,
 };

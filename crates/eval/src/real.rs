@@ -34,6 +34,11 @@ pub trait Real:
     fn nearest(value: f64) -> Self;
     /// Returns `value` rounded up.
     fn above(value: f64) -> Self;
+    /// Returns whether all numbers in `range` are finite numbers of this type, once rounded.
+    fn is_finite(range: Interval) -> bool {
+        let largest = Self::LARGEST.into();
+        -largest <= range.lo && range.hi <= largest
+    }
     /// Loads one vector of `lanes`; `index` counts vectors.
     fn load(lanes: &Lanes<Self>, index: usize) -> Vector;
     /// Stores `vector` in `lanes`; `index` counts vectors.

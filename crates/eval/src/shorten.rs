@@ -5,192 +5,347 @@
 //! value wherever that is between them, must be above T exactly where the value is above T, below
 //! −S exactly where the value is below −S, and undefined exactly where the value is. For the
 //! function itself both thresholds are 0, so that zeros, signs and the domain of definition stay.
-//! The module [`thresholds`] has the rule of each operation.
+//! The module [`rules`] has the rule of each operation, and [`thresholds`] applies them.
 
+mod rules;
 mod thresholds;
 
+use crate::lanes::{LANES, Lanes};
 use crate::real::Real;
-use crate::tape::{Step, StepOperands, Tape};
+use crate::tape::{Step, Tape};
+use rules::{Rules, StepRule};
 use smallvec::SmallVec;
-use thresholds::StepNeeds;
+use std::cell::Cell;
+use thresholds::{StepNeeds, lanes};
 use zeroset_interval::Interval;
-use zeroset_ops::Op;
 
-/// Stands in a [`Selection`] for a step that negates its operand and is none of the tape's.
-const NEGATION: u32 = u32::MAX;
+pub use thresholds::LaneSet;
 
-/// What is known about a step's value over a part of space.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StepBounds {
-    /// Bounds of the value, wherever it is defined.
-    pub values: Interval,
-    /// Whether the value is defined throughout the part.
-    pub is_defined: bool,
+/// Most bytes that a thread keeps for the next selection.
+const SCRATCH_BYTES: usize = 1 << 26;
+
+/// Memory for a selection.
+#[derive(Default)]
+struct Scratch {
+    needs: StepNeeds,
+    /// Per step, its place in the selection of each lane that needs it.
+    places: Vec<[Place; LANES]>,
 }
 
-/// Some steps of a tape, with operands among themselves.
-#[derive(Clone, Debug, PartialEq)]
+impl Scratch {
+    fn bytes(&self) -> usize {
+        self.needs.bytes() + self.places.capacity() * size_of::<[Place; LANES]>()
+    }
+}
+
+thread_local! {
+    /// A thread's memory for selections.
+    static SCRATCH: Cell<Scratch> = Cell::default();
+}
+
+/// Bounds of a step's value in parts of space, one part per lane.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct StepBounds<T: Real> {
+    /// Lower bounds of the value, wherever it is defined, negated.
+    neg_lo: Lanes<T>,
+    /// Upper bounds.
+    hi: Lanes<T>,
+    /// A mask of the lanes in which the value is defined throughout: all bits or none.
+    defined: Lanes<T>,
+}
+
+impl<T: Real> StepBounds<T> {
+    fn values(&self, lane: usize) -> Interval {
+        Interval { lo: -self.neg_lo[lane].into(), hi: self.hi[lane].into() }
+    }
+
+    fn is_defined(&self, lane: usize) -> bool {
+        // A mask with all bits is no number.
+        !(self.defined[lane].into() == 0.0)
+    }
+}
+
+/// An operand of a selected step: another selected step, or a constant of the tape.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SelectedOperand(u32);
+
+impl SelectedOperand {
+    /// Marks constants and parameters. Their other bits are their index in the tape.
+    const CONSTANT: u32 = 1 << 31;
+    /// Fills the places of operands that a step does not have.
+    const NONE: Self = Self(u32::MAX);
+
+    /// The position of the step in its selection; `None` for a constant.
+    #[inline]
+    pub fn position(&self) -> Option<usize> {
+        (self.0 & Self::CONSTANT == 0).then_some(self.0 as usize)
+    }
+
+    /// The index in the tape of a constant or parameter.
+    #[inline]
+    pub fn origin(&self) -> usize {
+        (self.0 & !Self::CONSTANT) as usize
+    }
+}
+
+/// A step of a [`Selection`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SelectedStep {
+    /// Index in the tape. The largest number stands for a step that negates its operand and is none
+    /// of the tape's.
+    origin: u32,
+    operands: [SelectedOperand; 3],
+    /// Whether an operand's value may be another than in the tape, because the operand or one of
+    /// its own operands was replaced.
+    pub is_changed: bool,
+}
+
+impl SelectedStep {
+    /// Index in the tape; `None` for a step that negates its operand.
+    #[inline]
+    pub fn origin(&self) -> Option<usize> {
+        (self.origin != u32::MAX).then_some(self.origin as usize)
+    }
+
+    /// The operands of the step.
+    #[inline]
+    pub fn operands(&self) -> &[SelectedOperand] {
+        let count =
+            self.operands.iter().take_while(|operand| **operand != SelectedOperand::NONE).count();
+        &self.operands[..count]
+    }
+}
+
+/// Some steps of a tape, in its order, with operands among themselves. Constants and parameters are
+/// not among them.
+#[derive(Clone, Debug)]
 pub struct Selection {
-    /// Index of each step in the tape.
-    steps: Vec<u32>,
-    /// Operands of each step, as positions in this selection.
-    operands: Vec<SmallVec<[u32; 3]>>,
-    /// Position of the step that computes the function.
-    output: u32,
+    steps: Vec<SelectedStep>,
+    outputs: SmallVec<[SelectedOperand; 1]>,
+    /// Positions of the steps whose bounds decide which others can be dropped, in order.
+    deciding: Vec<u32>,
+    /// Per step, its place among those; the largest number if it has none.
+    places: Vec<u32>,
 }
 
 impl Selection {
-    /// Number of steps.
-    pub fn count(&self) -> usize {
-        self.steps.len()
-    }
-
-    /// Index in the tape of the selected step in this position.
+    /// Selects all steps.
     ///
     /// # Panics
-    /// If there is no such position, or if the step is none of the tape's.
-    pub fn origin(&self, position: usize) -> usize {
-        let step = self.steps[position];
-        assert_ne!(step, NEGATION, "a step of the tape");
-        step as usize
+    /// If an operation has more than three operands, or the tape 2³⁰ steps.
+    pub fn all<T: Real>(tape: &Tape<T>) -> Self {
+        assert!(tape.steps().len() < Place::CHANGED as usize, "indices of 30 bits");
+        let (mut steps, mut place) = (Vec::new(), Vec::with_capacity(tape.steps().len()));
+        for (index, step) in tape.steps().iter().enumerate() {
+            let mut operands = [SelectedOperand::NONE; 3];
+            match step {
+                Step::Constant(..) | Step::Parameter(_) => {
+                    place.push(SelectedOperand(index as u32 | SelectedOperand::CONSTANT));
+                    continue;
+                }
+                Step::Coordinate(_) => {}
+                Step::Apply(_, used) => {
+                    for (operand, &used) in operands[..used.len()].iter_mut().zip(used) {
+                        *operand = place[used];
+                    }
+                }
+            }
+            place.push(SelectedOperand(steps.len() as u32));
+            steps.push(SelectedStep { origin: index as u32, operands, is_changed: false });
+        }
+        let outputs = tape.outputs_at().iter().map(|&output| place[output]).collect();
+        Self { steps, outputs, deciding: Vec::new(), places: Vec::new() }
     }
 
-    /// Returns the same selection as one from the tape from which `outer` was selected.
-    #[must_use]
-    pub fn from_outer(mut self, outer: &Self) -> Self {
-        for step in self.steps.iter_mut().filter(|step| **step != NEGATION) {
-            *step = outer.steps[*step as usize];
-        }
-        self
+    /// The steps.
+    pub fn steps(&self) -> &[SelectedStep] {
+        &self.steps
+    }
+
+    /// The steps or constants that are the values of the expressions.
+    pub fn outputs(&self) -> &[SelectedOperand] {
+        &self.outputs
+    }
+
+    /// Positions of the steps whose bounds decide which others can be dropped, in order. None for a
+    /// selection that no [`Shortener`] made.
+    pub fn deciding(&self) -> &[u32] {
+        &self.deciding
     }
 }
 
 /// Finds which steps of a tape of one function matter in parts of space.
 #[derive(Clone, Debug)]
 pub struct Shortener {
-    /// Steps whose bounds decide which other steps can be dropped, in order.
-    deciding: Vec<usize>,
-    /// Per step, its place among them; the largest number if it has none.
-    places: Vec<u32>,
-    /// Per step, the number of steps that use it.
-    users: Vec<u32>,
+    rules: Rules,
 }
 
 impl Shortener {
     /// Examines the steps of a tape.
     pub fn new<T: Real>(tape: &Tape<T>) -> Self {
-        let steps = tape.steps();
-        let (mut is_deciding, mut users) = (vec![false; steps.len()], vec![0; steps.len()]);
-        for step in steps {
-            let Step::Apply(op, operands) = step else { continue };
-            operands.iter().for_each(|&operand| users[operand] += 1);
-            match op {
-                Op::Min | Op::Max => {
-                    operands.iter().for_each(|&operand| is_deciding[operand] = true);
+        Self { rules: Rules::new(tape) }
+    }
+
+    /// Selects all steps of the tape that was examined.
+    pub fn all<T: Real>(&self, tape: &Tape<T>) -> Selection {
+        let mut all = Selection::all(tape);
+        self.mark_deciding(&mut all);
+        all
+    }
+
+    /// Finds the steps whose bounds decide which others can be dropped.
+    fn mark_deciding(&self, selection: &mut Selection) {
+        let mut places = vec![u32::MAX; selection.steps.len()];
+        let mut mark = |operand: SelectedOperand| {
+            if let Some(position) = operand.position() {
+                places[position] = 0;
+            }
+        };
+        for step in &selection.steps {
+            let [first, second, _] = step.operands;
+            match step.origin().map_or(StepRule::Neg, |origin| self.rules.of[origin]) {
+                StepRule::Min | StepRule::Max => [first, second].into_iter().for_each(&mut mark),
+                StepRule::Abs | StepRule::Choice => mark(first),
+                StepRule::Blend(number) => {
+                    let extremum = self.rules.blends[number as usize].extremum;
+                    let extremum = step.operands[extremum].position().expect("an operation");
+                    selection.steps[extremum].operands[..2].iter().copied().for_each(&mut mark);
                 }
-                Op::Abs | Op::SelectNegative => is_deciding[operands[0]] = true,
                 _ => {}
             }
         }
-        let mut shortener =
-            Self { deciding: Vec::new(), places: vec![u32::MAX; steps.len()], users };
-        for (index, step) in steps.iter().enumerate() {
-            let is_open = matches!(step, Step::Apply(..) | Step::Coordinate(_));
-            if is_deciding[index] && is_open {
-                shortener.places[index] = shortener.deciding.len() as u32;
-                shortener.deciding.push(index);
-            }
+        selection.deciding.clear();
+        for (position, place) in places.iter_mut().enumerate().filter(|(_, place)| **place == 0) {
+            *place = selection.deciding.len() as u32;
+            selection.deciding.push(position as u32);
         }
-        shortener
+        selection.places = places;
     }
 
-    /// The steps whose bounds decide which other steps can be dropped, in order.
-    pub fn deciding(&self) -> &[usize] {
-        &self.deciding
-    }
-
-    /// Selects the steps that matter in a part of space. `bounds` tells what holds in that part for
-    /// the [deciding](Self::deciding) steps, in the same order.
+    /// Selects, for each of the lanes `open`, the steps of a selection that matter in a part of
+    /// space. `bounds` tells what holds in the part of each lane for the selection's
+    /// [deciding](Selection::deciding) steps, in the same order.
     ///
     /// The selected function has the same zeros and signs there, and the same domain of definition.
-    /// `None` if all steps matter.
+    /// `None` for lanes that are not open, and those in which more than `most` steps matter.
     ///
     /// # Panics
-    /// If this is not the tape that was examined.
-    pub fn select<T: Real>(&self, tape: &Tape<T>, bounds: &[StepBounds]) -> Option<Selection> {
-        let needs = StepNeeds::of(tape, self, bounds);
-        let steps = tape.steps();
-        let mut place = vec![u32::MAX; steps.len()];
-        let mut selection = Selection { steps: Vec::new(), operands: Vec::new(), output: 0 };
-        for (index, step) in steps.iter().enumerate() {
-            if !needs.is_needed(index) {
-                continue;
-            }
-            if let Some(substitute) = needs.substitute(index) {
-                place[index] = place[substitute.step];
-                if substitute.is_negated {
-                    let negated = SmallVec::from_slice(&[place[index]]);
-                    place[index] = selection.steps.len() as u32;
-                    selection.steps.push(NEGATION);
-                    selection.operands.push(negated);
-                }
-                continue;
-            }
-            let operands = match step {
-                Step::Apply(_, operands) => {
-                    operands.iter().map(|&operand| place[operand]).collect()
-                }
-                Step::Coordinate(_) | Step::Parameter(_) | Step::Constant(..) => SmallVec::new(),
-            };
-            place[index] = selection.steps.len() as u32;
-            selection.steps.push(index as u32);
-            selection.operands.push(operands);
+    /// If the selection is not of the tape that was examined.
+    pub fn select<T: Real>(
+        &self,
+        tape: &Tape<T>,
+        from: &Selection,
+        bounds: &[StepBounds<T>],
+        open: LaneSet,
+        most: usize,
+    ) -> [Option<Selection>; LANES] {
+        let mut scratch = SCRATCH.take();
+        let Scratch { needs, places } = &mut scratch;
+        needs.find(tape, self, from, bounds, open);
+        if places.len() < from.steps.len() {
+            places.resize(from.steps.len(), [Place(0); LANES]);
         }
-        selection.output = place[tape.outputs_at()[0]];
-        (selection.count() < steps.len()).then_some(selection)
+        let counts = needs.counts;
+        let is_short = |lane: &usize| counts[*lane] <= most;
+        let short: LaneSet = lanes(open).filter(is_short).map(|lane| 1 << lane).sum();
+        let mut chosen: [Vec<SelectedStep>; LANES] = std::array::from_fn(|lane| {
+            Vec::with_capacity(if short >> lane & 1 == 1 { counts[lane] } else { 0 })
+        });
+        for (index, (step, need)) in from.steps.iter().zip(&needs.of).enumerate() {
+            let mut candidates = None;
+            for lane in lanes(need.lanes & short) {
+                let place = |operand: SelectedOperand| match operand.position() {
+                    Some(position) => places[position][lane],
+                    None => Place(operand.0),
+                };
+                let chosen = &mut chosen[lane];
+                let mut push = |step: SelectedStep| {
+                    let flag = if step.is_changed { Place::CHANGED } else { 0 };
+                    chosen.push(step);
+                    Place(chosen.len() as u32 - 1 | flag)
+                };
+                let replaced = need.replaced.iter().position(|lanes| lanes >> lane & 1 == 1);
+                places[index][lane] = if let Some(k) = replaced {
+                    let (candidates, is_negated) =
+                        candidates.get_or_insert_with(|| self.candidates(from, step));
+                    let substitute = place(candidates[k]).changed();
+                    if *is_negated {
+                        let operands =
+                            [substitute.operand(), SelectedOperand::NONE, SelectedOperand::NONE];
+                        push(SelectedStep { origin: u32::MAX, operands, is_changed: true })
+                    } else {
+                        substitute
+                    }
+                } else {
+                    let mut is_changed = step.is_changed;
+                    let operands = step.operands.map(|operand| {
+                        let place = place(operand);
+                        is_changed |= place.is_changed();
+                        place.operand()
+                    });
+                    push(SelectedStep { operands, is_changed, ..*step })
+                };
+            }
+        }
+        let mut lane = 0;
+        let selections = chosen.map(|steps| {
+            lane += 1;
+            (short >> (lane - 1) & 1 == 1).then(|| {
+                let output = match from.outputs[0].position() {
+                    Some(position) => places[position][lane - 1].operand(),
+                    None => from.outputs[0],
+                };
+                let outputs = SmallVec::from_slice(&[output]);
+                let (deciding, places) = Default::default();
+                let mut selection = Selection { steps, outputs, deciding, places };
+                self.mark_deciding(&mut selection);
+                selection
+            })
+        });
+        if scratch.bytes() <= SCRATCH_BYTES {
+            SCRATCH.set(scratch);
+        }
+        selections
+    }
+
+    /// The two operands that may replace a step, and whether their negative does.
+    fn candidates(&self, from: &Selection, step: &SelectedStep) -> ([SelectedOperand; 2], bool) {
+        let [first, second, third] = step.operands;
+        match step.origin().map(|origin| self.rules.of[origin]) {
+            Some(StepRule::Choice) => ([second, third], false),
+            Some(StepRule::Blend(number)) => {
+                let blend = &self.rules.blends[number as usize];
+                let extremum = step.operands[blend.extremum].position().expect("an operation");
+                let [a, b, _] = from.steps[extremum].operands;
+                ([a, b], blend.is_negated)
+            }
+            _ => ([first, second], false),
+        }
     }
 }
 
-impl<T: Real> Tape<T> {
-    /// Returns the tape of some of the steps.
-    ///
-    /// # Panics
-    /// If the selection is from a tape with other steps.
-    #[must_use]
-    pub fn select(&self, selection: &Selection) -> Self {
-        let mut changed = vec![false; selection.count()];
-        let (mut steps, mut ranges) = (Vec::new(), Vec::<Interval>::new());
-        for (position, (&index, chosen)) in
-            selection.steps.iter().zip(&selection.operands).enumerate()
-        {
-            if index == NEGATION {
-                let step =
-                    Step::Apply(Op::Neg, chosen.iter().map(|&place| place as usize).collect());
-                ranges.push(self.range_among(&step, &steps, &ranges));
-                steps.push(step);
-                changed[position] = true;
-                continue;
-            }
-            let index = index as usize;
-            let mut range = self.range(index);
-            let step = match &self.steps()[index] {
-                Step::Apply(op, operands) => {
-                    let chosen: StepOperands = chosen.iter().map(|&place| place as usize).collect();
-                    changed[position] = chosen.iter().zip(operands).any(|(&place, &operand)| {
-                        changed[place] || selection.steps[place] as usize != operand
-                    });
-                    let step = Step::Apply(*op, chosen);
-                    if changed[position] {
-                        // The substitute of an operand may have values that the operand has not.
-                        range = self.range_among(&step, &steps, &ranges);
-                    }
-                    step
-                }
-                other => other.clone(),
-            };
-            steps.push(step);
-            ranges.push(range);
+/// An operand in a shorter selection, and whether its value may differ from the one that the tape
+/// has in its place.
+#[derive(Clone, Copy)]
+struct Place(u32);
+
+impl Place {
+    const CHANGED: u32 = 1 << 30;
+
+    fn changed(self) -> Self {
+        Self(self.0 | Self::CHANGED)
+    }
+
+    fn is_changed(self) -> bool {
+        self.0 & Self::CHANGED != 0 && self.0 != SelectedOperand::NONE.0
+    }
+
+    fn operand(self) -> SelectedOperand {
+        if self.0 == SelectedOperand::NONE.0 {
+            SelectedOperand::NONE
+        } else {
+            SelectedOperand(self.0 & !Self::CHANGED)
         }
-        self.with_steps(steps, ranges, selection.output as usize)
     }
 }

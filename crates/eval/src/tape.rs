@@ -197,8 +197,7 @@ impl<T: Real> Tape<T> {
 
     /// Returns whether the range of the first output's value is finite.
     pub fn is_bounded(&self) -> bool {
-        let (range, largest) = (self.ranges[self.outputs[0]], T::LARGEST.into());
-        -largest <= range.lo && range.hi <= largest
+        T::is_finite(self.ranges[self.outputs[0]])
     }
 
     /// Computes all outputs on `m`, as the values that query `Q` needs.
@@ -244,41 +243,19 @@ impl<T: Real> Tape<T> {
         self.outputs.iter().map(|&output| terms[output].value).collect()
     }
 
-    /// Returns a tape of other steps under the same assumptions.
-    pub(crate) fn with_steps(
-        &self,
-        steps: Vec<Step>,
-        ranges: Vec<Interval>,
-        output: usize,
-    ) -> Self {
-        Self {
-            steps,
-            ranges,
-            outputs: vec![output],
-            assumptions: Arc::clone(&self.assumptions),
-            format: PhantomData,
-            branches: None,
-            is_coarse: self.is_coarse,
-        }
-    }
-
-    /// Computes the range of a step from those of the steps before it.
-    pub(crate) fn range_among(&self, step: &Step, steps: &[Step], ranges: &[Interval]) -> Interval {
-        let Step::Apply(op, operands) = step else {
-            return Interval::ENTIRE;
-        };
+    /// Returns the [coarse](Tape::coarse) range of an operation on operands with these ranges and
+    /// kinds of exponent.
+    pub fn coarse_range(op: Op, operands: &[(Interval, Exponent)]) -> Interval {
         let lanes = |end: f64| T::load(&Lanes::splat(T::nearest(end)), 0);
         let values: Vec<_> = operands
             .iter()
-            .map(|&operand| {
-                let range = ranges[operand];
+            .map(|&(range, exponent)| {
                 let value = Enclosure::total(lanes(-range.lo), lanes(range.hi));
-                Operand { value, range, exponent: steps[operand].exponent() }
+                Operand { value, range, exponent }
             })
             .collect();
-        let inner = Step::Apply(*op, (0..values.len()).collect());
-        let range = range_of::<T>(&inner, &values, &self.assumptions).range;
-        if self.is_coarse { coarse::<T>(range) } else { range }
+        let step = Step::Apply(op, (0..values.len()).collect());
+        coarse::<T>(range_of::<T>(&step, &values, &Assumptions::none(0)).range)
     }
 
     /// Computes branch by branch in which lanes all outputs may be 0 together. `None` if the tape

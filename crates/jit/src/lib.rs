@@ -24,4 +24,4 @@ mod wide;
 pub use compiler::{intermediate_code, vector_widths};
 pub use error::Error;
 pub use kernel::{Compiled, Native};
-pub use threaded::{TapeConstants, Threaded, Trace};
+pub use threaded::{StencilTape, Threaded};

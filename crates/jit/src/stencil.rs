@@ -14,8 +14,10 @@ use smallvec::SmallVec;
 use std::any::{Any, TypeId};
 use std::collections::HashMap;
 use std::marker::PhantomData;
-use std::sync::{LazyLock, Mutex, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
-use zeroset_eval::{Query, QueryValue, Real, ValueKind};
+use std::sync::{
+    LazyLock, Mutex, OnceLock, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard,
+};
+use zeroset_eval::{Query, QueryValue, Real, Tape, ValueKind};
 use zeroset_interval::{Exponent, Interval, Term};
 use zeroset_ir::Axis;
 use zeroset_ops::Op;
@@ -54,6 +56,8 @@ pub struct Stencil<Q: Query> {
     pub code: Code,
     /// The shape of the step's value; `None` for the result.
     pub shape: Option<Shape<Q>>,
+    /// The number of its value, as far as that follows from the operands.
+    value: OnceLock<OperandNumber>,
 }
 
 /// Number of vectors in a value.
@@ -157,6 +161,32 @@ impl<Q: Query, T: Real> StencilFinder<Q, T> {
         })
     }
 
+    /// Returns an operand by its number.
+    pub fn operand(&mut self, number: OperandNumber) -> StencilOperand<Q> {
+        self.read().operands[number as usize]
+    }
+
+    /// Returns the stencil of an operation, and the number of its value.
+    pub fn apply(
+        &mut self,
+        op: Op,
+        operands: &[OperandNumber],
+    ) -> Result<(&'static Stencil<Q>, OperandNumber), Error> {
+        let stencil = self.find(&StencilStep::Apply(op, operands))?;
+        if let Some(&number) = stencil.value.get() {
+            return Ok((stencil, number));
+        }
+        let each = operands.iter().map(|&number| self.operand(number));
+        let ranges: SmallVec<[_; 3]> = each.map(|one| (one.range, one.exponent)).collect();
+        let value = StencilOperand {
+            shape: stencil.shape.expect("a step has a value"),
+            range: Tape::<T>::coarse_range(op, &ranges),
+            exponent: Exponent::Real,
+            is_constant: false,
+        };
+        Ok((stencil, *stencil.value.get_or_init(|| self.number(&value))))
+    }
+
     /// Returns the stencil for a step.
     pub fn find(&mut self, step: &StencilStep<'_>) -> Result<&'static Stencil<Q>, Error> {
         let key = key(step, self.width);
@@ -236,5 +266,5 @@ fn make<Q: Query, T: Real>(
             part += 1;
         }));
     })?;
-    Ok(Stencil { code, shape })
+    Ok(Stencil { code, shape, value: OnceLock::new() })
 }

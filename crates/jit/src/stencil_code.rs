@@ -33,6 +33,20 @@ pub struct StencilCall {
     pub places: [u32; 1 + OPERANDS],
 }
 
+impl StencilCall {
+    /// A call that stores its value at this offset. Its operands have no places yet.
+    pub fn new(entry: *const u8, at: u32) -> Self {
+        let mut places = [0; 1 + OPERANDS];
+        places[0] = at;
+        Self { entry, places }
+    }
+
+    /// The places of the operands.
+    pub fn operands(&mut self) -> impl Iterator<Item = &mut u32> {
+        self.places[1..].iter_mut()
+    }
+}
+
 /// The memory that the calls of a tape work on.
 #[repr(C)]
 pub struct Run {

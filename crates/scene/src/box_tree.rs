@@ -4,7 +4,7 @@
 use crate::shortened::{PartSelection, ShortKernels, WholeFloat, WholeFunction};
 use std::sync::{Arc, OnceLock};
 use zeroset_eval::{
-    Boxes, Gradients, Kernel, KernelError, LANES, Points, SampleGradient, Selection,
+    Boxes, Gradients, Kernel, KernelError, LANES, LaneSet, Points, SampleGradient, Selection,
 };
 use zeroset_interval::Interval;
 
@@ -31,19 +31,15 @@ impl<T: WholeFloat> BoxTree<T> {
     /// If the function has no kernel for gradients.
     pub fn new(whole: &Arc<WholeFunction>) -> Result<Self, KernelError> {
         let domain = T::whole(whole).tape.assumptions().domain;
-        let root = TreeNode::new(whole, None, domain);
+        let root = TreeNode::new(whole, whole.all(), domain);
         root.kernels.forward().map(|_| ())?;
         Ok(Self(root))
     }
 }
 
 impl<T: WholeFloat> TreeNode<T> {
-    fn new(
-        whole: &Arc<WholeFunction>,
-        selection: Option<Selection>,
-        bounds: [Interval; 3],
-    ) -> Self {
-        let kernels = ShortKernels::new(whole, &Arc::new(selection));
+    fn new(whole: &Arc<WholeFunction>, selection: &Arc<Selection>, bounds: [Interval; 3]) -> Self {
+        let kernels = ShortKernels::new(whole, selection);
         Self { bounds, kernels, parts: OnceLock::new() }
     }
 
@@ -88,13 +84,12 @@ impl<T: WholeFloat> TreeNode<T> {
             parts = parts.iter().flat_map(split).collect();
         }
         debug_assert!(parts.len() == LANES, "a part for each lane");
-        let Some(selections) = self.kernels.selections_in_boxes(&Boxes::around(&parts)[0]) else {
+        let Some(selections) = self.kernels.in_boxes(&Boxes::around(&parts)[0], |_| LaneSet::MAX)
+        else {
             return Vec::new();
         };
         let node = |(bounds, selection): ([Interval; 3], PartSelection)| match selection {
-            PartSelection::Short(short) => {
-                Some(Self::new(self.kernels.whole(), Some(short), bounds))
-            }
+            PartSelection::Short(short) => Some(Self::new(self.kernels.whole(), &short, bounds)),
             PartSelection::Empty | PartSelection::Same => None,
         };
         parts.into_iter().zip(selections).filter_map(node).collect()

@@ -329,7 +329,7 @@ impl<T: WholeFloat> Bindings<T> {
         let (double, _) = simplified.steps(surface, KernelSource::Function, true).ok()??;
         let whole = Arc::new(WholeFunction::new(single, double, &values));
         self.store.ledger.add_stencils(surface);
-        let surface = ShortSurface::new(&whole, None);
+        let surface = ShortSurface::new(&whole, whole.all());
         Some(Short { whole, surface })
     }
 

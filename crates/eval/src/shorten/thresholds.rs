@@ -1,311 +1,304 @@
-//! The thresholds of each step, from the function down to its operands.
+//! The thresholds of each step, from the function down to its operands, in all lanes of a batch.
 //!
 //! A rule names, for a step with given thresholds, those of its operands. It may also replace the
 //! step by one of its operands. `docs/parts.md` has the proofs.
 
-use super::{Shortener, StepBounds};
+use super::rules::{Blend, StepRule};
+use super::{SelectedOperand, Selection, Shortener, StepBounds};
+use crate::lanes::LANES;
 use crate::real::Real;
 use crate::tape::{Step, Tape};
 use zeroset_interval::Interval;
-use zeroset_ops::Op;
 
-/// What each step of a tape is needed for.
-pub struct StepNeeds<'a, T: Real> {
-    tape: &'a Tape<T>,
-    shortener: &'a Shortener,
-    bounds: &'a [StepBounds],
-    /// Per step, its thresholds as an interval; `None` if no step needs it.
-    thresholds: Vec<Option<Interval>>,
-    /// Per step, what replaces it, if anything.
-    substitutes: Vec<Option<Substitute>>,
-    /// Steps inside a blend. The blend has set the thresholds of their operands.
-    within_blend: Vec<bool>,
+/// A set of lanes: one bit for each, the lowest for the first lane.
+pub type LaneSet = u16;
+
+/// Returns the lanes in a set.
+pub fn lanes(mut set: LaneSet) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = set.trailing_zeros() as usize;
+        set &= set.wrapping_sub(1);
+        (lane < LANES).then_some(lane)
+    })
 }
 
-/// An earlier step that replaces a step.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Substitute {
-    pub step: usize,
-    /// Whether the value is replaced by the negative of that step's.
-    pub is_negated: bool,
+/// What is known about the value of an operand in one lane.
+#[derive(Clone, Copy)]
+struct Known {
+    values: Interval,
+    is_defined: bool,
 }
 
-/// A quadratic blend of two values: min(a, b) − c·max(k − |a − b|, 0)².
-///
-/// Or that of their negatives, negated: max(a, b) + c·max(k − |a − b|, 0)².
-struct Blend {
-    operands: [usize; 2],
-    is_max: bool,
-    /// Whether the step computes the negative of the blend.
-    is_negated: bool,
-    /// At least k.
-    width: f64,
-    /// At least k + c·k².
-    reach: f64,
-    /// The steps between the blend and its operands.
-    within: [usize; 7],
-    constants: [usize; 3],
+/// Lanes in which a step is needed.
+#[derive(Clone, Copy, Default)]
+pub struct StepNeed {
+    /// The lanes in which any step needs this one.
+    pub lanes: LaneSet,
+    /// Lanes among them in which the step's value is needed exactly.
+    exact: LaneSet,
+    /// Lanes in which an operand replaces the step, for each of the two that may do so.
+    pub replaced: [LaneSet; 2],
+    /// The place of its thresholds in the other lanes, plus 1. If 0, it has none.
+    thresholds: u32,
 }
 
-impl<'a, T: Real> StepNeeds<'a, T> {
-    /// Finds the thresholds of all steps of a tape of one function.
-    pub fn of(tape: &'a Tape<T>, shortener: &'a Shortener, bounds: &'a [StepBounds]) -> Self {
-        let count = tape.steps().len();
-        let mut needs = Self {
-            tape,
-            shortener,
-            bounds,
-            thresholds: vec![None; count],
-            substitutes: vec![None; count],
-            within_blend: vec![false; count],
-        };
-        needs.need(tape.outputs_at()[0], Interval::ZERO);
-        for index in (0..count).rev() {
-            if let (Some(thresholds), Step::Apply(op, operands)) =
-                (needs.thresholds[index], &tape.steps()[index])
-                && !needs.within_blend[index]
-            {
-                needs.pass_on(index, *op, operands, thresholds);
+/// Per selected step, in which lanes it is needed, and in which an operand replaces it.
+#[derive(Default)]
+pub struct StepNeeds {
+    pub of: Vec<StepNeed>,
+    /// Per lane, the number of steps that are needed and not replaced.
+    pub counts: [usize; LANES],
+    thresholds: Vec<[Interval; LANES]>,
+}
+
+impl StepNeeds {
+    /// Finds in which of the lanes `open` each step of a selection is needed. `bounds` are those of
+    /// the selection's deciding steps.
+    pub fn find<T: Real>(
+        &mut self,
+        tape: &Tape<T>,
+        shortener: &Shortener,
+        from: &Selection,
+        bounds: &[StepBounds<T>],
+        open: LaneSet,
+    ) {
+        self.of.clear();
+        self.of.resize(from.steps.len(), StepNeed::default());
+        self.thresholds.clear();
+        self.counts = [0; LANES];
+        let mut finder = NeedFinder { tape, shortener, from, bounds, needs: self };
+        for lane in lanes(open) {
+            finder.need(from.outputs[0], lane, Interval::ZERO);
+        }
+        for index in (0..from.steps.len()).rev() {
+            if finder.needs.of[index].lanes != 0 {
+                finder.pass_on(index);
+                let StepNeed { lanes: set, replaced: [first, second], .. } = finder.needs.of[index];
+                lanes(set & !first & !second).for_each(|lane| finder.needs.counts[lane] += 1);
             }
         }
-        needs
     }
 
-    /// Whether a step is needed.
-    pub fn is_needed(&self, index: usize) -> bool {
-        self.thresholds[index].is_some()
+    /// The number of bytes that are reserved.
+    pub fn bytes(&self) -> usize {
+        self.of.capacity() * size_of::<StepNeed>()
+            + self.thresholds.capacity() * size_of::<[Interval; LANES]>()
     }
+}
 
-    /// Returns what replaces a step.
-    pub fn substitute(&self, index: usize) -> Option<Substitute> {
-        self.substitutes[index]
-    }
+/// Passes thresholds from a function down to its operands.
+struct NeedFinder<'a, T: Real> {
+    tape: &'a Tape<T>,
+    shortener: &'a Shortener,
+    from: &'a Selection,
+    bounds: &'a [StepBounds<T>],
+    needs: &'a mut StepNeeds,
+}
 
-    /// Widens the thresholds of a step so that another user's are among them.
-    fn need(&mut self, index: usize, thresholds: Interval) {
-        let all = &mut self.thresholds[index];
-        *all = Some(all.map_or(thresholds, |others| others.hull(thresholds)));
-    }
-
-    fn replace(&mut self, index: usize, by: usize, thresholds: Interval) {
-        self.substitutes[index] = Some(Substitute { step: by, is_negated: false });
-        self.need(by, thresholds);
-    }
-
-    /// Returns what is known about a step.
-    fn known(&self, index: usize) -> StepBounds {
-        if let Step::Constant(values, _) = &self.tape.steps()[index] {
-            return StepBounds { values: *values, is_defined: true };
+impl<T: Real> NeedFinder<'_, T> {
+    /// Widens the thresholds of a step in a lane, so that another user's are among them.
+    fn need(&mut self, operand: SelectedOperand, lane: usize, thresholds: Interval) {
+        let Some(index) = operand.position() else { return };
+        let step = &mut self.needs.of[index];
+        let bit = 1 << lane;
+        let is_first = step.lanes & bit == 0;
+        step.lanes |= bit;
+        if thresholds == Interval::ENTIRE {
+            step.exact |= bit;
         }
-        let place = self.shortener.places[index] as usize;
-        let nothing = StepBounds { values: Interval::ENTIRE, is_defined: false };
-        self.bounds.get(place).copied().unwrap_or(nothing)
+        if step.exact & bit != 0 {
+            return;
+        }
+        if step.thresholds == 0 {
+            self.needs.thresholds.push([Interval::ZERO; LANES]);
+            step.thresholds = self.needs.thresholds.len() as u32;
+        }
+        let own = &mut self.needs.thresholds[step.thresholds as usize - 1][lane];
+        *own = if is_first { thresholds } else { own.hull(thresholds) };
     }
 
-    fn constant(&self, index: usize) -> Option<Interval> {
-        match &self.tape.steps()[index] {
-            Step::Constant(bounds, _) => Some(*bounds),
-            _ => None,
+    /// Needs the exact value of a step in some lanes.
+    fn need_exact(&mut self, operand: SelectedOperand, set: LaneSet) {
+        if let Some(index) = operand.position() {
+            self.needs.of[index].lanes |= set;
+            self.needs.of[index].exact |= set;
+        }
+    }
+
+    fn thresholds(&self, index: usize, lane: usize) -> Interval {
+        let step = &self.needs.of[index];
+        if step.exact >> lane & 1 == 1 {
+            return Interval::ENTIRE;
+        }
+        self.needs.thresholds[step.thresholds as usize - 1][lane]
+    }
+
+    /// Returns what is known about an operand.
+    fn known(&self, operand: SelectedOperand, lane: usize) -> Known {
+        let nothing = Known { values: Interval::ENTIRE, is_defined: false };
+        match operand.position() {
+            Some(index) => {
+                let place = self.from.places[index] as usize;
+                self.bounds.get(place).map_or(nothing, |bounds| Known {
+                    values: bounds.values(lane),
+                    is_defined: bounds.is_defined(lane),
+                })
+            }
+            None => match &self.tape.steps()[operand.origin()] {
+                Step::Constant(values, _) => Known { values: *values, is_defined: true },
+                _ => nothing,
+            },
         }
     }
 
     /// Passes a step's thresholds on to its operands.
-    fn pass_on(&mut self, index: usize, op: Op, operands: &[usize], thresholds: Interval) {
-        if let Some(blend) = self.blend(index) {
-            return self.pass_on_blend(index, &blend, thresholds);
-        }
-        match (op, operands) {
-            (Op::Min, &[a, b]) => self.pass_on_least(index, [a, b], thresholds, false),
-            (Op::Max, &[a, b]) => self.pass_on_least(index, [a, b], thresholds, true),
-            (Op::Neg, &[a]) => self.need(a, thresholds.negated()),
-            (Op::Abs, &[a]) => {
-                if self.known(a).values.lo >= 0.0 {
-                    return self.replace(index, a, thresholds);
-                }
-                let most = thresholds.hi.max(0.0);
-                self.need(a, Interval { lo: -most, hi: most });
+    fn pass_on(&mut self, index: usize) {
+        let step = &self.from.steps[index];
+        let operands = step.operands;
+        let StepNeed { lanes: set, exact, .. } = self.needs.of[index];
+        let shortener = self.shortener;
+        let rule = step.origin().map_or(StepRule::Neg, |origin| shortener.rules.of[origin]);
+        match rule {
+            StepRule::Exact => {
+                operands.iter().for_each(|&operand| self.need_exact(operand, set));
             }
-            (Op::Add, &[a, b]) => match (self.constant(a), self.constant(b)) {
-                (_, Some(constant)) => self.shift([a, b], thresholds.plus(constant.negated())),
-                (Some(constant), _) => self.shift([b, a], thresholds.plus(constant.negated())),
-                _ => self.need_all(operands),
-            },
-            (Op::Sub, &[a, b]) => match (self.constant(a), self.constant(b)) {
-                (_, Some(constant)) => self.shift([a, b], thresholds.plus(constant)),
-                (Some(constant), _) => {
-                    self.shift([b, a], constant.plus(thresholds.negated()));
-                }
-                _ => self.need_all(operands),
-            },
-            (Op::Mul, &[a, b]) => match (self.constant(a), self.constant(b)) {
-                (_, Some(factor)) if !factor.contains(0.0) => {
-                    self.shift([a, b], thresholds.over(factor));
-                }
-                (Some(factor), _) if !factor.contains(0.0) => {
-                    self.shift([b, a], thresholds.over(factor));
-                }
-                _ => self.need_all(operands),
-            },
-            (Op::Div, &[a, b]) => match self.constant(b) {
-                Some(divisor) if !divisor.contains(0.0) => {
-                    self.shift([a, b], thresholds.times(divisor));
-                }
-                _ => self.need_all(operands),
-            },
-            (Op::SelectNegative, &[condition, negative, other]) => {
-                let known = self.known(condition);
-                if known.is_defined && known.values.hi < 0.0 {
-                    self.replace(index, negative, thresholds);
-                } else if known.is_defined && known.values.lo >= 0.0 {
-                    self.replace(index, other, thresholds);
-                } else {
-                    // The condition is compared with 0: only its sign matters.
-                    self.need(condition, Interval::ZERO);
-                    self.need(negative, thresholds);
-                    self.need(other, thresholds);
+            StepRule::Min | StepRule::Max => {
+                self.pass_on_least(index, [operands[0], operands[1]], rule == StepRule::Max);
+            }
+            StepRule::Neg | StepRule::Shift(_) => {
+                let operand = match rule {
+                    StepRule::Shift(shift) => operands[shift.operand()],
+                    _ => operands[0],
+                };
+                self.need_exact(operand, exact);
+                for lane in lanes(set & !exact) {
+                    let thresholds = self.thresholds(index, lane);
+                    let thresholds = match rule {
+                        StepRule::Shift(shift) => shift.of(thresholds),
+                        _ => thresholds.negated(),
+                    };
+                    self.need(operand, lane, thresholds);
                 }
             }
-            _ => self.need_all(operands),
+            StepRule::Abs => {
+                for lane in lanes(set) {
+                    let thresholds = self.thresholds(index, lane);
+                    if self.known(operands[0], lane).values.lo >= 0.0 {
+                        self.needs.of[index].replaced[0] |= 1 << lane;
+                        self.need(operands[0], lane, thresholds);
+                    } else {
+                        let most = thresholds.hi.max(0.0);
+                        self.need(operands[0], lane, Interval { lo: -most, hi: most });
+                    }
+                }
+            }
+            StepRule::Choice => self.pass_on_choice(index, operands),
+            StepRule::Blend(number) => {
+                self.pass_on_blend(index, &shortener.rules.blends[number as usize]);
+            }
+            StepRule::InBlend => self.keep(&operands, set),
         }
     }
 
-    /// Needs the exact values of operands.
-    fn need_all(&mut self, operands: &[usize]) {
-        for &operand in operands {
-            self.need(operand, Interval::ENTIRE);
+    fn pass_on_choice(&mut self, index: usize, operands: [SelectedOperand; 3]) {
+        let [condition, negative, other] = operands;
+        for lane in lanes(self.needs.of[index].lanes) {
+            let thresholds = self.thresholds(index, lane);
+            let known = self.known(condition, lane);
+            if known.is_defined && known.values.hi < 0.0 {
+                self.needs.of[index].replaced[0] |= 1 << lane;
+                self.need(negative, lane, thresholds);
+            } else if known.is_defined && known.values.lo >= 0.0 {
+                self.needs.of[index].replaced[1] |= 1 << lane;
+                self.need(other, lane, thresholds);
+            } else {
+                // The condition is compared with 0: only its sign matters.
+                self.need(condition, lane, Interval::ZERO);
+                self.need(negative, lane, thresholds);
+                self.need(other, lane, thresholds);
+            }
         }
-    }
-
-    /// Needs an operand between thresholds, and a constant.
-    fn shift(&mut self, [operand, constant]: [usize; 2], thresholds: Interval) {
-        self.need(operand, thresholds);
-        self.need(constant, Interval::ENTIRE);
     }
 
     /// The rule of the minimum, or if `is_max` of the maximum.
-    fn pass_on_least(
+    fn pass_on_least(&mut self, index: usize, operands: [SelectedOperand; 2], is_max: bool) {
+        for lane in lanes(self.needs.of[index].lanes) {
+            let thresholds = self.thresholds(index, lane);
+            let [a, b] = operands.map(|operand| self.known(operand, lane));
+            let is_beyond = |one: &Known, other: &Known| {
+                // A dropped operand must not be where the result has no value.
+                one.is_defined
+                    && if is_max {
+                        one.values.hi < thresholds.lo.max(other.values.lo)
+                    } else {
+                        one.values.lo > thresholds.hi.min(other.values.hi)
+                    }
+            };
+            let beyond = [is_beyond(&b, &a), is_beyond(&a, &b)];
+            self.pass_on_either(index, lane, operands, beyond, [thresholds; 2]);
+        }
+    }
+
+    fn pass_on_blend(&mut self, index: usize, blend: &Blend) {
+        let Blend { extremum, is_max, is_negated, width, reach } = *blend;
+        let inner = self.from.steps[index].operands;
+        let extremum = inner[extremum].position().expect("an operation");
+        let [a, b, _] = self.from.steps[extremum].operands;
+        let operands = [a, b];
+        for lane in lanes(self.needs.of[index].lanes) {
+            let thresholds = self.thresholds(index, lane);
+            let thresholds = if is_negated { thresholds.negated() } else { thresholds };
+            let by = |reach: f64| {
+                let all = Interval { lo: -reach, hi: reach }.plus(thresholds);
+                if is_max {
+                    Interval { lo: all.lo, hi: thresholds.hi }
+                } else {
+                    Interval { lo: thresholds.lo, hi: all.hi }
+                }
+            };
+            let farthest = by(width);
+            let is_beyond = |known: Known| {
+                known.is_defined
+                    && if is_max {
+                        known.values.hi < farthest.lo
+                    } else {
+                        known.values.lo > farthest.hi
+                    }
+            };
+            let [first, second] = operands.map(|operand| is_beyond(self.known(operand, lane)));
+            let beyond = [second, first && !second];
+            self.pass_on_either(index, lane, operands, beyond, [thresholds, by(reach)]);
+        }
+        let StepNeed { lanes: set, replaced: [first, second], .. } = self.needs.of[index];
+        self.keep(&inner, set & !first & !second);
+    }
+
+    /// Keeps those operands that are steps inside a blend.
+    fn keep(&mut self, operands: &[SelectedOperand], set: LaneSet) {
+        for position in operands.iter().filter_map(SelectedOperand::position) {
+            let origin = self.from.steps[position].origin();
+            if origin.is_some_and(|origin| self.shortener.rules.of[origin] == StepRule::InBlend) {
+                self.needs.of[position].lanes |= set;
+            }
+        }
+    }
+
+    /// Passes thresholds on to one of two operands, which replaces the step, or to both.
+    /// `beyond` states for each whether it replaces the step, because the other is beyond the
+    /// thresholds.
+    fn pass_on_either(
         &mut self,
         index: usize,
-        operands: [usize; 2],
-        thresholds: Interval,
-        is_max: bool,
+        lane: usize,
+        operands: [SelectedOperand; 2],
+        beyond: [bool; 2],
+        [own, each]: [Interval; 2],
     ) {
-        let [a, b] = operands.map(|operand| self.known(operand));
-        let is_beyond = |one: &StepBounds, other: &StepBounds| {
-            // A dropped operand must not be where the result has no value.
-            one.is_defined
-                && if is_max {
-                    one.values.hi < thresholds.lo.max(other.values.lo)
-                } else {
-                    one.values.lo > thresholds.hi.min(other.values.hi)
-                }
-        };
-        if is_beyond(&b, &a) {
-            self.replace(index, operands[0], thresholds);
-        } else if is_beyond(&a, &b) {
-            self.replace(index, operands[1], thresholds);
+        if let Some(k) = beyond.iter().position(|is_beyond| *is_beyond) {
+            self.needs.of[index].replaced[k] |= 1 << lane;
+            self.need(operands[k], lane, own);
         } else {
-            for operand in operands {
-                self.need(operand, thresholds);
-            }
+            operands.iter().for_each(|&operand| self.need(operand, lane, each));
         }
-    }
-
-    fn pass_on_blend(&mut self, index: usize, blend: &Blend, thresholds: Interval) {
-        let Blend { operands, is_max, is_negated, width, reach, .. } = *blend;
-        let thresholds = if is_negated { thresholds.negated() } else { thresholds };
-        let by = |reach: f64| {
-            let all = Interval { lo: -reach, hi: reach }.plus(thresholds);
-            if is_max {
-                Interval { lo: all.lo, hi: thresholds.hi }
-            } else {
-                Interval { lo: thresholds.lo, hi: all.hi }
-            }
-        };
-        let farthest = by(width);
-        let is_beyond = |known: StepBounds| {
-            known.is_defined
-                && if is_max {
-                    known.values.hi < farthest.lo
-                } else {
-                    known.values.lo > farthest.hi
-                }
-        };
-        let beyond = operands.map(|operand| is_beyond(self.known(operand)));
-        if beyond.contains(&true) {
-            let step = if beyond[1] { operands[0] } else { operands[1] };
-            self.substitutes[index] = Some(Substitute { step, is_negated });
-            self.need(step, thresholds);
-        } else {
-            for inner in blend.within {
-                self.need(inner, Interval::ENTIRE);
-                self.within_blend[inner] = true;
-            }
-            for constant in blend.constants {
-                self.need(constant, Interval::ENTIRE);
-            }
-            for operand in operands {
-                self.need(operand, by(reach));
-            }
-        }
-    }
-
-    /// Returns the operands of a step if it is this operation and has one user.
-    fn only(&self, index: usize, op: Op) -> Option<&'a [usize]> {
-        match &self.tape.steps()[index] {
-            Step::Apply(other, operands) if *other == op && self.shortener.users[index] == 1 => {
-                Some(operands)
-            }
-            _ => None,
-        }
-    }
-
-    /// Returns the constant among two operands, and the other operand.
-    fn with_constant(&self, operands: &[usize]) -> Option<([usize; 2], Interval)> {
-        let &[a, b] = operands else { return None };
-        let of = |constant: usize, other: usize| {
-            self.constant(constant).map(|bounds| ([constant, other], bounds))
-        };
-        of(a, b).or_else(|| of(b, a))
-    }
-
-    /// Finds whether a step is a blend.
-    fn blend(&self, index: usize) -> Option<Blend> {
-        let Step::Apply(op, operands) = &self.tape.steps()[index] else { return None };
-        let &[first, second] = &operands[..] else { return None };
-        let is_negated = *op == Op::Sub && self.only(second, Op::Min).is_some();
-        let (extremum, square, is_max) = match op {
-            Op::Sub if is_negated => (second, first, false),
-            Op::Sub if self.only(first, Op::Min).is_some() => (first, second, false),
-            Op::Add if self.only(first, Op::Max).is_some() => (first, second, true),
-            Op::Add if self.only(second, Op::Max).is_some() => (second, first, true),
-            _ => return None,
-        };
-        let ends = self.only(extremum, if is_max { Op::Max } else { Op::Min })?;
-        let product = self.only(square, Op::Mul)?;
-        let ([factor, squared], factors) = self.with_constant(product)?;
-        let &[part] = self.only(squared, Op::Sqr)? else { return None };
-        let ([zero, rest], zeros) = self.with_constant(self.only(part, Op::Max)?)?;
-        let &[width, magnitude] = self.only(rest, Op::Sub)? else { return None };
-        let widths = self.constant(width)?;
-        let &[difference] = self.only(magnitude, Op::Abs)? else { return None };
-        let of = self.only(difference, Op::Sub)?;
-        let &[a, b] = ends else { return None };
-        let is_of_them = of == [a, b] || of == [b, a];
-        // 0 ≤ 2·c·k ≤ 1
-        let twice = factors.times(widths).times(Interval { lo: 2.0, hi: 2.0 });
-        let is_monotone = factors.lo >= 0.0 && widths.lo >= 0.0 && twice.hi <= 1.0;
-        let reach = widths.plus(factors.times(widths.power(2)));
-        (is_of_them && is_monotone && zeros == Interval::ZERO && reach.is_bounded()).then_some(
-            Blend {
-                operands: [a, b],
-                is_max,
-                is_negated,
-                width: widths.hi,
-                reach: reach.hi,
-                within: [extremum, square, squared, part, rest, magnitude, difference],
-                constants: [factor, zero, width],
-            },
-        )
     }
 }

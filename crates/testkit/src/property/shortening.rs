@@ -3,16 +3,16 @@
 use crate::suite::{Failure, Tally};
 use crate::{Adversarial, Rng};
 use std::fmt::Write as _;
+use std::sync::Arc;
 use zeroset_eval::{
-    Assumptions, Binding, Boxes, Enclose, Enclosures, Kernel, LANES, Shortener, Tape,
+    Assumptions, Binding, Boxes, Enclose, Enclosures, Kernel, LANES, LaneSet, Selection, Shortener,
+    StepBounds, Tape,
 };
 use zeroset_interval::{Facts, Interval};
 use zeroset_ir::simplify;
-use zeroset_jit::Threaded;
+use zeroset_jit::{StencilTape, Threaded};
 use zeroset_syntax::{Options, read};
 
-/// Batches of points per formula; each has its own box.
-const BATCHES: usize = 4;
 /// Half the extent of the domain.
 const HALF: f64 = 2.0;
 
@@ -93,8 +93,13 @@ pub fn check_shortening<T: Adversarial>(rng: &mut Rng) -> Result<Tally, Failure>
     let (depth, simple) = (rng.u32(2..=6), rng.bool());
     let mut text = random_choices(rng, depth);
     let middle = [(); 3].map(|()| f64::from(rng.i32(-1000..=1000)) / 1000.0 * HALF);
+    let stencils = |tape: &Tape<f64>| {
+        Arc::new(
+            StencilTape::<Enclose, f64>::new(tape.clone(), &Binding::empty()).expect("stencils"),
+        )
+    };
     let whole = |tape: &Tape<f64>| {
-        Threaded::<Enclose, f64>::new(tape.clone(), &Binding::empty()).expect("stencils")
+        Threaded::selected(&stencils(tape), &Selection::all(tape)).expect("calls")
     };
     let Some((_, exact)) = tapes::<T>(&text, simple) else { return Ok(Tally::default()) };
     let at = enclosed(&whole(&exact), &[middle.map(|at| Interval { lo: at, hi: at })]);
@@ -103,27 +108,34 @@ pub fn check_shortening<T: Adversarial>(rng: &mut Rng) -> Result<Tally, Failure>
     }
     let Some((single, exact)) = tapes::<T>(&text, simple) else { return Ok(Tally::default()) };
     let shortener = Shortener::new(&single);
-    let none = Binding::empty();
-    let traced = Threaded::<Enclose, T>::traced(single.clone(), &none, shortener.deciding());
-    let traced = traced.expect("stencils");
-    let all = whole(&exact);
+    let from = shortener.all(&single);
+    let traced = StencilTape::<Enclose, T>::new(single.clone(), &Binding::empty());
+    let traced = Threaded::selected(&Arc::new(traced.expect("stencils")), &from).expect("calls");
+    let (all, exact) = (whole(&exact), stencils(&exact));
     let mut tally = Tally::default();
-    for _ in 0..BATCHES {
-        let scale = f64::from(1_u32 << rng.u32(0..7));
-        let region = [0, 1, 2].map(|axis| {
-            let (size, share) = (HALF / scale, f64::from(rng.u32(0..=100)) / 100.0);
-            let lo = middle[axis] - share * size;
-            let ends = [lo, lo + size].map(|end| T::nearest(end.clamp(-HALF, HALF)).into());
-            Interval { lo: ends[0], hi: ends[1] }
-        });
-        let select = |_: &Enclosures<T>, trace: &zeroset_jit::Trace<'_, T>| {
-            shortener.select(&single, &trace.lane(0))
-        };
-        let boxes = &Boxes::around(&[region])[0];
-        let Some(selection) = traced.eval_traced(boxes, &mut Enclosures::default(), select) else {
-            continue;
-        };
-        let short = whole(&exact.select(&selection));
+    let regions: Vec<[Interval; 3]> = (0..LANES)
+        .map(|_| {
+            let scale = f64::from(1_u32 << rng.u32(0..7));
+            std::array::from_fn(|axis| {
+                let (size, share) = (HALF / scale, f64::from(rng.u32(0..=100)) / 100.0);
+                let lo = middle[axis] - share * size;
+                let ends = [lo, lo + size].map(|end| T::nearest(end.clamp(-HALF, HALF)).into());
+                Interval { lo: ends[0], hi: ends[1] }
+            })
+        })
+        .collect();
+    // Other lanes get no selection, nor those in which nearly all steps matter.
+    let open = 1 << rng.u32(0..16) | rng.u32(0..1 << 16) as LaneSet;
+    let most = from.steps().len() - 1;
+    let select = |_: &Enclosures<T>, bounds: &[StepBounds<T>]| {
+        shortener.select(&single, &from, bounds, open, most)
+    };
+    let boxes = &Boxes::around(&regions)[0];
+    let selections = traced.eval_traced(boxes, &mut Enclosures::default(), select);
+    for (lane, (region, selection)) in regions.iter().zip(selections).enumerate() {
+        let Some(selection) = selection else { continue };
+        assert!(open >> lane & 1 == 1, "an open lane");
+        let short = Threaded::untraced(&exact, &selection).expect("calls");
         let points: Vec<[Interval; 3]> = (0..LANES)
             .map(|_| {
                 region.map(|Interval { lo, hi }| {
@@ -152,7 +164,8 @@ pub fn check_shortening<T: Adversarial>(rng: &mut Rng) -> Result<Tally, Failure>
                 || is_defined && (differs(was, is) || differs(is, was));
             if is_false {
                 let mut what = format!("{text}\nin {region:?} at {point:?}: {was:?} became {is:?}");
-                let _ = write!(what, "\n{} of {} steps", selection.count(), single.steps().len());
+                let _ =
+                    write!(what, "\n{} of {} steps", selection.steps().len(), from.steps().len());
                 return Err(Failure::new(what));
             }
         }

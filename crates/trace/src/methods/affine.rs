@@ -83,7 +83,7 @@ struct Affine<'a, T: Scalar> {
     longest: f64,
     /// Buffers that no thread is using.
     buffers: BufferPool<Box<BandBuffers<T>>>,
-    /// The parts of the latest picture of which patches were traced.
+    /// The parts of the latest picture.
     tree: Mutex<Option<Arc<PartTree>>>,
     /// This method in `f64`, created for the first picture that needs it.
     double: OnceLock<Option<Box<Affine<'a, f64>>>>,
@@ -205,9 +205,9 @@ impl<T: Scalar> Tracer for Affine<'_, T> {
         let is_over = if !has_parts {
             state.trace(self, rays, band, &whole, work)
         } else if rays.is_patched() {
-            self.tree(frame, rays).trace(self, &mut state, rays, band, work)
+            self.tree(frame, rays).trace_patches(self, &mut state, rays, band, work)
         } else {
-            parts::trace(self, None, &mut state, rays, band, &whole, work)
+            self.tree(frame, rays).trace(self, &mut state, rays, band, work)
         };
         if !is_over {
             state.finish(self);

@@ -1,19 +1,21 @@
-//! A tree of parts of a picture, for rays of patches.
+//! A tree of parts of a picture.
 //!
-//! Patches lie along the edges of what is visible, many in the same few parts of the picture. So
-//! each part, a range of the screen over a segment of the rays, keeps its surface and its own
-//! parts. They are created when a patch in them is first traced.
+//! A part is a range of the screen over a segment of the rays. It keeps its surface and its own
+//! parts, which are created when rays in them are first traced. Bands share the large parts.
+//! Patches share small ones too: they lie along the edges of what is visible, many in the same few
+//! parts.
 
-use super::Affine;
 use super::frame::RayFrame;
 use super::tiles::{BandPart, BandState};
-use super::tracer::LAST;
+use super::tracer::{LAST, SIDES};
+use super::{Affine, parts};
 use crate::band::Band;
 use crate::grid::RayGrid;
 use crate::kernel_stats::KernelStats;
 use crate::method::Task;
 use crate::painted::ones;
 use crate::scalar::Scalar;
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 use zeroset_eval::{LANES, PartSurface, SurfaceKernels, Tiles};
 
@@ -39,9 +41,8 @@ pub(super) struct PartTree {
     root: Part,
     /// The picture's rays.
     frame: RayFrame,
-    /// How far an area reaches beyond its share of the screen: more than the size of a patch. So
-    /// each patch lies in at least one area.
-    margin: f64,
+    /// Half the distance between rays on the screen.
+    unit: f64,
 }
 
 impl PartTree {
@@ -55,17 +56,18 @@ impl PartTree {
             divisions: 0,
             parts: OnceLock::new(),
         };
-        Self { root, frame, margin: margin(rays) }
+        Self { root, frame, unit: rays.unit }
     }
 
-    /// Returns whether the tree belongs to these rays, and to patches of this size.
+    /// Returns whether the tree belongs to these rays, and to pixels of this size.
     pub fn is_of(&self, frame: &RayFrame, rays: &RayGrid) -> bool {
-        let Self { frame: own, margin: size, .. } = self;
-        (own.origin, own.direction, own.span, own.start, *size)
-            == (frame.origin, frame.direction, frame.span, frame.start, margin(rays))
+        let Self { frame: own, unit, .. } = self;
+        (own.origin, own.direction, own.span, own.start, *unit)
+            == (frame.origin, frame.direction, frame.span, frame.start, rays.unit)
     }
 
-    /// Traces the patches of a band. Returns whether the rest of the band is no longer wanted.
+    /// Traces a band of pixels, not of patches. Returns whether the rest of the band is no longer
+    /// wanted.
     pub fn trace<T: Scalar>(
         &self,
         method: &Affine<'_, T>,
@@ -74,15 +76,148 @@ impl PartTree {
         band: &mut Band<'_>,
         work: &mut KernelStats,
     ) -> bool {
+        let whole = state.whole(rays, band);
+        BandPass { tree: self, method, state, rays, band, work }.trace(&self.root, whole.columns)
+    }
+
+    /// Traces the patches of a band. Returns whether the rest of the band is no longer wanted.
+    pub fn trace_patches<T: Scalar>(
+        &self,
+        method: &Affine<'_, T>,
+        state: &mut BandState<T>,
+        rays: &RayGrid,
+        band: &mut Band<'_>,
+        work: &mut KernelStats,
+    ) -> bool {
         let areas: Vec<Area> = (0..band.height).map(|row| area(rays, band, row)).collect();
-        let mut pass = Pass { tree: self, method, state, rays, band, work, areas };
+        let mut pass = PatchPass { tree: self, method, state, rays, band, work, areas };
         let all = u16::MAX >> (LANES - pass.areas.len());
         pass.trace(&self.root, all)
+    }
+
+    /// Returns whether the parts of a part are for patches only.
+    fn is_low(&self, part: &Part) -> bool {
+        part.area[1][1] <= LOW * self.unit
+    }
+
+    /// Divides a part into sixteen. Those without zeros are left out. Empty if the surface has too
+    /// few choices.
+    fn divided<T: Scalar>(&self, part: &Part, rays: &RayGrid, task: Task<'_>) -> Vec<Part> {
+        let frame = &self.frame;
+        let [near, far] = part.span;
+        let middle = if rays.parallel { 1.0 } else { (frame.start + 0.5 * (near + far)).max(0.0) };
+        let mut sizes = [part.area[0][1] * middle, part.area[1][1] * middle, 0.5 * (far - near)];
+        let mut counts = [1; 3];
+        while counts.iter().product::<usize>() < LANES {
+            let longest = (0..3).max_by(|&a, &b| sizes[a].total_cmp(&sizes[b])).unwrap_or(2);
+            counts[longest] *= 2;
+            sizes[longest] /= 2.0;
+        }
+        let margin = self.unit * if self.is_low(part) { PATCH_MARGIN } else { TILE_MARGIN };
+        let range = |axis: usize, k: usize| {
+            let [centre, half] = part.area[axis];
+            let step = 2.0 * half / counts[axis] as f64;
+            [centre - half + (k as f64 + 0.5) * step, 0.5 * step + margin]
+        };
+        let end = |k: usize| match k {
+            0 => near,
+            _ if k == counts[2] => far,
+            _ => T::nearest(near + (far - near) * k as f64 / counts[2] as f64).into(),
+        };
+        let mut areas = Vec::with_capacity(LANES);
+        for depth in 0..counts[2] {
+            for row in 0..counts[1] {
+                for column in 0..counts[0] {
+                    areas.push(([range(0, column), range(1, row)], [end(depth), end(depth + 1)]));
+                }
+            }
+        }
+        let mut tiles: Tiles<T> = frame.tiles();
+        tiles.count = areas.len() as u32;
+        for (lane, (area, span)) in areas.iter().enumerate() {
+            for (axis, range) in area.iter().enumerate() {
+                frame.place_tile(axis, *range, lane, &mut tiles);
+            }
+            [tiles.near[lane], tiles.far[lane]] = span.map(T::nearest);
+        }
+        let kernels = T::kernels(part.surface.as_deref().unwrap_or(task.surface));
+        let surfaces = kernels.in_tiles(&tiles);
+        if surfaces.is_empty() {
+            return Vec::new();
+        }
+        let divisions = part.divisions + 1;
+        let part = |((area, span), surface): ((Area, [f64; 2]), PartSurface)| {
+            let (surface, divisions) = match surface {
+                PartSurface::Empty => return None,
+                PartSurface::Same => (part.surface.clone(), divisions),
+                PartSurface::Short(surface) => (Some(Arc::from(surface)), 0),
+            };
+            let is_last = divisions > IN_VAIN;
+            let parts = if is_last { OnceLock::from(Vec::new()) } else { OnceLock::new() };
+            (span[0] < span[1]).then_some(Part { area, span, surface, divisions, parts })
+        };
+        areas.into_iter().zip(surfaces).filter_map(part).collect()
+    }
+}
+
+/// A band of pixels that is traced.
+struct BandPass<'p, 'b, 'm, T: Scalar> {
+    tree: &'p PartTree,
+    method: &'p Affine<'m, T>,
+    state: &'p mut BandState<T>,
+    rays: &'p RayGrid,
+    band: &'p mut Band<'b>,
+    work: &'p mut KernelStats,
+}
+
+impl<T: Scalar> BandPass<'_, '_, '_, T> {
+    /// Traces these columns of tiles in a part. Returns whether the rest of the band is no longer
+    /// wanted.
+    fn trace(&mut self, part: &Part, columns: Range<usize>) -> bool {
+        let Part { span, surface, .. } = part;
+        let own = BandPart { level: 0, columns: columns.clone(), rows: 0..1, span: *span };
+        if !self.state.is_open(&own) {
+            return !self.band.is_wanted();
+        }
+        let divide = || self.tree.divided::<T>(part, self.rays, self.method.task);
+        let inner = if self.tree.is_low(part) { &[][..] } else { part.parts.get_or_init(divide) };
+        if inner.is_empty() {
+            let Self { method, state, rays, band, work, .. } = self;
+            return parts::trace(method, surface.as_deref(), state, rays, band, &own, work);
+        }
+        // Areas overlap. In each range of depth, a tile belongs to the first area around it. Areas
+        // are in order from left to right.
+        let (mut first, mut span) = (columns.start, None);
+        for inner in inner {
+            if span != Some(inner.span) {
+                (first, span) = (columns.start, Some(inner.span));
+            }
+            let is_inside = |&column: &usize| contains(&inner.area, &self.tile_area(column));
+            let Some(start) = (first..columns.end).find(is_inside) else { continue };
+            let end = (start..columns.end).find(|column| !is_inside(column));
+            first = end.unwrap_or(columns.end);
+            if self.trace(inner, start..first) {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// The area of the tile in a column of the band.
+    fn tile_area(&self, column: usize) -> Area {
+        let Self { rays, band, .. } = self;
+        let side = SIDES[0];
+        let range = |first: usize, size: usize| [first, (first + side).min(size) - 1];
+        let [left, right] = range(side * column, band.width);
+        let [top, bottom] = [band.top, band.top + band.height - 1];
+        let [across, upward] = rays.screen(left + right, top + bottom);
+        let half = |first: usize, last: usize| (last - first) as f64 * rays.unit;
+        [[across, half(left, right)], [upward, half(top, bottom)]]
     }
 }
 
 /// The patches of a band that are traced.
-struct Pass<'p, 'b, 'm, T: Scalar> {
+struct PatchPass<'p, 'b, 'm, T: Scalar> {
     tree: &'p PartTree,
     method: &'p Affine<'m, T>,
     state: &'p mut BandState<T>,
@@ -92,7 +227,7 @@ struct Pass<'p, 'b, 'm, T: Scalar> {
     areas: Vec<Area>,
 }
 
-impl<T: Scalar> Pass<'_, '_, '_, T> {
+impl<T: Scalar> PatchPass<'_, '_, '_, T> {
     /// Traces the patches of these rows in a part. Returns whether the rest of the band is no
     /// longer wanted.
     fn trace(&mut self, part: &Part, rows: u16) -> bool {
@@ -101,7 +236,8 @@ impl<T: Scalar> Pass<'_, '_, '_, T> {
         if rows == 0 {
             return !self.band.is_wanted();
         }
-        let parts = part.parts.get_or_init(|| self.divided(part));
+        let parts =
+            part.parts.get_or_init(|| self.tree.divided::<T>(part, self.rays, self.method.task));
         if parts.is_empty() {
             return self.trace_all(part, rows);
         }
@@ -159,74 +295,19 @@ impl<T: Scalar> Pass<'_, '_, '_, T> {
         }
         false
     }
-
-    /// Divides a part into sixteen. Those without zeros are left out. Empty if the surface has too
-    /// few choices.
-    fn divided(&self, part: &Part) -> Vec<Part> {
-        let frame = &self.tree.frame;
-        let [near, far] = part.span;
-        let middle =
-            if self.rays.parallel { 1.0 } else { (frame.start + 0.5 * (near + far)).max(0.0) };
-        let mut sizes = [part.area[0][1] * middle, part.area[1][1] * middle, 0.5 * (far - near)];
-        let mut counts = [1; 3];
-        while counts.iter().product::<usize>() < LANES {
-            let longest = (0..3).max_by(|&a, &b| sizes[a].total_cmp(&sizes[b])).unwrap_or(2);
-            counts[longest] *= 2;
-            sizes[longest] /= 2.0;
-        }
-        let range = |axis: usize, k: usize| {
-            let [centre, half] = part.area[axis];
-            let step = 2.0 * half / counts[axis] as f64;
-            [centre - half + (k as f64 + 0.5) * step, 0.5 * step + self.tree.margin]
-        };
-        let end = |k: usize| match k {
-            0 => near,
-            _ if k == counts[2] => far,
-            _ => T::nearest(near + (far - near) * k as f64 / counts[2] as f64).into(),
-        };
-        let mut areas = Vec::with_capacity(LANES);
-        for depth in 0..counts[2] {
-            for row in 0..counts[1] {
-                for column in 0..counts[0] {
-                    areas.push(([range(0, column), range(1, row)], [end(depth), end(depth + 1)]));
-                }
-            }
-        }
-        let mut tiles: Tiles<T> = frame.tiles();
-        tiles.count = areas.len() as u32;
-        for (lane, (area, span)) in areas.iter().enumerate() {
-            for (axis, range) in area.iter().enumerate() {
-                frame.place_tile(axis, *range, lane, &mut tiles);
-            }
-            [tiles.near[lane], tiles.far[lane]] = span.map(T::nearest);
-        }
-        let kernels = T::kernels(part.surface.as_deref().unwrap_or(self.method.task.surface));
-        let surfaces = kernels.in_tiles(&tiles);
-        if surfaces.is_empty() {
-            return Vec::new();
-        }
-        let divisions = part.divisions + 1;
-        let part = |((area, span), surface): ((Area, [f64; 2]), PartSurface)| {
-            let (surface, divisions) = match surface {
-                PartSurface::Empty => return None,
-                PartSurface::Same => (part.surface.clone(), divisions),
-                PartSurface::Short(surface) => (Some(Arc::from(surface)), 0),
-            };
-            let is_last = divisions > IN_VAIN;
-            let parts = if is_last { OnceLock::from(Vec::new()) } else { OnceLock::new() };
-            (span[0] < span[1]).then_some(Part { area, span, surface, divisions, parts })
-        };
-        areas.into_iter().zip(surfaces).filter_map(part).collect()
-    }
 }
 
 /// Number of divisions that may bring no simpler surface. The first parts of a picture are large.
 const IN_VAIN: u32 = 1;
 
-/// Twice the size of a patch of 4×4 rays, which are two units apart.
-fn margin(rays: &RayGrid) -> f64 {
-    16.0 * rays.unit
-}
+/// Parts at most this high have parts for patches only. In units, from the middle.
+const LOW: f64 = 40.0;
+/// How far the area of a part reaches beyond its share of the screen, in units. It is more than
+/// half the extent of a tile of 16×16 pixels, whose rays are two units apart. So each tile lies in
+/// at least one area.
+const TILE_MARGIN: f64 = 16.0;
+/// As [`TILE_MARGIN`], for patches of 4×4 rays.
+const PATCH_MARGIN: f64 = 4.0;
 
 /// The patches in some rows of a band.
 fn patches(first: usize, end: usize, span: [f64; 2]) -> BandPart {
