@@ -19,6 +19,7 @@ use zeroset_scene::coordinate::coordinate;
 use zeroset_scene::program::{ClearedGraph, KernelSource, Program};
 use zeroset_scene::view;
 use zeroset_space::Region;
+use zeroset_syntax::SurfaceKind;
 use zeroset_trace::{Method, TraceOptions};
 
 pub fn run(arguments: &ExplainArgs) -> Result<ExitCode> {
@@ -80,7 +81,11 @@ fn explain_in<T: KernelFloat>(
     for (index, surface) in document.surfaces.iter().enumerate() {
         let root = program.roots()[index];
         writeln!(text, "\nread as     {}", surface.echo)?;
-        let label = if program.is_reduced(index) { "same zeros" } else { "simplified" };
+        let label = match (program.is_reduced(index), surface.kind) {
+            (false, _) => "simplified",
+            (true, SurfaceKind::Equation) => "same zeros",
+            (true, SurfaceKind::Solid) => "same solid",
+        };
         writeln!(text, "{label}  {}", display(program.graph(), root, &names))?;
         if let Some(ClearedGraph { graph, numerator, denominator, .. }) = program.cleared(index)? {
             let show = |node: &NodeId| display(graph, *node, &names);

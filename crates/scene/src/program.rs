@@ -7,7 +7,8 @@ use std::sync::{Arc, OnceLock};
 use zeroset_eval::{Assumptions, KernelFloat, Kernels, SurfaceKernels, Tape};
 use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{
-    Constant, Graph, NodeId, Variability, fix_exponents, radical, rewrite, simplify, variabilities,
+    Constant, Graph, NodeId, Variability, fix_exponents, radical, regularize, rewrite, simplify,
+    variabilities,
 };
 use zeroset_syntax::{Document, Parameter, ParameterKind, SurfaceKind};
 
@@ -64,9 +65,12 @@ impl Program {
         let solid = solid(document);
         let (mut symbolic, rewritten) = rewrite(&typed.0, &typed.1, &domain, &parameters)?;
         // Only the zeros of an equation are drawn, so multiple zeros may be replaced by simple
-        // ones, which can be proven.
-        let drawn = |(root, is_solid): (&NodeId, &bool)| {
-            if is_drawn && !is_solid { radical(&mut symbolic, *root) } else { *root }
+        // ones, which can be proven. Only the boundary of a solid's interior is drawn, so faces
+        // that bound no interior may be dropped.
+        let drawn = |(root, is_solid): (&NodeId, &bool)| match (is_drawn, is_solid) {
+            (true, false) => radical(&mut symbolic, *root),
+            (true, true) => regularize(&mut symbolic, *root, &parameters),
+            (false, _) => *root,
         };
         let drawn: Vec<NodeId> = rewritten.iter().zip(&solid).map(drawn).collect();
         let reduced = rewritten.iter().zip(&drawn).map(|(before, after)| before != after).collect();
@@ -179,11 +183,21 @@ impl Program {
         (!varies).then(|| self.enclosures[surface].0)
     }
 
-    /// One line for each surface whose function is constant on this domain, but not everywhere.
+    /// One line for each surface whose function is constant on this domain, but not everywhere, and
+    /// for each solid that has no interior or is all of space.
     pub fn remarks(&self, document: &Document) -> Vec<String> {
         let remark = |(index, surface): (usize, &zeroset_syntax::Surface)| {
             let value = self.constant(index)?;
             let (echo, is_equation) = formula(surface);
+            if surface.kind == SurfaceKind::Solid && self.is_reduced(index) {
+                return Some(if value.lo > 0.0 {
+                    format!(
+                        "'{echo}' has no interior, so nothing of it is drawn; an equation, with '=', draws a surface"
+                    )
+                } else {
+                    format!("'{echo}' is all of the domain, up to faces inside of it")
+                });
+            }
             let value = describe(value, !is_equation);
             Some(format!("'{echo}' is constant on this domain: {value}"))
         };
@@ -215,8 +229,9 @@ impl Program {
         (self.store.simplified.nodes_before, count(self.graph(), self.roots()))
     }
 
-    /// Returns whether the typed function was replaced by another with the same zeros, all of them
-    /// simple.
+    /// Returns whether the typed function was replaced by another: for an equation, by one with the
+    /// same zeros, all of them simple; for a solid, by one without zeros on faces inside of the
+    /// solid and on sheets without thickness.
     pub fn is_reduced(&self, surface: usize) -> bool {
         self.store.simplified.reduced[surface]
     }

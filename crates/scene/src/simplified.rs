@@ -22,9 +22,10 @@ pub(crate) struct Simplified {
     pub assumptions: Assumptions,
     /// Number of nodes as typed.
     pub nodes_before: usize,
-    /// Whether each surface bounds a solid.
+    /// For each surface, whether it bounds a solid.
     pub solid: Vec<bool>,
-    /// Whether the function of each surface was replaced by another with the same zeros.
+    /// Whether the function of each surface was replaced by another with the same zeros or, for a
+    /// solid, the same boundary of the interior.
     pub reduced: Vec<bool>,
     /// The rational form of each surface's function, if it has one.
     pub cleared: Vec<OnceLock<Result<Option<ClearedGraph>, IrError>>>,

@@ -2,8 +2,8 @@
 //! ends of a bracket.
 
 use super::local_ray::{LocalRay, between_faces, bounds};
-use zeroset_eval::{Boxes, Enclose, Enclosures, Kernel, Real};
-use zeroset_interval::Facts;
+use zeroset_eval::{Boxes, Enclose, Enclosures, Kernel, LANES, Real};
+use zeroset_interval::{Facts, Interval};
 use zeroset_space::Region;
 
 /// Number of places at which the sign is evaluated, on each side of an undecided segment. Each is
@@ -92,28 +92,41 @@ impl<T: Real> RayFunction<'_, T> {
         end: f64,
         wanted: Option<bool>,
     ) -> Option<(f64, bool)> {
-        for k in 0..SIGN_STEPS {
-            let s = start + step * 1.5_f64.powi(k);
-            let is_beyond = if step > 0.0 { s >= end } else { s <= end };
-            let s = if is_beyond { end } else { s };
-            match self.sign(s) {
-                Some(sign) if wanted.is_none_or(|wanted| wanted == sign) => return Some((s, sign)),
-                _ if is_beyond => return None,
-                _ => {}
-            }
+        let is_beyond = |s: f64| if step > 0.0 { s >= end } else { s <= end };
+        let mut places: Vec<f64> =
+            (0..SIGN_STEPS).map(|k| start + step * 1.5_f64.powi(k)).collect();
+        if let Some(last) = places.iter().position(|s| is_beyond(*s)) {
+            places.truncate(last + 1);
+            places[last] = end;
         }
-        None
+        // A kernel takes little longer for sixteen places than for one.
+        places.chunks(LANES).find_map(|places| {
+            let signs = places.iter().zip(self.signs(places));
+            signs
+                .filter_map(|(s, sign)| Some((*s, sign?)))
+                .find(|(_, sign)| wanted.is_none_or(|wanted| wanted == *sign))
+        })
     }
 
-    /// Returns the sign at a place: `Some(true)` if the function is proven to be above 0,
-    /// `Some(false)` if it is proven to be below 0.
+    /// Returns the signs at up to sixteen places: `Some(true)` if the function is proven to be
+    /// above 0, `Some(false)` if it is proven to be below 0.
+    fn signs(&self, places: &[f64]) -> Vec<Option<bool>> {
+        let boxes: Vec<[Interval; 3]> =
+            places.iter().map(|s| bounds(self.local_ray, [*s, *s], self.region)).collect();
+        let values = self.kernel.eval_all(&Boxes::around(&boxes)).remove(0);
+        let sign = |lane: usize| {
+            if !values.facts(lane).has(Facts::DEFINED) {
+                return None;
+            }
+            let zero = T::default();
+            let is_above = values.neg_lo[lane] < zero;
+            (is_above || values.hi[lane] < zero).then_some(is_above)
+        };
+        (0..places.len()).map(sign).collect()
+    }
+
     fn sign(&self, s: f64) -> Option<bool> {
-        let value = self.enclose([s, s]);
-        if !value.facts(0).has(Facts::DEFINED) {
-            return None;
-        }
-        let zero = T::default();
-        if value.neg_lo[0] < zero { Some(true) } else { (value.hi[0] < zero).then_some(false) }
+        self.signs(&[s])[0]
     }
 
     fn enclose(&self, segment: [f64; 2]) -> Enclosures<T> {

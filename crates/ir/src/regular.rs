@@ -1,0 +1,61 @@
+//! Regularization of a solid's function: faces that bound no interior are left out.
+//!
+//! The boundary of a solid is where every neighborhood has an inside and an outside. An inside is an
+//! open set in which the solid's condition holds, an outside one in which it fails. Parts of a
+//! solid often meet in a whole face, with the inside on both sides. Or the outside is on both
+//! sides, and the face is a sheet without thickness. The function is 0 on such a face and keeps its
+//! sign. Rounding hides the latter, so no evaluation can prove that there is no boundary.
+//!
+//! So the function is rewritten as a set: minima and maxima are unions and intersections of the
+//! sets where their operands are ≤ 0. An operand that is linear in some terms v, with exact
+//! coefficients, is a bound v ≤ c or v ≥ c. Two operands share a face if they bound the same v by
+//! the same c. Then these rules apply, up to points of the face v = c, which is
+//! [thin](thin::Thinness):
+//!
+//! - within an intersection with v ≤ c, v ≤ c holds and v ≥ c does not; within a union, the
+//!   converse ([`reduce`]);
+//! - a union of v ≤ c and P with v ≥ c and Q also contains P and Q together ([`cover`]). The
+//!   function is then below 0 on the shared face. Intersections have the dual rule.
+//!
+//! The boundary that is drawn depends on no thin set: a set and its union with a thin one have the
+//! same inside and the same outside, up to a thin set, and so the same closures of these.
+//!
+//! This module does not evaluate over boxes, and does not know where the function is looked at.
+
+mod cover;
+mod emit;
+mod form;
+mod reduce;
+mod sets;
+#[cfg(test)]
+mod tests;
+mod thin;
+
+use crate::graph::{Graph, NodeId};
+use sets::Sets;
+use zeroset_interval::Interval;
+
+/// Returns a function for the solid `root` ≤ 0 that is below 0 on faces inside of the solid, and
+/// above 0 on sheets without thickness. Faces are found if they are the same symbolically. The
+/// solid may differ from the given one in a closed set without interior, for all parameters within
+/// `parameters`. The function is added to `graph`. It is `root` itself if there is nothing to
+/// change, −1 if the solid is all of space, and 1 if the solid has no interior.
+///
+/// ```
+/// use zeroset_ir::{Axis, Graph, regularize};
+/// use zeroset_ops::Op;
+///
+/// let mut graph = Graph::new();
+/// let (x, zero) = (graph.variable(Axis::X), graph.integer(0));
+/// let root = graph.apply(Op::Max, &[x, zero]);
+/// assert_eq!(regularize(&mut graph, root, &[]), x);
+/// ```
+pub fn regularize(graph: &mut Graph, root: NodeId, parameters: &[Interval]) -> NodeId {
+    let mut sets = Sets::new(graph, root, parameters);
+    let set = sets.of_node(root);
+    let set = sets.reduce(set);
+    let covered = sets.cover(set);
+    let set = if covered == set { set } else { sets.reduce(covered) };
+    let plan = sets.into_plan();
+    plan.emit(graph, set)
+}

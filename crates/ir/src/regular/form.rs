@@ -1,0 +1,108 @@
+//! Linear forms of nodes, with exact coefficients.
+
+use crate::graph::{Graph, Node, NodeId};
+use num_rational::BigRational;
+use num_traits::{One, Zero};
+use rustc_hash::FxHashMap;
+use std::rc::Rc;
+use zeroset_ops::Op;
+
+/// Largest number of terms of a form. A longer sum is a term of its own.
+const TERM_LIMIT: usize = 32;
+/// Deepest nesting of sums. A sum nested deeper is a term of its own.
+const DEPTH_LIMIT: usize = 64;
+
+/// A linear form Σ cᵢ·tᵢ + constant. The terms tᵢ are nodes that are no sums, in ascending order;
+/// no cᵢ is 0.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub(super) struct LinearForm {
+    pub terms: Vec<(NodeId, BigRational)>,
+    pub constant: BigRational,
+}
+
+impl LinearForm {
+    fn term(id: NodeId) -> Self {
+        Self { terms: vec![(id, BigRational::one())], constant: BigRational::zero() }
+    }
+
+    fn number(constant: BigRational) -> Self {
+        Self { terms: Vec::new(), constant }
+    }
+
+    /// Returns whether the form is 0.
+    pub fn is_zero(&self) -> bool {
+        self.terms.is_empty() && self.constant.is_zero()
+    }
+
+    pub fn scaled(&self, factor: &BigRational) -> Self {
+        if factor.is_zero() {
+            return Self::number(BigRational::zero());
+        }
+        let terms = self.terms.iter().map(|(id, c)| (*id, c * factor)).collect();
+        Self { terms, constant: &self.constant * factor }
+    }
+
+    pub fn plus(&self, other: &Self) -> Self {
+        let mut terms = self.terms.clone();
+        for (id, c) in &other.terms {
+            match terms.binary_search_by_key(id, |term| term.0) {
+                Ok(at) => terms[at].1 += c,
+                Err(at) => terms.insert(at, (*id, c.clone())),
+            }
+        }
+        terms.retain(|(_, c)| !c.is_zero());
+        Self { terms, constant: &self.constant + &other.constant }
+    }
+}
+
+/// The forms of nodes, each computed once.
+#[derive(Default)]
+pub(super) struct Forms(FxHashMap<NodeId, Rc<LinearForm>>);
+
+impl Forms {
+    /// Returns the form of a node.
+    pub fn of(&mut self, graph: &Graph, id: NodeId) -> Rc<LinearForm> {
+        self.within(graph, id, 0)
+    }
+
+    fn within(&mut self, graph: &Graph, id: NodeId, depth: usize) -> Rc<LinearForm> {
+        if let Some(form) = self.0.get(&id) {
+            return Rc::clone(form);
+        }
+        let form = if depth < DEPTH_LIMIT { self.linear(graph, id, depth) } else { None };
+        let form = form.filter(|form| form.terms.len() <= TERM_LIMIT);
+        let form = Rc::new(form.unwrap_or_else(|| LinearForm::term(id)));
+        self.0.insert(id, Rc::clone(&form));
+        form
+    }
+
+    /// The form of a number, a sum or a multiple; `None` for other nodes.
+    fn linear(&mut self, graph: &Graph, id: NodeId, depth: usize) -> Option<LinearForm> {
+        let (op, operands) = match graph.node(id) {
+            Node::Constant(value) => return Some(LinearForm::number(value.exact()?.clone())),
+            Node::Variable(_) | Node::Parameter(_) => return None,
+            Node::Apply(op, operands) => (*op, *operands),
+        };
+        let mut operand = |k: usize| self.within(graph, operands[k], depth + 1);
+        let minus = -BigRational::one();
+        if op == Op::Neg {
+            Some(operand(0).scaled(&minus))
+        } else if op == Op::Add {
+            Some(operand(0).plus(&operand(1)))
+        } else if op == Op::Sub {
+            Some(operand(0).plus(&operand(1).scaled(&minus)))
+        } else if op == Op::Mul {
+            let [first, second] = [0, 1].map(|k| graph.exact(operands[k]));
+            match (first, second) {
+                (Some(factor), _) => Some(operand(1).scaled(factor)),
+                (None, Some(factor)) => Some(operand(0).scaled(factor)),
+                (None, None) => None,
+            }
+        } else if op == Op::Div {
+            let divisor = graph.exact(operands[1]).filter(|divisor| !divisor.is_zero())?;
+            Some(operand(0).scaled(&divisor.recip()))
+        } else {
+            None
+        }
+    }
+}
