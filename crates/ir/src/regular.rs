@@ -31,26 +31,36 @@ mod sets;
 mod tests;
 mod thin;
 
-use crate::graph::{Graph, NodeId};
+use crate::graph::{Graph, Node, NodeId};
 use sets::Sets;
-use zeroset_interval::Interval;
+use zeroset_interval::{Decorated, Facts, Interval, fold};
 
 /// Returns a function for the solid `root` ≤ 0 that is below 0 on faces inside of the solid, and
 /// above 0 on sheets without thickness. Faces are found if they are the same symbolically. The
-/// solid may differ from the given one in a closed set without interior, for all parameters within
-/// `parameters`. The function is added to `graph`. It is `root` itself if there is nothing to
-/// change, −1 if the solid is all of space, and 1 if the solid has no interior.
+/// solid may differ from the given one in a closed set without interior, within `domain` and for
+/// all parameters within `parameters`. The function is added to `graph`. It is −1 if the solid is
+/// all of space, and 1 if the solid has no interior. It is `root` itself if there is nothing to
+/// change, or if it is not proven to be defined everywhere: a face where it ends must stay.
 ///
 /// ```
+/// use zeroset_interval::Interval;
 /// use zeroset_ir::{Axis, Graph, regularize};
 /// use zeroset_ops::Op;
 ///
 /// let mut graph = Graph::new();
 /// let (x, zero) = (graph.variable(Axis::X), graph.integer(0));
 /// let root = graph.apply(Op::Max, &[x, zero]);
-/// assert_eq!(regularize(&mut graph, root, &[]), x);
+/// assert_eq!(regularize(&mut graph, root, &[Interval::ENTIRE; 3], &[]), x);
 /// ```
-pub fn regularize(graph: &mut Graph, root: NodeId, parameters: &[Interval]) -> NodeId {
+pub fn regularize(
+    graph: &mut Graph,
+    root: NodeId,
+    domain: &[Interval; 3],
+    parameters: &[Interval],
+) -> NodeId {
+    if !is_defined(graph, root, domain, parameters) {
+        return root;
+    }
     let mut sets = Sets::new(graph, root, parameters);
     let set = sets.of_node(root);
     let set = sets.reduce(set);
@@ -58,4 +68,26 @@ pub fn regularize(graph: &mut Graph, root: NodeId, parameters: &[Interval]) -> N
     let set = if covered == set { set } else { sets.reduce(covered) };
     let plan = sets.into_plan();
     plan.emit(graph, set)
+}
+
+/// Returns whether a node is proven to be defined everywhere within these bounds.
+fn is_defined(
+    graph: &Graph,
+    root: NodeId,
+    domain: &[Interval; 3],
+    parameters: &[Interval],
+) -> bool {
+    let mut known: Vec<Decorated> = Vec::with_capacity(root.index() + 1);
+    for (_, node) in graph.iter().take(root.index() + 1) {
+        known.push(match node {
+            Node::Variable(axis) => (domain[*axis as usize], Facts::TOTAL).into(),
+            Node::Parameter(number) => (parameters[*number as usize], Facts::TOTAL).into(),
+            Node::Constant(constant) => constant.value(),
+            Node::Apply(op, operands) => {
+                let operands: Vec<_> = operands.iter().map(|id| known[id.index()]).collect();
+                fold(*op, &operands).into()
+            }
+        });
+    }
+    known[root.index()].facts.has(Facts::DEFINED)
 }

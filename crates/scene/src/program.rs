@@ -69,7 +69,7 @@ impl Program {
         // that bound no interior may be dropped.
         let drawn = |(root, is_solid): (&NodeId, &bool)| match (is_drawn, is_solid) {
             (true, false) => radical(&mut symbolic, *root),
-            (true, true) => regularize(&mut symbolic, *root, &parameters),
+            (true, true) => regularize(&mut symbolic, *root, &domain, &parameters),
             (false, _) => *root,
         };
         let drawn: Vec<NodeId> = rewritten.iter().zip(&solid).map(drawn).collect();

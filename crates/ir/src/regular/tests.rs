@@ -16,7 +16,7 @@ fn regular(
     let parameters = [Interval { lo: -2.0, hi: 2.0 }, Interval { lo: 1.0, hi: 2.0 }];
     let (mut graph, roots) =
         rewrite(&builder.graph(), &[root], &[DOMAIN; 3], &parameters).expect("small");
-    let simple = regularize(&mut graph, roots[0], &parameters);
+    let simple = regularize(&mut graph, roots[0], &[DOMAIN; 3], &parameters);
     if simple == roots[0] { "the same".to_owned() } else { display(&graph, simple, &["a", "b"]) }
 }
 
@@ -53,6 +53,17 @@ fn boxes_that_share_a_face_are_one_box() {
     });
     assert_eq!(row, "max(max(abs(y) + (-1), x - 4), -x)");
     assert_eq!(regular(|_, at| min([slab(at, 0.1, 0.3), slab(at, 0.4, 0.7)])), "the same");
+}
+
+/// Where a function ends is a face of its solid, which no other part may hide.
+#[test]
+fn functions_that_end_are_left_alone() {
+    let cut = regular(|_, [x, y, _]| max([x - 1.0, min([x - 2.0, y.f(Op::Ln)])]));
+    assert_eq!(cut, "the same");
+    let halves = regular(|_, [x, ..]| min([x.f(Op::Ln), -x.f(Op::Ln)]));
+    assert_eq!(halves, "the same");
+    let ends_outside = regular(|_, [x, y, _]| max([x - 1.0, min([x - 2.0, (y + 9.0).f(Op::Ln)])]));
+    assert_eq!(ends_outside, "x - 1");
 }
 
 #[test]
@@ -183,7 +194,7 @@ fn random_solids_keep_their_insides_and_lose_inner_faces() {
         let mut random = Random(seed + case);
         let mut graph = Graph::new();
         let root = random_solid(&mut graph, &mut random, 3);
-        let simple = regularize(&mut graph, root, &[]);
+        let simple = regularize(&mut graph, root, &[DOMAIN; 3], &[]);
         changed += u32::from(simple != root);
         let message = || {
             let [old, new] = [root, simple].map(|id| display(&graph, id, &[]));
