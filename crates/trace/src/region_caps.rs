@@ -61,12 +61,9 @@ pub fn cap_rows<T: Real>(
         .filter(|&pixel| only.is_empty() || only[pixel])
         .filter_map(|pixel| Some((pixel, region.entry(&rays.ray_of(pixel))?)))
         .collect();
-    let judged = entries.chunks(BATCH).flat_map(|batch| judge(batch, rays, region, kernel));
-    let verdicts: Vec<Inside> = judged.collect();
     let mut work = KernelStats::default();
-    for batch in entries.chunks(LANES) {
-        work.interval.called(batch.len() as u32);
-    }
+    let mut judged = |batch: &[(usize, Entry)]| judge(batch, rays, region, kernel, &mut work);
+    let verdicts: Vec<Inside> = entries.chunks(BATCH).flat_map(&mut judged).collect();
     for ((pixel, entry), inside) in entries.into_iter().zip(verdicts) {
         let ray = rays.ray_of(pixel);
         let (distance, pixel) = (ray.distance(entry.t.0), pixel - first);
@@ -98,11 +95,14 @@ pub fn cap_rows<T: Real>(
     work
 }
 
+/// Judges entry points: first groups of neighbors together, then the points of groups that are not
+/// decided.
 fn judge<T: Real>(
     batch: &[(usize, Entry)],
     rays: &RayGrid,
     region: &Region,
     kernel: &dyn Kernel<Enclose, T>,
+    work: &mut KernelStats,
 ) -> Vec<Inside> {
     let boxes: Vec<[Interval; 3]> = batch
         .iter()
@@ -111,8 +111,32 @@ fn judge<T: Real>(
             [0, 1, 2].map(|axis| enclosed(&ray, entry, region, axis))
         })
         .collect();
-    let out = kernel.eval_all(&Boxes::around(&boxes));
-    (0..batch.len())
+    let hull = |group: &[[Interval; 3]]| {
+        let both = |a: [Interval; 3], b: &[Interval; 3]| [0, 1, 2].map(|k| a[k].hull(b[k]));
+        group.iter().skip(1).fold(group[0], both)
+    };
+    let groups: Vec<[Interval; 3]> = boxes.chunks(LANES).map(hull).collect();
+    let mut verdicts = Vec::with_capacity(boxes.len());
+    for (group, verdict) in boxes.chunks(LANES).zip(verdicts_of(&groups, kernel, work)) {
+        if let Inside::Unknown(_) = verdict {
+            verdicts.extend(verdicts_of(group, kernel, work));
+        } else {
+            verdicts.resize(verdicts.len() + group.len(), verdict);
+        }
+    }
+    verdicts
+}
+
+/// Judges the points in boxes.
+fn verdicts_of<T: Real>(
+    boxes: &[[Interval; 3]],
+    kernel: &dyn Kernel<Enclose, T>,
+    work: &mut KernelStats,
+) -> Vec<Inside> {
+    let batches = Boxes::around(boxes);
+    batches.iter().for_each(|batch| work.interval.called(batch.count));
+    let out = kernel.eval_all(&batches);
+    (0..boxes.len())
         .map(|k| {
             let (out, lane) = (&out[k / LANES], k % LANES);
             let (facts, zero) = (out.facts(lane), T::default());
@@ -149,7 +173,7 @@ mod tests {
     use zeroset_eval::Enclosures;
     use zeroset_space::HalfSpace;
 
-    /// The half-space x ≤ 0.25, as the function x − 0.25.
+    /// The half-space x ≤ 0.25, as the function x − 0.25, for boxes of any extent.
     struct LeftHalf;
 
     impl Kernel<Enclose> for LeftHalf {
