@@ -7,7 +7,8 @@ use std::sync::{Arc, OnceLock};
 use zeroset_eval::{Assumptions, KernelFloat, Kernels, SurfaceKernels, Tape};
 use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{
-    Constant, Graph, NodeId, Variability, fix_exponents, radical, rewrite, simplify, variabilities,
+    Constant, Graph, NodeId, Variability, fix_exponents, radical, rewrite, same_sign, simplify,
+    variabilities,
 };
 use zeroset_syntax::{Document, Parameter, ParameterKind, SurfaceKind};
 
@@ -62,7 +63,12 @@ impl Program {
         let typed = typed(document);
         let parameters: Vec<Interval> = document.parameters.iter().map(assumed).collect();
         let solid = solid(document);
-        let (mut symbolic, rewritten) = rewrite(&typed.0, &typed.1, &domain, &parameters)?;
+        let (mut graph, mut roots) = typed.clone();
+        if is_drawn {
+            // A picture asks for zeros and signs alone.
+            roots = roots.iter().map(|root| same_sign(&mut graph, *root)).collect();
+        }
+        let (mut symbolic, rewritten) = rewrite(&graph, &roots, &domain, &parameters)?;
         // Only the zeros of an equation are drawn, so multiple zeros may be replaced by simple
         // ones, which can be proven.
         let drawn = |(root, is_solid): (&NodeId, &bool)| {

@@ -262,6 +262,8 @@ fn accepts(head: &Head) -> Option<bool> {
         };
     }
     match built_in(&head.name.text) {
+        // Many texts define builders of their own, such as `box(x, y, z) = …`.
+        NameMeaning::Function(callee) if zeroset_ops::builders(callee.name()).count() > 0 => None,
         NameMeaning::Function(callee) => {
             Some(Scope::default().signatures(&callee).function(count).is_some())
         }
