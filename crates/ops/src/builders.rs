@@ -148,6 +148,7 @@ use Role::{Cells, Count, Direction, Number, Shape, Size, Sizes, Vector};
 #[rustfmt::skip] // one row a line
 pub static BUILDERS: &[Builder] = &[
     primitive("sphere", &[], &[("r", Size)], "hypot(x, y, z)-r", Exact, "sphere(1)", "a ball of radius r"),
+    primitive("sphere", &[], &[("p", Vector), ("r", Size)], "length(vec3(x, y, z)-p)-r", Exact, "sphere((2, 0, 0), 1)", "a ball of radius r around the point p"),
     primitive("box", &["cuboid"], &[("a", Sizes)], "min(max(abs(x)-a.x, abs(y)-a.y, abs(z)-a.z), 0)+hypot(max(abs(x)-a.x, 0), max(abs(y)-a.y, 0), max(abs(z)-a.z, 0))", Exact, "box(2, 1, 1)", "a box that reaches from -a to a: half its width, depth and height"),
     primitive("box", &[], &[("a", Size)], "box(a, a, a)", Exact, "box(1)", "a cube that reaches from -a to a in each direction"),
     primitive("rounded_box", &[], &[("a", Sizes), ("r", Size)], "box(a-r)-r", Exact, "rounded_box(2, 1, 1, 0.2)", "the box(a), its edges rounded with a radius of r"),
@@ -209,7 +210,7 @@ mod tests {
     fn vectors_may_be_spread_and_primitives_have_a_center() {
         let takes = |row: &Builder| (0..9).filter(|count| row.takes(*count)).collect::<Vec<_>>();
         let of = |name| builders(name).map(takes).collect::<Vec<_>>();
-        assert_eq!(of("sphere"), [vec![1, 2]]);
+        assert_eq!(of("sphere"), [vec![1, 2], vec![2, 4]]);
         assert_eq!(of("cuboid"), [vec![1, 2, 3, 4], vec![1, 2]]);
         assert_eq!(of("move"), [vec![2, 4]]);
         assert_eq!(of("capsule"), [vec![2, 3], vec![3, 5, 7]]);

@@ -271,7 +271,7 @@ fn bind(
 ) -> Result<Vec<(&'static str, Tensor)>, (usize, Box<Error>)> {
     let mut values = Vec::new();
     let mut at = 0;
-    let usage = || format!("write it as in `{}`: {}", row.usage, row.doc);
+    let usage = || usage(row.name);
     let wrong = |at: usize, place: Span, argument, needs, given| {
         let kind =
             ErrorKind::BuilderArgument { name: row.name, argument, needs, given, usage: usage() };
@@ -324,6 +324,13 @@ fn bind(
             Err((at, Error::new(*place, kind)))
         }
     }
+}
+
+/// How a builder is used.
+fn usage(name: &str) -> String {
+    let all: Vec<String> =
+        zeroset_ops::builders(name).map(|row| format!("`{}`: {}", row.usage, row.doc)).collect();
+    format!("write it as in {}", all.join("; or as in "))
 }
 
 /// The words for the values that a role allows.
