@@ -10,6 +10,7 @@ mod certified;
 mod counts;
 mod domains;
 mod framing;
+mod models;
 mod normals;
 mod overlap;
 mod paints;

@@ -282,6 +282,7 @@ fn bind(
         let Some((first, place)) = rest.first() else {
             return Err(wrong(at, span, name, needs(*role), "missing"));
         };
+        let before = at;
         let value = if role.is_vector() {
             match (first, rest) {
                 (Tensor::Vector(nodes), _) if nodes.len() == 3 => {
@@ -299,11 +300,11 @@ fn bind(
             matches!(first, Tensor::Number(_)).then(|| first.clone())
         };
         let Some(value) = value else {
-            return Err(wrong(at, *place, name, needs(*role), kind_of(first)));
+            return Err(wrong(before, *place, name, needs(*role), kind_of(first)));
         };
         if let Some(given) = misfit(graph, *role, &value) {
             let end = arguments[at - 1].1;
-            return Err(wrong(at, place.to(end), name, needs(*role), given));
+            return Err(wrong(before, place.to(end), name, needs(*role), given));
         }
         values.push((*name, value));
     }

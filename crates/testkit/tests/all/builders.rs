@@ -243,16 +243,16 @@ fn moves_evaluate_the_solid_at_the_point_moved_by_hand() {
     let mut rng = Rng::with_seed(seed);
     for _ in 0..400 {
         let solids = ["box(1, 0.5, 0.3)", "x^2 + y - z", "torus(1, 0.3)", "union(x, part)"];
-        let solid = solids[rng.usize(0..solids.len())];
-        let (mut text, mut point, mut factor) = (solid.to_owned(), [0.0; 3], 1.0);
+        let solid = solids[rng.u32(0..4) as usize];
+        let mut text = solid.to_owned();
         // The outermost move is the first to change the point, so moves are made from inside out.
         let start = random_point(&mut rng, 2.0);
-        let count = rng.usize(1..6);
-        let moves: Vec<u64> = (0..count).map(|_| rng.u64(..)).collect();
+        let count = rng.u32(1..6);
+        let moves: Vec<u64> = (0..count).map(|_| rng.u64(0..u64::MAX)).collect();
         for seed in &moves {
             text = random_move(&mut Rng::with_seed(*seed), &text, start).0;
         }
-        point.copy_from_slice(&start);
+        let (mut point, mut factor) = (start, 1.0);
         for seed in moves.iter().rev() {
             let (_, next, k) = random_move(&mut Rng::with_seed(*seed), "", point);
             (point, factor) = (next, factor * k);
