@@ -6,7 +6,7 @@
 
 use crate::op::Op;
 
-/// What an argument of a builder must be.
+/// The values that an argument of a builder may have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// A function of x, y and z.
@@ -34,7 +34,7 @@ impl Role {
     }
 }
 
-/// What the value of a builder says about the distance to the surface of the solid.
+/// Relation of a builder's value to the distance from the surface of the solid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Distance {
     /// The value is the distance, negative inside.
@@ -79,7 +79,7 @@ pub struct Builder {
     /// The operation that joins copies. The parameter with the role [`Role::Count`] is the number
     /// of copies. `None` for a builder that makes no copies.
     pub join: Option<Op>,
-    /// What the value says about the distance to the surface.
+    /// Relation of the value to the distance from the surface.
     pub distance: Distance,
     /// An example of how the builder is used.
     pub usage: &'static str,

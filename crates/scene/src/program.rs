@@ -75,7 +75,9 @@ impl Program {
             if is_drawn && !is_solid { radical(&mut symbolic, *root) } else { *root }
         };
         let drawn: Vec<NodeId> = rewritten.iter().zip(&solid).map(drawn).collect();
-        let reduced = rewritten.iter().zip(&drawn).map(|(before, after)| before != after).collect();
+        let same = rewritten.iter().zip(&drawn).map(|(before, after)| before == after);
+        let same_signs = typed.1.iter().zip(&roots).map(|(before, after)| before == after);
+        let reduced = same.zip(same_signs).map(|(zeros, signs)| !(zeros && signs)).collect();
         let (graph, roots) = simplify(&symbolic, &drawn, &domain, &parameters)?;
         let assumptions = Assumptions { domain, parameters };
         let before: Vec<NodeId> = document.surfaces.iter().map(|surface| surface.root).collect();
@@ -221,8 +223,8 @@ impl Program {
         (self.store.simplified.nodes_before, count(self.graph(), self.roots()))
     }
 
-    /// Returns whether the typed function was replaced by another with the same zeros, all of them
-    /// simple.
+    /// Returns whether the typed function was replaced by another with the same zeros: all of them
+    /// are simple, or enclosures are narrower.
     pub fn is_reduced(&self, surface: usize) -> bool {
         self.store.simplified.reduced[surface]
     }

@@ -327,7 +327,7 @@ fn bind(
     }
 }
 
-/// How a builder is used.
+/// Advice that shows an example of each builder with this name.
 fn usage(name: &str) -> String {
     let all: Vec<String> =
         zeroset_ops::builders(name).map(|row| format!("`{}`: {}", row.usage, row.doc)).collect();
