@@ -136,12 +136,11 @@ fn factor(graph: &Graph, op: Op, operands: &[NodeId]) -> Option<(usize, bool)> {
         let is_known = bounds.lo > 0.0 || bounds.hi < 0.0;
         is_known.then_some(bounds.lo > 0.0)
     };
-    match op == Op::Mul || op == Op::Div {
-        true => sign(1)
-            .map(|positive| (0, positive))
-            .or_else(|| sign(0).filter(|_| op == Op::Mul).map(|positive| (1, positive))),
-        false => None,
+    if op != Op::Mul && op != Op::Div {
+        return None;
     }
+    let second = sign(1).map(|positive| (0, positive));
+    second.or_else(|| sign(0).filter(|_| op == Op::Mul).map(|positive| (1, positive)))
 }
 
 #[cfg(test)]

@@ -24,6 +24,9 @@ const FIRST_PLACEHOLDER: u32 = 1 << 31;
 /// The center of a primitive, among the values of its parameters.
 const CENTER: &str = "center";
 
+/// Parameters of a builder with their values.
+type Values = Vec<(&'static str, Tensor)>;
+
 /// A function, and the point at which it is evaluated.
 type Move = (NodeId, [NodeId; 3]);
 
@@ -75,7 +78,7 @@ impl Moves {
     }
 }
 
-impl<'a> Lowering<'a> {
+impl Lowering<'_> {
     /// Lowers a call of a builder. Each argument has its place in the text.
     #[inline(never)]
     pub(crate) fn build(
@@ -104,7 +107,7 @@ impl<'a> Lowering<'a> {
         name: &'static str,
         arguments: &[(Tensor, Span)],
         span: Span,
-    ) -> Fallible<(usize, Vec<(&'static str, Tensor)>)> {
+    ) -> Fallible<(usize, Values)> {
         let rows = BUILDERS.iter().enumerate().filter(|(_, row)| row.name == name);
         // The error of the row that fits the most arguments is the one to report.
         let mut nearest: Option<(usize, Box<Error>)> = None;
@@ -123,12 +126,7 @@ impl<'a> Lowering<'a> {
     }
 
     /// Lowers the formula of a builder.
-    fn built(
-        &mut self,
-        index: usize,
-        mut locals: Vec<(&'static str, Tensor)>,
-        span: Span,
-    ) -> Fallible<NodeId> {
+    fn built(&mut self, index: usize, mut locals: Values, span: Span) -> Fallible<NodeId> {
         let row = &BUILDERS[index];
         let (place, body) = prelude::builder(index);
         let count = row.parameters.iter().position(|(_, role)| *role == Role::Count);
@@ -268,7 +266,7 @@ fn bind(
     row: &'static Builder,
     arguments: &[(Tensor, Span)],
     span: Span,
-) -> Result<Vec<(&'static str, Tensor)>, (usize, Box<Error>)> {
+) -> Result<Values, (usize, Box<Error>)> {
     let mut values = Vec::new();
     let mut at = 0;
     let usage = || usage(row.name);
@@ -374,9 +372,8 @@ fn misfit(graph: &Graph, role: Role, value: &Tensor) -> Option<&'static str> {
     let all_zero = signs.iter().all(|sign| *sign == Some(0));
     match role {
         Role::Shape | Role::Vector | Role::Number => None,
-        Role::Size | Role::Sizes if signs.contains(&Some(-1)) => Some("below 0"),
+        Role::Size | Role::Sizes | Role::Cells if signs.contains(&Some(-1)) => Some("below 0"),
         Role::Size | Role::Sizes => signs.contains(&Some(0)).then_some("0"),
-        Role::Cells if signs.contains(&Some(-1)) => Some("below 0"),
         Role::Direction | Role::Cells => all_zero.then_some("0"),
         Role::Count => match value {
             Tensor::Number(node) => match integer_of(graph, *node, &mut { 256 }) {
