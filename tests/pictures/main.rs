@@ -11,6 +11,7 @@ mod coincident;
 mod counts;
 mod domains;
 mod framing;
+mod models;
 mod normals;
 mod overlap;
 mod paints;

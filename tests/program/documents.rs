@@ -93,6 +93,14 @@ fn every_function_and_every_form_is_listed() {
     check_table("docs/language.md", "| form | meaning |", rows);
 }
 
+#[test]
+fn every_builder_has_its_row() {
+    let rows = zeroset_ops::BUILDERS.iter();
+    let rows =
+        rows.map(|row| format!("| `{}` | {} | {} |", row.usage, row.doc, row.distance.words()));
+    check_table("docs/modeling.md", "| builder | meaning |", rows);
+}
+
 /// Examples of the language stand in fenced blocks marked `text`. In the README, each line is an
 /// example.
 #[test]
@@ -110,10 +118,12 @@ fn examples_of_the_language_read() {
     let lines = blocks("README.md").concat();
     assert_eq!(lines.lines().count(), 10);
     lines.lines().for_each(read);
-    let blocks = blocks("docs/language.md");
-    assert!(!blocks.is_empty());
-    for block in &blocks {
-        read(block);
+    for path in ["docs/language.md", "docs/modeling.md"] {
+        let blocks = blocks(path);
+        assert!(!blocks.is_empty());
+        for block in &blocks {
+            read(block);
+        }
     }
 }
 

@@ -14,14 +14,14 @@ use std::path::Path;
 use std::process::ExitCode;
 use zeroset_render::picture::Settings;
 use zeroset_render::png_file::write_png;
-use zeroset_scene::gallery::{Example, examples};
+use zeroset_scene::gallery::{Example, examples, models};
 
 const SHEET: &str = "contact-sheet.png";
 
 pub fn run(arguments: &GalleryArgs) -> Result<ExitCode> {
     let examples = examples();
     if arguments.list {
-        print(&listed(&examples))?;
+        print(&listed(&[examples, models()].concat()))?;
         return Ok(ExitCode::SUCCESS);
     }
     arguments.size.held_whole()?;

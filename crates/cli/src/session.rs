@@ -22,7 +22,7 @@ use zeroset_live::{Axes, DocumentSource, Live, Refusal, Reply, Request};
 use zeroset_render::overlay::Overlay;
 use zeroset_render::picture::Settings;
 use zeroset_render::png_file::{check_png, write_png};
-use zeroset_scene::gallery::{example, examples};
+use zeroset_scene::gallery::{example, examples, models};
 
 /// The gallery surface that is shown if no document is given.
 const DEFAULT_SURFACE: &str = "gyroid";
@@ -296,7 +296,7 @@ impl Session {
             }
             Reply::Gallery => {
                 if self.in_terminal.load(Ordering::Relaxed) {
-                    self.say(listed(&examples()).trim_end());
+                    self.say(listed(&[examples(), models()].concat()).trim_end());
                 }
                 self.gallery.store(true, Ordering::Relaxed);
                 Ok(())

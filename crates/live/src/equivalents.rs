@@ -14,11 +14,8 @@ pub const EQUIVALENTS: &[(&str, &str, &str)] = &[
         "float map(vec3 p) { return length(p) - 1.; }",
         "the same, as a file or pasted; loops have constant bounds",
     ),
-    (
-        "libfive",
-        "(union (sphere 1) (box …))",
-        "union(x^2+y^2+z^2-1, max(abs(x),abs(y),abs(z))-0.8) <= 0",
-    ),
+    ("OpenSCAD", "translate([2, 0, 0]) sphere(1);", "translate(sphere(1), 2, 0, 0) <= 0"),
+    ("libfive", "(union (sphere 1) (box …))", "union(sphere(1), box(0.8)) <= 0"),
 ];
 
 /// The table as text.

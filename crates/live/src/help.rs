@@ -46,6 +46,13 @@ pub(super) fn help(name: &str) -> Result<Reply, Refusal> {
             .collect();
     }
     if found.is_empty() {
+        let line = |row: &zeroset_ops::Builder| {
+            let (signature, distance) = (row.signature(), row.distance.words());
+            format!("{signature}: {}; {distance}; as in {}", row.doc, row.usage)
+        };
+        found = zeroset_ops::builders(name).map(line).collect();
+    }
+    if found.is_empty() {
         found.extend(zeroset_ops::form(name).map(|form| format!("{}: {}", form.usage, form.doc)));
     }
     if found.is_empty() {

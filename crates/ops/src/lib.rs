@@ -1,17 +1,19 @@
 //! The table of operations that `zeroset` can compute, one row each.
 //!
 //! A native [`Op`] is a node of the expression graph with its own interval rule. A [`Composed`]
-//! function is a formula over other functions, in the language itself. Both share one name space
-//! with the special forms. Name look-up, completion, help, suggestions, random generators and
-//! table-driven tests use [`TABLE`], [`COMPOSED`] and [`FORMS`]. This crate knows only names and
-//! properties: it neither computes nor parses.
+//! function is a formula over other functions, in the language itself. A [`Builder`] makes or moves
+//! a solid. All share one name space with the special forms. Name look-up, completion, help,
+//! suggestions, random generators and table-driven tests use [`TABLE`], [`COMPOSED`], [`BUILDERS`]
+//! and [`FORMS`]. This crate knows only names and properties: it neither computes nor parses.
 
+mod builders;
 mod class;
 mod composed;
 mod forms;
 mod op;
 mod table;
 
+pub use builders::{BUILDERS, Builder, Distance, Role, builders};
 pub use class::{Class, Law, Parity, Restriction, Rounding};
 pub use composed::{COMPOSED, Composed};
 pub use forms::{FORMS, FormKind, SpecialForm, VectorFunction, form};
@@ -48,8 +50,9 @@ pub fn composed(name: &str) -> impl Iterator<Item = &'static Composed> {
 pub fn names() -> impl Iterator<Item = &'static str> {
     let native = callable().map(|row| (row.name, row.aliases));
     let composed = COMPOSED.iter().map(|f| (f.name, f.aliases));
+    let builders = BUILDERS.iter().map(|f| (f.name, f.aliases));
     let forms = FORMS.iter().map(|f| (f.name, f.aliases));
-    let all = native.chain(composed).chain(forms);
+    let all = native.chain(composed).chain(builders).chain(forms);
     all.flat_map(|(name, aliases)| std::iter::once(name).chain(aliases.iter().copied()))
 }
 
@@ -105,6 +108,15 @@ mod tests {
             for name in std::iter::once(&f.name).chain(f.aliases) {
                 assert!(seen.insert((name, f.parameters.len()), f.name).is_none(), "{name}");
             }
+        }
+        let mut last = "";
+        for f in BUILDERS {
+            let own = (f.name != last).then_some(&f.name);
+            for name in own.into_iter().chain(f.aliases) {
+                assert!(!seen.keys().any(|(other, _)| other == name), "{name}");
+                assert!(seen.insert((name, usize::MAX), f.name).is_none(), "{name}");
+            }
+            last = f.name;
         }
         for f in FORMS {
             for name in std::iter::once(&f.name).chain(f.aliases) {

@@ -1,10 +1,10 @@
-//! The gallery: function files embedded in the program. No source checkout is needed.
+//! The gallery and the models: function files embedded in the program. No source checkout is needed.
 
 use include_dir::{Dir, include_dir};
 
 static FILES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/../../examples");
 
-/// A surface of the gallery.
+/// A surface of the gallery, or a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Example {
     /// The name that selects it: lower case, with hyphens.
@@ -29,12 +29,22 @@ impl Example {
     }
 }
 
-/// All examples, sorted by slug.
+/// All surfaces of the gallery, sorted by slug.
 pub fn examples() -> Vec<Example> {
-    let mut examples: Vec<Example> = FILES
+    sorted(&FILES)
+}
+
+/// All models, sorted by slug. They are solids of many parts, made by builders.
+pub fn models() -> Vec<Example> {
+    FILES.get_dir("models").map_or_else(Vec::new, sorted)
+}
+
+/// The function files of a directory, sorted by slug.
+fn sorted(directory: &'static Dir<'_>) -> Vec<Example> {
+    let mut examples: Vec<Example> = directory
         .files()
         .filter_map(|file| {
-            let slug = file.path().to_str()?.strip_suffix(".zset")?;
+            let slug = file.path().file_name()?.to_str()?.strip_suffix(".zset")?;
             Some(Example { slug, text: file.contents_utf8()? })
         })
         .collect();
@@ -42,11 +52,14 @@ pub fn examples() -> Vec<Example> {
     examples
 }
 
-/// The example whose slug or title is `name`, in upper or lower case.
+/// The surface of the gallery, or the model, whose slug or title is `name`, in upper or lower case.
 pub fn example(name: &str) -> Option<Example> {
     let name = name.trim();
     let called = |other: &str| other.eq_ignore_ascii_case(name);
-    examples().into_iter().find(|example| called(example.slug) || called(example.title()))
+    examples()
+        .into_iter()
+        .chain(models())
+        .find(|example| called(example.slug) || called(example.title()))
 }
 
 #[cfg(test)]
@@ -71,11 +84,12 @@ mod tests {
         let embedded: Vec<&str> = examples().iter().map(|example| example.slug).collect();
         assert_eq!(embedded, found);
         assert!(embedded.len() >= 65);
+        assert_eq!(models().len(), 5);
     }
 
     #[test]
     fn every_example_says_what_it_is_under_its_own_name() {
-        for example in examples() {
+        for example in examples().into_iter().chain(models()) {
             assert_eq!(slug(example.title()), example.slug);
             let summary = example.summary();
             assert!(summary.len() > 30 && summary.ends_with('.'), "{}", example.slug);
@@ -86,6 +100,7 @@ mod tests {
     fn examples_are_found_by_slug_or_title_but_not_by_formula() {
         let barth = example("barth-sextic-suse-95").expect("there");
         assert_eq!(example("Barth sextic (SuSE 95)"), Some(barth));
+        assert_eq!(example("Temple").map(|found| found.slug), Some("temple"));
         assert_eq!(example("x^2+y^2+z^2-1"), None);
         assert_eq!(example(""), None);
     }

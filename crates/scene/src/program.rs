@@ -7,8 +7,8 @@ use std::sync::{Arc, OnceLock};
 use zeroset_eval::{Assumptions, KernelFloat, Kernels, SurfaceKernels, Tape};
 use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{
-    Constant, Graph, NodeId, Variability, fix_exponents, radical, regularize, rewrite, simplify,
-    variabilities,
+    Constant, Graph, NodeId, Variability, fix_exponents, radical, regularize, rewrite, same_sign,
+    simplify, variabilities,
 };
 use zeroset_syntax::{Document, Parameter, ParameterKind, SurfaceKind};
 
@@ -63,7 +63,12 @@ impl Program {
         let typed = typed(document);
         let parameters: Vec<Interval> = document.parameters.iter().map(assumed).collect();
         let solid = solid(document);
-        let (mut symbolic, rewritten) = rewrite(&typed.0, &typed.1, &domain, &parameters)?;
+        let (mut graph, mut roots) = typed.clone();
+        if is_drawn {
+            // A picture asks for zeros and signs alone.
+            roots = roots.iter().map(|root| same_sign(&mut graph, *root)).collect();
+        }
+        let (mut symbolic, rewritten) = rewrite(&graph, &roots, &domain, &parameters)?;
         // Only the zeros of an equation are drawn, so multiple zeros may be replaced by simple
         // ones, which can be proven. Only the boundary of a solid's interior is drawn, so faces
         // that bound no interior may be dropped.
@@ -73,7 +78,9 @@ impl Program {
             (false, _) => *root,
         };
         let drawn: Vec<NodeId> = rewritten.iter().zip(&solid).map(drawn).collect();
-        let reduced = rewritten.iter().zip(&drawn).map(|(before, after)| before != after).collect();
+        let same = rewritten.iter().zip(&drawn).map(|(before, after)| before == after);
+        let same_signs = typed.1.iter().zip(&roots).map(|(before, after)| before == after);
+        let reduced = same.zip(same_signs).map(|(zeros, signs)| !(zeros && signs)).collect();
         let (graph, roots) = simplify(&symbolic, &drawn, &domain, &parameters)?;
         let assumptions = Assumptions { domain, parameters };
         let before: Vec<NodeId> = document.surfaces.iter().map(|surface| surface.root).collect();
@@ -229,9 +236,9 @@ impl Program {
         (self.store.simplified.nodes_before, count(self.graph(), self.roots()))
     }
 
-    /// Returns whether the typed function was replaced by another: for an equation, by one with the
-    /// same zeros, all of them simple; for a solid, by one without zeros on faces inside of the
-    /// solid and on sheets without thickness.
+    /// Returns whether the typed function was replaced by another with the same zeros: all of them
+    /// are simple, or enclosures are narrower. Or, for a solid, by one without zeros on faces inside
+    /// of the solid and on sheets without thickness.
     pub fn is_reduced(&self, surface: usize) -> bool {
         self.store.simplified.reduced[surface]
     }

@@ -30,6 +30,7 @@ pub fn attack(
         .unwrap_or_else(|error| panic!("{}: {error}", seeds.display()))
         .iter()
         .map(std::fs::DirEntry::path)
+        .filter(|path| path.is_file())
         .collect();
     paths.sort();
     for path in paths {

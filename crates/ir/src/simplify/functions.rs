@@ -1,7 +1,8 @@
 //! Functions of one operand, choices and restrictions.
 
-use super::form::{Condition, PartialExpr, Product};
+use super::form::{Condition, Factor, PartialExpr, Product};
 use super::{Rewriter, numbers};
+use crate::constant::{Constant, NamedConstant};
 use crate::graph::{Node, NodeId};
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
@@ -14,6 +15,7 @@ impl Rewriter<'_> {
         let mut operand = self.product(operand);
         let conditions = std::mem::take(&mut operand.conditions);
         let number = operand.as_number().and_then(|number| numbers::function(op, law, number));
+        let number = number.or_else(|| numbers::of_turns(op, &self.turns(&operand)?));
         if let Some(value) = number {
             return PartialExpr::Product(Product { conditions, ..Product::number(value) });
         }
@@ -44,6 +46,20 @@ impl Rewriter<'_> {
         } else {
             let product = self.times(result, Product::number(outer));
             PartialExpr::Product(product)
+        }
+    }
+
+    /// An angle in turns, if it is a rational multiple of π or of 2π.
+    fn turns(&self, angle: &Product) -> Option<BigRational> {
+        let &[Factor { base, exponent: 1, .. }] = angle.factors.as_slice() else { return None };
+        match self.graph.number(base)? {
+            Constant::Named(NamedConstant::Tau) => Some(angle.coefficient.clone()),
+            Constant::Named(NamedConstant::Pi) => {
+                Some(&angle.coefficient / BigRational::from_integer(2.into()))
+            }
+            Constant::Named(NamedConstant::E | NamedConstant::Phi)
+            | Constant::Exact(_)
+            | Constant::Enclosed(_) => None,
         }
     }
 

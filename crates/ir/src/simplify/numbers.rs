@@ -2,6 +2,7 @@
 
 use crate::constant::{EXACT_BITS, bits};
 use num_bigint::BigInt;
+use num_integer::Integer as _;
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use zeroset_ops::{Law, Op, Rounding};
@@ -60,6 +61,37 @@ pub(super) fn function(op: Op, law: Law, a: &BigRational) -> Option<BigRational>
             known.map(|(_, value)| integer(*value))
         }
     }
+}
+
+/// Twice the sine of each twelfth of a turn, where it is whole.
+const SINES: [Option<i64>; 12] = [
+    Some(0),
+    Some(1),
+    None,
+    Some(2),
+    None,
+    Some(1),
+    Some(0),
+    Some(-1),
+    None,
+    Some(-2),
+    None,
+    Some(-1),
+];
+
+/// The sine or cosine of an angle in turns, if the value is known to be rational.
+pub(super) fn of_turns(op: Op, turns: &BigRational) -> Option<BigRational> {
+    let twelfths = turns * BigRational::from_integer(12.into());
+    let twelfths = twelfths.is_integer().then(|| twelfths.to_integer().mod_floor(&12.into()))?;
+    let twelfths = usize::try_from(twelfths).ok()?;
+    let twice = if op == Op::Sin {
+        SINES[twelfths]
+    } else if op == Op::Cos {
+        SINES[(twelfths + 3) % 12]
+    } else {
+        None
+    };
+    Some(BigRational::new(twice?.into(), 2.into()))
 }
 
 fn round_half_even(a: &BigRational) -> BigRational {

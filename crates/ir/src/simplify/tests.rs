@@ -85,6 +85,32 @@ fn squares_are_completed() {
 }
 
 #[test]
+fn sines_of_twelfths_of_a_turn_are_exact() {
+    for (twelfths, sine, cosine) in [
+        (0, Some("0"), Some("1")),
+        (1, Some("0.5"), None),
+        (2, None, Some("0.5")),
+        (3, Some("1"), Some("0")),
+        (6, Some("0"), Some("-1")),
+        (-3, Some("-1"), Some("0")),
+        (20, None, Some("-0.5")),
+        (27, Some("1"), Some("0")),
+    ] {
+        for (op, expected) in [(Op::Sin, sine), (Op::Cos, cosine)] {
+            for (name, parts) in [(NamedConstant::Tau, 12.0), (NamedConstant::Pi, 6.0)] {
+                let shown = simple(|s, _| {
+                    (s.constant(Constant::Named(name)) * f64::from(twelfths) / parts).f(op)
+                });
+                match expected {
+                    Some(expected) => assert_eq!(shown, expected, "{op:?} {twelfths}"),
+                    None => assert!(shown.len() > 5, "{op:?} {twelfths}: {shown}"),
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn signs_and_inverses_simplify() {
     assert_eq!(simple(|_, [x, _, _]| (-x).f(Op::Sin)), "-sin(x)");
     assert_eq!(simple(|_, [x, y, _]| (y - x).f(Op::Cos) - (x - y).f(Op::Cos)), "0");

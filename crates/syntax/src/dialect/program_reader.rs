@@ -179,7 +179,7 @@ impl ProgramReader<'_> {
                     tokens.get(end + 2).is_some_and(|next| next.kind == OpenBrace)
                 }) =>
             {
-                let formula = "write equations for its parts, and `subtract(a, b)`, `union(a, b)` or `intersect(a, b)` of them";
+                let formula = "write `subtract(a, b)`, `union(a, b)` or `intersect(a, b)` of solids such as `sphere(1)`; a move is `translate(a, 1, 0, 0)`";
                 return Err(Error::new(first.span, ErrorKind::Solid { formula }));
             }
             "draw_surface"

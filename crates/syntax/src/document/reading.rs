@@ -315,6 +315,12 @@ impl<'a> DocumentReader<'a> {
             implied = statement;
             surfaces.push(surface(&mut lowering, &implied)?);
         }
+        if !lowering.moves.is_empty() {
+            let roots: Vec<NodeId> = surfaces.iter().map(|surface| surface.root).collect();
+            let (graph, roots) = zeroset_ir::compact(&lowering.graph, &roots);
+            lowering.graph = graph;
+            surfaces.iter_mut().zip(roots).for_each(|(surface, root)| surface.root = root);
+        }
         style(&mut surfaces, &settings, &values)?;
         let mut picture = settings.picture;
         if let Some(Contours { value, step }) = &settings.contours {
@@ -444,6 +450,7 @@ fn surface<'a>(lowering: &mut Lowering<'a>, built: &'a BuiltStatement) -> Fallib
         SurfaceKind::Equation => lowering.restrict(root, condition, &[]),
         SurfaceKind::Solid => lowering.cut(root, condition),
     })?;
+    let root = lowering.in_place(root, built.span)?;
     Ok(Surface {
         root,
         kind,

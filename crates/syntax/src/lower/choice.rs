@@ -253,7 +253,7 @@ impl<'a> Lowering<'a> {
 }
 
 /// The whole number that a node evaluates to. Visits at most `steps` nodes.
-fn integer_of(graph: &Graph, node: NodeId, steps: &mut usize) -> Option<i64> {
+pub(crate) fn integer_of(graph: &Graph, node: NodeId, steps: &mut usize) -> Option<i64> {
     *steps = steps.checked_sub(1)?;
     let (op, operands) = match graph.node(node) {
         Node::Constant(constant) => return constant.as_integer(),

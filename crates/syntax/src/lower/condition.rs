@@ -74,6 +74,10 @@ impl<'a> Lowering<'a> {
     pub(crate) fn or_outside(&mut self, node: NodeId, outside: i64) -> NodeId {
         for (_, node) in self.graph.since(self.total.len()) {
             let total = match node {
+                Node::Parameter(_) if let Some((shape, point)) = self.moves.get(node) => {
+                    let total = |node: NodeId| self.total[node.index()];
+                    total(shape) && point.into_iter().all(total)
+                }
                 Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) => true,
                 Node::Apply(op, operands) => {
                     let each = operands.iter().all(|operand| self.total[operand.index()]);

@@ -5,6 +5,7 @@
 //! function and arguments, so equal calls are expanded once.
 
 use crate::limits::Limits;
+use crate::lower::builders::Moves;
 use crate::lower::prelude;
 use crate::lower::value::{Tensor, component, numbers, vector};
 use crate::messages::error::{Error, ErrorKind, Fallible};
@@ -21,7 +22,7 @@ use zeroset_ops::Op;
 /// several: it may hold a sum of products of powers of calls.
 const LEVELS: usize = 5;
 /// Visits to expressions allowed per node of [`Limits::nodes`]. Some visits add no node.
-const VISITS: usize = 16;
+pub(crate) const VISITS: usize = 16;
 
 /// Stack that must be free at each recursion level, in bytes. A level takes 1 KB, or 100 KB if it
 /// lowers choices between numbers.
@@ -50,8 +51,10 @@ pub(crate) struct Lowering<'a> {
     names: FxHashMap<&'a str, NameBinding<'a>>,
     time: Option<u32>,
     is_constant: bool,
-    limits: &'a Limits,
-    expanded: FxHashMap<(Function, Vec<Tensor>), Tensor>,
+    pub(crate) limits: &'a Limits,
+    /// Functions of solids that are evaluated at other points.
+    pub(crate) moves: Moves,
+    pub(crate) expanded: FxHashMap<(Function, Vec<Tensor>), Tensor>,
     values: FxHashMap<&'a str, Tensor>,
     levels: usize,
     visits: usize,
@@ -77,6 +80,7 @@ impl<'a> Lowering<'a> {
             time: None,
             is_constant: true,
             limits,
+            moves: Moves::default(),
             expanded: FxHashMap::default(),
             values: FxHashMap::default(),
             levels: 0,
@@ -87,7 +91,8 @@ impl<'a> Lowering<'a> {
 
     /// The node of an expression outside any function. Fails unless the expression is a number.
     pub(crate) fn value(&mut self, expr: &'a Expr) -> Fallible<NodeId> {
-        self.number(expr, &[])
+        let root = self.number(expr, &[])?;
+        self.in_place(root, expr.span)
     }
 
     /// The function whose zeros a formula or an equation draws; `None` for a condition.
@@ -127,11 +132,21 @@ impl<'a> Lowering<'a> {
         nodes[1..].iter().fold(nodes[0], |all, node| self.graph.apply(op, &[all, *node]))
     }
 
+    /// Fails if the graph is larger than the limits allow.
+    pub(crate) fn check_size(&self, span: Span) -> Fallible<()> {
+        let limit = self.limits.nodes;
+        if self.graph.len() > limit {
+            return Err(Error::new(span, ErrorKind::TooLarge { limit }));
+        }
+        Ok(())
+    }
+
     /// Counts a visit to an expression. Fails if the formula is too large or too deep.
     fn count_visit(&mut self, span: Span) -> Fallible<()> {
         let limit = self.limits.nodes;
         self.visits += 1;
-        if self.graph.len() > limit || self.visits > limit.saturating_mul(VISITS) {
+        self.check_size(span)?;
+        if self.visits > limit.saturating_mul(VISITS) {
             return Err(Error::new(span, ErrorKind::TooLarge { limit }));
         }
         if self.levels > self.limits.depth * LEVELS {
@@ -181,6 +196,12 @@ impl<'a> Lowering<'a> {
                 let operands = [base.as_ref(), exponent.as_ref()];
                 let operands = self.values_of(operands.into_iter(), locals)?;
                 self.native(Op::Pow, &operands, expr.span)
+            }
+            ExprKind::Call(Function::Builder(name), arguments) => {
+                let values = self.values_of(arguments.iter(), locals)?;
+                let places = arguments.iter().map(|argument| argument.span);
+                let arguments: Vec<_> = values.into_iter().zip(places).collect();
+                self.build(name, &arguments, expr.span)
             }
             ExprKind::Call(function, arguments) => {
                 let values = self.values_of(arguments.iter(), locals)?;
@@ -323,6 +344,11 @@ impl<'a> Lowering<'a> {
             Function::Matrix(size) => self.matrix(usize::from(*size), &arguments, span),
             Function::OfVectors(function) => self.of_vectors(*function, &arguments, span),
             Function::Iterate(function) => self.iterate(function, arguments, span),
+            Function::Builder(name) => {
+                let arguments: Vec<_> =
+                    arguments.into_iter().map(|argument| (argument, span)).collect();
+                self.build(name, &arguments, span)
+            }
             Function::Composed(index)
                 if zeroset_ops::COMPOSED[*index].name == "hypot"
                     && matches!(arguments.as_slice(), [Tensor::Vector(_)]) =>
@@ -405,7 +431,7 @@ impl<'a> Lowering<'a> {
 
 /// Moves an error inside a definition to the place where the definition is used. An error in a
 /// typed definition is moved only if it is one of size, which the use can avoid.
-fn move_to_use(mut error: Box<Error>, span: Span, is_typed: bool) -> Box<Error> {
+pub(crate) fn move_to_use(mut error: Box<Error>, span: Span, is_typed: bool) -> Box<Error> {
     if !is_typed || matches!(error.kind, ErrorKind::TooLarge { .. } | ErrorKind::TooDeep { .. }) {
         error.span = span;
     }

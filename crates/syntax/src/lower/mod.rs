@@ -6,6 +6,7 @@
 //! The files depend on one another in a circle. `lowering` walks the trees and calls the other
 //! files, which call `lowering` for their operands.
 
+pub(crate) mod builders;
 pub(crate) mod choice;
 pub(crate) mod condition;
 pub(crate) mod constant;

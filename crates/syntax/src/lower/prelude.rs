@@ -1,4 +1,4 @@
-//! Parses the bodies of composed functions once.
+//! Parses the formulas of composed functions and of builders once.
 
 use crate::lex::arrangement::statements;
 use crate::limits::Limits;
@@ -7,27 +7,48 @@ use crate::tree::ast::{Expr, Name};
 use crate::tree::builder::Builder;
 use crate::tree::scope::Scope;
 use std::sync::LazyLock;
-use zeroset_ops::COMPOSED;
+use zeroset_ops::{BUILDERS, COMPOSED, Composed};
 
 static BODIES: LazyLock<Vec<Expr>> = LazyLock::new(|| {
+    let body = |composed: &Composed| parsed(composed.name, composed.body, composed.parameters);
+    COMPOSED.iter().map(body).collect()
+});
+
+static BUILDER_FORMULAS: LazyLock<Vec<(Option<Expr>, Expr)>> = LazyLock::new(|| {
+    let formulas = |builder: &zeroset_ops::Builder| {
+        let names = builder.parameters.iter().map(|(name, _)| *name);
+        let names: Vec<&str> = names.chain(["i"]).collect();
+        let place = (!builder.place.is_empty()).then_some(builder.place);
+        let place = place.map(|place| parsed(builder.name, place, &names));
+        (place, parsed(builder.name, builder.body, &names))
+    };
+    BUILDERS.iter().map(formulas).collect()
+});
+
+/// Parses a formula of the function called `function`, which has these parameters.
+fn parsed(function: &str, formula: &str, parameters: &[&str]) -> Expr {
     let scope = Scope::prelude();
     let limits = Limits::default();
-    let bodies = COMPOSED.iter().map(|composed| {
-        let name = |text: &&str| Name { text: (*text).to_owned(), span: Span::default() };
-        let locals: Vec<Name> = composed.parameters.iter().map(name).collect();
-        let statements = statements(composed.body, &limits).unwrap_or_default();
-        let body = statements.first().map(|lexed| {
-            Builder::new(composed.body, lexed, &scope, &locals, &limits).only_expression()
-        });
-        let body = body.and_then(Result::ok);
-        body.unwrap_or_else(|| panic!("the body of `{}` must parse", composed.name))
-    });
-    bodies.collect()
-});
+    let name = |text: &&str| Name { text: (*text).to_owned(), span: Span::default() };
+    let locals: Vec<Name> = parameters.iter().map(name).collect();
+    let statements = statements(formula, &limits).unwrap_or_default();
+    let body = statements
+        .first()
+        .map(|lexed| Builder::new(formula, lexed, &scope, &locals, &limits).only_expression());
+    let body = body.and_then(Result::ok);
+    body.unwrap_or_else(|| panic!("the body of `{function}` must parse"))
+}
 
 /// The body of the composed function at `index` of [`COMPOSED`].
 pub(crate) fn body(index: usize) -> &'static Expr {
     &BODIES[index]
+}
+
+/// The point of evaluation, if it is another, and the value of the builder at `index` of
+/// [`BUILDERS`].
+pub(crate) fn builder(index: usize) -> (Option<&'static Expr>, &'static Expr) {
+    let (place, body) = &BUILDER_FORMULAS[index];
+    (place.as_ref(), body)
 }
 
 #[cfg(test)]
@@ -36,6 +57,11 @@ mod tests {
     fn every_body_parses() {
         for (index, composed) in zeroset_ops::COMPOSED.iter().enumerate() {
             assert!(!super::body(index).to_string().is_empty(), "{}", composed.name);
+        }
+        for (index, builder) in zeroset_ops::BUILDERS.iter().enumerate() {
+            let (place, body) = super::builder(index);
+            assert!(!body.to_string().is_empty(), "{}", builder.name);
+            assert_eq!(place.is_none(), builder.place.is_empty(), "{}", builder.name);
         }
     }
 }

@@ -245,6 +245,14 @@ pub enum ErrorKind {
     NeedsArgument { name: String, count: usize },
     #[error("`{name}` takes {expected}, not {given}")]
     WrongCount { name: String, expected: String, given: usize, usage: Option<String> },
+    #[error("`{argument}` of `{name}` must be {needs}, and this is {given}")]
+    BuilderArgument {
+        name: &'static str,
+        argument: &'static str,
+        needs: &'static str,
+        given: &'static str,
+        usage: String,
+    },
     #[error("`{name}^-1` could mean the inverse or the reciprocal")]
     InversePower { name: String },
     #[error("`{name}` cannot be redefined")]

@@ -187,6 +187,7 @@ impl Error {
                 format!("write `{name}(…, …)`: without brackets a function takes only one argument")
             }
             WrongCount { usage, .. } => usage.clone()?,
+            BuilderArgument { usage, .. } => usage.clone(),
             FormUsage { usage, .. } => format!("write it as in `{usage}`"),
             InversePower { name } => format!("for the reciprocal, write `1/{name}(…)`"),
             BadView => format!(

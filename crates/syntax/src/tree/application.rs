@@ -344,6 +344,12 @@ fn usage(callee: &Callee) -> Option<String> {
     if let Some(composed) = zeroset_ops::composed(name).next() {
         return Some(format!("`{name}({})`: {}", composed.parameters.join(", "), composed.doc));
     }
+    let rows: Vec<String> = zeroset_ops::builders(name)
+        .map(|row| format!("`{}`, as in `{}`: {}", row.signature(), row.usage, row.doc))
+        .collect();
+    if !rows.is_empty() {
+        return Some(rows.join("; or "));
+    }
     let row = zeroset_ops::natives(name).last()?;
     let operands = ["a", "b", "c"][..row.op.arity()].join(", ");
     let more = if is_variadic(row.op) { ", …" } else { "" };

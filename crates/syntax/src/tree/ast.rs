@@ -335,6 +335,8 @@ pub enum Function {
     /// `iterate(f, n, a, …)`: the function f, applied n times, starting from a. Further arguments
     /// are the same for each application.
     Iterate(Box<Function>),
+    /// A builder, by its name in [`zeroset_ops::BUILDERS`]. The arguments select its row.
+    Builder(&'static str),
     /// A function that the document defines.
     Defined(String),
 }
@@ -355,6 +357,7 @@ impl Function {
             Self::Matrix(_) => "mat4",
             Self::OfVectors(function) => function.name(),
             Self::Iterate(_) => "iterate",
+            Self::Builder(name) => name,
             Self::Defined(name) => name,
         }
     }

@@ -4,7 +4,7 @@
 use crate::tree::ast::{Function, Name, NamedValue};
 use rustc_hash::FxHashMap;
 use zeroset_ir::{Axis, NamedConstant};
-use zeroset_ops::{COMPOSED, Notation, Op, SpecialForm, TABLE, form, names, natives};
+use zeroset_ops::{COMPOSED, Notation, Op, SpecialForm, TABLE, builders, form, names, natives};
 
 /// The names that a statement can see.
 #[derive(Clone, Debug, Default)]
@@ -291,6 +291,9 @@ impl std::fmt::Display for Signatures {
 /// whether n is odd.
 pub(crate) const ROOT_NAMES: &[&str] = &["root", "nroot", "nthroot", "surd"];
 
+/// No builder takes more arguments, its vectors written as three numbers each.
+const MOST_ARGUMENTS: usize = 12;
+
 /// Returns whether an operation of two operands also combines more operands, from left to right.
 pub(crate) fn is_variadic(op: Op) -> bool {
     matches!(op, Op::Min | Op::Max)
@@ -318,6 +321,10 @@ pub(crate) fn signatures(name: &str, internal: bool) -> Signatures {
     }
     if ROOT_NAMES.contains(&name) {
         forms.push(form(Function::Root, 2));
+    }
+    if let Some(row) = builders(name).next() {
+        let counts = (1..=MOST_ARGUMENTS).filter(|count| builders(name).any(|b| b.takes(*count)));
+        forms.extend(counts.map(|count| form(Function::Builder(row.name), count)));
     }
     forms.sort_by_key(|form| form.count);
     Signatures(forms)

@@ -262,11 +262,18 @@ fn accepts(head: &Head) -> Option<bool> {
         };
     }
     match built_in(&head.name.text) {
+        // Many texts define such names themselves, as in `box(x, y, z) = …` and `scale = 2`.
+        NameMeaning::Function(_) if is_builder(&head.name.text) => None,
         NameMeaning::Function(callee) => {
             Some(Scope::default().signatures(&callee).function(count).is_some())
         }
         NameMeaning::Value(_) | NameMeaning::Product | NameMeaning::Unknown => None,
     }
+}
+
+/// Returns whether a builder has this name.
+fn is_builder(name: &str) -> bool {
+    zeroset_ops::builders(name).next().is_some()
 }
 
 /// Builds the trees of one line.
@@ -421,8 +428,9 @@ fn define(
     range: Option<(Expr, Expr)>,
 ) -> Fallible<Definition> {
     let name = &head.name;
-    let is_function =
-        head.parameters.is_none() && matches!(built_in(&name.text), NameMeaning::Function(_));
+    let is_function = head.parameters.is_none()
+        && !is_builder(&name.text)
+        && matches!(built_in(&name.text), NameMeaning::Function(_));
     // `domain(x) = …` is probably a mistyped `domain` line.
     let is_keyword = head.parameters.is_some() && name.text == "domain";
     check_head(head, is_function, is_keyword)?;

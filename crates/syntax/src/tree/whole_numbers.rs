@@ -6,6 +6,7 @@ use crate::tree::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, S
 use crate::tree::builder::{Builder, number_only};
 use crate::tree::built_statement::BuiltStatement;
 use rustc_hash::FxHashSet;
+use zeroset_ops::Role;
 
 impl Builder<'_> {
     /// Builds `n!` as `product(k = 1..n, k)`, which is exact. Fails if n varies over space or time,
@@ -55,6 +56,7 @@ pub(crate) fn term_count_names<'d>(
                 ExprKind::Call(Function::Iterate(_), arguments) => {
                     arguments.iter().take(1).collect()
                 }
+                ExprKind::Call(Function::Builder(name), arguments) => copies(name, arguments),
                 _ => continue,
             };
             for part in ends.into_iter().flat_map(Expr::all_parts) {
@@ -74,4 +76,16 @@ pub(crate) fn term_count_names<'d>(
         }
     }
     names
+}
+
+/// The arguments that may be the number of copies that the builder called `name` makes.
+fn copies<'e>(name: &str, arguments: &'e [Expr]) -> Vec<&'e Expr> {
+    let rows = zeroset_ops::builders(name).filter(|row| row.takes(arguments.len()));
+    let place = |row: &zeroset_ops::Builder| {
+        let place = row.parameters.iter().position(|(_, role)| *role == Role::Count)?;
+        // Vectors, which may be written as three numbers, stand before the last parameter only.
+        let is_last = place + 1 == row.parameters.len();
+        if is_last { arguments.last() } else { arguments.get(place) }
+    };
+    rows.filter_map(place).collect()
 }

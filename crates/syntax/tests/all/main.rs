@@ -1,5 +1,6 @@
 //! Tests the language through the crate's public interface.
 
+mod builders;
 mod corpus;
 mod gallery;
 mod hostile;

@@ -1,9 +1,9 @@
-//! Random formulas as text, with every special form and every composed function of the language.
+//! Random formulas as text, with every special form, composed function and builder of the language.
 //! They give graphs that random operations hardly ever produce.
 
 use super::Rng;
 use super::values::below;
-use zeroset_ops::{COMPOSED, FORMS, FormKind, VectorFunction};
+use zeroset_ops::{BUILDERS, COMPOSED, FORMS, FormKind, Role, VectorFunction};
 
 /// Vectors and a function that every text defines.
 const HEAD: &str = "p = vec3(x, y, z)\nq = vec3(y, 1 - z, x*y)\nf(a) = a^2 - x/2\n";
@@ -39,7 +39,7 @@ impl Text<'_> {
             return self.leaf();
         }
         let inner = depth - 1;
-        match self.rng.u32(0..8) {
+        match self.rng.u32(0..9) {
             0 => self.leaf(),
             1 => {
                 let signs = ["+", "-", "*", "/"];
@@ -58,8 +58,33 @@ impl Text<'_> {
                 format!("{}({})", row.name, given.join(", "))
             }
             5 => format!("length({})", self.vector(inner)),
+            6 => self.builder(inner),
             _ => self.form(inner),
         }
+    }
+
+    /// Returns a call of a builder. Its sizes are above 0, since others are refused.
+    fn builder(&mut self, depth: u32) -> String {
+        let row = &BUILDERS[below(self.rng, BUILDERS.len())];
+        let mut given: Vec<String> = Vec::new();
+        for (_, role) in row.parameters {
+            let sizes = ["0.5", "1", "2", "3/7", "abs(x) + 1", "sqrt(2)"];
+            let size = |rng: &mut Rng| sizes[below(rng, sizes.len())].to_owned();
+            let rng = &mut *self.rng;
+            given.push(match role {
+                Role::Shape | Role::Number => self.number(depth),
+                Role::Vector => self.vector(depth),
+                Role::Direction => format!("(1, {}, 2)", self.number(depth)),
+                Role::Sizes => format!("({}, {}, {})", size(rng), size(rng), size(rng)),
+                Role::Cells => format!("({}, 0, {})", size(rng), size(rng)),
+                Role::Size => size(rng),
+                Role::Count => format!("{}", rng.u32(1..4)),
+            });
+        }
+        if row.has_center() && self.rng.bool() {
+            given.push(self.vector(depth));
+        }
+        format!("{}({})", row.name, given.join(", "))
     }
 
     fn condition(&mut self, depth: u32) -> String {
@@ -166,7 +191,7 @@ mod tests {
 
     /// Checks that texts are accepted, since refused texts would test nothing.
     #[test]
-    fn texts_read_and_hold_every_form_and_composed_function() {
+    fn texts_read_and_hold_every_form_composed_function_and_builder() {
         let mut rng = Rng::with_seed(0x5eed_0031);
         let texts: Vec<String> = (0..3000).map(|_| random_text(&mut rng, 3)).collect();
         for text in &texts[..500] {
@@ -176,6 +201,9 @@ mod tests {
         let count = |word: &str| texts.iter().filter(|text| text.contains(word)).count();
         for form in FORMS {
             assert!(count(&format!("{}(", form.name)) > 20, "{}", form.name);
+        }
+        for row in BUILDERS {
+            assert!(count(&format!("{}(", row.name)) > 20, "{}", row.name);
         }
         for row in COMPOSED {
             assert!(count(&format!("{}(", row.name)) > 20, "{}", row.name);

@@ -2,6 +2,7 @@
 
 mod agreement;
 mod branches;
+mod builders;
 mod conformance;
 mod exact;
 mod exhaustive;
