@@ -6,6 +6,7 @@
 mod knoll2007;
 mod measure;
 mod ours;
+mod parts;
 mod reference;
 mod report;
 mod scaling;
@@ -14,11 +15,13 @@ mod surfaces;
 mod voxels;
 
 use anyhow::{Context, Result};
-use clap::Parser;
 use clap::builder::PossibleValuesParser;
+use clap::{Parser, Subcommand};
+use fidget::jit::JitFunction;
 use knoll2007::{Knoll2007, PACKET_WIDTHS};
 use measure::measure;
 use ours::ZerosetSide;
+use parts::PartsArguments;
 use reference::{Entries, Reference};
 use report::{Report, Row};
 use scaling::Pooled;
@@ -31,9 +34,12 @@ use zeroset_trace::{METHODS, Method};
 
 /// Compare zeroset with its rivals.
 #[derive(Parser)]
+#[command(args_conflicts_with_subcommands = true)]
 struct Arguments {
+    #[command(subcommand)]
+    run: Option<Run>,
     /// Surfaces, separated by commas; all if not given
-    #[arg(long, value_delimiter = ',', value_parser = names(SURFACES.iter().map(|s| s.name)))]
+    #[arg(long, value_delimiter = ',', value_parser = names(SURFACES.iter().map(|s| &*s.name)))]
     surfaces: Vec<String>,
     /// Methods of zeroset, separated by commas; all if not given
     #[arg(long, value_delimiter = ',', value_parser = names(METHODS.iter().map(|m| m.name)))]
@@ -69,6 +75,13 @@ struct Arguments {
     samples: u32,
 }
 
+/// Runs with tables of their own.
+#[derive(Subcommand)]
+enum Run {
+    /// Compare zeroset with fidget on models of many parts, on one thread
+    Parts(PartsArguments),
+}
+
 fn names(names: impl Iterator<Item = &'static str>) -> PossibleValuesParser {
     PossibleValuesParser::new(names)
 }
@@ -77,7 +90,7 @@ impl Arguments {
     fn surfaces(&self) -> impl Iterator<Item = &'static Surface> {
         SURFACES
             .iter()
-            .filter(|s| self.surfaces.is_empty() || self.surfaces.iter().any(|n| n == s.name))
+            .filter(|s| self.surfaces.is_empty() || self.surfaces.iter().any(|n| *n == s.name))
     }
 
     fn methods(&self) -> impl Iterator<Item = &'static Method> {
@@ -105,14 +118,17 @@ impl Arguments {
             sides.push(Box::new(ZerosetSide::new(surface, method, size, depth)?));
         }
         for width in PACKET_WIDTHS.iter().filter(|_| !self.no_cpp) {
-            if let Some(side) = Knoll2007::new(width, surface.name, size, depth)? {
+            if let Some(side) = Knoll2007::new(width, &surface.name, size, depth)? {
                 sides.push(Box::new(side));
             }
         }
         if !self.no_fidget {
             let entries = Entries::new(surface, ENTRIES)?;
             for size in &self.fidget {
-                let side = Voxels::new(surface, entries, *size as usize, self.threads > 1)?;
+                let (name, size) = (format!("fidget {size}³"), *size as usize);
+                let is_parallel = self.threads > 1;
+                let side =
+                    Voxels::<JitFunction>::new(name, surface, Some(entries), size, is_parallel)?;
                 sides.push(Box::new(side));
             }
         }
@@ -139,29 +155,33 @@ const ENTRIES: usize = 64;
 
 fn main() -> Result<()> {
     let arguments = Arguments::parse();
+    if let Some(Run::Parts(arguments)) = &arguments.run {
+        return parts::run(arguments);
+    }
     let threads = arguments.threads as usize;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
     print_head(&arguments);
     let methods: Vec<String> = arguments.methods().map(|method| method.name.to_owned()).collect();
     let mut report = Report::new(methods.clone());
     for surface in arguments.surfaces() {
-        let mut sides = arguments.sides(surface).context(surface.name)?;
+        let mut sides = arguments.sides(surface).with_context(|| surface.name.to_string())?;
         let rounds = arguments.rounds as usize;
         let times = match arguments.scaling {
             // Each renderer draws with its own thread pool.
             Some(_) => measure(&mut sides, rounds),
             None => pool.install(|| measure(&mut sides, rounds)),
         };
-        let times = times.context(surface.name)?;
+        let times = times.with_context(|| surface.name.to_string())?;
         let ratios = times.iter().map(|own| times[..methods.len()].iter().map(|m| own.ratio(m)));
         let ratios: Vec<Vec<f64>> = ratios.map(Iterator::collect).collect();
-        let references = arguments.references(surface, &sides).context(surface.name)?;
+        let references =
+            arguments.references(surface, &sides).with_context(|| surface.name.to_string())?;
         for ((side, times), ratios) in sides.iter().zip(times).zip(ratios) {
             let reference = references.get(&side.size());
             let errors = reference.map(|reference| reference.errors(&side.distances()));
             let (side, enclosure_calls, remark) =
                 (side.name(), side.enclosure_calls(), side.remark());
-            report.add(surface.name, Row { side, times, errors, enclosure_calls, ratios, remark });
+            report.add(&surface.name, Row { side, times, errors, enclosure_calls, ratios, remark });
         }
         if let Some(reference) = references.get(&(arguments.size as usize)) {
             let [none, roots, open] = reference.counts();

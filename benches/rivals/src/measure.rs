@@ -2,6 +2,7 @@
 
 use crate::side::Side;
 use anyhow::Result;
+use rustix::time::{ClockId, clock_gettime};
 use std::time::Instant;
 
 /// A renderer's seconds per picture, one number for each round.
@@ -26,7 +27,50 @@ pub fn measure(sides: &mut [Box<dyn Side + Send>], rounds: usize) -> Result<Vec<
     Ok(times.into_iter().map(Times).collect())
 }
 
+/// As [`measure`], but with the processor time of the process, which other programs hardly change.
+/// Rounds end when all sides together have taken `most` seconds. The first round, which warms up,
+/// counts if there is time for no other.
+///
+/// # Errors
+/// If a renderer cannot draw.
+pub fn measure_within(
+    sides: &mut [Box<dyn Side + Send>],
+    rounds: usize,
+    most: f64,
+) -> Result<Vec<Times>> {
+    let start = processor_seconds();
+    let mut times = vec![Vec::with_capacity(rounds); sides.len()];
+    for round in 0..=rounds {
+        // The rounds so far tell whether there is time for another.
+        let spent = processor_seconds() - start;
+        if round > 0 && spent + spent / round as f64 > most {
+            break;
+        }
+        if round == 1 {
+            times.iter_mut().for_each(Vec::clear);
+        }
+        for turn in 0..sides.len() {
+            let side = (round + turn) % sides.len();
+            let start = processor_seconds();
+            sides[side].draw()?;
+            times[side].push((processor_seconds() - start) / sides[side].pictures() as f64);
+        }
+    }
+    Ok(times.into_iter().map(Times).collect())
+}
+
+/// Processor time of all threads of this process, in seconds.
+fn processor_seconds() -> f64 {
+    let time = clock_gettime(ClockId::ProcessCPUTime);
+    time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9
+}
+
 impl Times {
+    /// Number of rounds.
+    pub fn rounds(&self) -> usize {
+        self.0.len()
+    }
+
     /// The median, in seconds.
     pub fn median(&self) -> f64 {
         quantile(&self.0, 0.5)

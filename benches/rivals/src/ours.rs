@@ -5,10 +5,11 @@ use crate::surfaces::Surface;
 use anyhow::Result;
 use zeroset_render::model::Model;
 use zeroset_render::picture::{Normals, Picture, Settings};
-use zeroset_trace::{Camera, Method, TraceOptions};
+use zeroset_trace::{Camera, Method, PixelCounts, TraceOptions};
 
 /// A compiled surface, with its last picture.
 pub struct ZerosetSide {
+    name: String,
     model: Model,
     camera: Camera,
     settings: Settings,
@@ -26,25 +27,39 @@ impl ZerosetSide {
         size: usize,
         depth: u32,
     ) -> Result<Self> {
-        let settings = Settings {
-            options: TraceOptions { depth, ..TraceOptions::default() },
-            width: size,
-            height: size,
-            method,
-            shadow_depth: None,
-            normals: Some(Normals::Gradient),
-            keeps_normals: false,
-            ..Settings::default()
-        };
+        let options = TraceOptions { depth, ..TraceOptions::default() };
+        let settings = Settings { options, ..settings(method, size) };
+        Self::with(method.name, surface, settings)
+    }
+
+    /// Compiles the surface for these settings. The side has its own name.
+    ///
+    /// # Errors
+    /// As [`ZerosetSide::new`].
+    pub fn with(name: &str, surface: &Surface, settings: Settings) -> Result<Self> {
         let (document, region) = (surface.document()?, surface.region()?);
         let model = Model::new(&document, &region, &settings)?;
-        Ok(Self { model, camera: surface.camera()?, settings, picture: None })
+        let (name, camera) = (name.to_owned(), surface.camera()?);
+        Ok(Self { name, model, camera, settings, picture: None })
+    }
+}
+
+/// Settings of a square picture with normals and colors, without shadows.
+pub fn settings(method: &'static Method, size: usize) -> Settings {
+    Settings {
+        width: size,
+        height: size,
+        method,
+        shadow_depth: None,
+        normals: Some(Normals::Gradient),
+        keeps_normals: false,
+        ..Settings::default()
     }
 }
 
 impl Side for ZerosetSide {
     fn name(&self) -> String {
-        self.settings.method.name.to_owned()
+        self.name.clone()
     }
 
     fn size(&self) -> usize {
@@ -73,5 +88,14 @@ impl Side for ZerosetSide {
             calls: work.calls,
             lanes: work.lanes as f64 / work.calls as f64,
         })
+    }
+
+    fn pixels(&self) -> Option<PixelCounts> {
+        self.picture.as_ref().map(|picture| picture.statistics.pixels)
+    }
+
+    fn note(&self) -> Option<String> {
+        let notes = self.picture.as_ref()?.fallback_notes(self.settings.method);
+        (!notes.is_empty()).then(|| notes.join("; "))
     }
 }

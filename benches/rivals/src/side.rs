@@ -1,6 +1,7 @@
 //! The interface of a renderer.
 
 use anyhow::Result;
+use zeroset_trace::PixelCounts;
 
 /// A renderer that is prepared for one surface and size.
 pub trait Side {
@@ -27,6 +28,16 @@ pub trait Side {
 
     /// Calls that computed bounds of f for the last picture, if they are counted.
     fn enclosure_calls(&self) -> Option<EnclosureCalls> {
+        None
+    }
+
+    /// Pixels of the last picture by status, for a renderer that proves something.
+    fn pixels(&self) -> Option<PixelCounts> {
+        None
+    }
+
+    /// Note on how the last picture was drawn.
+    fn note(&self) -> Option<String> {
         None
     }
 

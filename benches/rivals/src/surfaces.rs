@@ -4,6 +4,7 @@
 
 use anyhow::{Context, Result, ensure};
 use glam::DVec3;
+use std::borrow::Cow;
 use zeroset_scene::view::{self, DomainChoice};
 use zeroset_space::Region;
 use zeroset_syntax::{Document, Options, read};
@@ -12,30 +13,46 @@ use zeroset_trace::{Camera, Projection, RayGrid};
 
 /// A surface with its domain.
 pub struct Surface {
-    /// Name in the C++ code.
-    pub name: &'static str,
+    /// Name in the tables, and in the C++ code.
+    pub name: Cow<'static, str>,
     /// Half the edge of the domain, which is a cube around the origin.
     pub half: f64,
     /// Whether the domain cuts the surface open.
     pub is_cut: bool,
+    /// The view in which it is drawn.
+    pub view: View,
     /// Text of the surface's document, which states the same domain.
-    text: &'static str,
+    pub text: Cow<'static, str>,
+}
+
+/// A view of the domain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum View {
+    /// From [`EYE`], in perspective.
+    Oblique,
+    /// Along −z, in parallel. The picture is as wide as the domain.
+    Front,
 }
 
 /// Defines a surface by a function file of `crates/chart/data`.
 macro_rules! surface {
     ($name:literal, $file:literal, $half:expr, $is_cut:expr) => {
         Surface {
-            name: $name,
+            name: Cow::Borrowed($name),
             half: $half,
             is_cut: $is_cut,
-            text: include_str!(concat!("../../../crates/chart/data/", $file, ".zset")),
+            view: View::Oblique,
+            text: Cow::Borrowed(include_str!(concat!(
+                "../../../crates/chart/data/",
+                $file,
+                ".zset"
+            ))),
         }
     };
 }
 
 /// All surfaces: those of the C++, and a gyroid.
-pub const SURFACES: [Surface; 10] = [
+pub static SURFACES: [Surface; 10] = [
     surface!("sphere", "sphere", 1.2, false),
     surface!("torus", "torus", 1.3, false),
     surface!("steiner", "steiner", 1.0, false),
@@ -59,7 +76,7 @@ impl Surface {
     /// # Errors
     /// If it is not valid.
     pub fn document(&self) -> Result<Document> {
-        let document = read(self.text, &Options::default());
+        let document = read(&self.text, &Options::default());
         document.map_err(|errors| anyhow::anyhow!("{}: {errors}", self.name))
     }
 
@@ -69,9 +86,9 @@ impl Surface {
     /// If the cube is invalid, or the document states another domain.
     pub fn region(&self) -> Result<Region> {
         let half = DVec3::splat(self.half);
-        let region = Region::new(-half, half).context(self.name)?;
+        let region = Region::new(-half, half).with_context(|| self.name.to_string())?;
         let (own, _) = view::region(&self.document()?, DomainChoice::Document, None)?;
-        ensure!(own == region, "{}: the C++ has another domain than {own:?}", self.name);
+        ensure!(own == region, "{}: it is measured in another domain than {own:?}", self.name);
         Ok(region)
     }
 
@@ -85,8 +102,12 @@ impl Surface {
     /// # Errors
     /// If it is invalid.
     pub fn camera(&self) -> Result<Camera> {
-        let projection = Projection::Perspective { fov: FOV };
-        Camera::new(EYE * self.half, DVec3::ZERO, DVec3::Y, projection).context(self.name)
+        let (eye, projection) = match self.view {
+            View::Oblique => (EYE, Projection::Perspective { fov: FOV }),
+            View::Front => (2.0 * DVec3::Z, Projection::Orthographic { height: 2.0 * self.half }),
+        };
+        Camera::new(eye * self.half, DVec3::ZERO, DVec3::Y, projection)
+            .with_context(|| self.name.to_string())
     }
 }
 

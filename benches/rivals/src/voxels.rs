@@ -5,44 +5,65 @@
 
 use crate::reference::Entries;
 use crate::side::Side;
-use crate::surfaces::{FOV, Surface};
+use crate::surfaces::{FOV, Surface, View};
 use anyhow::{Result, anyhow, bail};
 use fidget::context::Tree;
-use fidget::jit::JitShape;
+use fidget::eval::MathFunction;
 use fidget::raster::voxel::{EvalConfig, Image, RenderConfig, render};
-use fidget::render::{CancelToken, ThreadPool, VoxelSize};
+use fidget::render::{CancelToken, RenderHints, ThreadPool, VoxelSize};
+use fidget::shape::Shape;
 use glam::DVec3;
 use nalgebra::{Matrix4, Vector4};
 use zeroset_ir::{Axis, Graph, Node, NodeId};
 use zeroset_ops::Op;
 use zeroset_trace::RayGrid;
 
-/// A shape, with its last picture.
-pub struct Voxels {
-    shape: JitShape,
+/// A shape, with its last picture. `F` is what evaluates it: native code or a virtual machine.
+pub struct Voxels<F> {
+    name: String,
+    shape: Shape<F>,
     config: RenderConfig,
     rays: RayGrid,
-    /// The inverse depth at z = 0 in fidget's world, and how much it grows up to z = 1.
-    inverse_depth: [f64; 2],
+    depth: Depth,
     is_parallel: bool,
-    entries: Entries,
+    entries: Option<Entries>,
     image: Image,
 }
 
-impl Voxels {
-    /// Prepares the surface in `size`³ voxels, with normals.
+/// The depth in front of the eye at z in fidget's world.
+#[derive(Clone, Copy)]
+enum Depth {
+    /// The inverse depth at z = 0, and how much it grows up to z = 1.
+    Inverse([f64; 2]),
+    /// The depth at z = 0, and how much it grows up to z = 1.
+    Linear([f64; 2]),
+}
+
+impl Depth {
+    fn at(self, z: f64) -> f64 {
+        match self {
+            Self::Inverse([middle, growth]) => 1.0 / (middle + growth * z),
+            Self::Linear([middle, growth]) => middle + growth * z,
+        }
+    }
+}
+
+impl<F: MathFunction> Voxels<F> {
+    /// Prepares the surface in `size`³ voxels, with normals. Without `entries`, the solid is where
+    /// f is below 0.
     ///
     /// # Errors
     /// If fidget lacks an operation.
     pub fn new(
+        name: String,
         surface: &Surface,
-        entries: Entries,
+        entries: Option<Entries>,
         size: usize,
         is_parallel: bool,
     ) -> Result<Self> {
         let document = surface.document()?;
         let mut tree = tree(&document.graph, document.surfaces[0].root)?;
-        if entries.are_mostly_below() {
+        if entries.is_some_and(Entries::are_mostly_below) {
             tree = -tree;
         }
         if surface.is_cut {
@@ -51,18 +72,21 @@ impl Voxels {
             }
         }
         let rays = surface.camera()?.rays(size, size);
-        let (matrix, inverse_depth) = screen(&rays, surface.half);
+        let (matrix, depth) = match surface.view {
+            View::Oblique => oblique(&rays, surface.half),
+            View::Front => front(&rays, surface.half),
+        };
         let mut config = RenderConfig::from_size(VoxelSize::from(size as u32));
         config.world_to_model = matrix;
-        let (shape, image) = (JitShape::from(tree), Image::default());
-        Ok(Self { shape, config, rays, inverse_depth, is_parallel, entries, image })
+        let (shape, image) = (Shape::from(tree), Image::default());
+        Ok(Self { name, shape, config, rays, depth, is_parallel, entries, image })
     }
 }
 
 /// Returns the matrix from fidget's world, with coordinates within ±1, to space. It reproduces
-/// zeroset's rays: along each, z is linear in the inverse depth. Also returns the inverse depth at
-/// z = 0 and its growth up to z = 1, a plane in front of the domain.
-fn screen(rays: &RayGrid, half: f64) -> (Matrix4<f32>, [f64; 2]) {
+/// zeroset's rays: along each, z is linear in the inverse depth. At z = 1 is a plane in front of the
+/// domain.
+fn oblique(rays: &RayGrid, half: f64) -> (Matrix4<f32>, Depth) {
     let (eye, forward) = (rays.eye(), rays.forward());
     let reach = (FOV / 2.0).to_radians().tan();
     let extent = half * forward.abs().element_sum();
@@ -70,16 +94,36 @@ fn screen(rays: &RayGrid, half: f64) -> (Matrix4<f32>, [f64; 2]) {
     let middle = f64::midpoint(1.0 / near, 1.0 / far);
     let growth = (1.0 / near - 1.0 / far) / 2.0;
     let [right, up] = [rays.right() * reach, rays.up() * reach];
-    // fidget's pixel positions are half a pixel off center, towards the lower left of the picture.
-    let centre = (right + up) / rays.width() as f64;
-    let column = |v: DVec3, w: f64| Vector4::from([v.x, v.y, v.z, w].map(|x| x as f32));
+    let centre = centre(right, up, rays);
     let matrix = Matrix4::from_columns(&[
         column(right, 0.0),
         column(up, 0.0),
         column(eye * growth, growth),
         column(eye * middle + forward + centre, middle),
     ]);
-    (matrix, [middle, growth])
+    (matrix, Depth::Inverse([middle, growth]))
+}
+
+/// As [`oblique`], for parallel rays. Voxels fill the domain.
+fn front(rays: &RayGrid, half: f64) -> (Matrix4<f32>, Depth) {
+    let [right, up] = [rays.right() * half, rays.up() * half];
+    let matrix = Matrix4::from_columns(&[
+        column(right, 0.0),
+        column(up, 0.0),
+        column(rays.forward() * -half, 0.0),
+        column(centre(right, up, rays), 1.0),
+    ]);
+    (matrix, Depth::Linear([rays.eye().length(), -half]))
+}
+
+fn column(v: DVec3, w: f64) -> Vector4<f32> {
+    Vector4::from([v.x, v.y, v.z, w].map(|x| x as f32))
+}
+
+/// fidget's pixel positions are half a pixel off center, towards the lower left of the picture.
+/// Returns the way back, given those from the middle to the right and to the upper edge.
+fn centre(right: DVec3, up: DVec3, rays: &RayGrid) -> DVec3 {
+    (right + up) / rays.width() as f64
 }
 
 /// Converts the function as typed. fidget simplifies it.
@@ -102,6 +146,10 @@ fn tree(graph: &Graph, root: NodeId) -> Result<Tree> {
                     Op::Sqrt => at(0).sqrt(),
                     Op::Sin => at(0).sin(),
                     Op::Cos => at(0).cos(),
+                    Op::Exp => at(0).exp(),
+                    Op::Ln => at(0).ln(),
+                    Op::Min => at(0).min(at(1)),
+                    Op::Max => at(0).max(at(1)),
                     Op::Add => at(0) + at(1),
                     Op::Sub => at(0) - at(1),
                     Op::Mul => at(0) * at(1),
@@ -122,9 +170,9 @@ fn tree(graph: &Graph, root: NodeId) -> Result<Tree> {
     trees[root.index()].clone().ok_or_else(|| anyhow!("no formula"))
 }
 
-impl Side for Voxels {
+impl<F: MathFunction + RenderHints> Side for Voxels<F> {
     fn name(&self) -> String {
-        format!("fidget {}³", self.size())
+        self.name.clone()
     }
 
     fn size(&self) -> usize {
@@ -143,7 +191,6 @@ impl Side for Voxels {
 
     fn distances(&self) -> Vec<f64> {
         let size = self.size() as f64;
-        let [middle, growth] = self.inverse_depth;
         let distance = |(pixel, depth): (usize, u32)| {
             if depth == 0 {
                 return f64::INFINITY;
@@ -151,13 +198,13 @@ impl Side for Voxels {
             // `depth` is the index of the first voxel inside, plus one. Indices grow towards the
             // eye, so voxel `depth` is outside.
             let z = (f64::from(depth) - 0.5 - size / 2.0) * 2.0 / size;
-            self.rays.ray_of(pixel).distance(1.0 / (middle + growth * z))
+            self.rays.ray_of(pixel).distance(self.depth.at(z))
         };
         self.image.iter().map(|pixel| pixel.depth).enumerate().map(distance).collect()
     }
 
     fn remark(&self) -> Option<String> {
-        let share = self.entries.minority()?;
+        let share = self.entries?.minority()?;
         Some(format!(
             "fidget cannot draw it: of solids it draws the cut face, and {:.0} % of the rays enter the domain inside",
             100.0 * share

@@ -48,6 +48,10 @@ pub enum ChartCommand {
     ///
     /// Writes `compile-time.svg`, `compile-code.svg` and `compile.csv`, with a row per formula.
     Compile(CompileArguments),
+    /// Draw time against the number of parts, from the rows that `benches/rivals` has measured
+    ///
+    /// Writes `parts.svg`.
+    Parts(PartsArguments),
     /// Draw the charts of a directory's rows again, as `run` does at its end
     Draw {
         /// Directory that `run` has written
@@ -187,6 +191,16 @@ pub struct CompileArguments {
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
     /// Directory for the rows and the charts
+    #[arg(short, long, value_name = "DIRECTORY")]
+    pub output: PathBuf,
+}
+
+/// Arguments of `parts`.
+#[derive(Args, Debug)]
+pub struct PartsArguments {
+    /// CSV file that `parts -o FILE` of `benches/rivals` has written
+    pub rows: PathBuf,
+    /// Directory for the chart
     #[arg(short, long, value_name = "DIRECTORY")]
     pub output: PathBuf,
 }

@@ -21,6 +21,7 @@ pub mod machine;
 pub mod measure;
 pub mod page;
 pub mod pareto;
+pub mod parts;
 pub mod plot;
 pub mod progress;
 pub mod quantile;

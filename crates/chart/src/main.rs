@@ -11,6 +11,7 @@ use zeroset_chart::charts::draw_all;
 use zeroset_chart::check::check;
 use zeroset_chart::growth::growth;
 use zeroset_chart::page::write_page;
+use zeroset_chart::parts::parts;
 use zeroset_chart::rays::rays;
 use zeroset_chart::rigour::rigour;
 use zeroset_chart::run::run;
@@ -59,6 +60,7 @@ fn dispatch(arguments: &ChartArguments, text: &mut String) -> Result<ExitCode> {
         ChartCommand::Stability(arguments) => text.push_str(&stability(arguments)?),
         ChartCommand::Rigour(arguments) => text.push_str(&rigour(arguments)?),
         ChartCommand::Compile(arguments) => text.push_str(&growth(arguments)?),
+        ChartCommand::Parts(arguments) => text.push_str(&parts(arguments)?),
         ChartCommand::Rays(arguments) => text.push_str(&rays(arguments)?),
         ChartCommand::Draw { directory } => draw(directory, text)?,
         ChartCommand::Check { directory } => {
