@@ -254,10 +254,13 @@ impl PartsArguments {
             if !is_wanted || slow.iter().any(|(of, side)| of == family && side == name) {
                 continue;
             }
-            match prepare(name, surface, self.size as usize) {
+            match prepare(*name, surface, self.size as usize) {
                 Ok(side) => sides.push(side),
                 Err(error) => println!("{family:16}{:15} {name}: {error:#}", ""),
             }
+        }
+        if sides.is_empty() {
+            return Ok(Vec::new());
         }
         let times = measure_within(&mut sides, self.rounds as usize, self.budget)?;
         let first: Vec<bool> = drawn(&*sides[0]);

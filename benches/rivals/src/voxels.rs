@@ -11,7 +11,7 @@ use fidget::context::Tree;
 use fidget::eval::MathFunction;
 use fidget::raster::voxel::{EvalConfig, Image, RenderConfig, render};
 use fidget::render::{CancelToken, RenderHints, ThreadPool, VoxelSize};
-use fidget::shape::Shape;
+use fidget::shape::{BoundShape, Shape};
 use glam::DVec3;
 use nalgebra::{Matrix4, Vector4};
 use zeroset_ir::{Axis, Graph, Node, NodeId};
@@ -180,7 +180,7 @@ impl<F: MathFunction + RenderHints> Side for Voxels<F> {
     }
 
     fn draw(&mut self) -> Result<()> {
-        let shape = self.shape.clone().try_into()?;
+        let shape: BoundShape<'_, F, f32> = self.shape.clone().try_into()?;
         // fidget's global pool is the pool in which this function runs.
         let threads = self.is_parallel.then_some(&ThreadPool::Global);
         let evaluation = EvalConfig { tile_sizes: None, threads, cancel: CancelToken::new() };

@@ -2,7 +2,7 @@
 //! numbers and the same operations.
 
 use crate::surfaces::{Surface, View};
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, anyhow, ensure};
 use fastrand::Rng;
 use glam::DVec3;
 use std::borrow::Cow;
@@ -185,8 +185,8 @@ fn sponge() -> PartsModel {
     let w = text.define(&format!("0.8*{w} - 0.6*y"));
     for step in 1..=3 {
         let cells = 3_i32.pow(step - 1);
-        let cell = 1.4 / f64::from(cells);
-        let middle = |n: i32| (f64::from(n) + 0.5) * cell - 0.7;
+        let cell = 1.38 / f64::from(cells);
+        let middle = |n: i32| (f64::from(n) + 0.5) * cell - 0.69;
         let mut slabs = |axis: &str| -> Vec<String> {
             let slab = |n| format!("abs({axis} - ({:.9})) - {:.9}", middle(n), cell / 6.0);
             (0..cells).map(|n| text.define(&slab(n))).collect()
@@ -202,7 +202,7 @@ fn sponge() -> PartsModel {
     }
     let count = bars.len();
     let holes = text.union(bars);
-    let cube = text.cuboid_of([&u, &v, &w], DVec3::splat(0.7));
+    let cube = text.cuboid_of([&u, &v, &w], DVec3::splat(0.69));
     text.model("sponge", count, &format!("max({cube}, -{holes}) <= 0"))
 }
 
@@ -255,8 +255,8 @@ fn chain() -> PartsModel {
 /// If the file cannot be read, or has another domain.
 pub fn of_file(path: &Path) -> Result<PartsModel> {
     let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
-    let refuse = |errors| anyhow::anyhow!("{}: {errors}", path.display());
-    let document = read(&text, &Options::default()).map_err(refuse)?;
+    let document = read(&text, &Options::default());
+    let document = document.map_err(|errors| anyhow!("{}: {errors}", path.display()))?;
     let (region, _) = view::region(&document, DomainChoice::Document, None)?;
     let half = region.high().x;
     let is_cube = region.high() == DVec3::splat(half) && region.low() == DVec3::splat(-half);
