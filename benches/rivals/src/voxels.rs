@@ -150,6 +150,8 @@ fn tree(graph: &Graph, root: NodeId) -> Result<Tree> {
                     Op::Ln => at(0).ln(),
                     Op::Min => at(0).min(at(1)),
                     Op::Max => at(0).max(at(1)),
+                    // A solid keeps gaps of f out. The models have none: f has a value everywhere.
+                    Op::Otherwise => at(0),
                     Op::Add => at(0) + at(1),
                     Op::Sub => at(0) - at(1),
                     Op::Mul => at(0) * at(1),
