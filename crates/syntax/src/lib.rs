@@ -11,6 +11,8 @@
 //! - `picture`: lines about the picture, such as `view`.
 //! - `dialect`: programs and commands of other systems to statements of this language, before trees
 //!   are built.
+//! - `list`: expression lists, the format of fidget. They skip all stages but the settings of the
+//!   picture.
 //! - `document`: runs all stages in turn. [`read`] is its entry point.
 //!
 //! Nothing here computes a picture, prints or reads files.
@@ -25,6 +27,7 @@ mod dialect;
 mod document;
 mod lex;
 mod limits;
+mod list;
 mod lower;
 mod messages;
 mod picture;
@@ -33,6 +36,7 @@ mod span;
 mod tree;
 mod words;
 
+pub use document::listed::is_expression_list;
 pub use document::reading::{
     Document, Options, Parameter, ParameterKind, Surface, SurfaceKind, parse, read, read_bytes,
 };

@@ -4,6 +4,7 @@ mod builders;
 mod corpus;
 mod gallery;
 mod hostile;
+mod lists;
 mod render;
 mod round_trip;
 mod words;
