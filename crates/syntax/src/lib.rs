@@ -15,6 +15,8 @@
 //!   picture.
 //! - `document`: runs all stages in turn. [`read`] is its entry point.
 //!
+//! - `emit`: documents to texts in several formats.
+//!
 //! Nothing here computes a picture, prints or reads files.
 //! ```
 //! use zeroset_syntax::{Options, read};
@@ -25,6 +27,7 @@
 
 mod dialect;
 mod document;
+mod emit;
 mod lex;
 mod limits;
 mod list;
@@ -40,6 +43,7 @@ pub use document::listed::is_expression_list;
 pub use document::reading::{
     Document, Options, Parameter, ParameterKind, Surface, SurfaceKind, parse, read, read_bytes,
 };
+pub use emit::{EmitError, Format, emit};
 pub use limits::Limits;
 pub use lower::constant::constant;
 pub use messages::error::{Error, ErrorKind, Errors, Origin, Suggestion};

@@ -2,6 +2,7 @@
 
 mod builders;
 mod corpus;
+mod emit;
 mod gallery;
 mod hostile;
 mod lists;
