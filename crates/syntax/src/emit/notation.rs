@@ -41,7 +41,13 @@ pub(super) fn notation(format: Format, op: Op) -> Notation {
         Op::Mul => Sign(if tex { "\\cdot" } else { "*" }),
         Op::Div if tex => Special,
         Op::Div => Sign("/"),
-        Op::Pow | Op::Sqr => Special,
+        Op::WhereNonneg | Op::WherePositive | Op::WhereNonzero if glsl => Missing,
+        Op::Pow
+        | Op::Sqr
+        | Op::SelectNegative
+        | Op::WhereNonneg
+        | Op::WherePositive
+        | Op::WhereNonzero => Special,
         Op::Abs => by("abs", Call("abs"), Around("\\left|", "\\right|")),
         Op::Sign => named("sign", "\\operatorname{sign}"),
         Op::Floor => by("floor", Call("floor"), Around("\\lfloor ", " \\rfloor")),
@@ -71,9 +77,6 @@ pub(super) fn notation(format: Format, op: Op) -> Notation {
         Op::Atan2 => by("atan2", Call("atan"), Call("\\operatorname{atan2}")),
         Op::Min => named("min", "\\min"),
         Op::Max => named("max", "\\max"),
-        Op::SelectNegative => Special,
-        Op::WhereNonneg | Op::WherePositive | Op::WhereNonzero if glsl => Missing,
-        Op::WhereNonneg | Op::WherePositive | Op::WhereNonzero => Special,
         Op::Otherwise | Op::WhereDefined => Missing,
     }
 }

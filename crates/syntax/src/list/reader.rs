@@ -132,13 +132,11 @@ fn number(word: &str) -> Option<Constant> {
         return Constant::decimal(word.strip_prefix('+').unwrap_or(word));
     };
     let size = Constant::decimal(size)?;
-    Some(match size.exact() {
-        Some(value) => Constant::rational(-value),
-        None => {
-            let Interval { lo, hi } = size.bounds();
-            Constant::enclosed(Interval { lo: -hi, hi: -lo })
-        }
-    })
+    if let Some(value) = size.exact() {
+        return Some(Constant::rational(-value));
+    }
+    let Interval { lo, hi } = size.bounds();
+    Some(Constant::enclosed(Interval { lo: -hi, hi: -lo }))
 }
 
 /// The error for a constant that is no decimal.

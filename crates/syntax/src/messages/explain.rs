@@ -215,7 +215,7 @@ impl Error {
             BadLook => there_are(&LOOKS.map(|look| look.name)),
             BadSetting { hint, .. } => (*hint).to_owned(),
             BadColorMap => there_are(&COLOR_MAPS.map(|map| map.name)),
-            kind => fixed_advice(kind)?.to_owned(),
+            kind => fixed_advice(kind).or_else(|| list_advice(kind))?.to_owned(),
         })
     }
 
@@ -247,16 +247,6 @@ fn is_clause(word: &str) -> bool {
 /// Advice that depends only on the kind of the error.
 fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
     Some(match kind {
-        NoOperation { .. } => "write a line such as `_0 const 2.95`, `_1 var-x` or `_2 mul _1 _0`",
-        OperandCount { expected: 0, .. } => "leave out the words after it",
-        OperandCount { expected: 1, .. } => "write one name or number after it",
-        OperandCount { .. } => "write the names of two lines after it",
-        OperationOfBits { .. } => "replace it by a constant or a formula",
-        UndefinedOperand { .. } => "add the line that defines it, or correct the name",
-        DefinedBelow { .. } => "move that line above this one",
-        RepeatedLine { .. } => "give one of the two lines another name",
-        NotADecimal { .. } => "write a finite decimal, such as `2.95` or `-1.5e-3`",
-        ListTooLarge { .. } => "draw a part of the model",
         Empty => "write an equation such as `x^2 + y^2 + z^2 = 1`",
         Unclosed { .. } => "write the bracket that closes it where it should end",
         Mismatched { .. } => "close each bracket by its own kind, the inner one first",
@@ -347,6 +337,23 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         CoordinateFunction { .. } => "give the function another name, such as `f`",
         UnknownOverride { .. } => "use it in the formula, or drop the setting",
         OverrideFunction { .. } => "change its definition in the text instead",
+        _ => return None,
+    })
+}
+
+/// Advice on errors in expression lists.
+fn list_advice(kind: &ErrorKind) -> Option<&'static str> {
+    Some(match kind {
+        NoOperation { .. } => "write a line such as `_0 const 2.95`, `_1 var-x` or `_2 mul _1 _0`",
+        OperandCount { expected: 0, .. } => "leave out the words after it",
+        OperandCount { expected: 1, .. } => "write one name or number after it",
+        OperandCount { .. } => "write the names of two lines after it",
+        OperationOfBits { .. } => "replace it by a constant or a formula",
+        UndefinedOperand { .. } => "add the line that defines it, or correct the name",
+        DefinedBelow { .. } => "move that line above this one",
+        RepeatedLine { .. } => "give one of the two lines another name",
+        NotADecimal { .. } => "write a finite decimal, such as `2.95` or `-1.5e-3`",
+        ListTooLarge { .. } => "draw a part of the model",
         _ => return None,
     })
 }
