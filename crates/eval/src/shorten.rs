@@ -1,10 +1,10 @@
 //! Tapes that shrink: in a part of space, steps that cannot change where a function is 0, or its
 //! sign, are dropped.
 //!
-//! A step's value matters only between two *thresholds* −S and T: its substitute must have the same
-//! value wherever that is between them, must be above T exactly where the value is above T, below
-//! −S exactly where the value is below −S, and undefined exactly where the value is. For the
-//! function itself both thresholds are 0, so that zeros, signs and the domain of definition stay.
+//! A step's value matters only between two *thresholds* −S and T. Its substitute must have the same
+//! value wherever that is between them. It must be above T exactly where the value is, below −S
+//! exactly where the value is, and undefined exactly where the value is. For the function itself
+//! both thresholds are 0, so that zeros, signs and the domain of definition stay.
 //! The module [`rules`] has the rule of each operation, and [`thresholds`] applies them.
 
 mod rules;
@@ -100,14 +100,14 @@ pub struct SelectedStep {
 impl SelectedStep {
     /// Marks changed steps.
     const CHANGED: u32 = 1 << 31;
-    /// Stands for a step that negates its operand and is none of the tape's.
+    /// Stands for an added step, which negates its operand.
     const NEGATION: u32 = u32::MAX;
 
     fn new(origin: u32, operands: [SelectedOperand; 3], is_changed: bool) -> Self {
         Self { origin: if is_changed { origin | Self::CHANGED } else { origin }, operands }
     }
 
-    /// Index in the tape; `None` for a step that negates its operand.
+    /// Index in the tape; `None` for an added step, which negates its operand.
     #[inline]
     pub fn origin(&self) -> Option<usize> {
         (self.origin != Self::NEGATION).then_some((self.origin & !Self::CHANGED) as usize)
@@ -141,7 +141,7 @@ pub struct Selection {
 #[derive(Clone, Debug)]
 pub struct DecidingSteps {
     positions: Vec<u32>,
-    /// Per step, its place among those; the largest number if it has none.
+    /// Per step, its place among those; the largest number for other steps.
     places: Vec<u32>,
 }
 
@@ -237,8 +237,8 @@ impl Shortener {
     }
 
     /// Selects, for each of the lanes `open`, the steps of a selection that matter in a part of
-    /// space. `bounds` tells what holds in the part of each lane for the deciding steps, in the same
-    /// order.
+    /// space. `bounds` tells what holds in the part of each lane for the deciding steps, in the
+    /// same order.
     ///
     /// The selected function has the same zeros and signs there, and the same domain of definition.
     /// `None` for lanes that are not open, and those in which more than `most` steps matter.
@@ -277,7 +277,7 @@ impl Shortener {
                 let mut push = |step: SelectedStep| {
                     let flag = if step.is_changed() { Place::CHANGED } else { 0 };
                     chosen.push(step);
-                    Place(chosen.len() as u32 - 1 | flag)
+                    Place((chosen.len() as u32 - 1) | flag)
                 };
                 let replaced = need.replaced.iter().position(|lanes| lanes >> lane & 1 == 1);
                 places[index][lane] = if let Some(k) = replaced {

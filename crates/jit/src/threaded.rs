@@ -166,8 +166,8 @@ impl<Q: Query, T: Real> StencilTape<Q, T> {
         &self.tape
     }
 
-    /// Returns the exponent of a step that is a power in the tape. A constant that replaces it is no
-    /// whole exponent, though it may be a whole number: real powers of numbers below 0 stay
+    /// Returns the exponent of a step that is a power in the tape. A constant that replaces it is
+    /// no whole exponent, though it may be a whole number: real powers of numbers below 0 stay
     /// undefined.
     fn exponent(&self, step: &SelectedStep) -> Option<usize> {
         match &self.tape.steps()[step.origin()?] {

@@ -22,7 +22,7 @@ pub fn lanes(mut set: LaneSet) -> impl Iterator<Item = usize> {
     })
 }
 
-/// What is known about the value of an operand in one lane.
+/// Bounds of an operand's value in one lane.
 #[derive(Clone, Copy)]
 struct Known {
     values: Interval,
@@ -38,7 +38,7 @@ pub struct StepNeed {
     exact: LaneSet,
     /// Lanes in which an operand replaces the step, for each of the two that may do so.
     pub replaced: [LaneSet; 2],
-    /// The place of its thresholds in the other lanes, plus 1. If 0, it has none.
+    /// The place of its thresholds for the other lanes, plus 1; 0 if there are no thresholds.
     thresholds: u32,
 }
 
@@ -79,7 +79,7 @@ impl StepNeeds {
     }
 }
 
-/// What is given when steps are chosen.
+/// A selection of steps from which shorter ones are chosen, and what is known about it.
 pub struct Choosing<'a, T: Real> {
     pub tape: &'a Tape<T>,
     pub shortener: &'a Shortener,
@@ -160,7 +160,9 @@ impl<T: Real> NeedFinder<'_, T> {
         let rule = step.origin().map_or(StepRule::Neg, |origin| shortener.rules.of[origin]);
         match rule {
             StepRule::Exact => {
-                operands.iter().for_each(|&operand| self.need_exact(operand, set));
+                for operand in operands {
+                    self.need_exact(operand, set);
+                }
             }
             StepRule::Min | StepRule::Max => {
                 self.pass_on_least(index, [operands[0], operands[1]], rule == StepRule::Max);
@@ -300,7 +302,9 @@ impl<T: Real> NeedFinder<'_, T> {
             self.needs.of[index].replaced[k] |= 1 << lane;
             self.need(operands[k], lane, own);
         } else {
-            operands.iter().for_each(|&operand| self.need(operand, lane, each));
+            for operand in operands {
+                self.need(operand, lane, each);
+            }
         }
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! Each function is written as typed, not simplified. What is written reads back as the same
 //! function. An operation that a format cannot hold is an error that names the operation. Nothing
-//! here recurses, and a value with several users is written once, so a text is as long as its graph.
+//! here recurses, and a value with several users is written once, so a text is as long as its
+//! graph.
 
 mod formula;
 mod list;

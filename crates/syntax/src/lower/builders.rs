@@ -1,9 +1,9 @@
 //! Lowers builders: primitives, moves and copies of solids.
 //!
 //! A move evaluates the function of a solid at another point. Nothing is copied at once: the moved
-//! function becomes a placeholder in the graph, which [`Lowering::in_place`] expands at the end. The
-//! function is then visited once for each point at which it is evaluated. So nested moves cost what
-//! the result costs, and equal moves of one solid cost nothing more.
+//! function becomes a placeholder in the graph, which [`Lowering::in_place`] expands at the end.
+//! The function is then visited once for each point at which it is evaluated. So nested moves cost
+//! what the result costs, and equal moves of one solid cost nothing more.
 
 use crate::limits::Limits;
 use crate::lower::choice::integer_of;

@@ -110,7 +110,8 @@ fn allowed_definitions_fit_the_stack() {
     accepted(format!("float map(vec3 p) {{ float d = 0.;\n{step}return d; }}"));
 }
 
-/// Chains of definitions are as long as the text: nothing recurses along them, whatever their order.
+/// Chains of definitions are as long as the text: nothing recurses along them, whatever their
+/// order.
 #[test]
 fn chains_of_definitions_are_not_nested() {
     let count = 20_000;
