@@ -61,10 +61,10 @@ fn each_limit_says_which_it_is() {
     let doubled: Vec<String> = doubled.collect();
     for (text, expected) in [
         (
-            "x".to_owned() + &" ".repeat(10 << 20),
-            "the text is 10485761 bytes long; at most 10485760 are read",
+            "x".to_owned() + &" ".repeat(64 << 20),
+            "the text is 67108865 bytes long; at most 67108864 are read",
         ),
-        ("x+".repeat(500_001), "more than 1000000 numbers, names and signs"),
+        ("x+".repeat(4_000_001), "more than 8000000 numbers, names and signs"),
         ("(".repeat(201) + "x" + &")".repeat(201), "nested more than 200 levels deep"),
         ("x = 1\n".repeat(1001), "the text draws more than 1000 surfaces"),
         (format!("g0(a) = a+x\n{}\ng39(y)", doubled.join("\n")), "more than 262144 operations"),
@@ -90,13 +90,13 @@ fn texts_made_to_break_a_parser() {
     // This line is longer than an argument may be. It comes from standard input and from a file.
     let line = format!("x{}", "+x".repeat(5 << 20));
     let run = pasted.run_with(&["render", "-", "-o", PICTURE], line.as_bytes());
-    assert_refused(&pasted, &run, "bytes long", "a line of ten megabytes");
-    pasted.write("long.zset", &line[..3_000_001]);
+    assert_refused(&pasted, &run, "more than", "a line of ten megabytes");
+    pasted.write("long.zset", &line[..9_000_001]);
     let run = pasted.run(&["render", "long.zset", "-o", PICTURE]);
-    assert_refused(&pasted, &run, "more than", "a file of three megabytes");
-    let endless = vec![b'x'; 17 << 20];
+    assert_refused(&pasted, &run, "more than", "a file of nine megabytes");
+    let endless = vec![b'x'; 81 << 20];
     let run = pasted.run_with(&["render", "-", "-o", PICTURE], &endless);
-    assert_refused(&pasted, &run, "longer than", "17 MB");
+    assert_refused(&pasted, &run, "longer than", "81 MB");
 }
 
 #[test]

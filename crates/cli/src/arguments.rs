@@ -13,6 +13,7 @@ use zeroset_render::picture::{Normals, Precision};
 use zeroset_scene::view::{self, CameraChoice, ClipChoice, ClipShape, Clipping, DomainChoice};
 use zeroset_shade::UndecidedStyle;
 use zeroset_style::{LOOKS, Look, StandardView, VIEWS};
+use zeroset_syntax::Format;
 use zeroset_trace::{METHODS, Method, MethodOption, OPTIONS, Projection, TraceOptions};
 
 /// Default number of rays traced in a pixel that lies on an edge.
@@ -451,6 +452,14 @@ fn floats() -> impl TypedValueParser<Value = Precision> {
     PossibleValuesParser::new(names).try_map(|name| Precision::named(&name).ok_or("no such value"))
 }
 
+/// Returns a parser that accepts the names of formats in which formulas are written.
+fn format() -> impl TypedValueParser<Value = Format> {
+    let names = PossibleValuesParser::new(Format::ALL.map(Format::name));
+    names.try_map(|name| {
+        Format::ALL.into_iter().find(|format| format.name() == name).ok_or("no such format")
+    })
+}
+
 /// Returns a parser that accepts the names of standard views.
 fn side() -> impl TypedValueParser<Value = &'static StandardView> {
     let names = PossibleValuesParser::new(VIEWS.map(|view| view.name));
@@ -502,6 +511,10 @@ pub struct ExplainArgs {
     /// Also show the intermediate code of the kernels that find zeros
     #[arg(long)]
     pub code: bool,
+
+    /// Write the formula in this format instead: `vm` is the format of fidget
+    #[arg(long, value_name = "vm|glsl|tex|zset", value_parser = format(), conflicts_with = "code")]
+    pub emit: Option<Format>,
 }
 
 #[derive(Debug, Args)]

@@ -19,12 +19,32 @@ use zeroset_scene::coordinate::coordinate;
 use zeroset_scene::program::{ClearedGraph, KernelSource, Program};
 use zeroset_scene::view;
 use zeroset_space::Region;
-use zeroset_syntax::SurfaceKind;
+use zeroset_syntax::{Format, SurfaceKind, emit};
 use zeroset_trace::{Method, TraceOptions};
 
 pub fn run(arguments: &ExplainArgs) -> Result<ExitCode> {
     let subject = Subject::read(&arguments.document)?;
+    if let Some(format) = arguments.emit {
+        return written(&subject, format);
+    }
     let text = explain(&subject, <&Method>::default(), arguments.precision, arguments.code)?;
+    print(&text)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Prints the document in another format.
+fn written(subject: &Subject, format: Format) -> Result<ExitCode> {
+    let document = &subject.document;
+    let text = emit(document, &subject.source.text, format)?;
+    if !format.holds_kinds()
+        && document.surfaces.iter().any(|one| one.kind == SurfaceKind::Equation)
+    {
+        let drawn = if format == Format::Vm { "the solid <= 0" } else { "where it is 0" };
+        notes::note(&format!(
+            "`{}` holds the function alone: read back, it draws {drawn}",
+            format.name()
+        ));
+    }
     print(&text)?;
     Ok(ExitCode::SUCCESS)
 }

@@ -8,8 +8,8 @@ use std::path::Path;
 use zeroset_live::DocumentSource;
 use zeroset_scene::gallery::{Example, example, examples, models};
 
-/// Longest text that is read, in bytes; the parser's own limit is far lower.
-const LONGEST: u64 = 16 << 20;
+/// Longest text that is read, in bytes. The parser's own limit is lower.
+const LONGEST: u64 = 80 << 20;
 
 /// A text and where it came from.
 pub struct Source {

@@ -36,7 +36,9 @@ pub use query::{
 };
 pub use real::Real;
 pub use reference::Reference;
-pub use shorten::{LaneSet, SelectedOperand, SelectedStep, Selection, Shortener, StepBounds};
+pub use shorten::{
+    DecidingSteps, LaneSet, SelectedOperand, SelectedStep, Selection, Shortener, StepBounds,
+};
 pub use surface::{
     KernelError, KernelFloat, KernelResult, Kernels, PartSurface, SurfaceKernels, ZeroTest,
 };

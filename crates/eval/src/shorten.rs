@@ -1,10 +1,10 @@
 //! Tapes that shrink: in a part of space, steps that cannot change where a function is 0, or its
 //! sign, are dropped.
 //!
-//! A step's value matters only between two *thresholds* −S and T: its substitute must have the same
-//! value wherever that is between them, must be above T exactly where the value is above T, below
-//! −S exactly where the value is below −S, and undefined exactly where the value is. For the
-//! function itself both thresholds are 0, so that zeros, signs and the domain of definition stay.
+//! A step's value matters only between two *thresholds* −S and T. Its substitute must have the same
+//! value wherever that is between them. It must be above T exactly where the value is, below −S
+//! exactly where the value is, and undefined exactly where the value is. For the function itself
+//! both thresholds are 0, so that zeros, signs and the domain of definition stay.
 //! The module [`rules`] has the rule of each operation, and [`thresholds`] applies them.
 
 mod rules;
@@ -16,7 +16,7 @@ use crate::tape::{Step, Tape};
 use rules::{Rules, StepRule};
 use smallvec::SmallVec;
 use std::cell::Cell;
-use thresholds::{StepNeeds, lanes};
+use thresholds::{Choosing, StepNeeds, lanes};
 use zeroset_interval::Interval;
 
 pub use thresholds::LaneSet;
@@ -92,20 +92,32 @@ impl SelectedOperand {
 /// A step of a [`Selection`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SelectedStep {
-    /// Index in the tape. The largest number stands for a step that negates its operand and is none
-    /// of the tape's.
+    /// Index in the tape, and whether the step is [changed](Self::is_changed).
     origin: u32,
     operands: [SelectedOperand; 3],
-    /// Whether an operand's value may be another than in the tape, because the operand or one of
-    /// its own operands was replaced.
-    pub is_changed: bool,
 }
 
 impl SelectedStep {
-    /// Index in the tape; `None` for a step that negates its operand.
+    /// Marks changed steps.
+    const CHANGED: u32 = 1 << 31;
+    /// Stands for an added step, which negates its operand.
+    const NEGATION: u32 = u32::MAX;
+
+    fn new(origin: u32, operands: [SelectedOperand; 3], is_changed: bool) -> Self {
+        Self { origin: if is_changed { origin | Self::CHANGED } else { origin }, operands }
+    }
+
+    /// Index in the tape; `None` for an added step, which negates its operand.
     #[inline]
     pub fn origin(&self) -> Option<usize> {
-        (self.origin != u32::MAX).then_some(self.origin as usize)
+        (self.origin != Self::NEGATION).then_some((self.origin & !Self::CHANGED) as usize)
+    }
+
+    /// Whether an operand's value may be another than in the tape, because the operand or one of
+    /// its own operands was replaced.
+    #[inline]
+    pub fn is_changed(&self) -> bool {
+        self.origin & Self::CHANGED != 0
     }
 
     /// The operands of the step.
@@ -123,10 +135,21 @@ impl SelectedStep {
 pub struct Selection {
     steps: Vec<SelectedStep>,
     outputs: SmallVec<[SelectedOperand; 1]>,
-    /// Positions of the steps whose bounds decide which others can be dropped, in order.
-    deciding: Vec<u32>,
-    /// Per step, its place among those; the largest number if it has none.
+}
+
+/// The steps of a selection whose bounds decide which others can be dropped.
+#[derive(Clone, Debug)]
+pub struct DecidingSteps {
+    positions: Vec<u32>,
+    /// Per step, its place among those; the largest number for other steps.
     places: Vec<u32>,
+}
+
+impl DecidingSteps {
+    /// Positions of the steps, in order.
+    pub fn positions(&self) -> &[u32] {
+        &self.positions
+    }
 }
 
 impl Selection {
@@ -152,10 +175,10 @@ impl Selection {
                 }
             }
             place.push(SelectedOperand(steps.len() as u32));
-            steps.push(SelectedStep { origin: index as u32, operands, is_changed: false });
+            steps.push(SelectedStep::new(index as u32, operands, false));
         }
         let outputs = tape.outputs_at().iter().map(|&output| place[output]).collect();
-        Self { steps, outputs, deciding: Vec::new(), places: Vec::new() }
+        Self { steps, outputs }
     }
 
     /// The steps.
@@ -166,12 +189,6 @@ impl Selection {
     /// The steps or constants that are the values of the expressions.
     pub fn outputs(&self) -> &[SelectedOperand] {
         &self.outputs
-    }
-
-    /// Positions of the steps whose bounds decide which others can be dropped, in order. None for a
-    /// selection that no [`Shortener`] made.
-    pub fn deciding(&self) -> &[u32] {
-        &self.deciding
     }
 }
 
@@ -187,15 +204,11 @@ impl Shortener {
         Self { rules: Rules::new(tape) }
     }
 
-    /// Selects all steps of the tape that was examined.
-    pub fn all<T: Real>(&self, tape: &Tape<T>) -> Selection {
-        let mut all = Selection::all(tape);
-        self.mark_deciding(&mut all);
-        all
-    }
-
-    /// Finds the steps whose bounds decide which others can be dropped.
-    fn mark_deciding(&self, selection: &mut Selection) {
+    /// Finds the steps of a selection whose bounds decide which others can be dropped.
+    ///
+    /// # Panics
+    /// If the selection is not of the tape that was examined.
+    pub fn deciding(&self, selection: &Selection) -> DecidingSteps {
         let mut places = vec![u32::MAX; selection.steps.len()];
         let mut mark = |operand: SelectedOperand| {
             if let Some(position) = operand.position() {
@@ -215,17 +228,17 @@ impl Shortener {
                 _ => {}
             }
         }
-        selection.deciding.clear();
+        let mut positions = Vec::new();
         for (position, place) in places.iter_mut().enumerate().filter(|(_, place)| **place == 0) {
-            *place = selection.deciding.len() as u32;
-            selection.deciding.push(position as u32);
+            *place = positions.len() as u32;
+            positions.push(position as u32);
         }
-        selection.places = places;
+        DecidingSteps { positions, places }
     }
 
     /// Selects, for each of the lanes `open`, the steps of a selection that matter in a part of
-    /// space. `bounds` tells what holds in the part of each lane for the selection's
-    /// [deciding](Selection::deciding) steps, in the same order.
+    /// space. `bounds` tells what holds in the part of each lane for the deciding steps, in the
+    /// same order.
     ///
     /// The selected function has the same zeros and signs there, and the same domain of definition.
     /// `None` for lanes that are not open, and those in which more than `most` steps matter.
@@ -236,13 +249,14 @@ impl Shortener {
         &self,
         tape: &Tape<T>,
         from: &Selection,
+        deciding: &DecidingSteps,
         bounds: &[StepBounds<T>],
         open: LaneSet,
         most: usize,
     ) -> [Option<Selection>; LANES] {
         let mut scratch = SCRATCH.take();
         let Scratch { needs, places } = &mut scratch;
-        needs.find(tape, self, from, bounds, open);
+        needs.find(&Choosing { tape, shortener: self, from, deciding, bounds }, open);
         if places.len() < from.steps.len() {
             places.resize(from.steps.len(), [Place(0); LANES]);
         }
@@ -261,9 +275,9 @@ impl Shortener {
                 };
                 let chosen = &mut chosen[lane];
                 let mut push = |step: SelectedStep| {
-                    let flag = if step.is_changed { Place::CHANGED } else { 0 };
+                    let flag = if step.is_changed() { Place::CHANGED } else { 0 };
                     chosen.push(step);
-                    Place(chosen.len() as u32 - 1 | flag)
+                    Place((chosen.len() as u32 - 1) | flag)
                 };
                 let replaced = need.replaced.iter().position(|lanes| lanes >> lane & 1 == 1);
                 places[index][lane] = if let Some(k) = replaced {
@@ -273,18 +287,18 @@ impl Shortener {
                     if *is_negated {
                         let operands =
                             [substitute.operand(), SelectedOperand::NONE, SelectedOperand::NONE];
-                        push(SelectedStep { origin: u32::MAX, operands, is_changed: true })
+                        push(SelectedStep { origin: SelectedStep::NEGATION, operands })
                     } else {
                         substitute
                     }
                 } else {
-                    let mut is_changed = step.is_changed;
+                    let mut is_changed = step.is_changed();
                     let operands = step.operands.map(|operand| {
                         let place = place(operand);
                         is_changed |= place.is_changed();
                         place.operand()
                     });
-                    push(SelectedStep { operands, is_changed, ..*step })
+                    push(SelectedStep::new(step.origin, operands, is_changed))
                 };
             }
         }
@@ -297,10 +311,7 @@ impl Shortener {
                     None => from.outputs[0],
                 };
                 let outputs = SmallVec::from_slice(&[output]);
-                let (deciding, places) = Default::default();
-                let mut selection = Selection { steps, outputs, deciding, places };
-                self.mark_deciding(&mut selection);
-                selection
+                Selection { steps, outputs }
             })
         });
         if scratch.bytes() <= SCRATCH_BYTES {

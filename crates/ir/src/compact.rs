@@ -18,7 +18,7 @@ pub(crate) fn replaced(
     mut replacement: impl FnMut(&mut Graph, NodeId, &Node) -> Option<NodeId>,
 ) -> (Graph, Vec<NodeId>) {
     let needed = graph.reachable(roots);
-    let mut copy = Graph::new();
+    let mut copy = Graph::with_capacity(needed.iter().filter(|needed| **needed).count());
     let mut places: Vec<Option<NodeId>> = vec![None; graph.len()];
     for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
         places[id.index()] = Some(match replacement(&mut copy, id, node) {
@@ -41,8 +41,11 @@ pub(crate) fn copy_node(
         Node::Parameter(number) => graph.parameter(*number),
         Node::Constant(value) => graph.constant(value.clone()),
         Node::Apply(op, operands) => {
-            let operands: Vec<NodeId> = operands.iter().map(|id| place(*id)).collect();
-            graph.apply(*op, &operands)
+            let mut copies = [operands[0]; 3];
+            for (copy, id) in copies.iter_mut().zip(operands.iter()) {
+                *copy = place(*id);
+            }
+            graph.apply(*op, &copies[..operands.len()])
         }
     }
 }

@@ -1,8 +1,11 @@
 //! The expression graph.
 
 use crate::constant::Constant;
+use hashbrown::HashTable;
 use num_rational::BigRational;
-use rustc_hash::FxHashMap;
+use rustc_hash::FxBuildHasher;
+use std::hash::BuildHasher;
+use std::sync::Arc;
 use zeroset_ops::Op;
 
 /// A coordinate of space.
@@ -49,8 +52,8 @@ pub enum Node {
     /// The parameter with this number. The parameter's value, of a slider or the time, may change
     /// without recompiling.
     Parameter(u32),
-    /// A fixed real number.
-    Constant(Constant),
+    /// A fixed real number. It is shared, so copies of a node are small and take no allocation.
+    Constant(Arc<Constant>),
     /// An operation on earlier nodes.
     Apply(Op, Operands),
 }
@@ -86,7 +89,9 @@ impl std::ops::Deref for Operands {
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
-    index: FxHashMap<Node, NodeId>,
+    /// The ids of all nodes but enclosed constants, with half of each node's hash. So a table that
+    /// grows reads no node, and a search seldom reads a wrong one.
+    index: HashTable<(u32, NodeId)>,
 }
 
 impl PartialEq for Graph {
@@ -99,6 +104,11 @@ impl Graph {
     /// A graph without nodes.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// A graph without nodes, with memory for `count` nodes.
+    pub fn with_capacity(count: usize) -> Self {
+        Self { nodes: Vec::with_capacity(count), index: HashTable::with_capacity(count) }
     }
 
     /// The number of nodes.
@@ -125,7 +135,7 @@ impl Graph {
     /// If `id` belongs to a larger graph.
     pub fn number(&self, id: NodeId) -> Option<&Constant> {
         match self.node(id) {
-            Node::Constant(value) => Some(value),
+            Node::Constant(value) => Some(value.as_ref()),
             Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => None,
         }
     }
@@ -165,8 +175,9 @@ impl Graph {
     }
 
     /// Returns the node of a constant. A constant known only by its bounds always gets a new node.
-    pub fn constant(&mut self, value: Constant) -> NodeId {
-        match value {
+    pub fn constant(&mut self, value: impl Into<Arc<Constant>>) -> NodeId {
+        let value = value.into();
+        match *value {
             Constant::Exact(_) | Constant::Named(_) => self.intern(Node::Constant(value)),
             Constant::Enclosed(_) => self.push(Node::Constant(value)),
         }
@@ -189,15 +200,24 @@ impl Graph {
 
     /// The existing node of `op` applied to `operands`, or `None`.
     pub(crate) fn find(&self, op: Op, operands: &[NodeId]) -> Option<NodeId> {
-        self.index.get(&Node::Apply(op, Operands::new(operands))).copied()
+        let node = Node::Apply(op, Operands::new(operands));
+        self.indexed(&node, half_hash(&node))
+    }
+
+    /// The node equal to `node`, which has this half of its hash; `None` if there is none.
+    fn indexed(&self, node: &Node, half: u32) -> Option<NodeId> {
+        let is_equal =
+            |(other, id): &(u32, NodeId)| *other == half && self.nodes[id.index()] == *node;
+        self.index.find(spread(half), is_equal).map(|(_, id)| *id)
     }
 
     fn intern(&mut self, node: Node) -> NodeId {
-        if let Some(&id) = self.index.get(&node) {
+        let half = half_hash(&node);
+        if let Some(id) = self.indexed(&node, half) {
             return id;
         }
-        let id = self.push(node.clone());
-        self.index.insert(node, id);
+        let id = self.push(node);
+        self.index.insert_unique(spread(half), (half, id), |(half, _)| spread(*half));
         id
     }
 
@@ -226,6 +246,16 @@ impl Graph {
         }
         needed
     }
+}
+
+/// The lower half of a node's hash: the best bits of this hasher.
+fn half_hash(node: &Node) -> u32 {
+    FxBuildHasher.hash_one(node) as u32
+}
+
+/// A hash of 64 bits from half a hash. The factor is 2⁶⁴ divided by the golden ratio.
+fn spread(half: u32) -> u64 {
+    u64::from(half).wrapping_mul(0x9E37_79B9_7F4A_7C15)
 }
 
 #[cfg(test)]

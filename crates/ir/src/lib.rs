@@ -7,6 +7,7 @@ mod algebra;
 mod clear;
 mod compact;
 mod constant;
+mod decimal;
 mod derivative;
 mod display;
 mod error;

@@ -1,7 +1,7 @@
 //! Regularization of a solid's function: faces that bound no interior are left out.
 //!
-//! The boundary of a solid is where every neighborhood has an inside and an outside. An inside is an
-//! open set in which the solid's condition holds, an outside one in which it fails. Parts of a
+//! The boundary of a solid is where every neighborhood has an inside and an outside. An inside is
+//! an open set in which the solid's condition holds, an outside one in which it fails. Parts of a
 //! solid often meet in a whole face, with the inside on both sides. Or the outside is on both
 //! sides, and the face is a sheet without thickness. The function is 0 on such a face and keeps its
 //! sign. Rounding hides the latter, so no evaluation can prove that there is no boundary.

@@ -1,9 +1,9 @@
 //! Replacement of a function by one that has the same sign, and that is narrower to enclose.
 //!
-//! The exact distance to a corner is min(m, 0) + √(max(u, 0)² + max(v, 0)²), where m = max(u, v). Its
-//! sign is that of m: both are m where m ≤ 0, and above 0 elsewhere. Enclosures of m are narrow.
-//! Those of the distance are not, since the root bends without bound near 0: tracing a box takes 30
-//! times as long.
+//! The exact distance to a corner is min(m, 0) + √(max(u, 0)² + max(v, 0)²), where m = max(u, v).
+//! Its sign is that of m: both are m where m ≤ 0, and above 0 elsewhere. Enclosures of m are
+//! narrow. Those of the distance are not, since the root bends without bound near 0: tracing a box
+//! takes 30 times as long.
 
 use crate::graph::{Graph, Node, NodeId};
 use zeroset_ops::Op;

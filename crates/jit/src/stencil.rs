@@ -184,7 +184,9 @@ impl<Q: Query, T: Real> StencilFinder<Q, T> {
             exponent: Exponent::Real,
             is_constant: false,
         };
-        Ok((stencil, *stencil.value.get_or_init(|| self.number(&value))))
+        // Nobody waits for a lock inside `get_or_init`: others may wait there with a lock.
+        let number = self.number(&value);
+        Ok((stencil, *stencil.value.get_or_init(|| number)))
     }
 
     /// Returns the stencil for a step.

@@ -11,8 +11,8 @@ use std::fmt;
 use std::marker::PhantomData;
 use std::sync::Arc;
 use zeroset_eval::{
-    Binding, Input, Kernel, Loader, Output, Query, Real, SelectedOperand, SelectedStep, Selection,
-    Step, StepBounds, Tape, ValueKind,
+    Binding, DecidingSteps, Input, Kernel, Loader, Output, Query, Real, SelectedOperand,
+    SelectedStep, Selection, Step, StepBounds, Tape, ValueKind,
 };
 use zeroset_interval::{Exponent, Software, Vector128};
 use zeroset_ops::Op;
@@ -166,6 +166,16 @@ impl<Q: Query, T: Real> StencilTape<Q, T> {
         &self.tape
     }
 
+    /// Returns the exponent of a step that is a power in the tape. A constant that replaces it is
+    /// no whole exponent, though it may be a whole number: real powers of numbers below 0 stay
+    /// undefined.
+    fn exponent(&self, step: &SelectedStep) -> Option<usize> {
+        match &self.tape.steps()[step.origin()?] {
+            Step::Apply(Op::Pow, operands) => operands.get(1).copied(),
+            _ => None,
+        }
+    }
+
     /// Returns the operation of a step, and its value in the tape.
     fn step(&self, step: &SelectedStep) -> (Op, Option<StepValue>) {
         match step.origin() {
@@ -284,28 +294,31 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
         Self::selected(&Arc::new(StencilTape::of_width(tape.coarse(), binding, width)?), &all)
     }
 
-    /// Lays out the calls for some steps of a tape. Also traces the bounds of the
-    /// [deciding](Selection::deciding) steps.
+    /// Lays out the calls for some steps of a tape.
     ///
     /// # Errors
     /// If the calls need a frame of more than 4 GiB.
     ///
     /// # Panics
-    /// If the selection is from another tape, or if it has deciding steps and the query has no
-    /// proven bounds.
+    /// If the selection is from another tape.
     pub fn selected(tape: &Arc<StencilTape<Q, T>>, selection: &Selection) -> Result<Self, Error> {
-        Self::lay_out(tape, selection, selection.deciding())
+        Self::lay_out(tape, selection, &[])
     }
 
-    /// Like [`Threaded::selected`], but traces no bounds.
+    /// Like [`Threaded::selected`], but also traces the bounds of deciding steps.
     ///
     /// # Errors
     /// As for [`Threaded::selected`].
     ///
     /// # Panics
-    /// If the selection is from another tape.
-    pub fn untraced(tape: &Arc<StencilTape<Q, T>>, selection: &Selection) -> Result<Self, Error> {
-        Self::lay_out(tape, selection, &[])
+    /// If the selection is from another tape, or if there are deciding steps and the query has no
+    /// proven bounds.
+    pub fn traced(
+        tape: &Arc<StencilTape<Q, T>>,
+        selection: &Selection,
+        deciding: &DecidingSteps,
+    ) -> Result<Self, Error> {
+        Self::lay_out(tape, selection, deciding.positions())
     }
 
     fn lay_out(
@@ -459,13 +472,14 @@ fn find_values<Q: Query, T: Real>(
     values.clear();
     for step in selection.steps() {
         let (op, value) = tape.step(step);
-        if let Some(value) = value.filter(|_| !step.is_changed) {
+        if let Some(value) = value.filter(|_| !step.is_changed()) {
             values.push(value);
             continue;
         }
+        let exponent = tape.exponent(step);
         let number = |operand: &SelectedOperand| match operand.position() {
             Some(position) => values[position].number,
-            None if op == Op::Pow => tape.steps[operand.origin()].exponent,
+            None if exponent == Some(operand.origin()) => tape.steps[operand.origin()].exponent,
             None => tape.steps[operand.origin()].value.number,
         };
         let operands: SmallVec<[_; 3]> = step.operands().iter().map(number).collect();

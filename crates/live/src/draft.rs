@@ -5,7 +5,7 @@ use super::values::{Place, kept_range, name, place, right_side};
 use std::ops::Range;
 use zeroset_scene::view::number;
 use zeroset_syntax::ast::Statement;
-use zeroset_syntax::{Limits, parse, setting_word};
+use zeroset_syntax::{Limits, is_expression_list, parse, setting_word};
 
 /// Returns `text` after `line` is entered.
 ///
@@ -35,7 +35,9 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
         };
     }
     let Ok(statements) = parse(&joined, &limits) else {
-        return joined;
+        // A formula cannot join an expression list, and so replaces it.
+        let replaces = is_expression_list(base) && parse(line, &limits).is_ok();
+        return if replaces { line.to_owned() } else { joined };
     };
     let start = base.len() + 1;
     // The parser adds statements that are not in the text, such as definitions of coordinates.
@@ -247,6 +249,9 @@ mod tests {
     fn drawings_replace_drawings_and_definitions_their_namesakes() {
         for (text, line, expected) in [
             ("", " x+y ", "x+y"),
+            ("_0 var-x", "x+y", "x+y"),
+            ("_0 var-x", "_1 neg _0", "_0 var-x\n_1 neg _0"),
+            ("# list\n_0 var-x", "color red", "# list\ncolor red\n_0 var-x"),
             ("x+y", "x-y", "x-y"),
             ("r = 2\nx^2+y^2 = r", "z = r", "r = 2\nz = r"),
             ("r = 2\nx^2+y^2 = r", "r = 3", "r = 3\nx^2+y^2 = r"),

@@ -182,8 +182,8 @@ pub static BUILDERS: &[Builder] = &[
     change("offset", &[], &[("shape", Shape), ("d", Number)], ("", "shape-d"), StaysBound, "offset(box(1), 0.2)", "the shape grown by d on all sides; d below 0 shrinks it"),
 ];
 
-/// Returns the builders with this name or alias, in exact spelling. An alias stands for all builders
-/// of its name.
+/// Returns the builders with this name or alias, in exact spelling. An alias stands for all
+/// builders of its name.
 pub fn builders(name: &str) -> impl Iterator<Item = &'static Builder> {
     let own = BUILDERS.iter().find(|row| row.name == name || row.aliases.contains(&name));
     let own = own.map(|row| row.name);

@@ -46,6 +46,10 @@ pub const REACH: f64 = 1_099_511_627_776.0; // 2^40
 const WORK: u64 = 400_000;
 const WORK_AT_INFINITY: u64 = 20_000;
 
+/// Largest number of nodes whose search may use all evaluations. Larger graphs get fewer, so that
+/// the search of a union of 100,000 parts takes a second or two, not minutes.
+const SHORT: u64 = 2_000;
+
 /// Largest number of evaluations at infinity for one box.
 const WORK_AT_ONCE: u64 = 6_000;
 
@@ -124,8 +128,10 @@ pub fn find_while(
     if !wanted() {
         return Ok(None);
     }
-    let mut search = CellSearch { surfaces, forms: Vec::new(), wanted, work: Counter::new(WORK) };
-    let mut at_infinity = WORK_AT_INFINITY;
+    let share = |work: u64| work * SHORT / SHORT.max(program.graph().len() as u64);
+    let work = Counter::new(share(WORK));
+    let mut search = CellSearch { surfaces, forms: Vec::new(), wanted, work };
+    let mut at_infinity = share(WORK_AT_INFINITY);
     let whole = everything(program, &search, &mut at_infinity)
         .map(|whole| (whole, Finding::Bounded, Finding::Empty));
     let near =
@@ -139,7 +145,7 @@ pub fn find_while(
         let (window, is_round) = windows(program, &search)?;
         (window, if is_round { Finding::UnboundedInBall } else { Finding::Unbounded })
     };
-    let work = WORK - search.work.get() + WORK_AT_INFINITY - at_infinity;
+    let work = share(WORK) - search.work.get() + share(WORK_AT_INFINITY) - at_infinity;
     let Cell { low, high } = valid_box(found);
     // The result of a cancelled search is not reliable.
     Ok(wanted().then_some(AutoDomain { low, high, finding, work }))

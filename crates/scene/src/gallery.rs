@@ -1,4 +1,5 @@
-//! The gallery and the models: function files embedded in the program. No source checkout is needed.
+//! The gallery and the models: function files embedded in the program. No source checkout is
+//! needed.
 
 use include_dir::{Dir, include_dir};
 

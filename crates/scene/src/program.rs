@@ -237,8 +237,8 @@ impl Program {
     }
 
     /// Returns whether the typed function was replaced by another with the same zeros: all of them
-    /// are simple, or enclosures are narrower. Or, for a solid, by one without zeros on faces inside
-    /// of the solid and on sheets without thickness.
+    /// are simple, or enclosures are narrower. Or, for a solid, by one without zeros on faces
+    /// inside of the solid and on sheets without thickness.
     pub fn is_reduced(&self, surface: usize) -> bool {
         self.store.simplified.reduced[surface]
     }

@@ -23,13 +23,14 @@ pub(crate) struct WholeFunction {
     double: WholeTape<f64>,
     /// All steps.
     all: Arc<Selection>,
+    /// The rules of both tapes. Constants of `f32` have the wider bounds, so they hold for `f64`.
+    shortener: Shortener,
 }
 
 /// The steps of a function in one precision, with bound parameters.
 pub(crate) struct WholeTape<T: Real> {
     pub tape: Tape<T>,
     binding: Binding<T>,
-    shortener: Shortener,
     stencils: Stencils<T>,
     bounds: OnceThreaded<Enclose, T>,
 }
@@ -37,7 +38,6 @@ pub(crate) struct WholeTape<T: Real> {
 impl<T: Real> WholeTape<T> {
     fn new(tape: Tape<T>, values: &[Interval]) -> Self {
         Self {
-            shortener: Shortener::new(&tape),
             tape: tape.coarse(),
             binding: Binding::new(values),
             stencils: Stencils::default(),
@@ -61,8 +61,9 @@ impl<T: Real> WholeTape<T> {
 impl WholeFunction {
     pub fn new(single: Tape<f32>, double: Tape<f64>, values: &[Interval]) -> Self {
         let (single, double) = (WholeTape::new(single, values), WholeTape::new(double, values));
-        let all = Arc::new(single.shortener.all(&single.tape));
-        Self { single, double, all }
+        let all = Arc::new(Selection::all(&single.tape));
+        let shortener = Shortener::new(&single.tape);
+        Self { single, double, all, shortener }
     }
 
     /// All steps of the function.
@@ -73,7 +74,7 @@ impl WholeFunction {
     /// Returns whether the function has so many choices that parts of space can do with far fewer
     /// steps.
     pub fn is_worth_shortening(tape: &Tape<f32>) -> bool {
-        let deciding = || Shortener::new(tape).all(tape).deciding().len();
+        let deciding = || Shortener::new(tape).deciding(&Selection::all(tape)).positions().len();
         tape.steps().len() >= LEAST_STEPS && deciding() >= LEAST_DECIDING
     }
 }
@@ -160,8 +161,6 @@ pub(crate) struct ShortKernels<T: WholeFloat> {
     tiles: OnceThreaded<ContractTiles, T>,
     values: OnceThreaded<Sample, T>,
     forward: OnceThreaded<SampleForward, T>,
-    /// The kernel of bounds that also traces those of deciding steps.
-    traced: OnceThreaded<Enclose, T>,
 }
 
 impl<T: WholeFloat> ShortKernels<T> {
@@ -174,7 +173,6 @@ impl<T: WholeFloat> ShortKernels<T> {
             tiles: OnceLock::new(),
             values: OnceLock::new(),
             forward: OnceLock::new(),
-            traced: OnceLock::new(),
         }
     }
 
@@ -185,7 +183,7 @@ impl<T: WholeFloat> ShortKernels<T> {
     ) -> KernelResult<'a, Q, T> {
         let make = || {
             let stencils = T::whole(&self.whole).stencils(of)?;
-            boxed(Threaded::untraced(stencils, &self.selection))
+            boxed(Threaded::selected(stencils, &self.selection))
         };
         known(once.get_or_init(make))
     }
@@ -207,21 +205,19 @@ impl<T: WholeFloat> ShortKernels<T> {
         boxes: &Boxes<T>,
         possible: impl Fn(&Enclosures<T>) -> LaneSet,
     ) -> Option<Vec<PartSelection>> {
-        let selection = &self.selection;
-        if selection.deciding().len() < LEAST_DECIDING {
+        let (whole, selection) = (T::whole(&self.whole), &self.selection);
+        let shortener = &self.whole.shortener;
+        let deciding = shortener.deciding(selection);
+        if deciding.positions().len() < LEAST_DECIDING {
             return None;
         }
-        let whole = T::whole(&self.whole);
-        let create = || {
-            let stencils = whole.stencils(|stencils| &stencils.bounds)?;
-            boxed(Threaded::selected(stencils, selection))
-        };
-        let traced = self.traced.get_or_init(create).as_ref().ok()?;
+        let stencils = whole.stencils(|stencils| &stencils.bounds).ok()?;
+        let traced = Threaded::traced(stencils, selection, &deciding).ok()?;
         let most = (selection.steps().len() as f64 * WORTHWHILE) as usize;
         let count = boxes.count as usize;
         Some(traced.eval_traced(boxes, &mut Enclosures::default(), |enclosures, bounds| {
             let open = possible(enclosures) & LaneSet::MAX >> (LANES - count);
-            let chosen = whole.shortener.select(&whole.tape, selection, bounds, open, most);
+            let chosen = shortener.select(&whole.tape, selection, &deciding, bounds, open, most);
             let part = |(lane, short): (usize, Option<Selection>)| match short {
                 Some(short) => PartSelection::Short(Arc::new(short)),
                 None if open >> lane & 1 == 1 => PartSelection::Same,
@@ -252,7 +248,7 @@ impl<T: WholeFloat> Kernels<T> for ShortKernels<T> {
         let whole = T::whole(&self.whole);
         let make = || {
             let stencils = whole.stencils(|stencils| &stencils.bounds)?;
-            boxed(Threaded::untraced(stencils, &self.whole.all))
+            boxed(Threaded::selected(stencils, &self.whole.all))
         };
         known(whole.bounds.get_or_init(make))
     }

@@ -11,7 +11,11 @@
 //! - `picture`: lines about the picture, such as `view`.
 //! - `dialect`: programs and commands of other systems to statements of this language, before trees
 //!   are built.
+//! - `list`: expression lists, the format of fidget. They skip all stages but the settings of the
+//!   picture.
 //! - `document`: runs all stages in turn. [`read`] is its entry point.
+//!
+//! - `emit`: documents to texts in several formats.
 //!
 //! Nothing here computes a picture, prints or reads files.
 //! ```
@@ -23,8 +27,10 @@
 
 mod dialect;
 mod document;
+mod emit;
 mod lex;
 mod limits;
+mod list;
 mod lower;
 mod messages;
 mod picture;
@@ -33,9 +39,11 @@ mod span;
 mod tree;
 mod words;
 
+pub use document::listed::is_expression_list;
 pub use document::reading::{
     Document, Options, Parameter, ParameterKind, Surface, SurfaceKind, parse, read, read_bytes,
 };
+pub use emit::{EmitError, Format, emit};
 pub use limits::Limits;
 pub use lower::constant::constant;
 pub use messages::error::{Error, ErrorKind, Errors, Origin, Suggestion};

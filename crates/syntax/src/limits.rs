@@ -7,17 +7,30 @@ pub struct Limits {
     pub bytes: usize,
     /// Number of tokens in the text, such as numbers, names, operators and brackets.
     pub symbols: usize,
-    /// Nesting depth of brackets, powers, signs and function arguments.
+    /// Nesting depth of brackets, powers, signs and function arguments in the text. Definitions
+    /// that use one another do not count.
     pub depth: usize,
-    /// Number of nodes in the expression graph, with definitions expanded.
+    /// Number of nodes in the expression graph, with definitions expanded. A short text has a lower
+    /// limit: see [`Limits::nodes_for`].
     pub nodes: usize,
     /// Number of surfaces. Each surface is compiled separately.
     pub surfaces: usize,
 }
 
+impl Limits {
+    /// Largest number of nodes for a text of this many bytes: eight for each byte, at least
+    /// 262,144, at most [`Limits::nodes`]. So a short text whose sums and functions expand without
+    /// end is refused within a second.
+    pub fn nodes_for(&self, bytes: usize) -> usize {
+        self.nodes.min(bytes.saturating_mul(8).max(1 << 18))
+    }
+}
+
 impl Default for Limits {
-    /// Ten mebibytes, a million tokens, a nesting depth of 200, 262,144 nodes, 1,000 surfaces.
+    /// 64 mebibytes, eight million tokens, a nesting depth of 200, three million nodes, 1,000
+    /// surfaces.
     fn default() -> Self {
-        Self { bytes: 10 << 20, symbols: 1_000_000, depth: 200, nodes: 1 << 18, surfaces: 1000 }
+        let nodes = zeroset_ir::NODE_LIMIT;
+        Self { bytes: 64 << 20, symbols: 8_000_000, depth: 200, nodes, surfaces: 1000 }
     }
 }

@@ -134,7 +134,9 @@ fn verdicts_of<T: Real>(
     work: &mut KernelStats,
 ) -> Vec<Inside> {
     let batches = Boxes::around(boxes);
-    batches.iter().for_each(|batch| work.interval.called(batch.count));
+    for batch in &batches {
+        work.interval.called(batch.count);
+    }
     let out = kernel.eval_all(&batches);
     (0..boxes.len())
         .map(|k| {

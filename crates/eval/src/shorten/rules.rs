@@ -1,11 +1,11 @@
-//! Which rule of thresholds each step of a tape has.
+//! The rule of thresholds for each step of a tape.
 
 use crate::real::Real;
 use crate::tape::{Step, Tape};
 use zeroset_interval::Interval;
 use zeroset_ops::Op;
 
-/// How a step's thresholds become those of its operands.
+/// The way from a step's thresholds to those of its operands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StepRule {
     /// The values of all operands are needed exactly.
@@ -94,7 +94,9 @@ impl Rules {
         let mut of: Vec<StepRule> = tape.steps().iter().map(|step| rule(tape, step)).collect();
         for index in 0..of.len() {
             if let Some((blend, within)) = finder.blend(index) {
-                within.iter().for_each(|&inner| of[inner] = StepRule::InBlend);
+                for inner in within {
+                    of[inner] = StepRule::InBlend;
+                }
                 of[index] = StepRule::Blend(blends.len() as u32);
                 blends.push(blend);
             }

@@ -4,7 +4,7 @@
 //! step by one of its operands. `docs/parts.md` has the proofs.
 
 use super::rules::{Blend, StepRule};
-use super::{SelectedOperand, Selection, Shortener, StepBounds};
+use super::{DecidingSteps, SelectedOperand, Selection, Shortener, StepBounds};
 use crate::lanes::LANES;
 use crate::real::Real;
 use crate::tape::{Step, Tape};
@@ -22,7 +22,7 @@ pub fn lanes(mut set: LaneSet) -> impl Iterator<Item = usize> {
     })
 }
 
-/// What is known about the value of an operand in one lane.
+/// Bounds of an operand's value in one lane.
 #[derive(Clone, Copy)]
 struct Known {
     values: Interval,
@@ -38,7 +38,7 @@ pub struct StepNeed {
     exact: LaneSet,
     /// Lanes in which an operand replaces the step, for each of the two that may do so.
     pub replaced: [LaneSet; 2],
-    /// The place of its thresholds in the other lanes, plus 1. If 0, it has none.
+    /// The place of its thresholds for the other lanes, plus 1; 0 if there are no thresholds.
     thresholds: u32,
 }
 
@@ -52,21 +52,14 @@ pub struct StepNeeds {
 }
 
 impl StepNeeds {
-    /// Finds in which of the lanes `open` each step of a selection is needed. `bounds` are those of
-    /// the selection's deciding steps.
-    pub fn find<T: Real>(
-        &mut self,
-        tape: &Tape<T>,
-        shortener: &Shortener,
-        from: &Selection,
-        bounds: &[StepBounds<T>],
-        open: LaneSet,
-    ) {
+    /// Finds in which of the lanes `open` each step of a selection is needed.
+    pub fn find<T: Real>(&mut self, choosing: &Choosing<'_, T>, open: LaneSet) {
+        let from = choosing.from;
         self.of.clear();
         self.of.resize(from.steps.len(), StepNeed::default());
         self.thresholds.clear();
         self.counts = [0; LANES];
-        let mut finder = NeedFinder { tape, shortener, from, bounds, needs: self };
+        let mut finder = NeedFinder { choosing, needs: self };
         for lane in lanes(open) {
             finder.need(from.outputs[0], lane, Interval::ZERO);
         }
@@ -86,12 +79,19 @@ impl StepNeeds {
     }
 }
 
+/// A selection of steps from which shorter ones are chosen, and what is known about it.
+pub struct Choosing<'a, T: Real> {
+    pub tape: &'a Tape<T>,
+    pub shortener: &'a Shortener,
+    pub from: &'a Selection,
+    pub deciding: &'a DecidingSteps,
+    /// The bounds of the deciding steps.
+    pub bounds: &'a [StepBounds<T>],
+}
+
 /// Passes thresholds from a function down to its operands.
 struct NeedFinder<'a, T: Real> {
-    tape: &'a Tape<T>,
-    shortener: &'a Shortener,
-    from: &'a Selection,
-    bounds: &'a [StepBounds<T>],
+    choosing: &'a Choosing<'a, T>,
     needs: &'a mut StepNeeds,
 }
 
@@ -138,13 +138,13 @@ impl<T: Real> NeedFinder<'_, T> {
         let nothing = Known { values: Interval::ENTIRE, is_defined: false };
         match operand.position() {
             Some(index) => {
-                let place = self.from.places[index] as usize;
-                self.bounds.get(place).map_or(nothing, |bounds| Known {
+                let place = self.choosing.deciding.places[index] as usize;
+                self.choosing.bounds.get(place).map_or(nothing, |bounds| Known {
                     values: bounds.values(lane),
                     is_defined: bounds.is_defined(lane),
                 })
             }
-            None => match &self.tape.steps()[operand.origin()] {
+            None => match &self.choosing.tape.steps()[operand.origin()] {
                 Step::Constant(values, _) => Known { values: *values, is_defined: true },
                 _ => nothing,
             },
@@ -153,14 +153,16 @@ impl<T: Real> NeedFinder<'_, T> {
 
     /// Passes a step's thresholds on to its operands.
     fn pass_on(&mut self, index: usize) {
-        let step = &self.from.steps[index];
+        let step = &self.choosing.from.steps[index];
         let operands = step.operands;
         let StepNeed { lanes: set, exact, .. } = self.needs.of[index];
-        let shortener = self.shortener;
+        let shortener = self.choosing.shortener;
         let rule = step.origin().map_or(StepRule::Neg, |origin| shortener.rules.of[origin]);
         match rule {
             StepRule::Exact => {
-                operands.iter().for_each(|&operand| self.need_exact(operand, set));
+                for operand in operands {
+                    self.need_exact(operand, set);
+                }
             }
             StepRule::Min | StepRule::Max => {
                 self.pass_on_least(index, [operands[0], operands[1]], rule == StepRule::Max);
@@ -241,9 +243,9 @@ impl<T: Real> NeedFinder<'_, T> {
 
     fn pass_on_blend(&mut self, index: usize, blend: &Blend) {
         let Blend { extremum, is_max, is_negated, width, reach } = *blend;
-        let inner = self.from.steps[index].operands;
+        let inner = self.choosing.from.steps[index].operands;
         let extremum = inner[extremum].position().expect("an operation");
-        let [a, b, _] = self.from.steps[extremum].operands;
+        let [a, b, _] = self.choosing.from.steps[extremum].operands;
         let operands = [a, b];
         for lane in lanes(self.needs.of[index].lanes) {
             let thresholds = self.thresholds(index, lane);
@@ -276,8 +278,10 @@ impl<T: Real> NeedFinder<'_, T> {
     /// Keeps those operands that are steps inside a blend.
     fn keep(&mut self, operands: &[SelectedOperand], set: LaneSet) {
         for position in operands.iter().filter_map(SelectedOperand::position) {
-            let origin = self.from.steps[position].origin();
-            if origin.is_some_and(|origin| self.shortener.rules.of[origin] == StepRule::InBlend) {
+            let origin = self.choosing.from.steps[position].origin();
+            if origin
+                .is_some_and(|origin| self.choosing.shortener.rules.of[origin] == StepRule::InBlend)
+            {
                 self.needs.of[position].lanes |= set;
             }
         }
@@ -298,7 +302,9 @@ impl<T: Real> NeedFinder<'_, T> {
             self.needs.of[index].replaced[k] |= 1 << lane;
             self.need(operands[k], lane, own);
         } else {
-            operands.iter().for_each(|&operand| self.need(operand, lane, each));
+            for operand in operands {
+                self.need(operand, lane, each);
+            }
         }
     }
 }

@@ -85,7 +85,7 @@ impl Rewriter<'_> {
                 }
             }
             Law::CubeRoot => {
-                let cube = self.products.get(&a).filter(|p| p.coefficient.is_one()).cloned();
+                let cube = self.products.get(a).filter(|p| p.coefficient.is_one()).cloned();
                 if let Some(p) = cube
                     && let [factor] = p.factors[..]
                     && factor.exponent == 3

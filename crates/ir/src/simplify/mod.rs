@@ -10,6 +10,7 @@
 mod fold;
 mod form;
 mod functions;
+mod node_map;
 mod numbers;
 mod powers;
 mod products;
@@ -24,9 +25,10 @@ use crate::error::{IrError, NODE_LIMIT};
 use crate::graph::{Graph, Node, NodeId};
 use crate::variability::{Variability, variabilities};
 use form::{Condition, PartialExpr, Product, Sum};
+use node_map::NodeMap;
 use num_rational::BigRational;
 use num_traits::One;
-use rustc_hash::FxHashMap;
+use std::sync::Arc;
 use zeroset_interval::{Decorated, Facts, Interval};
 use zeroset_ops::{Class, Op, Restriction};
 
@@ -88,11 +90,11 @@ pub fn rewrite(
         }
     }
     let mut rewriter = Rewriter {
-        graph: Graph::new(),
-        known: Vec::new(),
+        graph: Graph::with_capacity(graph.len()),
+        known: Vec::with_capacity(graph.len()),
         variabilities: Vec::new(),
-        sums: FxHashMap::default(),
-        products: FxHashMap::default(),
+        sums: NodeMap::default(),
+        products: NodeMap::default(),
         domain,
         parameters,
     };
@@ -157,9 +159,9 @@ struct Rewriter<'a> {
     known: Vec<Decorated>,
     variabilities: Vec<Variability>,
     /// For each node that is a sum, its constant and its terms.
-    sums: FxHashMap<NodeId, (BigRational, Vec<(NodeId, BigRational)>)>,
+    sums: NodeMap<(BigRational, Vec<(NodeId, BigRational)>)>,
     /// For each node that is a product or a power, its factors.
-    products: FxHashMap<NodeId, Product>,
+    products: NodeMap<Product>,
     domain: &'a [Interval; 3],
     parameters: &'a [Interval],
 }
@@ -190,7 +192,11 @@ impl Rewriter<'_> {
                 (self.graph.parameter(*number), within(range), Variability::Uniform)
             }
             Node::Constant(constant) => {
-                (self.graph.constant(constant.clone()), constant.value(), Variability::Constant)
+                let id = self.graph.constant(Arc::clone(constant));
+                if id.index() < self.known.len() {
+                    return id;
+                }
+                (id, constant.value(), Variability::Constant)
             }
             Node::Apply(..) => unreachable!("not a leaf"),
         };
@@ -199,16 +205,19 @@ impl Rewriter<'_> {
     }
 
     fn number(&mut self, value: BigRational) -> NodeId {
-        self.leaf(&Node::Constant(Constant::rational(value)))
+        self.leaf(&Node::Constant(Constant::rational(value).into()))
     }
 
     fn node(&mut self, op: Op, operands: &[NodeId]) -> NodeId {
         let id = self.graph.apply(op, operands);
         if id.index() == self.known.len() {
-            let known: Vec<Decorated> = operands.iter().map(|&id| self.known(id)).collect();
+            let mut known = [self.known(operands[0]); 3];
+            for (known, &id) in known.iter_mut().zip(operands) {
+                *known = self.known(id);
+            }
             let rank =
                 operands.iter().map(|&id| self.rank(id)).max().unwrap_or(Variability::Constant);
-            self.note(id, zeroset_interval::fold(op, &known).into(), rank);
+            self.note(id, zeroset_interval::fold(op, &known[..operands.len()]).into(), rank);
         }
         id
     }

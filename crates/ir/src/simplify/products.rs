@@ -40,7 +40,7 @@ impl Rewriter<'_> {
         }
         // A node that is a product of several factors stays one factor, so that the node stays
         // shared. A power is split into base and exponent.
-        let power = self.products.get(&id).filter(|product| product.factors.len() == 1);
+        let power = self.products.get(id).filter(|product| product.factors.len() == 1);
         let power = power.cloned().unwrap_or_else(|| Product::power(id, 1));
         Product { conditions, ..power }
     }
@@ -188,7 +188,7 @@ impl Rewriter<'_> {
                 return base;
             }
             if p.coefficient.abs().is_one()
-                && let Some((constant, terms)) = self.sums.get(&base).cloned()
+                && let Some((constant, terms)) = self.sums.get(base).cloned()
             {
                 // The negative of a sum is the sum of negated terms (saves 7 operations over the
                 // gallery).
@@ -206,7 +206,7 @@ impl Rewriter<'_> {
                 Product { coefficient: p.coefficient.clone(), ..Product::power(base, 1) }
             };
             let conditions = Vec::new();
-            self.products.entry(node).or_insert(Product { conditions, ..remembered });
+            self.products.insert_new(node, || Product { conditions, ..remembered });
         }
         node
     }
@@ -294,7 +294,7 @@ impl Rewriter<'_> {
             node = self.node(Op::Sqr, &[node]);
         }
         if node != base {
-            self.products.entry(node).or_insert_with(|| Product::power(base, exponent as i64));
+            self.products.insert_new(node, || Product::power(base, exponent as i64));
         }
         node
     }

@@ -45,7 +45,7 @@ impl Rewriter<'_> {
             return Product { conditions, ..Product::number(constant) };
         }
         if let ([(term, coefficient)], true) = (&terms[..], constant.is_zero()) {
-            let known = self.products.get(term).filter(|p| p.factors.len() == 1);
+            let known = self.products.get(*term).filter(|p| p.factors.len() == 1);
             let power = known.cloned().unwrap_or_else(|| Product::power(*term, 1));
             if let Some(coefficient) = numbers::moderate(coefficient * &power.coefficient) {
                 return Product { coefficient, conditions, ..power };
@@ -110,7 +110,8 @@ impl Rewriter<'_> {
         let mut reach: Vec<(NodeId, BigRational, Option<NodeId>)> = Vec::new();
         for (term, c) in &terms {
             reach.push((*term, c.clone(), None));
-            if let Some((_, inner)) = self.sums.get(term).filter(|(_, i)| i.len() <= OPENED_TERMS) {
+            if let Some((_, inner)) = self.sums.get(*term).filter(|(_, i)| i.len() <= OPENED_TERMS)
+            {
                 reach.extend(inner.iter().map(|(t, d)| (*t, c * d, Some(*term))));
             }
         }
@@ -143,7 +144,7 @@ impl Rewriter<'_> {
     ) -> Terms {
         let mut opened = Vec::with_capacity(terms.len());
         for (term, coefficient) in terms {
-            let found = self.sums.get(&term).filter(|(_, inner)| chosen(term, inner));
+            let found = self.sums.get(term).filter(|(_, inner)| chosen(term, inner));
             let scaled = found.and_then(|(k, inner)| {
                 let k = numbers::moderate(&*constant + k * &coefficient)?;
                 let inner: Option<Terms> = inner
@@ -187,7 +188,7 @@ impl Rewriter<'_> {
             }
             let inner = self.emit_sum(&half, &[(t, BigRational::one())]);
             let completed = self.node(Op::Sqr, &[inner]);
-            self.products.entry(completed).or_insert_with(|| Product::power(inner, 2));
+            self.products.insert_new(completed, || Product::power(inner, 2));
             *constant = rest;
             // The completed square may be out of order, so that the search misses a pair of terms.
             // The caller sorts the terms and tries again.
@@ -248,7 +249,7 @@ impl Rewriter<'_> {
             None => self.number(BigRational::zero()),
         };
         if terms.len() <= REMEMBERED_TERMS && (terms.len() > 1 || !constant.is_zero()) {
-            self.sums.entry(node).or_insert_with(|| (constant.clone(), terms.to_vec()));
+            self.sums.insert_new(node, || (constant.clone(), terms.to_vec()));
         }
         node
     }
@@ -330,7 +331,7 @@ impl Rewriter<'_> {
         if c.is_one() {
             return term;
         }
-        let known = self.products.get(&term).filter(|p| p.coefficient.is_one());
+        let known = self.products.get(term).filter(|p| p.coefficient.is_one());
         let product = known.cloned().unwrap_or_else(|| Product::power(term, 1));
         self.emit_product(&Product { coefficient: c.clone(), ..product })
     }

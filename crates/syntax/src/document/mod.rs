@@ -1,12 +1,14 @@
 //! Reads a text into a [`Document`](crate::Document): runs all stages, and decides which names are
 //! parameters and what a text without formulas draws.
 //!
-//! This is the only folder that calls `dialect`. `parameters` adds methods to the `DocumentReader`
+//! This is the only folder that calls `dialect`. `listed` turns expression lists into documents.
+//! `parameters` and `listed` add methods to the `DocumentReader`
 //! of `reading`.
 
 pub(crate) mod heading;
 pub(crate) mod implied_coordinates;
 pub(crate) mod implied_drawing;
+pub(crate) mod listed;
 pub(crate) mod parameters;
 pub(crate) mod reading;
 pub(crate) mod recursion;

@@ -4,6 +4,7 @@ use crate::dialect::program_reader::program;
 use crate::document::heading::heading;
 use crate::document::implied_coordinates;
 use crate::document::implied_drawing::{drawn_by_program, implied_drawing};
+use crate::document::listed::{self, is_expression_list};
 use crate::document::recursion::no_recursion;
 use crate::lex::spelling::short_name;
 use crate::limits::Limits;
@@ -132,12 +133,16 @@ impl Document {
     }
 }
 
-/// Reads a document: one line or a whole file.
+/// Reads a document: one line or a whole file. An [expression list](is_expression_list) is one
+/// solid.
 ///
 /// # Errors
 /// Fails if the text or an override has errors. Each statement and each override gives at most one
 /// error.
 pub fn read(text: &str, options: &Options<'_>) -> Result<Document, Errors> {
+    if is_expression_list(text) {
+        return listed::read(text, options);
+    }
     DocumentReader::new(text, options).read()
 }
 
@@ -155,12 +160,15 @@ pub fn read_bytes(bytes: &[u8], options: &Options<'_>) -> Result<Document, Error
     }
 }
 
-/// Returns the statements of a text, with every name resolved.
+/// Returns the statements of a text, with every name resolved. An expression list has none.
 ///
 /// # Errors
 /// Fails if a statement or a line about the picture has an error. Each gives at most one error.
 pub fn parse(text: &str, limits: &Limits) -> Result<Vec<Statement>, Errors> {
     let options = Options { limits: *limits, ..Options::default() };
+    if is_expression_list(text) {
+        return listed::read(text, &options).map(|_| Vec::new());
+    }
     let mut reader = DocumentReader::new(text, &options);
     let (built, _) = reader.statements()?;
     Ok(built.into_iter().map(|built| built.statement).collect())
@@ -171,11 +179,11 @@ pub(crate) struct DocumentReader<'a> {
     pub options: &'a Options<'a>,
     pub(crate) notes: Vec<Note>,
     pub errors: Vec<Error>,
-    settings: CollectedLines,
+    pub(crate) settings: CollectedLines,
 }
 
 impl<'a> DocumentReader<'a> {
-    fn new(text: &'a str, options: &'a Options<'a>) -> Self {
+    pub(crate) fn new(text: &'a str, options: &'a Options<'a>) -> Self {
         Self {
             text,
             options,
@@ -187,7 +195,7 @@ impl<'a> DocumentReader<'a> {
 
     /// Builds the trees of all statements, and the scope in which names are resolved. Collects
     /// lines about the picture in `settings`.
-    fn statements(&mut self) -> Result<(Vec<BuiltStatement>, Scope), Errors> {
+    pub(crate) fn statements(&mut self) -> Result<(Vec<BuiltStatement>, Scope), Errors> {
         let program = program(self.text, &self.options.limits)?;
         let mut lines = lines(self.text, &program.statements)?;
         let mut scope = Scope::default();
@@ -250,10 +258,24 @@ impl<'a> DocumentReader<'a> {
     }
 
     /// Fails if errors were recorded.
-    fn check(&mut self) -> Result<(), Errors> {
+    pub(crate) fn check(&mut self) -> Result<(), Errors> {
         match std::mem::take(&mut self.errors) {
             errors if errors.is_empty() => Ok(()),
             errors => Err(Errors::new(errors)),
+        }
+    }
+
+    /// Sorts the notes by their places, and drops repeated ones and those beyond the limit.
+    pub(crate) fn sort_notes(&mut self) {
+        self.notes.sort_by_key(|note| note.span);
+        // A note that explains a name is given once, for all uses of the name.
+        let mut seen = FxHashSet::default();
+        self.notes.retain(|note| !note.kind.explains_a_name() || seen.insert(note.kind.clone()));
+        // There is a limit on notes, because each is printed with its line, perhaps the whole text.
+        if let Some(note) = self.notes.get(MAX_NOTES) {
+            let span = note.span;
+            self.notes.truncate(MAX_NOTES);
+            self.notes.push(Note { span, kind: NoteKind::More });
         }
     }
 
@@ -296,8 +318,10 @@ impl<'a> DocumentReader<'a> {
         self.check()?;
         let time = parameters.iter().find(|p| p.kind == ParameterKind::Time).map(|p| p.number);
         let points = parameters.len() as u32;
-        let values = PointValues::new(names.clone(), points, time, &self.options.limits);
-        let mut lowering = Lowering::new(names, time, &self.options.limits);
+        let limits =
+            Limits { nodes: self.options.limits.nodes_for(self.text.len()), ..self.options.limits };
+        let values = PointValues::new(names.clone(), points, time, &limits);
+        let mut lowering = Lowering::new(names, time, &limits);
         let mut surfaces = Vec::new();
         let limit = self.options.limits.surfaces;
         if let Some(drawing) = drawings.get(limit) {
@@ -322,23 +346,10 @@ impl<'a> DocumentReader<'a> {
             surfaces.iter_mut().zip(roots).for_each(|(surface, root)| surface.root = root);
         }
         style(&mut surfaces, &settings, &values)?;
-        let mut picture = settings.picture;
-        if let Some(Contours { value, step }) = &settings.contours {
-            let value = value.as_ref().map(|value| values.value(value)).transpose()?;
-            picture.contours = Some(Contours { value, step: step.clone() });
-        }
+        let picture = picture(&settings, &values)?;
         self.notes.append(&mut lowering.notes);
         self.notes.extend(near_integer_notes(&lowering.graph, &surfaces));
-        self.notes.sort_by_key(|note| note.span);
-        // A note that explains a name is given once, for all uses of the name.
-        let mut seen = FxHashSet::default();
-        self.notes.retain(|note| !note.kind.explains_a_name() || seen.insert(note.kind.clone()));
-        // There is a limit on notes, because each is printed with its line, perhaps the whole text.
-        if let Some(note) = self.notes.get(MAX_NOTES) {
-            let span = note.span;
-            self.notes.truncate(MAX_NOTES);
-            self.notes.push(Note { span, kind: NoteKind::More });
-        }
+        self.sort_notes();
         let (title, doc) = heading(self.text);
         Ok(Document {
             graph: lowering.graph,
@@ -357,8 +368,21 @@ impl<'a> DocumentReader<'a> {
     }
 }
 
+/// The settings that have no field of their own in a document.
+pub(crate) fn picture<'a>(
+    settings: &'a CollectedLines,
+    values: &PointValues<'a>,
+) -> Fallible<PictureLines> {
+    let mut picture = settings.picture.clone();
+    if let Some(Contours { value, step }) = &settings.contours {
+        let value = value.as_ref().map(|value| values.value(value)).transpose()?;
+        picture.contours = Some(Contours { value, step: step.clone() });
+    }
+    Ok(picture)
+}
+
 /// Sets the color, opacity and visibility of each surface from the lines that apply to it.
-fn style<'a>(
+pub(crate) fn style<'a>(
     surfaces: &mut [Surface],
     settings: &'a CollectedLines,
     values: &PointValues<'a>,
@@ -442,13 +466,16 @@ fn surface<'a>(lowering: &mut Lowering<'a>, built: &'a BuiltStatement) -> Fallib
     let Statement::Draw { expr, restrictions } = &built.statement else {
         return Err(Error::new(built.span, ErrorKind::Empty));
     };
-    let (root, kind) = match lowering.equation(expr)? {
-        Some(root) => (root, SurfaceKind::Equation),
-        None => (lowering.solid(expr)?, SurfaceKind::Solid),
-    };
-    let root = restrictions.iter().try_fold(root, |root, condition| match kind {
-        SurfaceKind::Equation => lowering.restrict(root, condition, &[]),
-        SurfaceKind::Solid => lowering.cut(root, condition),
+    let (root, kind) = lowering.complete(|lowering| {
+        let (root, kind) = match lowering.equation(expr)? {
+            Some(root) => (root, SurfaceKind::Equation),
+            None => (lowering.solid(expr)?, SurfaceKind::Solid),
+        };
+        let root = restrictions.iter().try_fold(root, |root, condition| match kind {
+            SurfaceKind::Equation => lowering.restrict(root, condition, &[]),
+            SurfaceKind::Solid => lowering.cut(root, condition),
+        })?;
+        Ok((root, kind))
     })?;
     let root = lowering.in_place(root, built.span)?;
     Ok(Surface {

@@ -1,9 +1,9 @@
 //! Lowers builders: primitives, moves and copies of solids.
 //!
 //! A move evaluates the function of a solid at another point. Nothing is copied at once: the moved
-//! function becomes a placeholder in the graph, which [`Lowering::in_place`] expands at the end. The
-//! function is then visited once for each point at which it is evaluated. So nested moves cost what
-//! the result costs, and equal moves of one solid cost nothing more.
+//! function becomes a placeholder in the graph, which [`Lowering::in_place`] expands at the end.
+//! The function is then visited once for each point at which it is evaluated. So nested moves cost
+//! what the result costs, and equal moves of one solid cost nothing more.
 
 use crate::limits::Limits;
 use crate::lower::choice::integer_of;
@@ -90,14 +90,14 @@ impl Lowering<'_> {
         let (index, values) = self.bound(name, arguments, span)?;
         let key = values.iter().map(|(_, value)| value.clone()).collect();
         let key = (Function::Builder(name), key);
-        if let Some(value) = self.expanded.get(&key) {
+        if let Some(value) = self.calls.get(&key) {
             return Ok(value.clone());
         }
         let noted = self.notes.len();
         let value = self.built(index, values, span);
         let value = value.map_err(|error| move_to_use(error, span, false))?;
         self.notes.truncate(noted);
-        self.expanded.insert(key, Tensor::Number(value));
+        self.calls.insert(key, Tensor::Number(value));
         Ok(Tensor::Number(value))
     }
 

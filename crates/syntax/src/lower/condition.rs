@@ -3,10 +3,11 @@
 //! Neither a comparison nor its opposite holds where one of its sides has no value. Other
 //! comparisons in the same condition still count.
 
+use crate::lower::builders::Moves;
 use crate::lower::lowering::{Locals, Lowering};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::tree::ast::{Expr, ExprKind, Relation};
-use zeroset_ir::{Constant, Node, NodeId};
+use zeroset_ir::{Constant, Graph, Node, NodeId};
 use zeroset_ops::{Domain, Op};
 
 impl<'a> Lowering<'a> {
@@ -72,41 +73,7 @@ impl<'a> Lowering<'a> {
     /// `node` where it is defined, else the number `outside`. A node that is defined everywhere is
     /// returned unchanged.
     pub(crate) fn or_outside(&mut self, node: NodeId, outside: i64) -> NodeId {
-        for (_, node) in self.graph.since(self.total.len()) {
-            let total = match node {
-                Node::Parameter(_) if let Some((shape, point)) = self.moves.get(node) => {
-                    let total = |node: NodeId| self.total[node.index()];
-                    total(shape) && point.into_iter().all(total)
-                }
-                Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) => true,
-                Node::Apply(op, operands) => {
-                    let each = operands.iter().all(|operand| self.total[operand.index()]);
-                    each && match op.row().domain {
-                        Domain::All => true,
-                        Domain::Power => {
-                            let exponent = self.graph.number(operands[1]);
-                            exponent.and_then(Constant::as_integer).is_some_and(|n| n >= 0)
-                        }
-                        Domain::Nonneg
-                        | Domain::Positive
-                        | Domain::LastNonzero
-                        | Domain::LastNonneg
-                        | Domain::LastPositive
-                        | Domain::Unit
-                        | Domain::UnitInside
-                        | Domain::FromOne
-                        | Domain::CosineNonzero
-                        | Domain::AnyNonzero => false,
-                    }
-                }
-            };
-            self.total.push(total);
-        }
-        if self.total[node.index()] {
-            return node;
-        }
-        let outside = self.graph.integer(outside);
-        self.graph.apply(Op::Otherwise, &[node, outside])
+        or_outside(&mut self.graph, &mut self.total, &self.moves, node, outside)
     }
 
     /// Restricts `root` to the points at which `condition` holds.
@@ -160,6 +127,53 @@ impl<'a> Lowering<'a> {
             _ => self.restrict(root, condition, &[]),
         }
     }
+}
+
+/// `node` where it is defined, else the number `outside`. A node that is defined everywhere is
+/// returned unchanged. `total` says of the first nodes of the graph whether they are defined
+/// everywhere, and is extended.
+pub(crate) fn or_outside(
+    graph: &mut Graph,
+    total: &mut Vec<bool>,
+    moves: &Moves,
+    node: NodeId,
+    outside: i64,
+) -> NodeId {
+    for (_, node) in graph.since(total.len()) {
+        let is_total = match node {
+            Node::Parameter(_) if let Some((shape, point)) = moves.get(node) => {
+                let total = |node: NodeId| total[node.index()];
+                total(shape) && point.into_iter().all(total)
+            }
+            Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) => true,
+            Node::Apply(op, operands) => {
+                let each = operands.iter().all(|operand| total[operand.index()]);
+                each && match op.row().domain {
+                    Domain::All => true,
+                    Domain::Power => {
+                        let exponent = graph.number(operands[1]);
+                        exponent.and_then(Constant::as_integer).is_some_and(|n| n >= 0)
+                    }
+                    Domain::Nonneg
+                    | Domain::Positive
+                    | Domain::LastNonzero
+                    | Domain::LastNonneg
+                    | Domain::LastPositive
+                    | Domain::Unit
+                    | Domain::UnitInside
+                    | Domain::FromOne
+                    | Domain::CosineNonzero
+                    | Domain::AnyNonzero => false,
+                }
+            }
+        };
+        total.push(is_total);
+    }
+    if total[node.index()] {
+        return node;
+    }
+    let outside = graph.integer(outside);
+    graph.apply(Op::Otherwise, &[node, outside])
 }
 
 /// Purpose of a margin.

@@ -1,7 +1,8 @@
 //! Lowers syntax trees to the expression graph. Definitions are expanded. Nothing is simplified.
 //!
-//! The recursion descends into trees, and into definitions that use other definitions. The
-//! recursion's depth is bounded, and stack is added when little is left. Expansions are cached by
+//! The recursion descends into trees, whose depth the lexer bounds, and into at most
+//! [`MAX_EXPANSIONS`] definitions that use one another. Longer chains of definitions are lowered
+//! from their far end by a loop. Stack is added when little is left. Expansions are cached by
 //! function and arguments, so equal calls are expanded once.
 
 use crate::limits::Limits;
@@ -18,16 +19,16 @@ use rustc_hash::FxHashMap;
 use zeroset_ir::{Constant, Graph, NodeId};
 use zeroset_ops::Op;
 
-/// Recursion levels allowed per level of [`Limits::depth`]. A single pair of brackets may need
-/// several: it may hold a sum of products of powers of calls.
-const LEVELS: usize = 5;
+/// Largest number of definitions that are lowered within one another by recursion. Where a chain is
+/// longer, lowering starts again after the part beyond was lowered.
+const MAX_EXPANSIONS: usize = 16;
 /// Visits to expressions allowed per node of [`Limits::nodes`]. Some visits add no node.
-pub(crate) const VISITS: usize = 16;
+pub(crate) const VISITS: usize = 8;
 
 /// Stack that must be free at each recursion level, in bytes. A level takes 1 KB, or 100 KB if it
 /// lowers choices between numbers.
 const RED_ZONE: usize = 1 << 18;
-/// Size of each added stack segment, in bytes. The default limits allow 1,000 recursion levels.
+/// Size of each added stack segment, in bytes. One tree may need 1,000 recursion levels.
 const SEGMENT: usize = 1 << 21;
 
 /// Meaning of a defined name.
@@ -44,6 +45,23 @@ pub(crate) enum NameBinding<'a> {
 /// Names and values of a function's parameters.
 pub(crate) type Locals<'a> = [(&'a str, Tensor)];
 
+/// A definition to be lowered, for certain arguments.
+struct Expansion<'a> {
+    defined: Defined<'a>,
+    locals: Vec<(&'a str, Tensor)>,
+    body: &'a Expr,
+    /// The place of the name or call that uses the definition.
+    span: Span,
+    /// False for definitions that the text does not contain.
+    is_typed: bool,
+}
+
+/// What an expansion gives a value to.
+enum Defined<'a> {
+    Value(&'a str),
+    Call((Function, Vec<Tensor>)),
+}
+
 /// Lowers the trees of one document into one graph.
 pub(crate) struct Lowering<'a> {
     pub graph: Graph,
@@ -54,9 +72,12 @@ pub(crate) struct Lowering<'a> {
     pub(crate) limits: &'a Limits,
     /// Functions of solids that are evaluated at other points.
     pub(crate) moves: Moves,
-    pub(crate) expanded: FxHashMap<(Function, Vec<Tensor>), Tensor>,
+    pub(crate) calls: FxHashMap<(Function, Vec<Tensor>), Tensor>,
     values: FxHashMap<&'a str, Tensor>,
-    levels: usize,
+    /// Number of expansions that are being lowered within one another.
+    expansions: usize,
+    /// An expansion that has to be lowered first. While it is set, errors mean nothing else.
+    postponed: Option<Expansion<'a>>,
     visits: usize,
     /// For each node examined so far: whether it is defined everywhere.
     pub(crate) total: Vec<bool>,
@@ -81,17 +102,84 @@ impl<'a> Lowering<'a> {
             is_constant: true,
             limits,
             moves: Moves::default(),
-            expanded: FxHashMap::default(),
+            calls: FxHashMap::default(),
             values: FxHashMap::default(),
-            levels: 0,
+            expansions: 0,
+            postponed: None,
             visits: 0,
             total: Vec::new(),
         }
     }
 
+    /// Lowers by `attempt`, which is repeated each time an expansion that it postponed is lowered.
+    /// All trees must be lowered within a call of this function.
+    pub(crate) fn complete<T>(
+        &mut self,
+        mut attempt: impl FnMut(&mut Self) -> Fallible<T>,
+    ) -> Fallible<T> {
+        // Each expansion postponed the next one.
+        let mut chain: Vec<Expansion<'a>> = Vec::new();
+        loop {
+            let result = match chain.last() {
+                None => match attempt(self) {
+                    Ok(value) => return Ok(value),
+                    Err(error) => Err(error),
+                },
+                Some(expansion) => self.lower_expansion(expansion).map(|_| ()),
+            };
+            self.expansions = 0;
+            match (result, self.postponed.take()) {
+                (Ok(()), _) => {
+                    chain.pop();
+                }
+                (Err(_), Some(next)) => chain.push(next),
+                (Err(error), None) => {
+                    let outer = chain.iter().rev().skip(1);
+                    return Err(outer.fold(error, |error, expansion| {
+                        move_to_use(error, expansion.span, expansion.is_typed)
+                    }));
+                }
+            }
+        }
+    }
+
+    /// The value of an expansion, or an error that postpones the expansion if too many are being
+    /// lowered.
+    fn expanded(&mut self, expansion: Expansion<'a>) -> Fallible<Tensor> {
+        if self.expansions >= MAX_EXPANSIONS {
+            let kind = ErrorKind::TooDeep { limit: MAX_EXPANSIONS };
+            let error = Error::new(expansion.span, kind);
+            self.postponed = Some(expansion);
+            return Err(error);
+        }
+        self.lower_expansion(&expansion)
+    }
+
+    /// Lowers the body of an expansion, and keeps its value.
+    fn lower_expansion(&mut self, expansion: &Expansion<'a>) -> Fallible<Tensor> {
+        let Expansion { defined, locals, body, span, is_typed } = expansion;
+        let noted = self.notes.len();
+        self.expansions += 1;
+        let value = self.value_of(body, locals);
+        self.expansions -= 1;
+        let value = value.map_err(|error| move_to_use(error, *span, *is_typed))?;
+        match defined {
+            Defined::Value(name) => {
+                self.values.insert(name, value.clone());
+            }
+            Defined::Call(key) => {
+                if !is_typed {
+                    self.notes.truncate(noted);
+                }
+                self.calls.insert(key.clone(), value.clone());
+            }
+        }
+        Ok(value)
+    }
+
     /// The node of an expression outside any function. Fails unless the expression is a number.
     pub(crate) fn value(&mut self, expr: &'a Expr) -> Fallible<NodeId> {
-        let root = self.number(expr, &[])?;
+        let root = self.complete(|all| all.number(expr, &[]))?;
         self.in_place(root, expr.span)
     }
 
@@ -103,7 +191,7 @@ impl<'a> Lowering<'a> {
                 _ => Ok(None),
             },
             ExprKind::And(_) | ExprKind::Or(_) | ExprKind::Not(_) => Ok(None),
-            _ => self.value(expr).map(Some),
+            _ => self.number(expr, &[]).map(Some),
         }
     }
 
@@ -141,17 +229,13 @@ impl<'a> Lowering<'a> {
         Ok(())
     }
 
-    /// Counts a visit to an expression. Fails if the formula is too large or too deep.
+    /// Counts a visit to an expression. Fails if the formula is too large.
     fn count_visit(&mut self, span: Span) -> Fallible<()> {
         let limit = self.limits.nodes;
         self.visits += 1;
         self.check_size(span)?;
         if self.visits > limit.saturating_mul(VISITS) {
             return Err(Error::new(span, ErrorKind::TooLarge { limit }));
-        }
-        if self.levels > self.limits.depth * LEVELS {
-            let limit = self.limits.depth;
-            return Err(Error::new(span, ErrorKind::TooDeep { limit }));
         }
         Ok(())
     }
@@ -169,13 +253,10 @@ impl<'a> Lowering<'a> {
     #[inline(never)]
     pub(crate) fn value_of(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<Tensor> {
         self.count_visit(expr.span)?;
-        self.levels += 1;
-        let node = match stacker::remaining_stack() {
+        match stacker::remaining_stack() {
             Some(..RED_ZONE) => self.lower_on_more_stack(expr, locals),
             _ => self.lower(expr, locals),
-        };
-        self.levels -= 1;
-        node
+        }
     }
 
     #[inline(never)]
@@ -305,10 +386,8 @@ impl<'a> Lowering<'a> {
                     NameBinding::Definition(definition) => (*name, *definition),
                 };
                 let is_typed = definition.name.span != Span::default();
-                let value = self.value_of(&definition.body, &[]);
-                let value = value.map_err(|error| move_to_use(error, span, is_typed))?;
-                self.values.insert(name, value.clone());
-                Ok(value)
+                let (defined, body) = (Defined::Value(name), &definition.body);
+                self.expanded(Expansion { defined, locals: Vec::new(), body, span, is_typed })
             }
         }
     }
@@ -383,18 +462,13 @@ impl<'a> Lowering<'a> {
         span: Span,
     ) -> Fallible<Tensor> {
         let key = (function.clone(), arguments);
-        if let Some(value) = self.expanded.get(&key) {
+        if let Some(value) = self.calls.get(&key) {
             return Ok(value.clone());
         }
         let locals: Vec<(&str, Tensor)> = names.zip(key.1.iter().cloned()).collect();
-        let (is_typed, noted) = (!matches!(function, Function::Composed(_)), self.notes.len());
-        let value = self.value_of(body, &locals);
-        let value = value.map_err(|error| move_to_use(error, span, is_typed))?;
-        if !is_typed {
-            self.notes.truncate(noted);
-        }
-        self.expanded.insert(key, value.clone());
-        Ok(value)
+        let is_typed = !matches!(function, Function::Composed(_));
+        let defined = Defined::Call(key);
+        self.expanded(Expansion { defined, locals, body, span, is_typed })
     }
 
     /// The n-th root of `radicand`. An odd root is also defined for negative numbers.

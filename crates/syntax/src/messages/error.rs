@@ -316,6 +316,26 @@ pub enum ErrorKind {
     #[error("`{name}` is a function and cannot be set to a number")]
     OverrideFunction { name: String },
 
+    // ---- expression lists
+    #[error("`{name}` has no operation")]
+    NoOperation { name: String },
+    #[error("there is no operation `{name}`")]
+    UnknownOperation { name: String, known: String },
+    #[error("`{name}` is no function of real numbers")]
+    OperationOfBits { name: &'static str },
+    #[error("`{name}` takes {}, not {given}", operands(*.expected))]
+    OperandCount { name: &'static str, expected: usize, given: usize },
+    #[error("no line defines `{name}`")]
+    UndefinedOperand { name: String },
+    #[error("`{name}` is defined only in line {line}")]
+    DefinedBelow { name: String, line: usize },
+    #[error("`{name}` is already defined, in line {line}")]
+    RepeatedLine { name: String, line: usize },
+    #[error("`{text}` is not a decimal number")]
+    NotADecimal { text: String },
+    #[error("the list has more than {limit} operations")]
+    ListTooLarge { limit: usize },
+
     // ---- domain, view and color lines
     #[error("the size of a domain must be greater than 0")]
     EmptyDomain,
@@ -352,6 +372,11 @@ pub(crate) fn plural(count: usize) -> String {
         1 => "an argument".to_owned(),
         _ => format!("{count} arguments"),
     }
+}
+
+/// The phrase for `count` operands of a list's line, such as "two operands".
+fn operands(count: usize) -> &'static str {
+    ["no operand", "one operand", "two operands"].get(count).copied().unwrap_or("more operands")
 }
 
 /// Largest number of names of a cycle that a message lists.

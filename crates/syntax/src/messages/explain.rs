@@ -32,6 +32,19 @@ impl Error {
             TooLong { .. } | TooManySymbols { .. } | TooDeep { .. } => {
                 "the limit keeps parsing fast and safe on any input"
             }
+            ListTooLarge { .. } => "the limit keeps memory and time within bounds",
+            NoOperation { .. } | OperandCount { .. } => {
+                "a line has a name, an operation and its operands: `_2 mul _1 _0`"
+            }
+            UnknownOperation { .. } => {
+                "the text is read as an expression list, which knows the operations of fidget"
+            }
+            OperationOfBits { .. } => "it mixes the bits of floats, which real numbers do not have",
+            UndefinedOperand { .. } | DefinedBelow { .. } => {
+                "an operand is the name of a line above"
+            }
+            RepeatedLine { .. } => "each line defines a value with a name of its own",
+            NotADecimal { .. } => "a constant is a real number",
             TooManySurfaces { .. } => "each line that is not a definition draws a surface",
             TooLarge { .. } => "each use of a definition inserts a copy of it",
             NotUtf8 { .. } => "formulas are UTF-8 text",
@@ -114,6 +127,7 @@ impl Error {
             UnknownName { .. }
             | UnknownFunction { .. }
             | UnknownOverride { .. }
+            | UnknownOperation { .. }
             | BadColor
             | BadColorMap
             | BadSetting { .. }
@@ -183,6 +197,7 @@ impl Error {
                 format!("to draw where `{last}` is 0, add a line that is just `{last}`")
             }
             NeedsArgument { name, count: 1 } => format!("write `{name}(…)`"),
+            UnknownOperation { known, .. } => format!("the operations are {known}"),
             NeedsArgument { name, .. } => {
                 format!("write `{name}(…, …)`: without brackets a function takes only one argument")
             }
@@ -200,7 +215,7 @@ impl Error {
             BadLook => there_are(&LOOKS.map(|look| look.name)),
             BadSetting { hint, .. } => (*hint).to_owned(),
             BadColorMap => there_are(&COLOR_MAPS.map(|map| map.name)),
-            kind => fixed_advice(kind)?.to_owned(),
+            kind => fixed_advice(kind).or_else(|| list_advice(kind))?.to_owned(),
         })
     }
 
@@ -322,6 +337,23 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         CoordinateFunction { .. } => "give the function another name, such as `f`",
         UnknownOverride { .. } => "use it in the formula, or drop the setting",
         OverrideFunction { .. } => "change its definition in the text instead",
+        _ => return None,
+    })
+}
+
+/// Advice on errors in expression lists.
+fn list_advice(kind: &ErrorKind) -> Option<&'static str> {
+    Some(match kind {
+        NoOperation { .. } => "write a line such as `_0 const 2.95`, `_1 var-x` or `_2 mul _1 _0`",
+        OperandCount { expected: 0, .. } => "leave out the words after it",
+        OperandCount { expected: 1, .. } => "write one name or number after it",
+        OperandCount { .. } => "write the names of two lines after it",
+        OperationOfBits { .. } => "replace it by a constant or a formula",
+        UndefinedOperand { .. } => "add the line that defines it, or correct the name",
+        DefinedBelow { .. } => "move that line above this one",
+        RepeatedLine { .. } => "give one of the two lines another name",
+        NotADecimal { .. } => "write a finite decimal, such as `2.95` or `-1.5e-3`",
+        ListTooLarge { .. } => "draw a part of the model",
         _ => return None,
     })
 }

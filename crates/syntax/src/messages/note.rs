@@ -114,6 +114,8 @@ pub enum NoteKind {
         "what contains the surface is not read; write it as `domain x in [-2, 2], y in [-1, 1]`"
     )]
     ContainerIgnored,
+    #[error("an expression list: drawn is the solid `{name} <= 0`, as in fidget")]
+    ExpressionList { name: String },
     #[error("further notes omitted")]
     More,
 }

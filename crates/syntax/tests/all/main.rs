@@ -2,8 +2,10 @@
 
 mod builders;
 mod corpus;
+mod emit;
 mod gallery;
 mod hostile;
+mod lists;
 mod render;
 mod round_trip;
 mod words;

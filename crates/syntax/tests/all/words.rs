@@ -95,7 +95,7 @@ fn value(document: &Document, root: NodeId, point: &[Constant; 3]) -> Option<Con
     let (graph, roots) =
         simplify(&graph, &[map[root.index()]], &[Interval::ENTIRE; 3], &[]).ok()?;
     match graph.node(roots[0]) {
-        Node::Constant(value) => Some(value.clone()),
+        Node::Constant(value) => Some(Constant::clone(value)),
         _ => None,
     }
 }

@@ -42,7 +42,7 @@ pub fn random_choices(rng: &mut Rng, depth: u32) -> String {
     let k = f64::from(rng.u32(1..=800)) / 1000.0;
     // 2·c·k from 0 to 3: a blend with more than 1 does not grow with its operands.
     let c = f64::from(rng.u32(0..=15)) / 10.0 / k;
-    match rng.u32(0..16) {
+    match rng.u32(0..17) {
         0..=2 => format!("min({a},{b})"),
         3 | 4 => format!("max({a},{b})"),
         5 => format!("(-{a})"),
@@ -55,6 +55,8 @@ pub fn random_choices(rng: &mut Rng, depth: u32) -> String {
         12 => format!("(min({a},{b})-{c}*max({k}-abs({a}-{b}),0)^2)"),
         13 => format!("(max({a},{b})+{c}*max({k}-abs({a}-{b}),0)^2)"),
         14 => format!("(sqrt(max({a},{b}))-1.1)"),
+        // A real exponent that is a whole number in places.
+        15 => format!("(({a})^max({b},2)-0.4)"),
         _ => format!("if({n}*x<y,{a},{b})"),
     }
 }
@@ -108,9 +110,11 @@ pub fn check_shortening<T: Adversarial>(rng: &mut Rng) -> Result<Tally, Failure>
     }
     let Some((single, exact)) = tapes::<T>(&text, simple) else { return Ok(Tally::default()) };
     let shortener = Shortener::new(&single);
-    let from = shortener.all(&single);
+    let from = Selection::all(&single);
+    let deciding = shortener.deciding(&from);
     let traced = StencilTape::<Enclose, T>::new(single.clone(), &Binding::empty());
-    let traced = Threaded::selected(&Arc::new(traced.expect("stencils")), &from).expect("calls");
+    let traced =
+        Threaded::traced(&Arc::new(traced.expect("stencils")), &from, &deciding).expect("calls");
     let (all, exact) = (whole(&exact), stencils(&exact));
     let mut tally = Tally::default();
     let regions: Vec<[Interval; 3]> = (0..LANES)
@@ -128,14 +132,14 @@ pub fn check_shortening<T: Adversarial>(rng: &mut Rng) -> Result<Tally, Failure>
     let open = 1 << rng.u32(0..16) | rng.u32(0..1 << 16) as LaneSet;
     let most = from.steps().len() - 1;
     let select = |_: &Enclosures<T>, bounds: &[StepBounds<T>]| {
-        shortener.select(&single, &from, bounds, open, most)
+        shortener.select(&single, &from, &deciding, bounds, open, most)
     };
     let boxes = &Boxes::around(&regions)[0];
     let selections = traced.eval_traced(boxes, &mut Enclosures::default(), select);
     for (lane, (region, selection)) in regions.iter().zip(selections).enumerate() {
         let Some(selection) = selection else { continue };
         assert!(open >> lane & 1 == 1, "an open lane");
-        let short = Threaded::untraced(&exact, &selection).expect("calls");
+        let short = Threaded::selected(&exact, &selection).expect("calls");
         let points: Vec<[Interval; 3]> = (0..LANES)
             .map(|_| {
                 region.map(|Interval { lo, hi }| {

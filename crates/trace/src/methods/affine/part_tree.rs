@@ -62,8 +62,8 @@ impl PartTree {
     /// Returns whether the tree belongs to these rays, and to pixels of this size.
     pub fn is_of(&self, frame: &RayFrame, rays: &RayGrid) -> bool {
         let Self { frame: own, unit, .. } = self;
-        (own.origin, own.direction, own.span, own.start, *unit)
-            == (frame.origin, frame.direction, frame.span, frame.start, rays.unit)
+        (own.origin, own.direction, own.span, own.start, own.reach, *unit)
+            == (frame.origin, frame.direction, frame.span, frame.start, frame.reach, rays.unit)
     }
 
     /// Traces a band of pixels, not of patches. Returns whether the rest of the band is no longer
