@@ -120,7 +120,7 @@ pub fn spheres(count: usize, family: &str) -> PartsModel {
     let radius = 0.5 / (count as f64).cbrt();
     let all = (0..count).map(|_| text.sphere(point(&mut random, 1.0), radius)).collect();
     let root = if family == BLENDED { text.blend(all, radius / 2.0) } else { text.union(all) };
-    text.model(family, count, &format!("{root} = 0"))
+    text.model(family, count, &format!("{root} - 0 = 0"))
 }
 
 /// Models of at least 500 operations with choices, which are drawn as solids.
