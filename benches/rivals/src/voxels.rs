@@ -84,8 +84,8 @@ impl<F: MathFunction> Voxels<F> {
 }
 
 /// Returns the matrix from fidget's world, with coordinates within ±1, to space. It reproduces
-/// zeroset's rays: along each, z is linear in the inverse depth. At z = 1 is a plane in front of the
-/// domain.
+/// zeroset's rays: along each, z is linear in the inverse depth. At z = 1 is a plane in front of
+/// the domain.
 fn oblique(rays: &RayGrid, half: f64) -> (Matrix4<f32>, Depth) {
     let (eye, forward) = (rays.eye(), rays.forward());
     let reach = (FOV / 2.0).to_radians().tan();
