@@ -1,4 +1,6 @@
 //! Pictures of large formulas by the steps that matter in each part equal pictures by all steps.
+//!
+//! A long run: `ZEROSET_CASES=200 cargo test --test pictures random_solids -- --nocapture`.
 
 use glam::DVec3;
 use std::fmt::Write as _;
@@ -9,8 +11,8 @@ use zeroset_scene::program::Program;
 use zeroset_scene::view::{DomainChoice, bounds, region};
 use zeroset_space::Region;
 use zeroset_syntax::{Options, read};
-use zeroset_testkit::Rng;
 use zeroset_testkit::property::random_choices;
+use zeroset_testkit::{Effort, Rng};
 use zeroset_trace::{Camera, Driver, GBuffer, Method, Patch, Projection, Status, TraceOptions};
 
 const SIZE: usize = 48;
@@ -135,26 +137,29 @@ fn unions_of_spheres_are_the_same() {
 
 #[test]
 fn random_solids_are_the_same() {
+    let effort = Effort::from_environment(0x5eed_c100, 8);
     let mut counts = Counts::default();
     let mut drawn = 0;
-    for seed in 0x5eed_c100_u64.. {
-        if drawn == 8 {
+    for seed in effort.seed.. {
+        if drawn == effort.cases {
             break;
         }
         let mut rng = Rng::with_seed(seed);
-        let text = format!("0 = {}", random_choices(&mut rng, 14));
+        let formula = random_choices(&mut rng, 14);
+        let text = if seed % 2 == 0 { format!("0 = {formula}") } else { format!("{formula} <= 0") };
         if text.len() < 4000 || text.len() > 40_000 || text.contains("if(") {
             continue;
         }
         if let Some(pictures) = both(&text, TraceOptions::default()) {
             let before = counts.hit;
-            counts.add(&text, &pictures);
+            let case = format!("ZEROSET_SEED={seed:#x} ZEROSET_CASES=1\n{text}");
+            counts.add(&case, &pictures);
             println!("seed {seed:#x}: {} bytes, {} hits", text.len(), counts.hit - before);
-            drawn += usize::from(counts.hit - before > 60);
+            drawn += u64::from(counts.hit - before > 60);
         }
     }
     let [parts, whole] = counts.undecided;
-    assert!(counts.hit > 1000 && parts <= whole + whole / 4 + 50, "{counts:?}");
+    assert!(counts.hit > 60 * drawn as usize && parts <= whole + whole / 4 + 50, "{counts:?}");
 }
 
 /// A picture that is given up proves no miss where the whole picture has a hit.

@@ -17,7 +17,7 @@ pub struct Surface {
     pub name: Cow<'static, str>,
     /// Half the edge of the domain, which is a cube around the origin.
     pub half: f64,
-    /// Whether the domain cuts the surface open.
+    /// True if the domain cuts the surface open.
     pub is_cut: bool,
     /// The view in which it is drawn.
     pub view: View,

@@ -5,6 +5,7 @@
 
 use crate::arguments::PartsArguments;
 use crate::error::ChartError;
+use crate::groups::distinct;
 use crate::plot::{Figure, MarkShape, PlotMark, PlotSeries};
 use serde::Deserialize;
 use std::path::Path;
@@ -50,17 +51,6 @@ fn read(path: &Path) -> Result<Vec<PartsRow>, ChartError> {
     let text = std::fs::read_to_string(path).map_err(ChartError::of_file(path))?;
     let mut table = csv::Reader::from_reader(text.as_bytes());
     table.deserialize().collect::<Result<_, _>>().map_err(ChartError::of_content(path))
-}
-
-/// Returns the values without repetitions, in the order in which they come first.
-fn distinct<'a>(values: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-    let mut seen = Vec::new();
-    for value in values {
-        if !seen.contains(&value) {
-            seen.push(value);
-        }
-    }
-    seen
 }
 
 /// A line for each side of each family that has models of several sizes.

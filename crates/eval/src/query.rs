@@ -88,7 +88,7 @@ pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
     }
 }
 
-/// What the coordinates of a batch have in common for query `Q` on machine `M`.
+/// The data that all coordinates of a batch use for query `Q` on machine `M`.
 pub type QueryContext<Q, M> = <<Q as Query>::Kind as ValueKind>::Context<<M as Machine>::V>;
 
 /// A value that a tape computes for query `Q` on machine `M`.

@@ -133,6 +133,11 @@ impl<T: Real> Tape<T> {
         self
     }
 
+    /// Returns whether the ranges are [coarse](Self::coarse).
+    pub fn is_coarse(&self) -> bool {
+        self.is_coarse
+    }
+
     /// Lays out steps that find where `roots` may all be 0. Jumps are evaluated branch by branch.
     /// The tape can answer only [`FindZeros`](crate::FindZeros).
     ///

@@ -17,7 +17,7 @@ pub trait ValueKind: Copy + Send + Sync + 'static {
     /// A value of this kind in the lanes of vectors `V`.
     type Value<V: Vector>: Vector;
 
-    /// What the coordinates of a batch have in common, such as a range of t.
+    /// The data that all coordinates of a batch use, such as a range of t.
     type Context<V: Vector>: Copy;
 
     /// Loads the context of a batch.

@@ -15,11 +15,16 @@ pub const TEXT_LIMIT: usize = 1 << 12;
 
 /// Operator precedence of a text. The text needs brackets in a context of higher precedence.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Precedence {
+pub enum Precedence {
+    /// A sum or a difference.
     Sum,
+    /// A term with a sign.
     Sign,
+    /// A product or a quotient.
     Product,
+    /// A power.
     Power,
+    /// A number, a name or a call, or anything else that never needs brackets.
     Atom,
 }
 

@@ -204,7 +204,8 @@ impl Graph {
         self.indexed(&node, half_hash(&node))
     }
 
-    /// The node equal to `node`, which has this half of its hash; `None` if there is none.
+    /// The node that equals `node`, whose half hash is `half`; `None` if the graph has no such
+    /// node.
     fn indexed(&self, node: &Node, half: u32) -> Option<NodeId> {
         let is_equal =
             |(other, id): &(u32, NodeId)| *other == half && self.nodes[id.index()] == *node;

@@ -28,7 +28,7 @@ pub use clear::{RationalForm, clear};
 pub use compact::compact;
 pub use constant::{Constant, NamedConstant};
 pub use derivative::gradient;
-pub use display::{TEXT_LIMIT, display};
+pub use display::{Precedence, TEXT_LIMIT, display};
 pub use error::{IrError, NODE_LIMIT};
 pub use exponents::fix_exponents;
 pub use graph::{Axis, Graph, Node, NodeId, Operands};

@@ -20,7 +20,7 @@
 //! The boundary that is drawn depends on no thin set: a set and its union with a thin one have the
 //! same inside and the same outside, up to a thin set, and so the same closures of these.
 //!
-//! This module does not evaluate over boxes, and does not know where the function is looked at.
+//! Only the proof that the function is defined everywhere depends on the domain.
 
 mod cover;
 mod emit;
@@ -77,9 +77,10 @@ fn is_defined(
     domain: &[Interval; 3],
     parameters: &[Interval],
 ) -> bool {
-    let mut known: Vec<Decorated> = Vec::with_capacity(root.index() + 1);
-    for (_, node) in graph.iter().take(root.index() + 1) {
-        known.push(match node {
+    let unknown = Decorated::from((Interval::ENTIRE, Facts::NONE));
+    let mut known: Vec<Decorated> = vec![unknown; root.index() + 1];
+    for id in graph.needed_by(root) {
+        known[id.index()] = match graph.node(id) {
             Node::Variable(axis) => (domain[*axis as usize], Facts::TOTAL).into(),
             Node::Parameter(number) => (parameters[*number as usize], Facts::TOTAL).into(),
             Node::Constant(constant) => constant.value(),
@@ -87,7 +88,7 @@ fn is_defined(
                 let operands: Vec<_> = operands.iter().map(|id| known[id.index()]).collect();
                 fold(*op, &operands).into()
             }
-        });
+        };
     }
     known[root.index()].facts.has(Facts::DEFINED)
 }

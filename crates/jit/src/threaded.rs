@@ -49,8 +49,7 @@ const LAYOUT_STEPS: usize = 1 << 20;
 /// A tape with its parameters bound, prepared for one query: its constants are computed, and there
 /// is a stencil for each of its steps. [Threaded] kernels of some of its steps share it.
 pub struct StencilTape<Q: Query, T: Real = f32> {
-    /// The [coarse](Tape::coarse) tape.
-    tape: Tape<T>,
+    tape: Arc<Tape<T>>,
     steps: Vec<TapeStep>,
     /// Constants and parameters, repeated in all lanes.
     constants: Vec<Block>,
@@ -84,21 +83,20 @@ unsafe impl<Q: Query, T: Real> Send for StencilTape<Q, T> {}
 unsafe impl<Q: Query, T: Real> Sync for StencilTape<Q, T> {}
 
 impl<Q: Query, T: Real> StencilTape<Q, T> {
-    /// Computes the constants of a tape, and compiles the stencils that this process has not needed
-    /// before.
+    /// Computes the constants of a [coarse](Tape::coarse) tape, and compiles the stencils that this
+    /// process has not needed before.
     ///
     /// # Errors
     /// If the processor is not supported, or the constants need more than 4 GiB.
     ///
     /// # Panics
-    /// If the tape computes another number of expressions than the query needs, or if its number
-    /// of parameters is not that of the binding. In debug builds also if a value is outside its
-    /// range.
-    pub fn new(tape: Tape<T>, binding: &Binding<T>) -> Result<Self, Error> {
-        let tape = tape.coarse();
+    /// If the tape is not coarse, if it computes another number of expressions than the query
+    /// needs, or if its number of parameters is not that of the binding. In debug builds also if a
+    /// value is outside its range.
+    pub fn new(tape: &Arc<Tape<T>>, binding: &Binding<T>) -> Result<Self, Error> {
         let mut result = Err(Error::Unsupported("vectors"));
         for width in vector_widths() {
-            result = Self::of_width(tape.clone(), binding, width);
+            result = Self::of_width(tape, binding, width);
             if result.is_ok() {
                 break;
             }
@@ -106,8 +104,9 @@ impl<Q: Query, T: Real> StencilTape<Q, T> {
         result
     }
 
-    fn of_width(tape: Tape<T>, binding: &Binding<T>, width: usize) -> Result<Self, Error> {
-        Q::check(&tape, binding);
+    fn of_width(tape: &Arc<Tape<T>>, binding: &Binding<T>, width: usize) -> Result<Self, Error> {
+        assert!(tape.is_coarse(), "stencils rely on coarse ranges");
+        Q::check(tape, binding);
         call_loop()?;
         let mut finder = StencilFinder::<Q, T>::new(width);
         let mut bytes = Vec::new();
@@ -158,12 +157,19 @@ impl<Q: Query, T: Real> StencilTape<Q, T> {
             let value = StepValue { entry, number, parts: parts::<Q>(&shape) as u32 };
             steps.push(TapeStep { value, exponent, at });
         }
+        let tape = Arc::clone(tape);
         Ok(Self { tape, steps, constants: blocks(&bytes), width, query: PhantomData })
     }
 
-    /// The tape.
-    pub fn tape(&self) -> &Tape<T> {
-        &self.tape
+    /// Returns the operation of a step, which must have operands.
+    fn operation(&self, step: &SelectedStep) -> Op {
+        match step.origin().map(|origin| &self.tape.steps()[origin]) {
+            None => Op::Neg,
+            Some(Step::Apply(op, _)) => *op,
+            Some(Step::Coordinate(_) | Step::Parameter(_) | Step::Constant(..)) => {
+                unreachable!("a step with operands")
+            }
+        }
     }
 
     /// Returns the exponent of a step that is a power in the tape. A constant that replaces it is
@@ -173,18 +179,6 @@ impl<Q: Query, T: Real> StencilTape<Q, T> {
         match &self.tape.steps()[step.origin()?] {
             Step::Apply(Op::Pow, operands) => operands.get(1).copied(),
             _ => None,
-        }
-    }
-
-    /// Returns the operation of a step, and its value in the tape.
-    fn step(&self, step: &SelectedStep) -> (Op, Option<StepValue>) {
-        match step.origin() {
-            None => (Op::Neg, None),
-            Some(origin) => match &self.tape.steps()[origin] {
-                Step::Apply(op, _) => (*op, Some(self.steps[origin].value)),
-                // The operation is not used.
-                _ => (Op::Neg, Some(self.steps[origin].value)),
-            },
         }
     }
 }
@@ -276,8 +270,8 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
     /// # Panics
     /// As for [`StencilTape::new`].
     pub fn new(tape: Tape<T>, binding: &Binding<T>) -> Result<Self, Error> {
-        let all = Selection::all(&tape);
-        Self::selected(&Arc::new(StencilTape::new(tape, binding)?), &all)
+        let tape = Arc::new(tape.coarse());
+        Self::selected(&Arc::new(StencilTape::new(&tape, binding)?), &Selection::all(&tape))
     }
 
     /// Like [`Threaded::new`], but with vectors of `width` bytes, to compare with processors that
@@ -290,8 +284,9 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
     /// As for [`Threaded::new`].
     #[cfg(feature = "comparison")]
     pub fn narrow(tape: Tape<T>, binding: &Binding<T>, width: usize) -> Result<Self, Error> {
-        let all = Selection::all(&tape);
-        Self::selected(&Arc::new(StencilTape::of_width(tape.coarse(), binding, width)?), &all)
+        let tape = Arc::new(tape.coarse());
+        let stencils = Arc::new(StencilTape::of_width(&tape, binding, width)?);
+        Self::selected(&stencils, &Selection::all(&tape))
     }
 
     /// Lays out the calls for some steps of a tape.
@@ -471,9 +466,8 @@ fn find_values<Q: Query, T: Real>(
 ) -> Result<(), Error> {
     values.clear();
     for step in selection.steps() {
-        let (op, value) = tape.step(step);
-        if let Some(value) = value.filter(|_| !step.is_changed()) {
-            values.push(value);
+        if let Some(origin) = step.origin().filter(|_| !step.is_changed()) {
+            values.push(tape.steps[origin].value);
             continue;
         }
         let exponent = tape.exponent(step);
@@ -483,7 +477,7 @@ fn find_values<Q: Query, T: Real>(
             None => tape.steps[operand.origin()].value.number,
         };
         let operands: SmallVec<[_; 3]> = step.operands().iter().map(number).collect();
-        let (stencil, number) = finder.apply(op, &operands)?;
+        let (stencil, number) = finder.apply(tape.operation(step), &operands)?;
         let parts = parts::<Q>(&stencil.shape.expect("a step has a value")) as u32;
         values.push(StepValue { entry: stencil.code.entry(), number, parts });
     }

@@ -5,7 +5,7 @@
 //! kernels compute.
 
 use crate::box_tree::BoxTree;
-use crate::shortened::{ShortSurface, WholeFloat, WholeFunction};
+use crate::shortened::{LEAST_STEPS, ShortSurface, WholeFloat, WholeFunction};
 use crate::simplified::{KernelSource, ProgramError, Simplified};
 use crate::uniforms::Uniforms;
 use std::fmt;
@@ -319,15 +319,18 @@ impl<T: WholeFloat> Bindings<T> {
         let (surface, simplified) = (self.surface, &self.store.simplified);
         let (single, uniforms) = simplified.steps(surface, KernelSource::Function, true).ok()??;
         if self.store.evaluator != Evaluator::Native
-            || !WholeFunction::is_worth_shortening(&single)
+            || single.steps().len() < LEAST_STEPS
             || single.may_jump()
             || self.without_poles().ok()? != KernelSource::Function
         {
             return None;
         }
         let values = uniforms.values(&self.values)?;
-        let (double, _) = simplified.steps(surface, KernelSource::Function, true).ok()??;
-        let whole = Arc::new(WholeFunction::new(single, double, &values));
+        let double = || {
+            let steps = simplified.steps(surface, KernelSource::Function, true).ok()??;
+            Some(steps.0)
+        };
+        let whole = Arc::new(WholeFunction::new(single, double, &values)?);
         self.store.ledger.add_stencils(surface);
         let surface = ShortSurface::new(&whole, whole.all());
         Some(Short { whole, surface })

@@ -13,7 +13,7 @@ use zeroset_jit::{StencilTape, Threaded};
 /// of its own that is faster than stencils.
 const LEAST_DECIDING: usize = 32;
 /// Least number of steps of a function whose parts get kernels of their own.
-const LEAST_STEPS: usize = 256;
+pub(crate) const LEAST_STEPS: usize = 256;
 /// A selection is used if it has at most this share of the steps.
 const WORTHWHILE: f64 = 0.8;
 
@@ -29,7 +29,7 @@ pub(crate) struct WholeFunction {
 
 /// The steps of a function in one precision, with bound parameters.
 pub(crate) struct WholeTape<T: Real> {
-    pub tape: Tape<T>,
+    pub tape: Arc<Tape<T>>,
     binding: Binding<T>,
     stencils: Stencils<T>,
     bounds: OnceThreaded<Enclose, T>,
@@ -38,7 +38,7 @@ pub(crate) struct WholeTape<T: Real> {
 impl<T: Real> WholeTape<T> {
     fn new(tape: Tape<T>, values: &[Interval]) -> Self {
         Self {
-            tape: tape.coarse(),
+            tape: Arc::new(tape.coarse()),
             binding: Binding::new(values),
             stencils: Stencils::default(),
             bounds: OnceLock::new(),
@@ -51,7 +51,7 @@ impl<T: Real> WholeTape<T> {
         of: impl Fn(&Stencils<T>) -> &OnceStencils<Q, T>,
     ) -> Result<&Arc<StencilTape<Q, T>>, KernelError> {
         let make = || {
-            let stencils = StencilTape::new(self.tape.clone(), &self.binding).map(Arc::new);
+            let stencils = StencilTape::new(&self.tape, &self.binding).map(Arc::new);
             stencils.map_err(|error| Arc::new(error) as _)
         };
         of(&self.stencils).get_or_init(make).as_ref().map_err(Arc::clone)
@@ -59,23 +59,25 @@ impl<T: Real> WholeTape<T> {
 }
 
 impl WholeFunction {
-    pub fn new(single: Tape<f32>, double: Tape<f64>, values: &[Interval]) -> Self {
-        let (single, double) = (WholeTape::new(single, values), WholeTape::new(double, values));
-        let all = Arc::new(Selection::all(&single.tape));
-        let shortener = Shortener::new(&single.tape);
-        Self { single, double, all, shortener }
+    /// `None` if the function has too few choices for parts of space to do with far fewer steps.
+    /// Only otherwise `double` is called.
+    pub fn new(
+        single: Tape<f32>,
+        double: impl FnOnce() -> Option<Tape<f64>>,
+        values: &[Interval],
+    ) -> Option<Self> {
+        let (all, shortener) = (Selection::all(&single), Shortener::new(&single));
+        if shortener.deciding(&all).positions().len() < LEAST_DECIDING {
+            return None;
+        }
+        let single = WholeTape::new(single, values);
+        let double = WholeTape::new(double()?, values);
+        Some(Self { single, double, all: Arc::new(all), shortener })
     }
 
     /// All steps of the function.
     pub fn all(&self) -> &Arc<Selection> {
         &self.all
-    }
-
-    /// Returns whether the function has so many choices that parts of space can do with far fewer
-    /// steps.
-    pub fn is_worth_shortening(tape: &Tape<f32>) -> bool {
-        let deciding = || Shortener::new(tape).deciding(&Selection::all(tape)).positions().len();
-        tape.steps().len() >= LEAST_STEPS && deciding() >= LEAST_DECIDING
     }
 }
 

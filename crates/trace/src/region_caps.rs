@@ -175,7 +175,7 @@ mod tests {
     use zeroset_eval::Enclosures;
     use zeroset_space::HalfSpace;
 
-    /// The half-space x ≤ 0.25, as the function x − 0.25, for boxes of any extent.
+    /// The half-space x ≤ 0.25, as the function x − 0.25.
     struct LeftHalf;
 
     impl Kernel<Enclose> for LeftHalf {

@@ -114,7 +114,7 @@ fn point(random: &mut Rng, reach: f64) -> DVec3 {
     DVec3::from_array([0; 3].map(|_| (2.0 * random.f64() - 1.0) * reach))
 }
 
-/// A union of `count` random spheres, whose volumes add up to the same for every count.
+/// A union of `count` random spheres, whose total volume does not depend on the count.
 pub fn spheres(count: usize, family: &str) -> PartsModel {
     let (mut text, mut random) = (Text::default(), Rng::with_seed(SEED + count as u64));
     let radius = 0.5 / (count as f64).cbrt();

@@ -72,7 +72,7 @@ pub struct Blend {
     /// Which operand of the blend is the minimum or the maximum, whose operands are a and b.
     pub extremum: usize,
     pub is_max: bool,
-    /// Whether the step computes the negative of the blend.
+    /// True if the step computes the negative of the blend.
     pub is_negated: bool,
     /// At least k.
     pub width: f64,

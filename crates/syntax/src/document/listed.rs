@@ -1,6 +1,5 @@
 //! Turns an expression list into a document with one solid.
 
-use crate::document::heading::heading;
 use crate::document::reading::{
     Document, DocumentReader, Options, ParameterKind, Surface, SurfaceKind, picture, style,
 };
@@ -78,21 +77,6 @@ impl DocumentReader<'_> {
         style(&mut surfaces, &settings, &values)?;
         let picture = picture(&settings, &values)?;
         self.notes.push(Note { span, kind: NoteKind::ExpressionList { name } });
-        self.sort_notes();
-        let (title, doc) = heading(text);
-        Ok(Document {
-            graph,
-            surfaces: surfaces.into(),
-            parameters,
-            domain: settings.domain,
-            view: settings.view,
-            look: settings.look,
-            background: settings.background,
-            picture,
-            lines: settings.lines,
-            title,
-            doc,
-            notes: self.notes,
-        })
+        Ok(self.document(text, graph, surfaces.into(), parameters, settings, picture))
     }
 }

@@ -266,7 +266,7 @@ impl<'a> DocumentReader<'a> {
     }
 
     /// Sorts the notes by their places, and drops repeated ones and those beyond the limit.
-    pub(crate) fn sort_notes(&mut self) {
+    fn sort_notes(&mut self) {
         self.notes.sort_by_key(|note| note.span);
         // A note that explains a name is given once, for all uses of the name.
         let mut seen = FxHashSet::default();
@@ -349,10 +349,24 @@ impl<'a> DocumentReader<'a> {
         let picture = picture(&settings, &values)?;
         self.notes.append(&mut lowering.notes);
         self.notes.extend(near_integer_notes(&lowering.graph, &surfaces));
+        let text = self.text;
+        Ok(self.document(text, lowering.graph, surfaces, parameters, settings, picture))
+    }
+
+    /// The document of these surfaces. `text` has its title. The notes are sorted.
+    pub(crate) fn document(
+        mut self,
+        text: &str,
+        graph: Graph,
+        surfaces: Vec<Surface>,
+        parameters: Vec<Parameter>,
+        settings: CollectedLines,
+        picture: PictureLines,
+    ) -> Document {
         self.sort_notes();
-        let (title, doc) = heading(self.text);
-        Ok(Document {
-            graph: lowering.graph,
+        let (title, doc) = heading(text);
+        Document {
+            graph,
             surfaces,
             parameters,
             domain: settings.domain,
@@ -364,7 +378,7 @@ impl<'a> DocumentReader<'a> {
             title,
             doc,
             notes: self.notes,
-        })
+        }
     }
 }
 

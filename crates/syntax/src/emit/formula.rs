@@ -5,9 +5,9 @@ use super::number::described;
 use super::{EmitError, Format, function, parameter_error};
 use crate::document::reading::{Document, Options, Parameter, ParameterKind, SurfaceKind, read};
 use crate::lower::builders::Moves;
-use crate::lower::condition::or_outside;
+use crate::lower::condition::extend_total;
 use std::fmt::Write as _;
-use zeroset_ir::{Constant, Graph, Node, NodeId};
+use zeroset_ir::{Constant, Graph, Node, NodeId, Precedence};
 use zeroset_ops::Op;
 
 /// Longest text of a value within another one, in bytes, and its deepest nesting.
@@ -15,16 +15,6 @@ const LONGEST: usize = 72;
 const DEEPEST: u32 = 8;
 /// Largest whole exponent that GLSL gets as a product.
 const LARGEST_PRODUCT: i64 = 64;
-
-/// How tightly a text binds. It needs brackets where a tighter one is wanted.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Precedence {
-    Sum,
-    Sign,
-    Product,
-    Power,
-    Atom,
-}
 
 /// The text of a value.
 #[derive(Clone)]
@@ -75,7 +65,7 @@ pub(super) fn emit(document: &Document, text: &str, format: Format) -> Result<St
         }
     }
     let mut total = Vec::new();
-    or_outside(&mut graph.clone(), &mut total, &Moves::default(), roots[0], 0);
+    extend_total(graph, &mut total, &Moves::default());
     let is_free = |prefix: &String| {
         document.parameters.iter().all(|parameter| !parameter.name.starts_with(prefix.as_str()))
     };

@@ -129,16 +129,9 @@ impl<'a> Lowering<'a> {
     }
 }
 
-/// `node` where it is defined, else the number `outside`. A node that is defined everywhere is
-/// returned unchanged. `total` says of the first nodes of the graph whether they are defined
-/// everywhere, and is extended.
-pub(crate) fn or_outside(
-    graph: &mut Graph,
-    total: &mut Vec<bool>,
-    moves: &Moves,
-    node: NodeId,
-    outside: i64,
-) -> NodeId {
+/// Finds for each node of a graph whether it is defined everywhere. `total` says so of the first
+/// nodes, and is extended.
+pub(crate) fn extend_total(graph: &Graph, total: &mut Vec<bool>, moves: &Moves) {
     for (_, node) in graph.since(total.len()) {
         let is_total = match node {
             Node::Parameter(_) if let Some((shape, point)) = moves.get(node) => {
@@ -169,6 +162,18 @@ pub(crate) fn or_outside(
         };
         total.push(is_total);
     }
+}
+
+/// `node` where it is defined, else the number `outside`. A node that is defined everywhere is
+/// returned unchanged. `total` is that of [`extend_total`].
+pub(crate) fn or_outside(
+    graph: &mut Graph,
+    total: &mut Vec<bool>,
+    moves: &Moves,
+    node: NodeId,
+    outside: i64,
+) -> NodeId {
+    extend_total(graph, total, moves);
     if total[node.index()] {
         return node;
     }

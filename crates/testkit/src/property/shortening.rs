@@ -61,8 +61,11 @@ pub fn random_choices(rng: &mut Rng, depth: u32) -> String {
     }
 }
 
-/// The tapes of a formula, in the precision of the bounds and in `f64`. `None` if it is too large.
-fn tapes<T: Adversarial>(text: &str, simple: bool) -> Option<(Tape<T>, Tape<f64>)> {
+/// The tapes of a formula, in the precision of the bounds and in `f64`.
+type Tapes<T> = (Arc<Tape<T>>, Arc<Tape<f64>>);
+
+/// Returns the tapes of a formula; `None` if it is too large.
+fn tapes<T: Adversarial>(text: &str, simple: bool) -> Option<Tapes<T>> {
     let document = read(text, &Options::default()).ok()?;
     let domain = [Interval { lo: -HALF, hi: HALF }; 3];
     let mut graph = (document.graph, vec![document.surfaces.first()?.root]);
@@ -72,7 +75,8 @@ fn tapes<T: Adversarial>(text: &str, simple: bool) -> Option<(Tape<T>, Tape<f64>
     let assumptions = Assumptions { domain, parameters: Vec::new() };
     let (graph, roots) = (&graph.0, &graph.1[..1]);
     let single = Tape::<T>::new(graph, roots, &assumptions).coarse();
-    Some((single, Tape::<f64>::new(graph, roots, &assumptions).coarse()))
+    let double = Tape::<f64>::new(graph, roots, &assumptions).coarse();
+    Some((Arc::new(single), Arc::new(double)))
 }
 
 /// Encloses a function at points.
@@ -95,12 +99,10 @@ pub fn check_shortening<T: Adversarial>(rng: &mut Rng) -> Result<Tally, Failure>
     let (depth, simple) = (rng.u32(2..=6), rng.bool());
     let mut text = random_choices(rng, depth);
     let middle = [(); 3].map(|()| f64::from(rng.i32(-1000..=1000)) / 1000.0 * HALF);
-    let stencils = |tape: &Tape<f64>| {
-        Arc::new(
-            StencilTape::<Enclose, f64>::new(tape.clone(), &Binding::empty()).expect("stencils"),
-        )
+    let stencils = |tape: &Arc<Tape<f64>>| {
+        Arc::new(StencilTape::<Enclose, f64>::new(tape, &Binding::empty()).expect("stencils"))
     };
-    let whole = |tape: &Tape<f64>| {
+    let whole = |tape: &Arc<Tape<f64>>| {
         Threaded::selected(&stencils(tape), &Selection::all(tape)).expect("calls")
     };
     let Some((_, exact)) = tapes::<T>(&text, simple) else { return Ok(Tally::default()) };
@@ -112,7 +114,7 @@ pub fn check_shortening<T: Adversarial>(rng: &mut Rng) -> Result<Tally, Failure>
     let shortener = Shortener::new(&single);
     let from = Selection::all(&single);
     let deciding = shortener.deciding(&from);
-    let traced = StencilTape::<Enclose, T>::new(single.clone(), &Binding::empty());
+    let traced = StencilTape::<Enclose, T>::new(&single, &Binding::empty());
     let traced =
         Threaded::traced(&Arc::new(traced.expect("stencils")), &from, &deciding).expect("calls");
     let (all, exact) = (whole(&exact), stencils(&exact));

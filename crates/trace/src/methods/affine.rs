@@ -200,14 +200,12 @@ impl<T: Scalar> Tracer for Affine<'_, T> {
             return double.band(rays, band, work);
         }
         let mut state = BandState::new(self, frame, rays, band);
-        let whole = state.whole(rays, band);
         let has_parts = T::kernels(self.task.surface).has_parts();
-        let is_over = if !has_parts {
-            state.trace(self, rays, band, &whole, work)
-        } else if rays.is_patched() {
-            self.tree(frame, rays).trace_patches(self, &mut state, rays, band, work)
-        } else {
+        let is_over = if has_parts {
             self.tree(frame, rays).trace(self, &mut state, rays, band, work)
+        } else {
+            let whole = state.whole(rays, band);
+            state.trace(self, rays, band, &whole, work)
         };
         if !is_over {
             state.finish(self);

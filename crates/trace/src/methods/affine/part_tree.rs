@@ -66,8 +66,7 @@ impl PartTree {
             == (frame.origin, frame.direction, frame.span, frame.start, frame.reach, rays.unit)
     }
 
-    /// Traces a band of pixels, not of patches. Returns whether the rest of the band is no longer
-    /// wanted.
+    /// Traces a band. Returns whether the rest of the band is no longer wanted.
     pub fn trace<T: Scalar>(
         &self,
         method: &Affine<'_, T>,
@@ -76,23 +75,13 @@ impl PartTree {
         band: &mut Band<'_>,
         work: &mut KernelStats,
     ) -> bool {
-        let whole = state.whole(rays, band);
-        BandPass { tree: self, method, state, rays, band, work }.trace(&self.root, whole.columns)
-    }
-
-    /// Traces the patches of a band. Returns whether the rest of the band is no longer wanted.
-    pub fn trace_patches<T: Scalar>(
-        &self,
-        method: &Affine<'_, T>,
-        state: &mut BandState<T>,
-        rays: &RayGrid,
-        band: &mut Band<'_>,
-        work: &mut KernelStats,
-    ) -> bool {
-        let areas: Vec<Area> = (0..band.height).map(|row| area(rays, band, row)).collect();
-        let mut pass = PatchPass { tree: self, method, state, rays, band, work, areas };
-        let all = u16::MAX >> (LANES - pass.areas.len());
-        pass.trace(&self.root, all)
+        let BandPart { columns, rows, .. } = state.whole(rays, band);
+        let mut pass = Pass { tree: self, method, state, rays, band, work };
+        if !rays.is_patched() {
+            return pass.trace_tiles(&self.root, columns);
+        }
+        let areas: Vec<Area> = rows.map(|row| area(rays, pass.band, row)).collect();
+        pass.trace_patches(&self.root, &areas, u16::MAX >> (LANES - areas.len()))
     }
 
     /// Returns whether the parts of a part are for patches only.
@@ -160,8 +149,8 @@ impl PartTree {
     }
 }
 
-/// A band of pixels that is traced.
-struct BandPass<'p, 'b, 'm, T: Scalar> {
+/// A band that is traced.
+struct Pass<'p, 'b, 'm, T: Scalar> {
     tree: &'p PartTree,
     method: &'p Affine<'m, T>,
     state: &'p mut BandState<T>,
@@ -170,10 +159,10 @@ struct BandPass<'p, 'b, 'm, T: Scalar> {
     work: &'p mut KernelStats,
 }
 
-impl<T: Scalar> BandPass<'_, '_, '_, T> {
+impl<T: Scalar> Pass<'_, '_, '_, T> {
     /// Traces these columns of tiles in a part. Returns whether the rest of the band is no longer
     /// wanted.
-    fn trace(&mut self, part: &Part, columns: Range<usize>) -> bool {
+    fn trace_tiles(&mut self, part: &Part, columns: Range<usize>) -> bool {
         let Part { span, surface, .. } = part;
         let own = BandPart { level: 0, columns: columns.clone(), rows: 0..1, span: *span };
         if !self.state.is_open(&own) {
@@ -196,7 +185,7 @@ impl<T: Scalar> BandPass<'_, '_, '_, T> {
             let Some(start) = (first..columns.end).find(is_inside) else { continue };
             let end = (start..columns.end).find(|column| !is_inside(column));
             first = end.unwrap_or(columns.end);
-            if self.trace(inner, start..first) {
+            if self.trace_tiles(inner, start..first) {
                 return true;
             }
         }
@@ -214,23 +203,10 @@ impl<T: Scalar> BandPass<'_, '_, '_, T> {
         let half = |first: usize, last: usize| (last - first) as f64 * rays.unit;
         [[across, half(left, right)], [upward, half(top, bottom)]]
     }
-}
 
-/// The patches of a band that are traced.
-struct PatchPass<'p, 'b, 'm, T: Scalar> {
-    tree: &'p PartTree,
-    method: &'p Affine<'m, T>,
-    state: &'p mut BandState<T>,
-    rays: &'p RayGrid,
-    band: &'p mut Band<'b>,
-    work: &'p mut KernelStats,
-    areas: Vec<Area>,
-}
-
-impl<T: Scalar> PatchPass<'_, '_, '_, T> {
     /// Traces the patches of these rows in a part. Returns whether the rest of the band is no
     /// longer wanted.
-    fn trace(&mut self, part: &Part, rows: u16) -> bool {
+    fn trace_patches(&mut self, part: &Part, areas: &[Area], rows: u16) -> bool {
         let rows: u16 =
             ones(rows).filter(|row| self.is_wanted(*row, part)).map(|row| 1 << row).sum();
         if rows == 0 {
@@ -239,7 +215,7 @@ impl<T: Scalar> PatchPass<'_, '_, '_, T> {
         let parts =
             part.parts.get_or_init(|| self.tree.divided::<T>(part, self.rays, self.method.task));
         if parts.is_empty() {
-            return self.trace_all(part, rows);
+            return self.trace_all(part, areas.len(), rows);
         }
         // Areas overlap. In each range of depth, a patch belongs to the first area around it.
         let (mut rest, mut span) = (rows, None);
@@ -248,11 +224,11 @@ impl<T: Scalar> PatchPass<'_, '_, '_, T> {
                 (rest, span) = (rows, Some(inner.span));
             }
             let inside: u16 = ones(rest)
-                .filter(|row| contains(&inner.area, &self.areas[*row]))
+                .filter(|row| contains(&inner.area, &areas[*row]))
                 .map(|row| 1 << row)
                 .sum();
             rest &= !inside;
-            if inside != 0 && self.trace(inner, inside) {
+            if inside != 0 && self.trace_patches(inner, areas, inside) {
                 return true;
             }
         }
@@ -270,18 +246,18 @@ impl<T: Scalar> PatchPass<'_, '_, '_, T> {
             && self.state.is_open(&patches(row, row + 1, part.span))
     }
 
-    /// Traces the patches of these rows by the part's own surface.
-    fn trace_all(&mut self, part: &Part, rows: u16) -> bool {
+    /// Traces those of `count` patches that are in these rows, by the part's own surface.
+    fn trace_all(&mut self, part: &Part, count: usize, rows: u16) -> bool {
         let task = self.method.task;
         let own = part
             .surface
             .as_ref()
             .and_then(|surface| Affine::for_part(Task { surface: &**surface, ..task }).ok());
         let mut first = 0;
-        while first < self.areas.len() {
-            let count = (rows >> first).trailing_ones() as usize;
-            if count > 0 {
-                let part = patches(first, first + count, part.span);
+        while first < count {
+            let some = (rows >> first).trailing_ones() as usize;
+            if some > 0 {
+                let part = patches(first, first + some, part.span);
                 let Self { state, rays, band, work, method, .. } = self;
                 let is_over = match &own {
                     Some(own) => state.trace(own, rays, band, &part, work),
@@ -291,7 +267,7 @@ impl<T: Scalar> PatchPass<'_, '_, '_, T> {
                     return true;
                 }
             }
-            first += count + 1;
+            first += some + 1;
         }
         false
     }
