@@ -523,7 +523,7 @@ pub struct GalleryArgs {
     #[arg(short, long, value_name = "DIR", required_unless_present = "list")]
     pub output: Option<PathBuf>,
 
-    /// List the surfaces without rendering them
+    /// List the surfaces, then the models, without rendering them
     #[arg(long)]
     pub list: bool,
 
