@@ -103,7 +103,8 @@ output!(Enclosures<T>: nowhere, defined, continuous);
 output!(Zeros: possible, unbounded, jumping);
 output!(GradientEnclosures<T>: lipschitz, differentiable);
 output!(Contractions<T>: possible, crossing);
-output!(Planes<T>: possible, crossing);
+output!(Planes<T>: possible, crossing, jumping);
+output!(BranchSigns<T>: possible, below, above);
 output!(Values<T>:);
 output!(Gradients<T>:);
 
@@ -222,6 +223,8 @@ batch! {
         possible: u16,
         /// Lanes whose tile is proven to have a zero on every ray, as in [`Contractions`].
         crossing: u16,
+        /// Lanes in which the function is not known to be continuous.
+        jumping: u16,
     }
 }
 
@@ -266,6 +269,21 @@ impl<T: Real> Batch<T> for Zeros {
 
     fn quantity_mut(&mut self, _: usize) -> &mut Lanes<T> {
         unreachable!("zeros have no quantities")
+    }
+}
+
+batch! {
+    /// Results for one combination of branches. Bit k of a mask is for lane k.
+    BranchSigns {
+        /// The choices between branches that steps make in the box, as a sum: 2ᵏ for choice k.
+        choices: Lanes<T> = 1,
+        ;
+        /// Lanes whose box may hold a zero in this combination.
+        possible: u16,
+        /// Lanes in which the function is defined and below 0 in this combination.
+        below: u16,
+        /// Lanes in which the function is above 0 or undefined in this combination.
+        above: u16,
     }
 }
 

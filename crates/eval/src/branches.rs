@@ -1,268 +1,289 @@
-//! Zero tests of functions that jump: a box is enclosed branch by branch.
+//! Functions that jump, evaluated branch by branch.
 //!
 //! At a jump, the enclosure of a function is the hull of both branches. It contains 0 even if
-//! neither branch does. The branches together cover the box. If none of them has a zero, neither
-//! has the box. The interval rules define which operations have branches.
+//! neither branch does. The branches together cover the box, so what is proven on each is proven on
+//! the box. The interval rules define which operations have branches.
+//!
+//! In each box, the first three steps that jump make a choice each, in the order of the tape. A
+//! kernel evaluates one combination of choices, which its last three parameters select. Steps that
+//! jump after all choices are made are enclosed over the whole box.
 
+use crate::batch::{Boxes, BranchSigns};
+use crate::binding::Binding;
+use crate::lanes::LANES;
+use crate::query::{FindZerosInBranch, Kernel, eval_lanes};
 use crate::real::Real;
+use crate::shorten::LaneSet;
 use crate::tape::{Step, Tape, may_vanish};
-use crate::value_kind::{Intervals, Loader, ValueKind, coordinate_bounds, parameter_bounds};
+use crate::value_kind::{
+    Intervals, Loader, PARAMETER_QUANTITIES, ValueKind, coordinate_bounds, parameter_bounds,
+};
 use zeroset_interval::{
     Branch, Claims, Enclosure, Fact, Format, Interval, Machine, Operand, Split, enclose,
     enclose_branch,
 };
 use zeroset_ops::Op;
 
-/// Largest number of combinations of branches in one kernel.
-const COMBINATIONS: usize = 8;
-/// Largest number of operations in one kernel, over all combinations. In a longer tape fewer jumps
-/// are split.
-const OPERATIONS: usize = 4_000;
+/// Most choices in a box.
+pub(crate) const CHOICES: usize = 3;
+/// Number of combinations of choices.
+const COMBINATIONS: usize = 1 << CHOICES;
 
-/// The steps of a tape that have branches, and the combinations of these branches.
-#[derive(Clone, Debug)]
-pub(crate) struct Branches {
-    /// The choices between branches. A combination takes one branch of each choice.
-    choices: Vec<Choice>,
-    /// For each step, the index of the choice that it makes, if any.
-    makes: Vec<Option<usize>>,
-    /// For each step, the choices that its value depends on, as a set of bits.
-    depends: Vec<u32>,
-    /// Number of operations to enclose, over all combinations.
-    operations: usize,
+/// Returns a binding for each combination of choices of a [tape of branches](Tape::branches), with
+/// `values` for its other parameters. Choice k takes the second branch if bit k of the
+/// combination's number is set.
+pub fn branch_bindings<T: Real>(values: &[Interval]) -> impl Iterator<Item = Binding<T>> {
+    let selector = |combination: u32, choice| {
+        let taken = f64::from(combination >> choice & 1);
+        Interval { lo: taken, hi: taken }
+    };
+    (0..COMBINATIONS as u32).map(move |combination| {
+        let selectors = (0..CHOICES).map(|choice| selector(combination, choice));
+        Binding::new(&values.iter().copied().chain(selectors).collect::<Vec<_>>())
+    })
 }
 
-/// A choice between the branches of a split. Several steps may share a choice. In each box, the
-/// first of these steps that jumps makes the choice. The later ones are then enclosed over the
-/// whole box.
-#[derive(Clone, Copy, Debug)]
-struct Choice {
-    split: Split,
-    is_shared: bool,
-}
-
-impl Choice {
-    fn parts(self) -> &'static [Branch] {
-        self.split.branches()
-    }
-}
-
-impl Branches {
-    /// Finds the branches of a tape. `None` if the last output depends on no step with branches, or
-    /// if code for two branches would be too long.
-    pub fn new<T: Real>(tape: &Tape<T>) -> Option<Self> {
-        let mut combinations = COMBINATIONS;
-        while combinations > 1 {
-            let branches = Self::within(tape, combinations);
-            let last = tape.outputs_at().last()?;
-            if branches.depends[*last] == 0 {
-                return None;
-            }
-            if branches.operations <= OPERATIONS {
-                return Some(branches);
-            }
-            combinations /= 2;
-        }
-        None
-    }
-
-    fn within<T: Real>(tape: &Tape<T>, combinations: usize) -> Self {
-        let splits: Vec<Split> = (0..tape.steps().len()).map(|index| split(tape, index)).collect();
-        let mut choices: Vec<Choice> = Vec::new();
-        let mut makes = vec![None; splits.len()];
-        let mut left = combinations;
-        // Jumps are split before poles. The rational form has cleared most poles, and at the other
-        // poles the whole function may not jump.
-        for poles in [false, true] {
-            let first = choices.len();
-            let mut next = first;
-            for (index, &split) in splits.iter().enumerate() {
-                let parts = split.branches().len();
-                if parts < 2 || (split == Split::AtPole) != poles {
-                    continue;
-                }
-                if parts <= left {
-                    left /= parts;
-                    makes[index] = Some(choices.len());
-                    choices.push(Choice { split, is_shared: false });
-                } else if let Some(own) = shared(&choices[first..], split, next - first) {
-                    choices[first + own].is_shared = true;
-                    makes[index] = Some(first + own);
-                    next = first + own + 1;
-                }
-            }
-        }
-        let mut branches = Self { choices, makes, depends: Vec::new(), operations: 0 };
-        branches.find_dependences(tape);
-        branches
-    }
-
-    fn find_dependences<T: Real>(&mut self, tape: &Tape<T>) {
-        // For each choice, the choices that decide in which lanes an earlier step has made that
-        // choice.
-        let mut made = vec![0_u32; self.choices.len()];
-        for (index, step) in tape.steps().iter().enumerate() {
-            let Step::Apply(_, operands) = step else {
-                self.depends.push(0);
-                continue;
-            };
-            let mut depends = operands.iter().fold(0, |all, &i| all | self.depends[i]);
-            if let Some(choice) = self.makes[index] {
-                depends |= 1 << choice | made[choice];
-                made[choice] |= depends;
-            }
-            self.depends.push(depends);
-            self.operations += self.variants(depends);
-        }
-    }
-
-    /// Number of combinations that differ in the choices of the set `depends`.
-    fn variants(&self, depends: u32) -> usize {
-        let chosen = self.choices.iter().enumerate().filter(|(k, _)| depends >> k & 1 == 1);
-        chosen.map(|(_, choice)| choice.parts().len()).product()
-    }
-
-    pub fn operations(&self) -> usize {
-        self.operations
-    }
-
-    /// All combinations: lists with one branch per choice.
-    fn combinations(&self) -> Vec<Vec<Branch>> {
-        let mut all = vec![Vec::new()];
-        for choice in &self.choices {
-            let longer = |parts: &Vec<Branch>, part: Branch| {
-                let mut parts = parts.clone();
-                parts.push(part);
-                parts
-            };
-            all = all
-                .iter()
-                .flat_map(|parts| choice.parts().iter().map(|&part| longer(parts, part)))
-                .collect();
-        }
-        all
-    }
-}
-
-/// Returns the index of a choice with this split. The search starts at `next` and wraps around.
-fn shared(choices: &[Choice], split: Split, next: usize) -> Option<usize> {
-    let mut turn = (0..choices.len()).map(|k| (next + k) % choices.len());
-    turn.find(|&k| choices[k].split == split)
-}
+/// The range of a parameter that selects a branch.
+pub(crate) const SELECTOR: Interval = Interval { lo: 0.0, hi: 1.0 };
 
 impl<T: Real> Tape<T> {
     /// Returns whether an operation of the tape may jump or have a pole.
     pub fn may_jump(&self) -> bool {
-        (0..self.steps().len()).any(|index| split(self, index) != Split::Whole)
+        (0..self.steps().len()).any(|index| self.split(index) != Split::Whole)
     }
-}
 
-fn split<T: Real>(tape: &Tape<T>, index: usize) -> Split {
-    match &tape.steps()[index] {
-        Step::Apply(op, operands) => {
-            let ranges: Vec<Interval> = operands.iter().map(|&i| tape.range(i)).collect();
-            Split::of(*op, &ranges, tape.exponent(operands))
+    /// How a step splits boxes.
+    fn split(&self, index: usize) -> Split {
+        match &self.steps()[index] {
+            Step::Apply(op, operands) => {
+                let ranges: Vec<Interval> = operands.iter().map(|&i| self.range(i)).collect();
+                Split::of(*op, &ranges, self.exponent(operands))
+            }
+            Step::Coordinate(_) | Step::Parameter(_) | Step::Constant(..) => Split::Whole,
         }
-        Step::Coordinate(_) | Step::Parameter(_) | Step::Constant(..) => Split::Whole,
     }
-}
 
-/// The evaluation of a tape for one combination of branches.
-struct Combination<V> {
-    parts: Vec<Branch>,
-    values: Vec<Operand<V>>,
-    /// For each shared choice, the lanes in which an earlier step has made it.
-    made: Vec<Fact<V>>,
-    /// For each step with a shared choice, the lanes in which this step or an earlier one has made
-    /// the choice.
-    made_at: Vec<Fact<V>>,
-}
-
-impl<V: Copy> Combination<V> {
-    /// Returns whether both combinations have the same branches for the set `choices`.
-    fn agrees(&self, other: &Self, choices: u32) -> bool {
-        let mut pairs = self.parts.iter().zip(&other.parts).enumerate();
-        pairs.all(|(choice, (a, b))| choices >> choice & 1 == 0 || a == b)
+    /// Returns whether the last output depends on a step that splits boxes.
+    pub(crate) fn last_output_splits(&self) -> bool {
+        let mut splits: Vec<bool> = Vec::with_capacity(self.steps().len());
+        for (index, step) in self.steps().iter().enumerate() {
+            let Step::Apply(_, operands) = step else {
+                splits.push(false);
+                continue;
+            };
+            let inherited = operands.iter().any(|&i| splits[i]);
+            splits.push(inherited || self.split(index) != Split::Whole);
+        }
+        self.outputs_at().last().is_some_and(|&last| splits[last])
     }
-}
 
-impl<T: Real> Tape<T> {
-    /// Returns the lanes in which all outputs may be 0 together, in some combination of branches.
-    pub(crate) fn possible_branches<M: Machine>(
+    /// Encloses the outputs in the combination of branches that the tape's last parameters select.
+    pub(crate) fn enclose_in_branch<M: Machine>(
         &self,
         m: &mut M,
-        branches: &Branches,
         loader: &mut impl Loader<M>,
-    ) -> Fact<M::V> {
-        let mut done: Vec<Combination<M::V>> = Vec::new();
-        for parts in branches.combinations() {
-            let made = vec![Fact::False; branches.choices.len()];
-            let mut now = Combination { parts, values: Vec::new(), made, made_at: Vec::new() };
-            for (index, step) in self.steps().iter().enumerate() {
-                let depends = branches.depends[index];
-                let same = done.iter().find(|other| other.agrees(&now, depends));
-                let (operand, made) = if let Some(other) = same {
-                    (other.values[index], other.made_at[index])
-                } else {
-                    let leaf = |value| (value, Fact::False);
-                    let (value, made) = match step {
-                        Step::Coordinate(axis) => leaf(coordinate_bounds(m, loader, *axis)),
-                        Step::Parameter(number) => {
-                            leaf(parameter_bounds(m, loader, *number as usize))
-                        }
-                        Step::Constant(bounds, _) => leaf(Intervals::constant::<T, M>(m, *bounds)),
-                        Step::Apply(op, operands) => {
-                            enclose_step::<T, M>(m, branches, &now, index, *op, operands)
-                        }
-                    };
-                    let (range, exponent) = (self.range(index), step.exponent());
-                    let value = Intervals::clamp_to::<T, M>(m, value, range);
-                    (Operand { value, range, exponent }, made)
-                };
-                if let Some(choice) = branches.makes[index] {
-                    now.made[choice] = made;
+    ) -> InBranch<M::V> {
+        let mut choices =
+            Choices { made: [Fact::False; CHOICES], first_parameter: self.parameters() - CHOICES };
+        let mut values: Vec<Operand<M::V>> = Vec::with_capacity(self.steps().len());
+        for (index, step) in self.steps().iter().enumerate() {
+            let value = match step {
+                Step::Coordinate(axis) => coordinate_bounds(m, loader, *axis),
+                Step::Parameter(number) => parameter_bounds(m, loader, *number as usize),
+                Step::Constant(bounds, _) => Intervals::constant::<T, M>(m, *bounds),
+                Step::Apply(op, operands) => {
+                    let operands: Vec<_> = operands.iter().map(|&i| values[i]).collect();
+                    let split = self.split(index);
+                    choices.enclose::<T, M>(m, loader, *op, &operands, split)
                 }
-                now.values.push(operand);
-                now.made_at.push(made);
-            }
-            done.push(now);
+            };
+            let (range, exponent) = (self.range(index), step.exponent());
+            let value = Intervals::clamp_to::<T, M>(m, value, range);
+            values.push(Operand { value, range, exponent });
         }
-        let mut possible = Fact::False;
-        for combination in done {
-            let mut all = Fact::True;
-            for &output in self.outputs_at() {
-                let zero = may_vanish(m, T::FORMAT, &combination.values[output].value);
-                all = all.and(m, zero);
-            }
-            possible = possible.or(m, all);
-        }
-        possible
+        let outputs = self.outputs_at().iter().map(|&output| values[output].value).collect();
+        InBranch { outputs, made: choices.made }
     }
 }
 
-/// Encloses an operation in one combination. Also returns the lanes in which this or an earlier
-/// operation has made its shared choice.
-fn enclose_step<T: Real, M: Machine>(
-    m: &mut M,
-    branches: &Branches,
-    now: &Combination<M::V>,
-    index: usize,
-    op: Op,
-    operands: &[usize],
-) -> (Enclosure<M::V>, Fact<M::V>) {
-    let operands: Vec<_> = operands.iter().map(|&i| now.values[i]).collect();
-    let Some(choice) = branches.makes[index] else {
-        return (enclose(m, T::FORMAT, op, &operands), Fact::False);
-    };
-    let part = enclose_branch(m, T::FORMAT, op, &operands, now.parts[choice]);
-    if !branches.choices[choice].is_shared {
-        return (part, Fact::False);
+/// The outputs of a tape in one combination of branches.
+pub(crate) struct InBranch<V> {
+    pub outputs: Vec<Enclosure<V>>,
+    /// For each choice, the lanes in which it is made.
+    pub made: [Fact<V>; CHOICES],
+}
+
+impl<V: Copy> InBranch<V> {
+    /// Lanes in which all outputs may be 0 together.
+    pub fn possible<M: Machine<V = V>>(&self, m: &mut M, format: Format) -> Fact<V> {
+        self.outputs.iter().fold(Fact::True, |all, output| {
+            let zero = may_vanish(m, format, output);
+            all.and(m, zero)
+        })
     }
-    let whole = enclose(m, T::FORMAT, op, &operands);
-    let made = now.made[choice];
-    // An operation makes no choice in lanes in which it does not jump.
-    let jumps = whole.facts.continuous.not(m, T::FORMAT);
-    (pick(m, T::FORMAT, made, &whole, &part), made.or(m, jumps))
+
+    /// Lanes in which the first output is below 0 everywhere, and lanes in which it is nowhere 0 or
+    /// below.
+    pub fn sides<M: Machine<V = V>>(&self, m: &mut M, format: Format) -> [Fact<V>; 2] {
+        let Enclosure { neg_lo, hi, facts } = self.outputs[0];
+        let zero = m.number(format, 0.0);
+        let (below, above) = (Fact::Lanes(m.lt(hi, zero)), Fact::Lanes(m.lt(neg_lo, zero)));
+        [below.and(m, facts.defined), above.or(m, facts.nowhere)]
+    }
+
+    /// The choices that are made, as a sum of powers of two per lane: 2ᵏ for choice k.
+    pub fn choices<M: Machine<V = V>>(&self, m: &mut M, format: Format) -> V {
+        let mut sum = m.number(format, 0.0);
+        for (choice, made) in self.made.into_iter().enumerate() {
+            let power = m.number(format, f64::from(1_u32 << choice));
+            let mask = made.mask(m, format);
+            let own = m.and(mask, power);
+            sum = m.add(sum, own);
+        }
+        sum
+    }
+}
+
+/// The choices that the steps of a tape have made so far.
+struct Choices<V> {
+    /// For each choice, the lanes in which it is made.
+    made: [Fact<V>; CHOICES],
+    /// Number of the parameter that selects the branch of the first choice.
+    first_parameter: usize,
+}
+
+impl<V: Copy> Choices<V> {
+    /// Encloses an operation, in its selected branch where it jumps and a choice is left.
+    fn enclose<T: Real, M: Machine<V = V>>(
+        &mut self,
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+        op: Op,
+        operands: &[Operand<V>],
+        split: Split,
+    ) -> Enclosure<V> {
+        let whole = enclose(m, T::FORMAT, op, operands);
+        let part = |m: &mut M, branch| enclose_branch(m, T::FORMAT, op, operands, branch);
+        let jumps = whole.facts.continuous.not(m, T::FORMAT);
+        if split == Split::Whole || matches!(jumps, Fact::False) {
+            return whole;
+        }
+        let low = part(m, Branch::Low);
+        let mut rest = part(m, Branch::Rest);
+        // A pole takes only the last choice, so that jumps have more. The rational form has cleared
+        // most poles, and at the other poles the function may not jump.
+        let first = if split == Split::AtPole { CHOICES - 1 } else { 0 };
+        let Chosen { made, second } = self.choose::<T, M>(m, loader, jumps, first);
+        if split == Split::AtBothJumps {
+            let [middle, high] = [Branch::Middle, Branch::High].map(|branch| part(m, branch));
+            let jumps = rest.facts.continuous.not(m, T::FORMAT);
+            let jumps = jumps.and(m, second);
+            let again = self.choose::<T, M>(m, loader, jumps, first);
+            let upper = pick(m, T::FORMAT, again.second, &high, &middle);
+            rest = pick(m, T::FORMAT, again.made, &upper, &rest);
+        }
+        let chosen = pick(m, T::FORMAT, second, &rest, &low);
+        pick(m, T::FORMAT, made, &chosen, &whole)
+    }
+
+    /// Makes a choice in the lanes of `jumps` that have one left, the first of which is `first`.
+    fn choose<T: Real, M: Machine<V = V>>(
+        &mut self,
+        m: &mut M,
+        loader: &mut impl Loader<M>,
+        jumps: Fact<V>,
+        first: usize,
+    ) -> Chosen<V> {
+        let mut chosen = Chosen { made: Fact::False, second: Fact::False };
+        let mut left = jumps;
+        for choice in first..CHOICES {
+            let free = self.made[choice].not(m, T::FORMAT);
+            let own = left.and(m, free);
+            if matches!(own, Fact::False) {
+                continue;
+            }
+            let quantity = PARAMETER_QUANTITIES * (self.first_parameter + choice) + 1;
+            let selector = loader.parameter(m, quantity);
+            let zero = m.number(T::FORMAT, 0.0);
+            let is_second = Fact::Lanes(m.lt(zero, selector));
+            let second = own.and(m, is_second);
+            chosen.second = chosen.second.or(m, second);
+            chosen.made = chosen.made.or(m, own);
+            self.made[choice] = self.made[choice].or(m, own);
+            let others = own.not(m, T::FORMAT);
+            left = left.and(m, others);
+        }
+        chosen
+    }
+}
+
+/// Lanes in which a step makes a choice, and those in which it takes the second branch.
+struct Chosen<V> {
+    made: Fact<V>,
+    second: Fact<V>,
+}
+
+/// A test, branch by branch, of boxes in which a function may jump.
+pub struct BranchTest<T: Real> {
+    /// A kernel for each combination of choices.
+    combinations: Vec<Box<dyn Kernel<FindZerosInBranch, T>>>,
+    is_solid: bool,
+}
+
+impl<T: Real> BranchTest<T> {
+    /// Creates a test from the code of a [tape of branches](Tape::branches). `bind` binds values to
+    /// the tape's parameters. They are `values`, followed by those that select branches.
+    ///
+    /// # Errors
+    /// The first error of `bind`.
+    pub fn new<E>(
+        values: &[Interval],
+        is_solid: bool,
+        bind: impl FnMut(Binding<T>) -> Result<Box<dyn Kernel<FindZerosInBranch, T>>, E>,
+    ) -> Result<Self, E> {
+        let combinations = branch_bindings(values).map(bind).collect::<Result<_, E>>()?;
+        Ok(Self { combinations, is_solid })
+    }
+
+    /// Returns those of `lanes` whose boxes are proven to hold no zero of the function. For a
+    /// solid: whose boxes are proven to hold no point of its boundary. There the function's sign
+    /// must be the same on all branches, since the boundary includes places where it changes sign
+    /// at a jump.
+    pub fn proven_empty(&self, boxes: &Boxes<T>, lanes: LaneSet) -> LaneSet {
+        // The lanes for which a combination must be evaluated. In other lanes, a choice by which it
+        // differs from an earlier combination is not made.
+        let mut needed = [0; COMBINATIONS];
+        needed[0] = lanes;
+        let mut proven = if self.is_solid { [lanes, lanes] } else { [lanes, 0] };
+        for (combination, kernel) in self.combinations.iter().enumerate() {
+            let asked = needed[combination] & (proven[0] | proven[1]);
+            if asked == 0 {
+                continue;
+            }
+            let signs = eval_lanes(&**kernel, boxes, asked);
+            let found =
+                if self.is_solid { [signs.below, signs.above] } else { [!signs.possible, 0] };
+            for (proven, found) in proven.iter_mut().zip(found) {
+                *proven &= found | !asked;
+            }
+            let last = (usize::BITS - combination.leading_zeros()) as usize;
+            for choice in last..CHOICES {
+                needed[combination | 1 << choice] = asked & signs.made(choice);
+            }
+        }
+        proven[0] | proven[1]
+    }
+}
+
+impl<T: Real> BranchSigns<T> {
+    /// Lanes in which a choice is made.
+    fn made(&self, choice: usize) -> LaneSet {
+        let is_made = |lane: &usize| {
+            let choices: f64 = self.choices[*lane].into();
+            choices as u32 >> choice & 1 == 1
+        };
+        (0..LANES).filter(is_made).map(|lane| 1 << lane).sum()
+    }
 }
 
 /// Takes `whole` in the lanes of `mask`, else `part`.
@@ -298,7 +319,8 @@ fn pick<M: Machine>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Assumptions, Binding, Boxes, FindZeros, Kernel, Reference};
+    use crate::{Assumptions, Reference};
+    use std::convert::Infallible;
     use zeroset_ir::{Axis, Graph, NodeId};
     use zeroset_ops::Op;
 
@@ -326,19 +348,23 @@ mod tests {
         }
 
         /// Returns whether `root` is proven to have no zero for x, y and z in `ranges`.
-        fn is_empty(&self, root: NodeId, ranges: [[f32; 2]; 3]) -> bool {
+        fn is_empty(&self, root: NodeId, is_solid: bool, ranges: [[f32; 2]; 3]) -> bool {
             let tape = self.branches(root).expect("it jumps");
             let ends = ranges.map(|[lo, hi]| Interval { lo: lo.into(), hi: hi.into() });
-            let kernel = Reference::<FindZeros>::new(tape, Binding::empty());
-            kernel.eval_all(&Boxes::around(&[ends]))[0].possible == 0
+            let bind = |binding| {
+                let kernel = Reference::<FindZerosInBranch>::new(tape.clone(), binding);
+                Ok::<_, Infallible>(Box::new(kernel) as Box<_>)
+            };
+            let Ok(test) = BranchTest::new(&[], is_solid, bind);
+            test.proven_empty(&Boxes::around(&[ends])[0], 1) == 1
         }
     }
 
-    /// Seven steps jump, but there are only three choices. The fourth and the seventh step share a
-    /// choice. The fourth jumps in only one branch of the second. In that branch the seventh must
-    /// not choose again, so it depends on the second as well.
+    /// Seven steps may jump, and three of them do in this box. The fourth jumps in only one branch
+    /// of the second, so the seventh makes the second choice in one branch, and the third in the
+    /// other.
     #[test]
-    fn a_choice_already_made_by_another_jump_is_not_made_again() {
+    fn the_steps_that_jump_in_a_box_choose() {
         let mut builder = GraphBuilder::default();
         let [x, y, z] = Axis::ALL.map(|axis| builder.0.variable(axis));
         let still = |builder: &mut GraphBuilder, n| {
@@ -364,11 +390,11 @@ mod tests {
         let near = [[0.875, 1.125], [0.5, 0.5], [0.875, 1.125]];
         // The root is 0 near x = 1.1, z = 0.9, where the sum is 100·1 + 10·0 + 1.
         let root = builder.plus(sum, -101);
-        assert!(!builder.is_empty(root, near));
+        assert!(!builder.is_empty(root, false, near));
         // The sum takes the values 0, 1, 101 and 110 (and 111 at z = 1).
         for (value, is_taken) in [(0, true), (1, true), (50, false), (110, true), (115, false)] {
             let root = builder.plus(sum, -value);
-            assert_eq!(!builder.is_empty(root, near), is_taken, "{value}");
+            assert_eq!(!builder.is_empty(root, false, near), is_taken, "{value}");
         }
     }
 
@@ -387,29 +413,19 @@ mod tests {
         assert_eq!(tape(&[smooth, jump]).expect("it jumps").outputs(), 1);
     }
 
+    /// A solid's boundary includes a jump at which the sign changes, but none at which it stays.
     #[test]
-    fn long_formulas_are_written_for_fewer_branches_or_none() {
-        let written = |length: usize| {
-            let mut builder = GraphBuilder::default();
-            let [x, y, z] = Axis::ALL.map(|axis| builder.0.variable(axis));
-            let mut sum = builder.of(Op::Floor, &[x]);
-            for axis in [y, z] {
-                let jump = builder.of(Op::Floor, &[axis]);
-                sum = builder.of(Op::Add, &[sum, jump]);
-            }
-            for _ in 0..length {
-                sum = builder.of(Op::Sin, &[sum]);
-            }
-            builder.branches(sum).map(|tape| tape.operations())
-        };
-        let over = |all: usize, length: usize| Some(all * length);
-        let near = |found: Option<usize>, expected: Option<usize>| match (found, expected) {
-            (Some(a), Some(b)) => a.abs_diff(b) < 40,
-            (a, b) => a == b,
-        };
-        assert!(near(written(400), over(8, 400)), "{:?}", written(400));
-        assert!(near(written(900), over(4, 900)), "{:?}", written(900));
-        assert!(near(written(1900), over(2, 1900)), "{:?}", written(1900));
-        assert_eq!(written(2100), None);
+    fn a_jump_bounds_a_solid_only_where_the_sign_changes() {
+        let mut builder = GraphBuilder::default();
+        let [x, ..] = Axis::ALL.map(|axis| builder.0.variable(axis));
+        let jump = builder.of(Op::Floor, &[x]);
+        let near = [[0.875, 1.125], [0.0, 0.0], [0.0, 0.0]];
+        for (value, is_empty) in [(-1, [true, true]), (1, [true, false]), (2, [false; 2])] {
+            // 2·floor(x) is 0 and 2.
+            let value = builder.0.integer(-value);
+            let root = builder.weighted(jump, 2, value);
+            let found = [false, true].map(|is_solid| builder.is_empty(root, is_solid, near));
+            assert_eq!(found, is_empty, "{value:?}");
+        }
     }
 }

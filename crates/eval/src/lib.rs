@@ -24,15 +24,16 @@ mod tape;
 mod value_kind;
 
 pub use batch::{
-    Batch, Boxes, Contractions, Enclosures, GradientEnclosures, Gradients, Input, Output,
-    PATH_UNITS, Planes, Points, Segments, Tiles, Values, Zeros,
+    Batch, Boxes, BranchSigns, Contractions, Enclosures, GradientEnclosures, Gradients, Input,
+    Output, PATH_UNITS, Planes, Points, Segments, Tiles, Values, Zeros,
 };
 pub use binding::Binding;
+pub use branches::{BranchTest, branch_bindings};
 pub use enclosure::{enclose, enclose_all};
 pub use lanes::{LANES, Lanes};
 pub use query::{
-    ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros, Kernel, Query,
-    QueryContext, QueryResult, QueryValue, Sample, SampleForward, SampleGradient,
+    ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros, FindZerosInBranch,
+    Kernel, Query, QueryContext, QueryResult, QueryValue, Sample, SampleForward, SampleGradient,
 };
 pub use real::Real;
 pub use reference::Reference;
@@ -40,7 +41,8 @@ pub use shorten::{
     DecidingSteps, LaneSet, SelectedOperand, SelectedStep, Selection, Shortener, StepBounds,
 };
 pub use surface::{
-    KernelError, KernelFloat, KernelResult, Kernels, PartSurface, SurfaceKernels, ZeroTest,
+    KernelError, KernelFloat, KernelResult, Kernels, PartSurface, SurfaceKernels, TileTest,
+    ZeroTest,
 };
 pub use tape::{Assumptions, Step, StepOperands, Tape};
 pub use value_kind::{Loader, ValueKind, Vector};

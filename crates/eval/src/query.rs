@@ -5,8 +5,8 @@
 //! these assumptions.
 
 use crate::batch::{
-    Boxes, Contractions, Enclosures, GradientEnclosures, Gradients, Input, Output, Planes, Points,
-    Segments, Tiles, Values, Zeros,
+    Batch, Boxes, BranchSigns, Contractions, Enclosures, GradientEnclosures, Gradients, Input,
+    Output, Planes, Points, Segments, Tiles, Values, Zeros,
 };
 use crate::binding::Binding;
 use crate::differentiable::{Smooth, Smoothness};
@@ -14,6 +14,7 @@ use crate::duals::{Dual, Duals};
 use crate::forms::{RayRange, SegmentPath, TilePath, contract_path};
 use crate::lanes::LANES;
 use crate::real::Real;
+use crate::shorten::LaneSet;
 use crate::tape::{Tape, may_vanish};
 use crate::value_kind::{Forms, Intervals, Loader, Numbers, ValueKind};
 use zeroset_interval::{Enclosure, Fact, Form, Machine};
@@ -76,7 +77,7 @@ pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
     ///
     /// # Panics
     /// If the number of expressions that the tape computes does not fit the query, or if the tape
-    /// is made by [`Tape::branches`] and the query is not [`FindZeros`].
+    /// is made by [`Tape::branches`] and the query is not [`FindZerosInBranch`], or the reverse.
     fn answer<T: Real, M: Machine>(
         tape: &Tape<T>,
         m: &mut M,
@@ -125,6 +126,31 @@ pub trait Kernel<Q: Query, T: Real = f32>: Send + Sync {
     }
 }
 
+/// Evaluates the boxes in `lanes` of a batch. If they are at most half of the boxes in use, they
+/// are first gathered in a batch of their own. The result is meaningless in other lanes.
+pub(crate) fn eval_lanes<Q: Query<Input<T> = Boxes<T>>, T: Real>(
+    kernel: &dyn Kernel<Q, T>,
+    boxes: &Boxes<T>,
+    lanes: LaneSet,
+) -> Q::Output<T> {
+    let mut answer = Q::Output::<T>::default();
+    if 2 * lanes.count_ones() > boxes.count {
+        kernel.eval(boxes, &mut answer);
+        return answer;
+    }
+    kernel.eval(&boxes.gathered(lanes), &mut answer);
+    let mut spread = Q::Output::<T>::default();
+    for (from, lane) in (0..LANES).filter(|lane| lanes >> lane & 1 == 1).enumerate() {
+        for number in 0..Q::Output::<T>::QUANTITIES {
+            spread.quantity_mut(number)[lane] = answer.quantity(number)[from];
+        }
+        for number in 0..Q::Output::<T>::MASKS {
+            *spread.mask_mut(number) |= (answer.mask(number) >> from & 1) << lane;
+        }
+    }
+    spread
+}
+
 /// Bounds of the function over a box. They contain the function's value at each real point of the
 /// box where it is defined. The facts tell where the function is defined and continuous.
 #[derive(Clone, Copy, Debug)]
@@ -134,6 +160,12 @@ pub struct Enclose;
 /// clear, its box is proven to hold no zero. A set bit proves nothing.
 #[derive(Clone, Copy, Debug)]
 pub struct FindZeros;
+
+/// A test of one combination of branches of a function that jumps. The tape is made by
+/// [`Tape::branches`], and the binding selects the combination. The results hold at those points of
+/// the box that belong to it.
+#[derive(Clone, Copy, Debug)]
+pub struct FindZerosInBranch;
 
 /// Bounds of the function and its gradient over a box, and whether the function is Lipschitz
 /// continuous and differentiable in it. The tape computes the function and its three partial
@@ -211,19 +243,36 @@ impl Query for FindZeros {
         let masks = vec![possible, unbounded, value.facts.continuous.not(m, T::FORMAT)];
         QueryResult { quantities: Vec::new(), masks }
     }
+}
+
+impl Query for FindZerosInBranch {
+    const NAME: &'static str = "branches";
+    const OUTPUTS: usize = 1;
+    type Kind = Intervals;
+    type Input<T: Real> = Boxes<T>;
+    type Output<T: Real> = BranchSigns<T>;
+
+    fn result<T: Real, M: Machine>(
+        _: &mut M,
+        _: &mut impl Loader<M>,
+        (): (),
+        _: &[Enclosure<M::V>],
+        _: bool,
+    ) -> QueryResult<M::V> {
+        unreachable!("a tape of branches is not evaluated as a whole")
+    }
 
     fn answer<T: Real, M: Machine>(
         tape: &Tape<T>,
         m: &mut M,
         loader: &mut impl Loader<M>,
     ) -> QueryResult<M::V> {
-        if let Some(possible) = tape.vanishing_together(m, loader) {
-            // Only the mask `possible` is computed; the other two claim nothing.
-            let masks = vec![possible, Fact::False, Fact::False];
-            return QueryResult { quantities: Vec::new(), masks };
-        }
-        let values = tape.evaluate::<Self, M>(m, loader, ());
-        Self::result::<T, M>(m, loader, (), &values, tape.is_bounded())
+        assert!(tape.is_by_branches(), "a tape without branches");
+        let answer = tape.enclose_in_branch(m, loader);
+        let possible = answer.possible(m, T::FORMAT);
+        let [below, above] = answer.sides(m, T::FORMAT);
+        let choices = answer.choices(m, T::FORMAT);
+        QueryResult { quantities: vec![choices], masks: vec![possible, below, above] }
     }
 }
 
@@ -295,7 +344,8 @@ impl Query for ContractTiles {
         let [a, b, depth] = form.slopes.unwrap_or([zero; 3]);
         let error = form.error(m, T::FORMAT).unwrap_or(zero);
         let quantities = vec![new.near, new.far, form.centre, a, b, depth, error, middle, half];
-        QueryResult { quantities, masks: vec![new.possible, new.crossing] }
+        let jumping = form.facts.continuous.not(m, T::FORMAT);
+        QueryResult { quantities, masks: vec![new.possible, new.crossing, jumping] }
     }
 }
 
@@ -359,6 +409,7 @@ mod sealed {
     pub trait Sealed {}
     impl Sealed for super::Enclose {}
     impl Sealed for super::FindZeros {}
+    impl Sealed for super::FindZerosInBranch {}
     impl Sealed for super::EncloseGradient {}
     impl Sealed for super::ContractSegments {}
     impl Sealed for super::ContractTiles {}

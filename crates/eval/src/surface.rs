@@ -1,14 +1,16 @@
 //! The kernels of one function, as methods use them.
 
-use crate::batch::{Boxes, Tiles, Zeros};
+use crate::batch::{Boxes, Planes, Tiles, Zeros};
+use crate::branches::BranchTest;
 use crate::query::{
     ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros, Kernel, Sample,
-    SampleGradient,
+    SampleGradient, eval_lanes,
 };
 use crate::real::Real;
 use std::error::Error;
 use std::fmt;
 use std::sync::Arc;
+use zeroset_interval::Interval;
 
 /// The reason why a kernel is not available.
 pub type KernelError = Arc<dyn Error + Send + Sync>;
@@ -133,9 +135,8 @@ pub struct ZeroTest<T: Real> {
     /// of definition. It is finite near poles. So it proves that a pole is no zero, and bounds
     /// roots near a pole.
     pub numerator: Option<Box<dyn Kernel<FindZeros, T>>>,
-    /// The function branch by branch ([`Tape::branches`](crate::Tape::branches)). It is evaluated
-    /// in lanes where the function may jump.
-    pub branches: Option<Box<dyn Kernel<FindZeros, T>>>,
+    /// The function branch by branch. It is evaluated in lanes where the function may jump.
+    pub branches: Option<Arc<BranchTest<T>>>,
 }
 
 impl<T: Real> Kernel<FindZeros, T> for ZeroTest<T> {
@@ -154,28 +155,33 @@ impl<T: Real> Kernel<FindZeros, T> for ZeroTest<T> {
         if let Some(branches) = &self.branches
             && zeros.possible & zeros.jumping != 0
         {
-            let together = eval_lanes(&**branches, boxes, zeros.possible & zeros.jumping);
-            zeros.possible &= together.possible | !zeros.jumping;
+            zeros.possible &= !branches.proven_empty(boxes, zeros.possible & zeros.jumping);
         }
     }
 }
 
-/// Evaluates the boxes in `lanes` of a batch. If they are at most half of the boxes in use, they
-/// are first gathered in a batch of their own. The result is meaningless in other lanes.
-fn eval_lanes<T: Real>(kernel: &dyn Kernel<FindZeros, T>, boxes: &Boxes<T>, lanes: u16) -> Zeros {
-    let mut zeros = Zeros::default();
-    if 2 * lanes.count_ones() > boxes.count {
-        kernel.eval(boxes, &mut zeros);
-        return zeros;
+/// A kernel that narrows tiles of rays, and tests tiles in which the function jumps branch by
+/// branch.
+pub struct TileTest<T: Real> {
+    /// The kernel that narrows tiles.
+    pub tiles: Box<dyn Kernel<ContractTiles, T>>,
+    /// The function branch by branch.
+    pub branches: Arc<BranchTest<T>>,
+    /// The domain for which the kernels are compiled.
+    pub domain: [Interval; 3],
+}
+
+impl<T: Real> Kernel<ContractTiles, T> for TileTest<T> {
+    fn eval(&self, tiles: &Tiles<T>, planes: &mut Planes<T>) {
+        self.tiles.eval(tiles, planes);
+        let jumping = planes.possible & planes.jumping & u16::MAX >> (u16::BITS - tiles.count);
+        if jumping == 0 {
+            return;
+        }
+        let (boxes, inside) = tiles.boxes(&self.domain);
+        let empty = self.branches.proven_empty(&boxes, jumping & inside) | jumping & !inside;
+        planes.possible &= !empty;
     }
-    kernel.eval(&boxes.gathered(lanes), &mut zeros);
-    let mut spread = Zeros::default();
-    for (from, lane) in (0..u16::BITS).filter(|lane| lanes >> lane & 1 == 1).enumerate() {
-        spread.possible |= (zeros.possible >> from & 1) << lane;
-        spread.unbounded |= (zeros.unbounded >> from & 1) << lane;
-        spread.jumping |= (zeros.jumping >> from & 1) << lane;
-    }
-    spread
 }
 
 #[cfg(test)]

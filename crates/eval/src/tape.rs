@@ -1,7 +1,7 @@
 //! A graph laid out for evaluation. Each node becomes a step, after its operands. Each step has
 //! bounds that its value never leaves while inputs meet the tape's assumptions.
 
-use crate::branches::Branches;
+use crate::branches::{CHOICES, SELECTOR};
 use crate::lanes::Lanes;
 use crate::query::{Query, QueryContext, QueryValue};
 use crate::real::{Real, outward};
@@ -76,7 +76,8 @@ pub struct Tape<T: Real = f32> {
     /// Bounds that the steps rely on. Their ends are numbers of `T`.
     assumptions: Arc<Assumptions>,
     format: PhantomData<T>,
-    branches: Option<Arc<Branches>>,
+    /// Whether the last parameters select branches ([`Tape::branches`]).
+    is_by_branches: bool,
     /// Whether ranges were made [coarse](Tape::coarse).
     is_coarse: bool,
 }
@@ -95,7 +96,7 @@ impl<T: Real> Tape<T> {
             outputs: Vec::new(),
             assumptions: Arc::new(assumptions.outward::<T>()),
             format: PhantomData,
-            branches: None,
+            is_by_branches: false,
             is_coarse: false,
         };
         let mut values: Vec<Operand<Vector>> = Vec::new();
@@ -138,22 +139,24 @@ impl<T: Real> Tape<T> {
         self.is_coarse
     }
 
-    /// Lays out steps that find where `roots` may all be 0. Jumps are evaluated branch by branch.
-    /// The tape can answer only [`FindZeros`](crate::FindZeros).
+    /// Lays out steps that find where `roots` may all be 0, branch by branch. The parameters are
+    /// followed by three that select branches. The tape can answer only
+    /// [`FindZerosInBranch`](crate::FindZerosInBranch).
     ///
-    /// `None` if the last root does not jump, or if code for two branches would be too long.
+    /// `None` if the last root does not jump.
     ///
     /// # Panics
     /// If there is no root, or a parameter has no bounds in `assumptions`.
     pub fn branches(graph: &Graph, roots: &[NodeId], assumptions: &Assumptions) -> Option<Self> {
-        let tape = Self::new(graph, roots, assumptions);
-        let branches = Branches::new(&tape)?;
-        Some(Self { branches: Some(Arc::new(branches)), ..tape })
+        let mut assumptions = assumptions.clone();
+        assumptions.parameters.extend([SELECTOR; CHOICES]);
+        let tape = Self::new(graph, roots, &assumptions);
+        tape.last_output_splits().then_some(Self { is_by_branches: true, ..tape })
     }
 
-    /// Returns whether this tape only finds zeros, branch by branch ([`Tape::branches`]).
+    /// Returns whether this tape is evaluated branch by branch ([`Tape::branches`]).
     pub fn is_by_branches(&self) -> bool {
-        self.branches.is_some()
+        self.is_by_branches
     }
 
     /// The steps in order: operands precede the steps that use them.
@@ -178,7 +181,7 @@ impl<T: Real> Tape<T> {
 
     /// Number of expressions that the tape computes.
     pub fn outputs(&self) -> usize {
-        if self.branches.is_some() { 1 } else { self.outputs.len() }
+        if self.is_by_branches { 1 } else { self.outputs.len() }
     }
 
     /// The bounds that the steps rely on, rounded outward to `T`.
@@ -191,12 +194,8 @@ impl<T: Real> Tape<T> {
         self.assumptions.parameters.len()
     }
 
-    /// Number of operations, that is of steps other than coordinates, parameters and constants. A
-    /// step that is repeated for several branches counts each time.
+    /// Number of operations, that is of steps other than coordinates, parameters and constants.
     pub fn operations(&self) -> usize {
-        if let Some(branches) = &self.branches {
-            return branches.operations();
-        }
         self.steps.iter().filter(|step| matches!(step, Step::Apply(..))).count()
     }
 
@@ -208,14 +207,14 @@ impl<T: Real> Tape<T> {
     /// Computes all outputs on `m`, as the values that query `Q` needs.
     ///
     /// # Panics
-    /// If the tape is made by [`Tape::branches`], and so only finds zeros.
+    /// If the tape is made by [`Tape::branches`].
     pub fn evaluate<Q: Query, M: Machine>(
         &self,
         m: &mut M,
         loader: &mut impl Loader<M>,
         context: QueryContext<Q, M>,
     ) -> Vec<QueryValue<Q, M>> {
-        assert!(self.branches.is_none(), "branches only find zeros");
+        assert!(!self.is_by_branches, "branches only find zeros");
         let mut terms: Vec<Term<QueryValue<Q, M>>> = Vec::with_capacity(self.steps.len());
         let mut twins = Twins(HashMap::new());
         for (step, &range) in self.steps.iter().zip(&self.ranges) {
@@ -261,17 +260,6 @@ impl<T: Real> Tape<T> {
             .collect();
         let step = Step::Apply(op, (0..values.len()).collect());
         coarse::<T>(range_of::<T>(&step, &values, &Assumptions::none(0)).range)
-    }
-
-    /// Computes branch by branch in which lanes all outputs may be 0 together. `None` if the tape
-    /// is not made by [`Tape::branches`].
-    pub(crate) fn vanishing_together<M: Machine>(
-        &self,
-        m: &mut M,
-        loader: &mut impl Loader<M>,
-    ) -> Option<Fact<M::V>> {
-        let branches = self.branches.as_ref()?;
-        Some(self.possible_branches(m, branches, loader))
     }
 }
 

@@ -11,9 +11,9 @@ use crate::uniforms::Uniforms;
 use std::fmt;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use zeroset_eval::{
-    Binding, ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros, Kernel,
-    KernelError, KernelFloat, KernelResult, Kernels, PartSurface, Query, Real, Reference, Sample,
-    SampleGradient, SurfaceKernels, Tape, Tiles, ZeroTest,
+    Binding, BranchTest, ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros,
+    FindZerosInBranch, Kernel, KernelError, KernelFloat, KernelResult, Kernels, PartSurface, Query,
+    Real, Reference, Sample, SampleGradient, SurfaceKernels, Tape, TileTest, Tiles, ZeroTest,
 };
 use zeroset_interval::{Format, Interval};
 use zeroset_jit::{Compiled, Threaded};
@@ -146,6 +146,19 @@ enum Steps<Q: Query, T: Real> {
     Reference(Tape<T>),
 }
 
+impl<Q: Query, T: Real> Steps<Q, T> {
+    fn bind(&self, binding: Binding<T>) -> Result<Bound<Q, T>, KernelError> {
+        Ok(match self {
+            Self::Native(compiled) => Box::new(compiled.bind(binding)),
+            Self::Stencils(tape) => {
+                let threaded = Threaded::new(tape.clone(), &binding);
+                Box::new(threaded.map_err(|error| Arc::new(error) as KernelError)?)
+            }
+            Self::Reference(tape) => Box::new(Reference::new(tape.clone(), binding)),
+        })
+    }
+}
+
 /// A kernel of some form in two variants. Each variant is compiled at most once. It holds the error
 /// if compiling failed, and `None` if the surface has no such form.
 ///
@@ -158,7 +171,7 @@ type Slot<Q, T> = [Once<Option<UnboundKernel<Q, T>>>; 2];
 struct SurfaceCode<T: Real> {
     zeros: Slot<FindZeros, T>,
     numerator_zeros: Slot<FindZeros, T>,
-    branches: Slot<FindZeros, T>,
+    branches: Slot<FindZerosInBranch, T>,
     bounds: Slot<Enclose, T>,
     numerator: Slot<Enclose, T>,
     denominator: Slot<Enclose, T>,
@@ -239,6 +252,8 @@ struct BoundKernels<T: Real> {
     gradient_bounds: Once<Bound<EncloseGradient, T>>,
     values: Once<Bound<Sample, T>>,
     gradients: Once<Bound<SampleGradient, T>>,
+    /// `None` if the function does not jump.
+    branches: Once<Option<Arc<BranchTest<T>>>>,
 }
 
 /// The kernels of one surface in one precision, and what is needed to bind them.
@@ -342,6 +357,16 @@ impl<T: WholeFloat> Bindings<T> {
         slot: &Slot<Q, T>,
         form: KernelSource,
     ) -> Result<Option<Bound<Q, T>>, KernelError> {
+        let Some((code, values)) = self.code(slot, form)? else { return Ok(None) };
+        Ok(Some(code.steps.bind(Binding::new(&values))?))
+    }
+
+    /// The code of a form, and the values of the parameters and uniforms that it reads.
+    fn code<'a, Q: Query>(
+        &self,
+        slot: &'a Slot<Q, T>,
+        form: KernelSource,
+    ) -> Result<Option<(&'a UnboundKernel<Q, T>, Vec<Interval>)>, KernelError> {
         for (slot, hoisted) in slot.iter().zip([true, false]) {
             if slot.get().is_none() {
                 // Code that is not valid for the present values is not even compiled.
@@ -357,17 +382,21 @@ impl<T: WholeFloat> Bindings<T> {
             let code = slot.get().expect("made").as_ref().map_err(Arc::clone)?;
             let Some(code) = code else { return Ok(None) };
             let Some(values) = code.uniforms.values(&self.values) else { continue };
-            let binding = Binding::new(&values);
-            return Ok(Some(match &code.steps {
-                Steps::Native(compiled) => Box::new(compiled.bind(binding)),
-                Steps::Stencils(tape) => {
-                    let threaded = Threaded::new(tape.clone(), &binding);
-                    Box::new(threaded.map_err(|error| Arc::new(error) as KernelError)?)
-                }
-                Steps::Reference(tape) => Box::new(Reference::new(tape.clone(), binding)),
-            }));
+            return Ok(Some((code, values)));
         }
         unreachable!("a program's values are within what it assumes")
+    }
+
+    /// The function branch by branch. `None` if it does not jump.
+    fn branches(&self) -> Result<Option<Arc<BranchTest<T>>>, KernelError> {
+        let make = || {
+            let code = self.code(&self.codes.branches, KernelSource::Branches)?;
+            let Some((code, values)) = code else { return Ok(None) };
+            let test =
+                BranchTest::new(&values, self.is_solid(), |binding| code.steps.bind(binding));
+            Ok(Some(Arc::new(test?)))
+        };
+        self.bound.branches.get_or_init(make).clone()
     }
 
     /// As [`Bindings::bind`], but panics if the surface has no such form.
@@ -391,13 +420,13 @@ impl<T: WholeFloat> Bindings<T> {
 
     fn zero_test(&self) -> Result<Bound<FindZeros, T>, KernelError> {
         let function = self.bind_always(&self.codes.zeros, KernelSource::Function)?;
-        // The boundary of a solid includes the places where its function changes sign at a pole or
-        // a jump.
-        if self.is_solid() {
-            return Ok(function);
-        }
-        let numerator = self.bind(&self.codes.numerator_zeros, KernelSource::Numerator)?;
-        let branches = self.bind(&self.codes.branches, KernelSource::Branches)?;
+        // The boundary of a solid includes the places where its function changes sign at a pole.
+        let numerator = if self.is_solid() {
+            None
+        } else {
+            self.bind(&self.codes.numerator_zeros, KernelSource::Numerator)?
+        };
+        let branches = self.branches()?;
         if numerator.is_none() && branches.is_none() {
             return Ok(function);
         }
@@ -467,7 +496,17 @@ impl<T: WholeFloat + KernelFloat> Kernels<T> for Bindings<T> {
         if let Some(short) = self.short() {
             return T::kernels(&short.surface).tiles();
         }
-        self.kernel(&self.bound.tiles, &self.codes.tiles, self.without_poles()?)
+        let make = || {
+            let tiles = self.bind_always(&self.codes.tiles, self.without_poles()?)?;
+            Ok(match self.branches()? {
+                Some(branches) => {
+                    let domain = self.store.simplified.assumptions.domain;
+                    Box::new(TileTest { tiles, branches, domain })
+                }
+                None => tiles,
+            })
+        };
+        known(self.bound.tiles.get_or_init(make))
     }
 
     fn gradient_bounds(&self) -> KernelResult<'_, EncloseGradient, T> {

@@ -117,6 +117,7 @@ impl Simplified {
                 let [x, y, z] = gradient(&mut graph, root);
                 self.simplify(&graph, &[root, x, y, z])?
             }
+            KernelSource::Branches if self.solid[surface] => function(),
             KernelSource::Branches => match self.cleared(surface)? {
                 Some(cleared) => (cleared.graph.clone(), vec![cleared.function, cleared.numerator]),
                 None => function(),

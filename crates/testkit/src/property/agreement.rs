@@ -7,8 +7,8 @@ use crate::{Adversarial, Case, Ends, Place, Rng, minimise, pack_boxes};
 use std::fmt::Debug;
 use zeroset_eval::{
     Assumptions, Binding, Boxes, ContractSegments, ContractTiles, Enclose, EncloseGradient,
-    FindZeros, Input, Kernel, LANES, Lanes, Output, Points, Query, Real, Reference, Sample,
-    SampleGradient, Segments, Tape, Tiles,
+    FindZeros, FindZerosInBranch, Input, Kernel, LANES, Lanes, Output, Points, Query, Real,
+    Reference, Sample, SampleGradient, Segments, Tape, Tiles, branch_bindings,
 };
 use zeroset_ir::{gradient, rewrite, simplify};
 use zeroset_jit::{Compiled, Threaded, vector_widths};
@@ -108,8 +108,11 @@ pub fn agree<T: Adversarial>(
         KernelKind::Bounds => {
             compare::<Enclose, T>(case, &tape, &batches(case, rng, inputs, boxes), width)
         }
-        KernelKind::Zeros | KernelKind::Branches => {
+        KernelKind::Zeros => {
             compare::<FindZeros, T>(case, &tape, &batches(case, rng, inputs, boxes), width)
+        }
+        KernelKind::Branches => {
+            compare::<FindZerosInBranch, T>(case, &tape, &batches(case, rng, inputs, boxes), width)
         }
         KernelKind::GradientBounds => {
             compare::<EncloseGradient, T>(case, &tape, &batches(case, rng, inputs, boxes), width)
@@ -205,18 +208,21 @@ fn pairs<Q: Query, T: Real>(
     inputs: &[Q::Input<T>],
     width: usize,
 ) -> Vec<Pair<Q, T>> {
-    let binding = Binding::new(&case.parameters);
     let compiled = Compiled::<Q, T>::narrow(tape.clone(), width).expect("compiles");
     assert_eq!(compiled.vector_bytes(), width, "{:?}", tape.steps());
-    let native = compiled.bind(binding.clone());
-    let reference = |tape| Reference::<Q, T>::new(tape, binding.clone()).eval_all(inputs);
-    let compiled = [native.eval_all(inputs), reference(tape.clone())];
+    let reference =
+        |tape, binding: &Binding<T>| Reference::<Q, T>::new(tape, binding.clone()).eval_all(inputs);
+    let native = |binding: &Binding<T>| compiled.bind(binding.clone()).eval_all(inputs);
     if tape.is_by_branches() {
-        return vec![compiled];
+        let bindings = branch_bindings(&case.parameters);
+        let pair = |binding| [native(&binding), reference(tape.clone(), &binding)];
+        return bindings.map(pair).collect();
     }
+    let binding = Binding::new(&case.parameters);
+    let compiled = [native(&binding), reference(tape.clone(), &binding)];
     let threaded =
         Threaded::<Q, T>::narrow(tape.clone(), &binding, width).expect("stencils are compiled");
-    vec![compiled, [threaded.eval_all(inputs), reference(tape.coarse())]]
+    vec![compiled, [threaded.eval_all(inputs), reference(tape.coarse(), &binding)]]
 }
 
 fn compare<Q: Query, T: Real>(

@@ -7,8 +7,10 @@
 //! A long run: `ZEROSET_CASES=10000000 cargo test --release -p zeroset-testkit --test all
 //! branches`.
 
+use std::convert::Infallible;
 use zeroset_eval::{
-    Assumptions, Binding, Boxes, Enclose, FindZeros, Kernel, LANES, Real, Reference, Tape,
+    Assumptions, Binding, Boxes, BranchTest, Enclose, FindZeros, FindZerosInBranch, Kernel, LANES,
+    Real, Reference, Tape,
 };
 use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{clear, rewrite, simplify};
@@ -64,6 +66,19 @@ fn is_possible<T: Real>(kernel: &dyn Kernel<FindZeros, T>, boxes: &[Boxes<T>]) -
     kernel.eval_all(boxes)[0].possible & 1 == 1
 }
 
+/// Whether the only box of `boxes` is proven empty branch by branch, by kernels that `bind` makes.
+/// `values` are those of a case's parameters, the last that of the parameter which is subtracted.
+fn is_empty<T: Real, K: Kernel<FindZerosInBranch, T> + 'static>(
+    values: &[Interval],
+    is_solid: bool,
+    bind: impl Fn(Binding<T>) -> K,
+    boxes: &[Boxes<T>],
+) -> bool {
+    let bind = |binding| Ok::<_, Infallible>(Box::new(bind(binding)) as Box<_>);
+    let Ok(test) = BranchTest::new(values, is_solid, bind);
+    test.proven_empty(&boxes[0], 1) == 1
+}
+
 #[test]
 fn no_zero_is_lost_and_native_code_agrees() {
     check::<f32>(0x5eed_0900_0000, 100_000);
@@ -76,7 +91,7 @@ fn no_zero_is_lost_and_native_code_agrees_in_f64() {
 
 fn check<T: Adversarial>(seed: u64, cases: u64) {
     let effort = Effort::from_environment(seed, cases);
-    let (mut points, mut shut, mut cases) = (0, 0, 0);
+    let (mut points, mut shut, mut cases, mut boundaries) = (0, 0, 0, 0);
     for seed in effort.seed.. {
         if points >= effort.cases {
             break;
@@ -87,49 +102,69 @@ fn check<T: Adversarial>(seed: u64, cases: u64) {
         let Some((branches, plain)) = tapes::<T>(&shifted(&case)) else { continue };
         let oracle = Oracle::new(&case.graph, &[case.root]);
         let values: Vec<(f64, f64)> = case.parameters.iter().map(|v| (v.lo, v.hi)).collect();
-        let mut native: Option<Compiled<FindZeros, T>> = None;
+        let mut native: Option<Compiled<FindZerosInBranch, T>> = None;
         cases += 1;
         for _ in 0..POINTS {
             let region: [[T; 2]; 3] = case.random_box(&mut rng);
-            let point = case.random_point(&mut rng, &region);
-            let claim = oracle.at(point, &values)[0];
-            if claim.defined != Defined::Yes || claim.lo.is_infinite() || claim.hi.is_infinite() {
-                continue;
-            }
-            let value = Interval { lo: claim.lo, hi: claim.hi };
-            let bind = |value: Interval| {
-                let known = case.parameters.iter().copied().chain([value]);
-                Binding::new(&known.collect::<Vec<_>>())
-            };
             let boxes = pack_boxes(&[region]);
-            let mut compare = |value: Interval| {
+            let mut compare = |value: Interval, is_solid: bool| {
                 let code = native
                     .get_or_insert_with(|| Compiled::new(branches.clone()).expect("compiles"));
-                let answer = is_possible(&code.bind(bind(value)), &boxes);
-                let reference = Reference::new(branches.clone(), bind(value));
-                let expected = is_possible(&reference, &boxes);
+                let known: Vec<_> = case.parameters.iter().copied().chain([value]).collect();
+                let answer = is_empty(&known, is_solid, |binding| code.bind(binding), &boxes);
+                let reference = |binding| Reference::new(branches.clone(), binding);
+                let expected = is_empty(&known, is_solid, reference, &boxes);
                 let context = || {
                     let line = case.describe::<T>(&Place::over(&region));
-                    let at = point.map(hexadecimal);
                     format!(
-                        "{line}\nat {at:?}, {claim:?}\nnative {answer:?}\nreference {expected:?}\n\
+                        "{line}\nless {value:?}, solid {is_solid}\n\
                          ZEROSET_SEED={seed:#x} ZEROSET_CASES=1"
                     )
                 };
-                assert!(answer == expected, "the bits differ: {}", context());
+                assert!(answer == expected, "the bits differ, native {answer}: {}", context());
                 (answer, context())
             };
-            let (answer, context) = compare(value);
-            assert!(answer, "a zero is lost: {context}");
-            points += 1;
-            // For another value, branches often prove a box empty that the whole function does not.
-            let beside = Interval { lo: value.lo + 0.25, hi: value.hi + 0.25 };
-            let (answer, _) = compare(beside);
-            let whole = is_possible(&Reference::new(plain.clone(), bind(beside)), &boxes);
-            shut += u32::from(!answer && whole);
+            let mut sides: Vec<Interval> = Vec::new();
+            for _ in 0..2 {
+                let point = case.random_point(&mut rng, &region);
+                let claim = oracle.at(point, &values)[0];
+                let is_finite = claim.lo.is_finite() && claim.hi.is_finite();
+                if claim.defined != Defined::Yes || !is_finite {
+                    continue;
+                }
+                let value = Interval { lo: claim.lo, hi: claim.hi };
+                for is_solid in [false, true] {
+                    let (is_empty, context) = compare(value, is_solid);
+                    assert!(
+                        !is_empty,
+                        "the zero at {:?} is lost: {context}",
+                        point.map(hexadecimal)
+                    );
+                }
+                points += 1;
+                sides.push(value);
+                // For another value, branches often prove a box empty that the whole function does
+                // not.
+                let beside = Interval { lo: value.lo + 0.25, hi: value.hi + 0.25 };
+                let (is_empty, _) = compare(beside, false);
+                let known: Vec<_> = case.parameters.iter().copied().chain([beside]).collect();
+                let whole = Reference::new(plain.clone(), Binding::new(&known));
+                shut += u32::from(is_empty && is_possible(&whole, &boxes));
+            }
+            // A solid's boundary lies between points at which its function has different signs.
+            if let [a, b] = sides[..]
+                && (a.hi < b.lo || b.hi < a.lo)
+            {
+                let middle = a.lo.midpoint(b.lo);
+                let (is_empty, context) = compare(Interval { lo: middle, hi: middle }, true);
+                assert!(!is_empty, "a boundary between {a:?} and {b:?} is lost: {context}");
+                boundaries += 1;
+            }
         }
     }
-    println!("{points} zeros in {cases} functions kept, {shut} boxes emptied");
+    println!(
+        "{points} zeros and {boundaries} boundaries in {cases} functions kept, {shut} boxes emptied"
+    );
     assert!(u64::from(shut) * 200 > effort.cases || effort.cases < 1000, "{shut}");
 }
 
