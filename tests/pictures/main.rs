@@ -10,6 +10,7 @@ mod certified;
 mod coincident;
 mod counts;
 mod domains;
+mod folds;
 mod framing;
 mod models;
 mod normals;

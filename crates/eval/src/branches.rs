@@ -250,6 +250,14 @@ impl<T: Real> BranchTest<T> {
     /// must be the same on all branches, since the boundary includes places where it changes sign
     /// at a jump.
     pub fn proven_empty(&self, boxes: &Boxes<T>, lanes: LaneSet) -> LaneSet {
+        let [a, b] = self.proven_sides(boxes, lanes);
+        a | b
+    }
+
+    /// For a solid, returns those of `lanes` in whose boxes the function is defined and below 0,
+    /// and those in whose boxes it is above 0 or undefined. For an equation, the first are those
+    /// without a zero.
+    pub(crate) fn proven_sides(&self, boxes: &Boxes<T>, lanes: LaneSet) -> [LaneSet; 2] {
         // The lanes for which a combination must be evaluated. In other lanes, a choice by which it
         // differs from an earlier combination is not made.
         let mut needed = [0; COMBINATIONS];
@@ -271,7 +279,7 @@ impl<T: Real> BranchTest<T> {
                 needed[combination | 1 << choice] = asked & signs.made(choice);
             }
         }
-        proven[0] | proven[1]
+        proven
     }
 }
 

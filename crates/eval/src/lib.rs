@@ -41,8 +41,8 @@ pub use shorten::{
     DecidingSteps, LaneSet, SelectedOperand, SelectedStep, Selection, Shortener, StepBounds,
 };
 pub use surface::{
-    KernelError, KernelFloat, KernelResult, Kernels, PartSurface, SurfaceKernels, TileTest,
-    ZeroTest,
+    KernelError, KernelFloat, KernelResult, Kernels, PartSurface, SideTest, SurfaceKernels,
+    TileTest, ZeroTest,
 };
 pub use tape::{Assumptions, Step, StepOperands, Tape};
 pub use value_kind::{Loader, ValueKind, Vector};

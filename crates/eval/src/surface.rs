@@ -1,7 +1,8 @@
 //! The kernels of one function, as methods use them.
 
-use crate::batch::{Boxes, Planes, Tiles, Zeros};
+use crate::batch::{Boxes, Enclosures, Planes, Tiles, Zeros};
 use crate::branches::BranchTest;
+use crate::lanes::LANES;
 use crate::query::{
     ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros, Kernel, Sample,
     SampleGradient, eval_lanes,
@@ -156,6 +157,33 @@ impl<T: Real> Kernel<FindZeros, T> for ZeroTest<T> {
             && zeros.possible & zeros.jumping != 0
         {
             zeros.possible &= !branches.proven_empty(boxes, zeros.possible & zeros.jumping);
+        }
+    }
+}
+
+/// A kernel that bounds the function of a solid, and finds its sign branch by branch where it
+/// jumps.
+pub struct SideTest<T: Real> {
+    /// The kernel that bounds the function.
+    pub bounds: Box<dyn Kernel<Enclose, T>>,
+    /// The function branch by branch.
+    pub branches: Arc<BranchTest<T>>,
+}
+
+impl<T: Real> Kernel<Enclose, T> for SideTest<T> {
+    fn eval(&self, boxes: &Boxes<T>, bounds: &mut Enclosures<T>) {
+        self.bounds.eval(boxes, bounds);
+        let used = u16::MAX >> (u16::BITS - boxes.count);
+        let jumping = bounds.possible() & !bounds.continuous & used;
+        if jumping == 0 {
+            return;
+        }
+        let [below, above] = self.branches.proven_sides(boxes, jumping);
+        // On each branch, a bound is a float below 0. So is the largest of them.
+        let least = -T::above(f64::from_bits(1));
+        for lane in (0..LANES).filter(|lane| (below | above) >> lane & 1 == 1) {
+            let end = if below >> lane & 1 == 1 { &mut bounds.hi } else { &mut bounds.neg_lo };
+            end[lane] = least;
         }
     }
 }

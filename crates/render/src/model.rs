@@ -289,8 +289,7 @@ const PREVIEWED: f64 = 1.0 / 32.0;
 fn options(settings: &Settings, kind: SurfaceKind) -> TraceOptions {
     TraceOptions {
         least: if settings.is_preview { PREVIEWED } else { 0.0 },
-        // An equation has no zeros at a pole, but a solid may have a face there.
-        suppress_asymptotes: kind == SurfaceKind::Equation,
+        is_solid: kind == SurfaceKind::Solid,
         ..settings.options
     }
 }

@@ -13,7 +13,8 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use zeroset_eval::{
     Binding, BranchTest, ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros,
     FindZerosInBranch, Kernel, KernelError, KernelFloat, KernelResult, Kernels, PartSurface, Query,
-    Real, Reference, Sample, SampleGradient, SurfaceKernels, Tape, TileTest, Tiles, ZeroTest,
+    Real, Reference, Sample, SampleGradient, SideTest, SurfaceKernels, Tape, TileTest, Tiles,
+    ZeroTest,
 };
 use zeroset_interval::{Format, Interval};
 use zeroset_jit::{Compiled, Threaded};
@@ -471,7 +472,14 @@ impl<T: WholeFloat + KernelFloat> Kernels<T> for Bindings<T> {
     }
 
     fn bounds(&self) -> KernelResult<'_, Enclose, T> {
-        self.kernel(&self.bound.bounds, &self.codes.bounds, KernelSource::Function)
+        let make = || {
+            let bounds = self.bind_always(&self.codes.bounds, KernelSource::Function)?;
+            Ok(match self.branches()? {
+                Some(branches) if self.is_solid() => Box::new(SideTest { bounds, branches }),
+                Some(_) | None => bounds,
+            })
+        };
+        known(self.bound.bounds.get_or_init(make))
     }
 
     fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError> {

@@ -29,9 +29,10 @@ pub struct TraceOptions {
     /// segments are narrowed to the limit of precision. Larger values suit a preview: segments are
     /// narrowed less before they are painted. Only methods that prove hits read it.
     pub least: f64,
-    /// Whether a possible zero on a segment counts as an asymptote, not as a root, if the function
-    /// is unbounded on the segment. Then the pixel is undecided, and the place is not painted.
-    pub suppress_asymptotes: bool,
+    /// Whether the surface is the boundary of a solid. Then every change of sign is a face, also at
+    /// a pole or a jump. Otherwise, if the function is unbounded on a segment that may hold a zero,
+    /// the pixel is undecided, and the place is not painted.
+    pub is_solid: bool,
 }
 
 impl TraceOptions {
@@ -64,7 +65,7 @@ impl Default for TraceOptions {
             tiles: true,
             intervals: true,
             least: 0.0,
-            suppress_asymptotes: true,
+            is_solid: false,
         }
     }
 }

@@ -21,6 +21,8 @@ pub(super) struct RayFunction<'a, T: Real> {
     pub kernel: &'a dyn Kernel<Enclose, T>,
     pub local_ray: &'a LocalRay,
     pub region: &'a Region,
+    /// Whether the surface is the boundary of a solid. It lies wherever the sign changes.
+    pub is_solid: bool,
 }
 
 impl<T: Real> RayFunction<'_, T> {
@@ -28,7 +30,8 @@ impl<T: Real> RayFunction<'_, T> {
     /// before the segment from `near` to `far`.
     ///
     /// A zero is proven if the function has opposite signs at a place before the segment and one
-    /// behind it, and is continuous between them.
+    /// behind it, and is continuous between them. A solid's boundary is proven by the signs alone:
+    /// one of the two places is inside of it, the other outside.
     pub fn bracket(&self, [near, far]: [f64; 2]) -> Option<[f64; 2]> {
         let [first, last] = self.inside();
         if !(first <= near && far <= last) {
@@ -38,7 +41,8 @@ impl<T: Real> RayFunction<'_, T> {
         let (before, below) = self.sign_from(near, -least, first, None)?;
         let end = last.min(far + MAX_REACH * (last - first));
         let (mut behind, _) = self.sign_from(far, least, end, Some(!below))?;
-        if !self.enclose([before, behind]).facts(0).has(Facts::CONTINUOUS) {
+        let may_jump = || !self.enclose([before, behind]).facts(0).has(Facts::CONTINUOUS);
+        if !self.is_solid && may_jump() {
             return None;
         }
         // Halving moves `behind` toward the segment while its sign is proven to be `!below`.

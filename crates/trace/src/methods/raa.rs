@@ -28,7 +28,7 @@ fn prepare<T: Scalar>(task: Task<'_>) -> Result<Box<dyn Tracer + '_>, KernelErro
     let kernels = T::kernels(task.surface);
     // Intervals decide whether the function is bounded in a slab. An unbounded form does not prove
     // that the function is unbounded.
-    let bounded = if task.options.suppress_asymptotes { kernels.zeros().ok() } else { None };
+    let bounded = if task.options.is_solid { None } else { kernels.zeros().ok() };
     let test = FormTest { kernel: kernels.segments()?, bounded };
     Ok(Box::new(Slabs::new(test, task)))
 }

@@ -58,8 +58,8 @@ struct Brackets {
 impl<'a, T: Scalar> Refiner<'a, T> {
     /// Creates a refiner for the surface that `kernel` samples.
     pub fn new(kernel: &'a dyn Kernel<Sample, T>, options: &TraceOptions) -> Self {
-        let TraceOptions { tolerance, suppress_asymptotes, .. } = *options;
-        Self { kernel, tolerance, solid: !suppress_asymptotes }
+        let TraceOptions { tolerance, is_solid, .. } = *options;
+        Self { kernel, tolerance, solid: is_solid }
     }
 
     /// Returns whether the function changes sign between two neighboring samples.

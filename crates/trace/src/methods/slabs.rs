@@ -70,7 +70,7 @@ pub(super) struct Slabs<'a, T: Scalar, S> {
     /// the axis. If a packet uses up [`MOST_STEPS`], the slab tested last is treated as one of this
     /// level. Behind it, nothing is known.
     last: u32,
-    suppress_asymptotes: bool,
+    is_solid: bool,
 }
 
 /// The outcomes of a packet's rays. Places are values of τ. Sets of rays are bits.
@@ -96,7 +96,7 @@ impl<'a, T: Scalar, S: SlabTest<T>> Slabs<'a, T, S> {
             region,
             vectors: Vectors::new(),
             last: options.depth.clamp(1, T::MAX_DEPTH) - 1,
-            suppress_asymptotes: options.suppress_asymptotes,
+            is_solid: options.is_solid,
         }
     }
 }
@@ -255,7 +255,7 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
         ends: [T; 2],
         outcomes: &mut PacketOutcomes<T>,
     ) -> u16 {
-        let drawn = if self.suppress_asymptotes { vanishing & !unbounded } else { vanishing };
+        let drawn = if self.is_solid { vanishing } else { vanishing & !unbounded };
         outcomes.drawn |= drawn;
         for lane in ones(drawn) {
             outcomes.ends[lane] = ends;

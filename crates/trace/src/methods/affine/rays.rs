@@ -218,6 +218,16 @@ impl<'a, T: Scalar> Follower<'a, T> {
         }
     }
 
+    /// The function along a ray.
+    fn along<'k, U: Scalar>(
+        &'k self,
+        kernel: &'k dyn Kernel<Enclose, U>,
+        local_ray: &'k LocalRay,
+    ) -> RayFunction<'k, U> {
+        let Task { region, options, .. } = self.task;
+        RayFunction { kernel, local_ray, region, is_solid: options.is_solid }
+    }
+
     fn bracket_across_gap_in<U: Scalar>(
         &self,
         local_ray: &LocalRay,
@@ -228,7 +238,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
             return None;
         }
         let kernel = U::kernels(self.task.surface).bounds().ok()?;
-        RayFunction { kernel, local_ray, region: self.task.region }.bracket(segment)
+        self.along(kernel, local_ray).bracket(segment)
     }
 
     fn classify_open_in<U: Scalar>(
@@ -243,7 +253,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
         if let Ok(kernel) = kernels.zeros() {
             kernel.eval(&boxes[0], &mut zeros);
         }
-        let asymptote = self.task.options.suppress_asymptotes && zeros.unbounded & 1 == 1;
+        let asymptote = !self.task.options.is_solid && zeros.unbounded & 1 == 1;
         if self.task.options.least > 0.0 {
             return (UndecidedReason::Budget, !asymptote);
         }
@@ -252,8 +262,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
         if let Ok(kernel) = kernels.bounds() {
             facts = Kernel::<Enclose, U>::eval_all(kernel, &boxes)[0].facts(0);
             if let Ok(Some([_, denominator])) = kernels.cleared() {
-                is_gap = RayFunction { kernel, local_ray, region: self.task.region }
-                    .is_gap(segment, denominator);
+                is_gap = self.along(kernel, local_ray).is_gap(segment, denominator);
             }
         }
         (reason(facts, stop == StopReason::Effort), !(asymptote || is_gap))

@@ -17,7 +17,7 @@ pub(super) struct Searcher<'a, T: Scalar> {
     slopes: SlopeKernels<'a, T>,
     zeros: &'a dyn Kernel<FindZeros, T>,
     region: &'a Region,
-    suppress_asymptotes: bool,
+    is_solid: bool,
 }
 
 /// Number of parts examined on a ray before the minimum length of its parts grows.
@@ -54,14 +54,9 @@ struct RayPart {
 
 impl<'a, T: Scalar> Searcher<'a, T> {
     pub fn new(task: Task<'a>) -> Result<Self, KernelError> {
-        let suppress_asymptotes = task.options.suppress_asymptotes;
+        let is_solid = task.options.is_solid;
         let zeros = T::kernels(task.surface).zeros()?;
-        Ok(Self {
-            slopes: SlopeKernels::new(&task)?,
-            zeros,
-            region: task.region,
-            suppress_asymptotes,
-        })
+        Ok(Self { slopes: SlopeKernels::new(&task)?, zeros, region: task.region, is_solid })
     }
 
     /// Returns the outcomes of up to [`LANES`] rays.
@@ -183,6 +178,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
             kernel: self.slopes.kernel(),
             local_ray: ray.local_ray,
             region: self.region,
+            is_solid: self.is_solid,
         };
         if ray.outcome.open.is_none()
             && let Some(bracket) = ray_function.bracket(part.ends)
@@ -195,7 +191,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
         let reason = reason(facts, spent);
         ray.outcome.open.get_or_insert((near, reason));
         ray.open_parts += 1;
-        if !(self.suppress_asymptotes && part.unbounded) {
+        if self.is_solid || !part.unbounded {
             ray.outcome.likely = Some(near);
             ray.parts.clear();
         } else if ray.open_parts == MAX_OPEN_PARTS {
