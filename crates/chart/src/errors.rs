@@ -25,8 +25,8 @@ pub struct PixelErrors {
     pub wrong_root: usize,
     /// Pixels with the status undecided.
     pub undecided: usize,
-    /// Pixels with a false status: a miss on a ray with a root, or a hit on a ray without a root or
-    /// at a later root.
+    /// Pixels with a false status: a miss on a ray with a root, or a hit whose bracket does not
+    /// hold the first root. Without brackets: a hit that is painted wrongly.
     pub false_claims: usize,
     /// Pixels drawn at their first root. Distances and normals are measured at these.
     pub painted: usize,
@@ -59,6 +59,12 @@ fn outside(pieces: &[[f64; 2]], drawn: f64) -> f64 {
 
 fn is_next(root: &Root, drawn: f64) -> bool {
     root.next.is_some_and(|next| outside(&[next], drawn) < outside(&root.pieces, drawn))
+}
+
+/// Returns whether a bracket may hold the root. Its ends were rounded when they became distances.
+fn may_hold([near, far]: &[f64; 2], root: &Root) -> bool {
+    let slack = 8.0 * f64::EPSILON * far.abs();
+    root.pieces.iter().any(|[first, last]| near - slack <= *last && *first <= far + slack)
 }
 
 /// The mistake of a pixel that is drawn at the distance `drawn`, or infinity if nothing is painted.
@@ -94,7 +100,11 @@ impl PixelErrors {
             let is_false = match (status, truth) {
                 (Status::Undecided, _) | (_, Truth::Open) => false,
                 (Status::Miss, truth) => matches!(truth, Truth::Root(_)),
-                (Status::Hit, truth) => mistake.is_some() || *truth == Truth::Miss,
+                (Status::Hit, Truth::Miss) => true,
+                (Status::Hit, Truth::Root(root)) => buffer
+                    .bracket
+                    .get(*pixel)
+                    .map_or(mistake.is_some(), |bracket| !may_hold(bracket, root)),
             };
             errors.false_claims += usize::from(is_false);
             let Truth::Root(root) = truth else { continue };
@@ -154,6 +164,17 @@ mod tests {
         let two = root(Some([4.0, 4.0]));
         assert_eq!([1.0, 2.9].map(|drawn| mistake(&two, drawn)), [None; 2]);
         assert_eq!(mistake(&two, 3.1), Some(Mistake::WrongRoot));
+    }
+
+    /// The first root is at 2. The painted point may be nearer to the next, at 4.
+    #[test]
+    fn a_hit_is_judged_by_its_bracket() {
+        let Truth::Root(root) = root(Some([4.0, 4.0])) else { unreachable!("a root") };
+        for (bracket, holds) in
+            [([1.5, 3.5], true), ([2.0, 2.0], true), ([2.1, 4.1], false), ([1.0, 1.9], false)]
+        {
+            assert_eq!(may_hold(&bracket, &root), holds, "{bracket:?}");
+        }
     }
 
     #[test]

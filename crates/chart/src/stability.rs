@@ -103,7 +103,7 @@ fn judged(
     budget: Duration,
 ) -> (Verdict, Option<[RgbImage; 2]>) {
     let settings = Configuration::plain(method).settings(SIDE);
-    let settings = Settings { budget: Some(budget), ..settings };
+    let settings = Settings { budget: Some(budget), brackets: true, ..settings };
     let start = Instant::now();
     let drawn = case
         .view()

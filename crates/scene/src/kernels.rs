@@ -17,11 +17,13 @@ use zeroset_eval::{
     ZeroTest,
 };
 use zeroset_interval::{Format, Interval};
+use zeroset_ir::NodeId;
 use zeroset_jit::{Compiled, Threaded};
 
-/// Limit of machine code for all kernels of a document, in bytes. That much code takes about a
-/// second to compile. The largest single surface that kernels can hold needs half of it.
-const CODE_BYTES: usize = 8 << 20;
+/// Surfaces get kernels of their own until the functions of earlier surfaces have this many nodes
+/// together. The kernels of so many nodes take about a second to compile. The decision depends on
+/// the document alone, so that statuses do not depend on the order in which kernels are requested.
+const COMPILED_NODES: usize = 4_000;
 
 /// The evaluator that runs kernels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -97,7 +99,7 @@ impl fmt::Display for CompiledKernel {
     }
 }
 
-/// All kernels of a program that were compiled so far. Their total size is limited.
+/// All kernels of a program that were compiled so far.
 #[derive(Debug, Default)]
 pub(crate) struct KernelList(Mutex<Vec<CompiledKernel>>);
 
@@ -124,11 +126,6 @@ impl KernelList {
         }
     }
 
-    /// Returns whether the kernels have as much code as may be compiled.
-    fn is_full(&self) -> bool {
-        self.list().iter().map(|made| made.bytes).sum::<usize>() > CODE_BYTES
-    }
-
     fn list(&self) -> MutexGuard<'_, Vec<CompiledKernel>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -142,7 +139,7 @@ struct UnboundKernel<Q: Query, T: Real> {
 
 enum Steps<Q: Query, T: Real> {
     Native(Compiled<Q, T>),
-    /// The code is too large to compile, or there is too much code already.
+    /// The code is too large to compile, or that of earlier surfaces is.
     Stencils(Tape<T>),
     Reference(Tape<T>),
 }
@@ -196,12 +193,24 @@ pub(crate) struct CodeStore {
     pub ledger: KernelList,
     evaluator: Evaluator,
     codes: Vec<SurfaceCodes>,
+    /// For each surface, whether its kernels are compiled, if they are not too large.
+    is_compiled: Vec<bool>,
 }
 
 impl CodeStore {
     pub fn new(simplified: Arc<Simplified>, evaluator: Evaluator) -> Self {
         let codes = simplified.roots.iter().map(|_| SurfaceCodes::default()).collect();
-        Self { simplified, ledger: KernelList::default(), evaluator, codes }
+        let mut nodes = 0;
+        let compiled = |root: &NodeId| {
+            let is_compiled = nodes < COMPILED_NODES;
+            if is_compiled {
+                let needed = simplified.graph.reachable(&[*root]);
+                nodes += needed.into_iter().filter(|needed| *needed).count();
+            }
+            is_compiled
+        };
+        let is_compiled = simplified.roots.iter().map(compiled).collect();
+        Self { simplified, ledger: KernelList::default(), evaluator, codes, is_compiled }
     }
 
     fn make<Q: Query, T: Real>(
@@ -218,7 +227,7 @@ impl CodeStore {
         let by_stencils = |tape: Tape<T>| (!tape.is_by_branches()).then_some(Steps::Stencils(tape));
         let steps = match self.evaluator {
             Evaluator::Reference => Some(Steps::Reference(tape)),
-            Evaluator::Native | Evaluator::Whole if self.ledger.is_full() => by_stencils(tape),
+            Evaluator::Native | Evaluator::Whole if !self.is_compiled[surface] => by_stencils(tape),
             Evaluator::Native | Evaluator::Whole => match Compiled::new(tape.clone()) {
                 Ok(compiled) => {
                     made.bytes = compiled.code_bytes();

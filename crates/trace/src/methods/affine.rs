@@ -17,6 +17,8 @@
 mod bundle;
 mod classify;
 #[cfg(test)]
+mod edges;
+#[cfg(test)]
 mod exact;
 mod frame;
 mod level;
