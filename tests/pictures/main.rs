@@ -28,5 +28,6 @@ mod stability_solids;
 mod strips;
 mod truth;
 mod truth_support;
+mod windows;
 mod words;
 mod zoom;
