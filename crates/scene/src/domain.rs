@@ -460,4 +460,6 @@ fn with_margin(cell: &Cell) -> Cell {
 }
 
 #[cfg(test)]
+mod seams;
+#[cfg(test)]
 mod tests;

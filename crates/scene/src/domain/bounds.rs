@@ -23,14 +23,17 @@ const OPEN_BITS: u32 = 28;
 /// are proven empty.
 ///
 /// The proof: the half-space beyond an end, cut by the bounds that are already proven, is a box
-/// over which no function can be 0.
+/// over which no function can be 0, or such a box in parts.
 pub fn bounds(search: &CellSearch<'_>) -> Option<Cell> {
     let mut cell = Cell { low: [f64::NEG_INFINITY; 3], high: [f64::INFINITY; 3] };
+    let mut is_split = false;
     for _ in 0..ROUNDS {
         let before = cell;
         for axis in 0..3 {
-            for is_high in [false, true] {
-                let end = end(search, &cell, axis, is_high);
+            for side in 0..2 {
+                let is_high = side == 1;
+                let mut side = Side { axis, is_high, is_split: &mut is_split };
+                let end = side.end(search, &cell);
                 let known = if is_high { &mut cell.high } else { &mut cell.low };
                 known[axis] = end;
             }
@@ -45,44 +48,75 @@ pub fn bounds(search: &CellSearch<'_>) -> Option<Cell> {
     Some(cell)
 }
 
-/// The end of `cell` on one side of an axis, moved inward as far as the half-space beyond it is
-/// proven empty.
-fn end(search: &CellSearch<'_>, cell: &Cell, axis: usize, is_high: bool) -> f64 {
-    let [outer, inner] =
-        if is_high { [cell.high[axis], cell.low[axis]] } else { [cell.low[axis], cell.high[axis]] };
-    let beyond = |place: f64| {
+/// A side of the box.
+struct Side<'a> {
+    axis: usize,
+    is_high: bool,
+    /// Whether half-spaces are split where the other coordinates are 0. Intervals
+    /// prove |x| + |y| ≤ 1 bounded without that, but not x + y ≤ 1 and x − y ≤ 1.
+    is_split: &'a mut bool,
+}
+
+impl Side<'_> {
+    /// The parts of `cell` that lie beyond a place.
+    fn beyond(&self, cell: &Cell, place: f64) -> Vec<Cell> {
         let mut part = *cell;
-        *if is_high { &mut part.low[axis] } else { &mut part.high[axis] } = place;
-        part
-    };
-    let rank = |end: f64| rank(end.clamp(-FARTHEST, FARTHEST));
-    // All beyond `proven` is empty; nothing is known at `open`.
-    let (mut found, mut proven, mut open) = (outer, rank(outer), rank(inner));
-    if outer.is_infinite() {
-        found = place(proven);
-        if search.open(&[beyond(found)]).len() == 1 {
-            return outer;
+        let ends = if self.is_high { &mut part.low } else { &mut part.high };
+        ends[self.axis] = place;
+        let mut parts = vec![part];
+        for other in (0..3).filter(|other| *self.is_split && *other != self.axis) {
+            if cell.low[other] < 0.0 && 0.0 < cell.high[other] {
+                let halves = parts.iter().flat_map(|part| {
+                    let [mut below, mut above] = [*part; 2];
+                    (below.high[other], above.low[other]) = (0.0, 0.0);
+                    [below, above]
+                });
+                parts = halves.collect();
+            }
         }
+        parts
     }
-    while (open - proven).abs() > 1 && search.is_wanted() {
-        let step = |k: i64| proven + (open - proven) * k / (PLACES + 1);
-        let mut places: Vec<i64> = (1..=PLACES).map(step).collect();
-        places.dedup();
-        let cells: Vec<Cell> = places.iter().map(|rank| beyond(place(*rank))).collect();
-        let left = search.open(&cells);
-        // Places are in order, so those before the first open one are proven.
-        let first = left.first().and_then(|first| cells.iter().position(|cell| cell == first));
-        let first = first.unwrap_or(places.len());
-        if first > 0 && places[first - 1] != proven {
-            proven = places[first - 1];
+
+    /// The end of `cell` on this side, moved inward as far as all beyond it is proven empty.
+    fn end(&mut self, search: &CellSearch<'_>, cell: &Cell) -> f64 {
+        let [low, high] = [cell.low[self.axis], cell.high[self.axis]];
+        let [outer, inner] = if self.is_high { [high, low] } else { [low, high] };
+        let rank = |end: f64| rank(end.clamp(-FARTHEST, FARTHEST));
+        // All beyond `proven` is empty; nothing is known at `open`.
+        let (mut found, mut proven, mut open) = (outer, rank(outer), rank(inner));
+        if outer.is_infinite() {
             found = place(proven);
+            let was_split = *self.is_split;
+            let is_empty = |side: &Self| search.open(&side.beyond(cell, found)).is_empty();
+            if !is_empty(self) {
+                *self.is_split = true;
+                if was_split || !is_empty(self) {
+                    *self.is_split = was_split;
+                    return outer;
+                }
+            }
         }
-        open = places.get(first).copied().unwrap_or(open);
-        if first == places.len() && places.last() == Some(&open) {
-            break;
+        while (open - proven).abs() > 1 && search.is_wanted() {
+            let step = |k: i64| proven + (open - proven) * k / (PLACES + 1);
+            let mut places: Vec<i64> = (1..=PLACES).map(step).collect();
+            places.dedup();
+            let parts: Vec<Vec<Cell>> =
+                places.iter().map(|rank| self.beyond(cell, place(*rank))).collect();
+            let left = search.open(&parts.concat());
+            // Places are in order, so those before the first open one are proven.
+            let holds = |parts: &Vec<Cell>| left.first().is_some_and(|first| parts.contains(first));
+            let first = parts.iter().position(holds).unwrap_or(places.len());
+            if first > 0 && places[first - 1] != proven {
+                proven = places[first - 1];
+                found = place(proven);
+            }
+            open = places.get(first).copied().unwrap_or(open);
+            if first == places.len() && places.last() == Some(&open) {
+                break;
+            }
         }
+        found
     }
-    found
 }
 
 /// The rank of a float among all floats without their lowest bits.
@@ -128,6 +162,7 @@ mod tests {
             ("z=exp(-x^2-y^2)", [none, none, 0.0], [all, all, 1.0]),
             ("y=x^4-16 {abs(x)<2}", [-2.0, -16.0, none], [2.0, 0.0, all]),
             ("x>=1e30", [1e30, none, none], [all, all, all]),
+            ("x+y<=3 and x-y<=3 and x>=0", [0.0, -3.0, none], [3.0, 3.0, all]),
             ("x^2+y^2=z^2", [none; 3], [all; 3]),
         ] {
             let cell = found(text, &|_| Vec::new()).0.expect(text);
@@ -158,7 +193,7 @@ mod tests {
             let k = self.below(3) as usize;
             let [a, b, c] = [axes[k], axes[(k + 1) % 3], axes[(k + 2) % 3]];
             let [m, n] = [self.below(9) as i64 - 4, self.below(9) as i64 + 1];
-            match self.below(8) {
+            match self.below(9) {
                 0 => format!("{a} >= {m}"),
                 1 => format!("{a} <= {n}"),
                 2 => format!("abs({a}-({m})) <= {n}"),
@@ -166,6 +201,7 @@ mod tests {
                 4 => format!("{a}+{n}{b} <= {m}"),
                 5 => format!("{c} <= {n}*exp(-{a}^2-{b}^2)"),
                 6 => format!("{a}^2+{b}^2+{c}^2 <= {n}"),
+                7 => format!("{a}+{n}{b} <= {n} and {a}-{b} <= {m} and {a} >= {m}"),
                 _ => format!("{a} <= sin({n}{b})+({m})*cos({c})"),
             }
         }

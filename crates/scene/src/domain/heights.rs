@@ -153,8 +153,8 @@ fn is_beside_pole(heights: &Heights<'_>, half: f64, sampled: &[f64], end: f64) -
 /// Number of halvings that locate the edge of the ground beside an extreme height.
 const EDGE_HALVINGS: u32 = 40;
 
-/// A change that shrinks at most to this share when the distance to a pole shrinks by 16 is that of
-/// a logarithm. That of a root shrinks to a quarter.
+/// Toward a pole, the change of the heights shrinks at most to this share when the distance shrinks
+/// to a sixteenth. The change of a root shrinks to a quarter.
 const LOGARITHM: f64 = 0.7;
 
 /// The lowest and the highest height; infinite if the list is empty.

@@ -65,7 +65,7 @@ pub struct WindowChooser<'a> {
     pub waves: Vec<&'a Wave<'a>>,
     /// Whether the surface bounds a solid.
     pub is_solid: bool,
-    /// The proven [bounds](super::bounds) of the surface; infinite where there are none.
+    /// The proven [bounds](super::bounds) of the surface. Ends without a proof are infinite.
     pub bounds: Cell,
     /// Per axis, whether a graph was found to continue beyond the lower and the upper end of the
     /// window.
