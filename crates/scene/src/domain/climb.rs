@@ -72,8 +72,8 @@ fn candidates(heights: &[f64]) -> impl Iterator<Item = (usize, f64)> {
     })
 }
 
-/// Returns whether an inner grid point lies at the rim of the ground, where heights end but need not
-/// have an extremum. The ground does not end at a gap that is one grid point wide.
+/// Returns whether an inner grid point lies at the rim of the ground, where heights end but need
+/// not have an extremum. The ground does not end at a gap that is one grid point wide.
 fn is_rim(heights: &[f64], n: usize) -> bool {
     let at = |x: i64, y: i64| {
         let place = [(n % SIDE) as i64 + x, (n / SIDE) as i64 + y];

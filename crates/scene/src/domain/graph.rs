@@ -54,8 +54,8 @@ impl WindowChooser<'_> {
         over_two.or(profile.map(|(up, along, factor)| GraphAxes { up, factor, along: Some(along) }))
     }
 
-    /// Returns whether the window on a function of two axes is that of a graph. The window on a plane,
-    /// or on a polynomial without turns far apart, is chosen by other features.
+    /// Returns whether the window on a function of two axes is that of a graph. The window on a
+    /// plane, or on a polynomial without turns far apart, is chosen by other features.
     pub(super) fn is_profile(&self) -> bool {
         let Some(graph) = self.graph_axes().filter(|_| !self.shape.is_plane) else { return false };
         let heights = |places: &[[f64; 2]]| self.heights(graph, places);

@@ -26,8 +26,8 @@ const ROOM: f64 = 0.1;
 const NEAR_END: f64 = 0.05;
 
 impl WindowChooser<'_> {
-    /// Returns whether the surface is proven bounded on both sides along an axis, and has some extent
-    /// along it.
+    /// Returns whether the surface is proven bounded on both sides along an axis, and has some
+    /// extent along it.
     pub(super) fn is_bounded(&self, axis: usize) -> bool {
         let [low, high] = [self.bounds.low[axis], self.bounds.high[axis]];
         let least = LEAST.max(LEAST_SHARE * low.abs().max(high.abs()));
@@ -35,8 +35,8 @@ impl WindowChooser<'_> {
     }
 
     /// The window that shows the surface whole in the directions in which it is bounded, if `plain`
-    /// does not. `plain` is the window on the surface's features, and `has_scale` is false if there
-    /// are none.
+    /// does not. `plain` is the window on the surface's features, and `has_scale` is false for a
+    /// surface without features.
     pub(super) fn whole_where_bounded(&self, plain: &Cell, has_scale: bool) -> Option<Cell> {
         let Cell { low, high } = self.bounds;
         let depends = self.shape.depends;

@@ -2,7 +2,6 @@
 //! repeats.
 
 use super::tests::found;
-use super::*;
 use std::f64::consts::{PI, TAU};
 
 /// The largest share of its extent by which an end may be outside of the wanted one.
@@ -96,7 +95,7 @@ fn a_graph_is_shown_until_it_has_faded_out() {
         ("z=atan(x/100)+0*y", 200.0..600.0, 50.0..600.0),
         ("z=1/(1+exp(-x/1000))+1/(1+exp(y/1000))", 1500.0..6000.0, 1500.0..6000.0),
         ("z=x*exp(-(x^2+y^2)*900)", 0.05..0.2, 0.05..0.2),
-        // What grows without bound, however slowly, does not fade out.
+        // Heights that grow without bound, however slowly, do not fade out.
         ("z=ln(1+x^2+y^2)", 2.0..2.1, 2.0..2.1),
         ("z=cbrt(x)+cbrt(y)", 2.0..2.1, 2.0..2.1),
         ("z=exp(x)+exp(y)", 2.0..2.1, 2.0..2.1),
