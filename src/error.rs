@@ -76,6 +76,7 @@ impl Error {
             SceneError::Camera(error) => Self::argument(error),
             SceneError::Region(error) => Self::argument(error),
             SceneError::Program(error) => Self::formula(error),
+            error @ SceneError::Far { .. } => Self::formula(error),
         }
     }
 

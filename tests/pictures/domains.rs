@@ -42,7 +42,7 @@ pub fn rows() -> Vec<Row> {
 
 /// Whether the first interval contains `other` after growing by [`TOLERANCE`] about its middle and
 /// by `spare` on each side.
-fn holds([low, high]: [f64; 2], other: [f64; 2], spare: f64) -> bool {
+pub fn holds([low, high]: [f64; 2], other: [f64; 2], spare: f64) -> bool {
     let (middle, half) = (low.midpoint(high), TOLERANCE * (high - low) / 2.0 + spare);
     middle - half <= other[0] && other[1] <= middle + half
 }

@@ -29,5 +29,6 @@ mod stability_solids;
 mod strips;
 mod truth;
 mod truth_support;
+mod windows;
 mod words;
 mod zoom;

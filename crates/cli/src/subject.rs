@@ -84,5 +84,5 @@ pub fn describe_domain(found: &AutoDomain) -> String {
     } else {
         format!("x in {x}, y in {y}, z in {z}")
     };
-    format!("{}; domain {shown}", found.finding.describe())
+    format!("{}; domain {shown}", found.describe())
 }

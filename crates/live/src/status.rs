@@ -30,7 +30,7 @@ pub(super) fn describe(snapshot: &Snapshot) -> String {
     }
     let (region, statistics) = (rendering.model.region(), &rendering.picture.statistics);
     let [x, y, z] = view::bounds(region).map(|ends| [ends.lo, ends.hi].map(coordinate).join(".."));
-    let found = rendering.searched.map_or("", |found| found.finding.describe());
+    let found = rendering.searched.map_or(String::new(), |found| found.describe());
     let _ = writeln!(text, "domain      x {x}, y {y}, z {z}  {found}");
     let settings = &rendering.request.settings;
     let options: Vec<String> = read_options(rendering)

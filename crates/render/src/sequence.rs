@@ -216,6 +216,13 @@ fn both(
         low: low.to_array(),
         high: high.to_array(),
         finding: one.finding.max(other.finding),
+        cut: [0, 1, 2].map(|axis| {
+            let reaches = |found: AutoDomain, side: usize| {
+                let ends = [found.low[axis] == low[axis], found.high[axis] == high[axis]];
+                found.cut[axis][side] && ends[side]
+            };
+            [0, 1].map(|side| reaches(one, side) || reaches(other, side))
+        }),
         work: one.work + other.work,
     });
     (region, searched)

@@ -6,24 +6,30 @@
 //! the same document has the same domain on every machine. This module depends neither on cameras
 //! nor on pictures.
 
+mod bounds;
 mod centre;
 mod climb;
 mod critical;
+mod fading;
+mod graph;
 mod ground;
 mod heights;
 mod homogeneous;
+mod partial;
+mod period;
 mod polynomial;
 mod shape;
 mod tops;
 mod waves;
 mod window;
 
+use crate::coordinate::coordinate;
 use crate::program::{Program, ProgramError};
 use homogeneous::Homogeneous;
 use shape::GraphShape;
 use std::cell::Cell as Counter;
 use waves::Wave;
-use window::WindowChooser;
+use window::{Window, WindowChooser};
 use zeroset_eval::Assumptions;
 use zeroset_interval::Interval;
 use zeroset_ir::{Graph, Node, NodeId};
@@ -65,8 +71,29 @@ pub struct AutoDomain {
     pub high: [f64; 3],
     /// Whether the surface is proven empty or bounded.
     pub finding: Finding,
+    /// Per axis, whether the surface is a graph that continues beyond the lower and the upper end.
+    pub cut: [[bool; 2]; 3],
     /// Number of evaluations that the search took.
     pub work: u64,
+}
+
+impl AutoDomain {
+    /// One phrase that describes the finding, and where the domain cuts a graph.
+    pub fn describe(&self) -> String {
+        let mut phrase = self.finding.describe().to_owned();
+        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+            let ends = [self.low[axis], self.high[axis]].into_iter().zip(self.cut[axis]);
+            let cuts: Vec<String> =
+                ends.filter(|(_, is_cut)| *is_cut).map(|(end, _)| coordinate(end)).collect();
+            if !cuts.is_empty() {
+                phrase += ", cut at ";
+                phrase += name;
+                phrase += " = ";
+                phrase += &cuts.join(" and ");
+            }
+        }
+        phrase
+    }
 }
 
 /// Whether a surface is proven empty or bounded. The finding for several surfaces is the greatest
@@ -133,22 +160,29 @@ pub fn find_while(
     let mut search = CellSearch { surfaces, forms: Vec::new(), wanted, work };
     let mut at_infinity = share(WORK_AT_INFINITY);
     let whole = everything(program, &search, &mut at_infinity)
-        .map(|whole| (whole, Finding::Bounded, Finding::Empty));
+        .map_or_else(|| bounds::bounds(&search), Some);
+    let is_empty = whole.is_none();
+    let whole = whole.filter(Cell::is_finite);
+    let whole = whole.map(|whole| (whole, Finding::Bounded, Finding::Empty));
     let near =
         || everything_near(&search).map(|whole| (whole, Finding::BoundedNear, Finding::EmptyNear));
-    let (found, finding) = if let Some((whole, bounded, empty)) = whole.or_else(near) {
+    let mut cut = [[false; 2]; 3];
+    let (found, finding) = if is_empty {
+        (Cell::cube(DEFAULT_HALF), Finding::Empty)
+    } else if let Some((whole, bounded, empty)) = whole.or_else(near) {
         match tighten(program, &mut search, whole)? {
             Some(hull) => (around(program, &hull), bounded),
             None => (Cell::cube(DEFAULT_HALF), empty),
         }
     } else {
-        let (window, is_round) = windows(program, &search)?;
-        (window, if is_round { Finding::UnboundedInBall } else { Finding::Unbounded })
+        let Window { cell, is_round, cut: is_cut } = windows(program, &search)?;
+        cut = is_cut;
+        (cell, if is_round { Finding::UnboundedInBall } else { Finding::Unbounded })
     };
     let work = share(WORK) - search.work.get() + share(WORK_AT_INFINITY) - at_infinity;
     let Cell { low, high } = valid_box(found);
     // The result of a cancelled search is not reliable.
-    Ok(wanted().then_some(AutoDomain { low, high, finding, work }))
+    Ok(wanted().then_some(AutoDomain { low, high, finding, cut, work }))
 }
 
 /// A box around all parts of `whole` that may hold a surface. Intervals find it, then affine forms
@@ -202,9 +236,12 @@ fn is_point(program: &Program, hull: &Cell) -> bool {
         || hull.largest() < TINY && places_about(hull.centre(), eighths).all(may_vanish)
 }
 
+/// All of space.
+const EVERYWHERE: Cell = Cell { low: [f64::NEG_INFINITY; 3], high: [f64::INFINITY; 3] };
+
 /// Exponents, to base 2, of the half sides of the cubes that are tried as boxes around a whole
 /// surface.
-const LADDER: [u32; 6] = [4, 12, 20, 40, 60, 100];
+const LADDER: [u32; 9] = [4, 12, 20, 40, 60, 100, 200, 400, 511];
 
 /// A box in which all surfaces are proven to lie, if there is a proof.
 fn everything(program: &Program, search: &CellSearch<'_>, work: &mut u64) -> Option<Cell> {
@@ -282,11 +319,11 @@ fn gcd(a: u32, b: u32) -> u32 {
     if b == 0 { a } else { gcd(b, a % b) }
 }
 
-/// A box around the windows on all surfaces, and whether all surfaces look better clipped to a
-/// ball.
-fn windows(program: &Program, search: &CellSearch<'_>) -> Result<(Cell, bool), ProgramError> {
+/// A box around the windows on all surfaces. It is clipped to a ball if all surfaces look better
+/// so.
+fn windows(program: &Program, search: &CellSearch<'_>) -> Result<Window, ProgramError> {
     let (graph, parameters) = (program.graph(), program.values());
-    let (mut whole, mut all_round) = (None::<Cell>, true);
+    let mut windows = Vec::with_capacity(program.roots().len());
     for (surface, &root) in program.roots().iter().enumerate() {
         let shape = GraphShape::of(graph, root, parameters);
         let alone = CellSearch {
@@ -310,13 +347,27 @@ fn windows(program: &Program, search: &CellSearch<'_>) -> Result<(Cell, bool), P
             values: program.kernels::<f64>(surface).values()?,
             centre: centre::centre(graph, root, parameters),
             waves: waves.iter().map(|wave| wave as &Wave<'_>).collect(),
+            is_solid: program.is_solid(surface),
+            bounds: bounds::bounds(&alone).unwrap_or(EVERYWHERE),
+            cut: [[false; 2]; 3],
         };
-        let (window, is_round) = sight.window();
-        all_round &= is_round;
+        windows.push(sight.window());
         search.work.set(alone.work.get());
-        whole = Some(whole.map_or(window, |whole| whole.around(&window)));
     }
-    Ok((whole.unwrap_or(Cell::cube(DEFAULT_HALF)), all_round))
+    let cells = windows.iter().map(|window| window.cell);
+    let cell = cells.reduce(|whole, cell| whole.around(&cell)).unwrap_or(Cell::cube(DEFAULT_HALF));
+    // A graph that ends inside of another surface's window is not cut by it there.
+    let is_cut = |axis: usize| {
+        let at = |side: fn(&Cell) -> &[f64; 3], k: usize| {
+            let cuts = |window: &Window| {
+                window.cut[axis][k] && side(&window.cell)[axis] == side(&cell)[axis]
+            };
+            windows.iter().any(cuts)
+        };
+        [at(|cell| &cell.low, 0), at(|cell| &cell.high, 1)]
+    };
+    let is_round = windows.iter().all(|window| window.is_round);
+    Ok(Window { cell, is_round, cut: [0, 1, 2].map(is_cut) })
 }
 
 /// A side shorter than this share of the longest is too thin: `FLAT` for a window, `THIN` for the
@@ -408,5 +459,7 @@ fn with_margin(cell: &Cell) -> Cell {
     with_margin
 }
 
+#[cfg(test)]
+mod seams;
 #[cfg(test)]
 mod tests;

@@ -243,6 +243,11 @@ impl Program {
         self.store.simplified.reduced[surface]
     }
 
+    /// Returns whether a surface is the boundary of a solid, given by an inequality.
+    pub fn is_solid(&self, surface: usize) -> bool {
+        self.store.simplified.solid[surface]
+    }
+
     /// Returns whether a surface's function is proven to have no value on the whole domain.
     pub fn is_undefined(&self, surface: usize) -> bool {
         self.enclosures[surface].1.has(Facts::NOWHERE)

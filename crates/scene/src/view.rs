@@ -9,7 +9,7 @@ use std::str::FromStr;
 
 use zeroset_interval::Interval;
 use zeroset_ir::{Constant, Node, NodeId};
-use zeroset_space::{HalfSpace, Region, RegionError};
+use zeroset_space::{HalfSpace, LARGEST_COORDINATE, Region, RegionError};
 use zeroset_style::{FOV, StandardView};
 use zeroset_syntax::{Document, DomainLine, Parameter, ParameterKind, PointValue, SurfaceColor};
 use zeroset_trace::{Camera, CameraError, Projection};
@@ -153,6 +153,17 @@ pub enum SceneError {
     /// The domain or the clipping plane is invalid.
     #[error(transparent)]
     Region(#[from] RegionError),
+    /// The surface was found, but too far away for a domain.
+    #[error(
+        "the surface reaches to ±{reach:.2e}, and a domain ends at ±1e18: draw it smaller, with \
+         ({scale:e}*x) for x, ({scale:e}*y) for y and ({scale:e}*z) for z"
+    )]
+    Far {
+        /// The largest magnitude of a coordinate of the domain that was found.
+        reach: f64,
+        /// A power of ten by which the surface is smaller than 10.
+        scale: f64,
+    },
     /// The document has nothing to draw.
     #[error(transparent)]
     Program(#[from] ProgramError),
@@ -215,6 +226,16 @@ pub fn region_while(
         is_ball |= to == ClipShape::Auto && looks_better;
         if let Finding::Unbounded | Finding::UnboundedInBall = found.finding {
             found.finding = if is_ball { Finding::UnboundedInBall } else { Finding::Unbounded };
+        }
+        // A given range is no choice of the search, so nothing is to be said of it.
+        for axis in (0..3).filter(|axis| ranges[*axis].is_some()) {
+            found.cut[axis] = [false; 2];
+        }
+        let open = (0..3).filter(|axis| ranges[*axis].is_none());
+        let reach = open.map(|axis| found.high[axis].max(-found.low[axis])).fold(0.0, f64::max);
+        if reach > LARGEST_COORDINATE {
+            let scale = format!("1e{}", reach.log10().floor()).parse().unwrap_or(reach);
+            return Err(SceneError::Far { reach, scale });
         }
         searched = Some(found);
         for (axis, range) in ranges.iter_mut().enumerate() {
@@ -320,8 +341,13 @@ pub fn camera(
         Some(_) => (None, None),
         None => (point(&typed.eye), point(&typed.up)),
     };
-    let view = choice.view.or(typed.preset).unwrap_or_default();
-    let (offset, view_up) = (DVec3::from(view.offset), DVec3::from(view.up));
+    let view = choice.view.or(typed.preset);
+    // In programs of shaders, y points up. A named side is as everywhere.
+    let is_y_up = view.is_none() && document.is_y_up;
+    let view = view.unwrap_or_default();
+    let turned =
+        |[x, y, z]: [f64; 3]| if is_y_up { DVec3::new(x, z, -y) } else { [x, y, z].into() };
+    let (offset, view_up) = (turned(view.offset), turned(view.up));
     let target = choice.target.or(point(&typed.target)).unwrap_or(region.centre());
     let given_eye = choice.eye.or(typed_eye);
     let eye = given_eye.unwrap_or(target + offset * region.half_extent());
@@ -329,7 +355,7 @@ pub fn camera(
         // An eye set by the caller or the document may look straight down. Then y is the upward
         // direction, as in the view from the top.
         let vertical = given_eye.is_some() && (target - eye).cross(view_up) == DVec3::ZERO;
-        if vertical { DVec3::Y } else { view_up }
+        if vertical { turned([0.0, 1.0, 0.0]) } else { view_up }
     });
     let projection = choice.projection.unwrap_or_else(|| match (&typed.ortho, &typed.fov) {
         (Some(height), _) => Projection::Orthographic { height: nearest(height) },

@@ -58,6 +58,12 @@ impl Cell {
         }
     }
 
+    /// Returns whether the box has finite, increasing ends on all axes.
+    pub fn is_finite(&self) -> bool {
+        let ends = self.low.iter().zip(&self.high);
+        { ends }.all(|(low, high)| low.is_finite() && high.is_finite() && low <= high)
+    }
+
     /// Returns whether `other` lies inside this box.
     pub fn holds(&self, other: &Self) -> bool {
         (0..3).all(|axis| self.low[axis] <= other.low[axis] && other.high[axis] <= self.high[axis])

@@ -9,4 +9,4 @@ mod region;
 
 pub use cells::{Cell, CellSearch, places_about};
 pub use ray::Ray;
-pub use region::{Ball, Chord, Entry, HalfSpace, Region, RegionError};
+pub use region::{Ball, Chord, Entry, HalfSpace, LARGEST_COORDINATE, Region, RegionError};

@@ -58,7 +58,7 @@ fn candidates(heights: &[f64]) -> impl Iterator<Item = (usize, f64)> {
             && (1..SIDE - 1).contains(&(n / SIDE))
             && heights[*n].is_finite()
     };
-    (0..SIDE * SIDE).filter(inner).filter_map(|n| {
+    (0..SIDE * SIDE).filter(inner).filter(|n| !is_rim(heights, *n)).filter_map(|n| {
         let around = [1, SIDE - 1, SIDE, SIDE + 1].map(|off| [n - off, n + off]);
         let around = around.as_flattened();
         let size =
@@ -70,6 +70,19 @@ fn candidates(heights: &[f64]) -> impl Iterator<Item = (usize, f64)> {
         };
         [1.0, -1.0].into_iter().find(|sign| differs(*sign)).map(|sign| (n, sign))
     })
+}
+
+/// Returns whether an inner grid point lies at the rim of the ground, where heights end but need
+/// not have an extremum. The ground does not end at a gap that is one grid point wide.
+fn is_rim(heights: &[f64], n: usize) -> bool {
+    let at = |x: i64, y: i64| {
+        let place = [(n % SIDE) as i64 + x, (n / SIDE) as i64 + y];
+        let is_within = place.iter().all(|along| (0..SIDE as i64).contains(along));
+        if is_within { heights[(place[1] * SIDE as i64 + place[0]) as usize] } else { f64::NAN }
+    };
+    let ends =
+        |(x, y): (i64, i64)| at(x, y).is_nan() && at(2 * x, 2 * y).is_nan() && !at(-x, -y).is_nan();
+    [(1, 0), (0, 1), (1, 1), (1, -1)].into_iter().any(|(x, y)| ends((x, y)) || ends((-x, -y)))
 }
 
 /// The extremum that a climb from `start` finds. `None` if the climb goes too far away, takes too

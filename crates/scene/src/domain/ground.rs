@@ -12,6 +12,31 @@ const BARE: f64 = 0.1;
 /// Number of halvings that locate an end between two rows of the grid.
 const HALVINGS: u32 = 10;
 
+/// The part of a graph's ground that is shown, relative to the center. It is sampled by a square
+/// that is mapped to it.
+#[derive(Clone, Copy, Debug)]
+pub struct Ground {
+    pub ranges: [[f64; 2]; 2],
+}
+
+impl Ground {
+    /// Half the side of the square: half the longer side of the ground.
+    pub fn half(&self) -> f64 {
+        self.ranges.iter().map(|[low, high]| (high - low) / 2.0).fold(0.0, f64::max)
+    }
+
+    /// The place along axis `k` of the ground, for a place along the same axis of the square.
+    pub fn along(&self, k: usize, place: f64) -> f64 {
+        let [low, high] = self.ranges[k];
+        low.midpoint(high) + place * ((high - low) / 2.0 / self.half())
+    }
+
+    /// The places in the ground, for places in the square.
+    pub fn places(&self, places: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        places.iter().map(|[x, y]| [self.along(0, *x), self.along(1, *y)]).collect()
+    }
+}
+
 /// Both ends of the ground along its two axes. `None` for an end at the border of the grid, or at
 /// most `BARE` of the side away from it.
 pub fn ends(heights: &Heights<'_>, grid: &Grid) -> [[Option<f64>; 2]; 2] {

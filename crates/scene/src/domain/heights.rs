@@ -16,6 +16,9 @@ pub struct Grid {
     sorted: Vec<f64>,
     /// The lowest and the highest height on the border.
     border: [f64; 2],
+    /// Whether the lowest and the highest height lie beside a place without a height, toward which
+    /// the heights fall or rise without bound.
+    has_pole: [bool; 2],
 }
 
 /// Number of points in a row of the grid. The middle one is the origin.
@@ -25,6 +28,9 @@ pub const SIDE: usize = 65;
 /// and minima, the limit is `TALLEST`.
 const TALL: f64 = 1.3;
 const TALLEST: f64 = 3.0;
+/// Largest ratio of height to width for a graph that is shown whole because its heights are proven
+/// to be bounded.
+const TALLEST_WHOLE: f64 = 12.0;
 
 /// The shown heights reach up to this quantile, and down to 1 minus this quantile. `MOST` is for a
 /// graph that exceeds its maxima and also falls below its minima, `MOST_ONE_WAY` for a graph that
@@ -74,7 +80,9 @@ impl Grid {
         let on_border =
             |n: &usize| [0, SIDE - 1].contains(&(n % SIDE)) || [0, SIDE - 1].contains(&(n / SIDE));
         let border = ends((0..SIDE * SIDE).filter(on_border).map(|n| sampled[n]));
-        Self { half, sampled, sorted, border }
+        let has_pole = [sorted.first(), sorted.last()]
+            .map(|end| end.is_some_and(|end| is_beside_pole(heights, half, &sampled, *end)));
+        Self { half, sampled, sorted, border, has_pole }
     }
 
     /// Distance between neighboring grid points.
@@ -113,15 +121,41 @@ impl Grid {
     }
 }
 
-/// The lowest and the highest height of a graph over one axis. Samples beside each row of the grid
-/// detect a pole on the row.
-pub fn ends_of_ridge(heights: &Heights<'_>, half: f64) -> [f64; 2] {
-    let apart = 2.0 * half / (SIDE - 1) as f64;
-    let near = [0.0, 1.0 / 32.0, -1.0 / 32.0, AT_ONCE, -AT_ONCE];
-    let all = (0..SIDE).flat_map(|row| near.map(|share| place(half, row) + share * apart));
-    let places: Vec<[f64; 2]> = all.flat_map(|along| [[along, 0.0], [0.0, along]]).collect();
-    ends(heights(&places).into_iter().filter(|height| height.is_finite()))
+/// Returns whether the grid's extreme height `end` lies beside a place without a height, toward
+/// which heights change as a logarithm or faster: the change does not shrink when the distance does.
+fn is_beside_pole(heights: &Heights<'_>, half: f64, sampled: &[f64], end: f64) -> bool {
+    let Some(n) = sampled.iter().position(|height| *height == end) else { return false };
+    let at = |n: usize| [place(half, n % SIDE), place(half, n / SIDE)];
+    let (row, column) = (n / SIDE, n % SIDE);
+    let beside = [
+        (column > 0).then(|| n - 1),
+        (column + 1 < SIDE).then_some(n + 1),
+        (row > 0).then(|| n - SIDE),
+        (row + 1 < SIDE).then_some(n + SIDE),
+    ];
+    let here = at(n);
+    beside.into_iter().flatten().filter(|n| !sampled[*n].is_finite()).any(|gap| {
+        let way = [0, 1].map(|axis| at(gap)[axis] - here[axis]);
+        let height = |share: f64| heights(&[[0, 1].map(|axis| here[axis] + share * way[axis])])[0];
+        // The place at which heights end.
+        let (mut ground, mut beyond) = (0.0, 1.0);
+        for _ in 0..EDGE_HALVINGS {
+            let middle = f64::midpoint(ground, beyond);
+            if height(middle).is_finite() { ground = middle } else { beyond = middle }
+        }
+        let [first, second, third] =
+            [1.0, 1.0 / 16.0, 1.0 / 256.0].map(|left| height(ground * (1.0 - left)));
+        let [change, further] = [second - first, third - second];
+        change * further > 0.0 && further.abs() >= LOGARITHM * change.abs()
+    })
 }
+
+/// Number of halvings that locate the edge of the ground beside an extreme height.
+const EDGE_HALVINGS: u32 = 40;
+
+/// Toward a pole, the change of the heights shrinks at most to this share when the distance shrinks
+/// to a sixteenth. The change of a root shrinks to a quarter.
+const LOGARITHM: f64 = 0.7;
 
 /// The lowest and the highest height; infinite if the list is empty.
 fn ends(heights: impl Iterator<Item = f64>) -> [f64; 2] {
@@ -129,25 +163,69 @@ fn ends(heights: impl Iterator<Item = f64>) -> [f64; 2] {
     heights.fold(none, |[low, high], height| [low.min(height), high.max(height)])
 }
 
-/// The range of heights that is shown: all maxima and minima in `tops`, and a suitable part of the
-/// heights that rise or fall to the border. `None` if there are no heights.
-pub fn shown(grid: &Grid, tops: &[f64]) -> Option<[f64; 2]> {
-    let Grid { half, sorted, border, .. } = grid;
+/// The range of heights that is shown.
+#[derive(Clone, Copy, Debug)]
+pub struct ShownHeights {
+    /// The lowest and the highest shown height.
+    pub ends: [f64; 2],
+    /// Whether the graph continues below the lowest and above the highest shown height.
+    pub is_cut: [bool; 2],
+}
+
+/// The range of heights that is shown: all heights over the ground if the graph is not too tall,
+/// otherwise all maxima and minima in `tops` and a suitable part of the rest. `further` are heights
+/// between those of the grid, and all heights lie within `proven`. `None` if there are no heights.
+pub fn shown(grid: &Grid, tops: &[f64], further: &[f64], proven: [f64; 2]) -> Option<ShownHeights> {
+    let more = tops.iter().chain(further).copied().filter(|height| height.is_finite());
+    let [lowest, highest] = ends(grid.ends()?.into_iter().chain(more));
+    let ends = whole(grid.half, [lowest, highest], proven).or_else(|| part(grid, tops))?;
+    let grain = ROUNDING * (highest - lowest);
+    let is_cut = [lowest < ends[0] - grain, highest > ends[1] + grain];
+    Some(ShownHeights { ends, is_cut })
+}
+
+/// The range of all heights, if it is not too tall for a window of half side `half`.
+fn whole(half: f64, sampled: [f64; 2], proven: [f64; 2]) -> Option<[f64; 2]> {
+    let reach = sampled[1] - sampled[0];
+    let is_bounded = proven.iter().all(|end| end.is_finite());
+    let tallest = if is_bounded { TALLEST_WHOLE } else { TALL };
+    if !(0.0 < reach && reach <= tallest * 2.0 * half) {
+        return None;
+    }
+    // A level that the heights nearly reach is shown, too.
+    let level = |k: usize| {
+        let is_near = (proven[k] - sampled[k]).abs() <= NEAR_SHARE * reach;
+        if is_near { proven[k] } else { sampled[k] }
+    };
+    let [low, high] = [level(0), level(1)];
+    let space = SPACE * (high - low);
+    Some([low - space, high + space])
+}
+
+/// A suitable range of heights for a graph that is too tall: all maxima and minima in `tops`, and
+/// a part of the heights that rise or fall to the border.
+fn part(grid: &Grid, tops: &[f64]) -> Option<[f64; 2]> {
+    let Grid { half, sorted, border, has_pole, .. } = grid;
     let [lowest, highest] = grid.ends()?;
-    let quantile = |share: f64| sorted[(share * (sorted.len() - 1) as f64) as usize];
+    // As many heights are left out above as below.
+    let left_out = |share: f64| ((1.0 - share) * (sorted.len() - 1) as f64) as usize;
+    let highest_but = |share: f64| sorted[sorted.len() - 1 - left_out(share)];
+    let lowest_but = |share: f64| sorted[left_out(share)];
     let [bottom, top] = ends(tops.iter().copied());
     // Whether no height is below the lowest minimum, and whether none is above the highest maximum.
     let (from_below, from_above) = (bottom <= lowest, top >= highest);
     let [mut low, mut high] = match (from_below, from_above) {
         (true, true) => [bottom, top],
-        (true, false) => [bottom, quantile(MOST_ONE_WAY).max(top)],
-        (false, true) => [quantile(1.0 - MOST_ONE_WAY).min(bottom), top],
-        (false, false) => [quantile(1.0 - MOST).min(bottom), quantile(MOST).max(top)],
+        (true, false) => [bottom, highest_but(MOST_ONE_WAY).max(top)],
+        (false, true) => [lowest_but(MOST_ONE_WAY).min(bottom), top],
+        (false, false) => [lowest_but(MOST).min(bottom), highest_but(MOST).max(top)],
     };
     let reach = high - low;
     let width = 2.0 * half;
-    let has_poles =
-        [!from_below && low - lowest > POLE * reach, !from_above && highest - high > POLE * reach];
+    let has_poles = [
+        !from_below && (low - lowest > POLE * reach || has_pole[0]),
+        !from_above && (highest - high > POLE * reach || has_pole[1]),
+    ];
     if lowest > low - NEAR_SHARE * reach {
         low = low.min(lowest);
     } else if has_poles == [true, false] {

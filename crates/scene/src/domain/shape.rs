@@ -4,10 +4,11 @@
 //! Nothing here is a proof: the properties only serve to choose a window. This module depends
 //! neither on kernels nor on boxes.
 
+use super::period::{Period, periods};
 use std::f64::consts::TAU;
 use zeroset_interval::Interval;
 use zeroset_ir::{Graph, Node, NodeId};
-use zeroset_ops::Op;
+use zeroset_ops::{Class, Op};
 
 /// A linear function: the coefficients of x, y and z.
 type Linear = [f64; 3];
@@ -20,21 +21,37 @@ pub struct GraphShape {
     /// Per axis, the longest period of a sine, cosine or tangent. `None` unless the axis occurs
     /// only in such functions of linear arguments.
     pub period: [Option<f64>; 3],
+    /// Per axis, whether the period is that of cells between jumps or folds.
+    pub has_cells: [bool; 3],
     /// The nonlinear arguments of sines, cosines and tangents, the outer ones first.
     pub waves: Vec<NodeId>,
     /// Whether the function is linear.
     pub is_plane: bool,
-    /// Whether the function's zeros are planes: it is linear, or a product of linear functions.
+    /// Whether the function's zeros are planes or parts of planes: it consists of linear functions
+    /// by products, minima and maxima.
     pub is_of_planes: bool,
     /// For a nonlinear function of three axes: an axis for which it can be solved, and that axis's
     /// coefficient. The function is the coefficient times the axis, plus a function of the other
     /// axes.
     pub height: Option<(usize, f64)>,
     /// For a function of two axes: the axis for which it can be solved, the other axis, and the
-    /// coefficient of the first. `None` for polynomials, whose features are found in another way.
+    /// coefficient of the first.
     pub profile: Option<(usize, usize, f64)>,
-    /// Whether the function consists of sums, products and whole powers.
-    pub is_polynomial: bool,
+    /// How fast the function can grow.
+    pub growth: Growth,
+}
+
+/// How fast a function can grow with the coordinates.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Growth {
+    /// The function consists of sums, products and whole powers.
+    Polynomial,
+    /// As a power of the coordinates at most: the function also has roots, magnitudes, minima or
+    /// maxima.
+    Power,
+    /// Perhaps exponentially.
+    #[default]
+    Unlimited,
 }
 
 /// Properties of a node.
@@ -42,12 +59,13 @@ pub struct GraphShape {
 struct NodeShape {
     depends: [bool; 3],
     linear: Option<Linear>,
-    /// Whether the node is a product of linear functions.
+    /// Whether the node's zeros are parts of planes.
     is_of_planes: bool,
     /// Per axis, a coefficient: the node is the axis times the coefficient, plus a function of the
     /// other axes. `None` if the node has no such form.
     solved: [Option<f64>; 3],
     is_polynomial: bool,
+    grows_as_power: bool,
     value: Option<f64>,
 }
 
@@ -61,6 +79,7 @@ impl GraphShape {
             is_of_planes: true,
             solved: [Some(0.0); 3],
             is_polynomial: true,
+            grows_as_power: true,
             value: Some(bounds.lo.midpoint(bounds.hi)),
         };
         let mut known: Vec<NodeShape> = Vec::with_capacity(graph.len());
@@ -92,7 +111,12 @@ impl GraphShape {
             known.push(this);
         }
         let found = known[root.index()];
-        (shape.depends, shape.is_polynomial) = (found.depends, found.is_polynomial);
+        shape.depends = found.depends;
+        shape.growth = match found {
+            NodeShape { is_polynomial: true, .. } => Growth::Polynomial,
+            NodeShape { grows_as_power: true, .. } => Growth::Power,
+            NodeShape { .. } => Growth::Unlimited,
+        };
         shape.is_plane = found.linear.is_some();
         shape.is_of_planes = found.is_of_planes;
         // Graphs over the xy-plane are preferred.
@@ -100,17 +124,24 @@ impl GraphShape {
         let heights = || [2, 1, 0].into_iter().filter_map(|up| Some((up, solved(up)?)));
         if found.depends == [true; 3] {
             shape.height = heights().next().filter(|_| !shape.is_plane);
-        } else if !found.is_polynomial {
+        } else {
             shape.profile = heights().find_map(|(up, factor)| {
                 let along = (0..3).find(|other| *other != up && found.depends[*other])?;
                 Some((up, along, factor))
             });
         }
-        shape.find_waves(graph, root, &known);
+        let periods = periods(graph, root, parameters);
+        shape.find_waves(graph, root, &known, periods);
         shape
     }
 
-    fn find_waves(&mut self, graph: &Graph, root: NodeId, known: &[NodeShape]) {
+    fn find_waves(
+        &mut self,
+        graph: &Graph,
+        root: NodeId,
+        known: &[NodeShape],
+        periods: [Option<Period>; 3],
+    ) {
         let (mut open, mut seen) = (vec![root], vec![false; graph.len()]);
         let (mut period, mut plain) = ([0.0_f64; 3], [false; 3]);
         while let Some(id) = open.pop() {
@@ -142,9 +173,16 @@ impl GraphShape {
                 }
             }
         }
-        for axis in 0..3 {
+        for (axis, common) in periods.into_iter().enumerate() {
             let repeats = period[axis] > 0.0 && period[axis].is_finite() && !plain[axis];
-            self.period[axis] = repeats.then_some(period[axis]);
+            let longest = repeats.then_some(period[axis]);
+            self.has_cells[axis] = common.is_some_and(|common| common.has_cells);
+            self.period[axis] = match (common, longest) {
+                (Some(common), _) if common.has_cells => Some(common.length),
+                // Several waves have a common period, of which one is shown.
+                (Some(common), Some(longest)) => Some(longest.max(common.length / 2.0)),
+                (None | Some(_), longest) => longest,
+            };
         }
     }
 }
@@ -184,6 +222,10 @@ fn combined(op: Op, operands: &[NodeShape]) -> NodeShape {
     } else if let Some((factor, k)) = scale {
         let scaled = |part: Option<f64>| part.map(|part| factor * part);
         (each(&|axis| scaled(part(k, axis))), operands[k].solved.map(scaled))
+    } else if let Class::Restriction(_) = op.row().class {
+        // A graph over part of the plane is a graph, if the condition does not depend on heights.
+        let solved = |axis: usize| operands[0].solved[axis].filter(|_| !operands[1].depends[axis]);
+        (None, [0, 1, 2].map(solved))
     } else {
         // The coefficient is 0 if the operation does not depend on the axis.
         (None, depends.map(|depends| (!depends).then_some(0.0)))
@@ -196,10 +238,12 @@ fn combined(op: Op, operands: &[NodeShape]) -> NodeShape {
         is_sum || [Op::Neg, Op::Mul, Op::Sqr].contains(&op) || !depends.contains(&true)
     };
     let is_polynomial = is_built && operands.iter().all(|one| one.is_polynomial);
+    let is_tame = is_built || [Op::Sqrt, Op::Abs, Op::Min, Op::Max].contains(&op);
+    let grows_as_power = is_tame && operands.iter().all(|one| one.grows_as_power);
     let linear = if depends.contains(&true) { linear } else { Some([0.0; 3]) };
-    let is_product = [Op::Mul, Op::Neg, Op::Sqr, Op::Abs].contains(&op)
+    let is_product = [Op::Mul, Op::Neg, Op::Sqr, Op::Abs, Op::Min, Op::Max].contains(&op)
         || [Op::Pow, Op::Div].contains(&op) && number(1).is_some();
     let is_of_planes =
         linear.is_some() || is_product && operands.iter().all(|one| one.is_of_planes);
-    NodeShape { depends, linear, is_of_planes, solved, is_polynomial, value }
+    NodeShape { depends, linear, is_of_planes, solved, is_polynomial, grows_as_power, value }
 }

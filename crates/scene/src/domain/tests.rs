@@ -9,7 +9,7 @@ fn document(text: &str) -> Document {
     read(text, &Options::default()).expect("reads")
 }
 
-fn found(text: &str) -> AutoDomain {
+pub(super) fn found(text: &str) -> AutoDomain {
     search(&document(text)).expect(text)
 }
 

@@ -6,11 +6,9 @@
 //! on pictures.
 
 use super::critical::{CriticalDistances, CriticalSearch};
-use super::heights::{self, Grid, shown};
-use super::shape::GraphShape;
-use super::tops::around_tops;
+use super::shape::{GraphShape, Growth};
 use super::waves::{Wave, resolvable_half};
-use super::{BOX_DEPTH, DEFAULT_HALF, FLAT, climb, ground};
+use super::{BOX_DEPTH, DEFAULT_HALF, FLAT};
 use zeroset_eval::{Kernel, Sample};
 use zeroset_space::{Cell, CellSearch};
 
@@ -27,10 +25,6 @@ const MARGIN_OF_CRITICAL: f64 = 1.45;
 const CENTRED: f64 = 0.05;
 const GRAIN: f64 = 0.01;
 
-/// If a graph has heights in a part of the window only, the bound of that part is rounded to this
-/// share of the half side.
-const GRAIN_OF_GROUND: f64 = 1e-3;
-
 /// Accuracy of a center, relative to its largest coordinate. A place within this accuracy counts as
 /// the center.
 const KNOWN: f64 = 1e-9;
@@ -39,6 +33,9 @@ const KNOWN: f64 = 1e-9;
 /// opposite faces from the center differ by at most `OFF_CENTRE` of the longest side.
 const NEARLY_CUBE: f64 = 0.8;
 const OFF_CENTRE: f64 = 0.1;
+
+/// Periods whose ratio is at most this share the window's size. Otherwise each axis shows its own.
+const UNEVEN: f64 = 4.0;
 
 /// Number of window sizes that are tried while the window is empty. Each size is twice the previous
 /// one.
@@ -52,8 +49,7 @@ const NEAR: f64 = 0.01;
 const ROD: f64 = 1.6;
 
 /// Exponents, to base 2, of the smallest and the largest distance that are searched.
-/// `LARGEST_OF_ANY` replaces `LARGEST` for functions that are not polynomials and may grow
-/// exponentially.
+/// `LARGEST_OF_ANY` replaces `LARGEST` for functions that may grow exponentially.
 const SMALLEST: i32 = -40;
 const LARGEST: i32 = 41;
 const LARGEST_OF_ANY: i32 = 5;
@@ -67,11 +63,27 @@ pub struct WindowChooser<'a> {
     pub centre: [f64; 3],
     /// The nonlinear arguments of the function's sines, cosines and tangents.
     pub waves: Vec<&'a Wave<'a>>,
+    /// Whether the surface bounds a solid.
+    pub is_solid: bool,
+    /// The proven [bounds](super::bounds) of the surface. Ends without a proof are infinite.
+    pub bounds: Cell,
+    /// Per axis, whether a graph was found to continue beyond the lower and the upper end of the
+    /// window.
+    pub cut: [[bool; 2]; 3],
+}
+
+/// A window on a surface.
+pub struct Window {
+    pub cell: Cell,
+    /// Whether the surface looks better clipped to a ball.
+    pub is_round: bool,
+    /// Per axis, whether a graph continues beyond the lower and the upper end.
+    pub cut: [[bool; 2]; 3],
 }
 
 impl WindowChooser<'_> {
-    /// Returns the window on the surface, and whether it looks better clipped to a ball.
-    pub fn window(mut self) -> (Cell, bool) {
+    /// Returns the window on the surface.
+    pub fn window(mut self) -> Window {
         // Along an axis without features, the center is set to the origin, which is easier to read.
         let GraphShape { depends, period, is_plane, .. } = self.shape;
         let counts = |axis: usize| depends[axis] && period[axis].is_none() && !is_plane;
@@ -80,14 +92,23 @@ impl WindowChooser<'_> {
         // parallel to.
         let known = self.known();
         self.centre = self.centre.map(|along| super::rounded(along, known));
-        let half = self.half();
+        if self.shape.profile.is_some() && !self.is_profile() {
+            self.shape.profile = None;
+        }
+        let halves = self.halves();
+        let half = halves.into_iter().fold(0.0, f64::max);
         // The size does not depend on where the surface lies, so the center can be rounded to a
         // share of the size.
         self.centre = self.centre.map(|along| {
             if along.abs() <= CENTRED * half { 0.0 } else { super::rounded(along, GRAIN * half) }
         });
-        let cell = self.cell(half);
-        (cell, self.is_round(&cell))
+        let cell = self.cell(halves);
+        let whole = match self.graph_axes() {
+            Some(_) => None,
+            None => self.whole_where_bounded(&cell, half != DEFAULT_HALF),
+        };
+        let is_round = whole.is_none() && self.is_round(&cell);
+        Window { cell: whole.unwrap_or(cell), is_round, cut: self.cut }
     }
 
     /// Returns whether the surface continues alike in all directions. A box would then cut edges
@@ -105,26 +126,51 @@ impl WindowChooser<'_> {
         !is_flat && !repeats && is_cube
     }
 
-    /// Half the side of the window that shows the features.
-    fn half(&self) -> f64 {
-        let GraphShape { period, is_plane, height, .. } = self.shape;
+    /// Half the sides of the window that shows the features.
+    fn halves(&self) -> [f64; 3] {
+        let GraphShape { period, height, .. } = self.shape;
         let on_ground = |axis: usize| height.is_none_or(|(up, _)| axis != up);
-        let periods = (0..3).filter(|axis| on_ground(*axis)).filter_map(|axis| period[axis]);
-        let longest = periods.fold(0.0_f64, f64::max);
+        let on_ground = [0, 1, 2].map(on_ground);
+        let periods = [0, 1, 2].map(|axis| period[axis].filter(|_| on_ground[axis]));
+        let longest = periods.into_iter().flatten().fold(0.0_f64, f64::max);
         if longest > 0.0 {
-            return longest;
+            return [0, 1, 2].map(|axis| match periods[axis] {
+                Some(_) if self.shape.has_cells[axis] => self.whole_cells(axis),
+                Some(period) if longest > UNEVEN * period => period,
+                _ => longest,
+            });
         }
-        if let Some(half) = resolvable_half(&self.waves, self.centre, [0, 1, 2].map(on_ground)) {
-            return few_digits(half);
+        if let Some(half) = resolvable_half(&self.waves, self.centre, on_ground) {
+            return [few_digits(half); 3];
         }
-        if let Some((up, factor)) = height {
-            return few_digits(around_tops(&|places| self.heights(up, factor, places)));
+        if let Some(graph) = self.graph_axes() {
+            return self.halves_of_graph(graph);
         }
-        if let Some(profile) = self.shape.profile {
-            return few_digits(around_tops(&|places| self.ridge(profile, places)));
-        }
+        [self.half(); 3]
+    }
+
+    /// Half the side of a window of whole cells along an axis on which cells repeat: two cells if
+    /// the surface does not cross the faces of the window, or else three.
+    fn whole_cells(&self, axis: usize) -> f64 {
+        let period = self.shape.period[axis].unwrap_or(DEFAULT_HALF);
+        let is_clear = |half: &f64| {
+            let mut face = Cell::cube(*half);
+            for other in (0..3).filter(|other| *other != axis) {
+                let half = self.shape.period[other].unwrap_or(*half);
+                (face.low[other], face.high[other]) = (-half, half);
+            }
+            (face.low[axis], face.high[axis]) = (*half, *half);
+            self.search.tight(face, BOX_DEPTH).is_none()
+        };
+        [period, 1.5 * period].into_iter().find(is_clear).unwrap_or(period)
+    }
+
+    /// Half the side of the window that shows the features of a surface that neither repeats nor is
+    /// a graph.
+    fn half(&self) -> f64 {
+        let is_plane = self.shape.is_plane;
         let reach = self.landmarks().reach();
-        if is_plane {
+        if is_plane || self.shape.is_of_planes && self.is_solid {
             return if reach == 0.0 { DEFAULT_HALF } else { few_digits(MARGIN_OF_PLANE * reach) };
         }
         let plain = if reach == 0.0 { DEFAULT_HALF } else { MARGIN * reach };
@@ -139,11 +185,17 @@ impl WindowChooser<'_> {
         few_digits(half)
     }
 
-    /// The window with this half side.
-    fn cell(&self, half: f64) -> Cell {
-        let GraphShape { depends, is_plane, height, .. } = self.shape;
-        if let Some((up, factor)) = height {
-            return self.graph(up, factor, half);
+    /// The window with these half sides.
+    fn cell(&mut self, halves: [f64; 3]) -> Cell {
+        let GraphShape { depends, is_plane, .. } = self.shape;
+        let half = halves.into_iter().fold(0.0, f64::max);
+        if let Some(graph) = self.graph_axes() {
+            let ground = [1, 2].map(|k| halves[(graph.up + k) % 3]);
+            let window = self.graph(graph, ground);
+            // A curve that leaves the window both above and below is shown around the center.
+            if graph.along.is_none() || self.cut[graph.up] != [true; 2] {
+                return window;
+            }
         }
         if is_plane && depends.iter().filter(|depends| **depends).count() == 1 {
             // A plane across one axis: the window is around its intersection with that axis.
@@ -162,30 +214,17 @@ impl WindowChooser<'_> {
             return window;
         }
         // An empty window means that the surface is farther away.
-        let halves = (0..DOUBLINGS).map(|k| half * f64::from(k).exp2());
-        let mut cubes = halves.map(|half| (half, super::cube_about(self.centre, half)));
-        let found = cubes.find_map(|(half, cube)| Some((half, self.pruned(cube)?)));
-        let (half, window) = found.unwrap_or((half, super::cube_about(self.centre, half)));
-        match self.shape.profile {
-            Some(profile) => self.trimmed(window, profile, half),
-            None => window,
-        }
-    }
-
-    /// Cuts off parts of the window in which a graph over one axis has no heights. Intervals may
-    /// fail to exclude these parts, as where 0 is divided by 0.
-    fn trimmed(&self, mut window: Cell, profile: (usize, usize, f64), half: f64) -> Cell {
-        let up = profile.0;
-        let heights = |places: &[[f64; 2]]| self.ridge(profile, places);
-        let [lowest, highest] = heights::ends_of_ridge(&heights, half);
-        let height = highest - lowest;
-        if window.low[up] < lowest - height || window.high[up] > highest + height {
-            let space = super::SPACE * height;
-            let [low, high] = [lowest - space, highest + space].map(few_digits);
-            window.low[up] = window.low[up].max(low);
-            window.high[up] = window.high[up].min(high);
-        }
-        super::thickened(window, FLAT)
+        let about = |scale: f64| {
+            let mut window = super::cube_about(self.centre, scale * half);
+            for axis in (0..3).filter(|axis| halves[*axis] != half) {
+                let side = scale * halves[axis];
+                (window.low[axis], window.high[axis]) = (-side, side);
+            }
+            window
+        };
+        let scales = (0..DOUBLINGS).map(|k| f64::from(k).exp2());
+        let found = { scales }.find_map(|scale| self.pruned(about(scale)));
+        found.unwrap_or(about(1.0))
     }
 
     fn cube(&self, half: f64) -> Cell {
@@ -211,7 +250,7 @@ impl WindowChooser<'_> {
 
     /// The part of a window that may hold the surface; `None` if the window is empty. Along an axis
     /// on which the function does not depend, the length is chosen to fit the other axes.
-    fn pruned(&self, window: Cell) -> Option<Cell> {
+    pub(super) fn pruned(&self, window: Cell) -> Option<Cell> {
         let hull = self.search.tight(window, BOX_DEPTH)?;
         let GraphShape { depends, .. } = self.shape;
         let across = (0..3).filter(|axis| depends[*axis]);
@@ -231,57 +270,11 @@ impl WindowChooser<'_> {
         Some(super::thickened(hull, FLAT))
     }
 
-    /// The heights of a graph over two axes, at places relative to the center. The function is
-    /// `factor` times the coordinate `up`, plus a function of the place.
-    fn heights(&self, up: usize, factor: f64, places: &[[f64; 2]]) -> Vec<f64> {
-        let point = |place: &[f64; 2]| {
-            let mut point = self.centre;
-            point[(up + 1) % 3] += place[0];
-            point[(up + 2) % 3] += place[1];
-            point
-        };
-        let points: Vec<[f64; 3]> = places.iter().map(point).collect();
-        let values = self.search.values(self.values, &points).into_iter();
-        values.map(|value| self.centre[up] - value / factor).collect()
-    }
-
-    /// The heights of a graph over the axis `along`, treated as a ridge over two axes. NaN at
-    /// places that are not in the middle of the ridge.
-    fn ridge(&self, (up, along, factor): (usize, usize, f64), places: &[[f64; 2]]) -> Vec<f64> {
-        let across = usize::from((up + 1) % 3 == along);
-        let is_middle = |place: &&[f64; 2]| place[across] == 0.0;
-        let middle: Vec<[f64; 2]> = places.iter().filter(is_middle).copied().collect();
-        let mut heights = self.heights(up, factor, &middle).into_iter();
-        let mut height = |place| if is_middle(&place) { heights.next() } else { None };
-        places.iter().map(|place| height(place).unwrap_or(f64::NAN)).collect()
-    }
-
-    /// The window on a graph over two axes, with this half side along both axes.
-    fn graph(&self, up: usize, factor: f64, half: f64) -> Cell {
-        let mut window = super::cube_about(self.centre, half);
-        let heights = |places: &[[f64; 2]]| self.heights(up, factor, places);
-        let grid = Grid::new(&heights, half);
-        let ground = ground::ends(&heights, &grid);
-        for (axis, side) in [(up + 1) % 3, (up + 2) % 3].into_iter().zip(ground) {
-            for (end, side) in [&mut window.low[axis], &mut window.high[axis]].into_iter().zip(side)
-            {
-                *end = side.map_or(*end, |side| {
-                    super::rounded(self.centre[axis] + side, half * GRAIN_OF_GROUND)
-                });
-            }
-        }
-        let tops: Vec<f64> = climb::tops(&heights, &grid).iter().map(|top| top.height).collect();
-        if let Some(ends) = shown(&grid, &tops) {
-            let [low, high] = ends.map(few_digits);
-            (window.low[up], window.high[up]) = (low, high);
-        }
-        super::thickened(window, FLAT)
-    }
-
     /// A box around the surface's intersections with the lines through the center along the axes,
     /// relative to the center. Without intersections, a cube that the surface does not enter.
     fn landmarks(&self) -> Cell {
-        let largest = if self.shape.is_polynomial { LARGEST } else { LARGEST_OF_ANY };
+        let is_slow = self.shape.growth != Growth::Unlimited;
+        let largest = if is_slow { LARGEST } else { LARGEST_OF_ANY };
         let mut marks = Cell::cube(0.0);
         for axis in 0..3 {
             for side in [1.0, -1.0] {
@@ -382,6 +375,6 @@ const MOST_PLACES: usize = 16;
 const FEW_OCTAVES: usize = 2;
 
 /// A length rounded to three digits.
-fn few_digits(length: f64) -> f64 {
+pub(super) fn few_digits(length: f64) -> f64 {
     format!("{length:.2e}").parse().unwrap_or(length)
 }

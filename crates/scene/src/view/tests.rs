@@ -95,6 +95,49 @@ fn the_camera_comes_from_the_caller_then_the_document_then_the_default() {
 }
 
 #[test]
+fn programs_of_shaders_are_seen_with_y_up() {
+    let ups = |text: &str, choice: CameraChoice| {
+        let document = document(text);
+        let (region, _) = region(&document, DomainChoice::Document, None).expect("valid");
+        let camera = camera(&document, &region, &choice).expect("valid");
+        (camera.up(), camera.eye() - camera.target())
+    };
+    let map = "float map(vec3 p) { return length(p) - 1.0; }";
+    for text in [
+        map,
+        "p.y - sin(p.x)*sin(p.z)",
+        "length(vec3(x, y, z)) - 1.0",
+        "isosurface { function { x*x + y*y + z*z - 1 } contained_by { box { -2, 2 } } }",
+    ] {
+        let (up, way) = ups(text, CameraChoice::default());
+        assert!(up == DVec3::Y && way.y > 0.0 && way.z > way.y, "{text}: {up} {way}");
+    }
+    for text in ["x^2+y^2+z^2=1", "y = x^2 - z^2", "f(x, y) = x*y", "float f = x*y; z = f"] {
+        assert_eq!(ups(text, CameraChoice::default()).0, DVec3::Z, "{text}");
+    }
+    // A line or a flag about the view wins.
+    assert_eq!(ups(&format!("view iso\n{map}"), CameraChoice::default()).0, DVec3::Z);
+    let side = CameraChoice { view: Some(&VIEWS[0]), ..CameraChoice::default() };
+    assert_eq!(ups(map, side).0, DVec3::Z);
+}
+
+#[test]
+fn a_surface_beyond_all_domains_is_refused_with_what_to_type() {
+    for (text, smaller) in [
+        ("x^2+y^2+z^2=1e36", "(1e18*x)^2+(1e18*y)^2+(1e18*z)^2=1e36"),
+        ("x^2+y^2+z^2=1e50^2", "(1e50*x)^2+(1e50*y)^2+(1e50*z)^2=1e50^2"),
+        ("x^2+y^2+z^2=1e300", "(1e150*x)^2+(1e150*y)^2+(1e150*z)^2=1e300"),
+    ] {
+        let error = region(&document(text), DomainChoice::Document, None).expect_err(text);
+        let said = error.to_string();
+        let factor = smaller.split(['(', '*']).nth(1).expect("a factor");
+        assert!(said.contains("±1e18") && said.contains(&format!("({factor}*x) for x")), "{said}");
+        let (region, _) = region(&document(smaller), DomainChoice::Document, None).expect(smaller);
+        assert!(region.high().max_element() < 1.2, "{smaller}");
+    }
+}
+
+#[test]
 fn every_view_can_be_named_in_a_document() {
     for view in &VIEWS {
         let document = document(&format!("domain 2\nview {}\nx+y+z", view.name));

@@ -17,6 +17,8 @@ pub(crate) struct PastedProgram {
     pub statements: Vec<RawStatement>,
     /// True if the text has declarations or assignments that occur only in programs.
     pub in_steps: bool,
+    /// True if the text is a program in the manner of shaders or of POV-Ray, in which y points up.
+    pub is_y_up: bool,
     /// Name of the function to draw: the last one that takes a point of space.
     pub last_function: Option<Name>,
     /// The variable last assigned outside functions. Assignments of plain numbers do not count.

@@ -96,6 +96,7 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
         .map(|token| &text[token.span.range()])
         .collect::<FxHashSet<_>>();
     let in_steps = statements.iter().any(|tokens| words.is_step(tokens));
+    let is_y_up = statements.iter().any(|tokens| words.is_of_shaders(tokens));
     let mut reader = ProgramReader {
         words,
         limits,
@@ -107,7 +108,7 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
         constants: FxHashMap::default(),
         steps: 0,
         expanded_tokens: Cell::new(0),
-        program: PastedProgram { in_steps, ..PastedProgram::default() },
+        program: PastedProgram { in_steps, is_y_up, ..PastedProgram::default() },
     };
     let mut top = Frame::default();
     let mut statements = statements.into_iter();

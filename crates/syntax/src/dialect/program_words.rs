@@ -56,6 +56,19 @@ pub(crate) struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
+    /// Returns whether a statement has types of shaders' vectors, components of a vector such as
+    /// `p.xz`, or POV-Ray's `isosurface { … }`.
+    pub(crate) fn is_of_shaders(self, tokens: &[Token]) -> bool {
+        let is_vector = |token: &Token| {
+            let word = self.word(*token);
+            token.kind == TokenKind::Component || is_type(word) && size_of(word) > 1
+        };
+        let is_pov = |pair: &[Token]| {
+            self.word(pair[0]) == "isosurface" && pair[1].kind == TokenKind::OpenBrace
+        };
+        tokens.iter().any(is_vector) || tokens.windows(2).any(is_pov)
+    }
+
     /// The text of a token that is a name; empty for any other token.
     pub(crate) fn word(self, token: Token) -> &'a str {
         if token.kind.is_name() { &self.text[token.span.range()] } else { "" }

@@ -50,6 +50,9 @@ pub struct Document {
     pub domain: Option<DomainLine>,
     /// Contents of the `view` line, if there is one.
     pub view: Option<ViewLine>,
+    /// True if the text is in the manner of shaders or of POV-Ray, in which y points up. The default
+    /// view then has y up.
+    pub is_y_up: bool,
     /// Look of the picture, if a `look` line sets one.
     pub look: Option<&'static zeroset_style::Look>,
     /// Background color, if a `background` line sets one.
@@ -180,6 +183,7 @@ pub(crate) struct DocumentReader<'a> {
     pub(crate) notes: Vec<Note>,
     pub errors: Vec<Error>,
     pub(crate) settings: CollectedLines,
+    is_y_up: bool,
 }
 
 impl<'a> DocumentReader<'a> {
@@ -190,6 +194,7 @@ impl<'a> DocumentReader<'a> {
             notes: Vec::new(),
             errors: Vec::new(),
             settings: CollectedLines::default(),
+            is_y_up: false,
         }
     }
 
@@ -197,6 +202,7 @@ impl<'a> DocumentReader<'a> {
     /// lines about the picture in `settings`.
     pub(crate) fn statements(&mut self) -> Result<(Vec<BuiltStatement>, Scope), Errors> {
         let program = program(self.text, &self.options.limits)?;
+        self.is_y_up = program.is_y_up;
         let mut lines = lines(self.text, &program.statements)?;
         let mut scope = Scope::default();
         for (name, _) in self.options.overrides {
@@ -371,6 +377,7 @@ impl<'a> DocumentReader<'a> {
             parameters,
             domain: settings.domain,
             view: settings.view,
+            is_y_up: self.is_y_up,
             look: settings.look,
             background: settings.background,
             picture,
