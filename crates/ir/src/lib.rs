@@ -4,6 +4,7 @@
 //! precede the nodes that use them. So ids are in topological order, and every pass is one loop.
 
 mod algebra;
+mod cancel;
 mod clear;
 mod compact;
 mod constant;
@@ -14,6 +15,7 @@ mod error;
 mod exponents;
 mod graph;
 mod hoist;
+mod polynomial;
 mod radical;
 mod regular;
 mod sign;
