@@ -4,6 +4,7 @@
 //! precede the nodes that use them. So ids are in topological order, and every pass is one loop.
 
 mod algebra;
+mod angles;
 mod cancel;
 mod clear;
 mod compact;
@@ -26,6 +27,7 @@ mod variability;
 #[cfg(test)]
 mod testing;
 
+pub use angles::algebraic_angles;
 pub use clear::{RationalForm, clear};
 pub use compact::compact;
 pub use constant::{Constant, NamedConstant};

@@ -7,8 +7,8 @@ use std::sync::{Arc, OnceLock};
 use zeroset_eval::{Assumptions, KernelFloat, Kernels, SurfaceKernels, Tape};
 use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{
-    Constant, Graph, NodeId, Variability, fix_exponents, radical, regularize, rewrite, same_sign,
-    simplify, variabilities,
+    Constant, Graph, NodeId, Variability, algebraic_angles, fix_exponents, radical, regularize,
+    rewrite, same_sign, simplify, variabilities,
 };
 use zeroset_syntax::{Document, Parameter, ParameterKind, SurfaceKind};
 
@@ -68,7 +68,14 @@ impl Program {
             // A picture asks for zeros and signs alone.
             roots = roots.iter().map(|root| same_sign(&mut graph, *root)).collect();
         }
-        let (mut symbolic, rewritten) = rewrite(&graph, &roots, &domain, &parameters)?;
+        let (mut symbolic, mut rewritten) = rewrite(&graph, &roots, &domain, &parameters)?;
+        if is_drawn {
+            let angled = rewritten.iter().map(|root| algebraic_angles(&mut symbolic, *root));
+            let angled: Vec<NodeId> = angled.collect();
+            if angled != rewritten {
+                (symbolic, rewritten) = rewrite(&symbolic, &angled, &domain, &parameters)?;
+            }
+        }
         // Only the zeros of an equation are drawn, so multiple zeros may be replaced by simple
         // ones, which can be proven. Only the boundary of a solid's interior is drawn, so faces
         // that bound no interior may be dropped.

@@ -215,7 +215,7 @@ impl Pieces {
 }
 
 /// Returns whether a node is proven ≥ 0 wherever it is defined, by its operations alone.
-pub(super) fn is_nonneg(graph: &Graph, id: NodeId, depth: usize) -> bool {
+pub(crate) fn is_nonneg(graph: &Graph, id: NodeId, depth: usize) -> bool {
     if depth > DEPTH_LIMIT {
         return false;
     }
