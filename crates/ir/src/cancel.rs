@@ -34,12 +34,14 @@ pub(crate) struct Cancellation {
     work: Work,
     coprime: HashSet<(NodeId, NodeId)>,
     extensions: HashMap<(NodeId, bool), NodeId>,
+    /// Whether every S(u) has a value where u = c.
+    is_total: bool,
 }
 
 impl Default for Cancellation {
     fn default() -> Self {
         let (coprime, extensions) = (HashSet::new(), HashMap::new());
-        Self { work: Work(WORK_LIMIT), coprime, extensions }
+        Self { work: Work(WORK_LIMIT), coprime, extensions, is_total: false }
     }
 }
 
@@ -100,6 +102,11 @@ pub(crate) fn factors(graph: &Graph, id: NodeId) -> (bool, Factors) {
 }
 
 impl Cancellation {
+    /// Cancels to functions that have values where common factors are 0.
+    pub fn total() -> Self {
+        Self { is_total: true, ..Self::default() }
+    }
+
     /// Divides a numerator and the bases in `below` by common factors. Returns the new numerator
     /// and the common factors, or `None` if there are none.
     pub fn cancel(
@@ -306,7 +313,7 @@ impl Cancellation {
                 rest = rest.divided(&common, &mut self.work)?;
             }
         }
-        let is_total = rest.as_constant().is_none();
+        let is_total = self.is_total || rest.as_constant().is_none();
         let extension = if let Some(known) = self.extensions.get(&(*node, is_total)) {
             *known
         } else {

@@ -7,8 +7,11 @@ use crate::algebra::{div, is_one, is_zero, mul, neg, powi, sum};
 use crate::cancel::{Cancellation, factors};
 use crate::constant::Constant;
 use crate::graph::{Graph, Node, NodeId};
+use crate::regular::is_thin_zero;
 use crate::variability::{Variability, variabilities};
+use rustc_hash::FxHashMap;
 use std::collections::{BTreeMap, BTreeSet};
+use zeroset_interval::Interval;
 use zeroset_ops::{Class, Op, Restriction};
 
 /// Largest number of distinct factors in a denominator. A quotient with more factors stays as it
@@ -139,23 +142,87 @@ pub fn clear(graph: &mut Graph, root: NodeId) -> Option<RationalForm> {
     Some(RationalForm { numerator, denominator, removed })
 }
 
+/// Returns the function of a solid without the gaps that quotients leave. Where numerator and
+/// denominator have a common factor, the quotient is replaced by its continuous extension, if the
+/// factor is 0 on no open set. So the two functions differ only in a closed set without interior.
+/// The function is added to `graph`. It is `root` itself if no quotient is replaced.
+///
+/// ```
+/// use zeroset_ir::{Axis, Graph, display, without_gaps};
+/// use zeroset_ops::Op;
+///
+/// let mut graph = Graph::new();
+/// let x = graph.variable(Axis::X);
+/// let square = graph.apply(Op::Sqr, &[x]);
+/// let root = graph.apply(Op::Div, &[square, x]);
+/// assert_eq!(without_gaps(&mut graph, root, &[]), x);
+/// ```
+pub fn without_gaps(graph: &mut Graph, root: NodeId, parameters: &[Interval]) -> NodeId {
+    let variabilities = variabilities(graph);
+    let varies =
+        |id: NodeId| variabilities.get(id.index()).is_none_or(|rank| *rank == Variability::Varying);
+    let mut cancellation = Cancellation::total();
+    let mut replaced: FxHashMap<NodeId, NodeId> = FxHashMap::default();
+    let mut fractions: FxHashMap<NodeId, Fraction> = FxHashMap::default();
+    for id in graph.needed_by(root) {
+        let Node::Apply(op, operands) = graph.node(id).clone() else { continue };
+        let operands: Vec<NodeId> =
+            operands.iter().map(|id| *replaced.get(id).unwrap_or(id)).collect();
+        // Sums stay, so that other poles do not become common to all terms.
+        let class = op.row().class;
+        let fraction = if varies(id) && class != Class::Sum {
+            let part = |id: &NodeId| fractions.get(id).cloned();
+            let whole = |id: &NodeId| part(id).unwrap_or_else(|| Fraction::whole(*id));
+            let parts: Vec<Fraction> = operands.iter().map(whole).collect();
+            let fraction = combine(graph, op, &operands, &parts, &varies);
+            fraction.and_then(|fraction| fraction.reduced(graph, &mut cancellation))
+        } else {
+            None
+        };
+        let fraction = fraction.filter(|fraction| !fraction.is_whole());
+        let filled = fraction.as_ref().filter(|fraction| {
+            let mut gaps = fraction.removed.iter().chain(&fraction.excluded);
+            let is_gap = !fraction.removed.is_empty() || !fraction.excluded.is_empty();
+            is_gap && gaps.all(|base| is_thin_zero(graph, *base, parameters))
+        });
+        let node = match filled {
+            Some(filled) => {
+                let above = product(graph, filled.numerator, &filled.above);
+                let one = graph.integer(1);
+                let below = product(graph, one, &filled.below);
+                div(graph, above, below)
+            }
+            None => graph.apply(op, &operands),
+        };
+        if let Some(fraction) = fraction {
+            fractions.insert(node, fraction);
+        }
+        if node != id {
+            replaced.insert(id, node);
+        }
+    }
+    replaced.remove(&root).unwrap_or(root)
+}
+
 /// The fraction that equals `root`. `None` if `root` has no pole that can be cleared.
 fn fraction(graph: &mut Graph, root: NodeId, cancellation: &mut Cancellation) -> Option<Fraction> {
     let mut variabilities = variabilities(graph);
     variabilities.truncate(root.index() + 1);
     let mut fractions: Vec<Option<Fraction>> = vec![None; root.index() + 1];
+    let varies =
+        |id: NodeId| variabilities.get(id.index()).is_none_or(|rank| *rank == Variability::Varying);
     for id in graph.needed_by(root) {
         let Node::Apply(op, operands) = graph.node(id).clone() else {
             continue;
         };
-        if variabilities[id.index()] != Variability::Varying {
+        if !varies(id) {
             continue;
         }
         let parts: Vec<Fraction> = operands
             .iter()
             .map(|o| fractions[o.index()].clone().unwrap_or_else(|| Fraction::whole(*o)))
             .collect();
-        let fraction = combine(graph, op, &operands, &parts, &variabilities);
+        let fraction = combine(graph, op, &operands, &parts, &varies);
         fractions[id.index()] = fraction
             .and_then(|fraction| fraction.reduced(graph, cancellation))
             .filter(|fraction| !fraction.is_whole());
@@ -168,7 +235,7 @@ fn combine(
     op: Op,
     operands: &[NodeId],
     parts: &[Fraction],
-    variabilities: &[Variability],
+    varies: &dyn Fn(NodeId) -> bool,
 ) -> Option<Fraction> {
     let whole = parts.iter().all(Fraction::is_whole);
     let row = op.row();
@@ -179,8 +246,8 @@ fn combine(
         }
         Class::Sum if !whole => Some(added(graph, op, &parts[0], &parts[1])),
         Class::Product if !whole => Some(multiplied(graph, &parts[0], &parts[1])),
-        Class::Quotient if !whole || variabilities[operands[1].index()] == Variability::Varying => {
-            let inverse = inverted(graph, &parts[1], variabilities)?;
+        Class::Quotient if !whole || varies(operands[1]) => {
+            let inverse = inverted(graph, &parts[1], varies)?;
             Some(multiplied(graph, &parts[0], &inverse))
         }
         Class::Square if !whole => Some(power(graph, &parts[0], 2)),
@@ -193,7 +260,7 @@ fn combine(
             if exponent >= 0 {
                 return Some(power(graph, &parts[0], magnitude));
             }
-            let inverse = inverted(graph, &parts[0], variabilities)?;
+            let inverse = inverted(graph, &parts[0], varies)?;
             Some(power(graph, &inverse, magnitude))
         }
         Class::Function(_) => {
@@ -205,10 +272,7 @@ fn combine(
         }
         // The second operand is 0 nowhere in the domain of definition. It may be undefined only
         // where the function is.
-        Class::Restriction(Restriction::Nonzero)
-            if parts[1].is_whole()
-                && variabilities[operands[1].index()] == Variability::Varying =>
-        {
+        Class::Restriction(Restriction::Nonzero) if parts[1].is_whole() && varies(operands[1]) => {
             let (_, bases) = factors(graph, operands[1]);
             let mut fraction = parts[0].clone();
             fraction.excluded.extend(bases.into_keys());
@@ -281,7 +345,7 @@ fn power(graph: &mut Graph, a: &Fraction, exponent: u32) -> Fraction {
 }
 
 /// The fraction `1/a`, or `None` if `a` is the number 0 or has too many factors.
-fn inverted(graph: &mut Graph, a: &Fraction, variabilities: &[Variability]) -> Option<Fraction> {
+fn inverted(graph: &mut Graph, a: &Fraction, varies: &dyn Fn(NodeId) -> bool) -> Option<Fraction> {
     // The numerator of `a` is split into factors, so that other denominators can share them.
     let mut below = a.above.clone();
     let mut numerator = graph.integer(1);
@@ -293,8 +357,7 @@ fn inverted(graph: &mut Graph, a: &Fraction, variabilities: &[Variability]) -> O
         let node = graph.node(id).clone();
         // Nodes beyond the table of variabilities were added by this pass. Each that is no number
         // counts as varying.
-        let fixed = variabilities.get(id.index()).is_some_and(|rank| *rank != Variability::Varying)
-            || matches!(node, Node::Constant(_));
+        let fixed = !varies(id) || matches!(node, Node::Constant(_));
         let class = match &node {
             Node::Apply(op, operands) => Some((op.row().class, operands)),
             Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) => None,

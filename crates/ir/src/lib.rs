@@ -28,7 +28,7 @@ mod variability;
 mod testing;
 
 pub use angles::algebraic_angles;
-pub use clear::{RationalForm, clear};
+pub use clear::{RationalForm, clear, without_gaps};
 pub use compact::compact;
 pub use constant::{Constant, NamedConstant};
 pub use derivative::gradient;

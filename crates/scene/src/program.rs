@@ -8,7 +8,7 @@ use zeroset_eval::{Assumptions, KernelFloat, Kernels, SurfaceKernels, Tape};
 use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{
     Constant, Graph, NodeId, Variability, algebraic_angles, fix_exponents, radical, regularize,
-    rewrite, same_sign, simplify, variabilities,
+    rewrite, same_sign, simplify, variabilities, without_gaps,
 };
 use zeroset_syntax::{Document, Parameter, ParameterKind, SurfaceKind};
 
@@ -78,10 +78,13 @@ impl Program {
         }
         // Only the zeros of an equation are drawn, so multiple zeros may be replaced by simple
         // ones, which can be proven. Only the boundary of a solid's interior is drawn, so faces
-        // that bound no interior may be dropped.
+        // that bound no interior may be dropped, and gaps without interior filled.
         let drawn = |(root, is_solid): (&NodeId, &bool)| match (is_drawn, is_solid) {
             (true, false) => radical(&mut symbolic, *root),
-            (true, true) => regularize(&mut symbolic, *root, &domain, &parameters),
+            (true, true) => {
+                let filled = without_gaps(&mut symbolic, *root, &parameters);
+                regularize(&mut symbolic, filled, &domain, &parameters)
+            }
             (false, _) => *root,
         };
         let drawn: Vec<NodeId> = rewritten.iter().zip(&solid).map(drawn).collect();

@@ -284,6 +284,68 @@ fn quotients_equal_their_extensions_at_random_points() {
     assert!(zeros as u64 > cases / 4 && undefined as u64 > cases / 4, "{zeros} {undefined}");
 }
 
+fn filled(formula: impl for<'a> Fn([TestExpr<'a>; 3]) -> TestExpr<'a>) -> String {
+    let builder = TestGraphBuilder::default();
+    let root = formula(builder.xyz()).id;
+    let mut graph = builder.graph();
+    let filled = without_gaps(&mut graph, root, &[]);
+    if filled == root { "the same".to_owned() } else { display(&graph, filled, &[]) }
+}
+
+#[test]
+fn gaps_are_filled_inside_of_other_operations() {
+    assert_eq!(filled(|[x, y, z]| z - (x.pow(2) - y.pow(2)) / (x - y)), "z - (-(-y - x))");
+    let inside =
+        filled(|[x, y, z]| ((x * y) / y).f(Op::Abs).apply(Op::Max, &[z - x.f(Op::Sqr) / x]));
+    assert_eq!(inside, "max(abs(x), z - x)");
+    assert_eq!(filled(|[x, y, _]| (x * y).apply(Op::WhereNonzero, &[x])), "x*y");
+    let pole = filled(|[x, y, _]| x.f(Op::Tan) / x - y);
+    assert!(pole.starts_with("otherwise(") && pole.ends_with("/cos(x) - y"), "{pole}");
+}
+
+#[test]
+fn gaps_with_an_interior_stay() {
+    // The factor is 0 where x ≤ 0.
+    assert_eq!(filled(|[x, y, _]| (x.f(Op::Abs) + x) * y / (x.f(Op::Abs) + x)), "the same");
+    assert_eq!(filled(|[x, y, _]| x.f(Op::Floor) * y / x.f(Op::Floor)), "the same");
+    assert_eq!(filled(|[x, y, _]| y / x + 1.0), "the same");
+}
+
+#[test]
+fn filled_functions_equal_the_given_ones() {
+    let seed = 0xf111_0000;
+    println!("seed {seed:#x}");
+    let (mut equal, mut filled) = (0, 0);
+    for case in 0..4000 {
+        let mut random = Random(seed + case);
+        let mut graph = Graph::new();
+        let root = quotient(&mut random, &mut graph);
+        let without = without_gaps(&mut graph, root, &[]);
+        for _ in 0..10 {
+            let quarters = [0; 3].map(|_| random.below(9) as i64 - 4);
+            let at = quarters.map(|n| BigRational::new(n.into(), 4.into()));
+            let values = evaluate_exactly(&graph, &at);
+            let [f, g] = [root, without].map(|id| &values[id.index()]);
+            let context = || {
+                let [f, g] = [root, without].map(|id| display(&graph, id, &[]));
+                format!("seed {:#x}: {f}, {g} at {quarters:?}/4", seed + case)
+            };
+            match (f, g) {
+                (Exactly::Number(a), Exactly::Number(b)) => {
+                    equal += 1;
+                    assert_eq!(a, b, "{}", context());
+                }
+                (Exactly::Number(_) | Exactly::Defined, g) => {
+                    assert_ne!(*g, Exactly::Undefined, "{}", context());
+                }
+                (Exactly::Undefined, g) => filled += usize::from(*g != Exactly::Undefined),
+                (Exactly::Unknown, _) => {}
+            }
+        }
+    }
+    assert!(equal > 5000 && filled > 3000, "{equal} {filled}");
+}
+
 #[test]
 fn zeros_and_values_agree_at_random_points() {
     let seed = 0xc1ea_0000;
