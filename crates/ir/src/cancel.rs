@@ -34,7 +34,7 @@ pub(crate) struct Cancellation {
     work: Work,
     coprime: HashSet<(NodeId, NodeId)>,
     extensions: HashMap<(NodeId, bool), NodeId>,
-    /// Whether every S(u) has a value where u = c.
+    /// True if every S(u) gets a value where u = c.
     is_total: bool,
 }
 
@@ -48,7 +48,7 @@ impl Default for Cancellation {
 /// A factor p and a base b as products of a common part and of rests.
 struct Common {
     common: NodeId,
-    /// What is left of p and b.
+    /// The rests of p and of b.
     rests: [Rest; 2],
 }
 

@@ -31,8 +31,9 @@ pub struct RationalForm {
     pub numerator: NodeId,
     /// Node that is 0 at the poles of f.
     pub denominator: NodeId,
-    /// Nodes by which numerator and denominator were divided. They are 0 only where f is undefined.
-    pub removed: Vec<NodeId>,
+    /// Product of the factors by which numerator and denominator were divided, if there are any. It
+    /// is 0 only where f is undefined.
+    pub removed: Option<NodeId>,
 }
 
 /// A product of powers, as the exponent of each base.
@@ -131,7 +132,8 @@ pub fn clear(graph: &mut Graph, root: NodeId) -> Option<RationalForm> {
     // No base in `above`, `excluded` or `removed` is 0 where the function is defined. So the
     // numerator omits these bases, and the denominator includes them.
     let mut below = fraction.below;
-    let removed: Vec<NodeId> = fraction.removed.iter().copied().collect();
+    let removed = fraction.removed.iter().copied();
+    let removed = removed.collect::<Vec<_>>().into_iter().reduce(|a, b| mul(graph, a, b));
     let nonzero = fraction.above.into_keys().chain(fraction.excluded).chain(fraction.removed);
     for base in nonzero {
         below.entry(base).or_insert(1);

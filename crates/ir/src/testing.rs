@@ -148,7 +148,7 @@ pub(crate) fn evaluate(graph: &Graph, at: [f64; 3], parameters: &[f64]) -> Vec<O
     values
 }
 
-/// What exact arithmetic tells about a value.
+/// A value as far as exact arithmetic knows it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Exactly {
     Undefined,
