@@ -34,15 +34,22 @@ fn drawn(formula: &str) -> (Vec<DVec3>, usize) {
 }
 
 /// Surfaces of functions with gaps: formula, height, and distance from the nearest gap.
-fn with_gaps() -> [(&'static str, Height, Height); 4] {
+fn with_gaps() -> [(&'static str, Height, Height); 3] {
     [
-        ("z = sin(x)/x", Box::new(|x, _| x.sin() / x), Box::new(|x, _| x.abs())),
-        ("(x^2 - 1)/(x - 1) = z", Box::new(|x, _| x + 1.0), Box::new(|x, _| (x - 1.0).abs())),
-        ("z = (e^x - 1)/x", Box::new(|x, _| x.exp_m1() / x), Box::new(|x, _| x.abs())),
         (
-            "sin(x) sin(y)/(x y) = z",
-            Box::new(|x, y| x.sin() * y.sin() / (x * y)),
-            Box::new(|x, y| x.abs().min(y.abs())),
+            "z = (x^2 - 2)/(x - sqrt(2))",
+            Box::new(|x, _| x + 2f64.sqrt()),
+            Box::new(|x, _| (x - 2f64.sqrt()).abs()),
+        ),
+        (
+            "z = (atan(x) - atan(y))/(x - y)",
+            Box::new(|x, y| (x.atan() - y.atan()) / (x - y)),
+            Box::new(|x, y| (x - y).abs()),
+        ),
+        (
+            "z = (tanh(x) - tanh(y))/(x - y)",
+            Box::new(|x, y| (x.tanh() - y.tanh()) / (x - y)),
+            Box::new(|x, y| (x - y).abs()),
         ),
     ]
 }

@@ -13,8 +13,9 @@ use crate::algebra::{mul, powi};
 use crate::clear::Factors;
 use crate::constant::Constant;
 use crate::derivative::formula;
+use crate::differences::{difference_quotient, linear_roots, shift};
 use crate::graph::{Graph, Node, NodeId};
-use crate::polynomial::{Polynomial, Work};
+use crate::polynomial::{Polynomial, Work, is_defined};
 use num_rational::BigRational;
 use num_traits::{One, Zero};
 use std::collections::{BTreeSet, HashMap, HashSet};
@@ -26,6 +27,8 @@ const WORK_LIMIT: u32 = 100_000;
 const SECANT_LIMIT: usize = 4;
 /// Largest number of factors that are cancelled in one fraction.
 const STEP_LIMIT: usize = 32;
+/// Largest number of operations for which it is proven that they are defined everywhere.
+const TOTAL_LIMIT: usize = 256;
 /// Largest exponent of a factor.
 const EXPONENT_LIMIT: i64 = 64;
 
@@ -203,7 +206,7 @@ impl Cancellation {
             return Some(Common { common: b, rests: [one(), one()] });
         }
         let plain = [p, b].map(|id| Polynomial::of(graph, id, &mut self.work));
-        if let Some(common) = self.divided(graph, &plain, b) {
+        if let Some(common) = self.divided(graph, &plain, [p, b]) {
             return Some(common);
         }
         let differences = self.differences(graph, &plain);
@@ -221,20 +224,90 @@ impl Cancellation {
                     }
                 }
             }
-            if let Some(common) = self.divided(graph, &pair, b) {
+            if let Some(common) = self.divided(graph, &pair, [p, b]) {
+                return Some(common);
+            }
+        }
+        [1, 0].into_iter().find_map(|by| self.by_shifts(graph, &plain, by, [p, b], &nonzero))
+    }
+
+    /// The parts of two polynomials, one of which is linear in some variable. In the other, each
+    /// function is replaced by its difference from the value that it has where the first is 0.
+    fn by_shifts<I: Iterator<Item = NodeId>>(
+        &mut self,
+        graph: &mut Graph,
+        plain: &[Polynomial; 2],
+        by: usize,
+        nodes: [NodeId; 2],
+        nonzero: &impl Fn() -> I,
+    ) -> Option<Common> {
+        let known: Vec<NodeId> = plain.iter().flat_map(Polynomial::variables).collect();
+        for root in linear_roots(&plain[by], &mut self.work).iter().take(SECANT_LIMIT) {
+            let (mut pair, mut gaps) = (plain.clone(), Vec::new());
+            for node in plain[1 - by].variables() {
+                let Some(shift) = shift(graph, node, root, &known, &mut self.work) else {
+                    continue;
+                };
+                let is_excluded = self.is_excluded(graph, &shift.divisor, nonzero())?;
+                if !is_excluded && shift.has_gap() {
+                    if by == 1 {
+                        continue;
+                    }
+                    gaps.push(shift.divisor.clone());
+                }
+                let is_total = self.is_total || !is_excluded;
+                let quotient = difference_quotient(graph, &shift, |graph, op, operands| {
+                    let value = graph.apply(op, &operands[..1]);
+                    let secant = &op.row().secants[0];
+                    extension(graph, secant, operands, is_total.then_some(value))
+                });
+                let product =
+                    Polynomial::variable(quotient).times(&shift.divisor, &mut self.work)?;
+                let value = product.plus(&shift.value);
+                pair[1 - by] = pair[1 - by].substituted(node, &value, &mut self.work)?;
+            }
+            if pair == *plain {
+                continue;
+            }
+            let Some(common) = self.divided(graph, &pair, nodes) else { continue };
+            // Where the divisor u − w of a function in the base b is 0, b is 0 if b has it for a
+            // factor.
+            let factor = Polynomial::of(graph, common.common, &mut self.work);
+            if gaps.iter().all(|gap| factor.divided(gap, &mut self.work).is_some()) {
                 return Some(common);
             }
         }
         None
     }
 
-    /// The parts of two polynomials. `None` if they have no common factor. The node `b` serves for
-    /// the common part if the two differ by a constant.
+    /// Returns whether a polynomial is 0 only where one of the nodes `nonzero` is.
+    fn is_excluded(
+        &mut self,
+        graph: &Graph,
+        polynomial: &Polynomial,
+        nonzero: impl Iterator<Item = NodeId>,
+    ) -> Option<bool> {
+        let mut rest = polynomial.clone();
+        for base in nonzero {
+            let base = Polynomial::of(graph, base, &mut self.work);
+            loop {
+                let common = rest.gcd(&base, &mut self.work)?;
+                if common.as_constant().is_some() {
+                    break;
+                }
+                rest = rest.divided(&common, &mut self.work)?;
+            }
+        }
+        Some(rest.as_constant().is_some())
+    }
+
+    /// The parts of two polynomials. `None` if they have no common factor. The node of
+    /// the second serves for the common part if the two differ by a constant.
     fn divided(
         &mut self,
         graph: &mut Graph,
         [p, b]: &[Polynomial; 2],
-        b_node: NodeId,
+        nodes: [NodeId; 2],
     ) -> Option<Common> {
         if p.is_zero() || b.is_zero() {
             return None;
@@ -245,11 +318,25 @@ impl Cancellation {
         }
         let rests = [p.divided(&common, &mut self.work)?, b.divided(&common, &mut self.work)?];
         let is_all = rests[1].as_constant().is_some();
-        let rests = rests.map(|rest| match rest.as_constant() {
+        // Where a part is undefined, so is the function, even if the part cancels.
+        let kept = rests.iter().chain([&common]).flat_map(Polynomial::variables).collect();
+        let kept = below_nodes(graph, kept);
+        let parts = nodes.iter().flat_map(|id| Polynomial::leaves(graph, *id));
+        let lost = parts.filter(|id| !kept.contains(id) && !is_total(graph, *id));
+        let lost: BTreeSet<NodeId> = lost.collect();
+        let [above, below] = rests.map(|rest| match rest.as_constant() {
             Some(value) => Rest::Number(value),
             None => Rest::Node(rest.emit(graph)),
         });
-        Some(Common { common: if is_all { b_node } else { common.emit(graph) }, rests })
+        let above = lost.into_iter().fold(above, |above, variable| {
+            let node = match above {
+                Rest::Number(value) => graph.constant(Constant::rational(value)),
+                Rest::Node(id) => id,
+            };
+            Rest::Node(graph.apply(Op::WhereDefined, &[node, variable]))
+        });
+        let common = if is_all { nodes[1] } else { common.emit(graph) };
+        Some(Common { common, rests: [above, below] })
     }
 
     /// The functions in two polynomials whose differences may have a factor in common with the
@@ -302,18 +389,7 @@ impl Cancellation {
     ) -> Option<Polynomial> {
         let Difference { node, operand, secant, divisor } = difference;
         // If the function may be defined where u = c, S needs a value there.
-        let mut rest = divisor.clone();
-        for base in nonzero {
-            let base = Polynomial::of(graph, base, &mut self.work);
-            loop {
-                let common = rest.gcd(&base, &mut self.work)?;
-                if common.as_constant().is_some() {
-                    break;
-                }
-                rest = rest.divided(&common, &mut self.work)?;
-            }
-        }
-        let is_total = self.is_total || rest.as_constant().is_none();
+        let is_total = self.is_total || !self.is_excluded(graph, divisor, nonzero)?;
         let extension = if let Some(known) = self.extensions.get(&(*node, is_total)) {
             *known
         } else {
@@ -343,6 +419,37 @@ fn extension(
     let limit = graph.constant(Constant::rational(limit));
     let limit = graph.apply(Op::WhereDefined, &[limit, domain]);
     graph.apply(Op::Otherwise, &[value, limit])
+}
+
+/// The nodes that these nodes need, themselves included; not all of them if they are many.
+fn below_nodes(graph: &Graph, nodes: Vec<NodeId>) -> HashSet<NodeId> {
+    let (mut open, mut seen) = (nodes, HashSet::new());
+    while let Some(id) = open.pop() {
+        if seen.len() < TOTAL_LIMIT
+            && seen.insert(id)
+            && let Node::Apply(_, operands) = graph.node(id)
+        {
+            open.extend(operands.iter());
+        }
+    }
+    seen
+}
+
+/// Returns whether a node is defined everywhere, by its operations alone.
+fn is_total(graph: &Graph, id: NodeId) -> bool {
+    let mut open = vec![id];
+    let mut seen = HashSet::new();
+    while let Some(id) = open.pop() {
+        if let Node::Apply(op, operands) = graph.node(id)
+            && seen.insert(id)
+        {
+            if !is_defined(graph, *op, operands) || seen.len() > TOTAL_LIMIT {
+                return false;
+            }
+            open.extend(operands.iter());
+        }
+    }
+    true
 }
 
 fn take(factors: &mut Factors, base: NodeId) -> u32 {

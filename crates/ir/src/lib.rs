@@ -11,6 +11,7 @@ mod compact;
 mod constant;
 mod decimal;
 mod derivative;
+mod differences;
 mod display;
 mod error;
 mod exponents;

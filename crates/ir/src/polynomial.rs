@@ -14,7 +14,7 @@ use crate::graph::{Graph, Node, NodeId};
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
-use zeroset_ops::{Class, Op};
+use zeroset_ops::{Class, Domain, Op};
 
 /// Largest number of terms of a polynomial.
 const TERM_LIMIT: usize = 128;
@@ -66,6 +66,26 @@ impl Polynomial {
         Expansion { graph, known: HashMap::new(), work }.of(id, 0)
     }
 
+    /// The parts of a node that are variables of its polynomial, or would be if their terms did not
+    /// cancel.
+    pub fn leaves(graph: &Graph, id: NodeId) -> BTreeSet<NodeId> {
+        let (mut seen, mut leaves, mut open) = (BTreeSet::new(), BTreeSet::new(), vec![id]);
+        while let Some(id) = open.pop() {
+            let Node::Apply(op, operands) = graph.node(id) else { continue };
+            let is_expanded = match op.row().class {
+                Class::Negation | Class::Sum | Class::Product | Class::Square => true,
+                Class::Power | Class::Quotient => is_defined(graph, *op, operands),
+                _ => false,
+            };
+            if !is_expanded {
+                leaves.insert(id);
+            } else if seen.insert(id) {
+                open.extend(operands.iter());
+            }
+        }
+        leaves
+    }
+
     pub fn is_zero(&self) -> bool {
         self.0.is_empty()
     }
@@ -82,6 +102,12 @@ impl Polynomial {
 
     pub fn variables(&self) -> BTreeSet<NodeId> {
         self.0.keys().flat_map(Monomial::keys).copied().collect()
+    }
+
+    /// The factor of a variable in which the polynomial is linear, if it is a number.
+    pub fn linear_factor(&self, variable: NodeId) -> Option<BigRational> {
+        let factor = self.leading(variable).as_constant();
+        factor.filter(|_| self.degree(variable) == 1)
     }
 
     fn degree(&self, by: NodeId) -> u32 {
@@ -275,6 +301,16 @@ impl Polynomial {
         }
         let powers = product_of_powers(graph, shared.into_iter());
         mul(graph, powers, sum)
+    }
+}
+
+/// Returns whether an operation is defined for all operands, given those that are constant.
+pub(crate) fn is_defined(graph: &Graph, op: Op, operands: &[NodeId]) -> bool {
+    let last = operands.last().and_then(|id| graph.exact(*id));
+    match op.row().class {
+        Class::Quotient => last.is_some_and(|value| !value.is_zero()),
+        Class::Power => last.is_some_and(|value| value.is_integer() && !value.is_negative()),
+        _ => op.row().domain == Domain::All,
     }
 }
 

@@ -76,7 +76,7 @@ fn differences_of_functions_have_factors() {
     assert!(partial.starts_with("y*otherwise("), "{partial}");
     let [whole, below] = cleared(|[x, y, z], _| z - (x * y).f(Op::Sin) / (x * y)).expect("a pole");
     assert!(whole.starts_with("z - min(") && below == "x*y", "{whole} over {below}");
-    let formulas: [fn([TestExpr<'_>; 3]) -> [NodeId; 2]; 9] = [
+    let formulas: [fn([TestExpr<'_>; 3]) -> [NodeId; 2]; 14] = [
         |[x, y, _]| [((x + y).f(Op::Exp) - 1.0) / (x + y), x + y].map(|term| term.id),
         |[x, ..]| [x.f(Op::Tan) / x, x].map(|term| term.id),
         |[x, ..]| [(1.0 - x.f(Op::Cos)) / x.pow(2), x].map(|term| term.id),
@@ -86,6 +86,11 @@ fn differences_of_functions_have_factors() {
         |[x, ..]| [x / (x.f(Op::Exp) - 1.0), x].map(|term| term.id),
         |[x, ..]| [(x.f(Op::Exp) - 1.0) / x.f(Op::Sin), x].map(|term| term.id),
         |[x, ..]| [((x + 1.0).f(Op::Sqrt) - 1.0) / x, x].map(|term| term.id),
+        |[x, y, _]| [(x.f(Op::Exp) - y.f(Op::Exp)) / (x - y), x - y].map(|term| term.id),
+        |[x, y, _]| [(x.f(Op::Cos) - y.f(Op::Cos)) / (x - y), x - y].map(|term| term.id),
+        |[x, y, _]| [(x.f(Op::Tan) - y.f(Op::Tan)) / (x - y), x - y].map(|term| term.id),
+        |[x, y, _]| [(x.f(Op::Ln) - y.f(Op::Ln)) / (x - y), x - y].map(|term| term.id),
+        |[x, ..]| [((x + 4.0).f(Op::Sqrt) - 2.0) / x, x].map(|term| term.id),
     ];
     for (case, formula) in formulas.into_iter().enumerate() {
         let builder = TestGraphBuilder::default();
@@ -167,12 +172,23 @@ fn quotient(random: &mut Random, graph: &mut Graph) -> NodeId {
     };
     let (h, p, q) = (small(random, graph), small(random, graph), small(random, graph));
     let rows: Vec<_> = zeroset_ops::TABLE.iter().filter(|row| !row.secants.is_empty()).collect();
-    let vanishing = |random: &mut Random, graph: &mut Graph| match random.below(5) {
+    let vanishing = |random: &mut Random, graph: &mut Graph| match random.below(7) {
         0 => h,
         1 => graph.apply(Op::Mul, &[h, p]),
         2 => {
             let sum = graph.apply(Op::Mul, &[h, q]);
             graph.apply(Op::Sub, &[sum, h])
+        }
+        // f(u + h) − f(u), or f(u + h) − f(n) for a number n and u = n.
+        3 | 4 => {
+            const OPS: [Op; 8] =
+                [Op::Exp, Op::Sin, Op::Cos, Op::Sinh, Op::Cosh, Op::Sqrt, Op::Cbrt, Op::Ln];
+            let op = OPS[random.below(8)];
+            let number = graph.integer([0, 1, 4][random.below(3)]);
+            let u = [number, q, p][random.below(3)];
+            let sum = graph.apply(Op::Add, &[u, h]);
+            let values = [sum, u].map(|id| graph.apply(op, &[id]));
+            graph.apply(Op::Sub, &values)
         }
         _ => {
             let row = rows[random.below(rows.len())];
@@ -220,7 +236,7 @@ fn quotient(random: &mut Random, graph: &mut Graph) -> NodeId {
 fn quotients_equal_their_extensions_at_random_points() {
     let seed = 0x9a0_0000;
     let cases = std::env::var("ZEROSET_CASES").ok().and_then(|n| n.parse().ok());
-    let cases: u64 = cases.unwrap_or(15_000).max(1000);
+    let cases: u64 = cases.unwrap_or(10_000).max(1000);
     println!("seed {seed:#x}, {cases} formulas");
     let (mut compared, mut removed, mut zeros, mut undefined) = (0, 0, 0, 0);
     for case in 0..cases {
@@ -304,6 +320,15 @@ fn gaps_are_filled_inside_of_other_operations() {
 }
 
 #[test]
+fn a_domain_stays_if_its_terms_cancel() {
+    let text = filled(|[x, y, _]| {
+        let ln = y.f(Op::Ln);
+        (y * (x + ln) - y * ln) / x
+    });
+    assert_eq!(text, "where_defined(y, ln(y))");
+}
+
+#[test]
 fn gaps_with_an_interior_stay() {
     // The factor is 0 where x ≤ 0.
     assert_eq!(filled(|[x, y, _]| (x.f(Op::Abs) + x) * y / (x.f(Op::Abs) + x)), "the same");
@@ -343,7 +368,7 @@ fn filled_functions_equal_the_given_ones() {
             }
         }
     }
-    assert!(equal > 5000 && filled > 3000, "{equal} {filled}");
+    assert!(equal > 5000 && filled > 2000, "{equal} {filled}");
 }
 
 #[test]
