@@ -1,7 +1,7 @@
 //! Pictures of quotients that can be removed, and of multiples of angles, against the same surfaces
 //! by functions that were extended by hand.
 
-use std::f64::consts::PI;
+use std::f64::consts::{LN_2, PI};
 use zeroset_render::framing;
 use zeroset_render::model::Model;
 use zeroset_render::picture::Settings;
@@ -36,7 +36,7 @@ fn exp_secant(a: f64) -> f64 {
 type Row = (&'static str, fn(f64, f64, f64) -> f64);
 
 /// Quotients whose numerator and denominator have a common factor, half of the domain's side first.
-const QUOTIENTS: [(&str, Row); 23] = [
+const QUOTIENTS: [(&str, Row); 31] = [
     ("6", ("z = sin(x)/x", |x, _, z| z - sinc(x))),
     ("2", ("z = (x^2-y^2)/(x-y)", |x, y, z| z - x - y)),
     ("2", ("z = (x^2-1)/(x-1)", |x, _, z| z - x - 1.0)),
@@ -60,6 +60,21 @@ const QUOTIENTS: [(&str, Row); 23] = [
         "2",
         ("z = (cosh(x)-1)/(x sinh(x))", |x, _, z| {
             z - if x == 0.0 { 0.5 } else { (x / 2.0).tanh() / x }
+        }),
+    ),
+    ("2", ("z = (exp(x)-exp(y))/(x-y)", |x, y, z| z - y.exp() * exp_secant(x - y))),
+    ("3", ("z = (sin(x)-sin(y))/(x-y)", |x, y, z| z - ((x + y) / 2.0).cos() * sinc((x - y) / 2.0))),
+    ("3", ("z = (cos(x)-cos(y))/(x-y)", |x, y, z| z + ((x + y) / 2.0).sin() * sinc((x - y) / 2.0))),
+    ("3", ("z = (sqrt(x)-sqrt(y))/(x-y)", |x, y, z| z - 1.0 / (x.sqrt() + y.sqrt()))),
+    ("3", ("z = (sqrt(4+x)-2)/x", |x, _, z| z - 1.0 / ((4.0 + x).sqrt() + 2.0))),
+    ("3", ("z = sin(pi x)/(x-1)", |x, _, z| z + PI * sinc(PI * (x - 1.0)))),
+    ("3", ("z = (2^x-1)/x", |x, _, z| z - LN_2 * exp_secant(x * LN_2))),
+    (
+        "3",
+        ("z = (ln(x)-ln(y))/(x-y)", |x, y, z| {
+            let v = (x - y) / (x + y);
+            let secant = if v == 0.0 { 1.0 } else { v.atanh() / v };
+            z - if x > 0.0 && y > 0.0 { 2.0 / (x + y) * secant } else { f64::NAN }
         }),
     ),
     // All zeros of the numerator are where the function is undefined.

@@ -135,9 +135,9 @@ pub(crate) fn difference_quotient(
             let above_one = div(graph, *difference, *w);
             let secant = extension(graph, Op::Ln, [ratio, above_one]);
             let quotient = div(graph, secant, *w);
-            // The ratio of two negative numbers has a logarithm, too.
+            // The ratio of two negative numbers has a logarithm, too. If w and u/w are positive,
+            // then so is u.
             let value = graph.apply(Op::Ln, &[*w]);
-            let quotient = graph.apply(Op::WhereDefined, &[quotient, *node]);
             graph.apply(Op::WhereDefined, &[quotient, value])
         }
         Op::Cbrt => {

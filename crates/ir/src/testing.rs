@@ -203,6 +203,7 @@ fn exactly(op: Op, v: &[Exactly]) -> Exactly {
         (Op::Sub, [Number(a), Number(b)]) => Number(a - b),
         (Op::Mul, [Number(a), Number(b)]) => Number(a * b),
         (Op::Mul, [Number(zero), _] | [_, Number(zero)]) if zero.is_zero() => Number(zero.clone()),
+        (Op::Sqrt | Op::Cbrt, [Number(a)]) if a.is_zero() => Number(a.clone()),
         (Op::Min, [Number(a), Number(b)]) => Number(a.min(b).clone()),
         (Op::Max, [Number(a), Number(b)]) => Number(a.max(b).clone()),
         (Op::Div, [_, Number(b)]) if b.is_zero() => Undefined,

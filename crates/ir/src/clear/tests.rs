@@ -186,7 +186,8 @@ fn quotient(random: &mut Random, graph: &mut Graph) -> NodeId {
             let op = OPS[random.below(8)];
             let number = graph.integer([0, 1, 4][random.below(3)]);
             let u = [number, q, p][random.below(3)];
-            let sum = graph.apply(Op::Add, &[u, h]);
+            let step = if random.below(2) == 0 { graph.apply(Op::Mul, &[h, q]) } else { h };
+            let sum = graph.apply(Op::Add, &[u, step]);
             let values = [sum, u].map(|id| graph.apply(op, &[id]));
             graph.apply(Op::Sub, &values)
         }
