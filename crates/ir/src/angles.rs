@@ -23,6 +23,8 @@ use num_traits::{One, ToPrimitive, Zero};
 use rustc_hash::FxHashMap;
 use zeroset_ops::Op;
 
+/// Operations whose values are angles.
+const INVERSES: [Op; 4] = [Op::Acos, Op::Asin, Op::Atan, Op::Atan2];
 /// Largest multiple of an angle.
 const MULTIPLE_LIMIT: i64 = 64;
 /// Largest number of angles in a sum.
@@ -104,7 +106,7 @@ impl Terms {
                 Op::Div if exact(1).is_some_and(|value| !value.is_zero()) => {
                     return self.add(graph, operands[0], &(factor / exact(1)?), depth + 1);
                 }
-                Op::Acos | Op::Asin | Op::Atan | Op::Atan2 => {
+                _ if INVERSES.contains(op) => {
                     match self.angles.iter_mut().find(|(angle, _)| *angle == id) {
                         Some((_, sum)) => *sum += factor,
                         None => self.angles.push((id, factor.clone())),
@@ -223,25 +225,16 @@ impl Angles {
 fn of(graph: &mut Graph, angle: NodeId) -> Option<[NodeId; 2]> {
     let Node::Apply(op, operands) = *graph.node(angle) else { return None };
     let a = operands[0];
-    let (square, one) = (graph.apply(Op::Sqr, &[a]), graph.integer(1));
-    let waves = match op {
-        Op::Acos | Op::Asin => {
-            let [own, other] = unit(graph, a);
-            return Some(if op == Op::Acos { [own, other] } else { [other, own] });
-        }
-        Op::Atan => {
-            let sum = graph.apply(Op::Add, &[one, square]);
-            let root = graph.apply(Op::Sqrt, &[sum]);
-            [one, a].map(|side| graph.apply(Op::Div, &[side, root]))
-        }
-        Op::Atan2 => {
-            let other = graph.apply(Op::Sqr, &[operands[1]]);
-            let sum = graph.apply(Op::Add, &[square, other]);
-            let root = graph.apply(Op::Sqrt, &[sum]);
-            [operands[1], a].map(|side| graph.apply(Op::Div, &[side, root]))
-        }
-        _ => return None,
-    };
+    if op == Op::Acos || op == Op::Asin {
+        let [own, other] = unit(graph, a);
+        return Some(if op == Op::Acos { [own, other] } else { [other, own] });
+    }
+    // The angle of the point (b, a), where b is 1 for the arc tangent.
+    let b = if op == Op::Atan2 { operands[1] } else { graph.integer(1) };
+    let squares = [a, b].map(|side| graph.apply(Op::Sqr, &[side]));
+    let sum = graph.apply(Op::Add, &squares);
+    let root = graph.apply(Op::Sqrt, &[sum]);
+    let waves = [b, a].map(|side| graph.apply(Op::Div, &[side, root]));
     Some(waves.map(|wave| cut(graph, wave)))
 }
 

@@ -21,8 +21,8 @@ use num_traits::{One, Zero};
 use std::collections::{BTreeSet, HashMap, HashSet};
 use zeroset_ops::{Class, Op, Secant};
 
-/// Number of products of terms for one function; about a tenth of a second.
-const WORK_LIMIT: u32 = 100_000;
+/// Number of products of terms for one function; a few tenths of a second at most.
+const WORK_LIMIT: u32 = 20_000;
 /// Largest number of functions in a factor and a base whose secants are tried together.
 const SECANT_LIMIT: usize = 4;
 /// Largest number of factors that are cancelled in one fraction.
