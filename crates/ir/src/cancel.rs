@@ -205,6 +205,9 @@ impl Cancellation {
         if p == b {
             return Some(Common { common: b, rests: [one(), one()] });
         }
+        if self.work.is_spent() {
+            return None;
+        }
         let plain = [p, b].map(|id| Polynomial::of(graph, id, &mut self.work));
         if let Some(common) = self.divided(graph, &plain, [p, b]) {
             return Some(common);

@@ -22,6 +22,8 @@ const TERM_LIMIT: usize = 128;
 const EXPONENT_LIMIT: u32 = 32;
 /// Largest number of bits of a coefficient's numerator or denominator.
 const BITS_LIMIT: u64 = 512;
+/// Number of products of terms below which nothing is compared.
+const LEAST_WORK: u32 = 256;
 /// Deepest nesting of sums and products that is multiplied out.
 const DEPTH_LIMIT: usize = 64;
 
@@ -36,6 +38,11 @@ pub(crate) struct Polynomial(BTreeMap<Monomial, BigRational>);
 pub(crate) struct Work(pub u32);
 
 impl Work {
+    /// Returns whether too little is left for any comparison.
+    pub fn is_spent(&self) -> bool {
+        self.0 < LEAST_WORK
+    }
+
     fn spend(&mut self, products: usize) -> Option<()> {
         self.0 = self.0.checked_sub(u32::try_from(products).ok()?)?;
         Some(())
@@ -356,6 +363,7 @@ impl Expansion<'_> {
             Class::Negation => Some(Polynomial::default().minus(&operand(0))),
             Class::Sum => {
                 let (a, b) = (operand(0), operand(1));
+                self.work.spend(a.0.len() + b.0.len())?;
                 if op == Op::Sub { a.minus(&b).moderate() } else { a.plus(&b).moderate() }
             }
             Class::Product => {
