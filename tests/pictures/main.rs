@@ -20,6 +20,7 @@ mod parts;
 mod properties;
 mod property_support;
 mod reference;
+mod removable;
 mod settled;
 mod several;
 mod soundness;

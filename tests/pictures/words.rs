@@ -33,16 +33,18 @@ fn drawn(formula: &str) -> (Vec<DVec3>, usize) {
     (points, buffer.counts().undecided)
 }
 
-/// Surfaces of functions with gaps: formula, height, and distance from the nearest gap.
-fn with_gaps() -> [(&'static str, Height, Height); 4] {
+/// Surfaces of functions with gaps that are not removed: formula, height, and distance from the nearest gap.
+fn with_gaps() -> [(&'static str, Height, Height); 2] {
     [
-        ("z = sin(x)/x", Box::new(|x, _| x.sin() / x), Box::new(|x, _| x.abs())),
-        ("(x^2 - 1)/(x - 1) = z", Box::new(|x, _| x + 1.0), Box::new(|x, _| (x - 1.0).abs())),
-        ("z = (e^x - 1)/x", Box::new(|x, _| x.exp_m1() / x), Box::new(|x, _| x.abs())),
         (
-            "sin(x) sin(y)/(x y) = z",
-            Box::new(|x, y| x.sin() * y.sin() / (x * y)),
-            Box::new(|x, y| x.abs().min(y.abs())),
+            "z = (atan(x) - atan(y))/(x - y)",
+            Box::new(|x, y| (x.atan() - y.atan()) / (x - y)),
+            Box::new(|x, y| (x - y).abs()),
+        ),
+        (
+            "z = (tanh(x) - tanh(y))/(x - y)",
+            Box::new(|x, y| (x.tanh() - y.tanh()) / (x - y)),
+            Box::new(|x, y| (x - y).abs()),
         ),
     ]
 }
@@ -76,10 +78,9 @@ fn what_is_undecided_hides_no_root_behind_it() {
             early += usize::from(drawn < root - 0.05);
         }
         println!("{formula}: {behind} roots behind gaps, {early} hidden by a gap that is painted");
-        // In these two formulas, a few rays are painted too early: beside a gap, points are not
-        // always distinguished from zeros.
-        let most = if formula.contains("x^2") || formula.contains("e^x") { 8 } else { 0 };
-        assert!(behind > 50 && early <= most, "{formula}: {early} of {behind}");
+        // A few rays are painted too early: beside a gap, points are not always distinguished from
+        // zeros.
+        assert!(behind > 50 && 20 * early <= behind, "{formula}: {early} of {behind}");
     }
 }
 

@@ -643,6 +643,11 @@ fn explain_tells_how_a_formula_is_read_and_compiled() {
     for part in ["cleared     ", "zeros of the numerator", "zeros of the branches"] {
         assert!(run.text().contains(part), "{part} is not in {}", run.text());
     }
+    // Removed factors of quotients are named.
+    let run = place.run(&["explain", "z = sin(x*y)/(x*y)"]).ok();
+    assert!(run.text().contains("removed     x*y, a factor"), "{}", run.text());
+    let run = place.run(&["explain", "z <= sin(x)/x"]).ok();
+    assert!(run.text().contains("removed     gaps"), "{}", run.text());
     // Notes on how the text was read are part of the explanation.
     assert!(place.run(&["explain", "1/2x+y+z"]).ok().text().contains("the other reading"));
     // The listed code has the requested precision.

@@ -107,8 +107,16 @@ fn explain_in<T: KernelFloat>(
             (true, SurfaceKind::Solid) => "same solid",
         };
         writeln!(text, "{label}  {}", display(program.graph(), root, &names))?;
-        if let Some(ClearedGraph { graph, numerator, denominator, .. }) = program.cleared(index)? {
+        if program.is_filled(index) {
+            writeln!(text, "removed     gaps that quotients leave")?;
+        }
+        if let Some(cleared) = program.cleared(index)? {
+            let ClearedGraph { graph, numerator, denominator, removed, .. } = cleared;
             let show = |node: &NodeId| display(graph, *node, &names);
+            if let Some(removed) = removed {
+                let factor = show(removed);
+                writeln!(text, "removed     {factor}, a factor above and below a quotient")?;
+            }
             writeln!(text, "cleared     {}  over  {}", show(numerator), show(denominator))?;
         }
         // Compile the kernels that a picture needs, so that they can be listed below.

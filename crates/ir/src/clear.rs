@@ -4,10 +4,15 @@
 //! x·y` is bounded. If the numerator has no zero in a box, the function has none there.
 
 use crate::algebra::{div, is_one, is_zero, mul, neg, powi, sum};
+use crate::cancel::{Cancellation, factors};
+use crate::constant::Constant;
 use crate::graph::{Graph, Node, NodeId};
+use crate::regular::is_thin_zero;
 use crate::variability::{Variability, variabilities};
+use rustc_hash::FxHashMap;
 use std::collections::{BTreeMap, BTreeSet};
-use zeroset_ops::{Class, Op};
+use zeroset_interval::Interval;
+use zeroset_ops::{Class, Op, Restriction};
 
 /// Largest number of distinct factors in a denominator. A quotient with more factors stays as it
 /// is, because each factor would cost a product of all others.
@@ -18,19 +23,21 @@ const EXPONENT_LIMIT: u32 = 64;
 /// A function f in rational form.
 ///
 /// Within its domain of definition, f is 0 exactly where the numerator is 0. At points where the
-/// denominator is 0, f is undefined. Numerator over denominator equals f, unless f divides by a
-/// function with poles. Then the two may differ by a factor that has no zero in the domain of
-/// definition.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// denominator is 0, f is undefined. Numerator over denominator equals f, up to factors that have
+/// no zero in the domain of definition. The numerator may be defined where f is not.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RationalForm {
     /// Node that is 0 where f is 0.
     pub numerator: NodeId,
     /// Node that is 0 at the poles of f.
     pub denominator: NodeId,
+    /// Product of the factors by which numerator and denominator were divided, if there are any. It
+    /// is 0 only where f is undefined.
+    pub removed: Option<NodeId>,
 }
 
 /// A product of powers, as the exponent of each base.
-type Factors = BTreeMap<NodeId, u32>;
+pub(crate) type Factors = BTreeMap<NodeId, u32>;
 
 /// The fraction `numerator · Π above / Π below`. No base in `above`, `below` or `excluded` is 0 at
 /// a point where the fraction is defined.
@@ -40,23 +47,30 @@ struct Fraction {
     /// Further factors of the numerator, which come from the denominators of divisors.
     above: Factors,
     below: Factors,
-    /// Bases that were both in `above` and in `below`, and were cancelled.
+    /// Bases that were both in `above` and in `below`, and were cancelled, or that restrict the
+    /// domain.
     excluded: BTreeSet<NodeId>,
+    /// Common factors of the numerator and of bases in `below`, which were cancelled.
+    removed: BTreeSet<NodeId>,
 }
 
 impl Fraction {
     fn whole(numerator: NodeId) -> Self {
-        let excluded = BTreeSet::new();
-        Self { numerator, above: Factors::new(), below: Factors::new(), excluded }
+        let (above, below) = (Factors::new(), Factors::new());
+        let (excluded, removed) = (BTreeSet::new(), BTreeSet::new());
+        Self { numerator, above, below, excluded, removed }
     }
 
     fn is_whole(&self) -> bool {
-        self.above.is_empty() && self.below.is_empty() && self.excluded.is_empty()
+        self.above.is_empty()
+            && self.below.is_empty()
+            && self.excluded.is_empty()
+            && self.removed.is_empty()
     }
 
-    /// Cancels bases that are both in `above` and in `below`. Returns `None` if the fraction is too
-    /// large.
-    fn reduced(mut self) -> Option<Self> {
+    /// Cancels bases that are both in `above` and in `below`, and what the numerator shares with
+    /// bases in `below`. Returns `None` if the fraction is too large.
+    fn reduced(mut self, graph: &mut Graph, cancellation: &mut Cancellation) -> Option<Self> {
         let common: Vec<(NodeId, u32)> = self
             .above
             .iter()
@@ -71,11 +85,17 @@ impl Fraction {
                 }
             }
         }
+        let removed = cancellation.cancel(graph, self.numerator, &mut self.below);
+        if let Some((numerator, removed)) = removed {
+            self.numerator = numerator;
+            self.removed.extend(removed);
+        }
         let is_small = |side: &Factors| {
             side.len() <= FACTOR_LIMIT && side.values().all(|n| *n <= EXPONENT_LIMIT)
         };
         let small = is_small(&self.above) && is_small(&self.below);
-        (small && self.excluded.len() <= FACTOR_LIMIT).then_some(self)
+        let excluded = self.excluded.len() + self.removed.len();
+        (small && excluded <= FACTOR_LIMIT).then_some(self)
     }
 }
 
@@ -107,33 +127,109 @@ fn product(graph: &mut Graph, mut node: NodeId, factors: &Factors) -> NodeId {
 /// quotients and integer powers. Poles inside other functions stay. Divisions by expressions
 /// without coordinates stay too, because such divisions have no poles in space.
 pub fn clear(graph: &mut Graph, root: NodeId) -> Option<RationalForm> {
+    let mut cancellation = Cancellation::default();
+    let fraction = fraction(graph, root, &mut cancellation)?;
+    // No base in `above`, `excluded` or `removed` is 0 where the function is defined. So the
+    // numerator omits these bases, and the denominator includes them.
+    let mut below = fraction.below;
+    let removed = fraction.removed.iter().copied();
+    let removed = removed.collect::<Vec<_>>().into_iter().reduce(|a, b| mul(graph, a, b));
+    let nonzero = fraction.above.into_keys().chain(fraction.excluded).chain(fraction.removed);
+    for base in nonzero {
+        below.entry(base).or_insert(1);
+    }
+    let numerator = cancellation.without_zeros_of(graph, fraction.numerator, &below);
+    let one = graph.integer(1);
+    let denominator = product(graph, one, &below);
+    Some(RationalForm { numerator, denominator, removed })
+}
+
+/// Returns the function of a solid without the gaps that quotients leave. Where numerator and
+/// denominator have a common factor, the quotient is replaced by its continuous extension, if the
+/// factor is 0 on no open set. So the two functions differ only in a closed set without interior.
+/// The function is added to `graph`. It is `root` itself if no quotient is replaced.
+///
+/// ```
+/// use zeroset_ir::{Axis, Graph, display, without_gaps};
+/// use zeroset_ops::Op;
+///
+/// let mut graph = Graph::new();
+/// let x = graph.variable(Axis::X);
+/// let square = graph.apply(Op::Sqr, &[x]);
+/// let root = graph.apply(Op::Div, &[square, x]);
+/// assert_eq!(without_gaps(&mut graph, root, &[]), x);
+/// ```
+pub fn without_gaps(graph: &mut Graph, root: NodeId, parameters: &[Interval]) -> NodeId {
+    let variabilities = variabilities(graph);
+    let varies =
+        |id: NodeId| variabilities.get(id.index()).is_none_or(|rank| *rank == Variability::Varying);
+    let mut cancellation = Cancellation::total();
+    let mut replaced: FxHashMap<NodeId, NodeId> = FxHashMap::default();
+    let mut fractions: FxHashMap<NodeId, Fraction> = FxHashMap::default();
+    for id in graph.needed_by(root) {
+        let Node::Apply(op, operands) = graph.node(id).clone() else { continue };
+        let operands: Vec<NodeId> =
+            operands.iter().map(|id| *replaced.get(id).unwrap_or(id)).collect();
+        // Sums stay, so that other poles do not become common to all terms.
+        let class = op.row().class;
+        let fraction = if varies(id) && class != Class::Sum {
+            let part = |id: &NodeId| fractions.get(id).cloned();
+            let whole = |id: &NodeId| part(id).unwrap_or_else(|| Fraction::whole(*id));
+            let parts: Vec<Fraction> = operands.iter().map(whole).collect();
+            let fraction = combine(graph, op, &operands, &parts, &varies);
+            fraction.and_then(|fraction| fraction.reduced(graph, &mut cancellation))
+        } else {
+            None
+        };
+        let fraction = fraction.filter(|fraction| !fraction.is_whole());
+        let filled = fraction.as_ref().filter(|fraction| {
+            let mut gaps = fraction.removed.iter().chain(&fraction.excluded);
+            let is_gap = !fraction.removed.is_empty() || !fraction.excluded.is_empty();
+            is_gap && gaps.all(|base| is_thin_zero(graph, *base, parameters))
+        });
+        let node = match filled {
+            Some(filled) => {
+                let above = product(graph, filled.numerator, &filled.above);
+                let one = graph.integer(1);
+                let below = product(graph, one, &filled.below);
+                div(graph, above, below)
+            }
+            None => graph.apply(op, &operands),
+        };
+        if let Some(fraction) = fraction {
+            fractions.insert(node, fraction);
+        }
+        if node != id {
+            replaced.insert(id, node);
+        }
+    }
+    replaced.remove(&root).unwrap_or(root)
+}
+
+/// The fraction that equals `root`. `None` if `root` has no pole that can be cleared.
+fn fraction(graph: &mut Graph, root: NodeId, cancellation: &mut Cancellation) -> Option<Fraction> {
     let mut variabilities = variabilities(graph);
     variabilities.truncate(root.index() + 1);
     let mut fractions: Vec<Option<Fraction>> = vec![None; root.index() + 1];
+    let varies =
+        |id: NodeId| variabilities.get(id.index()).is_none_or(|rank| *rank == Variability::Varying);
     for id in graph.needed_by(root) {
         let Node::Apply(op, operands) = graph.node(id).clone() else {
             continue;
         };
-        if variabilities[id.index()] != Variability::Varying {
+        if !varies(id) {
             continue;
         }
         let parts: Vec<Fraction> = operands
             .iter()
             .map(|o| fractions[o.index()].clone().unwrap_or_else(|| Fraction::whole(*o)))
             .collect();
-        let fraction = combine(graph, op, &operands, &parts, &variabilities);
-        fractions[id.index()] = fraction.and_then(Fraction::reduced).filter(|f| !f.is_whole());
+        let fraction = combine(graph, op, &operands, &parts, &varies);
+        fractions[id.index()] = fraction
+            .and_then(|fraction| fraction.reduced(graph, cancellation))
+            .filter(|fraction| !fraction.is_whole());
     }
-    let fraction = fractions[root.index()].take()?;
-    // No base in `above` or `excluded` is 0 where the function is defined. So the numerator omits
-    // these bases, and the denominator includes them.
-    let mut below = fraction.below;
-    for base in fraction.above.into_keys().chain(fraction.excluded) {
-        below.entry(base).or_insert(1);
-    }
-    let one = graph.integer(1);
-    let denominator = product(graph, one, &below);
-    Some(RationalForm { numerator: fraction.numerator, denominator })
+    fractions[root.index()].take()
 }
 
 fn combine(
@@ -141,7 +237,7 @@ fn combine(
     op: Op,
     operands: &[NodeId],
     parts: &[Fraction],
-    variabilities: &[Variability],
+    varies: &dyn Fn(NodeId) -> bool,
 ) -> Option<Fraction> {
     let whole = parts.iter().all(Fraction::is_whole);
     let row = op.row();
@@ -152,8 +248,8 @@ fn combine(
         }
         Class::Sum if !whole => Some(added(graph, op, &parts[0], &parts[1])),
         Class::Product if !whole => Some(multiplied(graph, &parts[0], &parts[1])),
-        Class::Quotient if !whole || variabilities[operands[1].index()] == Variability::Varying => {
-            let inverse = inverted(graph, &parts[1], variabilities)?;
+        Class::Quotient if !whole || varies(operands[1]) => {
+            let inverse = inverted(graph, &parts[1], varies)?;
             Some(multiplied(graph, &parts[0], &inverse))
         }
         Class::Square if !whole => Some(power(graph, &parts[0], 2)),
@@ -166,7 +262,7 @@ fn combine(
             if exponent >= 0 {
                 return Some(power(graph, &parts[0], magnitude));
             }
-            let inverse = inverted(graph, &parts[0], variabilities)?;
+            let inverse = inverted(graph, &parts[0], varies)?;
             Some(power(graph, &inverse, magnitude))
         }
         Class::Function(_) => {
@@ -175,6 +271,14 @@ fn combine(
             let denominator = graph.apply(below, operands);
             let below = Factors::from([(denominator, 1)]);
             Some(Fraction { below, ..Fraction::whole(numerator) })
+        }
+        // The second operand is 0 nowhere in the domain of definition. It may be undefined only
+        // where the function is.
+        Class::Restriction(Restriction::Nonzero) if parts[1].is_whole() && varies(operands[1]) => {
+            let (_, bases) = factors(graph, operands[1]);
+            let mut fraction = parts[0].clone();
+            fraction.excluded.extend(bases.into_keys());
+            Some(fraction)
         }
         Class::Restriction(_) if !parts[0].is_whole() => {
             let numerator = graph.apply(op, &[parts[0].numerator, operands[1]]);
@@ -214,7 +318,8 @@ fn added(graph: &mut Graph, op: Op, a: &Fraction, b: &Fraction) -> Fraction {
     let numerator = sum(graph, op, left, right);
     let mut excluded = &a.excluded | &b.excluded;
     excluded.extend(a.above.keys().chain(b.above.keys()));
-    Fraction { numerator, above: Factors::new(), below, excluded }
+    let removed = &a.removed | &b.removed;
+    Fraction { numerator, above: Factors::new(), below, excluded, removed }
 }
 
 fn multiplied(graph: &mut Graph, a: &Fraction, b: &Fraction) -> Fraction {
@@ -223,6 +328,7 @@ fn multiplied(graph: &mut Graph, a: &Fraction, b: &Fraction) -> Fraction {
         above: times(a.above.clone(), &b.above),
         below: times(a.below.clone(), &b.below),
         excluded: &a.excluded | &b.excluded,
+        removed: &a.removed | &b.removed,
     }
 }
 
@@ -236,11 +342,12 @@ fn power(graph: &mut Graph, a: &Fraction, exponent: u32) -> Fraction {
         above: raised(&a.above, exponent),
         below: raised(&a.below, exponent),
         excluded: a.excluded.clone(),
+        removed: a.removed.clone(),
     }
 }
 
 /// The fraction `1/a`, or `None` if `a` is the number 0 or has too many factors.
-fn inverted(graph: &mut Graph, a: &Fraction, variabilities: &[Variability]) -> Option<Fraction> {
+fn inverted(graph: &mut Graph, a: &Fraction, varies: &dyn Fn(NodeId) -> bool) -> Option<Fraction> {
     // The numerator of `a` is split into factors, so that other denominators can share them.
     let mut below = a.above.clone();
     let mut numerator = graph.integer(1);
@@ -250,10 +357,9 @@ fn inverted(graph: &mut Graph, a: &Fraction, variabilities: &[Variability]) -> O
             return None;
         }
         let node = graph.node(id).clone();
-        // Nodes beyond the table of variabilities were added by this pass. Each is an exact number,
-        // or an operation with an operand that varies.
-        let fixed = variabilities.get(id.index()).is_some_and(|rank| *rank != Variability::Varying)
-            || matches!(node, Node::Constant(_));
+        // Nodes beyond the table of variabilities were added by this pass. Each that is no number
+        // counts as varying.
+        let fixed = !varies(id) || matches!(node, Node::Constant(_));
         let class = match &node {
             Node::Apply(op, operands) => Some((op.row().class, operands)),
             Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) => None,
@@ -265,6 +371,11 @@ fn inverted(graph: &mut Graph, a: &Fraction, variabilities: &[Variability]) -> O
             pending.extend(operands.iter().map(|o| (*o, exponent)));
         } else if let Some((Class::Square, operands)) = class {
             pending.push((operands[0], exponent * 2));
+        } else if let Some((Class::Power, operands)) = class
+            && let Some(own) = graph.number(operands[1]).and_then(Constant::as_integer)
+            && (1..=i64::from(EXPONENT_LIMIT)).contains(&own)
+        {
+            pending.push((operands[0], exponent * own as u32));
         } else if let Some((Class::Negation, operands)) = class {
             pending.push((operands[0], exponent));
             if exponent % 2 == 1 {
@@ -274,138 +385,9 @@ fn inverted(graph: &mut Graph, a: &Fraction, variabilities: &[Variability]) -> O
             *below.entry(id).or_insert(0) += exponent;
         }
     }
-    Some(Fraction { numerator, above: a.below.clone(), below, excluded: a.excluded.clone() })
+    let (excluded, removed) = (a.excluded.clone(), a.removed.clone());
+    Some(Fraction { numerator, above: a.below.clone(), below, excluded, removed })
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::display;
-    use crate::testing::{Random, TestExpr, TestGraphBuilder, evaluate};
-
-    fn cleared(
-        formula: impl for<'a> Fn([TestExpr<'a>; 3], TestExpr<'a>) -> TestExpr<'a>,
-    ) -> Option<[String; 2]> {
-        let builder = TestGraphBuilder::default();
-        let root = formula(builder.xyz(), builder.parameter(0)).id;
-        let mut graph = builder.graph();
-        let cleared = clear(&mut graph, root)?;
-        Some([cleared.numerator, cleared.denominator].map(|id| display(&graph, id, &["w"])))
-    }
-
-    #[allow(clippy::unnecessary_wraps)] // compared with an `Option`
-    fn pair(numerator: &str, denominator: &str) -> Option<[String; 2]> {
-        Some([numerator.into(), denominator.into()])
-    }
-
-    #[test]
-    fn poles_are_cleared_through_arithmetic() {
-        assert_eq!(
-            cleared(|[x, y, z], _| 1.0 / (x - y.pow(2)) - z),
-            pair("1 - z*(x - y^2)", "x - y^2")
-        );
-        let tan = cleared(|[x, y, z], _| x.f(Op::Tan) + y.f(Op::Tan) - z);
-        assert_eq!(tan, pair("sin(x)*cos(y) + sin(y)*cos(x) - z*cos(x)*cos(y)", "cos(x)*cos(y)"));
-        assert_eq!(cleared(|[x, y, _], _| y * x.pow(-2) + 1.0), pair("y + sqr(x)", "sqr(x)"));
-        assert_eq!(cleared(|[x, y, _], _| (y / x).pow(3) - 1.0), pair("y^3 - x^3", "x^3"));
-        assert_eq!(
-            cleared(|[x, y, _], _| -(y / (2.0 * x)).f(Op::Sqr)),
-            pair("-sqr(y*0.5)", "sqr(x)")
-        );
-    }
-
-    #[test]
-    fn a_shared_denominator_is_not_multiplied() {
-        assert_eq!(cleared(|[x, y, z], _| x / z + y / z), pair("x + y", "z"));
-        assert_eq!(cleared(|[x, y, z], _| 1.0 / (x * z) + y / z), pair("1 + y*x", "x*z"));
-        assert_eq!(cleared(|[x, y, _], _| 1.0 / x.f(Op::Sqr) - y / x), pair("1 - y*x", "sqr(x)"));
-    }
-
-    #[test]
-    fn poles_of_a_divisor_stay_undefined() {
-        assert_eq!(cleared(|[x, y, _], _| y / (1.0 / x)), pair("y", "x"));
-        assert_eq!(cleared(|[x, y, _], _| y / (1.0 / x) - 1.0), pair("y*x - 1", "x"));
-    }
-
-    #[test]
-    fn what_has_no_pole_in_space_is_left() {
-        assert_eq!(cleared(|[x, _, _], w| x / w + x / 3.0), None);
-        assert_eq!(cleared(|[x, _, _], _| (1.0 / x).f(Op::Sin)), None);
-        assert_eq!(cleared(|[x, _, _], w| w.f(Op::Tan) * x), None);
-        assert_eq!(cleared(|[x, _, _], w| 1.0 / (x * w)), pair("1/w", "x"));
-    }
-
-    #[test]
-    fn poles_with_the_same_bounds_are_not_the_same_pole() {
-        // Both numbers have 158 digits, too long to be exact. They become enclosures with equal
-        // bounds.
-        let digits = "3".repeat(157);
-        let builder = TestGraphBuilder::default();
-        let [x, y, z] = builder.xyz();
-        let [first, second] = ["1", "9"].map(|last| builder.number(&format!("0.{digits}{last}")));
-        let root = (y / (x + first) - z / (x + second)).id;
-        let mut graph = builder.graph();
-        let numerator = clear(&mut graph, root).expect("poles").numerator;
-        let text = display(&graph, numerator, &[]);
-        assert_eq!(text.matches('*').count(), 2, "{text}: not y - z");
-    }
-
-    #[test]
-    fn many_poles_do_not_multiply_for_ever() {
-        let builder = TestGraphBuilder::default();
-        let [x, y, _] = builder.xyz();
-        let mut sum = y;
-        for n in 0..500 {
-            sum = sum + 1.0 / (x - f64::from(n));
-        }
-        let mut graph = builder.graph();
-        let before = graph.len();
-        clear(&mut graph, sum.id);
-        assert!(graph.len() < 20 * before, "{} from {before}", graph.len());
-    }
-
-    #[test]
-    fn zeros_and_values_agree_at_random_points() {
-        let seed = 0xc1ea_0000;
-        let mut compared = 0;
-        for case in 0..80_000_u64 {
-            let mut random = Random(seed + case);
-            let size = 1 + random.below(10);
-            let (mut graph, root) = random.graph(size);
-            let Some(cleared) = clear(&mut graph, root) else {
-                continue;
-            };
-            for _ in 0..8 {
-                let at = [random.coordinate(), random.coordinate(), random.coordinate()];
-                let parameters = [random.coordinate(), random.coordinate()];
-                let values = evaluate(&graph, at, &parameters);
-                let [f, n, d] =
-                    [root, cleared.numerator, cleared.denominator].map(|id| values[id.index()]);
-                let context = || {
-                    format!(
-                        "seed {:#x}: f = {}, N = {}, D = {} at {at:?} {parameters:?}",
-                        seed + case,
-                        display(&graph, root, &[]),
-                        display(&graph, cleared.numerator, &[]),
-                        display(&graph, cleared.denominator, &[]),
-                    )
-                };
-                let Some((f, ef)) = f.filter(|f| f.1.is_finite()) else {
-                    continue;
-                };
-                let (n, en) = n.unwrap_or_else(|| panic!("no numerator: {}", context()));
-                let (d, ed) = d.unwrap_or_else(|| panic!("no denominator: {}", context()));
-                if !(en.is_finite() && ed.is_finite()) {
-                    continue;
-                }
-                compared += 1;
-                assert!(d != 0.0 || ed > 0.0, "{}", context());
-                // If the function is clearly not 0, the numerator must not be exactly 0. If the
-                // numerator is clearly not 0, the function must not be exactly 0.
-                assert!(f.abs() <= ef || n.abs() + en > 0.0, "{}", context());
-                assert!(n.abs() <= en || f.abs() + ef > 0.0, "{}", context());
-            }
-        }
-        assert!(compared > 10_000, "{compared}");
-    }
-}
+mod tests;

@@ -60,15 +60,25 @@ fn chain(graph: &mut Graph, op: Op, operands: &[NodeId], inner: &[NodeId]) -> No
     if row.class == Class::Extremum && inner[0] == inner[1] {
         return inner[0];
     }
-    let mut parser = FormulaParser { graph, operands, inner, rest: row.derivative };
-    let derivative = parser.sum();
-    assert!(parser.rest.is_empty(), "{}: {}", row.name, row.derivative);
-    derivative
+    formula(graph, row.derivative, operands, inner)
+}
+
+/// Adds the value of a formula of the table, whose operands and their derivatives are given.
+pub(crate) fn formula(
+    graph: &mut Graph,
+    text: &'static str,
+    operands: &[NodeId],
+    inner: &[NodeId],
+) -> NodeId {
+    let mut parser = FormulaParser { graph, operands, inner, rest: text };
+    let value = parser.sum();
+    assert!(parser.rest.is_empty(), "{text}");
+    value
 }
 
 type Combine = fn(&mut Graph, NodeId, NodeId) -> NodeId;
 
-/// Parses a row's formula for the derivative into nodes. Panics if the formula is malformed.
+/// Parses a row's formula into nodes. Panics if the formula is malformed.
 struct FormulaParser<'a> {
     graph: &'a mut Graph,
     operands: &'a [NodeId],

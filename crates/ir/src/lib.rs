@@ -4,16 +4,21 @@
 //! precede the nodes that use them. So ids are in topological order, and every pass is one loop.
 
 mod algebra;
+mod angles;
+mod cancel;
 mod clear;
 mod compact;
 mod constant;
 mod decimal;
 mod derivative;
+mod differences;
 mod display;
 mod error;
 mod exponents;
 mod graph;
 mod hoist;
+mod logarithms;
+mod polynomial;
 mod radical;
 mod regular;
 mod sign;
@@ -24,7 +29,8 @@ mod variability;
 #[cfg(test)]
 mod testing;
 
-pub use clear::{RationalForm, clear};
+pub use angles::algebraic_angles;
+pub use clear::{RationalForm, clear, without_gaps};
 pub use compact::compact;
 pub use constant::{Constant, NamedConstant};
 pub use derivative::gradient;
@@ -33,6 +39,7 @@ pub use error::{IrError, NODE_LIMIT};
 pub use exponents::fix_exponents;
 pub use graph::{Axis, Graph, Node, NodeId, Operands};
 pub use hoist::{Hoisted, hoist};
+pub use logarithms::bounded_logarithms;
 pub use radical::radical;
 pub use regular::regularize;
 pub use sign::same_sign;

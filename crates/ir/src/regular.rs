@@ -33,6 +33,7 @@ mod thin;
 
 use crate::graph::{Graph, Node, NodeId};
 use sets::Sets;
+pub(crate) use thin::{is_nonneg, is_thin_zero};
 use zeroset_interval::{Decorated, Facts, Interval, fold};
 
 /// Returns a function for the solid `root` ≤ 0 that is below 0 on faces inside of the solid, and

@@ -1,8 +1,10 @@
 //! Helpers for tests: formulas by operators, a point evaluator in `f64`, and random graphs.
 
 use crate::{Axis, Constant, Graph, NamedConstant, Node, NodeId};
+use num_rational::BigRational;
+use num_traits::{One, Signed, Zero};
 use std::cell::RefCell;
-use zeroset_ops::{Op, TABLE};
+use zeroset_ops::{Domain, Op, TABLE};
 
 #[derive(Default)]
 pub(crate) struct TestGraphBuilder(pub(crate) RefCell<Graph>);
@@ -144,6 +146,93 @@ pub(crate) fn evaluate(graph: &Graph, at: [f64; 3], parameters: &[f64]) -> Vec<O
         values.push(value);
     }
     values
+}
+
+/// A value as far as exact arithmetic knows it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Exactly {
+    Undefined,
+    Number(BigRational),
+    /// Some number.
+    Defined,
+    Unknown,
+}
+
+/// The value of every node at a point with rational coordinates. A function has a number only where
+/// the table has its value.
+pub(crate) fn evaluate_exactly(graph: &Graph, at: &[BigRational; 3]) -> Vec<Exactly> {
+    let mut values: Vec<Exactly> = Vec::with_capacity(graph.len());
+    for (_, node) in graph.iter() {
+        values.push(match node {
+            Node::Variable(axis) => Exactly::Number(at[*axis as usize].clone()),
+            Node::Parameter(_) => Exactly::Defined,
+            Node::Constant(value) => {
+                value.exact().cloned().map_or(Exactly::Defined, Exactly::Number)
+            }
+            Node::Apply(op, operands) => {
+                let operands: Vec<_> =
+                    operands.iter().map(|id| values[id.index()].clone()).collect();
+                exactly(*op, &operands)
+            }
+        });
+    }
+    values
+}
+
+fn exactly(op: Op, v: &[Exactly]) -> Exactly {
+    use Exactly::{Defined, Number, Undefined, Unknown};
+    let row = op.row();
+    if op == Op::Otherwise {
+        return match (&v[0], &v[1]) {
+            (Undefined, b) => b.clone(),
+            (Unknown, _) => Unknown,
+            (a, _) => a.clone(),
+        };
+    }
+    if v.contains(&Undefined) {
+        return Undefined;
+    }
+    if v.contains(&Unknown) {
+        return Unknown;
+    }
+    let rest = if row.domain == Domain::All { Defined } else { Unknown };
+    match (op, v) {
+        (Op::Neg, [Number(a)]) => Number(-a),
+        (Op::Sqr, [Number(a)]) => Number(a * a),
+        (Op::Add, [Number(a), Number(b)]) => Number(a + b),
+        (Op::Sub, [Number(a), Number(b)]) => Number(a - b),
+        (Op::Mul, [Number(a), Number(b)]) => Number(a * b),
+        (Op::Mul, [Number(zero), _] | [_, Number(zero)]) if zero.is_zero() => Number(zero.clone()),
+        (Op::Sqrt | Op::Cbrt, [Number(a)]) if a.is_zero() => Number(a.clone()),
+        (Op::Min, [Number(a), Number(b)]) => Number(a.min(b).clone()),
+        (Op::Max, [Number(a), Number(b)]) => Number(a.max(b).clone()),
+        (Op::Div, [_, Number(b)]) if b.is_zero() => Undefined,
+        (Op::Div, [Number(a), Number(b)]) => Number(a / b),
+        (Op::Div, [_, Number(_)]) => Defined,
+        (Op::Pow, [Number(a), Number(n)]) if n.is_integer() && !n.is_negative() => {
+            Number(a.pow(n.to_integer().try_into().expect("small")))
+        }
+        (Op::WhereNonzero, [_, Number(b)]) if b.is_zero() => Undefined,
+        (Op::WhereDefined, [a, _]) | (Op::WhereNonzero, [a, Number(_)]) => a.clone(),
+        (_, [Number(a)]) => {
+            let one = BigRational::one();
+            let pairs = row.values.iter().copied();
+            let mut pairs = pairs.chain(row.secants.iter().map(|secant| (secant.at, secant.value)));
+            let value = |n: i32| BigRational::from_integer(n.into());
+            if let Some((_, found)) = pairs.find(|(at, _)| value(*at) == *a) {
+                return Number(value(found));
+            }
+            let inside = match row.domain {
+                Domain::Nonneg => !a.is_negative(),
+                Domain::Positive => a.is_positive(),
+                Domain::Unit => a.abs() <= one,
+                Domain::UnitInside => a.abs() < one,
+                _ => return rest,
+            };
+            if inside { Defined } else { Undefined }
+        }
+        _ => rest,
+    }
 }
 
 #[allow(clippy::too_many_lines)] // one arm per operation

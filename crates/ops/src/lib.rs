@@ -11,13 +11,14 @@ mod class;
 mod composed;
 mod forms;
 mod op;
+mod secants;
 mod table;
 
 pub use builders::{BUILDERS, Builder, Distance, Role, builders};
 pub use class::{Class, Law, Parity, Restriction, Rounding};
 pub use composed::{COMPOSED, Composed};
 pub use forms::{FORMS, FormKind, SpecialForm, VectorFunction, form};
-pub use op::{Continuity, Domain, Notation, Op, OpRow};
+pub use op::{Continuity, Domain, Notation, Op, OpRow, Secant};
 pub use table::TABLE;
 
 /// Returns the native operation that a user may call by this name or alias, in exact spelling.

@@ -95,6 +95,8 @@ pub struct OpRow {
     pub values: &'static [(i32, i32)],
     /// For an operation with poles: its numerator and its denominator, two functions without poles.
     pub quotient: Option<[Op; 2]>,
+    /// Differences of the function's values that its operand divides.
+    pub secants: &'static [Secant],
     /// A function that shares most of its work with this one, as the cosine does with the sine. For
     /// one operand, both are computed together.
     pub twin: Option<Op>,
@@ -109,6 +111,23 @@ pub struct OpRow {
     pub derivative: &'static str,
     /// One line of help about the operation.
     pub doc: &'static str,
+}
+
+/// A quotient (f(a) − value)/(a − at)^order, for a function f, and its continuous extension.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Secant {
+    /// The operand at which the quotient is undefined.
+    pub at: i32,
+    /// The function's value there.
+    pub value: i32,
+    /// The exponent of the divisor.
+    pub order: u8,
+    /// A formula over the operand `a`, over `b`, which is `a` − `at`, small integers and operations
+    /// of the table. It equals the quotient wherever that is defined, and is undefined where f is.
+    /// Its enclosures stay narrow near `b` = 0.
+    pub formula: &'static str,
+    /// Numerator and denominator of the limit at `b` = 0. The formula may be undefined there.
+    pub limit: [i32; 2],
 }
 
 /// The notation of an operation in a formula.

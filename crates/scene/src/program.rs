@@ -7,8 +7,8 @@ use std::sync::{Arc, OnceLock};
 use zeroset_eval::{Assumptions, KernelFloat, Kernels, SurfaceKernels, Tape};
 use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{
-    Constant, Graph, NodeId, Variability, fix_exponents, radical, regularize, rewrite, same_sign,
-    simplify, variabilities,
+    Constant, Graph, NodeId, Variability, algebraic_angles, bounded_logarithms, fix_exponents,
+    radical, regularize, rewrite, same_sign, simplify, variabilities, without_gaps,
 };
 use zeroset_syntax::{Document, Parameter, ParameterKind, SurfaceKind};
 
@@ -68,16 +68,33 @@ impl Program {
             // A picture asks for zeros and signs alone.
             roots = roots.iter().map(|root| same_sign(&mut graph, *root)).collect();
         }
-        let (mut symbolic, rewritten) = rewrite(&graph, &roots, &domain, &parameters)?;
+        let (mut symbolic, mut rewritten) = rewrite(&graph, &roots, &domain, &parameters)?;
+        if is_drawn {
+            // Equal functions, with narrower enclosures.
+            let narrow = |root: &NodeId| {
+                let root = algebraic_angles(&mut symbolic, *root);
+                bounded_logarithms(&mut symbolic, root)
+            };
+            let narrow: Vec<NodeId> = rewritten.iter().map(narrow).collect();
+            if narrow != rewritten {
+                (symbolic, rewritten) = rewrite(&symbolic, &narrow, &domain, &parameters)?;
+            }
+        }
         // Only the zeros of an equation are drawn, so multiple zeros may be replaced by simple
         // ones, which can be proven. Only the boundary of a solid's interior is drawn, so faces
-        // that bound no interior may be dropped.
-        let drawn = |(root, is_solid): (&NodeId, &bool)| match (is_drawn, is_solid) {
-            (true, false) => radical(&mut symbolic, *root),
-            (true, true) => regularize(&mut symbolic, *root, &domain, &parameters),
-            (false, _) => *root,
-        };
-        let drawn: Vec<NodeId> = rewritten.iter().zip(&solid).map(drawn).collect();
+        // that bound no interior may be dropped, and gaps without interior filled.
+        let mut filled = vec![false; solid.len()];
+        let drawn =
+            |(index, (root, is_solid)): (usize, (&NodeId, &bool))| match (is_drawn, is_solid) {
+                (true, false) => radical(&mut symbolic, *root),
+                (true, true) => {
+                    let without = without_gaps(&mut symbolic, *root, &parameters);
+                    filled[index] = without != *root;
+                    regularize(&mut symbolic, without, &domain, &parameters)
+                }
+                (false, _) => *root,
+            };
+        let drawn: Vec<NodeId> = rewritten.iter().zip(&solid).enumerate().map(drawn).collect();
         let same = rewritten.iter().zip(&drawn).map(|(before, after)| before == after);
         let same_signs = typed.1.iter().zip(&roots).map(|(before, after)| before == after);
         let reduced = same.zip(same_signs).map(|(zeros, signs)| !(zeros && signs)).collect();
@@ -95,6 +112,7 @@ impl Program {
             cleared: solid.iter().map(|_| OnceLock::new()).collect(),
             solid,
             reduced,
+            filled,
         };
         let store = CodeStore::new(Arc::new(simplified), Evaluator::Native);
         Ok(Self::of(Arc::new(store), values(document)))
@@ -246,6 +264,12 @@ impl Program {
     /// Returns whether a surface is the boundary of a solid, given by an inequality.
     pub fn is_solid(&self, surface: usize) -> bool {
         self.store.simplified.solid[surface]
+    }
+
+    /// Returns whether quotients in the function of a solid were replaced by their continuous
+    /// extensions.
+    pub fn is_filled(&self, surface: usize) -> bool {
+        self.store.simplified.filled[surface]
     }
 
     /// Returns whether a surface's function is proven to have no value on the whole domain.

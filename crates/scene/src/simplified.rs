@@ -27,6 +27,8 @@ pub(crate) struct Simplified {
     /// Whether the function of each surface was replaced by another with the same zeros or, for a
     /// solid, the same boundary of the interior.
     pub reduced: Vec<bool>,
+    /// Whether quotients in the function of a solid were replaced by their continuous extensions.
+    pub filled: Vec<bool>,
     /// The rational form of each surface's function, if it has one.
     pub cleared: Vec<OnceLock<Result<Option<ClearedGraph>, IrError>>>,
 }
@@ -42,6 +44,8 @@ pub struct ClearedGraph {
     pub denominator: NodeId,
     /// The function.
     pub function: NodeId,
+    /// Product of the factors by which numerator and denominator were divided, if there are any.
+    pub removed: Option<NodeId>,
 }
 
 /// The form of a surface's function that a kernel computes.
@@ -144,10 +148,12 @@ impl Simplified {
         let make = || {
             let (mut graph, function) = self.symbolic(surface);
             let Some(cleared) = clear(&mut graph, function) else { return Ok(None) };
-            let typed = [cleared.numerator, cleared.denominator, function];
+            let mut typed = vec![cleared.numerator, cleared.denominator, function];
+            typed.extend(cleared.removed);
             let (graph, roots) = self.simplify(&graph, &typed)?;
             let [numerator, denominator, function] = [roots[0], roots[1], roots[2]];
-            Ok(Some(ClearedGraph { graph, numerator, denominator, function }))
+            let removed = roots.get(3).copied();
+            Ok(Some(ClearedGraph { graph, numerator, denominator, function, removed }))
         };
         let cleared = self.cleared[surface].get_or_init(make);
         Ok(cleared.as_ref().map_err(Clone::clone)?.as_ref())

@@ -37,6 +37,15 @@ const NONNEG: [Op; 5] = [Op::Sqr, Op::Abs, Op::Exp, Op::Sqrt, Op::Cosh];
 /// Operations without negative values for operands without negative values.
 const NONNEG_WITH_OPERANDS: [Op; 3] = [Op::Add, Op::Mul, Op::Min];
 
+/// Returns whether a node is proven to be defined everywhere, and 0 on no open set.
+pub(crate) fn is_thin_zero(graph: &Graph, id: NodeId, parameters: &[Interval]) -> bool {
+    let places = Thinness::new(parameters).sums(graph, &[(id, Constant::integer(1))]);
+    let differs = |values: &Values| {
+        values.as_ref().is_some_and(|values| values.iter().all(|value| !value.contains(0.0)))
+    };
+    places.iter().any(differs)
+}
+
 /// Values of nodes, each computed once.
 pub(super) struct Thinness<'a> {
     parameters: &'a [Interval],
@@ -215,7 +224,7 @@ impl Pieces {
 }
 
 /// Returns whether a node is proven ≥ 0 wherever it is defined, by its operations alone.
-pub(super) fn is_nonneg(graph: &Graph, id: NodeId, depth: usize) -> bool {
+pub(crate) fn is_nonneg(graph: &Graph, id: NodeId, depth: usize) -> bool {
     if depth > DEPTH_LIMIT {
         return false;
     }

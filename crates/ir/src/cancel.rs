@@ -1,0 +1,523 @@
+//! Common factors of numerators and denominators, which leave a quotient undefined where it has a
+//! limit.
+//!
+//! In (x² − y²)/(x − y), both are divided by x − y: the quotient x + y equals the function wherever
+//! that is defined. Then the function is 0 where the quotient is 0 and x − y is not. The common
+//! factors of polynomials are found exactly.
+//!
+//! For a function f with f(c) = v, the difference f(u) − v is (u − c)ⁿ·S(u), where S has no pole at
+//! c: sin u = u·S(u). The table of operations has S for each such f. So sin(x y)/x becomes y·S(x y).
+//! The expressions f(u) and S(u) are variables of the polynomials.
+
+use crate::algebra::{mul, powi};
+use crate::clear::Factors;
+use crate::constant::Constant;
+use crate::derivative::formula;
+use crate::differences::{difference_quotient, linear_roots, shift};
+use crate::graph::{Graph, Node, NodeId};
+use crate::polynomial::{Polynomial, Work, is_defined};
+use num_rational::BigRational;
+use num_traits::{One, Zero};
+use std::collections::{BTreeSet, HashMap, HashSet};
+use zeroset_ops::{Class, Op, Secant};
+
+/// Number of products of terms for one function; a few tenths of a second at most.
+const WORK_LIMIT: u32 = 20_000;
+/// Largest number of functions in a factor and a base whose secants are tried together.
+const SECANT_LIMIT: usize = 4;
+/// Largest number of factors that are cancelled in one fraction.
+const STEP_LIMIT: usize = 32;
+/// Largest number of operations for which it is proven that they are defined everywhere.
+const TOTAL_LIMIT: usize = 256;
+/// Largest exponent of a factor.
+const EXPONENT_LIMIT: i64 = 64;
+
+/// Finds common factors. It remembers pairs without one.
+pub(crate) struct Cancellation {
+    work: Work,
+    coprime: HashSet<(NodeId, NodeId)>,
+    extensions: HashMap<(NodeId, bool), NodeId>,
+    /// True if every S(u) gets a value where u = c.
+    is_total: bool,
+}
+
+impl Default for Cancellation {
+    fn default() -> Self {
+        let (coprime, extensions) = (HashSet::new(), HashMap::new());
+        Self { work: Work(WORK_LIMIT), coprime, extensions, is_total: false }
+    }
+}
+
+/// A factor p and a base b as products of a common part and of rests.
+struct Common {
+    common: NodeId,
+    /// The rests of p and of b.
+    rests: [Rest; 2],
+}
+
+enum Rest {
+    Number(BigRational),
+    Node(NodeId),
+}
+
+/// A function f(u) whose difference from its value at c has the factor u − c.
+struct Difference {
+    node: NodeId,
+    operand: NodeId,
+    secant: Secant,
+    /// u − c
+    divisor: Polynomial,
+}
+
+/// The bases and exponents of a product, and whether the product is the negative of theirs.
+pub(crate) fn factors(graph: &Graph, id: NodeId) -> (bool, Factors) {
+    let (mut is_negative, mut found) = (false, Factors::new());
+    let mut pending = vec![(id, 1_u32)];
+    while let Some((id, exponent)) = pending.pop() {
+        let (class, operands) = match graph.node(id) {
+            Node::Apply(op, operands) => (Some(op.row().class), *operands),
+            Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) => {
+                *found.entry(id).or_insert(0) += exponent;
+                continue;
+            }
+        };
+        let whole = |id: NodeId| {
+            let exponent = graph.number(id)?.as_integer()?;
+            (1..=EXPONENT_LIMIT).contains(&exponent).then_some(exponent as u32)
+        };
+        let limit = u32::MAX / EXPONENT_LIMIT as u32;
+        match class {
+            Some(Class::Product) if found.len() + pending.len() < STEP_LIMIT => {
+                pending.extend(operands.iter().map(|operand| (*operand, exponent)));
+            }
+            Some(Class::Negation) => {
+                is_negative ^= exponent % 2 == 1;
+                pending.push((operands[0], exponent));
+            }
+            Some(Class::Square) if exponent < limit => pending.push((operands[0], 2 * exponent)),
+            Some(Class::Power) if exponent < limit && whole(operands[1]).is_some() => {
+                pending.push((operands[0], whole(operands[1]).unwrap_or(1) * exponent));
+            }
+            _ => *found.entry(id).or_insert(0) += exponent,
+        }
+    }
+    (is_negative, found)
+}
+
+impl Cancellation {
+    /// Cancels to functions that have values where common factors are 0.
+    pub fn total() -> Self {
+        Self { is_total: true, ..Self::default() }
+    }
+
+    /// Divides a numerator and the bases in `below` by common factors. Returns the new numerator
+    /// and the common factors, or `None` if there are none.
+    pub fn cancel(
+        &mut self,
+        graph: &mut Graph,
+        numerator: NodeId,
+        below: &mut Factors,
+    ) -> Option<(NodeId, Vec<NodeId>)> {
+        let (is_negative, mut above) = factors(graph, numerator);
+        let (mut removed, mut coefficient) = (Vec::new(), BigRational::one());
+        while removed.len() < STEP_LIMIT
+            && let Some((p, b, found)) = self.find(graph, &above, below, &removed)
+        {
+            let (m, n) = (take(&mut above, p), take(below, b));
+            let times = m.min(n);
+            put(&mut above, p, m - times);
+            put(below, b, n - times);
+            let [rest, divisor] = found.rests;
+            match rest {
+                Rest::Number(value) => coefficient *= value.pow(times as i32),
+                Rest::Node(id) => put(&mut above, id, times),
+            }
+            match divisor {
+                Rest::Number(value) => coefficient /= value.pow(times as i32),
+                Rest::Node(id) => put(below, id, times),
+            }
+            removed.push(found.common);
+        }
+        if removed.is_empty() {
+            return None;
+        }
+        let coefficient = if is_negative { -coefficient } else { coefficient };
+        let coefficient = graph.constant(Constant::rational(coefficient));
+        Some((product(graph, coefficient, &above), removed))
+    }
+
+    /// The numerator without factors that are 0 only where one of the bases `nonzero` is 0.
+    pub fn without_zeros_of(
+        &mut self,
+        graph: &mut Graph,
+        numerator: NodeId,
+        nonzero: &Factors,
+    ) -> NodeId {
+        let (_, mut above) = factors(graph, numerator);
+        let mut steps = 0;
+        while steps < STEP_LIMIT
+            && let Some((p, _, found)) = self.find(graph, &above, nonzero, &[])
+        {
+            let exponent = take(&mut above, p);
+            let [rest, _] = found.rests;
+            if let Rest::Node(id) = rest {
+                put(&mut above, id, exponent);
+            }
+            steps += 1;
+        }
+        if steps == 0 {
+            return numerator;
+        }
+        let one = graph.integer(1);
+        product(graph, one, &above)
+    }
+
+    /// The first factor in `above` and base in `below` that have a common part.
+    fn find(
+        &mut self,
+        graph: &mut Graph,
+        above: &Factors,
+        below: &Factors,
+        removed: &[NodeId],
+    ) -> Option<(NodeId, NodeId, Common)> {
+        for p in above.keys() {
+            for b in below.keys() {
+                if graph.number(*p).is_some() || self.coprime.contains(&(*p, *b)) {
+                    continue;
+                }
+                let nonzero = || below.keys().chain(removed).copied();
+                match self.common(graph, [*p, *b], nonzero) {
+                    Some(common) => return Some((*p, *b, common)),
+                    None => self.coprime.insert((*p, *b)),
+                };
+            }
+        }
+        None
+    }
+
+    fn common<I: Iterator<Item = NodeId>>(
+        &mut self,
+        graph: &mut Graph,
+        [p, b]: [NodeId; 2],
+        nonzero: impl Fn() -> I,
+    ) -> Option<Common> {
+        let one = || Rest::Number(BigRational::one());
+        if p == b {
+            return Some(Common { common: b, rests: [one(), one()] });
+        }
+        if self.work.is_spent() {
+            return None;
+        }
+        let plain = [p, b].map(|id| Polynomial::of(graph, id, &mut self.work));
+        if let Some(common) = self.divided(graph, &plain, [p, b]) {
+            return Some(common);
+        }
+        let differences = self.differences(graph, &plain);
+        // Fewer functions are replaced first.
+        let mut sets: Vec<u32> = (1..1 << differences.len()).collect();
+        sets.sort_by_key(|set| set.count_ones());
+        for set in sets {
+            let mut pair = plain.clone();
+            for (k, difference) in differences.iter().enumerate() {
+                if set >> k & 1 == 1 {
+                    let value = self.replacement(graph, difference, nonzero())?;
+                    for polynomial in &mut pair {
+                        *polynomial =
+                            polynomial.substituted(difference.node, &value, &mut self.work)?;
+                    }
+                }
+            }
+            if let Some(common) = self.divided(graph, &pair, [p, b]) {
+                return Some(common);
+            }
+        }
+        [1, 0].into_iter().find_map(|by| self.by_shifts(graph, &plain, by, [p, b], &nonzero))
+    }
+
+    /// The parts of two polynomials, one of which is linear in some variable. In the other, each
+    /// function is replaced by its difference from the value that it has where the first is 0.
+    fn by_shifts<I: Iterator<Item = NodeId>>(
+        &mut self,
+        graph: &mut Graph,
+        plain: &[Polynomial; 2],
+        by: usize,
+        nodes: [NodeId; 2],
+        nonzero: &impl Fn() -> I,
+    ) -> Option<Common> {
+        let known: Vec<NodeId> = plain.iter().flat_map(Polynomial::variables).collect();
+        for root in linear_roots(&plain[by], &mut self.work).iter().take(SECANT_LIMIT) {
+            let (mut pair, mut gaps) = (plain.clone(), Vec::new());
+            for node in plain[1 - by].variables() {
+                let Some(shift) = shift(graph, node, root, &known, &mut self.work) else {
+                    continue;
+                };
+                let is_excluded = self.is_excluded(graph, &shift.divisor, nonzero())?;
+                if !is_excluded && shift.has_gap() {
+                    if by == 1 {
+                        continue;
+                    }
+                    gaps.push(shift.divisor.clone());
+                }
+                let is_total = self.is_total || !is_excluded;
+                let quotient = difference_quotient(graph, &shift, |graph, op, operands| {
+                    let value = graph.apply(op, &operands[..1]);
+                    let secant = &op.row().secants[0];
+                    extension(graph, secant, operands, is_total.then_some(value))
+                });
+                let product =
+                    Polynomial::variable(quotient).times(&shift.divisor, &mut self.work)?;
+                let value = product.plus(&shift.value);
+                pair[1 - by] = pair[1 - by].substituted(node, &value, &mut self.work)?;
+            }
+            if pair == *plain {
+                continue;
+            }
+            let Some(common) = self.divided(graph, &pair, nodes) else { continue };
+            // Where the divisor u − w of a function in the base b is 0, b is 0 if b has it for a
+            // factor.
+            let factor = Polynomial::of(graph, common.common, &mut self.work);
+            if gaps.iter().all(|gap| factor.divided(gap, &mut self.work).is_some()) {
+                return Some(common);
+            }
+        }
+        None
+    }
+
+    /// Returns whether a polynomial is 0 only where one of the nodes `nonzero` is.
+    fn is_excluded(
+        &mut self,
+        graph: &Graph,
+        polynomial: &Polynomial,
+        nonzero: impl Iterator<Item = NodeId>,
+    ) -> Option<bool> {
+        let mut rest = polynomial.clone();
+        for base in nonzero {
+            let base = Polynomial::of(graph, base, &mut self.work);
+            loop {
+                let common = rest.gcd(&base, &mut self.work)?;
+                if common.as_constant().is_some() {
+                    break;
+                }
+                rest = rest.divided(&common, &mut self.work)?;
+            }
+        }
+        Some(rest.as_constant().is_some())
+    }
+
+    /// The parts of two polynomials. `None` if they have no common factor. The node of
+    /// the second serves for the common part if the two differ by a constant.
+    fn divided(
+        &mut self,
+        graph: &mut Graph,
+        [p, b]: &[Polynomial; 2],
+        nodes: [NodeId; 2],
+    ) -> Option<Common> {
+        if p.is_zero() || b.is_zero() {
+            return None;
+        }
+        let common = p.gcd(b, &mut self.work)?;
+        if common.as_constant().is_some() {
+            return None;
+        }
+        let rests = [p.divided(&common, &mut self.work)?, b.divided(&common, &mut self.work)?];
+        let is_all = rests[1].as_constant().is_some();
+        // Where a part is undefined, so is the function, even if the part cancels.
+        let kept = rests.iter().chain([&common]).flat_map(Polynomial::variables).collect();
+        let kept = below_nodes(graph, kept);
+        let parts = nodes.iter().flat_map(|id| Polynomial::leaves(graph, *id));
+        let lost = parts.filter(|id| !kept.contains(id) && !is_total(graph, *id));
+        let lost: BTreeSet<NodeId> = lost.collect();
+        let [above, below] = rests.map(|rest| match rest.as_constant() {
+            Some(value) => Rest::Number(value),
+            None => Rest::Node(rest.emit(graph)),
+        });
+        let above = lost.into_iter().fold(above, |above, variable| {
+            let node = match above {
+                Rest::Number(value) => graph.constant(Constant::rational(value)),
+                Rest::Node(id) => id,
+            };
+            Rest::Node(graph.apply(Op::WhereDefined, &[node, variable]))
+        });
+        let common = if is_all { nodes[1] } else { common.emit(graph) };
+        Some(Common { common, rests: [above, below] })
+    }
+
+    /// The functions in two polynomials whose differences may have a factor in common with the
+    /// other polynomial.
+    fn differences(&mut self, graph: &Graph, pair: &[Polynomial; 2]) -> Vec<Difference> {
+        let mut found: [Vec<Difference>; 2] = Default::default();
+        for (found, polynomial) in found.iter_mut().zip(pair) {
+            for node in polynomial.variables() {
+                let Node::Apply(op, operands) = graph.node(node) else { continue };
+                for secant in op.row().secants {
+                    let operand = operands[0];
+                    let at = Polynomial::constant(BigRational::from_integer(secant.at.into()));
+                    let divisor = Polynomial::of(graph, operand, &mut self.work).minus(&at);
+                    if divisor.as_constant().is_none() && found.len() < SECANT_LIMIT {
+                        found.push(Difference { node, operand, secant: *secant, divisor });
+                    }
+                }
+            }
+        }
+        let work = &mut self.work;
+        let mut shares = |a: &Polynomial, b: &Polynomial| {
+            a.gcd(b, work).is_some_and(|common| common.as_constant().is_none())
+        };
+        let mut meets = |difference: &Difference, other: usize| {
+            shares(&difference.divisor, &pair[other])
+                || found[other].iter().any(|other| shares(&difference.divisor, &other.divisor))
+        };
+        let keep = [0, 1].map(|side| {
+            let keep = found[side].iter().map(|difference| meets(difference, 1 - side));
+            keep.collect::<Vec<bool>>()
+        });
+        let mut kept = Vec::new();
+        let mut seen = BTreeSet::new();
+        for (found, keep) in found.into_iter().zip(keep) {
+            for (difference, keep) in found.into_iter().zip(keep) {
+                if keep && kept.len() < SECANT_LIMIT && seen.insert(difference.node) {
+                    kept.push(difference);
+                }
+            }
+        }
+        kept
+    }
+
+    /// The polynomial v + (u − c)ⁿ·S that f(u) is.
+    fn replacement(
+        &mut self,
+        graph: &mut Graph,
+        difference: &Difference,
+        nonzero: impl Iterator<Item = NodeId>,
+    ) -> Option<Polynomial> {
+        let Difference { node, operand, secant, divisor } = difference;
+        // If the function may be defined where u = c, S needs a value there.
+        let is_total = self.is_total || !self.is_excluded(graph, divisor, nonzero)?;
+        let extension = if let Some(known) = self.extensions.get(&(*node, is_total)) {
+            *known
+        } else {
+            let shifted = if secant.at.is_zero() { *operand } else { divisor.emit(graph) };
+            let domain = is_total.then_some(*node);
+            let extension = extension(graph, secant, [*operand, shifted], domain);
+            self.extensions.insert((*node, is_total), extension);
+            extension
+        };
+        let power = divisor.raised(secant.order.into(), &mut self.work)?;
+        let product = power.times(&Polynomial::variable(extension), &mut self.work)?;
+        let value = Polynomial::constant(BigRational::from_integer(secant.value.into()));
+        Some(product.plus(&value))
+    }
+}
+
+/// Adds S(u). It is undefined where u = c, or has its limit there in the domain of a node.
+fn extension(
+    graph: &mut Graph,
+    secant: &Secant,
+    operands: [NodeId; 2],
+    domain: Option<NodeId>,
+) -> NodeId {
+    let value = formula(graph, secant.formula, &operands, &operands);
+    let Some(domain) = domain else { return value };
+    let limit = BigRational::new(secant.limit[0].into(), secant.limit[1].into());
+    let limit = graph.constant(Constant::rational(limit));
+    let limit = graph.apply(Op::WhereDefined, &[limit, domain]);
+    graph.apply(Op::Otherwise, &[value, limit])
+}
+
+/// The nodes that these nodes need, themselves included; not all of them if they are many.
+fn below_nodes(graph: &Graph, nodes: Vec<NodeId>) -> HashSet<NodeId> {
+    let (mut open, mut seen) = (nodes, HashSet::new());
+    while let Some(id) = open.pop() {
+        if seen.len() < TOTAL_LIMIT
+            && seen.insert(id)
+            && let Node::Apply(_, operands) = graph.node(id)
+        {
+            open.extend(operands.iter());
+        }
+    }
+    seen
+}
+
+/// Returns whether a node is defined everywhere, by its operations alone.
+fn is_total(graph: &Graph, id: NodeId) -> bool {
+    let mut open = vec![id];
+    let mut seen = HashSet::new();
+    while let Some(id) = open.pop() {
+        if let Node::Apply(op, operands) = graph.node(id)
+            && seen.insert(id)
+        {
+            if !is_defined(graph, *op, operands) || seen.len() > TOTAL_LIMIT {
+                return false;
+            }
+            open.extend(operands.iter());
+        }
+    }
+    true
+}
+
+fn take(factors: &mut Factors, base: NodeId) -> u32 {
+    factors.remove(&base).unwrap_or(0)
+}
+
+fn put(factors: &mut Factors, base: NodeId, exponent: u32) {
+    if exponent > 0 {
+        *factors.entry(base).or_insert(0) += exponent;
+    }
+}
+
+fn product(graph: &mut Graph, first: NodeId, factors: &Factors) -> NodeId {
+    let mut node = first;
+    for (base, exponent) in factors {
+        let power = powi(graph, *base, i64::from(*exponent));
+        node = mul(graph, node, power);
+    }
+    node
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::evaluate;
+    use zeroset_ops::TABLE;
+
+    /// Compares every extension with its quotient, at operands on both sides of the limit.
+    #[test]
+    fn extensions_equal_their_quotients() {
+        let mut rows = 0;
+        for row in TABLE {
+            for secant in row.secants {
+                rows += 1;
+                let mut graph = Graph::new();
+                let [a, b] = [crate::Axis::X, crate::Axis::Y].map(|axis| graph.variable(axis));
+                let f = graph.apply(row.op, &[a]);
+                let total = extension(&mut graph, secant, [a, b], Some(f));
+                let values = |b: f64| {
+                    let values = evaluate(&graph, [b + f64::from(secant.at), b, 0.0], &[]);
+                    [f, total].map(|id| values[id.index()].map(|(value, _)| value))
+                };
+                let limit = f64::from(secant.limit[0]) / f64::from(secant.limit[1]);
+                assert_eq!(values(0.0)[1], Some(limit), "{}", row.name);
+                for k in 1..=4000 {
+                    for b in [-1.0, 1.0].map(|sign| sign * 0.02 * f64::from(k).powf(0.9)) {
+                        let context = || format!("{} at {b}", row.name);
+                        let [f, extension] = values(b);
+                        assert_eq!(f.is_some(), extension.is_some(), "{}", context());
+                        let (Some(f), Some(extension)) = (f, extension) else { continue };
+                        let quotient = (f - f64::from(secant.value)) / b.powi(secant.order.into());
+                        let error = 1e-11 * quotient.abs() + 4e-16 / b.powi(2);
+                        let difference = (quotient - extension).abs();
+                        assert!(difference <= error, "{}: {quotient} {extension}", context());
+                    }
+                }
+                // The slope of an extension near its limit is below 1.
+                for b in [1e-3, 1e-5, 1e-7] {
+                    for b in [b, -b] {
+                        let near = values(b)[1].expect("defined");
+                        assert!((near - limit).abs() < b.abs(), "{}: {near} at {b}", row.name);
+                    }
+                }
+            }
+        }
+        assert!(rows > 10);
+    }
+}
