@@ -7,6 +7,7 @@ mod balls;
 mod baselines;
 mod cameras;
 mod certified;
+mod clicks;
 mod coincident;
 mod counts;
 mod domains;

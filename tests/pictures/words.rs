@@ -33,7 +33,8 @@ fn drawn(formula: &str) -> (Vec<DVec3>, usize) {
     (points, buffer.counts().undecided)
 }
 
-/// Surfaces of functions with gaps that are not removed: formula, height, and distance from the nearest gap.
+/// Surfaces of functions with gaps that are not removed: formula, height, and distance from the
+/// nearest gap.
 fn with_gaps() -> [(&'static str, Height, Height); 2] {
     [
         (

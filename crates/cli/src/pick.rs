@@ -3,8 +3,11 @@
 use glam::DVec3;
 use serde_json::json;
 use std::fmt::Write as _;
+use zeroset_interval::Interval;
 use zeroset_live::{Rendering, Request, quote};
+use zeroset_render::model::{Located, true_digits};
 use zeroset_render::picture::Precision;
+use zeroset_space::Ray;
 use zeroset_syntax::ast::Statement;
 use zeroset_syntax::{Limits, parse};
 use zeroset_trace::{DEPTH, Proves, Status, UndecidedReason};
@@ -17,6 +20,7 @@ pub struct Pick<'a> {
     reach: f64,
     /// The visible surface point; `None` where the background is visible.
     pub point: Option<DVec3>,
+    ray: Ray,
 }
 
 impl<'a> Pick<'a> {
@@ -42,14 +46,28 @@ impl<'a> Pick<'a> {
         } else {
             settings.options.tolerance * rays.footprint(distance)
         };
-        Some(Self { rendering, pixel, reach, point })
+        Some(Self { rendering, pixel, reach, point, ray })
+    }
+
+    /// The visible point, located as closely as `f64` can prove. `None` if the pixel is no hit, or
+    /// shows a cap.
+    fn located(&self) -> Option<Located> {
+        let (model, buffer) = (&self.rendering.model, &self.rendering.picture.buffer);
+        let is_cap = buffer.cap.get(self.pixel).is_some_and(|cap| *cap);
+        if buffer.status[self.pixel] != Status::Hit || is_cap {
+            return None;
+        }
+        let t = self.ray.parameter(buffer.drawn[self.pixel]);
+        let reach = 2.0 * self.ray.parameter(self.reach);
+        model.locate(buffer.surface[self.pixel].into(), &self.ray, t, reach)
     }
 
     /// Returns the coordinates in one line. Adds the surface's number if there are several
     /// surfaces, and says whether the pixel is undecided.
     pub fn coordinates(&self) -> Option<String> {
         let p = self.point?;
-        let digits = digits(self.reach);
+        // The last digit that the picture knows is uncertain.
+        let digits = digits(self.reach).saturating_sub(1);
         let buffer = &self.rendering.picture.buffer;
         let surface = match self.rendering.document.surfaces.len() {
             0 | 1 => String::new(),
@@ -96,8 +114,16 @@ impl<'a> Pick<'a> {
             Precision::F32 => (value as f32).to_string(),
             Precision::Auto | Precision::F64 => value.to_string(),
         };
-        let [x, y, z] = p.to_array().map(show);
-        let distance = show(buffer.drawn[self.pixel]);
+        let (mut p, mut coordinates) = (p, p.to_array().map(show));
+        let mut distance = show(buffer.drawn[self.pixel]);
+        if let Some(located) = self.located() {
+            p = self.ray.at(located.t[0].midpoint(located.t[1]));
+            coordinates = located.at.map(true_digits);
+            let [near, far] = located.t.map(|t| self.ray.distance(t));
+            let ulps = 4.0 * f64::EPSILON * far;
+            distance = true_digits(Interval { lo: near - ulps, hi: far + ulps });
+        }
+        let [x, y, z] = coordinates;
         let _ = write!(text, "\n  {echo}\n  x {x}  y {y}  z {z}  distance {distance}");
         let document = &self.rendering.document;
         let (value, gradient) = model.sample_typed(document, surface, p);

@@ -9,8 +9,8 @@
 //! - c₂ₙ₊₁ = 2cₙ·cₙ₊₁ − c, and w₂ₙ₊₁ = 2cₙ₊₁·wₙ + 1.
 //!
 //! In this nested form, |c| ≤ 1 yields the true bounds |cₙ| ≤ 1 for even n, and |wₙ| ≤ n for all n.
-//! Multiplied out, cos(8θ) would be enclosed by ±577. Cosines for odd n, and c and s themselves, are
-//! cut to [−1, 1], which changes no value. To cut the other sines takes longer than it saves.
+//! Multiplied out, cos(8θ) would be enclosed by ±577. Cosines for odd n, and c and s themselves,
+//! are cut to [−1, 1], which changes no value. To cut the other sines takes longer than it saves.
 //!
 //! For θ = acos(u), which lies in [0, π], cos(θ/2) = √((1 + u)/2) and sin(θ/2) = √((1 − u)/2).
 

@@ -6,8 +6,8 @@
 //! factors of polynomials are found exactly.
 //!
 //! For a function f with f(c) = v, the difference f(u) − v is (u − c)ⁿ·S(u), where S has no pole at
-//! c: sin u = u·S(u). The table of operations has S for each such f. So sin(x y)/x becomes y·S(x y).
-//! The expressions f(u) and S(u) are variables of the polynomials.
+//! c: sin u = u·S(u). The table of operations has S for each such f. So sin(x y)/x becomes y·S(x
+//! y). The expressions f(u) and S(u) are variables of the polynomials.
 
 use crate::algebra::{mul, powi};
 use crate::clear::Factors;

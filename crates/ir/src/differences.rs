@@ -90,8 +90,8 @@ impl Shift {
     }
 }
 
-/// Adds Q(u, w) = (f(u) − f(w))/(u − w). `extension` adds S of a function, for its operand, which is
-/// the second argument, and the distance of that from 0, or from 1 for the logarithm.
+/// Adds Q(u, w) = (f(u) − f(w))/(u − w). `extension` adds S of a function, for its operand, which
+/// is the second argument, and the distance of that from 0, or from 1 for the logarithm.
 pub(crate) fn difference_quotient(
     graph: &mut Graph,
     shift: &Shift,

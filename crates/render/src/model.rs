@@ -2,10 +2,12 @@
 
 mod antialias;
 mod layers;
+mod locate;
 mod paint;
 mod strips;
 mod trace;
 
+pub use locate::{Located, true_digits};
 pub use strips::Strip;
 
 use crate::picture::{Normals, Picture, Precision, Settings, Times};

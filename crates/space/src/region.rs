@@ -10,8 +10,9 @@ pub use ball::{Ball, Chord};
 use glam::DVec3;
 use thiserror::Error;
 
-/// Largest magnitude of a coordinate of a region. Squares of larger coordinates could overflow in `f32`
-/// kernels. The limit also holds for `f64`, so that a domain does not depend on the precision.
+/// Largest magnitude of a coordinate of a region. Squares of larger coordinates could overflow in
+/// `f32` kernels. The limit also holds for `f64`, so that a domain does not depend on the
+/// precision.
 pub const LARGEST_COORDINATE: f64 = 1e18;
 
 /// The points `p` with `normal · p ≤ offset`.

@@ -122,7 +122,8 @@ impl Grid {
 }
 
 /// Returns whether the grid's extreme height `end` lies beside a place without a height, toward
-/// which heights change as a logarithm or faster: the change does not shrink when the distance does.
+/// which heights change as a logarithm or faster: the change does not shrink when the distance
+/// does.
 fn is_beside_pole(heights: &Heights<'_>, half: f64, sampled: &[f64], end: f64) -> bool {
     let Some(n) = sampled.iter().position(|height| *height == end) else { return false };
     let at = |n: usize| [place(half, n % SIDE), place(half, n / SIDE)];

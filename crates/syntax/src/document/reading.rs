@@ -50,8 +50,8 @@ pub struct Document {
     pub domain: Option<DomainLine>,
     /// Contents of the `view` line, if there is one.
     pub view: Option<ViewLine>,
-    /// True if the text is in the manner of shaders or of POV-Ray, in which y points up. The default
-    /// view then has y up.
+    /// True if the text is in the manner of shaders or of POV-Ray, in which y points up. The
+    /// default view then has y up.
     pub is_y_up: bool,
     /// Look of the picture, if a `look` line sets one.
     pub look: Option<&'static zeroset_style::Look>,

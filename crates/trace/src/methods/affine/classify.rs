@@ -28,8 +28,8 @@ pub(super) struct EvaluatedSegments<T: Scalar> {
 pub(super) struct SegmentClasses {
     /// Nothing of the segment is left.
     pub empty: u16,
-    /// The remaining part is a bracket: its ends have opposite signs, and it is short enough. The
-    /// less linear the form was, the shorter it must be.
+    /// The remaining part is a bracket: its ends have opposite signs, and it is short enough. If
+    /// the form was not nearly linear, it must be shorter still.
     pub short: u16,
     /// The remaining part is much shorter than the segment.
     pub shorter: u16,
@@ -77,9 +77,8 @@ impl<T: Scalar> EvaluatedSegments<T> {
                 (part.load(&out.near), part.load(&out.far), part.load(longest));
             let (length, before) = (far - near, asked[1] - asked[0]);
             empty |= part.bits(length.simd_lt(T::default()));
-            // As `enough` in `narrow`.
-            let left = length / (before * steady);
-            let enough = length.simd_le(longest) & (length * left * left).simd_le(longest);
+            // The first limit is for forms that were nearly linear. The second is for all forms.
+            let enough = length.simd_le(longest) & length.simd_le(before * steady);
             short |= part.bits(enough | length.simd_le(longest * unsteady));
             let much = length.simd_le(before * stalled);
             shorter |= part.bits(much & length.simd_gt(grain));

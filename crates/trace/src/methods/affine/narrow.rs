@@ -64,9 +64,9 @@ pub(super) struct Scratch<T: Scalar> {
 /// A segment is cut if narrowing leaves more than this share of its length.
 pub(super) const STALL_RATIO: f64 = 0.6;
 /// A form counts as nearly linear if narrowing leaves at most this share of a segment's length.
-pub(super) const LINEAR_RATIO: f64 = 0.05;
-/// Maximum length of any bracket, as a share of that of a bracket whose form was nearly linear.
-pub(super) const NONLINEAR_SHARE: f64 = 1.0 / 256.0;
+pub(super) const LINEAR_RATIO: f64 = 0.35;
+/// Maximum length of a bracket whose form was not nearly linear, as a share of the usual maximum.
+pub(super) const NONLINEAR_SHARE: f64 = 1.0 / 32.0;
 /// If a segment cannot be narrowed and its length is at most this many times the minimum length,
 /// rounding is the cause. Then higher precision narrows it further.
 pub(super) const STALL_LENGTH: f64 = 32.0;
@@ -155,8 +155,11 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                     let within = local_ray.inside[0] <= near && far <= local_ray.inside[1];
                     let crossing = out.crossing >> slot & 1 == 1 && within;
                     let (length, shorter) = (far - near, new[1] - new[0]);
-                    let left = if self.contracts { shorter / length } else { 0.0 };
-                    let enough = enough(local_ray.longest, left).max(grain[lane]);
+                    let enough = enough(
+                        local_ray.longest,
+                        !self.contracts || shorter <= LINEAR_RATIO * length,
+                    )
+                    .max(grain[lane]);
                     if shorter < 0.0 {
                         // Nothing of the segment is left.
                     } else if crossing && shorter <= enough && self.is_zero(local_ray, new) {
@@ -266,13 +269,12 @@ fn push_outward<T: Scalar>(
         .max(MIN_BLUR_SHARE * blur)
 }
 
-/// Returns the maximum length of a hit's bracket, after narrowing that `left` this share of the
-/// segment. The gradient anywhere in the bracket of a nearly linear form is about that at the root.
-/// Otherwise roots may be close together or multiple, and the normal depends on the exact place. In
-/// the bracket, the relative change of the gradient is about the square of `left`.
+/// Returns the maximum length of a hit's bracket. A nearly linear form is `steady`: the gradient
+/// anywhere in the bracket is about that at the root. Otherwise roots may be close together or
+/// multiple, and the normal depends on the exact place.
 #[inline]
-fn enough(longest: f64, left: f64) -> f64 {
-    longest * (LINEAR_RATIO / left).powi(2).clamp(NONLINEAR_SHARE, 1.0)
+fn enough(longest: f64, steady: bool) -> f64 {
+    if steady { longest } else { NONLINEAR_SHARE * longest }
 }
 
 /// Returns whether both parts of a cut segment are shorter than `length`, the segment's length
