@@ -43,6 +43,9 @@ pub struct Model {
     /// For each surface, whether its negative side faces outward. Computed for the first picture
     /// that shows the surface.
     turned: Vec<OnceLock<bool>>,
+    /// For each surface, whether the region may cut it, if it is a solid: found by kernels in `f32`,
+    /// and in `f64`.
+    cut: Vec<[OnceLock<bool>; 2]>,
 }
 
 /// Picture settings of a document.
@@ -145,6 +148,7 @@ impl Model {
             precision,
             times,
             turned: vec![OnceLock::new(); styles.len()],
+            cut: vec![[const { OnceLock::new() }; 2]; styles.len()],
             styles,
         }
     }

@@ -38,7 +38,7 @@ pub use options::{
     TOLERANCE, TOLERANCES, TraceOptions, check_depth, is_tolerance,
 };
 pub use ray_result::{RayResult, Status, UndecidedReason};
-pub use region_caps::{cap, cap_rows};
+pub use region_caps::{cap, cap_rows, may_cut};
 pub use rows::{Columns, Rows};
 pub use scalar::Scalar;
 pub use surface_ids::{SurfaceIdSlice, SurfaceIds};

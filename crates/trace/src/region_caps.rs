@@ -24,6 +24,60 @@ enum Inside {
     Unknown(UndecidedReason),
 }
 
+/// How often the region's faces are divided in search of the solid, and into how many parts along
+/// each axis.
+const DIVISIONS: usize = 3;
+const PARTS: usize = 4;
+
+/// Returns whether the region may cut the solid f ≤ 0. If not, [`cap`] changes nothing: f is proven
+/// to be above 0, or undefined, at all points of the region's faces. A region that is cut by a
+/// plane or a ball is not examined.
+pub fn may_cut<T: Real>(region: &Region, kernel: &dyn Kernel<Enclose, T>) -> bool {
+    let (low, high) = (region.low(), region.high());
+    let whole = [0, 1, 2].map(|axis| Interval { lo: low[axis], hi: high[axis] });
+    let mut cells: Vec<[Interval; 3]> = Vec::new();
+    for axis in 0..3 {
+        for end in [low[axis], high[axis]] {
+            let mut face = whole;
+            face[axis] = Interval { lo: end, hi: end };
+            cells.push(face);
+        }
+    }
+    for _ in 0..DIVISIONS {
+        cells = cells.iter().flat_map(divided).collect();
+        let verdicts = verdicts_of(&cells, kernel, &mut KernelStats::default());
+        if region.is_cut() || verdicts.contains(&Inside::Yes) {
+            return true;
+        }
+        let mut left = verdicts.iter().map(|verdict| *verdict != Inside::No);
+        cells.retain(|_| left.next() == Some(true));
+        if cells.is_empty() {
+            return false;
+        }
+    }
+    true
+}
+
+/// Divides a part of a face along both of its axes.
+fn divided(cell: &[Interval; 3]) -> Vec<[Interval; 3]> {
+    let mut all = vec![*cell];
+    for axis in (0..3).filter(|&axis| cell[axis].lo < cell[axis].hi) {
+        let Interval { lo, hi } = cell[axis];
+        let at = |part: usize| match part {
+            0 => lo,
+            PARTS => hi,
+            _ => lo + (hi - lo) * (part as f64 / PARTS as f64),
+        };
+        let part = |(mut cell, k): ([Interval; 3], usize)| {
+            cell[axis] = Interval { lo: at(k), hi: at(k + 1) };
+            cell
+        };
+        all =
+            all.into_iter().flat_map(|cell| (0..PARTS).map(move |k| (cell, k))).map(part).collect();
+    }
+    all
+}
+
 /// Paints the faces where the region cuts the solid f ≤ 0, and updates the proofs. `buffer` holds
 /// the solid's boundary. A ray's entry point is where it enters the region; a ray that starts
 /// inside has none. If f < 0 is proven there, and the ray certainly meets the region, the entry
@@ -172,6 +226,7 @@ mod tests {
     use super::*;
     use crate::camera::{Camera, Projection};
     use glam::DVec3;
+    use std::sync::atomic::{AtomicUsize, Ordering};
     use zeroset_eval::Enclosures;
     use zeroset_space::HalfSpace;
 
@@ -209,6 +264,42 @@ mod tests {
         }
         assert_eq!(buffer.normal[0], [0.0, -1.0, 0.0]);
         assert!((buffer.distance(0) - 4.0).abs() < 1e-6);
+    }
+
+    /// The function max(|x|, |y|, |z|) − `reach`.
+    struct Around {
+        reach: f32,
+        evaluated: AtomicUsize,
+    }
+
+    impl Kernel<Enclose> for Around {
+        fn eval(&self, boxes: &Boxes, out: &mut Enclosures) {
+            for lane in 0..LANES {
+                let [mut near, mut far] = [0.0_f32; 2];
+                for axis in 0..3 {
+                    let (lo, hi) = (-boxes.neg_lo[axis][lane], boxes.hi[axis][lane]);
+                    near = near.max(lo.max(-hi).max(0.0));
+                    far = far.max(hi.abs().max(lo.abs()));
+                }
+                out.neg_lo[lane] = self.reach - near;
+                out.hi[lane] = far - self.reach;
+            }
+            (out.defined, out.continuous) = (u16::MAX, u16::MAX);
+            self.evaluated.fetch_add(boxes.count as usize, Ordering::Relaxed);
+        }
+    }
+
+    /// A cube of half size `reach`, in regions of half size 1.
+    #[test]
+    fn a_solid_within_the_region_is_not_cut() {
+        let region = Region::new(DVec3::splat(-1.0), DVec3::splat(1.0)).expect("valid");
+        for (reach, is_cut) in [(0.5, false), (0.999, false), (1.0, true), (1.5, true)] {
+            let kernel = Around { reach, evaluated: AtomicUsize::new(0) };
+            assert_eq!(may_cut(&region, &kernel), is_cut, "{reach}");
+            assert!(kernel.evaluated.into_inner() <= 6 * (16 + 256 + 4096));
+        }
+        let ball = region.with_ball();
+        assert!(may_cut(&ball, &Around { reach: 0.5, evaluated: AtomicUsize::new(0) }));
     }
 
     #[test]

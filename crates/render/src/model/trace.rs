@@ -13,13 +13,13 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
-use zeroset_eval::KernelFloat;
+use zeroset_eval::{Enclose, Kernel, KernelFloat};
 use zeroset_scene::program::ProgramError;
 use zeroset_shade::{NormalSource, Pattern, Shader, normals, unset_colors};
 use zeroset_syntax::SurfaceKind;
 use zeroset_trace::{
     BAND_ROWS, Camera, Driver, Fallback, GBuffer, Kept, KernelStats, PixelCounts, RayGrid, Rows,
-    TraceOptions, Tracer, cap, cap_rows,
+    TraceOptions, Tracer, cap, cap_rows, may_cut,
 };
 
 /// Callback with the number of pixels finished since the last call. The work ends if it returns
@@ -175,11 +175,22 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
     ) -> Result<KernelStats, ProgramError> {
         let mut work = Driver { rays, tracer, advance }.picture_where(only, layer);
         layer.surface.fill(surface as u16);
-        if self.model.styles[surface].kind == SurfaceKind::Solid {
-            let kernel = self.model.program.kernels::<T>(surface).bounds()?;
+        if let Some(kernel) = self.caps(surface)? {
             work += cap(layer, rays, &self.model.region, kernel, only);
         }
         Ok(work)
+    }
+
+    /// The kernel that finds caps. `None` if the surface is no solid, or the region does not cut it.
+    fn caps(&self, surface: usize) -> Result<Option<&'a dyn Kernel<Enclose, T>>, ProgramError> {
+        let model = self.model;
+        if model.styles[surface].kind != SurfaceKind::Solid {
+            return Ok(None);
+        }
+        let kernel = model.program.kernels::<T>(surface).bounds()?;
+        let known = &model.cut[surface][T::FORMAT as usize];
+        let is_cut = *known.get_or_init(|| may_cut(&model.region, kernel));
+        Ok(is_cut.then_some(kernel))
     }
 
     /// Computes the normals of a surface at its painted points.
@@ -289,13 +300,11 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             let tracer = self.tracer(surface, |options| options)?;
             fallbacks.extend(tracer.fallback(rays).map(|fallback| (surface, fallback)));
             let source = self.normals_of(surface)?;
-            let is_solid = model.styles[surface].kind == SurfaceKind::Solid;
-            let kernels = model.program.kernels::<T>(surface);
-            let solid = if is_solid { Some(kernels.bounds()?) } else { None };
+            let caps = self.caps(surface)?;
             let shading = AtomicU64::new(0);
             let finish = |rows: &mut Rows<'_>, bytes: &mut [u8]| {
                 let mut work = KernelStats::default();
-                if let Some(kernel) = solid {
+                if let Some(kernel) = caps {
                     work += cap_rows(rows, rays, &model.region, kernel, only);
                 }
                 let mut watch = Stopwatch::start();
@@ -315,12 +324,13 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             parts.resize_with(height.div_ceil(BAND_ROWS), Default::default);
             let driver = Driver { rays, tracer: &*tracer, advance };
             // Normals are kept for shading after tracing, for caps, and to find edges.
-            let needs_normals = shader.is_none() || is_solid || settings.antialias != Pattern::ONE;
+            let needs_normals =
+                shader.is_none() || caps.is_some() || settings.antialias != Pattern::ONE;
             let kept = Kept {
                 normals: settings.keeps_normals || needs_normals,
                 // Layers of several surfaces are merged by their brackets.
                 brackets: settings.brackets || model.visible_surfaces().count() > 1,
-                caps: is_solid,
+                caps: caps.is_some(),
             };
             let (layer, found) =
                 driver.new_picture(surface as u16, kept, only, picture.as_ref(), parts, finish);
