@@ -1,6 +1,7 @@
 //! Lighting of a picture: shadows, ambient occlusion and colors.
 
 use super::super::Stopwatch;
+use super::super::layers::Layered;
 use super::super::paint::{Coloring, Painter};
 use super::RenderPass;
 use crate::overlay::Legend;
@@ -64,15 +65,30 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             };
             let finish = Coloring { appearance: self.appearance(light), painter };
             legends = finish.painter.as_ref().map(Painter::legends).unwrap_or_default();
-            let mut layers = Vec::new();
-            if self.is_translucent() {
-                layers = self.layers(rays, &[], &self.tracers(|options| options)?)?;
-                times.trace += watch.lap();
-            }
-            rgb = known.unwrap_or_else(|| self.colored(rays, buffer, &layers, &finish, 1));
-            times.shade += watch.lap();
-            if settings.antialias != Pattern::ONE && (self.advance)(0) {
-                edge_rays = self.smooth_edges(rays, buffer, &layers, &finish, &mut rgb)?;
+            let is_smoothed = settings.antialias != Pattern::ONE;
+            let is_translucent = self.is_translucent();
+            let mut behind =
+                vec![false; if is_smoothed && is_translucent { buffer.status.len() } else { 0 }];
+            rgb = match known {
+                Some(known) => known,
+                None => {
+                    let tracers =
+                        if is_translucent { self.tracers(|options| options)? } else { Vec::new() };
+                    let layered = Layered {
+                        rays,
+                        picture: buffer,
+                        only: &[],
+                        tracers: &tracers,
+                        finish: &finish,
+                        side: 1,
+                    };
+                    self.colored(&layered, &mut behind)?
+                }
+            };
+            // Layers are colored as soon as they are traced.
+            *(if is_translucent { &mut times.trace } else { &mut times.shade }) += watch.lap();
+            if is_smoothed && (self.advance)(0) {
+                edge_rays = self.smooth_edges(rays, buffer, &behind, &finish, &mut rgb)?;
                 times.antialias += watch.lap();
             }
         }
