@@ -138,6 +138,10 @@ impl<T: KernelFloat> Edges<'_, T> {
             side: self.pattern.side,
         };
         let bytes = self.pass.colored(&layered, &mut [])?;
+        if !(self.pass.advance)(0) {
+            // Some of these colors may be missing.
+            return Ok(Vec::new());
+        }
         let samples = bytes.as_chunks().0.chunks(places);
         let lit = pixels.iter().zip(samples).zip(is_smooth).filter(|(_, is_smooth)| !is_smooth);
         let found = lit.map(|((pixel, samples), _)| (*pixel, self.pattern.mean(samples))).collect();

@@ -256,7 +256,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         let light = self.light(rays, &mut lit.buffer, None, &mut lit.statistics.times)?;
         lit.statistics.work += light.work;
         (lit.statistics.edge_rays, lit.rgb) = (light.edge_rays, light.rgb);
-        lit.legends = light.legends;
+        (lit.legends, lit.remarks) = (light.legends, light.remarks);
         lit.look = self.model.look(self.settings);
         Ok(lit)
     }
@@ -408,7 +408,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             legends: lit.legends,
             statistics,
             undefined: model.visible_surfaces().any(|surface| model.program.is_undefined(surface)),
-            remarks: model.remarks.clone(),
+            remarks: lit.remarks,
             flat,
         })
     }

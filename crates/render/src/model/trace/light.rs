@@ -24,10 +24,15 @@ const SHADOW_OFFSET_SLABS: f64 = 2.0;
 /// Radius within which ambient occlusion is computed, as a share of the region's largest extent.
 const NEAR: f64 = 0.12;
 
+/// Remark on a picture for whose colors there was not enough time.
+const CUT: &str = "there was no time to compute the colors of all points";
+
 /// Colors of a picture, and the cost of lighting it.
 pub(super) struct Lit {
     pub rgb: Vec<u8>,
     pub legends: Vec<Legend>,
+    /// Remarks on the model, and on colors that are missing.
+    pub remarks: Vec<String>,
     pub edge_rays: usize,
     pub work: KernelStats,
 }
@@ -57,11 +62,14 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         let light = self.key_light(rays);
         let work = self.compute_occlusion(rays, &light, buffer)?;
         times.occlude += watch.lap();
+        let mut remarks = self.model.remarks.clone();
         let (mut rgb, mut legends, mut edge_rays) = (Vec::new(), Vec::new(), 0);
         if settings.normals.is_some() {
             let painter = match self.overview {
-                Some(whole) => Painter::new(self.model, &whole.picture.buffer, &whole.rays),
-                None => Painter::new(self.model, buffer, rays),
+                Some(whole) => {
+                    Painter::new(self.model, &whole.picture.buffer, &whole.rays, self.advance)
+                }
+                None => Painter::new(self.model, buffer, rays, self.advance),
             };
             let finish = Coloring { appearance: self.appearance(light), painter };
             legends = finish.painter.as_ref().map(Painter::legends).unwrap_or_default();
@@ -91,8 +99,11 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 edge_rays = self.smooth_edges(rays, buffer, &behind, &finish, &mut rgb)?;
                 times.antialias += watch.lap();
             }
+            if finish.painter.as_ref().is_some_and(Painter::is_cut) {
+                remarks.push(CUT.to_owned());
+            }
         }
-        Ok(Lit { rgb, legends, edge_rays, work })
+        Ok(Lit { rgb, legends, remarks, edge_rays, work })
     }
 
     /// Number of halvings along a shadow ray. `None` without shadows.
