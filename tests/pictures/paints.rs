@@ -2,7 +2,8 @@
 //! pictures made in other ways.
 
 use glam::DVec3;
-use zeroset_render::model::render;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use zeroset_render::model::{Model, render};
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::view::{self, DomainChoice};
 use zeroset_shade::{LinearRgb, Pattern};
@@ -106,6 +107,28 @@ fn translucent_surfaces_are_mixed_from_front_to_back() {
         }
         assert!(checked > 400, "{checked}");
     }
+}
+
+/// If time ends after tracing, points keep the surface's own color, and a remark says so.
+#[test]
+fn colors_that_were_not_computed_in_time_are_told() {
+    let text = "x^2+y^2+z^2=1";
+    let document = read(&format!("color viridis(z)\n{text}"), &Options::default()).expect("reads");
+    let domain = DomainChoice::Bounds([-2.0, 2.0, -2.0, 2.0, -2.0, 2.0]);
+    let (region, _) = view::region(&document, domain, None).expect("a region");
+    let model = Model::new(&document, &region, &settings()).expect("compiles");
+    let traced = AtomicUsize::new(0);
+    let until_traced =
+        |pixels: usize| traced.fetch_add(pixels, Ordering::Relaxed) + pixels < SIDE * SIDE;
+    let draw = |advance: &(dyn Fn(usize) -> bool + Sync)| {
+        model.trace(&camera(), &settings(), advance).expect("compiled")
+    };
+    let (cut, whole) = (draw(&until_traced), draw(&|_| true));
+    assert_eq!((&cut.buffer, cut.statistics.pixels), (&whole.buffer, whole.statistics.pixels));
+    assert_eq!(cut.rgb, picture(text).rgb);
+    assert_ne!(cut.rgb, whole.rgb);
+    assert_eq!(cut.remarks, ["there was no time to compute the colors of all points"]);
+    assert!(whole.remarks.is_empty());
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! The command `zeroset render`.
 
+mod compiled;
+
 use super::arguments::{DEFAULT_AA, KernelArgs, RenderArgs, TracingArgs};
 use super::files::Files;
 use super::output::print;
@@ -9,7 +11,9 @@ use super::subject::{self, Subject};
 use super::vector::Size;
 use super::{UNDECIDED, notes, report, sequence};
 use anyhow::{Context, Result, anyhow, ensure};
+use compiled::Compiled;
 use glam::DVec3;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use zeroset_render::framing;
@@ -41,8 +45,8 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
 
     let around =
         Overlay::asked(arguments.shading.axes, arguments.shading.legend, &subject.document);
-    let render = || -> Result<_> {
-        let document = &subject.document;
+    let document = &subject.document;
+    let choose = || -> Result<_> {
         let wanted = settings.has_time_to_choose();
         let found = view::region_while(&mut None, document, subject.domain, cut, &wanted)?;
         let (region, searched) = if let Some(found) = found {
@@ -56,7 +60,17 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
             let anywhere = DomainChoice::Bounds([low, high, low, high, low, high]);
             view::region(document, anywhere, cut)?
         };
-        let model = Model::new(document, &region, &settings)?;
+        Ok((region, searched, Model::simplified(document, &region, &settings)?))
+    };
+    let threads = arguments.tracing.threads;
+    let pool = thread_pool(threads)?;
+    let (region, searched, model) = pool.install(choose)?;
+    let (model, pool) = match compiled::compiled(model, document, &settings, pool)? {
+        Compiled::InTime(model, pool) => (model, pool),
+        // All threads of the other pool may be busy.
+        Compiled::Late(model) => (model, thread_pool(threads)?),
+    };
+    let draw = || -> Result<_> {
         let camera = framing::camera(&model, document, &choice, &settings, around.axes)?;
         let seen = document.surfaces.iter().filter(|surface| !surface.hidden).count();
         let pixels = settings.width * settings.height * seen;
@@ -74,9 +88,9 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         };
         let picture = model.strips(&camera, &settings, &advance, &mut write)?;
         files.finish()?;
-        Ok((region, searched, camera, picture))
+        Ok((camera, picture))
     };
-    let (region, searched, camera, picture) = in_threads(arguments.tracing.threads, render)?;
+    let (camera, picture) = pool.install(draw)?;
 
     if let Some(found) = searched {
         notes::note(&subject::describe_domain(&found));
@@ -98,12 +112,16 @@ pub fn in_threads<T: Send>(
     threads: Option<usize>,
     work: impl FnOnce() -> Result<T> + Send,
 ) -> Result<T> {
-    let Some(threads) = threads else {
-        return work();
-    };
-    ensure!((1..=1024).contains(&threads), "--threads must be between 1 and 1024");
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    pool.context("cannot start the threads")?.install(work)
+    if threads.is_none() { work() } else { thread_pool(threads)?.install(work) }
+}
+
+/// This many threads, or as many as there are processors.
+fn thread_pool(threads: Option<usize>) -> Result<ThreadPool> {
+    let is_valid = threads.is_none_or(|threads| (1..=1024).contains(&threads));
+    ensure!(is_valid, "--threads must be between 1 and 1024");
+    // Zero stands for as many as there are processors.
+    let pool = ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build();
+    pool.context("cannot start the threads")
 }
 
 /// Returns default settings with this method and its options.

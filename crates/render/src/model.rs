@@ -110,26 +110,60 @@ impl Model {
         settings: &Settings,
         wanted: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Self>, ProgramError> {
-        let precision = settings.options.precision;
-        let mut watch = Stopwatch::start();
-        let mut times = Times::default();
-        let program = Program::new(document, view::bounds(reach))?;
-        times.simplify = watch.lap();
-        let make = match precision {
+        let mut model = Self::simplified(document, reach, settings)?;
+        model.region = *region;
+        Ok(model.compile(settings, wanted)?.then_some(model))
+    }
+
+    /// Simplifies all surfaces of `document` in `region`. Kernels are compiled when first needed,
+    /// or by [`Model::compile`].
+    ///
+    /// # Errors
+    /// If a formula is constant or undefined everywhere.
+    pub fn simplified(
+        document: &Document,
+        region: &Region,
+        settings: &Settings,
+    ) -> Result<Self, ProgramError> {
+        let watch = Instant::now();
+        let program = Program::new(document, view::bounds(region))?;
+        let times = Times { simplify: watch.elapsed(), ..Times::default() };
+        Ok(Self::of(program, document, region, settings.options.precision, Some(times)))
+    }
+
+    /// Compiles the kernels that a picture with these settings needs. It checks `wanted` between
+    /// kernels, and returns whether all are compiled.
+    ///
+    /// # Errors
+    /// If a formula is too large to compile.
+    pub fn compile(
+        &mut self,
+        settings: &Settings,
+        wanted: &(dyn Fn() -> bool + Sync),
+    ) -> Result<bool, ProgramError> {
+        let watch = Instant::now();
+        let make = match self.precision {
             Precision::Auto | Precision::F32 => make_kernels::<f32>,
             Precision::F64 => make_kernels::<f64>,
         };
-        let surfaces = document.surfaces.par_iter().enumerate();
+        let surfaces = self.styles.par_iter().enumerate();
         // The kernels of a hidden surface are compiled when it is first shown.
         let visible_surfaces = surfaces.filter(|(_, surface)| !surface.hidden);
         visible_surfaces.try_for_each(|(n, surface)| {
-            make(&program, n, surface.kind, region, settings, wanted)
+            make(&self.program, n, surface.kind, &self.region, settings, wanted)
         })?;
-        if !wanted() {
-            return Ok(None);
+        if let Some(times) = &mut self.times {
+            times.compile = watch.elapsed();
         }
-        times.compile = watch.lap();
-        Ok(Some(Self::of(program, document, region, precision, Some(times))))
+        Ok(wanted())
+    }
+
+    /// The same model of `document`, whose functions are interpreted. Results are equal bit for
+    /// bit, but take some hundred times longer. Nothing is compiled.
+    #[must_use]
+    pub fn interpreted(&self, document: &Document) -> Self {
+        let program = self.program.on(Evaluator::Reference);
+        Self::of(program, document, &self.region, self.precision, self.times)
     }
 
     fn of(

@@ -111,6 +111,12 @@ impl Settings {
         self.has_time_for(1.0)
     }
 
+    /// The part of the budget that is left. `None` without a budget.
+    pub fn time_left(&self) -> Option<Duration> {
+        let spent = self.begun.map_or(Duration::ZERO, |begun| begun.elapsed());
+        self.budget.map(|budget| budget.saturating_sub(spent))
+    }
+
     /// Like [`Settings::has_time`], for choosing a region or a camera. It allows a quarter of the
     /// time that is left, so that most of the time remains for the picture.
     pub fn has_time_to_choose(&self) -> impl Fn() -> bool + Sync + use<> {
@@ -170,7 +176,8 @@ pub struct Picture {
     pub statistics: Statistics,
     /// Set if some surface's function is proven undefined in the whole region.
     pub undefined: bool,
-    /// Remarks: one line for each surface whose function is constant in the region.
+    /// Remarks: one line for each surface whose function is constant in the region, and one if
+    /// there was no time to compute the colors of all points.
     pub remarks: Vec<String>,
     /// Set if some surface's function may be 0 everywhere, since it cannot be distinguished from 0
     /// at any sampled point.
@@ -215,6 +222,9 @@ impl Picture {
         // A later strip may have compiled further kernels.
         (all.code_bytes, all.kernels) = (part.code_bytes, part.kernels.clone());
         self.flat |= other.flat;
+        let is_new = |remark: &&String| !self.remarks.contains(remark);
+        let new: Vec<String> = other.remarks.iter().filter(is_new).cloned().collect();
+        self.remarks.extend(new);
     }
 
     /// Number of pixels that are undecided only because the preview or the budget ended the search.

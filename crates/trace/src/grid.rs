@@ -110,7 +110,7 @@ impl RayGrid {
 
     /// Returns whether these are the rays of patches.
     #[inline]
-    pub(crate) fn is_patched(&self) -> bool {
+    pub fn is_patched(&self) -> bool {
         self.patches.is_some()
     }
 

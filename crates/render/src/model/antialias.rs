@@ -2,6 +2,7 @@
 //! ray through its center.
 
 use super::PREVIEWED;
+use super::layers::Layered;
 use super::paint::Coloring;
 use super::trace::{RenderPass, Tracers};
 use crate::picture::Settings;
@@ -28,11 +29,12 @@ type LayerBuffers = [GBuffer; 2];
 
 impl<T: KernelFloat> RenderPass<'_, T> {
     /// Replaces pixels on edges by the mean over finer rays. Returns the number of these rays.
+    /// `behind` is set for pixels with an edge behind a translucent surface. It may be empty.
     pub(super) fn smooth_edges(
         &self,
         rays: &RayGrid,
         picture: &GBuffer,
-        layers: &[GBuffer],
+        behind: &[bool],
         finish: &Coloring<'_>,
         rgb: &mut [u8],
     ) -> Result<usize, ProgramError> {
@@ -42,10 +44,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         // finer pixels.
         let tolerance = tolerance * pattern.side as f64;
         let mut wanted = edges(picture, rays);
-        for layer in layers {
-            // Edges behind a translucent surface are visible.
-            wanted.iter_mut().zip(edges(layer, rays)).for_each(|(all, edge)| *all |= edge);
-        }
+        wanted.iter_mut().zip(behind).for_each(|(all, edge)| *all |= edge);
         // Keep the marks of undecided pixels.
         let marks = finish.appearance.undecided != UndecidedStyle::Shade;
         let is_marked = |pixel: usize| marks && picture.status[pixel] == Status::Undecided;
@@ -66,7 +65,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             pattern,
             finish,
             is_hidden: picture.shadow.iter().chain(&picture.occlusion).any(|hidden| *hidden > 0),
-            has_one: tracers.len() == 1 && layers.is_empty(),
+            has_one: tracers.len() == 1 && !self.is_translucent(),
         };
         let new = || [0; 2].map(|size| GBuffer::new(size, size, 0));
         let smooth = |buffers: &mut LayerBuffers, pixels: &[usize]| edge.smooth(buffers, pixels);
@@ -130,8 +129,19 @@ impl<T: KernelFloat> Edges<'_, T> {
                 self.copy_hidden_light(all, n * places..(n + 1) * places, pixel);
             }
         }
-        let layers = self.pass.layers(&rays, &only, self.tracers)?;
-        let bytes = self.pass.colored(&rays, all, &layers, self.finish, self.pattern.side);
+        let layered = Layered {
+            rays: &rays,
+            picture: all,
+            only: &only,
+            tracers: self.tracers,
+            finish: self.finish,
+            side: self.pattern.side,
+        };
+        let bytes = self.pass.colored(&layered, &mut [])?;
+        if !(self.pass.advance)(0) {
+            // Some of these colors may be missing.
+            return Ok(Vec::new());
+        }
         let samples = bytes.as_chunks().0.chunks(places);
         let lit = pixels.iter().zip(samples).zip(is_smooth).filter(|(_, is_smooth)| !is_smooth);
         let found = lit.map(|((pixel, samples), _)| (*pixel, self.pattern.mean(samples))).collect();

@@ -2,12 +2,17 @@
 //!
 //! Proofs concern the nearest point only, so layers do not affect them.
 
+mod block;
+#[cfg(test)]
+mod tests;
+
 use super::paint::Coloring;
 use super::trace::{RenderPass, Tracers};
+use block::Block;
 use rayon::prelude::*;
 use zeroset_eval::KernelFloat;
 use zeroset_scene::program::ProgramError;
-use zeroset_shade::{LinearRgb, UndecidedStyle, hand_back_colors, shade};
+use zeroset_shade::{LinearRgb, UndecidedStyle, edges, hand_back_colors, shade};
 use zeroset_trace::{Driver, GBuffer, RayGrid, Start, Status};
 
 /// Largest number of points of one surface along a ray.
@@ -20,34 +25,118 @@ const DARK: f32 = 1.0 / 512.0;
 /// counts as another point.
 const PIXELS_BEHIND: f64 = 2.0;
 
+/// How much of a picture's layers is kept at a time.
+#[derive(Clone, Copy)]
+pub(super) struct BlockLimits {
+    /// Largest number of pixels that are traced at a time.
+    pub pixels: usize,
+    /// Largest number of points that are kept until they are mixed. A block of pixels with more
+    /// points is divided.
+    pub points: usize,
+}
+
+impl Default for BlockLimits {
+    /// About 100 MB for one layer, and 64 MiB for the points.
+    fn default() -> Self {
+        Self { pixels: 1 << 20, points: 1 << 22 }
+    }
+}
+
+/// A picture, and how its layers are found and colored.
+#[derive(Clone, Copy)]
+pub(super) struct Layered<'a> {
+    pub rays: &'a RayGrid,
+    pub picture: &'a GBuffer,
+    /// The rays that are followed. Empty for all.
+    pub only: &'a [bool],
+    pub tracers: &'a Tracers<'a>,
+    pub finish: &'a Coloring<'a>,
+    /// A pixel of the final picture is this many of these pixels wide and high.
+    pub side: usize,
+}
+
+/// A point that a translucent surface does not hide.
+struct Point {
+    /// Index in the picture.
+    pixel: u32,
+    color: [u8; 3],
+    /// Distance from the ray's origin.
+    drawn: f64,
+}
+
+/// Points of one surface, at most one for each ray.
+struct Layer {
+    opacity: f32,
+    /// In the order of the pixels.
+    points: Vec<Point>,
+}
+
+impl Layered<'_> {
+    fn shaded(&self, buffer: &GBuffer, rays: &RayGrid) -> Vec<u8> {
+        let Coloring { appearance, painter } = self.finish;
+        let paint = painter.as_ref().map(|painter| painter.paint(buffer, rays, self.side));
+        shade(buffer, rays, appearance, &paint.unwrap_or_default())
+    }
+}
+
 impl<T: KernelFloat> RenderPass<'_, T> {
     /// Returns whether any visible surface is translucent.
     pub fn is_translucent(&self) -> bool {
         self.model.visible_surfaces().any(|surface| self.model.styles[surface].opacity < 1.0)
     }
 
-    /// Finds all points along the rays selected by `only`, or along all rays if that is empty. Each
-    /// surface has several layers: first its nearest points, then the points behind them, and so
-    /// on. The result is empty if nothing is translucent.
-    pub fn layers(
-        &self,
-        rays: &RayGrid,
-        only: &[bool],
-        tracers: &Tracers<'_>,
-    ) -> Result<Vec<GBuffer>, ProgramError> {
-        let mut layers: Vec<GBuffer> = Vec::new();
-        if !self.is_translucent() {
-            return Ok(layers);
+    /// Computes the colors of a picture, as sRGB bytes. If a surface is translucent, sets `edge` of
+    /// each pixel at which a layer has an edge; `edge` may be empty.
+    ///
+    /// Layers are found block by block, and only their points are kept, so memory does not grow
+    /// with the number of surfaces.
+    pub fn colored(&self, all: &Layered<'_>, edge: &mut [bool]) -> Result<Vec<u8>, ProgramError> {
+        let mut rgb = all.shaded(all.picture, all.rays);
+        if self.is_translucent() {
+            let mut blocks = Block::of_picture(all.rays, self.block.pixels);
+            while let Some(mut block) = blocks.pop() {
+                let layers = self.layers(all, &mut block, &mut blocks, edge)?;
+                self.mix(all, &block, &layers, &mut rgb);
+            }
         }
+        Ok(rgb)
+    }
+
+    /// Finds all points along the rays of a block. Each surface has several layers: first its
+    /// nearest points, then the points behind them, and so on. If there are too many points, the
+    /// block shrinks, and its other part is added to `rest`.
+    fn layers(
+        &self,
+        all: &Layered<'_>,
+        block: &mut Block,
+        rest: &mut Vec<Block>,
+        edge: &mut [bool],
+    ) -> Result<Vec<Layer>, ProgramError> {
+        let mut layers: Vec<Layer> = Vec::new();
         let wanted = |_| (self.advance)(0);
-        let new = || GBuffer::new(rays.width(), rays.height(), 0).with_brackets();
-        for &(surface, ref tracer) in tracers {
+        for &(surface, ref tracer) in all.tracers {
+            let known = block.known(all.rays);
+            let rays = &known.rays(all.rays);
+            let only = known.part(all.only, all.rays.width());
+            let new = || GBuffer::new(rays.width(), rays.height(), 0).with_brackets();
             let mut layer = new();
-            self.find(surface, &**tracer, rays, only, &mut layer, &wanted)?;
+            self.find(surface, &**tracer, rays, &only, &mut layer, &wanted)?;
             for point in 1.. {
                 self.compute_normals(surface, rays, &mut layer)?;
+                if !edge.is_empty() {
+                    // Edges behind a translucent surface are visible.
+                    known.mark(&edges(&layer, rays), edge, all.rays.width());
+                }
                 let starts = self.starts(rays, &layer);
-                layers.push(layer);
+                layers.push(self.points(all, block, &known, &layer, rays));
+                layer.hand_back();
+                while layers.iter().map(|layer| layer.points.len()).sum::<usize>()
+                    > self.block.points
+                    && let Some(part) = block.halve(all.rays)
+                {
+                    rest.push(part);
+                    layers.iter_mut().for_each(|layer| layer.keep(block, all.rays.width()));
+                }
                 if point == MOST || starts.iter().all(|start| start.is_infinite()) || !wanted(0) {
                     break;
                 }
@@ -59,6 +148,51 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             }
         }
         Ok(layers)
+    }
+
+    /// The opacity of a pixel's point.
+    fn opacity(&self, finish: &Coloring<'_>, buffer: &GBuffer, pixel: usize) -> f32 {
+        let is_left_out = finish.appearance.undecided == UndecidedStyle::Miss
+            && buffer.status[pixel] == Status::Undecided;
+        let style = &self.model.styles[usize::from(buffer.surface[pixel])];
+        if is_left_out { 0.0 } else { style.opacity as f32 }
+    }
+
+    /// The points of a layer that are mixed with the picture's points. `layer` is traced along
+    /// `rays`, those of the block `known`.
+    fn points(
+        &self,
+        all: &Layered<'_>,
+        block: &Block,
+        known: &Block,
+        layer: &GBuffer,
+        rays: &RayGrid,
+    ) -> Layer {
+        let (picture, width) = (all.picture, all.rays.width());
+        let colors = all.shaded(layer, rays);
+        let mut opacity = 0.0;
+        let mut points = Vec::new();
+        for (pixel, own) in block.pixels_of(known, width) {
+            // The picture's own point is used as the nearest point, since it has shadows.
+            let is_first = || {
+                layer.surface[own] == picture.surface[pixel]
+                    && layer.drawn[own] <= picture.drawn[pixel]
+            };
+            if !layer.is_drawn(own) || !picture.is_drawn(pixel) || is_first() {
+                continue;
+            }
+            let share = self.opacity(all.finish, layer, own);
+            let is_hidden = 1.0 - self.opacity(all.finish, picture, pixel) < DARK;
+            // All points of a surface have the same opacity, but for those that are left out.
+            if share > 0.0 && !is_hidden {
+                opacity = share;
+                let color = colors.as_chunks().0[own];
+                points.push(Point { pixel: pixel as u32, color, drawn: layer.drawn[own] });
+            }
+        }
+        hand_back_colors(colors);
+        points.shrink_to_fit();
+        Layer { opacity, points }
     }
 
     /// For each pixel, the distance at which its ray continues behind a translucent point, in world
@@ -82,68 +216,57 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         (0..front.drawn.len()).into_par_iter().map(start).collect()
     }
 
-    /// Computes the colors of a picture, as sRGB bytes. `layers` holds the points of all layers if
-    /// there is a translucent surface, and else is empty.
-    pub fn colored(
-        &self,
-        rays: &RayGrid,
-        picture: &GBuffer,
-        layers: &[GBuffer],
-        finish: &Coloring<'_>,
-        side: usize,
-    ) -> Vec<u8> {
-        let Coloring { appearance, painter } = finish;
-        let shaded = |buffer: &GBuffer| {
-            let paint = painter.as_ref().map(|painter| painter.paint(buffer, rays, side));
-            shade(buffer, rays, appearance, &paint.unwrap_or_default())
-        };
-        let first = shaded(picture);
-        if layers.is_empty() {
-            return first;
-        }
-        let colors: Vec<Vec<u8>> = layers.iter().map(shaded).collect();
-        let opacity = |buffer: &GBuffer, pixel: usize| {
-            let is_left_out = appearance.undecided == UndecidedStyle::Miss
-                && buffer.status[pixel] == Status::Undecided;
-            let style = &self.model.styles[usize::from(buffer.surface[pixel])];
-            if is_left_out { 0.0 } else { style.opacity as f32 }
-        };
-        let mixed = |order: &mut Vec<usize>, pixel: usize| {
-            let color = |bytes: &[u8]| LinearRgb::from_srgb(bytes.as_chunks().0[pixel]).0;
-            if !picture.is_drawn(pixel) {
-                return color(&first);
-            }
-            // The picture's own point is used as the nearest point, since it has shadows.
-            let is_behind = |layer: &usize| {
-                let layer = &layers[*layer];
-                let is_first = layer.surface[pixel] == picture.surface[pixel]
-                    && layer.drawn[pixel] <= picture.drawn[pixel];
-                layer.is_drawn(pixel) && !is_first
-            };
-            order.clear();
-            order.extend((0..layers.len()).filter(is_behind));
-            order.sort_by(|a, b| layers[*a].drawn[pixel].total_cmp(&layers[*b].drawn[pixel]));
-            let nearest = opacity(picture, pixel);
-            let mut light = color(&first).map(|own| nearest * own);
+    /// Mixes the colors of a block's pixels with those of its layers.
+    fn mix(&self, all: &Layered<'_>, block: &Block, layers: &[Layer], rgb: &mut [u8]) {
+        let Layered { picture, finish, .. } = *all;
+        let width = all.rays.width();
+        let mixed = |pixel: usize, own: [u8; 3], behind: &[(f64, f32, [u8; 3])]| {
+            let color = |bytes: [u8; 3]| LinearRgb::from_srgb(bytes).0;
+            let nearest = self.opacity(finish, picture, pixel);
+            let mut light = color(own).map(|own| nearest * own);
             let mut left = 1.0 - nearest;
-            for &layer in order.iter() {
+            for &(_, opacity, own) in behind {
                 if left < DARK {
                     break;
                 }
-                let share = left * opacity(&layers[layer], pixel);
-                let own = color(&colors[layer]);
-                light.iter_mut().zip(own).for_each(|(light, own)| *light += share * own);
+                let share = left * opacity;
+                light.iter_mut().zip(color(own)).for_each(|(light, own)| *light += share * own);
                 left -= share;
             }
-            let behind = appearance.background.0;
+            let behind = finish.appearance.background.0;
             light.iter_mut().zip(behind).for_each(|(light, behind)| *light += left * behind);
-            light
+            LinearRgb(light).to_srgb()
         };
-        let pixels = (0..rays.width() * rays.height()).into_par_iter();
-        let bytes =
-            pixels.map_init(Vec::new, |order, pixel| LinearRgb(mixed(order, pixel)).to_srgb());
-        let bytes = bytes.collect::<Vec<[u8; 3]>>().into_flattened();
-        colors.into_iter().chain([first]).for_each(hand_back_colors);
-        bytes
+        let rows = rgb.as_chunks_mut::<3>().0.par_chunks_mut(width).enumerate();
+        rows.skip(block.rows.start).take(block.rows.len()).for_each(|(row, colors)| {
+            let first = row * width;
+            let after =
+                |layer: &Layer| layer.points.partition_point(|p| (p.pixel as usize) < first);
+            let mut places: Vec<usize> = layers.iter().map(after).collect();
+            let mut behind = Vec::new();
+            for column in block.columns.clone() {
+                let pixel = first + column;
+                behind.clear();
+                for (place, layer) in places.iter_mut().zip(layers) {
+                    let next = layer.points.get(*place);
+                    if let Some(point) = next.filter(|point| point.pixel as usize == pixel) {
+                        behind.push((point.drawn, layer.opacity, point.color));
+                        *place += 1;
+                    }
+                }
+                if picture.is_drawn(pixel) {
+                    behind.sort_by(|(one, ..), (other, ..)| one.total_cmp(other));
+                    colors[column] = mixed(pixel, colors[column], &behind);
+                }
+            }
+        });
+    }
+}
+
+impl Layer {
+    /// Removes all points outside of the block.
+    fn keep(&mut self, block: &Block, width: usize) {
+        self.points.retain(|point| block.contains(point.pixel as usize, width));
+        self.points.shrink_to_fit();
     }
 }

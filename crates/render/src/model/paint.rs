@@ -3,8 +3,10 @@
 //! Values are computed in ordinary floats. No proof depends on them.
 
 use super::Model;
+use super::trace::Advance;
 use crate::overlay::{Legend, round_step};
 use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, Ordering};
 use zeroset_interval::{Exponent, Format, Software, Vector128, evaluate};
 use zeroset_ir::{Constant, Node};
 use zeroset_scene::view::nearest;
@@ -23,8 +25,8 @@ const DENSE: f64 = 3.0;
 const LEAST_RANGE: f64 = 1e-2;
 /// Uncertainty of the position of a painted point along its ray, in pixels.
 const POINT_UNCERTAINTY: f64 = 0.1;
-/// Number of points that a thread processes at a time.
-const PART: usize = 512;
+/// Number of points that a thread processes between two looks at the time.
+const PART: usize = 32;
 
 /// Everything needed to color a picture: light, surface colors and paint.
 pub(super) struct Coloring<'a> {
@@ -37,6 +39,9 @@ pub(super) struct Coloring<'a> {
 /// Color maps and contour lines on the surfaces.
 pub(super) struct Painter<'a> {
     model: &'a Model,
+    /// As for [`Model::trace`]. No further values are computed once it returns `false`.
+    advance: Advance<'a>,
+    is_cut: AtomicBool,
     /// Color scale of each surface; `None` if the surface has its own color.
     scales: Vec<Option<ValueScale<'a>>>,
     /// Value and step of the contour lines on each surface.
@@ -69,13 +74,19 @@ impl<'a> Painter<'a> {
 
     /// The color maps and contour lines of a model; `None` if it has neither. If the document gives
     /// no range of values, the surface points in `picture` give it.
-    pub fn new(model: &'a Model, picture: &GBuffer, rays: &RayGrid) -> Option<Self> {
+    pub fn new(
+        model: &'a Model,
+        picture: &GBuffer,
+        rays: &RayGrid,
+        advance: Advance<'a>,
+    ) -> Option<Self> {
         let mapped = |surface: usize| Self::mapped(model, surface);
         let surfaces = 0..model.surfaces();
         if !Self::is_wanted(model) {
             return None;
         }
-        let blank = Self { model, scales: Vec::new(), contours: Vec::new() };
+        let is_cut = AtomicBool::new(false);
+        let blank = Self { model, advance, is_cut, scales: Vec::new(), contours: Vec::new() };
         let range = |value: &PointValue, shown: &dyn Fn(usize) -> bool| {
             let points = points(picture, |pixel| shown(usize::from(picture.surface[pixel])));
             let values = blank.values(value, &points, picture, rays, 0.0);
@@ -124,7 +135,12 @@ impl<'a> Painter<'a> {
             (step > 0.0 && step.is_finite()).then_some((value, step))
         });
         let contours = contours.collect();
-        Some(Self { model, scales, contours })
+        Some(Self { scales, contours, ..blank })
+    }
+
+    /// Returns whether some values were not computed, since `advance` returned `false`.
+    pub fn is_cut(&self) -> bool {
+        self.is_cut.load(Ordering::Relaxed)
     }
 
     /// The legends, one for each distinct color scale.
@@ -178,7 +194,7 @@ impl<'a> Painter<'a> {
     }
 
     /// Values at the points of these pixels, each moved back along its ray by `behind` pixel
-    /// widths.
+    /// widths. NaN for values that were not computed in time.
     fn values(
         &self,
         value: &PointValue,
@@ -189,6 +205,7 @@ impl<'a> Painter<'a> {
     ) -> Vec<f64> {
         let parameters = &self.model.setting.parameters;
         let needed = value.graph.reachable(&[value.root]);
+        let nodes: Vec<_> = value.graph.iter().filter(|(id, _)| needed[id.index()]).collect();
         let place = |pixel: usize| {
             let ray = rays.ray_of(pixel);
             let drawn = picture.drawn[pixel];
@@ -200,10 +217,10 @@ impl<'a> Painter<'a> {
             (at.to_array(), own)
         };
         let both = |values: [f64; 2]| Vector128::from_f64(values);
-        let pair = |two: &[usize]| -> [f64; 2] {
+        let room = || (vec![both([0.0; 2]); value.graph.len()], Vec::new());
+        let pair = |(known, inputs): &mut (Vec<Vector128>, Vec<Vector128>), two: &[usize]| {
             let ends = [place(two[0]), place(two[two.len() - 1])];
-            let mut known: Vec<Vector128> = vec![both([0.0; 2]); value.graph.len()];
-            for (id, node) in value.graph.iter().filter(|(id, _)| needed[id.index()]) {
+            for (id, node) in &nodes {
                 known[id.index()] = match node {
                     Node::Variable(axis) => both(ends.map(|(at, _)| at[*axis as usize])),
                     Node::Parameter(number) => {
@@ -217,18 +234,23 @@ impl<'a> Painter<'a> {
                     Node::Apply(op, operands) => {
                         let last = operands.last().and_then(|last| value.graph.number(*last));
                         let exponent = last.map_or(Exponent::Real, Constant::exponent);
-                        let operands: Vec<Vector128> =
-                            operands.iter().map(|id| known[id.index()]).collect();
-                        evaluate(&mut Software::new(), Format::F64, *op, &operands, exponent)
+                        inputs.clear();
+                        inputs.extend(operands.iter().map(|id| known[id.index()]));
+                        evaluate(&mut Software::new(), Format::F64, *op, inputs, exponent)
                     }
                 };
             }
             known[value.root.index()].f64()
         };
         let mut values = vec![f64::NAN; points.len()];
-        values.par_chunks_mut(PART).zip(points.par_chunks(PART)).for_each(|(values, points)| {
+        let parts = values.par_chunks_mut(PART).zip(points.par_chunks(PART));
+        parts.for_each_init(room, |room, (values, points)| {
+            if !(self.advance)(0) {
+                self.is_cut.store(true, Ordering::Relaxed);
+                return;
+            }
             for (values, two) in values.chunks_mut(2).zip(points.chunks(2)) {
-                values.copy_from_slice(&pair(two)[..two.len()]);
+                values.copy_from_slice(&pair(room, two)[..two.len()]);
             }
         });
         values

@@ -2,6 +2,7 @@
 
 mod light;
 
+use super::layers::BlockLimits;
 use super::paint::Painter;
 use super::strips::Overview;
 use super::{Model, Stopwatch, options};
@@ -144,12 +145,15 @@ pub(super) struct RenderPass<'a, T> {
     overview: Option<&'a Overview>,
     /// The rows of a strip that are kept. `None` for all.
     pub own: Option<Range<usize>>,
+    /// How much of the layers of translucent surfaces is kept at a time.
+    pub block: BlockLimits,
     floats: PhantomData<fn() -> T>,
 }
 
 impl<'a, T: KernelFloat> RenderPass<'a, T> {
-    fn new(model: &'a Model, settings: &'a Settings, advance: Advance<'a>) -> Self {
-        Self { model, settings, advance, overview: None, own: None, floats: PhantomData }
+    pub fn new(model: &'a Model, settings: &'a Settings, advance: Advance<'a>) -> Self {
+        let block = BlockLimits::default();
+        Self { model, settings, advance, overview: None, own: None, block, floats: PhantomData }
     }
 
     /// Prepares the method for a surface, with options changed by `change`.
@@ -263,7 +267,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         let light = self.light(rays, &mut lit.buffer, None, &mut lit.statistics.times)?;
         lit.statistics.work += light.work;
         (lit.statistics.edge_rays, lit.rgb) = (light.edge_rays, light.rgb);
-        lit.legends = light.legends;
+        (lit.legends, lit.remarks) = (light.legends, light.remarks);
         lit.look = self.model.look(self.settings);
         Ok(lit)
     }
@@ -414,7 +418,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             legends: lit.legends,
             statistics,
             undefined: model.visible_surfaces().any(|surface| model.program.is_undefined(surface)),
-            remarks: model.remarks.clone(),
+            remarks: lit.remarks,
             flat,
         })
     }

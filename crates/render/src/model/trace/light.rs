@@ -1,6 +1,7 @@
 //! Lighting of a picture: shadows, ambient occlusion and colors.
 
 use super::super::Stopwatch;
+use super::super::layers::Layered;
 use super::super::paint::{Coloring, Painter};
 use super::RenderPass;
 use crate::overlay::Legend;
@@ -23,10 +24,15 @@ const SHADOW_OFFSET_SLABS: f64 = 2.0;
 /// Radius within which ambient occlusion is computed, as a share of the region's largest extent.
 const NEAR: f64 = 0.12;
 
+/// Remark on a picture for whose colors there was not enough time.
+const CUT: &str = "there was no time to compute the colors of all points";
+
 /// Colors of a picture, and the cost of lighting it.
 pub(super) struct Lit {
     pub rgb: Vec<u8>,
     pub legends: Vec<Legend>,
+    /// Remarks on the model, and on colors that are missing.
+    pub remarks: Vec<String>,
     pub edge_rays: usize,
     pub work: KernelStats,
 }
@@ -56,27 +62,48 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         let light = self.key_light(rays);
         let work = self.compute_occlusion(rays, &light, buffer)?;
         times.occlude += watch.lap();
+        let mut remarks = self.model.remarks.clone();
         let (mut rgb, mut legends, mut edge_rays) = (Vec::new(), Vec::new(), 0);
         if settings.normals.is_some() {
             let painter = match self.overview {
-                Some(whole) => Painter::new(self.model, &whole.picture.buffer, &whole.rays),
-                None => Painter::new(self.model, buffer, rays),
+                Some(whole) => {
+                    Painter::new(self.model, &whole.picture.buffer, &whole.rays, self.advance)
+                }
+                None => Painter::new(self.model, buffer, rays, self.advance),
             };
             let finish = Coloring { appearance: self.appearance(light), painter };
             legends = finish.painter.as_ref().map(Painter::legends).unwrap_or_default();
-            let mut layers = Vec::new();
-            if self.is_translucent() {
-                layers = self.layers(rays, &[], &self.tracers(|options| options)?)?;
-                times.trace += watch.lap();
-            }
-            rgb = known.unwrap_or_else(|| self.colored(rays, buffer, &layers, &finish, 1));
-            times.shade += watch.lap();
-            if settings.antialias != Pattern::ONE && (self.advance)(0) {
-                edge_rays = self.smooth_edges(rays, buffer, &layers, &finish, &mut rgb)?;
+            let is_smoothed = settings.antialias != Pattern::ONE;
+            let is_translucent = self.is_translucent();
+            let mut behind =
+                vec![false; if is_smoothed && is_translucent { buffer.status.len() } else { 0 }];
+            rgb = match known {
+                Some(known) => known,
+                None => {
+                    let tracers =
+                        if is_translucent { self.tracers(|options| options)? } else { Vec::new() };
+                    let layered = Layered {
+                        rays,
+                        picture: buffer,
+                        only: &[],
+                        tracers: &tracers,
+                        finish: &finish,
+                        side: 1,
+                    };
+                    self.colored(&layered, &mut behind)?
+                }
+            };
+            // Layers are colored as soon as they are traced.
+            *(if is_translucent { &mut times.trace } else { &mut times.shade }) += watch.lap();
+            if is_smoothed && (self.advance)(0) {
+                edge_rays = self.smooth_edges(rays, buffer, &behind, &finish, &mut rgb)?;
                 times.antialias += watch.lap();
             }
+            if finish.painter.as_ref().is_some_and(Painter::is_cut) {
+                remarks.push(CUT.to_owned());
+            }
         }
-        Ok(Lit { rgb, legends, edge_rays, work })
+        Ok(Lit { rgb, legends, remarks, edge_rays, work })
     }
 
     /// Number of halvings along a shadow ray. `None` without shadows.
