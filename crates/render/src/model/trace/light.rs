@@ -71,7 +71,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 }
                 None => Painter::new(self.model, buffer, rays, self.advance),
             };
-            let finish = Coloring { appearance: self.appearance(light), painter };
+            let is_seen = buffer.drawn.iter().any(|drawn| drawn.is_finite());
+            let finish = Coloring { appearance: self.appearance(light, is_seen), painter };
             legends = finish.painter.as_ref().map(Painter::legends).unwrap_or_default();
             let is_smoothed = settings.antialias != Pattern::ONE;
             let is_translucent = self.is_translucent();
@@ -179,14 +180,17 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         Ok(work)
     }
 
-    pub(super) fn appearance(&self, light: Light) -> Appearance {
+    /// The light and the colors of surfaces. Unless `is_seen`, no surface is
+    /// painted, and their sides need not be told apart.
+    pub(super) fn appearance(&self, light: Light, is_seen: bool) -> Appearance {
         let settings = self.settings;
         let plain = Appearance::new(self.model.look(settings), light);
         let typed = self.model.setting.background.map(|color| LinearRgb::from_srgb(color.rgb));
         // A hidden surface may not have been compiled.
         let turned = |surface: usize| {
             let known = &self.model.turned[surface];
-            !self.model.styles[surface].hidden
+            is_seen
+                && !self.model.styles[surface].hidden
                 && *known.get_or_init(|| self.is_negative_outside(surface))
         };
         let surface = |(index, style): (usize, &zeroset_syntax::Surface)| {
