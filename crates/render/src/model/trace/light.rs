@@ -78,30 +78,31 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             let is_translucent = self.is_translucent();
             let mut behind =
                 vec![false; if is_smoothed && is_translucent { buffer.status.len() } else { 0 }];
-            rgb = match known {
-                Some(known) => known,
-                None => {
-                    let tracers =
-                        if is_translucent { self.tracers(|options| options)? } else { Vec::new() };
-                    let layered = Layered {
-                        rays,
-                        picture: buffer,
-                        only: &[],
-                        tracers: &tracers,
-                        finish: &finish,
-                        side: 1,
-                    };
-                    self.colored(&layered, &mut behind)?
+            rgb = if let Some(known) = known {
+                known
+            } else {
+                let mut tracers = Vec::new();
+                if is_translucent {
+                    tracers = self.tracers(|options| options)?;
                 }
+                let layered = Layered {
+                    rays,
+                    picture: buffer,
+                    only: &[],
+                    tracers: &tracers,
+                    finish: &finish,
+                    side: 1,
+                };
+                self.colored(&layered, &mut behind)?
             };
+            if finish.painter.as_ref().is_some_and(Painter::is_cut) {
+                remarks.push(CUT.to_owned());
+            }
             // Layers are colored as soon as they are traced.
             *(if is_translucent { &mut times.trace } else { &mut times.shade }) += watch.lap();
             if is_smoothed && (self.advance)(0) {
                 edge_rays = self.smooth_edges(rays, buffer, &behind, &finish, &mut rgb)?;
                 times.antialias += watch.lap();
-            }
-            if finish.painter.as_ref().is_some_and(Painter::is_cut) {
-                remarks.push(CUT.to_owned());
             }
         }
         Ok(Lit { rgb, legends, remarks, edge_rays, work })
