@@ -92,9 +92,10 @@ fn chosen(
     threads: Option<usize>,
 ) -> Result<(Region, Option<AutoDomain>)> {
     let (document, domain) = (subject.document.clone(), subject.domain);
+    let needs_search = view::needs_search(&document, domain);
     let wanted = settings.has_time_to_choose();
     let search = move || Ok(view::region_while(&mut None, &document, domain, cut, &wanted)?);
-    let limit = settings.time_left().map(|left| left / 4);
+    let limit = settings.time_left().filter(|_| needs_search).map(|left| left / 4);
     if let Some((Some(found), _)) = within(limit, thread_pool(threads)?, search)? {
         return Ok(found);
     }
