@@ -604,7 +604,7 @@ fn a_budget_of_time_is_no_other_for_the_view() {
         let object = run.json();
         assert_eq!(object["undecided"]["budget"], 64 * 64);
         // Compiling is not waited for.
-        assert_eq!((&object["code_bytes"], &object["kernels"]), (&0.into(), &Value::Array(vec![])));
+        assert_eq!(object["code_bytes"], 0);
         let note = "no domain was found in time: x, y, z in -2..2 are drawn; --domain says where";
         assert_eq!(run.stderr.contains(note), domain.is_empty(), "{}", run.stderr);
     }

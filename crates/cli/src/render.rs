@@ -1,6 +1,6 @@
 //! The command `zeroset render`.
 
-mod compiled;
+mod abandoned;
 
 use super::arguments::{DEFAULT_AA, KernelArgs, RenderArgs, TracingArgs};
 use super::files::Files;
@@ -10,8 +10,8 @@ use super::progress::Progress;
 use super::subject::{self, Subject};
 use super::vector::Size;
 use super::{UNDECIDED, notes, report, sequence};
+use abandoned::within;
 use anyhow::{Context, Result, anyhow, ensure};
-use compiled::Compiled;
 use glam::DVec3;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::process::ExitCode;
@@ -22,10 +22,10 @@ use zeroset_render::overlay::{Overlay, PictureView};
 use zeroset_render::picture::{Picture, Precision, Settings, UndecidedStatistics};
 use zeroset_scene::blank::Blank;
 use zeroset_scene::domain::AutoDomain;
-use zeroset_scene::view::{self, DomainChoice};
+use zeroset_scene::view::{self, Clipping, DomainChoice};
 use zeroset_shade::{LinearRgb, Pattern};
 use zeroset_space::Region;
-use zeroset_syntax::SrgbColor;
+use zeroset_syntax::{Document, SrgbColor};
 use zeroset_trace::{DEPTH, check_depth};
 
 /// Half the side of the cube that is drawn if the search for a domain runs out of time.
@@ -46,30 +46,9 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     let around =
         Overlay::asked(arguments.shading.axes, arguments.shading.legend, &subject.document);
     let document = &subject.document;
-    let choose = || -> Result<_> {
-        let wanted = settings.has_time_to_choose();
-        let found = view::region_while(&mut None, document, subject.domain, cut, &wanted)?;
-        let (region, searched) = if let Some(found) = found {
-            found
-        } else {
-            let [low, high] = [-FALLBACK_HALF_SIDE, FALLBACK_HALF_SIDE];
-            notes::note(&format!(
-                "no domain was found in time: x, y, z in {low}..{high} are drawn; --domain says \
-                 where to look"
-            ));
-            let anywhere = DomainChoice::Bounds([low, high, low, high, low, high]);
-            view::region(document, anywhere, cut)?
-        };
-        Ok((region, searched, Model::simplified(document, &region, &settings)?))
-    };
     let threads = arguments.tracing.threads;
-    let pool = thread_pool(threads)?;
-    let (region, searched, model) = pool.install(choose)?;
-    let (model, pool) = match compiled::compiled(model, document, &settings, pool)? {
-        Compiled::InTime(model, pool) => (model, pool),
-        // All threads of the other pool may be busy.
-        Compiled::Late(model) => (model, thread_pool(threads)?),
-    };
+    let (region, searched) = chosen(&subject, cut, &settings, threads)?;
+    let (model, pool) = modeled(document, &region, &settings, threads)?;
     let draw = || -> Result<_> {
         let camera = framing::camera(&model, document, &choice, &settings, around.axes)?;
         let seen = document.surfaces.iter().filter(|surface| !surface.hidden).count();
@@ -102,6 +81,52 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     }
     let undecided = picture.statistics.pixels.undecided > 0;
     Ok(if arguments.strict && undecided { ExitCode::from(UNDECIDED) } else { ExitCode::SUCCESS })
+}
+
+/// The region of a picture, and the result of the search for it. If the search finds no region
+/// within a quarter of the budget, a cube about the origin.
+fn chosen(
+    subject: &Subject,
+    cut: Clipping,
+    settings: &Settings,
+    threads: Option<usize>,
+) -> Result<(Region, Option<AutoDomain>)> {
+    let (document, domain) = (subject.document.clone(), subject.domain);
+    let needs_search = view::needs_search(&document, domain);
+    let wanted = settings.has_time_to_choose();
+    let search = move || Ok(view::region_while(&mut None, &document, domain, cut, &wanted)?);
+    let limit = settings.time_left().filter(|_| needs_search).map(|left| left / 4);
+    if let Some((Some(found), _)) = within(limit, thread_pool(threads)?, search)? {
+        return Ok(found);
+    }
+    let [low, high] = [-FALLBACK_HALF_SIDE, FALLBACK_HALF_SIDE];
+    notes::note(&format!(
+        "no domain was found in time: x, y, z in {low}..{high} are drawn; --domain says where to \
+         look"
+    ));
+    let anywhere = DomainChoice::Bounds([low, high, low, high, low, high]);
+    Ok(view::region(&subject.document, anywhere, cut)?)
+}
+
+/// The model of a picture, and threads to draw it. If the budget ends before the kernels are
+/// compiled, the model is interpreted. Its picture is what an empty budget leaves: rays that were
+/// not reached.
+fn modeled(
+    document: &Document,
+    region: &Region,
+    settings: &Settings,
+    threads: Option<usize>,
+) -> Result<(Model, ThreadPool)> {
+    let pool = thread_pool(threads)?;
+    let mut model = pool.install(|| Model::simplified(document, region, settings))?;
+    let late = settings.budget.map(|_| model.interpreted(document));
+    let own = settings.clone();
+    let compile = move || Ok(model.compile(&own, &own.has_time())?.then_some(model));
+    match (within(settings.time_left(), pool, compile)?, late) {
+        (Some((Some(model), pool)), _) => Ok((model, pool)),
+        (_, Some(late)) => Ok((late, thread_pool(threads)?)),
+        (_, None) => unreachable!("without a budget, the kernels are compiled"),
+    }
 }
 
 /// Runs `work` with this many threads, or as many as there are processors.

@@ -201,24 +201,11 @@ pub fn region_while(
     cut: impl Into<Clipping>,
     wanted: &dyn Fn() -> bool,
 ) -> Result<Option<(Region, Option<AutoDomain>)>, SceneError> {
-    let (mut ranges, mut searched) = ([None; 3], None);
+    let (mut ranges, mut searched) = (given_ranges(document, choice), None);
     let Clipping { plane, to } = cut.into();
-    let mut is_ball = to == ClipShape::Ball;
-    match (choice, &document.domain) {
-        (DomainChoice::Bounds([x0, x1, y0, y1, z0, z1]), _) => {
-            ranges = [[x0, x1], [y0, y1], [z0, z1]].map(Some);
-        }
-        (DomainChoice::Document, Some(DomainLine::Box(typed))) => {
-            let floats = |(low, high): &(Constant, Constant)| [nearest(low), nearest(high)];
-            ranges = typed.each_ref().map(|range| range.as_ref().map(floats));
-        }
-        (DomainChoice::Document, Some(DomainLine::Ball(radius))) => {
-            let radius = nearest(radius);
-            ranges = [Some([-radius, radius]); 3];
-            is_ball |= to == ClipShape::Auto;
-        }
-        (DomainChoice::Auto, _) | (DomainChoice::Document, None | Some(DomainLine::Auto)) => {}
-    }
+    let is_typed_ball =
+        matches!((choice, &document.domain), (DomainChoice::Document, Some(DomainLine::Ball(_))));
+    let mut is_ball = to == ClipShape::Ball || to == ClipShape::Auto && is_typed_ball;
     if ranges.contains(&None) {
         let Some(mut found) = search_while(search, document, wanted)? else { return Ok(None) };
         let looks_better =
@@ -246,6 +233,31 @@ pub fn region_while(
     let (low, high) = (DVec3::new(x[0], y[0], z[0]), DVec3::new(x[1], y[1], z[1]));
     let region = clipped(low, high, is_ball, plane.or(typed_clip(document)))?;
     Ok(Some((region, searched)))
+}
+
+/// Returns whether [`region`] must search for the surface.
+pub fn needs_search(document: &Document, choice: DomainChoice) -> bool {
+    given_ranges(document, choice).contains(&None)
+}
+
+/// The ranges of x, y and z that are given. `None` for a range to be searched.
+fn given_ranges(document: &Document, choice: DomainChoice) -> [Option<[f64; 2]>; 3] {
+    match (choice, &document.domain) {
+        (DomainChoice::Bounds([x0, x1, y0, y1, z0, z1]), _) => {
+            [[x0, x1], [y0, y1], [z0, z1]].map(Some)
+        }
+        (DomainChoice::Document, Some(DomainLine::Box(typed))) => {
+            let floats = |(low, high): &(Constant, Constant)| [nearest(low), nearest(high)];
+            typed.each_ref().map(|range| range.as_ref().map(floats))
+        }
+        (DomainChoice::Document, Some(DomainLine::Ball(radius))) => {
+            let radius = nearest(radius);
+            [Some([-radius, radius]); 3]
+        }
+        (DomainChoice::Auto, _) | (DomainChoice::Document, None | Some(DomainLine::Auto)) => {
+            [None; 3]
+        }
+    }
 }
 
 /// The document's own clipping plane.

@@ -135,7 +135,9 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                     && let Some(part) = block.halve(all.rays)
                 {
                     rest.push(part);
-                    layers.iter_mut().for_each(|layer| layer.keep(block, all.rays.width()));
+                    for layer in &mut layers {
+                        layer.keep(block, all.rays.width());
+                    }
                 }
                 if point == MOST || starts.iter().all(|start| start.is_infinite()) || !wanted(0) {
                     break;

@@ -26,7 +26,7 @@ const LEAST_RANGE: f64 = 1e-2;
 /// Uncertainty of the position of a painted point along its ray, in pixels.
 const POINT_UNCERTAINTY: f64 = 0.1;
 /// Number of points that a thread processes between two looks at the time.
-const PART: usize = 32;
+const PART: usize = 8;
 
 /// Everything needed to color a picture: light, surface colors and paint.
 pub(super) struct Coloring<'a> {

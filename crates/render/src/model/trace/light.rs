@@ -71,36 +71,38 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 }
                 None => Painter::new(self.model, buffer, rays, self.advance),
             };
-            let finish = Coloring { appearance: self.appearance(light), painter };
+            let is_seen = buffer.drawn.iter().any(|drawn| drawn.is_finite());
+            let finish = Coloring { appearance: self.appearance(light, is_seen), painter };
             legends = finish.painter.as_ref().map(Painter::legends).unwrap_or_default();
             let is_smoothed = settings.antialias != Pattern::ONE;
             let is_translucent = self.is_translucent();
             let mut behind =
                 vec![false; if is_smoothed && is_translucent { buffer.status.len() } else { 0 }];
-            rgb = match known {
-                Some(known) => known,
-                None => {
-                    let tracers =
-                        if is_translucent { self.tracers(|options| options)? } else { Vec::new() };
-                    let layered = Layered {
-                        rays,
-                        picture: buffer,
-                        only: &[],
-                        tracers: &tracers,
-                        finish: &finish,
-                        side: 1,
-                    };
-                    self.colored(&layered, &mut behind)?
+            rgb = if let Some(known) = known {
+                known
+            } else {
+                let mut tracers = Vec::new();
+                if is_translucent {
+                    tracers = self.tracers(|options| options)?;
                 }
+                let layered = Layered {
+                    rays,
+                    picture: buffer,
+                    only: &[],
+                    tracers: &tracers,
+                    finish: &finish,
+                    side: 1,
+                };
+                self.colored(&layered, &mut behind)?
             };
+            if finish.painter.as_ref().is_some_and(Painter::is_cut) {
+                remarks.push(CUT.to_owned());
+            }
             // Layers are colored as soon as they are traced.
             *(if is_translucent { &mut times.trace } else { &mut times.shade }) += watch.lap();
             if is_smoothed && (self.advance)(0) {
                 edge_rays = self.smooth_edges(rays, buffer, &behind, &finish, &mut rgb)?;
                 times.antialias += watch.lap();
-            }
-            if finish.painter.as_ref().is_some_and(Painter::is_cut) {
-                remarks.push(CUT.to_owned());
             }
         }
         Ok(Lit { rgb, legends, remarks, edge_rays, work })
@@ -179,14 +181,17 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         Ok(work)
     }
 
-    pub(super) fn appearance(&self, light: Light) -> Appearance {
+    /// The light and the colors of surfaces. Unless `is_seen`, no surface is
+    /// painted, and their sides need not be told apart.
+    pub(super) fn appearance(&self, light: Light, is_seen: bool) -> Appearance {
         let settings = self.settings;
         let plain = Appearance::new(self.model.look(settings), light);
         let typed = self.model.setting.background.map(|color| LinearRgb::from_srgb(color.rgb));
         // A hidden surface may not have been compiled.
         let turned = |surface: usize| {
             let known = &self.model.turned[surface];
-            !self.model.styles[surface].hidden
+            is_seen
+                && !self.model.styles[surface].hidden
                 && *known.get_or_init(|| self.is_negative_outside(surface))
         };
         let surface = |(index, style): (usize, &zeroset_syntax::Surface)| {
