@@ -7,9 +7,9 @@ const SPHERE: &str = "x^2+y^2+z^2 = 1";
 
 /// A power-8 Mandelbulb of two iterations, in polar form.
 pub const BULB: &str = "\
-    r = sqrt(x^2+y^2+z^2); a = 8 acos(z/r); b = 8 atan2(y, x)\n\
+    r = sqrt(x^2+y^2+z^2); a = 8.1 acos(z/r); b = 8.1 atan2(y, x)\n\
     u = r^8 sin(a) cos(b) + x; v = r^8 sin(a) sin(b) + y; w = r^8 cos(a) + z\n\
-    s = sqrt(u^2+v^2+w^2); c = 8 acos(w/s); d = 8 atan2(v, u)\n\
+    s = sqrt(u^2+v^2+w^2); c = 8.1 acos(w/s); d = 8.1 atan2(v, u)\n\
     (s^8 sin(c) cos(d) + x)^2 + (s^8 sin(c) sin(d) + y)^2 + (s^8 cos(c) + z)^2 = 4\n";
 
 fn picture(place: &Sandbox, name: &str) -> image::RgbImage {

@@ -246,7 +246,7 @@ impl Query for FindZeros {
 }
 
 impl Query for FindZerosInBranch {
-    const NAME: &'static str = "branches";
+    const NAME: &'static str = "zeros";
     const OUTPUTS: usize = 1;
     type Kind = Intervals;
     type Input<T: Real> = Boxes<T>;
