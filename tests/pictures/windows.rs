@@ -32,7 +32,10 @@ fn rows() -> Vec<Row> {
                 .take_while(|_| text != "\"any\"")
                 .map(|number| number.parse().expect("a number"))
                 .collect();
-            assert!(numbers.len() % 2 == 0 && (text == "\"any\"") == numbers.is_empty(), "{text}");
+            assert!(
+                numbers.len().is_multiple_of(2) && (text == "\"any\"") == numbers.is_empty(),
+                "{text}"
+            );
             numbers.chunks(2).map(|ends| [ends[0], ends[1]]).collect()
         };
         let text = value(table, "text").trim_matches('"').replace("\\n", "\n");

@@ -137,6 +137,9 @@ struct UnboundKernel<Q: Query, T: Real> {
     uniforms: Uniforms,
 }
 
+/// The code of a kernel, and the values that are to be bound to it.
+type ValuedCode<'a, Q, T> = (&'a UnboundKernel<Q, T>, Vec<Interval>);
+
 enum Steps<Q: Query, T: Real> {
     Native(Compiled<Q, T>),
     /// The code is too large to compile, or that of earlier surfaces is.
@@ -376,7 +379,7 @@ impl<T: WholeFloat> Bindings<T> {
         &self,
         slot: &'a Slot<Q, T>,
         form: KernelSource,
-    ) -> Result<Option<(&'a UnboundKernel<Q, T>, Vec<Interval>)>, KernelError> {
+    ) -> Result<Option<ValuedCode<'a, Q, T>>, KernelError> {
         for (slot, hoisted) in slot.iter().zip([true, false]) {
             if slot.get().is_none() {
                 // Code that is not valid for the present values is not even compiled.
