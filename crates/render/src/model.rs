@@ -43,8 +43,8 @@ pub struct Model {
     /// For each surface, whether its negative side faces outward. Computed for the first picture
     /// that shows the surface.
     turned: Vec<OnceLock<bool>>,
-    /// For each surface, whether the region may cut it, if it is a solid: found by kernels in `f32`,
-    /// and in `f64`.
+    /// For each surface, whether the region may cut it, if it is a solid: found by kernels in
+    /// `f32`, and in `f64`.
     cut: Vec<[OnceLock<bool>; 2]>,
 }
 

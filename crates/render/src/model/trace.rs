@@ -185,7 +185,8 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         Ok(work)
     }
 
-    /// The kernel that finds caps. `None` if the surface is no solid, or the region does not cut it.
+    /// The kernel that finds caps. `None` if the surface is no solid, or the region does not cut
+    /// it.
     fn caps(&self, surface: usize) -> Result<Option<&'a dyn Kernel<Enclose, T>>, ProgramError> {
         let model = self.model;
         if model.styles[surface].kind != SurfaceKind::Solid {
