@@ -144,3 +144,41 @@ fn sheets_are_proven_misses_and_equations_keep_them() {
     assert!(all.remarks[0].contains("all of the domain"), "{:?}", all.remarks);
     assert_eq!(statuses(&all)[2], 0);
 }
+
+/// Where a function is 0 on an open set, that set belongs to the solid of `<=`, and not to that of
+/// `<`.
+#[test]
+fn a_strict_solid_leaves_out_what_is_0() {
+    for text in [
+        "max(0,x) < 0",
+        "max(x^2+y^2+z^2-1,0) < 0",
+        "abs(x) < x",
+        "not (max(0,x) >= 0)",
+        "max(0,x) < 0 and y < 0",
+        "0 > max(0,x) or abs(y) < y",
+        "(x^2+y^2+z^2-1)^2 < 0",
+        "x^2+y^2+z^2 < 4 where max(0,z) < 0",
+    ] {
+        assert_eq!(statuses(&seen(text)), [SIDE * SIDE, 0, 0], "{text}");
+    }
+    let eye = [3.1, -5.2, 2.3];
+    expect_same("min(x,0) < 0", "x <= 0", eye);
+    expect_same("max(min(x,0),z) < 0", "x <= 0 and z <= 0", eye);
+    expect_same(
+        "abs(x)+abs(y) < 1 or x^2+y^2+z^2 < 1",
+        "abs(x)+abs(y) <= 1 or x^2+y^2+z^2 <= 1",
+        eye,
+    );
+    expect_same("1 < x^2+y^2+z^2 <= 4 and z < 1", "1 <= x^2+y^2+z^2 <= 4 and z <= 1", eye);
+    let two = |less: &str| {
+        let blocks = [
+            block([[-1.0, 0.0], [-1.0, 1.0], [-1.0, 1.0]]),
+            block([[0.0, 1.0], [-1.0, 1.0], [-1.0, 1.0]]),
+        ];
+        format!("min({}, {}) {less} 0", blocks[0], blocks[1])
+    };
+    expect_same(&two("<"), &two("<="), eye);
+    // If only one of the inequalities is strict, nothing false is claimed.
+    let [_, hits, _] = statuses(&seen("max(0,x) < 0 and y <= 0"));
+    assert_eq!(hits, 0);
+}

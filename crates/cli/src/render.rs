@@ -91,12 +91,15 @@ fn chosen(
     settings: &Settings,
     threads: Option<usize>,
 ) -> Result<(Region, Option<AutoDomain>)> {
-    let (document, domain) = (subject.document.clone(), subject.domain);
-    let needs_search = view::needs_search(&document, domain);
-    let wanted = settings.has_time_to_choose();
+    let domain = subject.domain;
+    let left = settings.time_left().filter(|_| view::needs_search(&subject.document, domain));
+    let pool = thread_pool(threads)?;
+    let Some(left) = left else {
+        return Ok(pool.install(|| view::region(&subject.document, domain, cut))?);
+    };
+    let (document, wanted) = (subject.document.clone(), settings.has_time_to_choose());
     let search = move || Ok(view::region_while(&mut None, &document, domain, cut, &wanted)?);
-    let limit = settings.time_left().filter(|_| needs_search).map(|left| left / 4);
-    if let Some((Some(found), _)) = within(limit, thread_pool(threads)?, search)? {
+    if let Some((Some(found), _)) = within(left / 4, pool, search)? {
         return Ok(found);
     }
     let [low, high] = [-FALLBACK_HALF_SIDE, FALLBACK_HALF_SIDE];
@@ -119,13 +122,15 @@ fn modeled(
 ) -> Result<(Model, ThreadPool)> {
     let pool = thread_pool(threads)?;
     let mut model = pool.install(|| Model::simplified(document, region, settings))?;
-    let late = settings.budget.map(|_| model.interpreted(document));
-    let own = settings.clone();
+    let Some(left) = settings.time_left() else {
+        pool.install(|| model.compile(settings, &|| true))?;
+        return Ok((model, pool));
+    };
+    let (late, own) = (model.interpreted(document), settings.clone());
     let compile = move || Ok(model.compile(&own, &own.has_time())?.then_some(model));
-    match (within(settings.time_left(), pool, compile)?, late) {
-        (Some((Some(model), pool)), _) => Ok((model, pool)),
-        (_, Some(late)) => Ok((late, thread_pool(threads)?)),
-        (_, None) => unreachable!("without a budget, the kernels are compiled"),
+    match within(left, pool, compile)? {
+        Some((Some(model), pool)) => Ok((model, pool)),
+        Some((None, _)) | None => Ok((late, thread_pool(threads)?)),
     }
 }
 

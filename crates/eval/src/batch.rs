@@ -74,7 +74,8 @@ macro_rules! batch {
             }
 
             fn quantity_mut(&mut self, number: usize) -> &mut Lanes<T> {
-                let all: Vec<&mut [Lanes<T>]> = vec![$(self.$quantity.as_mut()),*];
+                let all: [&mut [Lanes<T>]; 0 $(+ { let _ = stringify!($quantity); 1 })*] =
+                    [$(self.$quantity.as_mut()),*];
                 all.into_iter().flatten().nth(number).expect("a quantity of this batch")
             }
         }
@@ -92,7 +93,8 @@ macro_rules! output {
             }
 
             fn mask_mut(&mut self, number: usize) -> &mut u16 {
-                let all: Vec<&mut u16> = vec![$(&mut self.$mask),*];
+                let all: [&mut u16; 0 $(+ { let _ = stringify!($mask); 1 })*] =
+                    [$(&mut self.$mask),*];
                 all.into_iter().nth(number).expect("a mask of this batch")
             }
         }

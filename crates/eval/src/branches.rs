@@ -52,7 +52,7 @@ impl<T: Real> Tape<T> {
         (0..self.steps().len()).any(|index| self.split(index) != Split::Whole)
     }
 
-    /// How a step splits boxes.
+    /// Returns how a step splits boxes.
     fn split(&self, index: usize) -> Split {
         match &self.steps()[index] {
             Step::Apply(op, operands) => {
@@ -163,11 +163,11 @@ impl<V: Copy> Choices<V> {
         split: Split,
     ) -> Enclosure<V> {
         let whole = enclose(m, T::FORMAT, op, operands);
-        let part = |m: &mut M, branch| enclose_branch(m, T::FORMAT, op, operands, branch);
-        let jumps = whole.facts.continuous.not(m, T::FORMAT);
-        if split == Split::Whole || matches!(jumps, Fact::False) {
+        if split == Split::Whole || matches!(whole.facts.continuous, Fact::True) {
             return whole;
         }
+        let part = |m: &mut M, branch| enclose_branch(m, T::FORMAT, op, operands, branch);
+        let jumps = whole.facts.continuous.not(m, T::FORMAT);
         let low = part(m, Branch::Low);
         let mut rest = part(m, Branch::Rest);
         // A pole takes only the last choice, so that jumps have more. The rational form has cleared
@@ -231,8 +231,8 @@ pub struct BranchTest<T: Real> {
 }
 
 impl<T: Real> BranchTest<T> {
-    /// Creates a test from the code of a [tape of branches](Tape::branches). `bind` binds values to
-    /// the tape's parameters. They are `values`, followed by those that select branches.
+    /// Creates a test from the code of a [tape of branches](Tape::branches). `bind` binds `values`
+    /// to the tape's parameters, followed by those that select branches.
     ///
     /// # Errors
     /// The first error of `bind`.

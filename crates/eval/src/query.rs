@@ -140,13 +140,14 @@ pub(crate) fn eval_lanes<Q: Query<Input<T> = Boxes<T>>, T: Real>(
     }
     kernel.eval(&boxes.gathered(lanes), &mut answer);
     let mut spread = Q::Output::<T>::default();
-    for (from, lane) in (0..LANES).filter(|lane| lanes >> lane & 1 == 1).enumerate() {
-        for number in 0..Q::Output::<T>::QUANTITIES {
-            spread.quantity_mut(number)[lane] = answer.quantity(number)[from];
-        }
-        for number in 0..Q::Output::<T>::MASKS {
-            *spread.mask_mut(number) |= (answer.mask(number) >> from & 1) << lane;
-        }
+    let places = || (0..LANES).filter(|lane| lanes >> lane & 1 == 1).enumerate();
+    for number in 0..Q::Output::<T>::QUANTITIES {
+        let (from, to) = (answer.quantity(number), spread.quantity_mut(number));
+        places().for_each(|(k, lane)| to[lane] = from[k]);
+    }
+    for number in 0..Q::Output::<T>::MASKS {
+        let mask = answer.mask(number);
+        *spread.mask_mut(number) = places().map(|(k, lane)| (mask >> k & 1) << lane).sum();
     }
     spread
 }

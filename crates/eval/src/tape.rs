@@ -76,7 +76,7 @@ pub struct Tape<T: Real = f32> {
     /// Bounds that the steps rely on. Their ends are numbers of `T`.
     assumptions: Arc<Assumptions>,
     format: PhantomData<T>,
-    /// Whether the last parameters select branches ([`Tape::branches`]).
+    /// True if the last parameters select branches ([`Tape::branches`]).
     is_by_branches: bool,
     /// Whether ranges were made [coarse](Tape::coarse).
     is_coarse: bool,

@@ -15,7 +15,7 @@ use crate::constant::Constant;
 use crate::derivative::formula;
 use crate::differences::{difference_quotient, linear_roots, shift};
 use crate::graph::{Graph, Node, NodeId};
-use crate::polynomial::{Polynomial, Work, is_defined};
+use crate::polynomial::{self, Polynomial, Work};
 use num_rational::BigRational;
 use num_traits::{One, Zero};
 use std::collections::{BTreeSet, HashMap, HashSet};
@@ -111,7 +111,7 @@ impl Cancellation {
     }
 
     /// Divides a numerator and the bases in `below` by common factors. Returns the new numerator
-    /// and the common factors, or `None` if there are none.
+    /// and the common factors. `None` without a common factor.
     pub fn cancel(
         &mut self,
         graph: &mut Graph,
@@ -446,7 +446,7 @@ fn is_total(graph: &Graph, id: NodeId) -> bool {
         if let Node::Apply(op, operands) = graph.node(id)
             && seen.insert(id)
         {
-            if !is_defined(graph, *op, operands) || seen.len() > TOTAL_LIMIT {
+            if !polynomial::is_total(graph, *op, operands) || seen.len() > TOTAL_LIMIT {
                 return false;
             }
             open.extend(operands.iter());

@@ -81,7 +81,7 @@ impl Polynomial {
             let Node::Apply(op, operands) = graph.node(id) else { continue };
             let is_expanded = match op.row().class {
                 Class::Negation | Class::Sum | Class::Product | Class::Square => true,
-                Class::Power | Class::Quotient => is_defined(graph, *op, operands),
+                Class::Power | Class::Quotient => is_total(graph, *op, operands),
                 _ => false,
             };
             if !is_expanded {
@@ -311,8 +311,8 @@ impl Polynomial {
     }
 }
 
-/// Returns whether an operation is defined for all operands, given those that are constant.
-pub(crate) fn is_defined(graph: &Graph, op: Op, operands: &[NodeId]) -> bool {
+/// Returns whether an operation has a value for all values of the operands that are not constant.
+pub(crate) fn is_total(graph: &Graph, op: Op, operands: &[NodeId]) -> bool {
     let last = operands.last().and_then(|id| graph.exact(*id));
     match op.row().class {
         Class::Quotient => last.is_some_and(|value| !value.is_zero()),

@@ -31,17 +31,21 @@ mod sets;
 mod tests;
 mod thin;
 
+use crate::algebra::neg;
 use crate::graph::{Graph, Node, NodeId};
 use sets::Sets;
 pub(crate) use thin::{is_nonneg, is_thin_zero};
 use zeroset_interval::{Decorated, Facts, Interval, fold};
 
-/// Returns a function for the solid `root` ≤ 0 that is below 0 on faces inside of the solid, and
+/// Returns a function for the solid `root` ≤ 0, or `root` < 0, that is below 0 on faces inside of the solid, and
 /// above 0 on sheets without thickness. Faces are found if they are the same symbolically. The
 /// solid may differ from the given one in a closed set without interior, within `domain` and for
 /// all parameters within `parameters`. The function is added to `graph`. It is −1 if the solid is
 /// all of space, and 1 if the solid has no interior. It is `root` itself if there is nothing to
 /// change, or if it is not proven to be defined everywhere: a face where it ends must stay.
+///
+/// `holds_zeros` tells whether the solid holds the points at which `root` is 0. If that is not
+/// known, a function that may be 0 on an open set is left as it is.
 ///
 /// ```
 /// use zeroset_interval::Interval;
@@ -51,17 +55,33 @@ use zeroset_interval::{Decorated, Facts, Interval, fold};
 /// let mut graph = Graph::new();
 /// let (x, zero) = (graph.variable(Axis::X), graph.integer(0));
 /// let root = graph.apply(Op::Max, &[x, zero]);
-/// assert_eq!(regularize(&mut graph, root, &[Interval::ENTIRE; 3], &[]), x);
+/// assert_eq!(regularize(&mut graph, root, Some(true), &[Interval::ENTIRE; 3], &[]), x);
 /// ```
 pub fn regularize(
     graph: &mut Graph,
     root: NodeId,
+    holds_zeros: Option<bool>,
     domain: &[Interval; 3],
     parameters: &[Interval],
 ) -> NodeId {
     if !is_defined(graph, root, domain, parameters) {
         return root;
     }
+    match holds_zeros {
+        Some(true) => regularized(graph, root, parameters),
+        Some(false) => {
+            // The solid −f ≤ 0 is the complement. It has the same boundary.
+            let opposite = neg(graph, root);
+            let found = regularized(graph, opposite, parameters);
+            if found == opposite { root } else { neg(graph, found) }
+        }
+        None if is_thin_zero(graph, root, parameters) => regularized(graph, root, parameters),
+        None => root,
+    }
+}
+
+/// The function of the solid `root` ≤ 0, which is defined everywhere.
+fn regularized(graph: &mut Graph, root: NodeId, parameters: &[Interval]) -> NodeId {
     let mut sets = Sets::new(graph, root, parameters);
     let set = sets.of_node(root);
     let set = sets.reduce(set);

@@ -90,7 +90,8 @@ impl Program {
                 (true, true) => {
                     let without = without_gaps(&mut symbolic, *root, &parameters);
                     filled[index] = without != *root;
-                    regularize(&mut symbolic, without, &domain, &parameters)
+                    let holds_zeros = document.surfaces[index].holds_zeros;
+                    regularize(&mut symbolic, without, holds_zeros, &domain, &parameters)
                 }
                 (false, _) => *root,
             };
@@ -111,6 +112,7 @@ impl Program {
             nodes_before,
             cleared: solid.iter().map(|_| OnceLock::new()).collect(),
             solid,
+            holds_zeros: holds_zeros(document),
             reduced,
             filled,
         };
@@ -143,10 +145,12 @@ impl Program {
     /// Returns whether the code is valid for `document`. The document may differ from the program's
     /// own document only in parameter values, and only within the assumed bounds.
     pub fn serves(&self, document: &Document) -> bool {
-        let Simplified { typed: before, assumptions, solid: solids, .. } = &*self.store.simplified;
+        let Simplified { typed: before, assumptions, solid: solids, holds_zeros: zeros, .. } =
+            &*self.store.simplified;
         let assumed = document.parameters.iter().map(assumed);
         assumed.eq(assumptions.parameters.iter().copied())
             && solid(document) == *solids
+            && holds_zeros(document) == *zeros
             && typed(document) == *before
     }
 
@@ -332,6 +336,10 @@ fn typed(document: &Document) -> (Graph, Vec<NodeId>) {
     let values: Vec<Constant> =
         document.parameters.iter().map(|parameter| parameter.value.clone()).collect();
     fix_exponents(&document.graph, &surfaces, &values)
+}
+
+fn holds_zeros(document: &Document) -> Vec<Option<bool>> {
+    document.surfaces.iter().map(|surface| surface.holds_zeros).collect()
 }
 
 fn solid(document: &Document) -> Vec<bool> {

@@ -24,6 +24,8 @@ pub(crate) struct Simplified {
     pub nodes_before: usize,
     /// For each surface, whether it bounds a solid.
     pub solid: Vec<bool>,
+    /// For each surface, whether its solid holds the points at which its function is 0.
+    pub holds_zeros: Vec<Option<bool>>,
     /// Whether the function of each surface was replaced by another with the same zeros or, for a
     /// solid, the same boundary of the interior.
     pub reduced: Vec<bool>,

@@ -60,8 +60,8 @@ impl Cell {
 
     /// Returns whether the box has finite, increasing ends on all axes.
     pub fn is_finite(&self) -> bool {
-        let ends = self.low.iter().zip(&self.high);
-        { ends }.all(|(low, high)| low.is_finite() && high.is_finite() && low <= high)
+        let mut ends = self.low.iter().zip(&self.high);
+        ends.all(|(low, high)| low.is_finite() && high.is_finite() && low <= high)
     }
 
     /// Returns whether `other` lies inside this box.

@@ -10,9 +10,8 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
-/// Runs `work` on the threads of `pool` for at most this time, or to its end without a limit.
-/// Returns its result and the pool. `None` if the time ended first: then the pool's threads may
-/// still be busy.
+/// Runs `work` on the threads of `pool` for at most this time. Returns its result and the pool.
+/// `None` if the time ended first: then the pool's threads may still be busy.
 ///
 /// # Errors
 /// If `work` fails, or no thread can be started.
@@ -20,13 +19,10 @@ use std::time::Duration;
 /// # Panics
 /// If `work` panics.
 pub fn within<T: Send + 'static>(
-    limit: Option<Duration>,
+    limit: Duration,
     pool: ThreadPool,
     work: impl FnOnce() -> Result<T> + Send + 'static,
 ) -> Result<Option<(T, ThreadPool)>> {
-    let Some(limit) = limit else {
-        return Ok(Some((pool.install(work)?, pool)));
-    };
     let (sender, receiver) = channel();
     let run = move || {
         let done = pool.install(work);

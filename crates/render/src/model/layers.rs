@@ -25,7 +25,7 @@ const DARK: f32 = 1.0 / 512.0;
 /// counts as another point.
 const PIXELS_BEHIND: f64 = 2.0;
 
-/// How much of a picture's layers is kept at a time.
+/// Limits of the memory for a picture's layers.
 #[derive(Clone, Copy)]
 pub(super) struct BlockLimits {
     /// Largest number of pixels that are traced at a time.
@@ -185,7 +185,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             }
             let share = self.opacity(all.finish, layer, own);
             let is_hidden = 1.0 - self.opacity(all.finish, picture, pixel) < DARK;
-            // All points of a surface have the same opacity, but for those that are left out.
+            // All points of a surface have the same opacity. Points that are left out have none.
             if share > 0.0 && !is_hidden {
                 opacity = share;
                 let color = colors.as_chunks().0[own];

@@ -145,7 +145,7 @@ pub(super) struct RenderPass<'a, T> {
     overview: Option<&'a Overview>,
     /// The rows of a strip that are kept. `None` for all.
     pub own: Option<Range<usize>>,
-    /// How much of the layers of translucent surfaces is kept at a time.
+    /// Limits of the memory for translucent surfaces.
     pub block: BlockLimits,
     floats: PhantomData<fn() -> T>,
 }

@@ -52,8 +52,8 @@ pub fn bounds(search: &CellSearch<'_>) -> Option<Cell> {
 struct Side<'a> {
     axis: usize,
     is_high: bool,
-    /// Whether half-spaces are split where the other coordinates are 0. Intervals
-    /// prove |x| + |y| ≤ 1 bounded without that, but not x + y ≤ 1 and x − y ≤ 1.
+    /// True if half-spaces are split where the other coordinates are 0. Intervals prove |x| + |y| ≤
+    /// 1 bounded without that, but not x + y ≤ 1 and x − y ≤ 1.
     is_split: &'a mut bool,
 }
 
@@ -135,6 +135,7 @@ fn place(rank: i64) -> f64 {
 mod tests {
     use super::*;
     use crate::program::Program;
+    use fastrand::Rng;
     use std::cell::Cell as Counter;
     use zeroset_interval::Interval;
     use zeroset_syntax::{Options, read};
@@ -174,36 +175,22 @@ mod tests {
         }
     }
 
-    /// Numbers that look random, from a seed.
-    struct Random(u64);
-
-    impl Random {
-        fn below(&mut self, count: u64) -> u64 {
-            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-            (self.0 >> 33) % count
-        }
-
-        fn share(&mut self) -> f64 {
-            self.below(1 << 30) as f64 / (1 << 30) as f64
-        }
-
-        /// A condition that keeps one side of a plane, cylinder, ball or wave.
-        fn condition(&mut self) -> String {
-            let axes = ["x", "y", "z"];
-            let k = self.below(3) as usize;
-            let [a, b, c] = [axes[k], axes[(k + 1) % 3], axes[(k + 2) % 3]];
-            let [m, n] = [self.below(9) as i64 - 4, self.below(9) as i64 + 1];
-            match self.below(9) {
-                0 => format!("{a} >= {m}"),
-                1 => format!("{a} <= {n}"),
-                2 => format!("abs({a}-({m})) <= {n}"),
-                3 => format!("({a}-({m}))^2+{b}^2 <= {n}"),
-                4 => format!("{a}+{n}{b} <= {m}"),
-                5 => format!("{c} <= {n}*exp(-{a}^2-{b}^2)"),
-                6 => format!("{a}^2+{b}^2+{c}^2 <= {n}"),
-                7 => format!("{a}+{n}{b} <= {n} and {a}-{b} <= {m} and {a} >= {m}"),
-                _ => format!("{a} <= sin({n}{b})+({m})*cos({c})"),
-            }
+    /// A condition that keeps one side of a plane, cylinder, ball or wave.
+    fn condition(random: &mut Rng) -> String {
+        let axes = ["x", "y", "z"];
+        let k = random.usize(..3);
+        let [a, b, c] = [axes[k], axes[(k + 1) % 3], axes[(k + 2) % 3]];
+        let [m, n] = [random.i64(-4..=4), random.i64(1..=9)];
+        match random.u32(..9) {
+            0 => format!("{a} >= {m}"),
+            1 => format!("{a} <= {n}"),
+            2 => format!("abs({a}-({m})) <= {n}"),
+            3 => format!("({a}-({m}))^2+{b}^2 <= {n}"),
+            4 => format!("{a}+{n}{b} <= {m}"),
+            5 => format!("{c} <= {n}*exp(-{a}^2-{b}^2)"),
+            6 => format!("{a}^2+{b}^2+{c}^2 <= {n}"),
+            7 => format!("{a}+{n}{b} <= {n} and {a}-{b} <= {m} and {a} >= {m}"),
+            _ => format!("{a} <= sin({n}{b})+({m})*cos({c})"),
         }
     }
 
@@ -211,15 +198,15 @@ mod tests {
     fn no_surface_lies_beyond_its_bounds() {
         let seed = 20_261_126;
         println!("seed {seed}");
-        let (mut random, mut ends, mut near, mut empty) = (Random(seed), 0, 0, 0);
+        let (mut random, mut ends, mut near, mut empty) = (Rng::with_seed(seed), 0, 0, 0);
         for _ in 0..150 {
-            let mut text = random.condition();
-            for _ in 0..random.below(4) {
-                let word = if random.below(4) == 0 { "or" } else { "and" };
-                text = format!("({text}) {word} ({})", random.condition());
+            let mut text = condition(&mut random);
+            for _ in 0..random.u32(..4) {
+                let word = if random.u32(..4) == 0 { "or" } else { "and" };
+                text = format!("({text}) {word} ({})", condition(&mut random));
             }
             // Beyond each end, and a hair inside of it.
-            let shares: Vec<f64> = (0..300).map(|_| random.share()).collect();
+            let shares: Vec<f64> = (0..300).map(|_| random.f64()).collect();
             let places = |cell: &Cell| {
                 let mut all = Vec::new();
                 for axis in 0..3 {

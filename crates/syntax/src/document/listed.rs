@@ -68,6 +68,7 @@ impl DocumentReader<'_> {
             // A solid's function has a value everywhere: a positive one outside the solid.
             root: or_outside(&mut graph, &mut Vec::new(), &Moves::default(), root, 1),
             kind: SurfaceKind::Solid,
+            holds_zeros: Some(true),
             span,
             echo: format!("{shown} <= 0"),
             color: None,

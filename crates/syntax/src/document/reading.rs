@@ -8,6 +8,7 @@ use crate::document::listed::{self, is_expression_list};
 use crate::document::recursion::no_recursion;
 use crate::lex::spelling::short_name;
 use crate::limits::Limits;
+use crate::lower::condition::holds_zeros;
 use crate::lower::constant::near_integers;
 use crate::lower::lowering::Lowering;
 use crate::messages::error::{Error, ErrorKind, Errors, Fallible, MAX_ERRORS};
@@ -76,6 +77,9 @@ pub struct Surface {
     pub root: NodeId,
     /// Kind: an equation or a solid.
     pub kind: SurfaceKind,
+    /// For a solid, whether it holds the points at which its function is 0. This matters where the
+    /// function is 0 on an open set. `None` if the condition has both `<` and `<=`.
+    pub holds_zeros: Option<bool>,
     /// Place of the statement in the text.
     pub span: Span,
     /// The statement as it was read, in standard notation.
@@ -502,6 +506,7 @@ fn surface<'a>(lowering: &mut Lowering<'a>, built: &'a BuiltStatement) -> Fallib
     Ok(Surface {
         root,
         kind,
+        holds_zeros: holds_zeros(std::iter::once(expr).chain(restrictions)),
         span: built.span,
         echo: echo(expr, restrictions),
         color: None,

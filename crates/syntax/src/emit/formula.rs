@@ -3,7 +3,9 @@
 use super::notation::{Notation, notation};
 use super::number::described;
 use super::{EmitError, Format, function, parameter_error};
-use crate::document::reading::{Document, Options, Parameter, ParameterKind, SurfaceKind, read};
+use crate::document::reading::{
+    Document, Options, Parameter, ParameterKind, Surface, SurfaceKind, read,
+};
 use crate::lower::builders::Moves;
 use crate::lower::condition::extend_total;
 use std::fmt::Write as _;
@@ -313,7 +315,7 @@ impl Writer<'_> {
             .surfaces
             .iter()
             .zip(drawn)
-            .map(|(surface, piece)| (surface.span.start, self.surface(surface.kind, piece)))
+            .map(|(surface, piece)| (surface.span.start, self.surface(surface, piece)))
             .collect();
         let settings: Vec<(usize, String)> = match self.format {
             Format::Zset => self
@@ -338,9 +340,11 @@ impl Writer<'_> {
         Err(self.missing("a line about the picture that uses a name of the text"))
     }
 
-    fn surface(&self, kind: SurfaceKind, piece: &Piece) -> String {
+    fn surface(&self, surface: &Surface, piece: &Piece) -> String {
+        let Surface { kind, holds_zeros, .. } = *surface;
         let tex = self.format == Format::Tex;
         match kind {
+            SurfaceKind::Solid if holds_zeros == Some(false) => format!("{} < 0", piece.text),
             SurfaceKind::Solid => format!("{} {} 0", piece.text, if tex { "\\le" } else { "<=" }),
             // A name or a call before a single `=` could be read as a definition.
             SurfaceKind::Equation if piece.precedence == Precedence::Atom && tex => {

@@ -235,6 +235,21 @@ fn strictness(condition: &Expr, negated: bool) -> Option<Vec<bool>> {
     }
 }
 
+/// Returns whether a solid with these conditions holds the points at which its function is 0.
+/// `None` if that differs between its inequalities.
+pub(crate) fn holds_zeros<'a>(conditions: impl Iterator<Item = &'a Expr>) -> Option<bool> {
+    fn all(condition: &Expr) -> Vec<bool> {
+        match &condition.kind {
+            // A condition with `!=` beside inequalities only removes points.
+            ExprKind::And(items) => items.iter().flat_map(all).collect(),
+            _ => strictness(condition, false).unwrap_or_default(),
+        }
+    }
+    let strict: Vec<bool> = conditions.flat_map(all).collect();
+    let first = *strict.first().unwrap_or(&false);
+    strict.iter().all(|strict| *strict == first).then_some(!first)
+}
+
 /// Returns whether one margin can express a condition: all its inequalities are strict, or none is.
 pub(crate) fn has_one_sign(condition: &Expr) -> bool {
     strictness(condition, false).is_some_and(|all| all.windows(2).all(|pair| pair[0] == pair[1]))

@@ -1,4 +1,4 @@
-//! Layers that are found in small blocks equal those that are found at once.
+//! Layers found in small blocks equal layers found at once.
 
 use super::super::Model;
 use super::super::trace::RenderPass;

@@ -181,8 +181,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         Ok(work)
     }
 
-    /// The light and the colors of surfaces. Unless `is_seen`, no surface is
-    /// painted, and their sides need not be told apart.
+    /// The light and the colors of surfaces. Unless `is_seen`, no surface is painted, and their
+    /// sides need not be told apart.
     pub(super) fn appearance(&self, light: Light, is_seen: bool) -> Appearance {
         let settings = self.settings;
         let plain = Appearance::new(self.model.look(settings), light);
