@@ -177,8 +177,9 @@ pub struct RenderArgs {
     /// Stop searching for surfaces after this time; unreached pixels are undecided and not drawn
     ///
     /// Time counts from the start of the command, or of each frame. Choosing the domain and
-    /// choosing the camera take at most a quarter of the remaining time each. Compiling kernels,
-    /// coloring what was found, and finding a sequence's domain are not cut short.
+    /// choosing the camera take at most a quarter of the remaining time each. Colors that are not
+    /// computed by then are missing. Kernels that only some rays need are waited for; so are the
+    /// kernels and the domain of a sequence.
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     pub budget: Option<f64>,
 
