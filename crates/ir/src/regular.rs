@@ -37,12 +37,13 @@ use sets::Sets;
 pub(crate) use thin::{is_nonneg, is_thin_zero};
 use zeroset_interval::{Decorated, Facts, Interval, fold};
 
-/// Returns a function for the solid `root` ≤ 0, or `root` < 0, that is below 0 on faces inside of the solid, and
-/// above 0 on sheets without thickness. Faces are found if they are the same symbolically. The
-/// solid may differ from the given one in a closed set without interior, within `domain` and for
-/// all parameters within `parameters`. The function is added to `graph`. It is −1 if the solid is
-/// all of space, and 1 if the solid has no interior. It is `root` itself if there is nothing to
-/// change, or if it is not proven to be defined everywhere: a face where it ends must stay.
+/// Returns a function for the solid `root` ≤ 0, or `root` < 0, that is below 0 on faces inside of
+/// the solid, and above 0 on sheets without thickness. Faces are found if they are the same
+/// symbolically. The solid may differ from the given one in a closed set without interior, within
+/// `domain` and for all parameters within `parameters`. The function is added to `graph`. It is −1
+/// if the solid is all of space, and 1 if the solid has no interior. It is `root` itself if there
+/// is nothing to change, or if it is not proven to be defined everywhere: a face where it ends must
+/// stay.
 ///
 /// `holds_zeros` tells whether the solid holds the points at which `root` is 0. If that is not
 /// known, a function that may be 0 on an open set is left as it is.
