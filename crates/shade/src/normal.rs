@@ -1,5 +1,9 @@
 //! Normals of painted points. They are computed after the traversal, and only for painted pixels.
 //!
+//! For a hit, the gradient is taken at the painted point. If it may have another direction at the
+//! zero, the zero is found in `f64`, if the picture's precision allows it, and the gradient is taken
+//! there. If the zero is a multiple one, normals beside it are averaged.
+//!
 //! For an undecided pixel, the gradient is taken half a pixel before the painted point: where f
 //! only touches 0, the gradient at the point is 0. A gradient may not exist (NaN, infinite or zero)
 //! at a crease, a cusp or the edge of the domain of definition. Then several substitutes are tried,
@@ -7,14 +11,16 @@
 //! farther along the ray; central differences over growing steps; the direction to the eye. So a
 //! normal is never NaN.
 
+mod at_roots;
 mod gradients;
 
 use crate::shade::{ColoredRows, ShadingInput};
+use at_roots::{Start, gradients_at_roots, mean_normal};
 use glam::DVec3;
 use zeroset_eval::{Kernel, Kernels, LANES, Points, Real, Sample, SampleGradient};
 use zeroset_space::Ray;
 use zeroset_trace::painted::SHADED_ROWS;
-use zeroset_trace::{GBuffer, KernelStats, RayGrid, Rows};
+use zeroset_trace::{GBuffer, KernelStats, RayGrid, Rows, Status};
 
 /// The kernel that normals are computed with.
 #[derive(Clone, Copy)]
@@ -63,6 +69,9 @@ pub fn normals<T: Real>(
 struct Rest {
     ray: Ray,
     step: f64,
+    /// The starts of searches for the zero, if the pixel is a hit: on the ray itself, then on four
+    /// rays within the pixel.
+    starts: Option<[Start; 5]>,
 }
 
 /// The normals of some rows.
@@ -99,16 +108,24 @@ impl<T: Real> NormalSource<'_, T> {
         mut canvas: Option<ColoredRows<'_>>,
     ) -> KernelStats {
         let mut work = KernelStats::default();
-        let start = rows.pixels().start;
+        let start_of_rows = rows.pixels().start;
         let windows = rows.windows();
         let (kept, columns) = rows.columns();
         let seen = ShadingInput { columns, paint: &[] };
         let mut normals = BandNormals { kept, own: Vec::new(), pixels: seen.columns.drawn.len() };
         let open = self.of_band(&seen, &mut normals, rays, &windows, canvas.as_mut(), &mut work);
         let rest = |pixel: usize| {
-            let ray = rays.ray_of(start + pixel);
+            let ray = rays.ray_of(start_of_rows + pixel);
             let t = ray.parameter(seen.columns.drawn[pixel]);
-            Rest { ray: Ray { origin: ray.at(t), ..ray }, step: ray.parameter(step) }
+            let width = rays.footprint(t);
+            let start = |ray: Ray| Start { ray: Ray { origin: ray.at(t), ..ray }, pixel: width };
+            let is_hit = seen.columns.status[pixel] == Status::Hit;
+            let starts = is_hit.then(|| {
+                let [a, b, c, d] = rays.rays_within(start_of_rows + pixel);
+                [ray, a, b, c, d].map(start)
+            });
+            let step = ray.parameter(step);
+            Rest { ray: Ray { origin: ray.at(t), ..ray }, step, starts }
         };
         for open in open.chunks(BATCH) {
             let rests: Vec<Rest> = open.iter().map(|&pixel| rest(pixel)).collect();
@@ -129,6 +146,7 @@ impl<T: Real> NormalSource<'_, T> {
         if let Self::Refined { double, .. } = self
             && let Ok(kernel) = double.gradients()
         {
+            at_roots(kernel, rests, &mut normals, work);
             fill(&mut normals, |open| gradients(kernel, open.iter().map(|&k| points[k]), work));
         }
         if let Self::Gradient(kernel) | Self::Refined { kernel, .. } = self {
@@ -225,11 +243,35 @@ fn fill(normals: &mut [Option<[f32; 3]>], vectors: impl FnOnce(&[usize]) -> Vec<
     }
 }
 
+/// Fills in the normals of hits at their zeros.
+fn at_roots(
+    kernel: &dyn Kernel<SampleGradient, f64>,
+    rests: &[Rest],
+    normals: &mut [Option<[f32; 3]>],
+    work: &mut KernelStats,
+) {
+    let hits: Vec<usize> = (0..rests.len()).filter(|&k| rests[k].starts.is_some()).collect();
+    let starts = |k: usize| rests[k].starts.as_ref().expect("a hit");
+    let first: Vec<Start> = hits.iter().map(|&k| starts(k)[0]).collect();
+    for (&k, found) in hits.iter().zip(gradients_at_roots(kernel, &first, work)) {
+        normals[k] = found.and_then(unit).or_else(|| mean_normal(kernel, &starts(k)[1..], work));
+    }
+}
+
 fn gradients<T: Real>(
     kernel: &dyn Kernel<SampleGradient, T>,
     points: impl Iterator<Item = DVec3>,
     work: &mut KernelStats,
 ) -> Vec<DVec3> {
+    gradients_and_values(kernel, points, work).into_iter().map(|(_, gradient)| gradient).collect()
+}
+
+/// Samples of the function and its gradient at points.
+fn gradients_and_values<T: Real>(
+    kernel: &dyn Kernel<SampleGradient, T>,
+    points: impl Iterator<Item = DVec3>,
+    work: &mut KernelStats,
+) -> Vec<(f64, DVec3)> {
     let points: Vec<DVec3> = points.collect();
     let batches = Points::near(&points);
     for batch in &batches {
@@ -239,7 +281,8 @@ fn gradients<T: Real>(
     (0..points.len())
         .map(|k| {
             let gradient = out[k / LANES].gradient.each_ref();
-            DVec3::from_array(gradient.map(|axis| axis[k % LANES].into()))
+            let value: f64 = out[k / LANES].value[k % LANES].into();
+            (value, DVec3::from_array(gradient.map(|axis| axis[k % LANES].into())))
         })
         .collect()
 }

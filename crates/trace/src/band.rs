@@ -18,6 +18,7 @@ pub struct Band<'a> {
     pub(crate) open_from: &'a mut [f64],
     pub(crate) drawn: &'a mut [f64],
     pub(crate) bracket: &'a mut [[f64; 2]],
+    pub(crate) uneven: &'a mut [bool],
     /// Whether each pixel is wanted, row by row. If empty, all are wanted.
     pub(crate) only: &'a [bool],
     /// Results of surfaces traced before this one: each pixel's status, and the distance of its
@@ -123,12 +124,20 @@ impl Band<'_> {
     }
 
     /// As [`Band::add`], for a hit whose bracket is from `distance − off` to `distance + off`.
+    /// `uneven` is for [`GBuffer::uneven`](crate::GBuffer::uneven).
     #[inline]
-    pub fn add_hit(&mut self, column: usize, row: usize, distance: f64, off: f64) {
+    pub fn add_hit(
+        &mut self,
+        column: usize,
+        row: usize,
+        [distance, off]: [f64; 2],
+        uneven: bool,
+    ) {
         let pixel = row * self.width + column;
         if self.status[pixel] == Status::Miss {
             self.count(1);
             (self.status[pixel], self.drawn[pixel]) = (Status::Hit, distance);
+            self.uneven[pixel] = uneven;
             if let Some(bracket) = self.bracket.get_mut(pixel) {
                 // The bracket is extended by the rounding of the distance.
                 let off = off + LENGTH_ERROR * distance.abs();
@@ -139,9 +148,14 @@ impl Band<'_> {
         }
     }
 
+    /// Marks a pixel as [uneven](crate::GBuffer::uneven).
+    pub fn mark_uneven(&mut self, column: usize, row: usize) {
+        self.uneven[row * self.width + column] = true;
+    }
+
     /// As [`Band::add_hit`], for a square of 4×4 pixels whose first pixel is in this column and
-    /// row. If one of the pixels already has a result or the band keeps brackets, writes nothing
-    /// and returns `false`.
+    /// row, of which none is uneven. If one of the pixels already has a result or the band keeps
+    /// brackets, writes nothing and returns `false`.
     #[inline]
     pub fn add_square_of_hits(
         &mut self,

@@ -75,6 +75,9 @@ pub struct GBuffer {
     /// Distance of the painted point from the ray's origin, in world units. Infinite if nothing is
     /// painted, as in every miss. Finite in every hit. With `f32` kernels, about 24 bits are right.
     pub drawn: Vec<f64>,
+    /// Whether the direction of the gradient may change between the painted point of a hit and its
+    /// zero, as near a multiple zero. Then the gradient at the painted point is no good normal.
+    pub uneven: Vec<bool>,
     /// Id of the painted surface. Meaningless if nothing is painted.
     pub surface: SurfaceIds,
     /// Unit normal at the painted point, toward f > 0. Meaningless if nothing is painted or normals
@@ -203,6 +206,7 @@ impl GBuffer {
         resize(&mut self.reason, pixels, UndecidedReason::None);
         resize(&mut self.open_from, pixels, 0.0);
         resize(&mut self.drawn, pixels, 0.0);
+        resize(&mut self.uneven, pixels, false);
         resize(&mut self.normal, if kept.normals { pixels } else { 0 }, [0.0; 3]);
         resize(&mut self.cap, if kept.caps { pixels } else { 0 }, false);
         self.shadow.clear();
@@ -293,6 +297,7 @@ impl GBuffer {
         keep(&mut self.bracket, pixels);
         keep(&mut self.open_from, pixels);
         keep(&mut self.drawn, pixels);
+        keep(&mut self.uneven, pixels);
         self.surface.crop(pixels);
         keep(&mut self.normal, pixels);
         keep(&mut self.cap, pixels);
@@ -371,6 +376,7 @@ impl GBuffer {
             }
         }
         self.drawn[pixel] = other.drawn[pixel];
+        self.uneven[pixel] = other.uneven[pixel];
         self.surface.set(pixel, other.surface[pixel], self.status.len());
         take(&mut self.normal, &other.normal, pixel);
         take(&mut self.cap, &other.cap, pixel);

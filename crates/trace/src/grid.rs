@@ -173,7 +173,14 @@ impl RayGrid {
     /// errors of rays.
     #[inline]
     pub fn ray(&self, i: usize, j: usize) -> Ray {
-        let [across, upward] = self.offset(i, j).map(|offset| offset * self.unit);
+        self.through(self.offset(i, j))
+    }
+
+    /// The ray through a place, which is relative to the picture's middle. The unit is half a
+    /// pixel.
+    #[inline]
+    fn through(&self, place: [f64; 2]) -> Ray {
+        let [across, upward] = place.map(|offset| offset * self.unit);
         let Basis { forward, right, up } = self.basis;
         let offset = across * right + upward * up;
         if self.parallel {
@@ -240,6 +247,15 @@ impl RayGrid {
             Some(patch) => (patch.column + i % SIDE, patch.row + i / SIDE),
             None => (i, j),
         }
+    }
+
+    /// Four rays within a pixel: a third of its width to the left and right of the center, below
+    /// and above it.
+    pub fn rays_within(&self, index: usize) -> [Ray; 4] {
+        let [across, upward] = self.offset(index % self.width, index / self.width);
+        let third = 2.0 / 3.0;
+        [[-third, 0.0], [third, 0.0], [0.0, -third], [0.0, third]]
+            .map(|[x, y]| self.through([across + x, upward + y]))
     }
 
     /// The ray of the pixel with this index, counted row by row from the top.

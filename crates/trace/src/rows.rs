@@ -26,6 +26,7 @@ pub struct Rows<'a> {
     pub(crate) bracket: &'a mut [[f64; 2]],
     pub(crate) open_from: &'a mut [f64],
     pub(crate) drawn: &'a mut [f64],
+    pub(crate) uneven: &'a mut [bool],
     /// Ids of the painted surfaces; meaningless for other pixels.
     pub(crate) surface: SurfaceIdSlice<'a>,
     /// Empty if normals are not kept.
@@ -43,6 +44,8 @@ pub struct Columns<'a> {
     pub status: &'a [Status],
     /// Distances of painted points: [`GBuffer::drawn`].
     pub drawn: &'a [f64],
+    /// Whether gradients change near painted points: [`GBuffer::uneven`].
+    pub uneven: &'a [bool],
     /// Ids of painted surfaces: [`GBuffer::surface`].
     pub surface: SurfaceIdSlice<'a>,
     /// Normals: [`GBuffer::normal`]; may be empty.
@@ -64,6 +67,7 @@ impl GBuffer {
         Columns {
             status: &self.status[pixels.clone()],
             drawn: &self.drawn[pixels.clone()],
+            uneven: &self.uneven[pixels.clone()],
             surface: self.surface.part(pixels.clone()),
             normal: &self.normal[pixels.clone()],
             cap: self.cap.get(pixels.clone()).unwrap_or_default(),
@@ -96,6 +100,7 @@ impl GBuffer {
         let mut reason = self.reason.chunks_mut(size);
         let mut open_from = self.open_from.chunks_mut(size);
         let mut drawn = self.drawn.chunks_mut(size);
+        let mut uneven = self.uneven.chunks_mut(size);
         let surface = &self.surface;
         let mut normal = self.normal.chunks_mut(size);
         let mut cap = self.cap.chunks_mut(size);
@@ -109,6 +114,7 @@ impl GBuffer {
             bracket: bracket.next().unwrap_or_default(),
             open_from: open_from.next().unwrap_or_default(),
             drawn: drawn.next().unwrap_or_default(),
+            uneven: uneven.next().unwrap_or_default(),
             surface: surface.part(part * size..pixels.min((part + 1) * size)),
             normal: normal.next().unwrap_or_default(),
             cap: cap.next().unwrap_or_default(),
@@ -191,6 +197,7 @@ impl Rows<'_> {
                 drawn.fill(f64::INFINITY);
             }
         }
+        self.uneven.fill(false);
         self.bracket.fill([f64::NAN; 2]);
         self.cap.fill(false);
         self.shadow.fill(0);
@@ -213,6 +220,7 @@ impl Rows<'_> {
         let columns = Columns {
             status: self.status,
             drawn: self.drawn,
+            uneven: self.uneven,
             surface: self.surface,
             normal: &[],
             cap: self.cap,
@@ -244,6 +252,7 @@ impl Rows<'_> {
             open_from: &mut *self.open_from,
             drawn: &mut *self.drawn,
             bracket: &mut *self.bracket,
+            uneven: &mut *self.uneven,
             only,
             before,
             advance,

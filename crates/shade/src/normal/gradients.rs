@@ -52,7 +52,7 @@ struct BandGradients<'a, 'c, 'n, T: Real> {
     seen: &'a ShadingInput<'a>,
     normals: &'a mut BandNormals<'n>,
     canvas: Option<&'a mut ColoredRows<'c>>,
-    /// Pixels without a gradient.
+    /// Pixels whose normals are not found.
     open: Vec<usize>,
     work: &'a mut KernelStats,
 }
@@ -92,7 +92,7 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
                 let (mut units, mut found) = (zero, 0);
                 if open[k] != 0 {
                     (units, found) = self::units(simd, &gradients[k].gradient);
-                    found &= open[k];
+                    found &= open[k] & !self.uneven(window);
                 }
                 self.finish(simd, window, open[k], (to_eye, units), found);
             }
@@ -107,6 +107,13 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
         }
         let cap = *window.load(self.seen.columns.cap, &mut [false; LANES]);
         bits(|lane| cap[lane])
+    }
+
+    /// The lanes of a window whose gradients change near the painted point.
+    #[inline(always)]
+    fn uneven(&self, window: PixelWindow) -> u32 {
+        let uneven = *window.load(self.seen.columns.uneven, &mut [false; LANES]);
+        bits(|lane| uneven[lane])
     }
 
     /// Stores the normals of the lanes in `found`. The lanes in `open` need a normal. Paints the

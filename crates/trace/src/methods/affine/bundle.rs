@@ -68,7 +68,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         if classes.short != 0 {
             self.open[patch.index] &= !classes.short;
             let found = self.between(&patch);
-            self.write_hits(&patch, classes.short, &found);
+            self.write_hits(&patch, classes.short, classes.uneven, &found);
         }
         for bit in ones(classes.open) {
             let ends = self.memory.left(bit);

@@ -1,7 +1,7 @@
 //! Classes of ray segments, by the parts that their evaluation leaves of them.
 
 use super::super::local_ray::CUT;
-use super::narrow::{LINEAR_RATIO, NONLINEAR_SHARE, STALL_RATIO, are_progress};
+use super::narrow::{EVEN_RATIO, LINEAR_RATIO, NONLINEAR_SHARE, STALL_RATIO, are_progress};
 use crate::scalar::Scalar;
 use crate::simd_chunks::parts;
 use fearless_simd::prelude::*;
@@ -31,6 +31,8 @@ pub(super) struct SegmentClasses {
     /// The remaining part is a bracket: its ends have opposite signs, and it is short enough. If
     /// the form was not nearly linear, it must be shorter still.
     pub short: u16,
+    /// Those brackets in which the gradient's direction may change.
+    pub uneven: u16,
     /// The remaining part is much shorter than the segment.
     pub shorter: u16,
     /// The remaining part is cut in two.
@@ -62,9 +64,9 @@ impl<T: Scalar> EvaluatedSegments<T> {
         limits: &LengthLimits<T>,
     ) -> SegmentClasses {
         let LengthLimits { grain, coarse } = *limits;
-        let [stalled, steady, unsteady, share] =
-            [STALL_RATIO, LINEAR_RATIO, NONLINEAR_SHARE, CUT].map(T::nearest);
-        let (mut empty, mut short, mut shorter, mut cut) = (0, 0, 0, 0);
+        let [stalled, steady, even, unsteady, share] =
+            [STALL_RATIO, LINEAR_RATIO, EVEN_RATIO, NONLINEAR_SHARE, CUT].map(T::nearest);
+        let (mut empty, mut short, mut shorter, mut cut, mut uneven) = (0, 0, 0, 0, 0);
         let mut within = if inside.is_some() { 0 } else { u16::MAX };
         let Self { segments, longest } = self;
         for part in parts::<S, T::Vector<S>>(simd, segments.count as usize) {
@@ -80,6 +82,7 @@ impl<T: Scalar> EvaluatedSegments<T> {
             // The first limit is for forms that were nearly linear. The second is for all forms.
             let enough = length.simd_le(longest) & length.simd_le(before * steady);
             short |= part.bits(enough | length.simd_le(longest * unsteady));
+            uneven |= part.bits(length.simd_gt(before * even));
             let much = length.simd_le(before * stalled);
             shorter |= part.bits(much & length.simd_gt(grain));
             let between = length.mul_add(share, near);
@@ -95,6 +98,7 @@ impl<T: Scalar> EvaluatedSegments<T> {
         SegmentClasses {
             empty: live & !left,
             short,
+            uneven: short & uneven,
             shorter,
             cut,
             open: left & !short & !shorter & !cut,

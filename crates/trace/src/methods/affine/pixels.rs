@@ -100,7 +100,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
                     continue;
                 }
                 let found = self.plane_hits(plane, &patch);
-                self.write_hits(&patch, bits, &found);
+                self.write_hits(&patch, bits, 0, &found);
             }
         }
     }
@@ -140,15 +140,17 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
     }
 
     /// Writes a hit in the middle of a bracket, and marks the ray's pixel as finished. The
-    /// distances are computed as in [`Self::between`].
+    /// distances are computed as in [`Self::between`]. `uneven` is for [`Band::add_hit`].
+    ///
+    /// [`Band::add_hit`]: crate::Band::add_hit
     #[inline(always)]
-    pub(super) fn add_hit(&mut self, ray: &TileRay<T>, [near, far]: [f64; 2]) {
+    pub(super) fn add_hit(&mut self, ray: &TileRay<T>, [near, far]: [f64; 2], uneven: bool) {
         let middle = self.frame.start + 0.5 * (near + far);
         let off = 0.5 * (far - near) + ROUNDED * middle.abs();
         let ([column, row], screen) = self.pixel_of(ray);
         let length = self.length(screen);
         self.mark_finished(ray);
-        self.band.add_hit(column, row, middle * length, off * length);
+        self.band.add_hit(column, row, [middle * length, off * length], uneven);
     }
 
     /// Returns the lengths of the directions of a tile's rays.
@@ -168,16 +170,18 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
     }
 
     /// Writes hits on the rays with these bits, at `distance`. Brackets reach `off` to both sides.
+    /// In brackets of rays with a bit in `uneven`, the gradient's direction may change.
     #[inline(always)]
     pub(super) fn write_hits(
         &mut self,
         patch: &TilePixels,
         bits: u16,
+        uneven: u16,
         [distance, off]: &[Lanes<f64>; 2],
     ) {
         let [distance, off] = [distance.as_chunks::<4>().0, off.as_chunks::<4>().0];
         let [column, row] = patch.first;
-        let is_whole = bits == u16::MAX && patch.next == [0, 1];
+        let is_whole = bits == u16::MAX && uneven == 0 && patch.next == [0, 1];
         if is_whole
             && let Some(distance) = distance.first_chunk()
             && self.band.add_square_of_hits(column, row, distance)
@@ -185,9 +189,9 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
             return;
         }
         for bit in ones(bits) {
-            let (distance, off) = (distance[bit / 4][bit % 4], off[bit / 4][bit % 4]);
+            let bracket = [distance[bit / 4][bit % 4], off[bit / 4][bit % 4]];
             let [column, row] = patch.pixel(bit);
-            self.band.add_hit(column, row, distance, off);
+            self.band.add_hit(column, row, bracket, uneven >> bit & 1 == 1);
         }
     }
 
@@ -264,6 +268,8 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
             let found = found.scaled(self.length(screen(lane)));
             let [column, row] = pixels[lane];
             self.band.add(column, row, &found);
+            // Most rays that are followed singly meet the surface where forms are not linear.
+            self.band.mark_uneven(column, row);
         }
     }
 }

@@ -130,7 +130,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         for lane in ones(classes.short) {
             let ends = self.memory.left(lane);
             let (ray, _) = self.memory.pool.free_lane(lane);
-            self.add_hit(&ray, ends.map(Into::into));
+            self.add_hit(&ray, ends.map(Into::into), classes.uneven >> lane & 1 == 1);
         }
         let over = exhausted & self.memory.pool.live & !classes.open;
         for lane in ones(classes.open | over) {
