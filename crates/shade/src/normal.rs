@@ -69,9 +69,10 @@ pub fn normals<T: Real>(
 struct Rest {
     ray: Ray,
     step: f64,
-    /// The starts of searches for the zero, if the pixel is a hit: on the ray itself, then on four
-    /// rays within the pixel.
-    starts: Option<[Start; 5]>,
+    /// The pixel's index in the picture, if it is a hit.
+    hit: Option<usize>,
+    /// The pixel's width at the painted point, in units of the ray's t.
+    width: f64,
 }
 
 /// The normals of some rows.
@@ -117,19 +118,17 @@ impl<T: Real> NormalSource<'_, T> {
         let rest = |pixel: usize| {
             let ray = rays.ray_of(start_of_rows + pixel);
             let t = ray.parameter(seen.columns.drawn[pixel]);
-            let width = rays.footprint(t);
-            let start = |ray: Ray| Start { ray: Ray { origin: ray.at(t), ..ray }, pixel: width };
             let is_hit = seen.columns.status[pixel] == Status::Hit;
-            let starts = is_hit.then(|| {
-                let [a, b, c, d] = rays.rays_within(start_of_rows + pixel);
-                [ray, a, b, c, d].map(start)
-            });
-            let step = ray.parameter(step);
-            Rest { ray: Ray { origin: ray.at(t), ..ray }, step, starts }
+            Rest {
+                ray: Ray { origin: ray.at(t), ..ray },
+                step: ray.parameter(step),
+                hit: is_hit.then_some(start_of_rows + pixel),
+                width: rays.footprint(t),
+            }
         };
         for open in open.chunks(BATCH) {
             let rests: Vec<Rest> = open.iter().map(|&pixel| rest(pixel)).collect();
-            for (&pixel, found) in open.iter().zip(self.of_batch(&rests, step, &mut work)) {
+            for (&pixel, found) in open.iter().zip(self.of_batch(&rests, rays, step, &mut work)) {
                 normals.all()[pixel] = found;
             }
         }
@@ -140,13 +139,19 @@ impl<T: Real> NormalSource<'_, T> {
         work
     }
 
-    fn of_batch(&self, rests: &[Rest], step: f64, work: &mut KernelStats) -> Vec<[f32; 3]> {
+    fn of_batch(
+        &self,
+        rests: &[Rest],
+        rays: &RayGrid,
+        step: f64,
+        work: &mut KernelStats,
+    ) -> Vec<[f32; 3]> {
         let points: Vec<DVec3> = rests.iter().map(|rest| rest.ray.origin).collect();
         let mut normals = vec![None; points.len()];
         if let Self::Refined { double, .. } = self
             && let Ok(kernel) = double.gradients()
         {
-            at_roots(kernel, rests, &mut normals, work);
+            at_roots(kernel, rests, rays, &mut normals, work);
             fill(&mut normals, |open| gradients(kernel, open.iter().map(|&k| points[k]), work));
         }
         if let Self::Gradient(kernel) | Self::Refined { kernel, .. } = self {
@@ -247,14 +252,23 @@ fn fill(normals: &mut [Option<[f32; 3]>], vectors: impl FnOnce(&[usize]) -> Vec<
 fn at_roots(
     kernel: &dyn Kernel<SampleGradient, f64>,
     rests: &[Rest],
+    rays: &RayGrid,
     normals: &mut [Option<[f32; 3]>],
     work: &mut KernelStats,
 ) {
-    let hits: Vec<usize> = (0..rests.len()).filter(|&k| rests[k].starts.is_some()).collect();
-    let starts = |k: usize| rests[k].starts.as_ref().expect("a hit");
-    let first: Vec<Start> = hits.iter().map(|&k| starts(k)[0]).collect();
-    for (&k, found) in hits.iter().zip(gradients_at_roots(kernel, &first, work)) {
-        normals[k] = found.and_then(unit).or_else(|| mean_normal(kernel, &starts(k)[1..], work));
+    let hit = |(k, rest): (usize, &Rest)| Some((k, rest.hit?));
+    let hits: Vec<(usize, usize)> = rests.iter().enumerate().filter_map(hit).collect();
+    let start = |ray: Ray, rest: &Rest| Start { ray, pixel: rest.width };
+    let starts: Vec<Start> = hits.iter().map(|&(k, _)| start(rests[k].ray, &rests[k])).collect();
+    for (&(k, pixel), found) in hits.iter().zip(gradients_at_roots(kernel, &starts, work)) {
+        normals[k] = found.and_then(unit).or_else(|| {
+            // The painted point moves with the ray.
+            let moved = rests[k].ray.origin - rays.ray_of(pixel).origin;
+            let t = moved.dot(rests[k].ray.direction) / rests[k].ray.direction.length_squared();
+            let beside = rays.rays_within(pixel);
+            let beside = beside.map(|ray| start(Ray { origin: ray.at(t), ..ray }, &rests[k]));
+            mean_normal(kernel, &beside, work)
+        });
     }
 }
 

@@ -126,13 +126,7 @@ impl Band<'_> {
     /// As [`Band::add`], for a hit whose bracket is from `distance − off` to `distance + off`.
     /// `uneven` is for [`GBuffer::uneven`](crate::GBuffer::uneven).
     #[inline]
-    pub fn add_hit(
-        &mut self,
-        column: usize,
-        row: usize,
-        [distance, off]: [f64; 2],
-        uneven: bool,
-    ) {
+    pub fn add_hit(&mut self, column: usize, row: usize, [distance, off]: [f64; 2], uneven: bool) {
         let pixel = row * self.width + column;
         if self.status[pixel] == Status::Miss {
             self.count(1);

@@ -17,7 +17,7 @@ const STEPS: usize = 24;
 const REACH: f64 = 4.0;
 /// A zero is found if a step is shorter than this, in pixels. It is a simple zero if the step is
 /// also much shorter than the one before, or below rounding errors.
-const CLOSE: f64 = 1.0 / 256.0;
+const CLOSE: f64 = 1.0 / 4096.0;
 const SHRINKING: f64 = 0.25;
 const ROUNDING: f64 = 1e-6;
 
