@@ -1,0 +1,97 @@
+//! Triangle meshes of surfaces, with proofs that a mesh has the surface's shape.
+//!
+//! A grid of tetrahedra is refined until the shape in it is proven and the mesh is near enough
+//! ([`mesh`]). The mesh is cut out of the tetrahedra along the zeros on their edges.
+
+mod cells;
+mod extract;
+mod grid;
+mod proof;
+mod refine;
+mod space;
+
+use cells::CellKernels;
+use glam::DVec3;
+use refine::{Kind, Limits};
+use space::Space;
+use zeroset_eval::{KernelError, Kernels};
+
+/// Share of the domain's diagonal that is the tolerance, unless another is given.
+pub const TOLERANCE: f64 = 1e-3;
+/// Size of the tetrahedra that are not split for the proof, as a share of the domain's longest edge.
+const FINEST: f64 = 1.0 / 65536.0;
+
+/// The mesh of one surface.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// Places of the vertices, in world units.
+    pub vertices: Vec<DVec3>,
+    /// The vertices of each triangle, counterclockwise from outside, where f > 0.
+    pub triangles: Vec<[u32; 3]>,
+    /// Center and size of each tetrahedron's bounding box in which the shape is not proven.
+    pub unproven: Vec<Unproven>,
+    /// Number of tetrahedra in which the distance between mesh and surface is not proven to be
+    /// within the tolerance.
+    pub far: usize,
+    /// Number of tetrahedra that may hold a part of the surface.
+    pub cells: usize,
+}
+
+/// A tetrahedron in which the shape of the surface is not proven.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unproven {
+    /// Center of its bounding box.
+    pub centre: DVec3,
+    /// The box's extent along each axis.
+    pub size: DVec3,
+}
+
+/// What a mesh is made for.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// The domain's corner with the smallest coordinates.
+    pub low: DVec3,
+    /// The domain's corner with the largest coordinates.
+    pub high: DVec3,
+    /// Largest allowed distance between mesh and surface, in world units.
+    pub tolerance: f64,
+    /// Whether the surface bounds a solid, where f ≤ 0. The mesh then covers the solid's part of
+    /// the domain's boundary.
+    pub is_solid: bool,
+}
+
+/// Returns the mesh of a surface within a domain, or `None` once `wanted` returns false.
+///
+/// If no tetrahedron is [unproven](Mesh::unproven), the mesh is isotopic to the surface, within the
+/// domain. If none is [far](Mesh::far) either, each vertex is within the tolerance of the surface,
+/// and each point of the surface is within it of the mesh.
+///
+/// # Errors
+/// If a kernel is not available.
+pub fn mesh(
+    kernels: &dyn Kernels<f64>,
+    options: &Options,
+    wanted: &dyn Fn() -> bool,
+) -> Result<Option<Mesh>, KernelError> {
+    let &Options { low, high, tolerance, is_solid } = options;
+    let asked = CellKernels { zeros: kernels.zeros()?, gradients: kernels.gradient_bounds()? };
+    let samples = kernels.values()?;
+    let (space, mut grid) = Space::new(low, high);
+    let limits = Limits { tolerance, finest: FINEST * (high - low).max_element() };
+    let refined = refine::refine(asked, samples, &space, &mut grid, limits, is_solid, wanted);
+    let Some(refined) = refined else { return Ok(None) };
+    let triangles = extract::extract(&refined, samples, &space, is_solid);
+    let mut mesh =
+        Mesh { vertices: triangles.vertices, triangles: triangles.triangles, ..Mesh::default() };
+    for leaf in &refined.leaves {
+        let Kind::Open { near, .. } = leaf.kind else { continue };
+        mesh.cells += 1;
+        mesh.far += usize::from(!near);
+        if leaf.cell.corners.iter().any(|corner| refined.failing.contains_key(corner)) {
+            let [x, y, z] = space.between(leaf.cell.bounds());
+            let (low, high) = (DVec3::new(x.lo, y.lo, z.lo), DVec3::new(x.hi, y.hi, z.hi));
+            mesh.unproven.push(Unproven { centre: 0.5 * (low + high), size: high - low });
+        }
+    }
+    Ok(Some(mesh))
+}

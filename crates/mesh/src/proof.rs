@@ -1,0 +1,118 @@
+//! The proof that the mesh has the surface's shape.
+//!
+//! Let f be the function, and g the function that has f's sign at each corner of the grid and is
+//! linear in each tetrahedron. Between them is a family of functions (1 − s) f + s g. A vector field
+//! along which all of them increase, where they are 0, carries the zero set of f to that of g: the
+//! two are isotopic.
+//!
+//! The field is a vector per corner, and linear in each tetrahedron. It suffices that, in each
+//! tetrahedron that may hold a zero of f, both f and g increase along the vectors of all four
+//! corners. For f, that follows from bounds of its gradient over the tetrahedron. A kink is no
+//! obstacle: the bounds hold for all gradients near it. At a corner on the boundary of the domain,
+//! the vector is tangent to the boundary, so that the domain is carried to itself.
+//!
+//! No surface is where f has no zero: there, all corners have the same sign, so g has none either.
+
+use glam::DVec3;
+use zeroset_interval::Interval;
+
+/// Share of a sum's largest term by which the sum must exceed 0: more than rounding can change.
+const MARGIN: f64 = 1e-12;
+
+/// Number of corrections of a vector.
+const CORRECTIONS: usize = 12;
+
+/// What a vector at a corner must agree with, in one tetrahedron at the corner.
+#[derive(Clone, Copy)]
+pub struct Slopes {
+    /// Bounds of the gradient of f.
+    pub gradient: [Interval; 3],
+    /// The gradient of g.
+    pub linear: DVec3,
+}
+
+/// The least slope of a function along `vector`, whose gradient is within bounds, and the gradient
+/// with this slope. Rounded down.
+pub fn least_slope(gradient: &[Interval; 3], vector: DVec3) -> (f64, DVec3) {
+    let worst = DVec3::from_array([0, 1, 2].map(|axis| {
+        let Interval { lo, hi } = gradient[axis];
+        if vector[axis] > 0.0 { lo } else { hi }
+    }));
+    (slope(worst, vector), worst)
+}
+
+fn slope(gradient: DVec3, vector: DVec3) -> f64 {
+    let terms = [0, 1, 2].map(|axis| {
+        // A gradient may be infinite where the vector is 0.
+        if vector[axis] == 0.0 { 0.0 } else { gradient[axis] * vector[axis] }
+    });
+    let largest = terms.iter().fold(0.0_f64, |all, term| all.max(term.abs()));
+    terms.iter().sum::<f64>() - MARGIN * largest
+}
+
+/// The middle of the bounds.
+pub fn middle(gradient: &[Interval; 3]) -> DVec3 {
+    DVec3::from_array(gradient.map(|bounds| bounds.lo.midpoint(bounds.hi)))
+}
+
+/// Returns a unit vector along which both functions increase in all tetrahedra, or `None` if none
+/// is found. Its components are 0 across the boundary's `faces`.
+pub fn common_vector(star: &[Slopes], faces: [bool; 3]) -> Option<DVec3> {
+    let tangent = |vector: DVec3| {
+        let along = [0, 1, 2].map(|axis| if faces[axis] { 0.0 } else { vector[axis] });
+        DVec3::from_array(along).try_normalize()
+    };
+    let mut sum = DVec3::ZERO;
+    for slopes in star {
+        sum += tangent(middle(&slopes.gradient)).unwrap_or_default();
+    }
+    let mut vector = tangent(sum)?;
+    for round in 0..=CORRECTIONS {
+        // The slope that is most against the vector.
+        let mut worst: (f64, DVec3) = (f64::INFINITY, DVec3::ZERO);
+        let mut agree = true;
+        for slopes in star {
+            let bounded = least_slope(&slopes.gradient, vector);
+            for (slope, against) in [bounded, (slope(slopes.linear, vector), slopes.linear)] {
+                // Negated, so that NaN disagrees.
+                agree &= slope > 0.0;
+                let Some(against) = tangent(against) else { return None };
+                let relative = against.dot(vector);
+                if relative < worst.0 {
+                    worst = (relative, against);
+                }
+            }
+        }
+        if agree {
+            return Some(vector);
+        }
+        if round < CORRECTIONS {
+            vector = tangent(vector + (0.1 - 1.5 * worst.0.min(0.0)) * worst.1)?;
+        }
+    }
+    None
+}
+
+/// Greatest difference between f and a linear function that has its values at four corners: f's
+/// gradient is within bounds.
+pub fn bend(gradient: &[Interval; 3], corners: &[DVec3; 4]) -> f64 {
+    let span = |axis: usize| {
+        let along = corners.map(|corner| corner[axis]);
+        along.iter().copied().fold(f64::MIN, f64::max)
+            - along.iter().copied().fold(f64::MAX, f64::min)
+    };
+    // In the tetrahedron, a mean of distances from a mean is at most half the span. A gradient
+    // differs by at most half the width of its bounds from their middle.
+    (0..3).map(|axis| 0.25 * (gradient[axis].hi - gradient[axis].lo) * span(axis)).sum::<f64>()
+        * (1.0 + MARGIN)
+}
+
+/// The gradient of the linear function with these values at a tetrahedron's corners.
+pub fn linear_gradient(corners: &[DVec3; 4], values: &[f64; 4]) -> DVec3 {
+    let [a, b, c, d] = *corners;
+    let (u, v, w) = (b - a, c - a, d - a);
+    let (across_u, across_v, across_w) = (v.cross(w), w.cross(u), u.cross(v));
+    let volume = u.dot(across_u);
+    let rise = [1, 2, 3].map(|k| values[k] - values[0]);
+    (rise[0] * across_u + rise[1] * across_v + rise[2] * across_w) / volume
+}

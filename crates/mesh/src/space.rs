@@ -1,0 +1,59 @@
+//! Corners of the grid as points of space.
+
+use crate::grid::{Corner, Grid, Tetrahedron};
+use glam::DVec3;
+use zeroset_interval::Interval;
+
+/// Longest axis of a root cube, in lengths of its shortest axis.
+const MOST_CUBES: u32 = 4;
+
+/// The grid over a box of space. Coordinates are mapped along each axis apart.
+pub struct Space {
+    low: DVec3,
+    high: DVec3,
+    extent: [u32; 3],
+}
+
+impl Space {
+    /// A grid of cubes, or of boxes close to cubes, that fills the box from `low` to `high`.
+    pub fn new(low: DVec3, high: DVec3) -> (Self, Grid) {
+        let size = high - low;
+        let cubes = size.to_array().map(|along| {
+            let times = (along / size.min_element()).log2().round();
+            (times.max(0.0) as u32).min(MOST_CUBES)
+        });
+        let grid = Grid::new(cubes);
+        (Self { low, high, extent: grid.extent }, grid)
+    }
+
+    /// The point at a corner.
+    pub fn at(&self, corner: Corner) -> DVec3 {
+        let along = corner.coordinates();
+        DVec3::from_array([0, 1, 2].map(|axis| {
+            // The ends are exact, so no point lies outside.
+            let (low, high) = (self.low[axis], self.high[axis]);
+            if along[axis] == self.extent[axis] {
+                return high;
+            }
+            let share = f64::from(along[axis]) / f64::from(self.extent[axis]);
+            (low + share * (high - low)).clamp(low, high)
+        }))
+    }
+
+    /// The corners of a tetrahedron.
+    pub fn corners(&self, tetrahedron: &Tetrahedron) -> [DVec3; 4] {
+        tetrahedron.corners.map(|corner| self.at(corner))
+    }
+
+    /// The box between two corners. It contains the points of all corners between.
+    pub fn between(&self, [low, high]: [Corner; 2]) -> [Interval; 3] {
+        let (low, high) = (self.at(low), self.at(high));
+        [0, 1, 2].map(|axis| Interval { lo: low[axis], hi: high[axis] })
+    }
+
+    /// For each axis, whether the corner is on a face of the box across the axis.
+    pub fn faces(&self, corner: Corner) -> [bool; 3] {
+        let at = corner.coordinates();
+        [0, 1, 2].map(|axis| at[axis] == 0 || at[axis] == self.extent[axis])
+    }
+}
