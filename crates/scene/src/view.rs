@@ -305,7 +305,12 @@ fn search_while(
     let again = search.take().and_then(|before| before.rebound(document)?.ok());
     let program = search.insert(match again {
         Some(program) => program,
-        None => Program::new(document, [Interval::ENTIRE; 3])?,
+        None => {
+            let program = Program::new(document, [Interval::ENTIRE; 3])?;
+            // Most searches take less time than their kernels take to compile.
+            program.hurry();
+            program
+        }
     });
     domain::find_while(&program.over_time(document), wanted)
 }
