@@ -131,8 +131,8 @@ impl Model {
         Ok(Self::of(program, document, region, settings.options.precision, Some(times)))
     }
 
-    /// Compiles again, in parallel, the kernels that were compiled in a hurry. It checks `wanted`
-    /// between kernels, and returns whether none is left. The model may draw meanwhile.
+    /// Optimizes the kernels of [`Model::new_while`], in parallel. It checks `wanted` between
+    /// kernels, and returns whether none is left. The model may draw meanwhile.
     pub fn optimize(&self, wanted: &(dyn Fn() -> bool + Sync)) -> bool {
         self.program.optimize(wanted)
     }

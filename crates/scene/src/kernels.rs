@@ -210,9 +210,9 @@ pub(crate) struct CodeStore {
     pub simplified: Arc<Simplified>,
     pub ledger: KernelList,
     evaluator: Evaluator,
-    /// Whether kernels are compiled [quickly](Compiled::quickly).
+    /// True while kernels are compiled [quickly](Compiled::quickly).
     is_hurried: AtomicBool,
-    /// What is left to do for kernels that were compiled quickly.
+    /// The optimizations that are left, one for each kernel that was compiled quickly.
     left: Mutex<Vec<Optimization>>,
     codes: Vec<SurfaceCodes>,
     /// For each surface, whether its kernels are compiled, if they are not too large.
@@ -248,8 +248,8 @@ impl CodeStore {
         self.is_hurried.store(true, Ordering::Relaxed);
     }
 
-    /// Compiles again what was compiled quickly, in parallel, while `wanted` returns true. Returns
-    /// whether nothing is left.
+    /// Optimizes the kernels that were compiled quickly, in parallel, while `wanted` returns true.
+    /// Returns whether none is left.
     pub fn optimize(&self, wanted: &(dyn Fn() -> bool + Sync)) -> bool {
         self.is_hurried.store(false, Ordering::Relaxed);
         let left = std::mem::take(&mut *self.left());

@@ -128,16 +128,16 @@ impl Program {
         Self::of(Arc::new(store), self.values.to_vec())
     }
 
-    /// Compiles kernels that are requested from now on in half the time. Their code runs up to 1.7
-    /// times as long, until [`Program::optimize`] replaces it. Results have the same bits. This
-    /// also applies to programs that share the code.
+    /// From now on, kernels are compiled in half the time. Their code runs up to 1.7 times as long,
+    /// until [`Program::optimize`] replaces it. Results have the same bits. This also applies to
+    /// programs that share the code.
     pub fn hurry(&self) {
         self.store.hurry();
     }
 
-    /// Ends the hurry, and compiles again what was compiled in it, in parallel. Checks `wanted`
-    /// between kernels. Returns whether nothing is left to compile again. Kernels may be in use
-    /// meanwhile.
+    /// Optimizes the kernels compiled since [`Program::hurry`], in parallel. Later kernels are
+    /// optimized when they are first requested. Checks `wanted` between kernels, and returns
+    /// whether none is left. Kernels may be in use meanwhile.
     pub fn optimize(&self, wanted: &(dyn Fn() -> bool + Sync)) -> bool {
         self.store.optimize(wanted)
     }
@@ -464,12 +464,12 @@ mod tests {
         let quick = hurried.made();
         assert_eq!((quick.len(), patient.made().len()), (2, 2));
         assert!(quick.iter().zip(patient.made()).all(|(one, other)| one.bytes != other.bytes));
-        // What is not wanted is left for later.
+        // An optimization that is not wanted is left for later.
         assert!(!hurried.optimize(&|| false));
         assert_eq!(hurried.made(), quick);
         assert!(hurried.optimize(&|| true));
         assert_eq!(hurried.made(), patient.made());
-        // The hurry is over.
+        // Later kernels are optimized at once.
         assert!(hurried.kernels::<f64>(0).tiles().is_ok());
         let before = hurried.made();
         assert!(hurried.optimize(&|| true));
