@@ -6,4 +6,5 @@ mod parameters;
 mod session;
 mod sliders;
 mod surfaces;
+mod tiers;
 mod undo;

@@ -40,7 +40,8 @@ const FAST_TIER_FROM: usize = 1_200;
 /// Number of arguments of a kernel.
 pub const KERNEL_ARGUMENTS: usize = 5;
 
-/// The effort that code generation spends.
+/// The effort that code generation spends. Code of both tiers does the same operations, so results
+/// have the same bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Tier {
     /// Backtracking register allocation.
@@ -116,12 +117,33 @@ pub fn vector_widths() -> impl Iterator<Item = usize> {
     wider.chain([VECTOR])
 }
 
-/// Compiles a tape for a query, with vectors of at most `widest` bytes.
+/// Compiles a tape for a query, with vectors of at most `widest` bytes. Without a `tier`, the
+/// code's size decides which tier to use.
 ///
 /// # Panics
 /// If the tape computes more or fewer expressions than the query needs.
-pub fn compile<Q: Query, T: Real>(tape: &Tape<T>, widest: usize) -> Result<Code, Error> {
-    generate(|width| build::<Q, T>(tape, width), None, widest)
+pub fn compile<Q: Query, T: Real>(
+    tape: &Tape<T>,
+    widest: usize,
+    tier: Option<Tier>,
+) -> Result<Code, Error> {
+    generate(|width| build::<Q, T>(tape, width), tier, widest)
+}
+
+/// Compiles a tape for a query in [`Tier::Optimizing`]. `None` if the code is so large that
+/// [`compile`] would choose [`Tier::Fast`].
+///
+/// # Panics
+/// As for [`compile`].
+pub fn optimize<Q: Query, T: Real>(tape: &Tape<T>) -> Result<Option<Code>, Error> {
+    if is_large(&build::<Q, T>(tape, VECTOR)?) {
+        return Ok(None);
+    }
+    compile::<Q, T>(tape, usize::MAX, Some(Tier::Optimizing)).map(Some)
+}
+
+fn is_large(function: &Function) -> bool {
+    function.dfg.num_insts() > FAST_TIER_FROM
 }
 
 /// Like [`compile`], but `other` computes the result, on a machine that wraps the emitter. Always
@@ -203,8 +225,8 @@ pub fn machine_code(
     probe: StackProbe,
 ) -> Result<CompiledCode, Error> {
     check_stack(function.fixed_stack_size())?;
-    let is_large = function.dfg.num_insts() > FAST_TIER_FROM;
-    let tier = tier.unwrap_or(if is_large { Tier::Fast } else { Tier::Optimizing });
+    let usual = if is_large(&function) { Tier::Fast } else { Tier::Optimizing };
+    let tier = tier.unwrap_or(usual);
     let mut context = Context::for_function(function);
     if let Err(error) = context.compile(&*target(tier, probe)?, &mut ControlPlane::default()) {
         return Err(Error::Codegen(format!("{:?}", error.inner)));

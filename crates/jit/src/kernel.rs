@@ -1,21 +1,39 @@
 //! Safe handles to compiled kernels.
 
 use crate::code::Code;
-use crate::compiler::compile;
+use crate::compiler::{Tier, compile, optimize};
 use crate::error::Error;
 use crate::rounding::call_rounding_up;
 use std::fmt;
 use std::marker::PhantomData;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use zeroset_eval::{Binding, Input, Kernel, Query, Real, Tape};
 
 /// Native code that answers a query. It is valid for all parameter values within the tape's
 /// assumptions. Clones share the code; dropping the last clone frees it.
 #[derive(Clone)]
 pub struct Compiled<Q: Query, T: Real = f32> {
-    code: Arc<Code>,
+    code: Arc<TieredCode>,
     tape: Arc<Tape<T>>,
     query: PhantomData<Q>,
+}
+
+/// Code, and perhaps code that does the same operations in less time.
+struct TieredCode {
+    first: Code,
+    /// The code that is used once it exists; `None` if the first is as good as any. The first is
+    /// kept, since a call may be running it.
+    better: OnceLock<Option<Code>>,
+}
+
+impl TieredCode {
+    #[inline]
+    fn best(&self) -> &Code {
+        match self.better.get() {
+            Some(Some(better)) => better,
+            Some(None) | None => &self.first,
+        }
+    }
 }
 
 impl<Q: Query, T: Real> Compiled<Q, T> {
@@ -28,6 +46,37 @@ impl<Q: Query, T: Real> Compiled<Q, T> {
     /// If the tape computes more or fewer expressions than the query needs.
     pub fn new(tape: Tape<T>) -> Result<Self, Error> {
         Self::of_width(tape, usize::MAX)
+    }
+
+    /// Like [`Compiled::new`], but takes half the time. The code may run up to 1.7 times as long,
+    /// until [`Compiled::optimize`] has replaced it. Results have the same bits.
+    ///
+    /// # Errors
+    /// As for [`Compiled::new`].
+    ///
+    /// # Panics
+    /// As for [`Compiled::new`].
+    pub fn quickly(tape: Tape<T>) -> Result<Self, Error> {
+        match compile::<Q, T>(&tape, usize::MAX, Some(Tier::Fast)) {
+            Ok(code) => Ok(Self::with(code, OnceLock::new(), tape)),
+            // The other tier may do with less stack.
+            Err(Error::TooDeep { .. }) => Self::new(tape),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Replaces code made by [`Compiled::quickly`], for all clones and all kernels bound to it.
+    /// Calls that are running end with the old code.
+    ///
+    /// # Errors
+    /// If code generation fails. Then the old code stays in use.
+    pub fn optimize(&self) -> Result<(), Error> {
+        if self.code.better.get().is_none() {
+            let better = optimize::<Q, T>(&self.tape)?;
+            // If two threads get here, the first one's code is used.
+            let _ = self.code.better.set(better);
+        }
+        Ok(())
     }
 
     /// Like [`Compiled::new`], but with vectors of at most `widest` bytes. Measurements use it to
@@ -44,8 +93,13 @@ impl<Q: Query, T: Real> Compiled<Q, T> {
     }
 
     fn of_width(tape: Tape<T>, widest: usize) -> Result<Self, Error> {
-        let code = Arc::new(compile::<Q, T>(&tape, widest)?);
-        Ok(Self { code, tape: Arc::new(tape), query: PhantomData })
+        let code = compile::<Q, T>(&tape, widest, None)?;
+        Ok(Self::with(code, OnceLock::from(None), tape))
+    }
+
+    fn with(first: Code, better: OnceLock<Option<Code>>, tape: Tape<T>) -> Self {
+        let code = Arc::new(TieredCode { first, better });
+        Self { code, tape: Arc::new(tape), query: PhantomData }
     }
 
     /// Binds values to the parameters of the code.
@@ -60,12 +114,12 @@ impl<Q: Query, T: Real> Compiled<Q, T> {
 
     /// Size of the machine code in bytes.
     pub fn code_bytes(&self) -> usize {
-        self.code.bytes
+        self.code.best().bytes
     }
 
     /// Width in bytes of the vectors that the code computes with.
     pub fn vector_bytes(&self) -> usize {
-        self.code.width
+        self.code.best().width
     }
 }
 
@@ -116,7 +170,7 @@ impl<Q: Query, T: Real> Kernel<Q, T> for Native<Q, T> {
         // aligned by their type. Kernels do not unwind.
         unsafe {
             call_rounding_up(
-                code.entry(),
+                code.best().entry(),
                 (&raw const *input).cast(),
                 (&raw mut *output).cast(),
                 input.count(),

@@ -331,7 +331,7 @@ impl UndecidedStatistics {
 pub struct Times {
     /// Simplifying the graph.
     pub simplify: Duration,
-    /// Compiling native code.
+    /// Compiling native code for the first picture.
     pub compile: Duration,
     /// Tracing rays.
     pub trace: Duration,

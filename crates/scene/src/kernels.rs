@@ -8,7 +8,9 @@ use crate::box_tree::BoxTree;
 use crate::shortened::{LEAST_STEPS, ShortSurface, WholeFloat, WholeFunction};
 use crate::simplified::{KernelSource, ProgramError, Simplified};
 use crate::uniforms::Uniforms;
+use rayon::prelude::*;
 use std::fmt;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use zeroset_eval::{
     Binding, BranchTest, ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros,
@@ -111,8 +113,17 @@ impl KernelList {
         made
     }
 
-    fn add(&self, made: CompiledKernel) {
-        self.list().push(made);
+    /// Adds a kernel. Returns its number.
+    fn add(&self, made: CompiledKernel) -> usize {
+        let mut list = self.list();
+        list.push(made);
+        list.len() - 1
+    }
+
+    /// Records the size of better code for a kernel.
+    fn resize<Q: Query, T: Real>(&self, number: usize, compiled: &Compiled<Q, T>) {
+        let made = &mut self.list()[number];
+        (made.bytes, made.vector_bytes) = (compiled.code_bytes(), compiled.vector_bytes());
     }
 
     /// Adds a surface that is drawn by stencils, if it is not listed yet.
@@ -190,11 +201,19 @@ struct SurfaceCodes {
     double: Arc<SurfaceCode<f64>>,
 }
 
+/// Replaces the code of a kernel by better code, and records its size. If that fails, the kernel
+/// keeps its code.
+type Optimization = Box<dyn Fn(&KernelList) + Send + Sync>;
+
 /// The simplified surfaces of a program, and their code, which is compiled on request.
 pub(crate) struct CodeStore {
     pub simplified: Arc<Simplified>,
     pub ledger: KernelList,
     evaluator: Evaluator,
+    /// True while kernels are compiled [quickly](Compiled::quickly).
+    is_hurried: AtomicBool,
+    /// The optimizations that are left, one for each kernel that was compiled quickly.
+    left: Mutex<Vec<Optimization>>,
     codes: Vec<SurfaceCodes>,
     /// For each surface, whether its kernels are compiled, if they are not too large.
     is_compiled: Vec<bool>,
@@ -213,7 +232,42 @@ impl CodeStore {
             is_compiled
         };
         let is_compiled = simplified.roots.iter().map(compiled).collect();
-        Self { simplified, ledger: KernelList::default(), evaluator, codes, is_compiled }
+        Self {
+            simplified,
+            ledger: KernelList::default(),
+            evaluator,
+            is_hurried: AtomicBool::new(false),
+            left: Mutex::default(),
+            codes,
+            is_compiled,
+        }
+    }
+
+    /// From now on, kernels are compiled quickly.
+    pub fn hurry(&self) {
+        self.is_hurried.store(true, Ordering::Relaxed);
+    }
+
+    /// Optimizes the kernels that were compiled quickly, in parallel, while `wanted` returns true.
+    /// Returns whether none is left.
+    pub fn optimize(&self, wanted: &(dyn Fn() -> bool + Sync)) -> bool {
+        self.is_hurried.store(false, Ordering::Relaxed);
+        let left = std::mem::take(&mut *self.left());
+        let remains = |optimization: &Optimization| {
+            let is_wanted = wanted();
+            if is_wanted {
+                optimization(&self.ledger);
+            }
+            !is_wanted
+        };
+        let left: Vec<_> = left.into_par_iter().filter(remains).collect();
+        let is_done = left.is_empty();
+        self.left().extend(left);
+        is_done
+    }
+
+    fn left(&self) -> MutexGuard<'_, Vec<Optimization>> {
+        self.left.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     fn make<Q: Query, T: Real>(
@@ -226,12 +280,14 @@ impl CodeStore {
         let (question, format) = (Q::NAME, T::FORMAT);
         let mut made =
             CompiledKernel { surface, question, form, format, bytes: 0, vector_bytes: 0 };
+        let is_hurried = self.is_hurried.load(Ordering::Relaxed);
+        let compile = if is_hurried { Compiled::quickly } else { Compiled::new };
         // A test branch by branch is only an addition to the test of the function.
         let by_stencils = |tape: Tape<T>| (!tape.is_by_branches()).then_some(Steps::Stencils(tape));
         let steps = match self.evaluator {
             Evaluator::Reference => Some(Steps::Reference(tape)),
             Evaluator::Native | Evaluator::Whole if !self.is_compiled[surface] => by_stencils(tape),
-            Evaluator::Native | Evaluator::Whole => match Compiled::new(tape.clone()) {
+            Evaluator::Native | Evaluator::Whole => match compile(tape.clone()) {
                 Ok(compiled) => {
                     made.bytes = compiled.code_bytes();
                     made.vector_bytes = compiled.vector_bytes();
@@ -242,7 +298,15 @@ impl CodeStore {
             },
         };
         let Some(steps) = steps else { return Ok(None) };
-        self.ledger.add(made);
+        let number = self.ledger.add(made);
+        if is_hurried && let Steps::Native(compiled) = &steps {
+            let compiled = compiled.clone();
+            self.left().push(Box::new(move |ledger| {
+                if compiled.optimize().is_ok() {
+                    ledger.resize(number, &compiled);
+                }
+            }));
+        }
         Ok(Some(UnboundKernel { steps, uniforms }))
     }
 }

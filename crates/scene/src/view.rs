@@ -303,9 +303,13 @@ fn search_while(
     wanted: &dyn Fn() -> bool,
 ) -> Result<Option<AutoDomain>, ProgramError> {
     let again = search.take().and_then(|before| before.rebound(document)?.ok());
-    let program = search.insert(match again {
-        Some(program) => program,
-        None => Program::new(document, [Interval::ENTIRE; 3])?,
+    let program = search.insert(if let Some(program) = again {
+        program
+    } else {
+        let program = Program::new(document, [Interval::ENTIRE; 3])?;
+        // Most searches take less time than their kernels take to compile.
+        program.hurry();
+        program
     });
     domain::find_while(&program.over_time(document), wanted)
 }

@@ -1,7 +1,7 @@
 //! Searches for boxes that may hold a point of a surface, by halving boxes within a limit of work.
 
 use rayon::prelude::*;
-use std::cell::Cell as Counter;
+use std::cell::{Cell as Counter, RefCell};
 use zeroset_eval::{
     Boxes, ContractTiles, FindZeros, Kernel, LANES, Planes, Points, Sample, Tiles, Values, Zeros,
 };
@@ -138,20 +138,24 @@ impl CellSearch<'_> {
         }
         let Self { surfaces, forms, .. } = self;
         let open = self.remaining(cells, surfaces, |cells, surfaces| {
-            let (boxes, mut zeros) = (boxes(cells), Zeros::default());
-            surfaces.iter().fold(0, |all, surface| {
-                surface.eval(&boxes, &mut zeros);
-                all | zeros.possible
+            BATCHES.with_borrow_mut(|Batches { boxes, zeros, .. }| {
+                write_boxes(cells, boxes);
+                surfaces.iter().fold(0, |all, surface| {
+                    surface.eval(boxes, zeros);
+                    all | zeros.possible
+                })
             })
         });
         if forms.is_empty() {
             return open;
         }
         self.remaining(&open, forms, |cells, forms| {
-            let (tiles, mut planes) = (tiles(cells), Planes::default());
-            forms.iter().fold(0, |all, form| {
-                form.eval(&tiles, &mut planes);
-                all | planes.possible
+            BATCHES.with_borrow_mut(|Batches { tiles, planes, .. }| {
+                write_tiles(cells, tiles);
+                forms.iter().fold(0, |all, form| {
+                    form.eval(tiles, planes);
+                    all | planes.possible
+                })
             })
         })
     }
@@ -166,18 +170,23 @@ impl CellSearch<'_> {
         possible: impl Fn(&[Cell], &[K]) -> u16 + Sync,
     ) -> Vec<Cell> {
         // Evaluations are taken from `work` in order, so that results do not depend on threads.
-        let paid = |cells: &'_ [Cell]| self.spend((cells.len() * kernels.len()) as u64);
-        let batches: Vec<_> = cells.chunks(LANES).map(|cells| (cells, paid(cells))).collect();
-        let open = |&(cells, is_paid): &(&[Cell], bool)| {
-            let mask = if is_paid { possible(cells, kernels) } else { u16::MAX };
-            let open = cells.iter().enumerate().filter(|(lane, _)| mask >> lane & 1 == 1);
-            open.map(|(_, cell)| *cell).collect::<Vec<_>>()
+        let paid = |cells: &[Cell]| self.spend((cells.len() * kernels.len()) as u64);
+        let mask = |cells: &[Cell], is_paid| {
+            if is_paid { possible(cells, kernels) } else { u16::MAX }
         };
+        let batches = cells.chunks(LANES);
         if batches.len() < PARALLEL {
-            batches.iter().flat_map(open).collect()
-        } else {
-            batches.par_iter().flat_map_iter(open).collect()
+            let mut open = Vec::with_capacity(cells.len());
+            for cells in batches {
+                open.extend(lanes(cells, mask(cells, paid(cells))));
+            }
+            return open;
         }
+        let batches: Vec<_> = batches.map(|cells| (cells, paid(cells))).collect();
+        let open = |&(cells, is_paid): &(&[Cell], bool)| {
+            lanes(cells, mask(cells, is_paid)).collect::<Vec<_>>()
+        };
+        batches.par_iter().flat_map_iter(open).collect()
     }
 
     /// Returns whether the space outside `inner`, divided into 26 infinite boxes, is proven empty.
@@ -251,21 +260,52 @@ impl CellSearch<'_> {
     }
 }
 
-/// Converts up to sixteen cells to a batch of boxes.
-fn boxes(cells: &[Cell]) -> Boxes<f64> {
-    let mut boxes = Boxes { count: cells.len() as u32, ..Boxes::default() };
+/// The cells whose bits are set in a mask.
+fn lanes(cells: &[Cell], mask: u16) -> impl Iterator<Item = Cell> {
+    let all = cells.iter().enumerate();
+    all.filter(move |(lane, _)| mask >> lane & 1 == 1).map(|(_, cell)| *cell)
+}
+
+/// Memory for testing up to sixteen cells. Lanes that are not in use hold earlier cells.
+struct Batches {
+    boxes: Boxes<f64>,
+    zeros: Zeros,
+    /// Tiles of rays parallel to z. Screen coordinates are x and y.
+    tiles: Tiles<f64>,
+    planes: Planes<f64>,
+}
+
+thread_local! {
+    /// The memory of a thread: writing all of it anew takes as long as a test.
+    static BATCHES: RefCell<Batches> = RefCell::new(Batches::new());
+}
+
+impl Batches {
+    fn new() -> Self {
+        let mut tiles = Tiles::default();
+        for lane in 0..LANES {
+            (tiles.origin[3][lane], tiles.origin[7][lane]) = (1.0, 1.0);
+            tiles.direction[2][lane] = 1.0;
+        }
+        let (boxes, zeros, planes) = (Boxes::default(), Zeros::default(), Planes::default());
+        Self { boxes, zeros, tiles, planes }
+    }
+}
+
+/// Writes up to sixteen cells to a batch of boxes.
+fn write_boxes(cells: &[Cell], boxes: &mut Boxes<f64>) {
+    boxes.count = cells.len() as u32;
     for (lane, cell) in cells.iter().enumerate() {
         for axis in 0..3 {
             boxes.neg_lo[axis][lane] = -cell.low[axis];
             boxes.hi[axis][lane] = cell.high[axis];
         }
     }
-    boxes
 }
 
-/// Converts up to sixteen cells to tiles of rays parallel to z. Screen coordinates are x and y.
-fn tiles(cells: &[Cell]) -> Tiles<f64> {
-    let mut tiles = Tiles { count: cells.len() as u32, ..Tiles::default() };
+/// Writes up to sixteen cells to tiles of rays parallel to z.
+fn write_tiles(cells: &[Cell], tiles: &mut Tiles<f64>) {
+    tiles.count = cells.len() as u32;
     for (lane, cell) in cells.iter().enumerate() {
         let centre = cell.centre();
         for (axis, centre) in centre.into_iter().enumerate().take(2) {
@@ -274,13 +314,9 @@ fn tiles(cells: &[Cell]) -> Tiles<f64> {
             tiles.half[axis][lane] = reach.next_up();
         }
         (tiles.near[lane], tiles.far[lane]) = (cell.low[2], cell.high[2]);
-    }
-    for lane in 0..LANES {
-        (tiles.origin[3][lane], tiles.origin[7][lane]) = (1.0, 1.0);
-        tiles.direction[2][lane] = 1.0;
+        (0..3).for_each(|axis| tiles.error[axis][lane] = 0.0);
     }
     tiles.allow_rounding();
-    tiles
 }
 
 /// Smallest number of batches for which several threads are used.

@@ -139,6 +139,12 @@ where
     assert_eq!(Some(compiled.vector_bytes()), vector_widths().next(), "{:?}", tape.steps());
     let found = compiled.bind(Binding::empty()).eval_all(inputs);
     compare::<Q, T>(tape, inputs, &found);
+    let quick = Compiled::<Q, T>::quickly(tape.clone()).expect("compiles");
+    let kernel = quick.bind(Binding::empty());
+    compare::<Q, T>(tape, inputs, &kernel.eval_all(inputs));
+    quick.optimize().expect("compiles");
+    assert_eq!(quick.code_bytes(), compiled.code_bytes(), "{:?}", tape.steps());
+    compare::<Q, T>(tape, inputs, &kernel.eval_all(inputs));
     let threaded = Threaded::<Q, T>::new(tape.clone(), &Binding::empty()).expect("stencils");
     compare::<Q, T>(&tape.clone().coarse(), inputs, &threaded.eval_all(inputs));
     found

@@ -222,6 +222,10 @@ impl Worker {
             let is_settled = is_full && picture.left_open() == 0;
             let rendering = Arc::new(context.rendering(camera, picture, !is_settled));
             self.publish(Arc::clone(&rendering));
+            // The first picture needed its kernels soon; the next ones need them fast.
+            if !made.model.optimize(&|| self.shared.wanted(job)) {
+                return Ok(());
+            }
             if is_full {
                 return self.finish(&context, rendering);
             }
