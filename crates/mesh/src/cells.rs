@@ -1,77 +1,195 @@
-//! The tetrahedra in which a surface may lie, with bounds of the function and its gradient.
+//! Bounds of a function's parts over tetrahedra.
 
 use crate::grid::{Corner, CornerMap, Tetrahedron};
 use crate::space::Space;
 use rayon::prelude::*;
-use zeroset_eval::{Boxes, EncloseGradient, FindZeros, GradientEnclosures, Kernel, LANES, Zeros};
+use std::sync::Arc;
+use zeroset_eval::{
+    Boxes, EncloseGradient, FindZeros, GradientEnclosures, Kernel, KernelError, Kernels, LANES,
+    Sample, Zeros,
+};
 use zeroset_interval::Interval;
+use zeroset_scene::choices::Choice;
+use zeroset_scene::program::Program;
 
-/// The kernels of a function that a mesh asks for.
-#[derive(Clone, Copy)]
-pub struct CellKernels<'a> {
-    /// Tests whether boxes may hold a zero.
-    pub zeros: &'a dyn Kernel<FindZeros, f64>,
-    /// Bounds the function and its gradient.
-    pub gradients: &'a dyn Kernel<EncloseGradient, f64>,
+/// The kernels of one part that a mesh asks for.
+pub struct PartKernels<'a> {
+    zeros: &'a dyn Kernel<FindZeros, f64>,
+    gradients: &'a dyn Kernel<EncloseGradient, f64>,
+    /// Samples the part.
+    pub samples: &'a dyn Kernel<Sample, f64>,
+    /// All kernels.
+    pub all: &'a dyn Kernels<f64>,
 }
 
-/// Bounds of a function's gradient over a box.
+impl<'a> PartKernels<'a> {
+    /// The kernels of all surfaces of a program, as parts.
+    pub fn of(program: &'a Program) -> Result<Vec<Self>, KernelError> {
+        let kernels = |part: usize| {
+            let all = program.kernels::<f64>(part);
+            let (zeros, gradients) = (all.zeros()?, all.gradient_bounds()?);
+            Ok(Self { zeros, gradients, samples: all.values()?, all })
+        };
+        (0..program.roots().len()).into_par_iter().map(kernels).collect()
+    }
+}
+
+/// Bounds of one part over a box.
 #[derive(Clone, Copy, Debug)]
-pub struct Bounds {
-    /// The partial derivatives, at each point where they exist. `None` if the function is not
-    /// proven Lipschitz continuous.
+pub struct PartBounds {
+    /// The part's number.
+    pub part: u16,
+    /// The part's values.
+    value: Interval,
+    /// The partial derivatives, at each point where they exist. `None` if the part is not proven
+    /// Lipschitz continuous.
     pub gradient: Option<[Interval; 3]>,
+    /// Whether there may be a zero.
+    may_vanish: bool,
 }
 
-/// The answer for a box.
-#[derive(Clone, Copy, Debug)]
+/// A tetrahedron, and the parts that may matter in it.
+#[derive(Clone)]
+pub struct Cell {
+    pub tetrahedron: Tetrahedron,
+    pub parts: Arc<[u16]>,
+}
+
+/// The answer for a cell.
+#[derive(Clone)]
 pub enum Answer {
-    /// There is no zero in the box. The sign is −1 or 1 if it is the same in the whole box and
+    /// There is no zero in the cell. The sign is −1 or 1 if it is the same in the whole cell and
     /// proven, else 0.
     Empty(i8),
-    /// There may be a zero.
-    Open(Bounds),
+    /// There may be a zero. These parts may matter.
+    Open(Arc<[PartBounds]>),
 }
 
-/// Answers for the bounding boxes of tetrahedra, in order.
-pub fn ask(kernels: CellKernels<'_>, space: &Space, cells: &[Tetrahedron]) -> Vec<Answer> {
+/// Answers for the bounding boxes of cells, in order.
+pub fn ask(
+    choice: &Choice,
+    parts: &[PartKernels<'_>],
+    space: &Space,
+    cells: &[Cell],
+) -> Vec<Answer> {
     // Up to six tetrahedra have the same box.
     let mut numbers: CornerMap<(Corner, Corner), usize> = CornerMap::default();
     let mut boxes: Vec<[Interval; 3]> = Vec::new();
+    let mut asked: Vec<Vec<u32>> = vec![Vec::new(); parts.len()];
     let index: Vec<usize> = cells
         .iter()
         .map(|cell| {
-            let bounds = cell.bounds();
+            let bounds = cell.tetrahedron.bounds();
             *numbers.entry(bounds.into()).or_insert_with(|| {
+                for part in &*cell.parts {
+                    asked[usize::from(*part)].push(boxes.len() as u32);
+                }
                 boxes.push(space.between(bounds));
                 boxes.len() - 1
             })
         })
         .collect();
-    let answers: Vec<Vec<Answer>> =
-        boxes.par_chunks(LANES).map(|some| ask_batch(kernels, some)).collect();
-    index.into_iter().map(|number| answers[number / LANES][number % LANES]).collect()
+    let mut found: Vec<Vec<PartBounds>> = vec![Vec::new(); boxes.len()];
+    for (part, asked) in asked.iter().enumerate() {
+        let some = |some: &[u32]| {
+            let boxes: Vec<[Interval; 3]> = some.iter().map(|n| boxes[*n as usize]).collect();
+            bounds(&parts[part], part as u16, &boxes)
+        };
+        let bounds: Vec<PartBounds> = asked.par_chunks(LANES).flat_map_iter(some).collect();
+        for (number, bounds) in asked.iter().zip(bounds) {
+            found[*number as usize].push(bounds);
+        }
+    }
+    let answers: Vec<Answer> = found.par_iter().map(|parts| answer(choice, parts)).collect();
+    index.into_iter().map(|number| answers[number].clone()).collect()
 }
 
-fn ask_batch(kernels: CellKernels<'_>, boxes: &[[Interval; 3]]) -> Vec<Answer> {
+fn bounds(kernels: &PartKernels<'_>, part: u16, boxes: &[[Interval; 3]]) -> Vec<PartBounds> {
     let batch = &Boxes::around(boxes)[0];
     let (mut zeros, mut bounds) = (Zeros::default(), GradientEnclosures::<f64>::default());
     kernels.zeros.eval(batch, &mut zeros);
     kernels.gradients.eval(batch, &mut bounds);
-    let answer = |lane: usize| {
-        let value = Interval { lo: -bounds.neg_lo[lane], hi: bounds.hi[lane] };
-        let is_lipschitz = bounds.lipschitz >> lane & 1 == 1;
-        if zeros.possible >> lane & 1 == 0 || is_lipschitz && (value.lo > 0.0 || value.hi < 0.0) {
-            let sign = i8::from(value.lo > 0.0) - i8::from(value.hi < 0.0);
-            return Answer::Empty(sign);
-        }
+    let of = |lane: usize| {
         let slopes = || {
             [0, 1, 2].map(|axis| Interval {
                 lo: -bounds.gradient_neg_lo[axis][lane],
                 hi: bounds.gradient_hi[axis][lane],
             })
         };
-        Answer::Open(Bounds { gradient: is_lipschitz.then(slopes) })
+        PartBounds {
+            part,
+            value: Interval { lo: -bounds.neg_lo[lane], hi: bounds.hi[lane] },
+            gradient: (bounds.lipschitz >> lane & 1 == 1).then(slopes),
+            may_vanish: zeros.possible >> lane & 1 == 1,
+        }
     };
-    (0..boxes.len()).map(answer).collect()
+    (0..boxes.len()).map(of).collect()
+}
+
+fn answer(choice: &Choice, bounds: &[PartBounds]) -> Answer {
+    let mut left = Vec::new();
+    prune(choice, bounds, &mut left);
+    left.sort_unstable();
+    left.dedup();
+    let left: Arc<[PartBounds]> =
+        bounds.iter().filter(|bounds| left.binary_search(&bounds.part).is_ok()).copied().collect();
+    let value = value(choice, &left).unwrap_or(Interval::ENTIRE);
+    let sign = i8::from(value.lo > 0.0) - i8::from(value.hi < 0.0);
+    // If several parts matter, the bounds also hold for functions that are linear in the cell and
+    // have the parts' values at its corners.
+    let is_empty = match &*left {
+        [only] if !only.may_vanish => true,
+        parts => sign != 0 && parts.iter().all(|part| part.gradient.is_some()),
+    };
+    if is_empty { Answer::Empty(sign) } else { Answer::Open(left) }
+}
+
+/// Bounds of a choice. `None` if it has no part with bounds.
+fn value(choice: &Choice, bounds: &[PartBounds]) -> Option<Interval> {
+    let fold = |all: &[Choice], pick: fn(f64, f64) -> f64| {
+        let values = all.iter().filter_map(|choice| value(choice, bounds));
+        values.reduce(|a, b| Interval { lo: pick(a.lo, b.lo), hi: pick(a.hi, b.hi) })
+    };
+    match choice {
+        Choice::Part(part) => {
+            bounds.iter().find(|bounds| usize::from(bounds.part) == *part).map(|one| one.value)
+        }
+        Choice::Min(all) => fold(all, f64::min),
+        Choice::Max(all) => fold(all, f64::max),
+    }
+}
+
+/// Adds the parts that may have the choice's value somewhere. A part that may have no value stays:
+/// there, the choice has none either.
+fn prune(choice: &Choice, bounds: &[PartBounds], left: &mut Vec<u16>) {
+    let (all, is_max) = match choice {
+        Choice::Part(part) => {
+            if bounds.iter().any(|bounds| usize::from(bounds.part) == *part) {
+                left.push(*part as u16);
+            }
+            return;
+        }
+        Choice::Min(all) => (all, false),
+        Choice::Max(all) => (all, true),
+    };
+    let values: Vec<Option<Interval>> = all.iter().map(|one| value(one, bounds)).collect();
+    let least = values.iter().flatten().map(|v| v.lo).fold(f64::NEG_INFINITY, f64::max);
+    let most = values.iter().flatten().map(|v| v.hi).fold(f64::INFINITY, f64::min);
+    for (one, value) in all.iter().zip(values) {
+        let Some(value) = value else { continue };
+        let loses = if is_max { value.hi < least } else { value.lo > most };
+        if !loses || !is_certain(one, bounds) {
+            prune(one, bounds, left);
+        }
+    }
+}
+
+/// Returns whether all parts of a choice are proven continuous.
+fn is_certain(choice: &Choice, bounds: &[PartBounds]) -> bool {
+    match choice {
+        Choice::Part(part) => bounds
+            .iter()
+            .all(|bounds| usize::from(bounds.part) != *part || bounds.gradient.is_some()),
+        Choice::Min(all) | Choice::Max(all) => all.iter().all(|one| is_certain(one, bounds)),
+    }
 }

@@ -1,243 +1,319 @@
-//! The triangles of a mesh, from the signs at the corners of tetrahedra.
+//! The triangles of a mesh: polygons in tetrahedra, with vertices moved onto the surface.
 //!
-//! A tetrahedron whose corners have both signs is cut along a triangle or a quadrilateral, with a
-//! vertex on each edge that changes sign. Neighbors share faces, so they share vertices, too. The
-//! mesh of a solid also covers its part of the domain's boundary.
+//! The mesh of a solid also covers its part of the domain's boundary.
 
+use crate::cells::PartKernels;
 use crate::grid::{Corner, CornerMap};
+use crate::polygon::{Linear, NO_PART, VertexKey};
 use crate::refine::{Kind, Leaf, Refined, sample};
 use crate::space::Space;
-use glam::DVec3;
-use zeroset_eval::{Kernel, Sample};
+use glam::{DMat3, DVec3};
+use zeroset_eval::{Gradients, KernelError, Points};
+use zeroset_scene::choices::Choice;
 
 /// Number of times that a bracket on an edge is narrowed.
 const NARROWINGS: usize = 48;
 /// A bracket of this share of its edge is not narrowed further.
 const NARROW: f64 = 1e-12;
-/// Least share of an edge between a vertex and a corner, so that triangles have an area.
+/// Least weight of a corner in a vertex, so that triangles have an area.
 const APART: f64 = 1e-4;
 /// The function jumps on an edge if its values on both sides of the narrowed bracket differ by more
 /// than this share of those at the corners.
 const JUMP: f64 = 1e-3;
+/// Number of steps of Newton's method for a vertex where several parts are 0.
+const STEPS: usize = 6;
 
 /// Vertices and triangles.
 #[derive(Default)]
 pub struct Triangles {
     pub vertices: Vec<DVec3>,
     pub triangles: Vec<[u32; 3]>,
-    /// For each triangle, the leaf it was made from.
-    pub leaves: Vec<u32>,
 }
 
-/// Returns whether a corner is inside. Undefined values are outside.
-fn is_inside(value: f64) -> bool {
-    value < 0.0
-}
-
-/// The vertices on edges and at corners, by number.
-struct Vertices<'a> {
-    values: &'a CornerMap<Corner, f64>,
-    edges: CornerMap<(Corner, Corner), u32>,
-    corners: CornerMap<Corner, u32>,
-    /// The ends of each vertex's edge. Equal for a corner.
-    ends: Vec<[Corner; 2]>,
-}
-
-impl Vertices<'_> {
-    /// The vertex on the edge between two corners.
-    fn on_edge(&mut self, a: Corner, b: Corner) -> u32 {
-        let ends = [a.min(b), a.max(b)];
-        *self.edges.entry(ends.into()).or_insert_with(|| {
-            self.ends.push(ends);
-            (self.ends.len() - 1) as u32
-        })
+/// The mesh in the leaves of a grid. For an equation, triangles where the function jumps or ends
+/// are left out: there is no zero.
+pub fn extract(
+    choice: &Choice,
+    refined: &Refined,
+    kernels: &[PartKernels<'_>],
+    space: &Space,
+    is_solid: bool,
+) -> Result<Triangles, KernelError> {
+    let mut vertices = Vertices::default();
+    let mut polygons: Vec<Vec<u32>> = Vec::new();
+    for leaf in &refined.leaves {
+        vertices.add_leaf(choice, leaf, refined, space, is_solid, &mut polygons);
     }
-
-    /// The vertex at a corner.
-    fn at_corner(&mut self, corner: Corner) -> u32 {
-        *self.corners.entry(corner).or_insert_with(|| {
-            self.ends.push([corner; 2]);
-            (self.ends.len() - 1) as u32
-        })
-    }
-
-    /// The polygons of the surface in a tetrahedron, with the outside in front.
-    fn surface(&mut self, leaf: &Leaf, add: &mut impl FnMut(&[u32])) {
-        // Even permutations of the corners, which keep the orientation. Each moves another corner
-        // or pair of corners to the front.
-        const FIRST: [[usize; 4]; 4] = [[0, 1, 2, 3], [1, 0, 3, 2], [2, 3, 0, 1], [3, 2, 1, 0]];
-        const PAIRS: [[usize; 4]; 6] =
-            [[0, 1, 2, 3], [0, 2, 3, 1], [0, 3, 1, 2], [1, 2, 0, 3], [1, 3, 2, 0], [2, 3, 0, 1]];
-        let mut corners = leaf.cell.corners;
-        if !leaf.cell.is_positive() {
-            corners.swap(2, 3);
-        }
-        let inside = corners.map(|corner| is_inside(self.values[&corner]));
-        let edge = |this: &mut Self, a: usize, b: usize| this.on_edge(corners[a], corners[b]);
-        match inside.iter().filter(|inside| **inside).count() {
-            count @ (1 | 3) => {
-                let [a, b, c, d] =
-                    FIRST[inside.iter().position(|one| *one == (count == 1)).unwrap_or(0)];
-                let (b, d) = if count == 1 { (b, d) } else { (d, b) };
-                let polygon = [b, c, d].map(|to| edge(self, a, to));
-                add(&polygon);
-            }
-            2 => {
-                let is_pair = |pair: &&[usize; 4]| inside[pair[0]] && inside[pair[1]];
-                if let Some(&[a, b, c, d]) = PAIRS.iter().find(is_pair) {
-                    let polygon = [(a, c), (a, d), (b, d), (b, c)].map(|(a, b)| edge(self, a, b));
-                    add(&polygon);
-                }
-            }
-            _ => {}
+    let at_zero = vertices.place(refined, kernels, space)?;
+    let mut mesh = Triangles { vertices: vertices.places, ..Triangles::default() };
+    for polygon in polygons {
+        if is_solid || polygon.iter().all(|vertex| at_zero[*vertex as usize]) {
+            mesh.add(&polygon);
         }
     }
+    mesh.keep_used();
+    Ok(mesh)
+}
 
-    /// The solid's parts of those faces of a tetrahedron that are on the boundary of the domain.
-    fn caps(&mut self, leaf: &Leaf, space: &Space, add: &mut impl FnMut(&[u32])) {
+#[derive(Default)]
+struct Vertices {
+    numbers: CornerMap<VertexKey, u32>,
+    keys: Vec<VertexKey>,
+    weights: Vec<[f64; 4]>,
+    places: Vec<DVec3>,
+}
+
+impl Vertices {
+    fn add_leaf(
+        &mut self,
+        choice: &Choice,
+        leaf: &Leaf,
+        refined: &Refined,
+        space: &Space,
+        is_solid: bool,
+        polygons: &mut Vec<Vec<u32>>,
+    ) {
+        // From in front, these are the corners of the face opposite each corner.
         const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
-        let mut corners = leaf.cell.corners;
+        let mut positive = leaf.cell.corners;
         if !leaf.cell.is_positive() {
-            corners.swap(2, 3);
+            positive.swap(2, 3);
         }
-        for face in FACES {
-            let face = face.map(|k| corners[k]);
-            let on = face.map(|corner| space.faces(corner));
-            let places = face.map(Corner::coordinates);
-            let is_outside = (0..3).any(|axis| {
-                on.iter().all(|on| on[axis]) && places.iter().all(|at| at[axis] == places[0][axis])
-            });
-            if !is_outside {
-                continue;
+        let mut corners = positive;
+        corners.sort_unstable();
+        let parts = match &leaf.kind {
+            Kind::Open { parts, .. } => &parts[..],
+            Kind::Inside(_) => &[],
+        };
+        let values = |part: u16| corners.map(|corner| refined.values[&(corner, part)]);
+        let parts = parts.iter().map(|part| (part.part, values(part.part))).collect();
+        let linear = Linear { corners, parts };
+        let mut found = linear.zeros(choice, is_even(&positive, &corners));
+        if is_solid {
+            let faces = FACES.map(|face| face.map(|k| positive[k]));
+            for face in faces.into_iter().filter(|face| is_outside(space, face)) {
+                found.extend(linear.face(choice, face));
             }
-            let mut polygon = Vec::with_capacity(4);
-            for k in 0..3 {
-                let (corner, next) = (face[k], face[(k + 1) % 3]);
-                let [here, there] = [corner, next].map(|corner| is_inside(self.values[&corner]));
-                if here {
-                    polygon.push(self.at_corner(corner));
-                }
-                if here != there {
-                    polygon.push(self.on_edge(corner, next));
-                }
-            }
-            if !polygon.is_empty() {
-                add(&polygon);
-            }
+        }
+        for polygon in found {
+            let keys = linear.keys(&polygon);
+            polygons
+                .push(keys.into_iter().map(|(key, weights)| self.number(key, weights)).collect());
         }
     }
 
-    /// Places all vertices. Returns, for each, whether it is at a zero: the function is continuous
-    /// there, or the vertex is a corner.
-    fn place(&self, samples: &dyn Kernel<Sample, f64>, space: &Space) -> (Vec<DVec3>, Vec<bool>) {
-        let ends: Vec<[DVec3; 2]> =
-            self.ends.iter().map(|ends| ends.map(|corner| space.at(corner))).collect();
-        // For each edge, the bracket from inside to outside as shares of the edge, and the values.
-        let mut brackets: Vec<([f64; 2], [f64; 2])> = self
-            .ends
+    fn number(&mut self, key: VertexKey, weights: [f64; 4]) -> u32 {
+        *self.numbers.entry(key).or_insert_with(|| {
+            self.keys.push(key);
+            self.weights.push(weights);
+            (self.keys.len() - 1) as u32
+        })
+    }
+
+    /// Places all vertices. Returns, for each, whether it is at a zero: no part jumps there.
+    fn place(
+        &mut self,
+        refined: &Refined,
+        kernels: &[PartKernels<'_>],
+        space: &Space,
+    ) -> Result<Vec<bool>, KernelError> {
+        let corners = |key: &VertexKey| {
+            let count = key.corners.iter().flatten().count();
+            let first = space.at(key.corners[0].expect("a corner"));
+            let at = key.corners.map(|corner| corner.map_or(first, |corner| space.at(corner)));
+            (at, count)
+        };
+        let mean =
+            |at: &[DVec3; 4], weights: &[f64; 4]| (0..4).map(|k| at[k] * weights[k]).sum::<DVec3>();
+        self.places = self
+            .keys
             .iter()
-            .map(|ends| {
-                let values = ends.map(|corner| self.values[&corner]);
-                if is_inside(values[0]) {
-                    ([0.0, 1.0], values)
-                } else {
-                    ([1.0, 0.0], [values[1], values[0]])
+            .zip(&self.weights)
+            .map(|(key, weights)| mean(&corners(key).0, &apart(weights, corners(key).1)))
+            .collect();
+        let mut at_zero = vec![true; self.keys.len()];
+        for (part, kernels) in kernels.iter().enumerate() {
+            let is_on_edge =
+                |key: &VertexKey| usize::from(key.parts[0]) == part && key.parts[1] == NO_PART;
+            let edges: Vec<usize> =
+                (0..self.keys.len()).filter(|k| is_on_edge(&self.keys[*k])).collect();
+            self.place_on_edges(&edges, part as u16, refined, kernels, space, &mut at_zero);
+        }
+        for count in [2, 3] {
+            let mut of_parts: Vec<usize> = (0..self.keys.len())
+                .filter(|k| self.keys[*k].parts.iter().filter(|p| **p != NO_PART).count() == count)
+                .collect();
+            of_parts.sort_by_key(|k| self.keys[*k].parts);
+            for some in of_parts.chunk_by(|a, b| self.keys[*a].parts == self.keys[*b].parts) {
+                let parts = &self.keys[some[0]].parts[..count];
+                let parts: Vec<&PartKernels<'_>> =
+                    parts.iter().map(|part| &kernels[usize::from(*part)]).collect();
+                for vertex in some {
+                    let (at, used) = corners(&self.keys[*vertex]);
+                    let start = self.places[*vertex];
+                    self.places[*vertex] = common_zero(&parts, &at[..used], start)?;
                 }
+            }
+        }
+        Ok(at_zero)
+    }
+
+    /// Moves vertices on edges to the zeros of a part.
+    fn place_on_edges(
+        &mut self,
+        vertices: &[usize],
+        part: u16,
+        refined: &Refined,
+        kernels: &PartKernels<'_>,
+        space: &Space,
+        at_zero: &mut [bool],
+    ) {
+        struct Bracket {
+            ends: [DVec3; 2],
+            /// From below 0 to above, as shares of the edge, and the values there.
+            shares: [f64; 2],
+            values: [f64; 2],
+            scale: f64,
+        }
+        let mut brackets: Vec<Bracket> = vertices
+            .iter()
+            .map(|k| {
+                let corners = [0, 1].map(|end| self.keys[*k].corners[end].expect("an edge"));
+                let mut values = corners.map(|corner| refined.values[&(corner, part)]);
+                let mut shares = [0.0, 1.0];
+                if !(values[0] < 0.0) {
+                    values.reverse();
+                    shares.reverse();
+                }
+                let ends = corners.map(|corner| space.at(corner));
+                Bracket { ends, shares, values, scale: values[1] - values[0] }
             })
             .collect();
-        let mut open: Vec<usize> =
-            (0..ends.len()).filter(|k| self.ends[*k][0] != self.ends[*k][1]).collect();
-        let scale: Vec<f64> = brackets.iter().map(|(_, [a, b])| b - a).collect();
+        let mut open: Vec<usize> = (0..brackets.len()).collect();
         for round in 0..NARROWINGS {
             let next = |k: &usize| {
-                let ([from, to], [inside, outside]) = brackets[*k];
-                let linear = inside / (inside - outside);
+                let Bracket { shares: [from, to], values: [below, above], .. } = brackets[*k];
+                let linear = below / (below - above);
                 // The linear guess is moved toward the middle, so that both ends come nearer.
                 let pull = if round % 3 == 2 { 0.5 } else { 0.02 };
                 let share = if linear.is_finite() { linear + pull * (0.5 - linear) } else { 0.5 };
                 from + share * (to - from)
             };
-            let places: Vec<f64> = open.iter().map(next).collect();
-            let points: Vec<DVec3> =
-                open.iter().zip(&places).map(|(k, t)| ends[*k][0].lerp(ends[*k][1], *t)).collect();
-            for ((k, t), value) in open.iter().zip(&places).zip(sample(samples, &points)) {
-                let side = usize::from(!is_inside(value));
-                let (bracket, values) = &mut brackets[*k];
-                (bracket[side], values[side]) = (*t, value);
+            let shares: Vec<f64> = open.iter().map(next).collect();
+            let point =
+                |(k, t): (&usize, &f64)| brackets[*k].ends[0].lerp(brackets[*k].ends[1], *t);
+            let points: Vec<DVec3> = open.iter().zip(&shares).map(point).collect();
+            let values = sample(kernels.samples, &points);
+            for ((k, share), value) in open.iter().zip(&shares).zip(values) {
+                let side = usize::from(!(value < 0.0));
+                (brackets[*k].shares[side], brackets[*k].values[side]) = (*share, value);
             }
             open.retain(|k| {
-                let [from, to] = brackets[*k].0;
+                let [from, to] = brackets[*k].shares;
                 (to - from).abs() > NARROW
             });
             if open.is_empty() {
                 break;
             }
         }
-        let placed = brackets.iter().zip(&ends).zip(&scale).zip(&self.ends);
-        placed
-            .map(|((((bracket, [inside, outside]), [a, b]), scale), corners)| {
-                if corners[0] == corners[1] {
-                    return (*a, true);
-                }
-                let middle = bracket[0].midpoint(bracket[1]);
-                let at = a.lerp(*b, middle.clamp(APART, 1.0 - APART));
-                let jumps = !(outside - inside <= JUMP * scale);
-                (at, !jumps)
-            })
-            .unzip()
+        for (vertex, bracket) in vertices.iter().zip(brackets) {
+            let share = bracket.shares[0].midpoint(bracket.shares[1]).clamp(APART, 1.0 - APART);
+            self.places[*vertex] = bracket.ends[0].lerp(bracket.ends[1], share);
+            // False for NaN, beyond which the part is undefined.
+            at_zero[*vertex] = bracket.values[1] - bracket.values[0] <= JUMP * bracket.scale;
+        }
     }
 }
 
-/// The mesh in the leaves of a grid. For an equation, triangles where the function jumps or ends are
-/// left out: there is no zero.
-pub fn extract(
-    refined: &Refined,
-    samples: &dyn Kernel<Sample, f64>,
-    space: &Space,
-    is_solid: bool,
-) -> Triangles {
-    let mut vertices = Vertices {
-        values: &refined.values,
-        edges: CornerMap::default(),
-        corners: CornerMap::default(),
-        ends: Vec::new(),
-    };
-    let mut polygons: Vec<(u32, Vec<u32>)> = Vec::new();
-    for (number, leaf) in refined.leaves.iter().enumerate() {
-        let mut add = |polygon: &[u32]| polygons.push((number as u32, polygon.to_vec()));
-        if let Kind::Open { .. } = leaf.kind {
-            vertices.surface(leaf, &mut add);
-        }
-        if is_solid {
-            vertices.caps(leaf, space, &mut add);
-        }
+/// Returns whether one order of four corners is an even permutation of another.
+fn is_even(from: &[Corner; 4], to: &[Corner; 4]) -> bool {
+    let place = from.map(|corner| to.iter().position(|one| *one == corner));
+    let swaps = (0..4).flat_map(|k| (0..k).map(move |j| (j, k)));
+    swaps.filter(|(j, k)| place[*j] > place[*k]).count() % 2 == 0
+}
+
+/// Returns whether a face is on the boundary of the domain.
+fn is_outside(space: &Space, face: &[Corner; 3]) -> bool {
+    let on = face.map(|corner| space.faces(corner));
+    let at = face.map(Corner::coordinates);
+    (0..3).any(|axis| on.iter().all(|on| on[axis]) && at.iter().all(|one| one[axis] == at[0][axis]))
+}
+
+/// Weights of the first `count` corners, each kept away from 0 and 1.
+fn apart(weights: &[f64; 4], count: usize) -> [f64; 4] {
+    if count < 2 {
+        return *weights;
     }
-    let (places, at_zero) = vertices.place(samples, space);
-    let mut mesh = Triangles { vertices: places, ..Triangles::default() };
-    for (leaf, polygon) in polygons {
-        if !is_solid && !polygon.iter().all(|vertex| at_zero[*vertex as usize]) {
-            continue;
-        }
-        mesh.add(&polygon, leaf);
+    let mut moved = [0.0; 4];
+    let share = |weight: f64| if weight.is_finite() { weight.clamp(APART, 1.0) } else { 1.0 };
+    let sum: f64 = weights[..count].iter().map(|weight| share(*weight)).sum();
+    for k in 0..count {
+        moved[k] = share(weights[k]) / sum;
     }
-    mesh.keep_used();
-    mesh
+    moved
+}
+
+/// The point of a triangle or tetrahedron where two or three parts are 0, by Newton's method from
+/// `start`. If it leaves the corners' hull, the last point inside.
+fn common_zero(
+    parts: &[&PartKernels<'_>],
+    corners: &[DVec3],
+    start: DVec3,
+) -> Result<DVec3, KernelError> {
+    let edges: Vec<DVec3> = corners[1..].iter().map(|corner| *corner - corners[0]).collect();
+    let mut at = start;
+    for _ in 0..STEPS {
+        let points = &Points::near(&[at])[0];
+        let mut rows = [DVec3::Z; 3];
+        let mut rest = DVec3::ZERO;
+        for (k, part) in parts.iter().enumerate() {
+            let mut found = Gradients::<f64>::default();
+            part.all.gradients()?.eval(points, &mut found);
+            rest[k] = found.value[0];
+            rows[k] = DVec3::from_array(found.gradient.each_ref().map(|axis| axis[0]));
+        }
+        if parts.len() == 2 {
+            // In a triangle, the step is along its plane.
+            rows[2] = edges[0].cross(edges[1]);
+        }
+        let step = DMat3::from_cols(rows[0], rows[1], rows[2]).transpose().inverse() * rest;
+        let next = at - step;
+        if !next.is_finite() || !is_between(next, corners) {
+            break;
+        }
+        at = next;
+    }
+    Ok(at)
+}
+
+/// Returns whether a point of a triangle's plane, or of space, is well inside the corners' hull.
+fn is_between(point: DVec3, corners: &[DVec3]) -> bool {
+    let side = |k: usize| corners[k] - corners[0];
+    let third = if corners.len() == 4 { side(3) } else { side(1).cross(side(2)) };
+    let basis = DMat3::from_cols(side(1), side(2), third).inverse();
+    let weights = basis * (point - corners[0]);
+    let used = &weights.to_array()[..corners.len() - 1];
+    used.iter().all(|weight| *weight >= APART) && used.iter().sum::<f64>() <= 1.0 - APART
 }
 
 impl Triangles {
-    /// Adds a triangle, or a quadrilateral as two triangles along its shorter diagonal.
-    fn add(&mut self, polygon: &[u32], leaf: u32) {
-        let at = |k: usize| self.vertices[polygon[k] as usize];
-        let parts: &[[usize; 3]] = if polygon.len() < 4 {
-            &[[0, 1, 2]]
-        } else if at(0).distance_squared(at(2)) <= at(1).distance_squared(at(3)) {
-            &[[0, 1, 2], [0, 2, 3]]
-        } else {
-            &[[0, 1, 3], [1, 2, 3]]
+    /// Adds the triangles of a polygon.
+    fn add(&mut self, polygon: &[u32]) {
+        let at = |k: usize| self.vertices[polygon[k % polygon.len()] as usize];
+        let count = polygon.len();
+        // The fan whose least triangle is largest: a negative one would be turned over.
+        let normal: DVec3 = (0..count).map(|k| at(k).cross(at(k + 1))).sum();
+        let worst = |first: usize| {
+            let area = |k: usize| {
+                let (a, b, c) = (at(first), at(first + k), at(first + k + 1));
+                (b - a).cross(c - a).dot(normal)
+            };
+            (1..count - 1).map(area).fold(f64::INFINITY, f64::min)
         };
-        for part in parts {
-            self.triangles.push(part.map(|k| polygon[k]));
-            self.leaves.push(leaf);
+        let first = (0..count).max_by(|a, b| worst(*a).total_cmp(&worst(*b))).unwrap_or(0);
+        for k in 1..count - 1 {
+            let [b, c] = [k, k + 1].map(|k| polygon[(first + k) % count]);
+            self.triangles.push([polygon[first], b, c]);
         }
     }
 

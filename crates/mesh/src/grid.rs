@@ -56,6 +56,10 @@ impl Hasher for CornerHasher {
         unreachable!("corners are hashed as numbers");
     }
 
+    fn write_u16(&mut self, value: u16) {
+        self.write_u64(value.into());
+    }
+
     fn write_u64(&mut self, value: u64) {
         let mixed = (self.0.rotate_left(26) ^ value).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         self.0 = mixed ^ mixed >> 32;

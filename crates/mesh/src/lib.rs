@@ -6,15 +6,16 @@
 mod cells;
 mod extract;
 mod grid;
+mod polygon;
 mod proof;
 mod refine;
 mod space;
 
-use cells::CellKernels;
+use cells::PartKernels;
 use glam::DVec3;
 use refine::{Kind, Limits};
 use space::Space;
-use zeroset_eval::{KernelError, Kernels};
+use zeroset_scene::program::{Program, ProgramError};
 
 /// Share of the domain's diagonal that is the tolerance, unless another is given.
 pub const TOLERANCE: f64 = 1e-3;
@@ -60,27 +61,31 @@ pub struct Options {
     pub is_solid: bool,
 }
 
-/// Returns the mesh of a surface within a domain, or `None` once `wanted` returns false.
+/// Returns the mesh of a program's surface within a domain, or `None` once `wanted` returns false.
 ///
 /// If no tetrahedron is [unproven](Mesh::unproven), the mesh is isotopic to the surface, within the
 /// domain. If none is [far](Mesh::far) either, each vertex is within the tolerance of the surface,
 /// and each point of the surface is within it of the mesh.
 ///
 /// # Errors
-/// If a kernel is not available.
+/// If a part of the function is too large, or a kernel is not available.
+///
+/// # Panics
+/// If there is no such surface. In debug builds also if the program is not valid in the domain.
 pub fn mesh(
-    kernels: &dyn Kernels<f64>,
+    program: &Program,
+    surface: usize,
     options: &Options,
     wanted: &dyn Fn() -> bool,
-) -> Result<Option<Mesh>, KernelError> {
+) -> Result<Option<Mesh>, ProgramError> {
     let &Options { low, high, tolerance, is_solid } = options;
-    let asked = CellKernels { zeros: kernels.zeros()?, gradients: kernels.gradient_bounds()? };
-    let samples = kernels.values()?;
+    let (choice, parts) = program.choices(surface)?;
+    let kernels = PartKernels::of(&parts)?;
     let (space, mut grid) = Space::new(low, high);
     let limits = Limits { tolerance, finest: FINEST * (high - low).max_element() };
-    let refined = refine::refine(asked, samples, &space, &mut grid, limits, is_solid, wanted);
+    let refined = refine::refine(&choice, &kernels, &space, &mut grid, limits, is_solid, wanted);
     let Some(refined) = refined else { return Ok(None) };
-    let triangles = extract::extract(&refined, samples, &space, is_solid);
+    let triangles = extract::extract(&choice, &refined, &kernels, &space, is_solid)?;
     let mut mesh =
         Mesh { vertices: triangles.vertices, triangles: triangles.triangles, ..Mesh::default() };
     for leaf in &refined.leaves {

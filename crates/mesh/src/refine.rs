@@ -1,17 +1,22 @@
 //! Refines a grid until the shape of the surface in it is proven, and the mesh is near enough.
 
-use crate::cells::{Answer, Bounds, CellKernels, ask};
-use crate::grid::{Corner, CornerMap, Grid, Tetrahedron};
+use crate::cells::{Answer, Cell, PartBounds, PartKernels, ask};
+use crate::grid::{Corner, CornerHasher, CornerMap, Grid, Tetrahedron};
 use crate::proof::{Slopes, bend, common_vector, least_slope, linear_gradient, middle};
 use crate::space::Space;
 use glam::DVec3;
 use rayon::prelude::*;
+use std::hash::{Hash, Hasher};
+use std::sync::Arc;
 use zeroset_eval::{Kernel, LANES, Points, Sample, Values};
+use zeroset_scene::choices::Choice;
 
 /// Number of tetrahedra beyond which none is split.
 const MOST_CELLS: usize = 3_000_000;
 /// Number of tetrahedra that may fail the proof at a time. If more do, none is split for the proof.
 const MOST_FAILING: usize = 300_000;
+/// Greatest relative difference of values by which parts are told apart.
+const APART: f64 = 1e-4;
 
 /// A tetrahedron of the refined grid.
 pub struct Leaf {
@@ -21,10 +26,11 @@ pub struct Leaf {
 
 /// The part that a tetrahedron has in the mesh.
 pub enum Kind {
-    /// The surface may be in it. `near` states that the mesh is proven to be within the tolerance.
-    Open { bounds: Bounds, near: bool },
-    /// It is inside a solid, and has a face on the boundary of the domain.
-    Inside,
+    /// The surface may be in it. These parts matter. `near` states that the mesh is proven to be
+    /// within the tolerance.
+    Open { parts: Arc<[PartBounds]>, near: bool },
+    /// It is inside a solid, and has a face on the boundary of the domain. These parts matter.
+    Inside(Arc<[u16]>),
 }
 
 /// How far a grid is refined.
@@ -39,8 +45,8 @@ pub struct Limits {
 /// A refined grid.
 pub struct Refined {
     pub leaves: Vec<Leaf>,
-    /// Values at the leaves' corners, by the sample kernel. NaN if undefined.
-    pub values: CornerMap<Corner, f64>,
+    /// Values of parts at the leaves' corners, by the sample kernel. NaN if undefined.
+    pub values: CornerMap<(Corner, u16), f64>,
     /// Corners at which the proof fails.
     pub failing: CornerMap<Corner, ()>,
 }
@@ -48,15 +54,17 @@ pub struct Refined {
 /// Refines `grid` for a function. `is_solid` keeps tetrahedra inside of a solid at the boundary of
 /// the domain. Returns `None` once `wanted` returns false.
 pub fn refine(
-    kernels: CellKernels<'_>,
-    samples: &dyn Kernel<Sample, f64>,
+    choice: &Choice,
+    kernels: &[PartKernels<'_>],
     space: &Space,
     grid: &mut Grid,
     limits: Limits,
     is_solid: bool,
     wanted: &dyn Fn() -> bool,
 ) -> Option<Refined> {
-    let mut fresh = grid.roots();
+    let parts: Arc<[u16]> = (0..kernels.len() as u16).collect();
+    let root = |tetrahedron| Cell { tetrahedron, parts: Arc::clone(&parts) };
+    let mut fresh: Vec<Cell> = grid.roots().into_iter().map(root).collect();
     let mut refined =
         Refined { leaves: Vec::new(), values: CornerMap::default(), failing: CornerMap::default() };
     // Leaves from this one on have not been proven.
@@ -66,13 +74,13 @@ pub fn refine(
             return None;
         }
         let first = refined.leaves.len();
-        let answers = ask(kernels, space, &fresh);
-        for (cell, answer) in fresh.drain(..).zip(answers) {
+        let answers = ask(choice, kernels, space, &fresh);
+        for (Cell { tetrahedron: cell, parts }, answer) in fresh.drain(..).zip(answers) {
             let kind = match answer {
-                Answer::Open(bounds) => {
-                    Kind::Open { bounds, near: is_near(space, &cell, &bounds, limits.tolerance) }
+                Answer::Open(parts) => {
+                    Kind::Open { near: is_near(space, &cell, &parts, limits.tolerance), parts }
                 }
-                Answer::Empty(-1) if is_solid && has_face(space, &cell) => Kind::Inside,
+                Answer::Empty(-1) if is_solid && has_face(space, &cell) => Kind::Inside(parts),
                 Answer::Empty(_) => continue,
             };
             refined.leaves.push(Leaf { cell, kind });
@@ -85,18 +93,17 @@ pub fn refine(
         let mut middles: Vec<Corner> = refined.leaves[first..]
             .iter()
             .filter(|leaf| match &leaf.kind {
-                Kind::Open { bounds: Bounds { gradient: Some(_), .. }, near: false } => {
-                    may_split(&leaf.cell, 0.125 * limits.tolerance)
+                Kind::Open { parts, near: false } => {
+                    let is_smooth = parts.iter().all(|part| part.gradient.is_some());
+                    let share = if is_smooth { 0.125 } else { 1.0 };
+                    may_split(&leaf.cell, share * limits.tolerance)
                 }
-                Kind::Open { bounds: Bounds { gradient: None, .. }, .. } => {
-                    may_split(&leaf.cell, limits.tolerance)
-                }
-                _ => false,
+                Kind::Open { near: true, .. } | Kind::Inside(_) => false,
             })
             .map(|leaf| leaf.cell.middle())
             .collect();
         if middles.is_empty() {
-            let failing = refined.prove(samples, space, unproven);
+            let failing = refined.prove(kernels, space, unproven);
             unproven = refined.leaves.len();
             if failing.len() <= MOST_FAILING {
                 let fails = failing.iter().map(|leaf| &refined.leaves[*leaf].cell);
@@ -115,9 +122,14 @@ pub fn refine(
             kept += usize::from(stays && number < unproven);
             number += 1;
             if !stays {
+                let parts = leaf.parts();
                 let mut open = vec![leaf.cell];
-                while let Some(cell) = open.pop() {
-                    if grid.is_split(&cell) { open.extend(cell.halves()) } else { fresh.push(cell) }
+                while let Some(tetrahedron) = open.pop() {
+                    if grid.is_split(&tetrahedron) {
+                        open.extend(tetrahedron.halves());
+                    } else {
+                        fresh.push(Cell { tetrahedron, parts: Arc::clone(&parts) });
+                    }
                 }
             }
             stays
@@ -139,24 +151,37 @@ fn has_face(space: &Space, cell: &Tetrahedron) -> bool {
 
 /// Returns whether the mesh in a tetrahedron is proven to be within a distance of the surface, and
 /// the surface in it within that distance of the mesh, if the shape is proven.
-fn is_near(space: &Space, cell: &Tetrahedron, bounds: &Bounds, distance: f64) -> bool {
-    let Some(gradient) = &bounds.gradient else { return false };
-    let Some(vector) = middle(gradient).try_normalize() else { return false };
-    // Both |f| on the mesh and the linear function on the surface are at most the bend. Along the
-    // vector, either changes at least at the least slope.
-    bend(gradient, &space.corners(cell)) <= distance * least_slope(gradient, vector).0
+fn is_near(space: &Space, cell: &Tetrahedron, parts: &[PartBounds], distance: f64) -> bool {
+    let slopes = |part: &PartBounds| {
+        part.gradient.map(|gradient| Slopes { gradient, linear: middle(&gradient) })
+    };
+    let Some(slopes) = parts.iter().map(slopes).collect::<Option<Vec<Slopes>>>() else {
+        return false;
+    };
+    let Some(vector) = common_vector(&slopes, [false; 3]) else { return false };
+    // Both |f| on the mesh and |g| on the surface are at most the bend. Along the vector, either
+    // changes at least at the least slope.
+    let corners = space.corners(cell);
+    let bend = slopes.iter().map(|part| bend(&part.gradient, &corners)).fold(0.0, f64::max);
+    let least = slopes.iter().map(|part| least_slope(&part.gradient, vector).0);
+    bend <= distance * least.fold(f64::INFINITY, f64::min)
+}
+
+impl Leaf {
+    /// The parts that matter.
+    pub fn parts(&self) -> Arc<[u16]> {
+        match &self.kind {
+            Kind::Open { parts, .. } => parts.iter().map(|part| part.part).collect(),
+            Kind::Inside(parts) => Arc::clone(parts),
+        }
+    }
 }
 
 impl Refined {
     /// Looks for vectors at the corners of leaves from `first` on. Returns the leaves at corners
     /// where none is found, in order.
-    fn prove(
-        &mut self,
-        samples: &dyn Kernel<Sample, f64>,
-        space: &Space,
-        first: usize,
-    ) -> Vec<usize> {
-        self.sample(samples, space, first);
+    fn prove(&mut self, kernels: &[PartKernels<'_>], space: &Space, first: usize) -> Vec<usize> {
+        self.sample(kernels, space, first);
         let mut stars: CornerMap<Corner, Vec<u32>> = CornerMap::default();
         let is_open = |leaf: &&Leaf| matches!(leaf.kind, Kind::Open { .. });
         for leaf in self.leaves[first..].iter().filter(is_open) {
@@ -173,24 +198,28 @@ impl Refined {
                 }
             }
         }
-        let slopes: Vec<Option<Slopes>> = self
+        let slopes: Vec<Option<Vec<Slopes>>> = self
             .leaves
             .par_iter()
             .map(|leaf| {
-                let Kind::Open { bounds: Bounds { gradient: Some(gradient), .. }, .. } = leaf.kind
-                else {
-                    return None;
+                let Kind::Open { parts, .. } = &leaf.kind else { return None };
+                let corners = space.corners(&leaf.cell);
+                let slopes = |part: &PartBounds| {
+                    let gradient = part.gradient?;
+                    let values = leaf.cell.corners.map(|corner| self.values[&(corner, part.part)]);
+                    Some(Slopes { gradient, linear: linear_gradient(&corners, &values) })
                 };
-                let values = leaf.cell.corners.map(|corner| self.values[&corner]);
-                let linear = linear_gradient(&space.corners(&leaf.cell), &values);
-                Some(Slopes { gradient, linear })
+                parts.iter().map(slopes).collect()
             })
             .collect();
         let stars: Vec<(Corner, Vec<u32>)> = stars.into_iter().collect();
         let is_proven = |(corner, star): &(Corner, Vec<u32>)| {
-            let star: Option<Vec<Slopes>> =
-                star.iter().map(|number| slopes[*number as usize]).collect();
-            star.is_some_and(|star| common_vector(&star, space.faces(*corner)).is_some())
+            let mut all = Vec::new();
+            for number in star {
+                let Some(slopes) = &slopes[*number as usize] else { return false };
+                all.extend_from_slice(slopes);
+            }
+            common_vector(&all, space.faces(*corner)).is_some()
         };
         let proven: Vec<bool> = stars.par_iter().map(is_proven).collect();
         let mut leaves = Vec::new();
@@ -207,22 +236,29 @@ impl Refined {
         leaves
     }
 
-    /// Adds the values at the corners of leaves from `first` on.
-    fn sample(&mut self, samples: &dyn Kernel<Sample, f64>, space: &Space, first: usize) {
-        let mut corners = Vec::new();
+    /// Adds the values of the parts that matter, at the corners of leaves from `first` on.
+    fn sample(&mut self, kernels: &[PartKernels<'_>], space: &Space, first: usize) {
+        let mut corners = vec![Vec::new(); kernels.len()];
         for leaf in &self.leaves[first..] {
-            for corner in leaf.cell.corners {
-                self.values.entry(corner).or_insert_with(|| {
-                    corners.push(corner);
-                    0.0
-                });
+            let Kind::Open { parts, .. } = &leaf.kind else { continue };
+            for PartBounds { part, .. } in &**parts {
+                for corner in leaf.cell.corners {
+                    self.values.entry((corner, *part)).or_insert_with(|| {
+                        corners[usize::from(*part)].push(corner);
+                        0.0
+                    });
+                }
             }
         }
-        let points: Vec<DVec3> = corners.iter().map(|corner| space.at(*corner)).collect();
-        for (corner, value) in corners.into_iter().zip(sample(samples, &points)) {
-            // At a zero, g may have either sign.
-            let value = if value == 0.0 { f64::MIN_POSITIVE } else { value };
-            self.values.insert(corner, value);
+        for (part, corners) in corners.into_iter().enumerate() {
+            let points: Vec<DVec3> = corners.iter().map(|corner| space.at(*corner)).collect();
+            for (corner, value) in corners.into_iter().zip(sample(kernels[part].samples, &points)) {
+                // At a zero, g may have either sign.
+                let value = if value == 0.0 { f64::MIN_POSITIVE } else { value };
+                // Symmetric parts are equal on whole planes of the grid. They are told apart.
+                let moved = if kernels.len() == 1 { value } else { value * factor(corner, part) };
+                self.values.insert((corner, part as u16), moved);
+            }
         }
     }
 
@@ -234,9 +270,18 @@ impl Refined {
                 used.insert(corner, ());
             }
         }
-        self.values.retain(|corner, _| used.contains_key(corner));
+        self.values.retain(|(corner, _), _| used.contains_key(corner));
         self.failing.retain(|corner, ()| used.contains_key(corner));
     }
+}
+
+/// A number near 1 that differs from part to part and from corner to corner.
+fn factor(corner: Corner, part: usize) -> f64 {
+    let mut hasher = CornerHasher::default();
+    corner.hash(&mut hasher);
+    hasher.write_u16(part as u16);
+    let share = hasher.finish() as f64 / u64::MAX as f64;
+    1.0 + APART * (share - 0.5)
 }
 
 /// The function's values at points.

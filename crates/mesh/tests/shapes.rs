@@ -16,7 +16,7 @@ fn mesh_of(text: &str, half: f64, tolerance: f64) -> Mesh {
     let is_solid = document.surfaces[0].kind == SurfaceKind::Solid;
     let (low, high) = (DVec3::splat(-half), DVec3::splat(half));
     let options = Options { low, high, tolerance, is_solid };
-    mesh(program.kernels::<f64>(0), &options, &|| true).expect("kernels").expect("wanted")
+    mesh(&program, 0, &options, &|| true).expect("kernels").expect("wanted")
 }
 
 /// Euler's number and the number of edges with one triangle. Panics if an edge has more than two
@@ -44,6 +44,10 @@ fn shapes_are_right_and_proven() {
         ("x^4-5x^2+y^4-5y^2+z^4-5z^2+11.8 = 0", 3.0, -8),
         ("2y(y^2-3x^2)(1-z^2)+(x^2+y^2)^2-(9z^2-1)(1-z^2) = 0", 2.0, -2),
         ("x^2+y^2 <= 0.25", 1.0, 2),
+        ("max(abs(x), abs(y), abs(z)) <= 0.7", 1.0, 2),
+        ("x^2+y^2+z^2 <= 1 and x+y+z >= 0.3", 1.2, 2),
+        ("max(x^2+y^2+z^2-1, 0.2-x^2-y^2) <= 0", 1.2, 0),
+        ("min(x^2+y^2+z^2-1, (x-1)^2+y^2+z^2-0.5) = 0", 2.2, 2),
         ("(x^2+y^2+z^2)^2-1.21 x^2 <= 0.001", 1.5, 2),
     ] {
         let clock = Instant::now();

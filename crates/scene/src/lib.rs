@@ -7,6 +7,7 @@
 
 pub mod blank;
 mod box_tree;
+pub mod choices;
 pub mod coordinate;
 pub mod domain;
 pub mod gallery;

@@ -188,7 +188,11 @@ impl Program {
         Self::of(Arc::clone(&self.store), values)
     }
 
-    fn of(store: Arc<CodeStore>, values: Vec<Interval>) -> Self {
+    pub(crate) fn simplified(&self) -> &Simplified {
+        &self.store.simplified
+    }
+
+    pub(crate) fn of(store: Arc<CodeStore>, values: Vec<Interval>) -> Self {
         let Simplified { graph, roots, assumptions, .. } = &*store.simplified;
         let values: Arc<[Interval]> = values.into();
         let assumptions = Assumptions { parameters: values.to_vec(), ..assumptions.clone() };

@@ -1,0 +1,334 @@
+//! Polygons in a tetrahedron where a choice of linear functions is 0.
+//!
+//! A vertex is known by the corners of the tetrahedron, triangle or edge that it lies in, and by the
+//! parts that are 0 there. So tetrahedra that share a face agree on the vertices in it.
+
+use crate::grid::Corner;
+use std::cmp::Reverse;
+use zeroset_scene::choices::Choice;
+
+/// A vertex: the corners it lies between, and the parts that are 0 there, both in order. There is
+/// one corner more than there are parts; the other places are filled up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct VertexKey {
+    pub corners: [Option<Corner>; 4],
+    pub parts: [u16; 3],
+}
+
+/// Fills places of [`VertexKey::parts`].
+pub const NO_PART: u16 = u16::MAX;
+
+impl std::hash::Hash for VertexKey {
+    fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
+        for corner in self.corners.iter().flatten() {
+            corner.hash(state);
+        }
+        let [a, b, c] = self.parts.map(u64::from);
+        state.write_u64(a | b << 16 | c << 32);
+    }
+}
+
+/// A tetrahedron with linear functions.
+pub struct Linear {
+    /// The corners, in order of their numbers.
+    pub corners: [Corner; 4],
+    /// For each part that matters, its number and its values at the corners.
+    pub parts: Vec<(u16, [f64; 4])>,
+}
+
+/// A line of the tetrahedron that a polygon's edge lies on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Line {
+    /// On the face, or the edge, with these corners, as bits.
+    Side(u8),
+    /// Where this part is 0.
+    Part(u16),
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Vertex {
+    /// Corners that the vertex lies between, as bits.
+    between: u8,
+    parts: [u16; 3],
+    /// Weights of the corners.
+    weights: [f64; 4],
+    /// The line of the edge to the next vertex.
+    next: Line,
+}
+
+/// A polygon, counterclockwise from in front.
+#[derive(Clone, Debug)]
+pub struct Polygon {
+    vertices: Vec<Vertex>,
+    /// The corners that the polygon lies between, as bits.
+    between: u8,
+    /// The part that is 0 in the polygon, or [`NO_PART`].
+    part: u16,
+}
+
+/// The part of space where a choice is at most 0, or at least 0.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Half {
+    Below,
+    Above,
+}
+
+impl Half {
+    fn other(self) -> Self {
+        match self {
+            Self::Below => Self::Above,
+            Self::Above => Self::Below,
+        }
+    }
+}
+
+/// All four corners.
+const ALL: u8 = 0b1111;
+
+impl Linear {
+    fn values(&self, part: u16) -> Option<&[f64; 4]> {
+        self.parts.iter().find(|(number, _)| *number == part).map(|(_, values)| values)
+    }
+
+    /// The polygons in which the choice is 0. In front, it is above 0. `is_positive` tells the
+    /// orientation of the corners.
+    pub fn zeros(&self, choice: &Choice, is_positive: bool) -> Vec<Polygon> {
+        let mut all = Vec::new();
+        for (part, values) in &self.parts {
+            let Some(polygon) = self.section(*part, values, is_positive) else { continue };
+            // On the polygon, the part's value is 0. So is the choice where it is neither above nor
+            // below.
+            let pieces = self.keep(choice, Half::Below, vec![polygon]);
+            all.extend(merged(self.keep(choice, Half::Above, pieces)));
+        }
+        all
+    }
+
+    /// The parts of a face, with corners in the order seen from in front, where the choice is at
+    /// most 0.
+    pub fn face(&self, choice: &Choice, face: [Corner; 3]) -> Vec<Polygon> {
+        let bit = |corner: Corner| {
+            1 << self.corners.iter().position(|one| *one == corner).expect("a corner")
+        };
+        let bits = face.map(bit);
+        let vertex = |k: usize| {
+            let mut weights = [0.0; 4];
+            weights[(bits[k] as u8).trailing_zeros() as usize] = 1.0;
+            let next = Line::Side(bits[k] | bits[(k + 1) % 3]);
+            Vertex { between: bits[k], parts: [NO_PART; 3], weights, next }
+        };
+        let polygon = Polygon {
+            vertices: [0, 1, 2].map(vertex).to_vec(),
+            between: bits[0] | bits[1] | bits[2],
+            part: NO_PART,
+        };
+        merged(self.keep(choice, Half::Below, vec![polygon]))
+    }
+
+    /// The polygon in which a part is 0.
+    fn section(&self, part: u16, values: &[f64; 4], is_positive: bool) -> Option<Polygon> {
+        // Even permutations of the corners, which keep the orientation.
+        const FIRST: [[usize; 4]; 4] = [[0, 1, 2, 3], [1, 0, 3, 2], [2, 3, 0, 1], [3, 2, 1, 0]];
+        const PAIRS: [[usize; 4]; 6] =
+            [[0, 1, 2, 3], [0, 2, 3, 1], [0, 3, 1, 2], [1, 2, 0, 3], [1, 3, 2, 0], [2, 3, 0, 1]];
+        let inside = values.map(|value| value < 0.0);
+        let mut edges: Vec<[usize; 2]> = match inside.iter().filter(|one| **one).count() {
+            count @ (1 | 3) => {
+                let lone = inside.iter().position(|one| *one == (count == 1))?;
+                let [a, b, c, d] = FIRST[lone];
+                if count == 1 { vec![[a, b], [a, c], [a, d]] } else { vec![[a, d], [a, c], [a, b]] }
+            }
+            2 => {
+                let [a, b, c, d] = *PAIRS.iter().find(|pair| inside[pair[0]] && inside[pair[1]])?;
+                vec![[a, c], [a, d], [b, d], [b, c]]
+            }
+            _ => return None,
+        };
+        if !is_positive {
+            edges.reverse();
+        }
+        let vertices = (0..edges.len())
+            .map(|k| {
+                let bits = |[a, b]: [usize; 2]| 1 << a | 1 << b;
+                let (here, next) = (bits(edges[k]), bits(edges[(k + 1) % edges.len()]));
+                self.vertex(here, &[part], Line::Side(here | next))
+            })
+            .collect();
+        Some(Polygon { vertices, between: ALL, part })
+    }
+
+    /// The vertex between some corners where some parts are 0.
+    fn vertex(&self, between: u8, parts: &[u16], next: Line) -> Vertex {
+        let mut key = [NO_PART; 3];
+        key[..parts.len()].copy_from_slice(parts);
+        key[..parts.len()].sort_unstable();
+        let used: Vec<usize> = (0..4).filter(|k| between >> k & 1 == 1).collect();
+        let rows: Vec<Vec<f64>> = key[..parts.len()]
+            .iter()
+            .map(|part| {
+                let values = self.values(*part).unwrap_or(&[f64::NAN; 4]);
+                used.iter().map(|k| values[*k]).collect()
+            })
+            .collect();
+        let mut weights = [0.0; 4];
+        let cofactor = |k: usize| {
+            let minor: Vec<Vec<f64>> = rows
+                .iter()
+                .map(|row| (0..row.len()).filter(|j| *j != k).map(|j| row[j]).collect())
+                .collect();
+            let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+            sign * determinant(&minor)
+        };
+        let all: Vec<f64> = (0..used.len()).map(cofactor).collect();
+        let sum: f64 = all.iter().sum();
+        for (k, one) in used.iter().zip(all) {
+            weights[*k] = one / sum;
+        }
+        Vertex { between, parts: key, weights, next }
+    }
+
+    /// The vertex's key, and the weights of its corners.
+    fn key(&self, vertex: &Vertex) -> (VertexKey, [f64; 4]) {
+        let (mut corners, mut weights) = ([None; 4], [0.0; 4]);
+        let used = (0..4).filter(|k| vertex.between >> k & 1 == 1);
+        for (to, from) in used.enumerate() {
+            (corners[to], weights[to]) = (Some(self.corners[from]), vertex.weights[from]);
+        }
+        (VertexKey { corners, parts: vertex.parts }, weights)
+    }
+
+    /// The keys of a polygon's vertices.
+    pub fn keys(&self, polygon: &Polygon) -> Vec<(VertexKey, [f64; 4])> {
+        polygon.vertices.iter().map(|vertex| self.key(vertex)).collect()
+    }
+
+    /// The pieces of polygons on one side of the choice's zeros. A polygon in which a part is 0 is
+    /// on both sides of that part.
+    fn keep(&self, choice: &Choice, half: Half, polygons: Vec<Polygon>) -> Vec<Polygon> {
+        match (choice, half) {
+            (Choice::Part(part), _) => {
+                let part = *part as u16;
+                let cut = |polygon| self.cut(polygon, part, half);
+                polygons.into_iter().filter_map(cut).collect()
+            }
+            (Choice::Max(all), Half::Below) | (Choice::Min(all), Half::Above) => {
+                all.iter().fold(polygons, |left, one| self.keep(one, half, left))
+            }
+            (Choice::Min(all), Half::Below) | (Choice::Max(all), Half::Above) => {
+                let (mut rest, mut kept) = (polygons, Vec::new());
+                // The polygon's own part comes first: nothing is left to be cut by the others.
+                let mut ordered: Vec<&Choice> =
+                    all.iter().filter(|one| self.matters(one)).collect();
+                let part = rest.first().map(|polygon| usize::from(polygon.part));
+                ordered.sort_by_key(|one| Reverse(Some(*one) == part.map(Choice::Part).as_ref()));
+                for one in ordered {
+                    kept.extend(self.keep(one, half, rest.clone()));
+                    let is_own = |p: &Polygon| *one == Choice::Part(usize::from(p.part));
+                    rest.retain(|polygon| !is_own(polygon));
+                    rest = self.keep(one, half.other(), rest);
+                }
+                kept
+            }
+        }
+    }
+
+    /// Returns whether a choice has a part that matters.
+    fn matters(&self, choice: &Choice) -> bool {
+        match choice {
+            Choice::Part(part) => self.values(*part as u16).is_some(),
+            Choice::Min(all) | Choice::Max(all) => all.iter().any(|one| self.matters(one)),
+        }
+    }
+
+    /// The piece of a polygon on one side of a part's zeros.
+    fn cut(&self, mut polygon: Polygon, part: u16, half: Half) -> Option<Polygon> {
+        let Some(values) = self.values(part).filter(|_| part != polygon.part) else {
+            return Some(polygon);
+        };
+        let is_kept = |vertex: &Vertex| {
+            let value: f64 = (0..4).map(|k| vertex.weights[k] * values[k]).sum();
+            (value < 0.0) == (half == Half::Below)
+        };
+        let kept: Vec<bool> = polygon.vertices.iter().map(is_kept).collect();
+        if kept.iter().all(|kept| *kept) {
+            return Some(polygon);
+        }
+        let mut left = Vec::new();
+        for (k, vertex) in polygon.vertices.iter().enumerate() {
+            let next = (k + 1) % kept.len();
+            let crossing = |line: Line| {
+                let (between, mut parts) = match vertex.next {
+                    Line::Side(side) => (side, vec![part]),
+                    Line::Part(other) => (polygon.between, vec![part, other]),
+                };
+                if polygon.part != NO_PART {
+                    parts.push(polygon.part);
+                }
+                self.vertex(between, &parts, line)
+            };
+            match (kept[k], kept[next]) {
+                (true, true) => left.push(*vertex),
+                (true, false) => left.extend([*vertex, crossing(Line::Part(part))]),
+                (false, true) => left.push(crossing(vertex.next)),
+                (false, false) => {}
+            }
+        }
+        polygon.vertices = left;
+        (polygon.vertices.len() >= 3).then_some(polygon)
+    }
+}
+
+fn determinant(rows: &[Vec<f64>]) -> f64 {
+    match rows {
+        [] => 1.0,
+        [a] => a[0],
+        [a, b] => a[0] * b[1] - a[1] * b[0],
+        [a, b, c] => {
+            a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0])
+                + a[2] * (b[0] * c[1] - b[1] * c[0])
+        }
+        _ => unreachable!("at most three parts are 0 at a vertex"),
+    }
+}
+
+/// Pieces of one polygon, joined along the edges that they share. A vertex in the middle of a line
+/// is left out, since neighbors do not have it.
+fn merged(pieces: Vec<Polygon>) -> Vec<Polygon> {
+    if pieces.len() < 2 {
+        return pieces;
+    }
+    let id = |vertex: &Vertex| (vertex.between, vertex.parts);
+    let mut edges: Vec<(Vertex, Vertex)> = Vec::new();
+    for piece in &pieces {
+        for (k, vertex) in piece.vertices.iter().enumerate() {
+            let next = piece.vertices[(k + 1) % piece.vertices.len()];
+            let back = |(a, b): &(Vertex, Vertex)| id(a) == id(&next) && id(b) == id(vertex);
+            match edges.iter().position(back) {
+                Some(position) => drop(edges.swap_remove(position)),
+                None => edges.push((*vertex, next)),
+            }
+        }
+    }
+    let mut loops = Vec::new();
+    while let Some((first, mut end)) = edges.pop() {
+        let mut vertices = vec![first];
+        while id(&end) != id(&first) {
+            let Some(position) = edges.iter().position(|(from, _)| id(from) == id(&end)) else {
+                return pieces;
+            };
+            let edge = edges.swap_remove(position);
+            vertices.push(edge.0);
+            end = edge.1;
+        }
+        let is_bend = |k: &usize| {
+            let before = vertices[(k + vertices.len() - 1) % vertices.len()];
+            before.next != vertices[*k].next
+        };
+        let vertices: Vec<Vertex> =
+            (0..vertices.len()).filter(is_bend).map(|k| vertices[k]).collect();
+        if vertices.len() >= 3 {
+            loops.push(Polygon { vertices, ..pieces[0] });
+        }
+    }
+    loops
+}
