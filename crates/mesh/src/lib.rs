@@ -20,7 +20,7 @@ use zeroset_scene::program::{Program, ProgramError};
 /// Share of the domain's diagonal that is the tolerance, unless another is given.
 pub const TOLERANCE: f64 = 1e-3;
 /// Size of the tetrahedra that are not split for the proof, as a share of the domain's longest edge.
-const FINEST: f64 = 1.0 / 65536.0;
+const FINEST: f64 = 1.0 / 262_144.0;
 
 /// The mesh of one surface.
 #[derive(Clone, Debug, Default)]

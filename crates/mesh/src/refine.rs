@@ -12,7 +12,7 @@ use zeroset_eval::{Kernel, LANES, Points, Sample, Values};
 use zeroset_scene::choices::Choice;
 
 /// Number of tetrahedra beyond which none is split.
-const MOST_CELLS: usize = 3_000_000;
+const MOST_CELLS: usize = 1_500_000;
 /// Number of tetrahedra that may fail the proof at a time. If more do, none is split for the proof.
 const MOST_FAILING: usize = 300_000;
 /// Greatest relative difference of values by which parts are told apart.
@@ -95,7 +95,8 @@ pub fn refine(
             .filter(|leaf| match &leaf.kind {
                 Kind::Open { parts, near: false } => {
                     let is_smooth = parts.iter().all(|part| part.gradient.is_some());
-                    let share = if is_smooth { 0.125 } else { 1.0 };
+                    // Where the function may jump or end, only samples tell, in whole planes.
+                    let share = if is_smooth { 0.125 } else { 2.0 };
                     may_split(&leaf.cell, share * limits.tolerance)
                 }
                 Kind::Open { near: true, .. } | Kind::Inside(_) => false,

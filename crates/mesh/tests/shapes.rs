@@ -65,3 +65,104 @@ fn shapes_are_right_and_proven() {
         assert_eq!((mesh.unproven.len(), mesh.far), (0, 0), "{text}");
     }
 }
+
+/// The volume that a closed mesh encloses.
+fn volume(mesh: &Mesh) -> f64 {
+    let at = |vertex: u32| mesh.vertices[vertex as usize];
+    mesh.triangles.iter().map(|[a, b, c]| at(*a).dot(at(*b).cross(at(*c))) / 6.0).sum()
+}
+
+#[test]
+fn solids_have_their_volumes() {
+    use std::f64::consts::PI;
+    for (text, half, exact, share) in [
+        ("x^2+y^2+z^2 <= 1", 1.2, 4.0 / 3.0 * PI, 2e-3),
+        ("max(abs(x), abs(y), abs(z)) <= 0.7", 1.0, 2.744, 1e-4),
+        ("x^2+y^2 <= 0.25", 1.0, 0.5 * PI, 3e-3),
+        ("abs(x)+abs(y)+abs(z) <= 1", 1.3, 4.0 / 3.0, 1e-4),
+        ("x^2+y^2 <= 1 and x^2+z^2 <= 1", 1.25, 16.0 / 3.0, 3e-3),
+        (
+            "x^2+y^2 <= 1 and x^2+z^2 <= 1 and y^2+z^2 <= 1",
+            1.25,
+            8.0 * (2.0 - 2.0_f64.sqrt()),
+            3e-3,
+        ),
+        ("x^2+y^2+z^2 <= 1 and not x^2+y^2+z^2 <= 0.25", 1.2, 4.0 / 3.0 * PI * 0.875, 3e-3),
+    ] {
+        let mesh = mesh_of(text, half, 1e-3 * 2.0 * half * 3.0_f64.sqrt());
+        let (found, (euler, open)) = (volume(&mesh), euler(&mesh));
+        println!(
+            "{text}: volume {found}, exact {exact}, Euler {euler}, {} triangles, {} unproven, {} far",
+            mesh.triangles.len(),
+            mesh.unproven.len(),
+            mesh.far
+        );
+        assert_eq!(open, 0, "{text}");
+        assert!((found / exact - 1.0).abs() < share, "{text}: {found}, not {exact}");
+        assert_eq!((mesh.unproven.len(), mesh.far), (0, 0), "{text}");
+    }
+}
+
+/// Surfaces with singular points: there the shape is not proven, and everywhere else it is.
+#[test]
+fn shapes_are_proven_up_to_singular_points() {
+    let half = 0.5;
+    let cayley = [[half; 3], [half, -half, -half], [-half, half, -half], [-half, -half, half]];
+    for (text, half, singular) in [
+        ("x^2+y^2 = z^2", 1.0, &[[0.0; 3]][..]),
+        ("4(x^2+y^2+z^2) = 1 + 16xyz", 1.0, &cayley),
+        ("x^3+y^2+z^2 = 0", 1.0, &[[0.0; 3]]),
+    ] {
+        let mesh = mesh_of(text, half, 2e-3 * 2.0 * half * 3.0_f64.sqrt());
+        let (_, open) = euler(&mesh);
+        println!("{text}: {} cells, {} unproven, {open} open", mesh.cells, mesh.unproven.len());
+        assert!(!mesh.unproven.is_empty(), "{text}");
+        for cell in &mesh.unproven {
+            let near = |point: &[f64; 3]| {
+                (cell.centre - DVec3::from_array(*point)).length() <= 3.0 * cell.size.length()
+            };
+            assert!(singular.iter().any(near), "{text}: {cell:?}");
+        }
+    }
+}
+
+#[test]
+fn small_parts_and_thin_gaps_are_not_lost() {
+    for (text, half, number) in [
+        ("x^2+y^2+z^2 = 1e-8", 2.0, 2),
+        ("x^2+y^2 <= 1e-6", 1.0, 2),
+        ("(sqrt(x^2+y^2)-1)^2+z^2 = 1e-5", 1.3, 0),
+        ("min(x^2+y^2+z^2-1, (x-2.0001)^2+y^2+z^2-1) = 0", 3.2, 4),
+        ("min(x^2+y^2+z^2-1, (x-1.9999)^2+y^2+z^2-1) = 0", 3.2, 2),
+    ] {
+        let clock = Instant::now();
+        let mesh = mesh_of(text, half, 1e-3 * 2.0 * half * 3.0_f64.sqrt());
+        let (count, open) = euler(&mesh);
+        let (cells, elapsed) = (mesh.cells, clock.elapsed());
+        println!("{text}: {cells} cells, {} unproven, {elapsed:?}", mesh.unproven.len());
+        assert_eq!((count, open, mesh.unproven.len()), (number, 0, 0), "{text}");
+    }
+}
+
+/// Where an equation's function jumps or ends, there is no wall.
+#[test]
+fn there_are_no_walls_at_jumps_and_poles() {
+    for text in ["z = 1/x", "z = floor(x)", "z = sqrt(x)"] {
+        let mesh = mesh_of(text, 2.0, 0.02);
+        assert!(!mesh.triangles.is_empty(), "{text}");
+        for triangle in &mesh.triangles {
+            for vertex in triangle.map(|vertex| mesh.vertices[vertex as usize]) {
+                let [x, _, z] = vertex.to_array();
+                let off = match text {
+                    "z = 1/x" => (z * x - 1.0).abs(),
+                    // The vertex may be on either side of the jump.
+                    "z = floor(x)" => {
+                        (z - (x - 1e-3).floor()).abs().min((z - (x + 1e-3).floor()).abs())
+                    }
+                    _ => (z * z - x).abs(),
+                };
+                assert!(off < 0.02, "{text}: {vertex}");
+            }
+        }
+    }
+}
