@@ -192,3 +192,20 @@ fn what_is_wrong_with_a_sequence_is_said() {
     refused("--frames 3 --sweep r=0..1 -o f.gif --fps 60", "at most 50 frames a second");
     refused("--resume -o f.png", "--resume needs --frames");
 }
+
+#[test]
+fn frames_that_another_method_drew_say_so() {
+    let place = Sandbox::new();
+    // From so far away, affine forms cannot tell where a ray is within the domain.
+    let far = ["--eye", "1e14,0,0", "--target", "0,0,0", "--up", "0,0,1", "--ortho", "2.5"];
+    let sweep = ["--sweep", "r=0.3..1.2", "--frames", "3", "--size", "16", "--json"];
+    let run = place.run(&[&["render", GROWING], &far[..], &sweep[..]].concat()).ok();
+    for frame in frames(run.text()) {
+        assert_eq!(
+            (&frame["method"], &frame["fallbacks"][0]["method"]),
+            (&"knoll".into(), &"knoll".into())
+        );
+    }
+    let note = "in 3 of 3 frames surface 1 was traced by knoll, not affine: ";
+    assert_eq!(run.stderr.matches(note).count(), 1, "{}", run.stderr);
+}

@@ -10,6 +10,7 @@ use super::progress::Progress;
 use super::subject::{self, Subject};
 use super::{UNDECIDED, notes, report};
 use anyhow::{Context, Result, anyhow, bail, ensure};
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -19,7 +20,7 @@ use zeroset_render::picture::{Picture, Settings};
 use zeroset_render::sequence::{Sequence, Stage, Sweep};
 use zeroset_scene::view;
 use zeroset_syntax::{ErrorKind, Errors, Options};
-use zeroset_trace::Camera;
+use zeroset_trace::{Camera, Method};
 
 /// Largest number of frames. An hour at 60 frames per second has less than a quarter as many.
 const MOST_FRAMES: usize = 1_000_000;
@@ -196,26 +197,30 @@ fn numbered(path: &Path, frame: usize) -> Result<Option<PathBuf>> {
     Ok((places == 1).then(|| name.into()))
 }
 
-/// Four counts of frames: rendered, already there, with undecided pixels, without a visible
-/// surface.
+/// Counts of frames: rendered, already there, with undecided pixels, without a visible surface, and
+/// with each note on a surface that another method traced.
 #[derive(Default)]
 struct FrameCounts {
     made: usize,
     kept: usize,
     undecided: usize,
     blank: usize,
+    fallbacks: BTreeMap<String, usize>,
 }
 
 impl FrameCounts {
-    fn add(&mut self, picture: &Picture) {
+    fn add(&mut self, picture: &Picture, requested: &Method) {
         let pixels = picture.statistics.pixels;
         self.made += 1;
         self.undecided += usize::from(pixels.undecided > 0);
         self.blank += usize::from(pixels.hit + pixels.undecided == 0);
+        for note in picture.fallback_notes(requested) {
+            *self.fallbacks.entry(note).or_default() += 1;
+        }
     }
 
     fn remark(&self) {
-        let Self { made, kept, undecided, blank } = *self;
+        let Self { made, kept, undecided, blank, ref fallbacks } = *self;
         if kept > 0 {
             notes::note(&format!("{kept} frames were there already, {made} were made"));
         }
@@ -224,6 +229,9 @@ impl FrameCounts {
         }
         if blank > 0 {
             notes::note(&format!("nothing is seen in {blank} of {made} frames"));
+        }
+        for (note, count) in fallbacks {
+            notes::note(&format!("in {count} of {made} frames {note}"));
         }
     }
 }
@@ -364,7 +372,7 @@ impl<'a> FrameRenderer<'a> {
                 object["values"] = self.sequence.values(frame).collect();
                 print(&format!("{object}\n"))?;
             }
-            count.add(&picture);
+            count.add(&picture, self.settings.method);
             self.progress.reach(frame as u64 + 1);
         }
         Ok(count)
@@ -388,7 +396,7 @@ impl<'a> FrameRenderer<'a> {
                     }
                 };
                 animation.add(&picture.rgb)?;
-                count.add(&picture);
+                count.add(&picture, self.settings.method);
                 self.progress.reach(frame as u64 + 1);
             }
             animation.end()

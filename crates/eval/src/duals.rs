@@ -3,7 +3,7 @@
 //! A tape of a function alone then gives its gradient, too. The derivative of each operation is the
 //! one that [`gradient`] has for graphs, evaluated at the operands' values.
 
-use crate::real::Real;
+use crate::real::{Real, outward};
 use crate::value_kind::{Loader, Numbers, ValueKind, Vector};
 use zeroset_interval::{Enclosure, Exponent, Interval, Machine, Term};
 use zeroset_ir::{Axis, Graph, Node, NodeId, gradient};
@@ -48,7 +48,8 @@ fn evaluate<T: Real, M: Machine>(
         let (value, exponent) = match node {
             Node::Variable(axis) => (operands[*axis as usize].value.value, Exponent::Real),
             Node::Constant(constant) => {
-                (Numbers::constant::<T, M>(m, constant.bounds()), constant.exponent())
+                let bounds = outward::<T>(constant.bounds());
+                (Numbers::constant::<T, M>(m, bounds), constant.exponent())
             }
             Node::Parameter(_) => unreachable!("no operand is a parameter"),
             Node::Apply(op, of) => {
@@ -120,8 +121,9 @@ impl ValueKind for Duals {
             .iter()
             .zip(Axis::ALL)
             .map(|(operand, axis)| match operand.exponent {
-                Exponent::Integer(n) => graph.integer(n.into()),
-                Exponent::Real | Exponent::LargeInteger { .. } => graph.variable(axis),
+                // Only powers distinguish exponents, as in stencils.
+                Exponent::Integer(n) if op == Op::Pow => graph.integer(n.into()),
+                _ => graph.variable(axis),
             })
             .collect();
         let root = graph.apply(op, &variables);

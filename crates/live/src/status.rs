@@ -37,7 +37,8 @@ pub(super) fn describe(snapshot: &Snapshot) -> String {
         .filter(|option| option.short(&settings.options).is_some())
         .map(|option| (option.describe)(&settings.options))
         .collect();
-    let _ = writeln!(text, "method      {}, {}", settings.method.name, options.join(", "));
+    let method = rendering.picture.traced_by(settings.method);
+    let _ = writeln!(text, "method      {method}, {}", options.join(", "));
     let pixels = statistics.pixels;
     let _ = writeln!(
         text,
@@ -121,7 +122,7 @@ impl Rendering {
         format!(
             "{} · {width}x{height} · {} {} · {undecided} undecided · {made}{}",
             ms(times.trace + times.shade),
-            self.picture.method.name,
+            self.picture.traced_by(settings.method),
             values.join(" "),
             if self.picture.flat { " · 0 everywhere?" } else { "" },
         )

@@ -88,11 +88,8 @@ impl Rendering {
         if self.picture.flat {
             parts.insert(0, "f may be 0 everywhere".to_owned());
         }
-        let method = self.picture.method;
-        if method != full.method {
-            parts.push(format!("method {} instead of {}", method.name, full.method.name));
-        } else if method != Settings::default().method {
-            parts.push(format!("method {}", method.name));
+        if !self.picture.fallbacks.is_empty() || full.method != Settings::default().method {
+            parts.push(format!("method {}", self.picture.traced_by(full.method)));
         }
         parts.join(" · ")
     }
@@ -122,8 +119,11 @@ impl Rendering {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Live, Request};
+    use crate::{Live, Reply, Request};
+    use glam::DVec3;
     use std::time::Duration;
+    use zeroset_scene::view::CameraChoice;
+    use zeroset_trace::Projection;
 
     fn said(text: &str, method: &str) -> String {
         let settings = Settings { width: 40, height: 30, ..Settings::default() };
@@ -152,5 +152,38 @@ mod tests {
         }
         let hidden = said("hidden\nx^2+y^2+z^2 = 1", "affine");
         assert_eq!(hidden, "nothing is seen: every surface is hidden");
+    }
+
+    #[test]
+    fn a_method_that_stands_in_for_another_is_named() {
+        // From so far away, affine forms cannot tell where a ray is within the domain.
+        let choice = CameraChoice {
+            eye: Some(DVec3::new(1e14, 0.0, 0.0)),
+            target: Some(DVec3::ZERO),
+            up: Some(DVec3::Z),
+            projection: Some(Projection::Orthographic { height: 2.5 }),
+            ..CameraChoice::default()
+        };
+        let settings = Settings { width: 40, height: 30, ..Settings::default() };
+        let text = "x^2+y^2+z^2 = 1".into();
+        let live = Live::new(Request { text, choice, settings, ..Request::default() });
+        assert!(live.wait(Duration::from_mins(1)));
+        let Ok(Reply::Say(status)) = live.enter(":status") else { panic!("no status") };
+        assert!(status.contains("method      knoll instead of affine, "), "{status}");
+        assert!(
+            status.contains("note        surface 1 was traced by knoll, not affine"),
+            "{status}"
+        );
+        let rendering = live.snapshot().rendering.expect("a picture");
+        for line in [rendering.in_words(), rendering.summary()] {
+            assert!(line.contains("knoll instead of affine"), "{line}");
+        }
+        // Two surfaces, of which it stands in for the second.
+        let mut picture = rendering.picture.clone();
+        let affine = rendering.request.settings.method;
+        (picture.method, picture.fallbacks[0].0) = (affine, 1);
+        assert_eq!(picture.traced_by(affine), "affine, surface 2 by knoll");
+        picture.fallbacks.clear();
+        assert_eq!(picture.traced_by(affine), "affine");
     }
 }

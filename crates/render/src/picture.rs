@@ -194,6 +194,18 @@ impl Picture {
         self.fallbacks.iter().map(note).collect()
     }
 
+    /// The methods that traced the surfaces if the method `requested` was asked for, in a few words.
+    pub fn traced_by(&self, requested: &Method) -> String {
+        let (method, asked) = (self.method.name, requested.name);
+        if method != asked {
+            return format!("{method} instead of {asked}");
+        }
+        let other = |(surface, fallback): &(usize, Fallback)| {
+            format!(", surface {} by {}", surface + 1, fallback.method.name)
+        };
+        std::iter::once(asked.to_owned()).chain(self.fallbacks.iter().map(other)).collect()
+    }
+
     /// The method that traced the surface with this number.
     pub fn method_of(&self, surface: usize) -> &'static Method {
         let fallback = self.fallbacks.iter().find(|(fallen, _)| *fallen == surface);
@@ -222,6 +234,9 @@ impl Picture {
         // A later strip may have compiled further kernels.
         (all.code_bytes, all.kernels) = (part.code_bytes, part.kernels.clone());
         self.flat |= other.flat;
+        let known: Vec<usize> = self.fallbacks.iter().map(|(surface, _)| *surface).collect();
+        let is_new = |(surface, _): &&(usize, Fallback)| !known.contains(surface);
+        self.fallbacks.extend(other.fallbacks.iter().filter(is_new).cloned());
         let is_new = |remark: &&String| !self.remarks.contains(remark);
         let new: Vec<String> = other.remarks.iter().filter(is_new).cloned().collect();
         self.remarks.extend(new);

@@ -61,7 +61,7 @@ fn each_limit_has_its_own_message() {
     assert!(matches!(error, Error::TooLong { .. }), "{error}");
     assert!(error.to_string().ends_with("a kernel holds at most 200000"), "{error}");
     // Each arctangent has a table of its own on the stack.
-    let (graph, root) = tower(Op::Atan, 2500);
+    let (graph, root) = tower(Op::Atan, 3250);
     let error = compile(&graph, root).expect_err("too deep");
     assert!(matches!(error, Error::TooDeep { .. }), "{error}");
     assert!(error.to_string().ends_with("bytes of stack; a kernel may use at most 524288"));

@@ -8,7 +8,7 @@ use std::fmt::Debug;
 use zeroset_eval::{
     Assumptions, Binding, Boxes, ContractSegments, ContractTiles, Enclose, EncloseGradient,
     FindZeros, FindZerosInBranch, Input, Kernel, LANES, Lanes, Output, Points, Query, Real,
-    Reference, Sample, SampleGradient, Segments, Tape, Tiles, branch_bindings,
+    Reference, Sample, SampleForward, SampleGradient, Segments, Tape, Tiles, branch_bindings,
 };
 use zeroset_ir::{gradient, rewrite, simplify};
 use zeroset_jit::{Compiled, Threaded, vector_widths};
@@ -25,6 +25,8 @@ pub enum KernelKind {
     Values,
     /// Values and derivatives at points.
     Gradients,
+    /// Values and derivatives at points, propagated forward.
+    Forward,
     /// Whether a function may have a zero in a box.
     Zeros,
     /// Whether a branch may have a zero in a box. Functions without jumps are skipped.
@@ -39,7 +41,7 @@ pub enum KernelKind {
 
 impl KernelKind {
     /// All kinds of kernels.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Bounds,
         Self::Values,
         Self::Gradients,
@@ -48,6 +50,7 @@ impl KernelKind {
         Self::GradientBounds,
         Self::Segments,
         Self::Tiles,
+        Self::Forward,
     ];
 
     /// Whether the kernel computes derivatives.
@@ -131,6 +134,9 @@ pub fn agree<T: Adversarial>(
         }
         KernelKind::Gradients => {
             compare::<SampleGradient, T>(case, &tape, &batches(case, rng, inputs, points), width)
+        }
+        KernelKind::Forward => {
+            compare::<SampleForward, T>(case, &tape, &batches(case, rng, inputs, points), width)
         }
     }
 }

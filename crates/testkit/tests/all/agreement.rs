@@ -4,6 +4,8 @@
 //! A long run:
 //! `ZEROSET_CASES=100000000 cargo test --release -p zeroset-testkit --test all agreement`.
 
+use zeroset_ir::Node;
+use zeroset_ops::{Op, TABLE};
 use zeroset_testkit::property::{KernelKind, agree};
 use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng};
 
@@ -71,6 +73,45 @@ fn long() -> GraphOptions {
     GraphOptions { size: 16, ..options() }
 }
 
+/// Inputs of each query for each operation, in each precision: the random formulas of a short run
+/// need not hold all operations.
+const INPUTS_OF_OPERATION: usize = 32;
+
+#[test]
+fn every_operation_agrees_for_every_query() {
+    every_operation_agrees::<f32>(0x5eed_0880_0000);
+    every_operation_agrees::<f64>(0x5eed_08c0_0000);
+}
+
+/// Returns a random case whose function applies `op`, not one that was folded to a constant.
+fn applied(op: Op, options: &GraphOptions, rng: &mut Rng) -> Case {
+    let is_applied =
+        |case: &Case| matches!(case.graph.node(case.root), Node::Apply(of, _) if *of == op);
+    std::iter::repeat_with(|| Case::random(rng, options)).find(is_applied).expect("endless")
+}
+
+fn every_operation_agrees<T: Adversarial>(seed: u64) {
+    println!("seed {seed:#x}");
+    let mut rng = Rng::with_seed(seed);
+    let (mut lanes, mut branches) = (0, 0);
+    for row in TABLE {
+        let options = GraphOptions { size: 1, ops: vec![row.op], ..GraphOptions::default() };
+        for subject in KernelKind::ALL {
+            let case = applied(row.op, &options, &mut rng);
+            match agree::<T>(subject, false, &case, &mut rng, INPUTS_OF_OPERATION) {
+                Err(failure) => panic!("{}: {failure}", row.name),
+                Ok(tally) if subject == KernelKind::Branches => branches += tally.compared,
+                Ok(tally) => {
+                    assert!(tally.compared > 0, "{}: {subject:?}", row.name);
+                    lanes += tally.compared;
+                }
+            }
+        }
+    }
+    println!("{lanes} inputs agree, {branches} of branches");
+    assert!(branches > 0, "some operations jump");
+}
+
 #[test]
 fn bounds_agree() {
     check_all::<f32>(0x5eed_0400_0000, KernelKind::Bounds, [&options(), &long()]);
@@ -99,6 +140,12 @@ fn values_agree() {
 fn gradients_agree() {
     check_all::<f32>(0x5eed_0600_0000, KernelKind::Gradients, [&short(), &options()]);
     check_all::<f64>(0x5eed_0640_0000, KernelKind::Gradients, [&short(), &options()]);
+}
+
+#[test]
+fn forward_gradients_agree() {
+    check_all::<f32>(0x5eed_0800_0000, KernelKind::Forward, [&short(), &options()]);
+    check_all::<f64>(0x5eed_0840_0000, KernelKind::Forward, [&short(), &options()]);
 }
 
 #[test]
