@@ -1,17 +1,19 @@
 //! The proof that the mesh has the surface's shape.
 //!
-//! Let f be the function, and g the function that has f's sign at each corner of the grid and is
-//! linear in each tetrahedron. Between them is a family of functions (1 − s) f + s g. A vector field
-//! along which all of them increase, where they are 0, carries the zero set of f to that of g: the
-//! two are isotopic.
+//! Let f be the function: minima and maxima of parts, or one part. Let g be the same minima and
+//! maxima of functions that have the parts' signs at each corner of the grid, and are linear in each
+//! tetrahedron. The mesh is the zero set of g, with its vertices moved. Between f and g is a family
+//! of functions (1 − s) f + s g. A vector field along which all of them increase, where they are 0,
+//! carries the zero set of f to that of g: the two are isotopic.
 //!
 //! The field is a vector per corner, and linear in each tetrahedron. It suffices that, in each
-//! tetrahedron that may hold a zero of f, both f and g increase along the vectors of all four
-//! corners. For f, that follows from bounds of its gradient over the tetrahedron. A kink is no
-//! obstacle: the bounds hold for all gradients near it. At a corner on the boundary of the domain,
-//! the vector is tangent to the boundary, so that the domain is carried to itself.
+//! tetrahedron that may hold a zero of f, all parts of f and of g that matter there increase along
+//! the vectors of all four corners. For parts of f, that follows from bounds of their gradients over
+//! the tetrahedron. At a corner on the boundary of the domain, the vector is tangent to the
+//! boundary, so that the domain is carried to itself.
 //!
-//! No surface is where f has no zero: there, all corners have the same sign, so g has none either.
+//! In all other tetrahedra, f has no zero because of the signs of its parts. The parts of g have the
+//! same signs, so g has no zero either.
 
 use glam::DVec3;
 use zeroset_interval::Interval;
@@ -20,7 +22,7 @@ use zeroset_interval::Interval;
 const MARGIN: f64 = 1e-12;
 
 /// Number of corrections of a vector.
-const CORRECTIONS: usize = 12;
+const CORRECTIONS: usize = 24;
 
 /// What a vector at a corner must agree with, in one tetrahedron at the corner.
 #[derive(Clone, Copy)]
@@ -62,13 +64,13 @@ pub fn common_vector(star: &[Slopes], faces: [bool; 3]) -> Option<DVec3> {
         let along = [0, 1, 2].map(|axis| if faces[axis] { 0.0 } else { vector[axis] });
         DVec3::from_array(along).try_normalize()
     };
-    let mut sum = DVec3::ZERO;
-    for slopes in star {
-        sum += tangent(middle(&slopes.gradient)).unwrap_or_default();
-    }
-    let mut vector = tangent(sum)?;
-    for round in 0..=CORRECTIONS {
-        // The slope that is most against the vector.
+    let sum: DVec3 = star.iter().filter_map(|slopes| tangent(middle(&slopes.gradient))).sum();
+    // The shortest vector in the hull of all gradients, each of length 1, is nearest to opposing
+    // none of them. Gilbert's method approaches it: it moves toward the gradient that is most
+    // against the vector.
+    let mut shortest = sum / star.len() as f64;
+    for _ in 0..=CORRECTIONS {
+        let vector = shortest.try_normalize()?;
         let mut worst: (f64, DVec3) = (f64::INFINITY, DVec3::ZERO);
         let mut agree = true;
         for slopes in star {
@@ -76,7 +78,7 @@ pub fn common_vector(star: &[Slopes], faces: [bool; 3]) -> Option<DVec3> {
             for (slope, against) in [bounded, (slope(slopes.linear, vector), slopes.linear)] {
                 // Negated, so that NaN disagrees.
                 agree &= slope > 0.0;
-                let Some(against) = tangent(against) else { return None };
+                let against = tangent(against)?;
                 let relative = against.dot(vector);
                 if relative < worst.0 {
                     worst = (relative, against);
@@ -86,9 +88,9 @@ pub fn common_vector(star: &[Slopes], faces: [bool; 3]) -> Option<DVec3> {
         if agree {
             return Some(vector);
         }
-        if round < CORRECTIONS {
-            vector = tangent(vector + (0.1 - 1.5 * worst.0.min(0.0)) * worst.1)?;
-        }
+        let back = shortest - worst.1;
+        let share = (shortest.dot(back) / back.length_squared()).clamp(0.0, 1.0);
+        shortest -= share * back;
     }
     None
 }
