@@ -181,7 +181,7 @@ impl Vertices {
                 let corners = [0, 1].map(|end| self.keys[*k].corners[end].expect("an edge"));
                 let mut values = corners.map(|corner| refined.values[&(corner, part)]);
                 let mut shares = [0.0, 1.0];
-                if !(values[0] < 0.0) {
+                if !is_below(values[0]) {
                     values.reverse();
                     shares.reverse();
                 }
@@ -205,7 +205,7 @@ impl Vertices {
             let points: Vec<DVec3> = open.iter().zip(&shares).map(point).collect();
             let values = sample(kernels.samples, &points);
             for ((k, share), value) in open.iter().zip(&shares).zip(values) {
-                let side = usize::from(!(value < 0.0));
+                let side = usize::from(!is_below(value));
                 (brackets[*k].shares[side], brackets[*k].values[side]) = (*share, value);
             }
             open.retain(|k| {
@@ -223,6 +223,11 @@ impl Vertices {
             at_zero[*vertex] = bracket.values[1] - bracket.values[0] <= JUMP * bracket.scale;
         }
     }
+}
+
+/// Returns whether a value is below 0. An undefined one is not.
+fn is_below(value: f64) -> bool {
+    value < 0.0
 }
 
 /// Returns whether one order of four corners is an even permutation of another.

@@ -67,7 +67,7 @@ impl Hasher for CornerHasher {
 }
 
 pub type CornerMap<K, V> = HashMap<K, V, BuildHasherDefault<CornerHasher>>;
-type CornerSet = HashSet<Corner, BuildHasherDefault<CornerHasher>>;
+pub type CornerSet = HashSet<Corner, BuildHasherDefault<CornerHasher>>;
 
 /// A tetrahedron of the grid. Its corners are in the order of Maubach's rule: the edge from corner
 /// 0 to corner `splits` is the next to be split.
@@ -102,6 +102,12 @@ impl Tetrahedron {
             Corner::new([0, 1, 2].map(|k| all[1..].iter().fold(all[0][k], |e, c| pick(e, c[k]))))
         };
         [ends(u32::min), ends(u32::max)]
+    }
+
+    /// Returns whether the edges are too short to be split.
+    pub fn is_finest(&self) -> bool {
+        let [low, high] = self.bounds().map(Corner::coordinates);
+        (0..3).any(|axis| high[axis] - low[axis] < 4)
     }
 
     /// Returns whether the determinant of the edges from corner 0 is positive.
@@ -150,7 +156,7 @@ impl Grid {
         let mut all = Vec::new();
         for cube in (0..nx * ny * nz).map(|n| [n % nx, n / nx % ny, n / (nx * ny)]) {
             // Neighboring cubes are mirror images, so that they divide their shared faces alike.
-            let [from, to] = [0, 1].map(|odd| cube.map(|k| (k + (k & 1 ^ odd)) * size));
+            let [from, to] = [0, 1].map(|odd| cube.map(|k| (k + ((k & 1) ^ odd)) * size));
             for [i, j, _] in [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]] {
                 let mut at = from;
                 let mut step = |axis: usize| {
@@ -167,12 +173,6 @@ impl Grid {
     /// Returns whether a tetrahedron is split.
     pub fn is_split(&self, tetrahedron: &Tetrahedron) -> bool {
         self.middles.contains(&tetrahedron.middle())
-    }
-
-    /// Returns whether the edges of a tetrahedron are too short to be split.
-    pub fn is_finest(&self, tetrahedron: &Tetrahedron) -> bool {
-        let [low, high] = tetrahedron.bounds().map(Corner::coordinates);
-        (0..3).any(|axis| high[axis] - low[axis] < 4)
     }
 
     /// Splits all tetrahedra around the edge with this middle, and before that those whose splits
@@ -196,12 +196,11 @@ impl Grid {
             // in the one corner that the cube shares with the cube of twice the size.
             3 => {
                 if 2 * half < self.root_size() {
-                    let [corner, centre] =
-                        [0, 1].map(|odd| {
-                            at.map(|k| {
-                                if (k - half) / (2 * half) & 1 == odd { k - half } else { k + half }
-                            })
-                        });
+                    let [corner, centre] = [0, 1].map(|odd| {
+                        at.map(|k| {
+                            if ((k - half) / (2 * half)) & 1 == odd { k - half } else { k + half }
+                        })
+                    });
                     parents.extend((0..3).map(|axis| {
                         let mut edge = corner;
                         edge[axis] = centre[axis];
@@ -259,7 +258,7 @@ mod tests {
                 let leaves = leaves(&grid);
                 random = random.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(1);
                 let chosen = leaves[(random >> 33) as usize % leaves.len()];
-                if !grid.is_finest(&chosen) {
+                if !chosen.is_finest() {
                     grid.split(chosen.middle());
                 }
             }

@@ -92,7 +92,7 @@ pub fn mesh(
         let Kind::Open { near, .. } = leaf.kind else { continue };
         mesh.cells += 1;
         mesh.far += usize::from(!near);
-        if leaf.cell.corners.iter().any(|corner| refined.failing.contains_key(corner)) {
+        if leaf.cell.corners.iter().any(|corner| refined.failing.contains(corner)) {
             let [x, y, z] = space.between(leaf.cell.bounds());
             let (low, high) = (DVec3::new(x.lo, y.lo, z.lo), DVec3::new(x.hi, y.hi, z.hi));
             mesh.unproven.push(Unproven { centre: 0.5 * (low + high), size: high - low });

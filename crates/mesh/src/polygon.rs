@@ -107,13 +107,13 @@ impl Linear {
     /// The parts of a face, with corners in the order seen from in front, where the choice is at
     /// most 0.
     pub fn face(&self, choice: &Choice, face: [Corner; 3]) -> Vec<Polygon> {
-        let bit = |corner: Corner| {
+        let bit = |corner: Corner| -> u8 {
             1 << self.corners.iter().position(|one| *one == corner).expect("a corner")
         };
         let bits = face.map(bit);
         let vertex = |k: usize| {
             let mut weights = [0.0; 4];
-            weights[(bits[k] as u8).trailing_zeros() as usize] = 1.0;
+            weights[bits[k].trailing_zeros() as usize] = 1.0;
             let next = Line::Side(bits[k] | bits[(k + 1) % 3]);
             Vertex { between: bits[k], parts: [NO_PART; 3], weights, next }
         };
@@ -176,7 +176,7 @@ impl Linear {
                 .iter()
                 .map(|row| (0..row.len()).filter(|j| *j != k).map(|j| row[j]).collect())
                 .collect();
-            let sign = if k % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
             sign * determinant(&minor)
         };
         let all: Vec<f64> = (0..used.len()).map(cofactor).collect();

@@ -1,7 +1,7 @@
 //! Refines a grid until the shape of the surface in it is proven, and the mesh is near enough.
 
 use crate::cells::{Answer, Cell, PartBounds, PartKernels, ask};
-use crate::grid::{Corner, CornerHasher, CornerMap, Grid, Tetrahedron};
+use crate::grid::{Corner, CornerHasher, CornerMap, CornerSet, Grid, Tetrahedron};
 use crate::proof::{Slopes, bend, common_vector, least_slope, linear_gradient, middle};
 use crate::space::Space;
 use glam::DVec3;
@@ -48,7 +48,7 @@ pub struct Refined {
     /// Values of parts at the leaves' corners, by the sample kernel. NaN if undefined.
     pub values: CornerMap<(Corner, u16), f64>,
     /// Corners at which the proof fails.
-    pub failing: CornerMap<Corner, ()>,
+    pub failing: CornerSet,
 }
 
 /// Refines `grid` for a function. `is_solid` keeps tetrahedra inside of a solid at the boundary of
@@ -66,7 +66,7 @@ pub fn refine(
     let root = |tetrahedron| Cell { tetrahedron, parts: Arc::clone(&parts) };
     let mut fresh: Vec<Cell> = grid.roots().into_iter().map(root).collect();
     let mut refined =
-        Refined { leaves: Vec::new(), values: CornerMap::default(), failing: CornerMap::default() };
+        Refined { leaves: Vec::new(), values: CornerMap::default(), failing: CornerSet::default() };
     // Leaves from this one on have not been proven.
     let mut unproven = 0;
     loop {
@@ -88,7 +88,7 @@ pub fn refine(
         let has_room = refined.leaves.len() < MOST_CELLS;
         // Whether a tetrahedron may be split until it is of some size.
         let may_split = |cell: &Tetrahedron, least: f64| {
-            has_room && !grid.is_finest(cell) && size(space, cell) > least
+            has_room && !cell.is_finest() && size(space, cell) > least
         };
         let mut middles: Vec<Corner> = refined.leaves[first..]
             .iter()
@@ -116,7 +116,9 @@ pub fn refine(
             refined.keep_used();
             return Some(refined);
         }
-        middles.into_iter().for_each(|middle| grid.split(middle));
+        for middle in middles {
+            grid.split(middle);
+        }
         let (mut kept, mut number) = (0, 0);
         refined.leaves.retain(|leaf| {
             let stays = !grid.is_split(&leaf.cell);
@@ -228,7 +230,7 @@ impl Refined {
             if proven {
                 self.failing.remove(&corner);
             } else {
-                self.failing.insert(corner, ());
+                self.failing.insert(corner);
                 leaves.extend(star.into_iter().map(|number| number as usize));
             }
         }
@@ -265,14 +267,14 @@ impl Refined {
 
     /// Forgets corners of tetrahedra that were split.
     fn keep_used(&mut self) {
-        let mut used: CornerMap<Corner, ()> = CornerMap::default();
+        let mut used = CornerSet::default();
         for leaf in &self.leaves {
             for corner in leaf.cell.corners {
-                used.insert(corner, ());
+                used.insert(corner);
             }
         }
-        self.values.retain(|(corner, _), _| used.contains_key(corner));
-        self.failing.retain(|corner, ()| used.contains_key(corner));
+        self.values.retain(|(corner, _), _| used.contains(corner));
+        self.failing.retain(|corner| used.contains(corner));
     }
 }
 
