@@ -40,19 +40,25 @@ pub fn extract(
     is_solid: bool,
 ) -> Result<Triangles, KernelError> {
     let mut vertices = Vertices::default();
-    let mut polygons: Vec<Vec<u32>> = Vec::new();
+    let mut polygons: Vec<Numbered> = Vec::new();
     for leaf in &refined.leaves {
         vertices.add_leaf(choice, leaf, refined, space, is_solid, &mut polygons);
     }
     let at_zero = vertices.place(refined, kernels, space)?;
     let mut mesh = Triangles { vertices: vertices.places, ..Triangles::default() };
     for polygon in polygons {
-        if is_solid || polygon.iter().all(|vertex| at_zero[*vertex as usize]) {
+        if is_solid || polygon.vertices.iter().all(|vertex| at_zero[*vertex as usize]) {
             mesh.add(&polygon);
         }
     }
     mesh.keep_used();
     Ok(mesh)
+}
+
+/// A polygon by the numbers of its vertices.
+struct Numbered {
+    vertices: Vec<u32>,
+    is_joined: bool,
 }
 
 #[derive(Default)]
@@ -71,7 +77,7 @@ impl Vertices {
         refined: &Refined,
         space: &Space,
         is_solid: bool,
-        polygons: &mut Vec<Vec<u32>>,
+        polygons: &mut Vec<Numbered>,
     ) {
         // From in front, these are the corners of the face opposite each corner.
         const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
@@ -97,8 +103,9 @@ impl Vertices {
         }
         for polygon in found {
             let keys = linear.keys(&polygon);
-            polygons
-                .push(keys.into_iter().map(|(key, weights)| self.number(key, weights)).collect());
+            let number = |(key, weights)| self.number(key, weights);
+            let vertices = keys.into_iter().map(number).collect();
+            polygons.push(Numbered { vertices, is_joined: polygon.is_joined });
         }
     }
 
@@ -303,7 +310,19 @@ fn is_between(point: DVec3, corners: &[DVec3]) -> bool {
 
 impl Triangles {
     /// Adds the triangles of a polygon.
-    fn add(&mut self, polygon: &[u32]) {
+    fn add(&mut self, polygon: &Numbered) {
+        let Numbered { vertices: polygon, is_joined } = polygon;
+        if *is_joined && polygon.len() > 3 {
+            // Two of its vertices may be on one face of the tetrahedron, where a neighbor may have
+            // an edge between them. So all triangles meet in the middle.
+            let places = polygon.iter().map(|vertex| self.vertices[*vertex as usize]);
+            let middle = self.vertices.len() as u32;
+            self.vertices.push(places.sum::<DVec3>() / polygon.len() as f64);
+            for (k, vertex) in polygon.iter().enumerate() {
+                self.triangles.push([middle, *vertex, polygon[(k + 1) % polygon.len()]]);
+            }
+            return;
+        }
         let at = |k: usize| self.vertices[polygon[k % polygon.len()] as usize];
         let count = polygon.len();
         // The fan whose least triangle is largest: a negative one would be turned over.

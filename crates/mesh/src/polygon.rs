@@ -4,7 +4,7 @@
 //! parts that are 0 there. So tetrahedra that share a face agree on the vertices in it.
 
 use crate::grid::Corner;
-use std::cmp::Reverse;
+use std::cmp::Ordering;
 use zeroset_scene::choices::Choice;
 
 /// A vertex: the corners it lies between, and the parts that are 0 there, both in order. There is
@@ -64,22 +64,8 @@ pub struct Polygon {
     between: u8,
     /// The part that is 0 in the polygon, or [`NO_PART`].
     part: u16,
-}
-
-/// The part of space where a choice is at most 0, or at least 0.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Half {
-    Below,
-    Above,
-}
-
-impl Half {
-    fn other(self) -> Self {
-        match self {
-            Self::Below => Self::Above,
-            Self::Above => Self::Below,
-        }
-    }
+    /// Whether it was joined from pieces, so that it may have any shape.
+    pub is_joined: bool,
 }
 
 /// All four corners.
@@ -93,19 +79,15 @@ impl Linear {
     /// The polygons in which the choice is 0. In front, it is above 0. `is_positive` tells the
     /// orientation of the corners.
     pub fn zeros(&self, choice: &Choice, is_positive: bool) -> Vec<Polygon> {
-        let mut all = Vec::new();
-        for (part, values) in &self.parts {
-            let Some(polygon) = self.section(*part, values, is_positive) else { continue };
-            // On the polygon, the part's value is 0. So is the choice where it is neither above nor
-            // below.
-            let pieces = self.keep(choice, Half::Below, vec![polygon]);
-            all.extend(merged(self.keep(choice, Half::Above, pieces)));
-        }
-        all
+        let sections =
+            self.parts.iter().filter_map(|(part, values)| self.section(*part, values, is_positive));
+        // On a section, one part is 0. So is the choice where the other parts leave it at 0.
+        let zeros = |section| merged(self.pieces(choice, section, Ordering::Equal));
+        sections.flat_map(zeros).collect()
     }
 
-    /// The parts of a face, with corners in the order seen from in front, where the choice is at
-    /// most 0.
+    /// The parts of a face, with corners in the order seen from in front, where the choice is below
+    /// 0: all of it if no part matters.
     pub fn face(&self, choice: &Choice, face: [Corner; 3]) -> Vec<Polygon> {
         let bit = |corner: Corner| -> u8 {
             1 << self.corners.iter().position(|one| *one == corner).expect("a corner")
@@ -121,8 +103,12 @@ impl Linear {
             vertices: [0, 1, 2].map(vertex).to_vec(),
             between: bits[0] | bits[1] | bits[2],
             part: NO_PART,
+            is_joined: false,
         };
-        merged(self.keep(choice, Half::Below, vec![polygon]))
+        if self.parts.is_empty() {
+            return vec![polygon];
+        }
+        merged(self.pieces(choice, polygon, Ordering::Less))
     }
 
     /// The polygon in which a part is 0.
@@ -154,7 +140,7 @@ impl Linear {
                 self.vertex(here, &[part], Line::Side(here | next))
             })
             .collect();
-        Some(Polygon { vertices, between: ALL, part })
+        Some(Polygon { vertices, between: ALL, part, is_joined: false })
     }
 
     /// The vertex between some corners where some parts are 0.
@@ -202,56 +188,47 @@ impl Linear {
         polygon.vertices.iter().map(|vertex| self.key(vertex)).collect()
     }
 
-    /// The pieces of polygons on one side of the choice's zeros. A polygon in which a part is 0 is
-    /// on both sides of that part.
-    fn keep(&self, choice: &Choice, half: Half, polygons: Vec<Polygon>) -> Vec<Polygon> {
-        match (choice, half) {
-            (Choice::Part(part), _) => {
-                let part = *part as u16;
-                let cut = |polygon| self.cut(polygon, part, half);
-                polygons.into_iter().filter_map(cut).collect()
-            }
-            (Choice::Max(all), Half::Below) | (Choice::Min(all), Half::Above) => {
-                all.iter().fold(polygons, |left, one| self.keep(one, half, left))
-            }
-            (Choice::Min(all), Half::Below) | (Choice::Max(all), Half::Above) => {
-                let (mut rest, mut kept) = (polygons, Vec::new());
-                // The polygon's own part comes first: nothing is left to be cut by the others.
-                let mut ordered: Vec<&Choice> =
-                    all.iter().filter(|one| self.matters(one)).collect();
-                let part = rest.first().map(|polygon| usize::from(polygon.part));
-                ordered.sort_by_key(|one| Reverse(Some(*one) == part.map(Choice::Part).as_ref()));
-                for one in ordered {
-                    kept.extend(self.keep(one, half, rest.clone()));
-                    let is_own = |p: &Polygon| *one == Choice::Part(usize::from(p.part));
-                    rest.retain(|polygon| !is_own(polygon));
-                    rest = self.keep(one, half.other(), rest);
+    /// The pieces of a polygon, cut along the zeros of all parts, in which the choice has a sign.
+    fn pieces(&self, choice: &Choice, polygon: Polygon, sign: Ordering) -> Vec<Polygon> {
+        let mut pieces = vec![(polygon, Vec::new())];
+        for (part, values) in &self.parts {
+            let whole = std::mem::take(&mut pieces);
+            for (polygon, signs) in whole {
+                let with = |sign: Ordering| {
+                    let mut signs: Vec<(u16, Ordering)> = signs.clone();
+                    signs.push((*part, sign));
+                    signs
+                };
+                if *part == polygon.part {
+                    let signs = with(Ordering::Equal);
+                    pieces.push((polygon, signs));
+                    continue;
                 }
-                kept
+                for sign in [Ordering::Less, Ordering::Greater] {
+                    let piece = self.cut(&polygon, *part, values, sign == Ordering::Less);
+                    pieces.extend(piece.map(|piece| (piece, with(sign))));
+                }
             }
         }
+        let has_sign = |signs: &[(u16, Ordering)]| sign_of(choice, signs) == Some(sign);
+        pieces.into_iter().filter(|(_, signs)| has_sign(signs)).map(|(piece, _)| piece).collect()
     }
 
-    /// Returns whether a choice has a part that matters.
-    fn matters(&self, choice: &Choice) -> bool {
-        match choice {
-            Choice::Part(part) => self.values(*part as u16).is_some(),
-            Choice::Min(all) | Choice::Max(all) => all.iter().any(|one| self.matters(one)),
-        }
-    }
-
-    /// The piece of a polygon on one side of a part's zeros.
-    fn cut(&self, mut polygon: Polygon, part: u16, half: Half) -> Option<Polygon> {
-        let Some(values) = self.values(part).filter(|_| part != polygon.part) else {
-            return Some(polygon);
-        };
+    /// The piece of a polygon where a part is below 0, or is not.
+    fn cut(
+        &self,
+        polygon: &Polygon,
+        part: u16,
+        values: &[f64; 4],
+        is_below: bool,
+    ) -> Option<Polygon> {
         let is_kept = |vertex: &Vertex| {
             let value: f64 = (0..4).map(|k| vertex.weights[k] * values[k]).sum();
-            (value < 0.0) == (half == Half::Below)
+            (value < 0.0) == is_below
         };
         let kept: Vec<bool> = polygon.vertices.iter().map(is_kept).collect();
         if kept.iter().all(|kept| *kept) {
-            return Some(polygon);
+            return Some(polygon.clone());
         }
         let mut left = Vec::new();
         for (k, vertex) in polygon.vertices.iter().enumerate() {
@@ -273,8 +250,21 @@ impl Linear {
                 (false, false) => {}
             }
         }
-        polygon.vertices = left;
-        (polygon.vertices.len() >= 3).then_some(polygon)
+        (left.len() >= 3).then(|| Polygon { vertices: left, ..*polygon })
+    }
+}
+
+/// The sign of a choice, from those of its parts. `None` if none of them matters.
+fn sign_of(choice: &Choice, signs: &[(u16, Ordering)]) -> Option<Ordering> {
+    let each = |all: &[Choice]| -> Vec<Ordering> {
+        all.iter().filter_map(|one| sign_of(one, signs)).collect()
+    };
+    match choice {
+        Choice::Part(part) => {
+            signs.iter().find(|(one, _)| usize::from(*one) == *part).map(|(_, sign)| *sign)
+        }
+        Choice::Min(all) => each(all).into_iter().min(),
+        Choice::Max(all) => each(all).into_iter().max(),
     }
 }
 
@@ -327,7 +317,7 @@ fn merged(pieces: Vec<Polygon>) -> Vec<Polygon> {
         let vertices: Vec<Vertex> =
             (0..vertices.len()).filter(is_bend).map(|k| vertices[k]).collect();
         if vertices.len() >= 3 {
-            loops.push(Polygon { vertices, ..pieces[0] });
+            loops.push(Polygon { vertices, is_joined: true, ..pieces[0] });
         }
     }
     loops

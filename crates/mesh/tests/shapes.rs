@@ -164,3 +164,85 @@ fn there_are_no_walls_at_jumps_and_poles() {
         }
     }
 }
+
+/// A random solid: spheres, cylinders and half-spaces, joined and cut.
+fn random_solid(random: &mut fastrand::Rng, depth: usize) -> String {
+    let mut number = |scale: f64| scale * (2.0 * random.f64() - 1.0);
+    if depth == 0 {
+        let [x, y, z] = [(); 3].map(|()| number(0.6));
+        let size = 0.25 + number(0.1).abs();
+        return match random.usize(..4) {
+            0 => format!("((x-{x:.3})^2+(y-{y:.3})^2+(z-{z:.3})^2-{size:.3})"),
+            1 => format!("((x-{x:.3})^2+(z-{z:.3})^2-{:.3})", 0.5 * size),
+            2 => format!("(max(abs(x-{x:.3}),abs(y-{y:.3}),abs(z-{z:.3}))-{size:.3})"),
+            _ => format!("({x:.3}*x+{y:.3}*y+{z:.3}*z-0.1)"),
+        };
+    }
+    let [left, right] = [(); 2].map(|()| random_solid(random, depth - 1));
+    match random.usize(..3) {
+        0 => format!("min({left},{right})"),
+        1 => format!("max({left},{right})"),
+        _ => format!("max({left},-{right})"),
+    }
+}
+
+/// Meshes of random solids are closed, and have the solid inside: along random lines, the mesh is
+/// crossed where the sign changes.
+#[test]
+fn random_solids_are_closed_and_the_right_way_round() {
+    let cases = std::env::var("ZEROSET_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(24);
+    let (mut meshed, mut proven, mut asked) = (0, 0, 0);
+    for seed in 0..cases {
+        let mut random = fastrand::Rng::with_seed(seed);
+        let text = format!("{} <= 0", random_solid(&mut random, 1 + seed as usize % 3));
+        let mesh = mesh_of(&text, 1.0, 0.02);
+        println!("seed {seed}: {text}: {} cells, {} unproven", mesh.cells, mesh.unproven.len());
+        let (_, open) = euler(&mesh);
+        assert_eq!(open, 0, "seed {seed}: {text}");
+        (meshed, proven) = (meshed + 1, proven + usize::from(mesh.unproven.is_empty()));
+        let document = read(&text, &zeroset_syntax::Options::default()).expect("reads");
+        let program = Program::unchecked(&document, [Interval::ENTIRE; 3]).expect("small");
+        let kernel = program.kernels::<f64>(0).values().expect("a kernel");
+        for _ in 0..20 {
+            let [y, z] = [(); 2].map(|()| 1.9 * random.f64() - 0.95);
+            let mut crossings: Vec<(f64, f64)> = mesh
+                .triangles
+                .iter()
+                .filter_map(|triangle| {
+                    let at = triangle.map(|vertex| mesh.vertices[vertex as usize]);
+                    let flat = |k: usize| glam::DVec2::new(at[k].y - y, at[k].z - z);
+                    let across = |j: usize, k: usize| flat(j).perp_dot(flat(k));
+                    let weights = [across(1, 2), across(2, 0), across(0, 1)];
+                    let side = weights[0].signum();
+                    let is_met = weights.iter().all(|weight| weight.signum() == side);
+                    let sum: f64 = weights.iter().sum();
+                    is_met.then(|| ((0..3).map(|k| weights[k] * at[k].x).sum::<f64>() / sum, side))
+                })
+                .collect();
+            crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
+            for k in 0..40 {
+                let x = -0.975 + 0.05 * f64::from(k);
+                if crossings.iter().any(|(at, _)| (at - x).abs() < 0.04) {
+                    continue;
+                }
+                let points = &zeroset_eval::Points::near(&[[x, y, z]])[0];
+                let mut values = zeroset_eval::Values::<f64>::default();
+                kernel.eval(points, &mut values);
+                // A point near the surface may be on the other side of the mesh.
+                if values.value[0].abs() < 0.1 {
+                    continue;
+                }
+                let before = crossings.iter().filter(|(at, _)| *at < x);
+                let sum: f64 = before.map(|(_, side)| side).sum();
+                assert_eq!(
+                    sum != 0.0,
+                    values.value[0] < 0.0,
+                    "seed {seed}: {text} at {x}, {y}, {z}"
+                );
+                asked += 1;
+            }
+        }
+    }
+    println!("{meshed} solids from seed 0 on, {proven} proven, {asked} points");
+    assert!(proven * 2 > meshed && asked > 100 * meshed);
+}
