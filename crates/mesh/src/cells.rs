@@ -44,7 +44,7 @@ pub struct PartBounds {
     /// The partial derivatives, at each point where they exist. `None` if the part is not proven
     /// Lipschitz continuous.
     pub gradient: Option<[Interval; 3]>,
-    /// Whether there may be a zero.
+    /// Whether the part may be 0 in the box.
     may_vanish: bool,
 }
 
@@ -159,8 +159,8 @@ fn value(choice: &Choice, bounds: &[PartBounds]) -> Option<Interval> {
     }
 }
 
-/// Adds the parts that may have the choice's value somewhere. A part that may have no value stays:
-/// there, the choice has none either.
+/// Adds the parts that may have the choice's value somewhere. A part that may be undefined stays:
+/// the choice is undefined wherever a part is.
 fn prune(choice: &Choice, bounds: &[PartBounds], left: &mut Vec<u16>) {
     let (all, is_max) = match choice {
         Choice::Part(part) => {

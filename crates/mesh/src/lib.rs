@@ -19,7 +19,8 @@ use zeroset_scene::program::{Program, ProgramError};
 
 /// Share of the domain's diagonal that is the tolerance, unless another is given.
 pub const TOLERANCE: f64 = 1e-3;
-/// Size of the tetrahedra that are not split for the proof, as a share of the domain's longest edge.
+/// Size of the tetrahedra that are not split for the proof, as a share of the domain's longest
+/// edge.
 const FINEST: f64 = 1.0 / 262_144.0;
 
 /// The mesh of one surface.
@@ -47,7 +48,7 @@ pub struct Unproven {
     pub size: DVec3,
 }
 
-/// What a mesh is made for.
+/// The choices for a mesh.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
     /// The domain's corner with the smallest coordinates.

@@ -1,7 +1,7 @@
 //! Polygons in a tetrahedron where a choice of linear functions is 0.
 //!
-//! A vertex is known by the corners of the tetrahedron, triangle or edge that it lies in, and by the
-//! parts that are 0 there. So tetrahedra that share a face agree on the vertices in it.
+//! A vertex is known by the corners of the tetrahedron, triangle or edge that it lies in, and by
+//! the parts that are 0 there. So tetrahedra that share a face agree on the vertices in it.
 
 use crate::grid::Corner;
 use std::cmp::Ordering;
@@ -41,7 +41,7 @@ pub struct Linear {
 enum Line {
     /// On the face, or the edge, with these corners, as bits.
     Side(u8),
-    /// Where this part is 0.
+    /// On the zeros of this part.
     Part(u16),
 }
 
@@ -250,7 +250,7 @@ impl Linear {
                 (false, false) => {}
             }
         }
-        (left.len() >= 3).then(|| Polygon { vertices: left, ..*polygon })
+        (left.len() >= 3).then_some(Polygon { vertices: left, ..*polygon })
     }
 }
 

@@ -1,19 +1,19 @@
 //! The proof that the mesh has the surface's shape.
 //!
 //! Let f be the function: minima and maxima of parts, or one part. Let g be the same minima and
-//! maxima of functions that have the parts' signs at each corner of the grid, and are linear in each
-//! tetrahedron. The mesh is the zero set of g, with its vertices moved. Between f and g is a family
-//! of functions (1 − s) f + s g. A vector field along which all of them increase, where they are 0,
-//! carries the zero set of f to that of g: the two are isotopic.
+//! maxima of functions that have the parts' signs at each corner of the grid, and are linear in
+//! each tetrahedron. The mesh is the zero set of g, with its vertices moved. Between f and g is a
+//! family of functions (1 − s) f + s g. A vector field along which all of them increase, where they
+//! are 0, carries the zero set of f to that of g: the two are isotopic.
 //!
-//! The field is a vector per corner, and linear in each tetrahedron. It suffices that, in each
-//! tetrahedron that may hold a zero of f, all parts of f and of g that matter there increase along
-//! the vectors of all four corners. For parts of f, that follows from bounds of their gradients over
-//! the tetrahedron. At a corner on the boundary of the domain, the vector is tangent to the
-//! boundary, so that the domain is carried to itself.
+//! The field is a vector per corner, and linear in each tetrahedron. Take a tetrahedron that may
+//! hold a zero of f, and the parts of f and of g that matter there. It suffices that all of them
+//! increase along the vectors of all four corners. For parts of f, that follows from bounds of their
+//! gradients over the tetrahedron. At a corner on the boundary of the domain, the vector is tangent
+//! to the boundary, so that the domain is carried to itself.
 //!
-//! In all other tetrahedra, f has no zero because of the signs of its parts. The parts of g have the
-//! same signs, so g has no zero either.
+//! In all other tetrahedra, f has no zero because of the signs of its parts. The parts of g have
+//! the same signs, so g has no zero either.
 
 use glam::DVec3;
 use zeroset_interval::Interval;
@@ -24,7 +24,7 @@ const MARGIN: f64 = 1e-12;
 /// Number of corrections of a vector.
 const CORRECTIONS: usize = 24;
 
-/// What a vector at a corner must agree with, in one tetrahedron at the corner.
+/// Gradients in a tetrahedron that a vector at one of its corners must not oppose.
 #[derive(Clone, Copy)]
 pub struct Slopes {
     /// Bounds of the gradient of f.

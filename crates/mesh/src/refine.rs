@@ -33,7 +33,7 @@ pub enum Kind {
     Inside(Arc<[u16]>),
 }
 
-/// How far a grid is refined.
+/// Limits of a refinement.
 #[derive(Clone, Copy)]
 pub struct Limits {
     /// Largest allowed distance between mesh and surface, in world units.
@@ -86,7 +86,7 @@ pub fn refine(
             refined.leaves.push(Leaf { cell, kind });
         }
         let has_room = refined.leaves.len() < MOST_CELLS;
-        // Whether a tetrahedron may be split until it is of some size.
+        // Tells whether a tetrahedron may be split, down to some size.
         let may_split = |cell: &Tetrahedron, least: f64| {
             has_room && !cell.is_finest() && size(space, cell) > least
         };
@@ -152,8 +152,8 @@ fn has_face(space: &Space, cell: &Tetrahedron) -> bool {
     (0..3).any(|axis| on.iter().filter(|on| on[axis]).count() >= 3)
 }
 
-/// Returns whether the mesh in a tetrahedron is proven to be within a distance of the surface, and
-/// the surface in it within that distance of the mesh, if the shape is proven.
+/// Returns whether mesh and surface are proven to be within a distance of each other in a
+/// tetrahedron, if the shape is proven.
 fn is_near(space: &Space, cell: &Tetrahedron, parts: &[PartBounds], distance: f64) -> bool {
     let slopes = |part: &PartBounds| {
         part.gradient.map(|gradient| Slopes { gradient, linear: middle(&gradient) })

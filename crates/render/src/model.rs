@@ -95,10 +95,10 @@ impl Model {
         Ok(model)
     }
 
-    /// Like [`Model::new`], but in a hurry: kernels are compiled in half the time, but run up to 1.7
-    /// times as long, until [`Model::optimize`] replaces them. Pictures are the same. The work can
-    /// be cancelled: it checks `wanted` between kernels, and returns `None` once `wanted` returns
-    /// false. The code serves all regions within `reach`, which must contain `region`.
+    /// Like [`Model::new`], but in a hurry: kernels are compiled in half the time, but run up to
+    /// 1.7 times as long, until [`Model::optimize`] replaces them. Pictures are the same. The work
+    /// can be cancelled: it checks `wanted` between kernels, and returns `None` once `wanted`
+    /// returns false. The code serves all regions within `reach`, which must contain `region`.
     ///
     /// # Errors
     /// As [`Model::new`].

@@ -194,7 +194,8 @@ impl Picture {
         self.fallbacks.iter().map(note).collect()
     }
 
-    /// The methods that traced the surfaces if the method `requested` was asked for, in a few words.
+    /// The methods that traced the surfaces if the method `requested` was asked for, in a few
+    /// words.
     pub fn traced_by(&self, requested: &Method) -> String {
         let (method, asked) = (self.method.name, requested.name);
         if method != asked {

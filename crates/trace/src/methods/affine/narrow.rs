@@ -65,7 +65,8 @@ pub(super) struct Scratch<T: Scalar> {
 pub(super) const STALL_RATIO: f64 = 0.6;
 /// A form counts as nearly linear if narrowing leaves at most this share of a segment's length.
 pub(super) const LINEAR_RATIO: f64 = 0.35;
-/// In a bracket, the gradient keeps its direction if narrowing left at most this share of a segment.
+/// In a bracket, the gradient keeps its direction if narrowing left at most this share of a
+/// segment.
 pub(super) const EVEN_RATIO: f64 = 0.1;
 /// Maximum length of a bracket whose form was not nearly linear, as a share of the usual maximum.
 pub(super) const NONLINEAR_SHARE: f64 = 1.0 / 32.0;
