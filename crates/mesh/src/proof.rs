@@ -8,9 +8,9 @@
 //!
 //! The field is a vector per corner, and linear in each tetrahedron. Take a tetrahedron that may
 //! hold a zero of f, and the parts of f and of g that matter there. It suffices that all of them
-//! increase along the vectors of all four corners. For parts of f, that follows from bounds of their
-//! gradients over the tetrahedron. At a corner on the boundary of the domain, the vector is tangent
-//! to the boundary, so that the domain is carried to itself.
+//! increase along the vectors of all four corners. For parts of f, that follows from bounds of
+//! their gradients over the tetrahedron. At a corner on the boundary of the domain, the vector is
+//! tangent to the boundary, so that the domain is carried to itself.
 //!
 //! In all other tetrahedra, f has no zero because of the signs of its parts. The parts of g have
 //! the same signs, so g has no zero either.
