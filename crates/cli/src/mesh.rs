@@ -129,7 +129,7 @@ struct Found {
     region: Region,
     searched: Option<AutoDomain>,
     tolerance: f64,
-    /// What the program says of surfaces that are constant here.
+    /// Notes on surfaces whose functions are constant in the domain.
     remarks: Vec<String>,
     /// Whether no visible surface's function has a value in the domain.
     is_undefined: bool,
@@ -294,10 +294,13 @@ fn describe(name: &str, mesh: &Mesh, tolerance: f64) -> String {
         ([first, ..], _) => {
             // One digit more than the tolerance shows.
             let digits = (1.0 - tolerance.log10()).ceil().clamp(0.0, 18.0) as usize;
-            let along = |along: f64| format!("{:.digits$}", along + 0.0);
+            let unit = 10.0_f64.powi(digits as i32);
+            // Adding 0 takes the sign from -0.
+            let along = |along: f64| format!("{:.digits$}", (along * unit).round() / unit + 0.0);
             let place = first.centre.to_array().map(along).join(", ");
             format!(
-                "in {} of {} cells the shape is not proven, in one at ({place}): samples decide there",
+                "the shape is not proven in {} of {} cells, one of them at ({place}): samples \
+                 decide there",
                 mesh.unproven.len(),
                 mesh.cells
             )

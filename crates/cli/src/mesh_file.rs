@@ -68,7 +68,8 @@ fn write_floats(out: &mut dyn Write, place: Vec3) -> io::Result<()> {
     place.to_array().iter().try_for_each(|along| out.write_all(&along.to_le_bytes()))
 }
 
-/// Wavefront OBJ: a text, with each surface as a named object. Decimals read back as the same `f64`.
+/// Wavefront OBJ: a text, with each surface as a named object. Decimals read back as the same
+/// `f64`.
 fn obj(objects: &[Object], out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "# zeroset")?;
     // Vertices are numbered from 1 through the whole file.
