@@ -56,6 +56,8 @@ pub enum Command {
     Eval(EvalArgs),
     /// Show how a formula is read, simplified and compiled.
     Explain(ExplainArgs),
+    /// Write a formula's surface as triangles, with a proof of its shape.
+    Mesh(MeshArgs),
     /// Render every gallery surface, and a contact sheet.
     Gallery(GalleryArgs),
     /// Print a completion script for a shell.
@@ -516,6 +518,42 @@ pub struct ExplainArgs {
     /// Write the formula in this format instead: `vm` is the format of fidget
     #[arg(long, value_name = "vm|glsl|tex|zset", value_parser = format(), conflicts_with = "code")]
     pub emit: Option<Format>,
+}
+
+#[derive(Debug, Args)]
+pub struct MeshArgs {
+    #[command(flatten)]
+    pub document: DocumentArgs,
+
+    /// Write the triangles to this file, in the format that its extension names
+    #[arg(short, long, value_name = "FILE.stl|obj|ply")]
+    pub output: Option<PathBuf>,
+
+    /// Set the largest distance between triangles and surface [default: a thousandth of the
+    /// domain's diagonal]
+    #[arg(long, value_name = "DISTANCE", allow_hyphen_values = true)]
+    pub tolerance: Option<f64>,
+
+    /// Write center and size of cells in which the shape is not proven, as a float64 array of six
+    /// values per cell
+    #[arg(long, value_name = "FILE.npy")]
+    pub cells_unproven: Option<PathBuf>,
+
+    /// Print counts, tolerance, domain and times as a JSON object
+    #[arg(long)]
+    pub json: bool,
+
+    /// Give up after this time, and write nothing
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
+    pub budget: Option<f64>,
+
+    /// Exit with code 1 if the shape or the distance is not proven
+    #[arg(long)]
+    pub strict: bool,
+
+    /// Use this many threads [default: one per processor]
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
 }
 
 #[derive(Debug, Args)]

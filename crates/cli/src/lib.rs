@@ -1,7 +1,7 @@
 //! The command line: one module per subcommand, and modules that subcommands share.
 //!
 //! Results go to standard output or files; notes and errors go to standard error. The exit code is
-//! 0 for success, 1 for undecided pixels under `--strict`, 2 for a user error and 3 for an internal
+//! 0 for success, 1 if a proof is missing under `--strict`, 2 for a user error and 3 for an internal
 //! error.
 
 mod animation;
@@ -20,6 +20,8 @@ mod history;
 mod interactive;
 #[cfg(feature = "window")]
 mod line_edit;
+mod mesh;
+mod mesh_file;
 mod notes;
 mod number;
 mod output;
@@ -52,7 +54,7 @@ use std::ffi::OsString;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// The exit code for undecided pixels under `--strict`.
+/// The exit code for undecided pixels, and for unproven cells of a mesh, under `--strict`.
 const UNDECIDED: u8 = 1;
 const USER_ERROR: u8 = 2;
 const INTERNAL_ERROR: u8 = 3;
@@ -88,6 +90,7 @@ fn dispatch() -> anyhow::Result<ExitCode> {
         Some(Command::Render(arguments)) => render::run(&arguments),
         Some(Command::Eval(arguments)) => eval::run(&arguments),
         Some(Command::Explain(arguments)) => explain::run(&arguments),
+        Some(Command::Mesh(arguments)) => mesh::run(&arguments),
         Some(Command::Gallery(arguments)) => gallery::run(&arguments),
         Some(Command::Completions { shell }) => {
             let mut command = Arguments::command();
@@ -104,13 +107,16 @@ fn dispatch() -> anyhow::Result<ExitCode> {
 fn split_attached_value(argument: OsString) -> Vec<OsString> {
     if let Some(text) = argument.to_str() {
         let attached = |flag: &str| text.strip_prefix(flag).filter(|value| !value.is_empty());
-        let is_picture = |value: &&str| Path::new(value).extension().is_some_and(|e| e == "png");
+        let is_file = |value: &&str| {
+            let path = Path::new(value);
+            mesh_file::Format::of(path).is_some() || path.extension().is_some_and(|e| e == "png")
+        };
         let is_definition = |value: &&str| {
             let name = value.split_once('=').map(|(name, _)| name);
             name.is_some_and(|name| name.bytes().all(|b| b.is_ascii_alphanumeric()))
         };
         let definition = attached("-D").filter(is_definition).map(|value| ("-D", value));
-        let parts = definition.or_else(|| Some(("-o", attached("-o").filter(is_picture)?)));
+        let parts = definition.or_else(|| Some(("-o", attached("-o").filter(is_file)?)));
         if let Some((flag, value)) = parts {
             return vec![flag.into(), value.into()];
         }

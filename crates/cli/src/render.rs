@@ -210,15 +210,7 @@ fn settings(arguments: &RenderArgs) -> Result<Settings> {
     let method = method_settings(&arguments.tracing, outputs.size)?;
     let keeps_normals = outputs.arrays.0.iter().any(|(row, _)| row.needs_normals);
     let needs_normals = outputs.output.is_some() || keeps_normals;
-    let budget = |seconds: f64| {
-        ensure!(
-            seconds > 0.0,
-            "--budget {seconds}: without time nothing can be found; give seconds above 0"
-        );
-        Duration::try_from_secs_f64(seconds)
-            .with_context(|| format!("--budget {seconds}: no such time"))
-    };
-    let budget = arguments.budget.map(budget).transpose()?;
+    let budget = budget(arguments.budget)?;
     Ok(Settings {
         normals: method.normals.filter(|_| needs_normals),
         keeps_normals,
@@ -234,6 +226,22 @@ fn settings(arguments: &RenderArgs) -> Result<Settings> {
         background,
         ..method
     })
+}
+
+/// The time that `--budget` allows.
+///
+/// # Errors
+/// If it is not positive, or too long.
+pub fn budget(seconds: Option<f64>) -> Result<Option<Duration>> {
+    let time = |seconds: f64| {
+        ensure!(
+            seconds > 0.0,
+            "--budget {seconds}: without time nothing can be found; give seconds above 0"
+        );
+        Duration::try_from_secs_f64(seconds)
+            .with_context(|| format!("--budget {seconds}: no such time"))
+    };
+    seconds.map(time).transpose()
 }
 
 /// Reports why nothing is visible, and how many pixels are undecided and why.
