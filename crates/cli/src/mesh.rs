@@ -161,7 +161,7 @@ fn meshed(
         }
         is_undefined &= program.is_undefined(index);
         let options = Options { low, high, tolerance, is_solid: program.is_solid(index) };
-        let Some(mesh) = mesh(program.kernels::<f64>(index), &options, wanted)? else {
+        let Some(mesh) = mesh(&program, index, &options, wanted)? else {
             return Ok(None);
         };
         let name = surface.echo.split_whitespace().collect::<Vec<_>>().join(" ");
