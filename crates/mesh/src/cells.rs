@@ -48,11 +48,19 @@ pub struct PartBounds {
     may_vanish: bool,
 }
 
-/// A tetrahedron, and the parts that may matter in it.
+/// A tetrahedron, and the function in it: the choices that may matter.
 #[derive(Clone)]
 pub struct Cell {
     pub tetrahedron: Tetrahedron,
-    pub parts: Arc<[u16]>,
+    pub choice: Arc<Choice>,
+}
+
+/// The function in a cell that may hold a zero.
+pub struct Local {
+    /// The choices that may matter in the cell.
+    pub choice: Arc<Choice>,
+    /// Its parts.
+    pub parts: Vec<PartBounds>,
 }
 
 /// The answer for a cell.
@@ -61,29 +69,28 @@ pub enum Answer {
     /// There is no zero in the cell. The sign is −1 or 1 if it is the same in the whole cell and
     /// proven, else 0.
     Empty(i8),
-    /// There may be a zero. These parts may matter.
-    Open(Arc<[PartBounds]>),
+    /// There may be a zero.
+    Open(Arc<Local>),
 }
 
 /// Answers for the bounding boxes of cells, in order.
-pub fn ask(
-    choice: &Choice,
-    parts: &[PartKernels<'_>],
-    space: &Space,
-    cells: &[Cell],
-) -> Vec<Answer> {
+pub fn ask(parts: &[PartKernels<'_>], space: &Space, cells: &[Cell]) -> Vec<Answer> {
     // Up to six tetrahedra have the same box.
     let mut numbers: CornerMap<(Corner, Corner), usize> = CornerMap::default();
     let mut boxes: Vec<[Interval; 3]> = Vec::new();
     let mut asked: Vec<Vec<u32>> = vec![Vec::new(); parts.len()];
+    let mut choices: Vec<&Choice> = Vec::new();
     let index: Vec<usize> = cells
         .iter()
         .map(|cell| {
             let bounds = cell.tetrahedron.bounds();
             *numbers.entry(bounds.into()).or_insert_with(|| {
-                for part in &*cell.parts {
-                    asked[usize::from(*part)].push(boxes.len() as u32);
+                for part in parts_of(&cell.choice) {
+                    asked[part].push(boxes.len() as u32);
                 }
+                // Tetrahedra with the same box may have parts of different boxes around it. The
+                // choices of each serve.
+                choices.push(&cell.choice);
                 boxes.push(space.between(bounds));
                 boxes.len() - 1
             })
@@ -100,7 +107,8 @@ pub fn ask(
             found[*number as usize].push(bounds);
         }
     }
-    let answers: Vec<Answer> = found.par_iter().map(|parts| answer(choice, parts)).collect();
+    let answers: Vec<Answer> =
+        choices.par_iter().zip(&found).map(|(choice, parts)| answer(choice, parts)).collect();
     index.into_iter().map(|number| answers[number].clone()).collect()
 }
 
@@ -126,22 +134,38 @@ fn bounds(kernels: &PartKernels<'_>, part: u16, boxes: &[[Interval; 3]]) -> Vec<
     (0..boxes.len()).map(of).collect()
 }
 
+/// The numbers of a choice's parts, each once, in order.
+pub fn parts_of(choice: &Choice) -> Vec<usize> {
+    fn add(choice: &Choice, parts: &mut Vec<usize>) {
+        match choice {
+            Choice::Part(part) => parts.push(*part),
+            Choice::Min(all) | Choice::Max(all) => all.iter().for_each(|one| add(one, parts)),
+        }
+    }
+    let mut parts = Vec::new();
+    add(choice, &mut parts);
+    parts.sort_unstable();
+    parts.dedup();
+    parts
+}
+
 fn answer(choice: &Choice, bounds: &[PartBounds]) -> Answer {
-    let mut left = Vec::new();
-    prune(choice, bounds, &mut left);
-    left.sort_unstable();
-    left.dedup();
-    let left: Arc<[PartBounds]> =
-        bounds.iter().filter(|bounds| left.binary_search(&bounds.part).is_ok()).copied().collect();
-    let value = value(choice, &left).unwrap_or(Interval::ENTIRE);
+    let choice = pruned(choice, bounds);
+    let left = parts_of(&choice);
+    let is_left = |bounds: &&PartBounds| left.contains(&usize::from(bounds.part));
+    let parts: Vec<PartBounds> = bounds.iter().filter(is_left).copied().collect();
+    let value = value(&choice, &parts).unwrap_or(Interval::ENTIRE);
     let sign = i8::from(value.lo > 0.0) - i8::from(value.hi < 0.0);
     // If several parts matter, the bounds also hold for functions that are linear in the cell and
     // have the parts' values at its corners.
-    let is_empty = match &*left {
+    let is_empty = match &*parts {
         [only] if !only.may_vanish => true,
         parts => sign != 0 && parts.iter().all(|part| part.gradient.is_some()),
     };
-    if is_empty { Answer::Empty(sign) } else { Answer::Open(left) }
+    if is_empty {
+        return Answer::Empty(sign);
+    }
+    Answer::Open(Arc::new(Local { choice: Arc::new(choice), parts }))
 }
 
 /// Bounds of a choice. `None` if it has no part with bounds.
@@ -159,27 +183,28 @@ fn value(choice: &Choice, bounds: &[PartBounds]) -> Option<Interval> {
     }
 }
 
-/// Adds the parts that may have the choice's value somewhere. A part that may be undefined stays:
-/// the choice is undefined wherever a part is.
-fn prune(choice: &Choice, bounds: &[PartBounds], left: &mut Vec<u16>) {
+/// The choice without those that never have its value in the box. A part that may be undefined
+/// stays: the choice is undefined wherever a part is.
+fn pruned(choice: &Choice, bounds: &[PartBounds]) -> Choice {
     let (all, is_max) = match choice {
-        Choice::Part(part) => {
-            if bounds.iter().any(|bounds| usize::from(bounds.part) == *part) {
-                left.push(*part as u16);
-            }
-            return;
-        }
+        Choice::Part(part) => return Choice::Part(*part),
         Choice::Min(all) => (all, false),
         Choice::Max(all) => (all, true),
     };
     let values: Vec<Option<Interval>> = all.iter().map(|one| value(one, bounds)).collect();
     let least = values.iter().flatten().map(|v| v.lo).fold(f64::NEG_INFINITY, f64::max);
     let most = values.iter().flatten().map(|v| v.hi).fold(f64::INFINITY, f64::min);
-    for (one, value) in all.iter().zip(values) {
-        let Some(value) = value else { continue };
-        let loses = if is_max { value.hi < least } else { value.lo > most };
-        if !loses || !is_certain(one, bounds) {
-            prune(one, bounds, left);
+    let stays = |(one, value): &(&Choice, Option<Interval>)| {
+        let loses = value.is_some_and(|v| if is_max { v.hi < least } else { v.lo > most });
+        !loses || !is_certain(one, bounds)
+    };
+    let mut left: Vec<Choice> =
+        all.iter().zip(values).filter(stays).map(|(one, _)| pruned(one, bounds)).collect();
+    match left.pop() {
+        Some(only) if left.is_empty() => only,
+        last => {
+            left.extend(last);
+            if is_max { Choice::Max(left) } else { Choice::Min(left) }
         }
     }
 }

@@ -9,7 +9,6 @@ use crate::refine::{Kind, Leaf, Refined, sample};
 use crate::space::Space;
 use glam::{DMat3, DVec3};
 use zeroset_eval::{Gradients, KernelError, Points};
-use zeroset_scene::choices::Choice;
 
 /// Number of times that a bracket on an edge is narrowed.
 const NARROWINGS: usize = 48;
@@ -33,7 +32,6 @@ pub struct Triangles {
 /// The mesh in the leaves of a grid. For an equation, triangles where the function jumps or ends
 /// are left out: there is no zero.
 pub fn extract(
-    choice: &Choice,
     refined: &Refined,
     kernels: &[PartKernels<'_>],
     space: &Space,
@@ -42,7 +40,7 @@ pub fn extract(
     let mut vertices = Vertices::default();
     let mut polygons: Vec<Numbered> = Vec::new();
     for leaf in &refined.leaves {
-        vertices.add_leaf(choice, leaf, refined, space, is_solid, &mut polygons);
+        vertices.add_leaf(leaf, refined, space, is_solid, &mut polygons);
     }
     let at_zero = vertices.place(refined, kernels, space)?;
     let mut mesh = Triangles { vertices: vertices.places, ..Triangles::default() };
@@ -72,7 +70,6 @@ struct Vertices {
 impl Vertices {
     fn add_leaf(
         &mut self,
-        choice: &Choice,
         leaf: &Leaf,
         refined: &Refined,
         space: &Space,
@@ -88,12 +85,12 @@ impl Vertices {
         let mut corners = positive;
         corners.sort_unstable();
         let parts = match &leaf.kind {
-            Kind::Open { parts, .. } => &parts[..],
+            Kind::Open { local, .. } => &local.parts[..],
             Kind::Inside(_) => &[],
         };
         let values = |part: u16| corners.map(|corner| refined.values[&(corner, part)]);
         let parts = parts.iter().map(|part| (part.part, values(part.part))).collect();
-        let linear = Linear { corners, parts };
+        let (linear, choice) = (Linear { corners, parts }, leaf.choice());
         let mut found = linear.zeros(choice, is_even(&positive, &corners));
         if is_solid {
             let faces = FACES.map(|face| face.map(|k| positive[k]));

@@ -5,6 +5,7 @@
 
 mod cells;
 mod extract;
+mod fit;
 mod grid;
 mod polygon;
 mod proof;
@@ -30,7 +31,8 @@ pub struct Mesh {
     pub vertices: Vec<DVec3>,
     /// The vertices of each triangle, counterclockwise from outside, where f > 0.
     pub triangles: Vec<[u32; 3]>,
-    /// Center and size of each tetrahedron's bounding box in which the shape is not proven.
+    /// The places in which the shape is not proven: tetrahedra, and edges of triangles that do not
+    /// fit together.
     pub unproven: Vec<Unproven>,
     /// Number of tetrahedra in which the distance between mesh and surface is not proven to be
     /// within the tolerance.
@@ -39,10 +41,10 @@ pub struct Mesh {
     pub cells: usize,
 }
 
-/// A tetrahedron in which the shape of the surface is not proven.
+/// A place in which the shape of the surface is not proven.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Unproven {
-    /// Center of its bounding box.
+    /// Center of the place's bounding box.
     pub centre: DVec3,
     /// The box's extent along each axis.
     pub size: DVec3,
@@ -86,7 +88,7 @@ pub fn mesh(
     let limits = Limits { tolerance, finest: FINEST * (high - low).max_element() };
     let refined = refine::refine(&choice, &kernels, &space, &mut grid, limits, is_solid, wanted);
     let Some(refined) = refined else { return Ok(None) };
-    let triangles = extract::extract(&choice, &refined, &kernels, &space, is_solid)?;
+    let triangles = extract::extract(&refined, &kernels, &space, is_solid)?;
     let mut mesh =
         Mesh { vertices: triangles.vertices, triangles: triangles.triangles, ..Mesh::default() };
     for leaf in &refined.leaves {
@@ -98,6 +100,11 @@ pub fn mesh(
             let (low, high) = (DVec3::new(x.lo, y.lo, z.lo), DVec3::new(x.hi, y.hi, z.hi));
             mesh.unproven.push(Unproven { centre: 0.5 * (low + high), size: high - low });
         }
+    }
+    // Rounding may decide differently in neighbors where more than three parts are 0 at a point.
+    for (from, to) in fit::misfits(&mesh, options) {
+        let size = (to - from).abs();
+        mesh.unproven.push(Unproven { centre: 0.5 * (from + to), size });
     }
     Ok(Some(mesh))
 }

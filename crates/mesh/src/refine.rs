@@ -1,6 +1,6 @@
 //! Refines a grid until the shape of the surface in it is proven, and the mesh is near enough.
 
-use crate::cells::{Answer, Cell, PartBounds, PartKernels, ask};
+use crate::cells::{Answer, Cell, Local, PartBounds, PartKernels, ask};
 use crate::grid::{Corner, CornerHasher, CornerMap, CornerSet, Grid, Tetrahedron};
 use crate::proof::{Slopes, bend, common_vector, least_slope, linear_gradient, middle};
 use crate::space::Space;
@@ -26,11 +26,10 @@ pub struct Leaf {
 
 /// The part that a tetrahedron has in the mesh.
 pub enum Kind {
-    /// The surface may be in it. These parts matter. `near` states that the mesh is proven to be
-    /// within the tolerance.
-    Open { parts: Arc<[PartBounds]>, near: bool },
-    /// It is inside a solid, and has a face on the boundary of the domain. These parts matter.
-    Inside(Arc<[u16]>),
+    /// The surface may be in it. `near` states that the mesh is proven to be within the tolerance.
+    Open { local: Arc<Local>, near: bool },
+    /// It is inside a solid, and has a face on the boundary of the domain.
+    Inside(Arc<Choice>),
 }
 
 /// Limits of a refinement.
@@ -62,8 +61,8 @@ pub fn refine(
     is_solid: bool,
     wanted: &dyn Fn() -> bool,
 ) -> Option<Refined> {
-    let parts: Arc<[u16]> = (0..kernels.len() as u16).collect();
-    let root = |tetrahedron| Cell { tetrahedron, parts: Arc::clone(&parts) };
+    let choice = Arc::new(choice.clone());
+    let root = |tetrahedron| Cell { tetrahedron, choice: Arc::clone(&choice) };
     let mut fresh: Vec<Cell> = grid.roots().into_iter().map(root).collect();
     let mut refined =
         Refined { leaves: Vec::new(), values: CornerMap::default(), failing: CornerSet::default() };
@@ -74,13 +73,14 @@ pub fn refine(
             return None;
         }
         let first = refined.leaves.len();
-        let answers = ask(choice, kernels, space, &fresh);
-        for (Cell { tetrahedron: cell, parts }, answer) in fresh.drain(..).zip(answers) {
+        let answers = ask(kernels, space, &fresh);
+        for (Cell { tetrahedron: cell, choice }, answer) in fresh.drain(..).zip(answers) {
             let kind = match answer {
-                Answer::Open(parts) => {
-                    Kind::Open { near: is_near(space, &cell, &parts, limits.tolerance), parts }
+                Answer::Open(local) => {
+                    let near = is_near(space, &cell, &local.parts, limits.tolerance);
+                    Kind::Open { local, near }
                 }
-                Answer::Empty(-1) if is_solid && has_face(space, &cell) => Kind::Inside(parts),
+                Answer::Empty(-1) if is_solid && has_face(space, &cell) => Kind::Inside(choice),
                 Answer::Empty(_) => continue,
             };
             refined.leaves.push(Leaf { cell, kind });
@@ -93,8 +93,8 @@ pub fn refine(
         let mut middles: Vec<Corner> = refined.leaves[first..]
             .iter()
             .filter(|leaf| match &leaf.kind {
-                Kind::Open { parts, near: false } => {
-                    let is_smooth = parts.iter().all(|part| part.gradient.is_some());
+                Kind::Open { local, near: false } => {
+                    let is_smooth = local.parts.iter().all(|part| part.gradient.is_some());
                     // Where the function may jump or end, only samples tell, in whole planes.
                     let share = if is_smooth { 0.125 } else { 2.0 };
                     may_split(&leaf.cell, share * limits.tolerance)
@@ -125,13 +125,13 @@ pub fn refine(
             kept += usize::from(stays && number < unproven);
             number += 1;
             if !stays {
-                let parts = leaf.parts();
+                let choice = leaf.choice();
                 let mut open = vec![leaf.cell];
                 while let Some(tetrahedron) = open.pop() {
                     if grid.is_split(&tetrahedron) {
                         open.extend(tetrahedron.halves());
                     } else {
-                        fresh.push(Cell { tetrahedron, parts: Arc::clone(&parts) });
+                        fresh.push(Cell { tetrahedron, choice: Arc::clone(choice) });
                     }
                 }
             }
@@ -171,11 +171,11 @@ fn is_near(space: &Space, cell: &Tetrahedron, parts: &[PartBounds], distance: f6
 }
 
 impl Leaf {
-    /// The parts that matter.
-    pub fn parts(&self) -> Arc<[u16]> {
+    /// The function in the tetrahedron.
+    pub fn choice(&self) -> &Arc<Choice> {
         match &self.kind {
-            Kind::Open { parts, .. } => parts.iter().map(|part| part.part).collect(),
-            Kind::Inside(parts) => Arc::clone(parts),
+            Kind::Open { local, .. } => &local.choice,
+            Kind::Inside(choice) => choice,
         }
     }
 }
@@ -205,14 +205,14 @@ impl Refined {
             .leaves
             .par_iter()
             .map(|leaf| {
-                let Kind::Open { parts, .. } = &leaf.kind else { return None };
+                let Kind::Open { local, .. } = &leaf.kind else { return None };
                 let corners = space.corners(&leaf.cell);
                 let slopes = |part: &PartBounds| {
                     let gradient = part.gradient?;
                     let values = leaf.cell.corners.map(|corner| self.values[&(corner, part.part)]);
                     Some(Slopes { gradient, linear: linear_gradient(&corners, &values) })
                 };
-                parts.iter().map(slopes).collect()
+                local.parts.iter().map(slopes).collect()
             })
             .collect();
         let stars: Vec<(Corner, Vec<u32>)> = stars.into_iter().collect();
@@ -243,8 +243,8 @@ impl Refined {
     fn sample(&mut self, kernels: &[PartKernels<'_>], space: &Space, first: usize) {
         let mut corners = vec![Vec::new(); kernels.len()];
         for leaf in &self.leaves[first..] {
-            let Kind::Open { parts, .. } = &leaf.kind else { continue };
-            for PartBounds { part, .. } in &**parts {
+            let Kind::Open { local, .. } = &leaf.kind else { continue };
+            for PartBounds { part, .. } in &local.parts {
                 for corner in leaf.cell.corners {
                     self.values.entry((corner, *part)).or_insert_with(|| {
                         corners[usize::from(*part)].push(corner);

@@ -1,0 +1,34 @@
+//! A check that triangles fit together.
+
+use crate::{Mesh, Options};
+use glam::DVec3;
+use std::collections::HashMap;
+
+/// Distance from a face of the domain, as a share of the domain's size, that rounding may cause.
+const ROUNDING: f64 = 1e-9;
+
+/// Returns the edges that are not between two triangles of the same orientation. A rim of an
+/// equation on a face of the domain is no misfit.
+pub fn misfits(mesh: &Mesh, options: &Options) -> Vec<(DVec3, DVec3)> {
+    let mut edges: HashMap<[u32; 2], [u32; 2]> = HashMap::new();
+    for &[a, b, c] in &mesh.triangles {
+        for [from, to] in [[a, b], [b, c], [c, a]] {
+            edges.entry([from.min(to), from.max(to)]).or_default()[usize::from(from < to)] += 1;
+        }
+    }
+    let at = |vertex: u32| mesh.vertices[vertex as usize];
+    let is_misfit = |(ends, sides): &([u32; 2], [u32; 2])| {
+        let is_rim = sides[0] + sides[1] == 1 && !options.is_solid;
+        *sides != [1, 1] && !(is_rim && is_on_face(ends.map(at), options))
+    };
+    edges.into_iter().filter(is_misfit).map(|([a, b], _)| (at(a), at(b))).collect()
+}
+
+/// Returns whether both points are on one face of the domain.
+fn is_on_face(points: [DVec3; 2], options: &Options) -> bool {
+    let Options { low, high, .. } = options;
+    (0..3).any(|axis| {
+        let near = ROUNDING * (high[axis] - low[axis]);
+        [low, high].iter().any(|end| points.iter().all(|p| (p[axis] - end[axis]).abs() <= near))
+    })
+}
