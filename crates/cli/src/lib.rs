@@ -1,8 +1,8 @@
 //! The command line: one module per subcommand, and modules that subcommands share.
 //!
 //! Results go to standard output or files; notes and errors go to standard error. The exit code is
-//! 0 for success, 1 if a proof is missing under `--strict`, 2 for a user error and 3 for an internal
-//! error.
+//! 0 for success, 1 if a proof is missing under `--strict`, 2 for a user error and 3 for an
+//! internal error.
 
 mod animation;
 mod arguments;
