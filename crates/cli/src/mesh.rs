@@ -8,7 +8,6 @@ use super::subject::{self, Subject};
 use super::{UNDECIDED, notes};
 use anyhow::{Context, Result, bail, ensure};
 use npyz::WriterBuilder;
-use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -131,7 +130,7 @@ struct Found {
     tolerance: f64,
     /// Notes on surfaces whose functions are constant in the domain.
     remarks: Vec<String>,
-    /// Whether no visible surface's function has a value in the domain.
+    /// True if no visible surface's function has a value in the domain.
     is_undefined: bool,
     simplify: Duration,
     mesh: Duration,
@@ -240,7 +239,7 @@ impl Found {
                 "name": object.name,
                 "vertices": mesh.vertices.len(),
                 "triangles": mesh.triangles.len(),
-                "closed": is_closed(mesh),
+                "closed": mesh.is_closed,
                 "cells": mesh.cells,
                 "unproven": mesh.unproven.len(),
                 "far": mesh.far,
@@ -280,7 +279,7 @@ fn is_shape_proven(object: &Object) -> bool {
 /// Says in one line how large a mesh is, and what is proven of it.
 fn describe(name: &str, mesh: &Mesh, tolerance: f64) -> String {
     let of = if name.is_empty() { String::new() } else { format!("`{name}`: ") };
-    let closed = if is_closed(mesh) { "closed" } else { "with an open rim" };
+    let closed = if mesh.is_closed { "closed" } else { "with an open rim" };
     let shape = match (&mesh.unproven[..], mesh.far) {
         ([], 0) => format!(
             "the shape is proven: isotopic to the surface in the domain, and within {tolerance:.2e} \
@@ -307,14 +306,4 @@ fn describe(name: &str, mesh: &Mesh, tolerance: f64) -> String {
         }
     };
     format!("{of}{} triangles, {closed}; {shape}", mesh.triangles.len())
-}
-
-/// Whether the triangles have no rim: each edge is run along as often one way as the other.
-fn is_closed(mesh: &Mesh) -> bool {
-    let edges = mesh.triangles.par_iter().flat_map_iter(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
-    let mut forward: Vec<[u32; 2]> = edges.collect();
-    let mut backward: Vec<[u32; 2]> = forward.par_iter().map(|&[a, b]| [b, a]).collect();
-    forward.par_sort_unstable();
-    backward.par_sort_unstable();
-    forward == backward
 }

@@ -20,9 +20,9 @@ pub struct Object {
 pub struct Format {
     /// Name of the format, and its extension in capitals.
     pub name: &'static str,
-    /// Whether it keeps several surfaces apart.
+    /// True if several surfaces stay apart.
     pub has_objects: bool,
-    /// Whether its coordinates are `f32`.
+    /// True if coordinates are `f32`.
     pub is_single: bool,
     /// Writes all triangles.
     pub write: fn(&[Object], &mut dyn Write) -> io::Result<()>,

@@ -44,7 +44,7 @@ pub struct PartBounds {
     /// The partial derivatives, at each point where they exist. `None` if the part is not proven
     /// Lipschitz continuous.
     pub gradient: Option<[Interval; 3]>,
-    /// Whether the part may be 0 in the box.
+    /// True if the part may be 0 in the box.
     may_vanish: bool,
 }
 
@@ -67,14 +67,20 @@ pub struct Local {
 #[derive(Clone)]
 pub enum Answer {
     /// There is no zero in the cell. The sign is −1 or 1 if it is the same in the whole cell and
-    /// proven, else 0.
+    /// proven, else 0. For a solid it is never 0.
     Empty(i8),
     /// There may be a zero.
     Open(Arc<Local>),
 }
 
-/// Answers for the bounding boxes of cells, in order.
-pub fn ask(parts: &[PartKernels<'_>], space: &Space, cells: &[Cell]) -> Vec<Answer> {
+/// Answers for the bounding boxes of cells, in order. `None` once `wanted` returns false.
+pub fn ask(
+    parts: &[PartKernels<'_>],
+    space: &Space,
+    is_solid: bool,
+    cells: &[Cell],
+    wanted: &(dyn Fn() -> bool + Sync),
+) -> Option<Vec<Answer>> {
     // Up to six tetrahedra have the same box.
     let mut numbers: CornerMap<(Corner, Corner), usize> = CornerMap::default();
     let mut boxes: Vec<[Interval; 3]> = Vec::new();
@@ -100,16 +106,16 @@ pub fn ask(parts: &[PartKernels<'_>], space: &Space, cells: &[Cell]) -> Vec<Answ
     for (part, asked) in asked.iter().enumerate() {
         let some = |some: &[u32]| {
             let boxes: Vec<[Interval; 3]> = some.iter().map(|n| boxes[*n as usize]).collect();
-            bounds(&parts[part], part as u16, &boxes)
+            wanted().then(|| bounds(&parts[part], part as u16, &boxes))
         };
-        let bounds: Vec<PartBounds> = asked.par_chunks(LANES).flat_map_iter(some).collect();
-        for (number, bounds) in asked.iter().zip(bounds) {
+        let bounds: Option<Vec<Vec<PartBounds>>> = asked.par_chunks(LANES).map(some).collect();
+        for (number, bounds) in asked.iter().zip(bounds?.into_iter().flatten()) {
             found[*number as usize].push(bounds);
         }
     }
-    let answers: Vec<Answer> =
-        choices.par_iter().zip(&found).map(|(choice, parts)| answer(choice, parts)).collect();
-    index.into_iter().map(|number| answers[number].clone()).collect()
+    let answer = |(choice, parts): (&&Choice, &Vec<PartBounds>)| answer(choice, parts, is_solid);
+    let answers: Vec<Answer> = choices.par_iter().zip(&found).map(answer).collect();
+    Some(index.into_iter().map(|number| answers[number].clone()).collect())
 }
 
 fn bounds(kernels: &PartKernels<'_>, part: u16, boxes: &[[Interval; 3]]) -> Vec<PartBounds> {
@@ -149,7 +155,7 @@ pub fn parts_of(choice: &Choice) -> Vec<usize> {
     parts
 }
 
-fn answer(choice: &Choice, bounds: &[PartBounds]) -> Answer {
+fn answer(choice: &Choice, bounds: &[PartBounds], is_solid: bool) -> Answer {
     let choice = pruned(choice, bounds);
     let left = parts_of(&choice);
     let is_left = |bounds: &&PartBounds| left.contains(&usize::from(bounds.part));
@@ -159,7 +165,8 @@ fn answer(choice: &Choice, bounds: &[PartBounds]) -> Answer {
     // If several parts matter, the bounds also hold for functions that are linear in the cell and
     // have the parts' values at its corners.
     let is_empty = match &*parts {
-        [only] if !only.may_vanish => true,
+        // Which side of a solid's surface the cell is on must be known.
+        [only] if !only.may_vanish => sign != 0 || !is_solid,
         parts => sign != 0 && parts.iter().all(|part| part.gradient.is_some()),
     };
     if is_empty {
@@ -183,8 +190,8 @@ fn value(choice: &Choice, bounds: &[PartBounds]) -> Option<Interval> {
     }
 }
 
-/// The choice without those that never have its value in the box. A part that may be undefined
-/// stays: the choice is undefined wherever a part is.
+/// Leaves out the alternatives that never have the choice's value in the box. An alternative that
+/// may be undefined stays, since the choice is undefined there, too.
 fn pruned(choice: &Choice, bounds: &[PartBounds]) -> Choice {
     let (all, is_max) = match choice {
         Choice::Part(part) => return Choice::Part(*part),

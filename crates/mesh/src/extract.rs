@@ -136,26 +136,25 @@ impl Vertices {
             .map(|(key, weights)| mean(&corners(key).0, &apart(weights, corners(key).1)))
             .collect();
         let mut at_zero = vec![true; self.keys.len()];
-        for (part, kernels) in kernels.iter().enumerate() {
-            let is_on_edge =
-                |key: &VertexKey| usize::from(key.parts[0]) == part && key.parts[1] == NO_PART;
-            let edges: Vec<usize> =
-                (0..self.keys.len()).filter(|k| is_on_edge(&self.keys[*k])).collect();
-            self.place_on_edges(&edges, part as u16, refined, kernels, space, &mut at_zero);
-        }
-        for count in [2, 3] {
-            let mut of_parts: Vec<usize> = (0..self.keys.len())
-                .filter(|k| self.keys[*k].parts.iter().filter(|p| **p != NO_PART).count() == count)
-                .collect();
-            of_parts.sort_by_key(|k| self.keys[*k].parts);
-            for some in of_parts.chunk_by(|a, b| self.keys[*a].parts == self.keys[*b].parts) {
-                let parts = &self.keys[some[0]].parts[..count];
-                let parts: Vec<&PartKernels<'_>> =
-                    parts.iter().map(|part| &kernels[usize::from(*part)]).collect();
-                for vertex in some {
-                    let (at, used) = corners(&self.keys[*vertex]);
-                    let start = self.places[*vertex];
-                    self.places[*vertex] = common_zero(&parts, &at[..used], start)?;
+        let mut sorted: Vec<usize> = (0..self.keys.len()).collect();
+        sorted.sort_by_key(|k| self.keys[*k].parts);
+        let groups = sorted.chunk_by(|a, b| self.keys[*a].parts == self.keys[*b].parts);
+        let groups: Vec<&[usize]> = groups.collect();
+        for some in groups {
+            let parts = self.keys[some[0]].parts;
+            let vanishing = parts.iter().filter(|part| **part != NO_PART);
+            let vanishing: Vec<&PartKernels<'_>> =
+                vanishing.map(|part| &kernels[usize::from(*part)]).collect();
+            match &vanishing[..] {
+                // A corner of the grid stays in its place.
+                [] => {}
+                [only] => self.place_on_edges(some, parts[0], refined, only, space, &mut at_zero),
+                several => {
+                    for vertex in some {
+                        let (at, used) = corners(&self.keys[*vertex]);
+                        let start = self.places[*vertex];
+                        self.places[*vertex] = common_zero(several, &at[..used], start)?;
+                    }
                 }
             }
         }

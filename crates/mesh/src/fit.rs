@@ -1,4 +1,4 @@
-//! A check that triangles fit together.
+//! A check whether triangles fit together.
 
 use crate::{Mesh, Options};
 use glam::DVec3;
@@ -7,9 +7,9 @@ use std::collections::HashMap;
 /// Distance from a face of the domain, as a share of the domain's size, that rounding may cause.
 const ROUNDING: f64 = 1e-9;
 
-/// Returns the edges that are not between two triangles of the same orientation. A rim of an
-/// equation on a face of the domain is no misfit.
-pub fn misfits(mesh: &Mesh, options: &Options) -> Vec<(DVec3, DVec3)> {
+/// Returns whether the triangles have no rim, and the edges that are not between two triangles of
+/// the same orientation. A rim of an equation on a face of the domain is no misfit.
+pub fn fit(mesh: &Mesh, options: &Options) -> (bool, Vec<(DVec3, DVec3)>) {
     let mut edges: HashMap<[u32; 2], [u32; 2]> = HashMap::new();
     for &[a, b, c] in &mesh.triangles {
         for [from, to] in [[a, b], [b, c], [c, a]] {
@@ -21,7 +21,9 @@ pub fn misfits(mesh: &Mesh, options: &Options) -> Vec<(DVec3, DVec3)> {
         let is_rim = sides[0] + sides[1] == 1 && !options.is_solid;
         *sides != [1, 1] && !(is_rim && is_on_face(ends.map(at), options))
     };
-    edges.into_iter().filter(is_misfit).map(|([a, b], _)| (at(a), at(b))).collect()
+    let is_closed = edges.values().all(|sides| sides[0] == sides[1]);
+    let misfits = edges.into_iter().filter(is_misfit).map(|([a, b], _)| (at(a), at(b)));
+    (is_closed, misfits.collect())
 }
 
 /// Returns whether both points are on one face of the domain.

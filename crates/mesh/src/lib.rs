@@ -39,6 +39,8 @@ pub struct Mesh {
     pub far: usize,
     /// Number of tetrahedra that may hold a part of the surface.
     pub cells: usize,
+    /// Whether the triangles have no rim.
+    pub is_closed: bool,
 }
 
 /// A place in which the shape of the surface is not proven.
@@ -66,7 +68,7 @@ pub struct Options {
 
 /// Returns the mesh of a program's surface within a domain, or `None` once `wanted` returns false.
 ///
-/// If no tetrahedron is [unproven](Mesh::unproven), the mesh is isotopic to the surface, within the
+/// If no place is [unproven](Mesh::unproven), the mesh is isotopic to the surface, within the
 /// domain. If none is [far](Mesh::far) either, each vertex is within the tolerance of the surface,
 /// and each point of the surface is within it of the mesh.
 ///
@@ -79,7 +81,7 @@ pub fn mesh(
     program: &Program,
     surface: usize,
     options: &Options,
-    wanted: &dyn Fn() -> bool,
+    wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Mesh>, ProgramError> {
     let &Options { low, high, tolerance, is_solid } = options;
     let (choice, parts) = program.choices(surface)?;
@@ -102,7 +104,9 @@ pub fn mesh(
         }
     }
     // Rounding may decide differently in neighbors where more than three parts are 0 at a point.
-    for (from, to) in fit::misfits(&mesh, options) {
+    let (is_closed, misfits) = fit::fit(&mesh, options);
+    mesh.is_closed = is_closed;
+    for (from, to) in misfits {
         let size = (to - from).abs();
         mesh.unproven.push(Unproven { centre: 0.5 * (from + to), size });
     }

@@ -145,30 +145,28 @@ impl Linear {
 
     /// The vertex between some corners where some parts are 0.
     fn vertex(&self, between: u8, parts: &[u16], next: Line) -> Vertex {
+        let count = parts.len();
         let mut key = [NO_PART; 3];
-        key[..parts.len()].copy_from_slice(parts);
-        key[..parts.len()].sort_unstable();
-        let used: Vec<usize> = (0..4).filter(|k| between >> k & 1 == 1).collect();
-        let rows: Vec<Vec<f64>> = key[..parts.len()]
-            .iter()
-            .map(|part| {
-                let values = self.values(*part).unwrap_or(&[f64::NAN; 4]);
-                used.iter().map(|k| values[*k]).collect()
-            })
-            .collect();
-        let mut weights = [0.0; 4];
-        let cofactor = |k: usize| {
-            let minor: Vec<Vec<f64>> = rows
-                .iter()
-                .map(|row| (0..row.len()).filter(|j| *j != k).map(|j| row[j]).collect())
-                .collect();
+        key[..count].copy_from_slice(parts);
+        key[..count].sort_unstable();
+        // The values of each part at the corners in use.
+        let mut rows = [[0.0; 4]; 3];
+        for (row, part) in rows.iter_mut().zip(&key[..count]) {
+            let values = self.values(*part).unwrap_or(&[f64::NAN; 4]);
+            for (to, from) in row.iter_mut().zip(bits_of(between)) {
+                *to = values[from];
+            }
+        }
+        // Each part's values, weighted by the cofactors, add up to 0.
+        let mut cofactors = [0.0; 4];
+        for (k, cofactor) in cofactors[..=count].iter_mut().enumerate() {
             let sign = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
-            sign * determinant(&minor)
-        };
-        let all: Vec<f64> = (0..used.len()).map(cofactor).collect();
-        let sum: f64 = all.iter().sum();
-        for (k, one) in used.iter().zip(all) {
-            weights[*k] = one / sum;
+            *cofactor = sign * minor(&rows, count, k);
+        }
+        let sum: f64 = cofactors.iter().sum();
+        let mut weights = [0.0; 4];
+        for (to, cofactor) in bits_of(between).zip(cofactors) {
+            weights[to] = cofactor / sum;
         }
         Vertex { between, parts: key, weights, next }
     }
@@ -176,8 +174,7 @@ impl Linear {
     /// The vertex's key, and the weights of its corners.
     fn key(&self, vertex: &Vertex) -> (VertexKey, [f64; 4]) {
         let (mut corners, mut weights) = ([None; 4], [0.0; 4]);
-        let used = (0..4).filter(|k| vertex.between >> k & 1 == 1);
-        for (to, from) in used.enumerate() {
+        for (to, from) in bits_of(vertex.between).enumerate() {
             (corners[to], weights[to]) = (Some(self.corners[from]), vertex.weights[from]);
         }
         (VertexKey { corners, parts: vertex.parts }, weights)
@@ -268,16 +265,20 @@ fn sign_of(choice: &Choice, signs: &[(u16, Ordering)]) -> Option<Ordering> {
     }
 }
 
-fn determinant(rows: &[Vec<f64>]) -> f64 {
-    match rows {
-        [] => 1.0,
-        [a] => a[0],
-        [a, b] => a[0] * b[1] - a[1] * b[0],
-        [a, b, c] => {
-            a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0])
-                + a[2] * (b[0] * c[1] - b[1] * c[0])
-        }
-        _ => unreachable!("at most three parts are 0 at a vertex"),
+/// The positions of the set bits.
+fn bits_of(bits: u8) -> impl Iterator<Item = usize> {
+    (0..4).filter(move |k| bits >> k & 1 == 1)
+}
+
+/// The determinant of the first `count` rows and as many columns, without column `left_out`.
+fn minor(rows: &[[f64; 4]; 3], count: usize, left_out: usize) -> f64 {
+    let at = |row: usize, column: usize| rows[row][column + usize::from(column >= left_out)];
+    let pair = |i: usize, j: usize| at(1, i) * at(2, j) - at(1, j) * at(2, i);
+    match count {
+        0 => 1.0,
+        1 => at(0, 0),
+        2 => at(0, 0) * at(1, 1) - at(0, 1) * at(1, 0),
+        _ => at(0, 0) * pair(1, 2) - at(0, 1) * pair(0, 2) + at(0, 2) * pair(0, 1),
     }
 }
 

@@ -18,8 +18,13 @@
 use glam::DVec3;
 use zeroset_interval::Interval;
 
-/// Share of a sum's largest term by which the sum must exceed 0: more than rounding can change.
+/// Share of a gradient's largest component by which a slope must exceed 0: more than rounding can
+/// change.
 const MARGIN: f64 = 1e-12;
+
+/// Greatest distance along each axis between a vertex of the mesh and the zero of g that it stands
+/// for, as a share of the tetrahedron's size.
+const MOVED: f64 = 1e-3;
 
 /// Number of corrections of a vector.
 const CORRECTIONS: usize = 24;
@@ -48,7 +53,8 @@ fn slope(gradient: DVec3, vector: DVec3) -> f64 {
         // A gradient may be infinite where the vector is 0.
         if vector[axis] == 0.0 { 0.0 } else { gradient[axis] * vector[axis] }
     });
-    let largest = terms.iter().fold(0.0_f64, |all, term| all.max(term.abs()));
+    let finite = gradient.to_array().into_iter().filter(|slope| slope.is_finite());
+    let largest = finite.fold(0.0_f64, |all, slope| all.max(slope.abs()));
     terms.iter().sum::<f64>() - MARGIN * largest
 }
 
@@ -95,8 +101,8 @@ pub fn common_vector(star: &[Slopes], faces: [bool; 3]) -> Option<DVec3> {
     None
 }
 
-/// Greatest difference between f and a linear function that has its values at four corners: f's
-/// gradient is within bounds.
+/// Greatest value of f in a triangle of the mesh whose vertices stand for zeros of g, and of g at a
+/// zero of f. Bounds of f's gradient are given. NaN if they have no width.
 pub fn bend(gradient: &[Interval; 3], corners: &[DVec3; 4]) -> f64 {
     let span = |axis: usize| {
         let along = corners.map(|corner| corner[axis]);
@@ -105,8 +111,11 @@ pub fn bend(gradient: &[Interval; 3], corners: &[DVec3; 4]) -> f64 {
     };
     // In the tetrahedron, a mean of distances from a mean is at most half the span. A gradient
     // differs by at most half the width of its bounds from their middle.
-    (0..3).map(|axis| 0.25 * (gradient[axis].hi - gradient[axis].lo) * span(axis)).sum::<f64>()
-        * (1.0 + MARGIN)
+    let along = |axis: usize| {
+        let Interval { lo, hi } = gradient[axis];
+        (0.25 * (hi - lo) + MOVED * hi.max(-lo)) * span(axis)
+    };
+    (0..3).map(along).sum::<f64>() * (1.0 + MARGIN)
 }
 
 /// The gradient of the linear function with these values at a tetrahedron's corners.

@@ -59,7 +59,7 @@ pub fn refine(
     grid: &mut Grid,
     limits: Limits,
     is_solid: bool,
-    wanted: &dyn Fn() -> bool,
+    wanted: &(dyn Fn() -> bool + Sync),
 ) -> Option<Refined> {
     let choice = Arc::new(choice.clone());
     let root = |tetrahedron| Cell { tetrahedron, choice: Arc::clone(&choice) };
@@ -69,11 +69,8 @@ pub fn refine(
     // Leaves from this one on have not been proven.
     let mut unproven = 0;
     loop {
-        if !wanted() {
-            return None;
-        }
         let first = refined.leaves.len();
-        let answers = ask(kernels, space, &fresh);
+        let answers = ask(kernels, space, is_solid, &fresh, wanted)?;
         for (Cell { tetrahedron: cell, choice }, answer) in fresh.drain(..).zip(answers) {
             let kind = match answer {
                 Answer::Open(local) => {
@@ -104,7 +101,7 @@ pub fn refine(
             .map(|leaf| leaf.cell.middle())
             .collect();
         if middles.is_empty() {
-            let failing = refined.prove(kernels, space, unproven);
+            let failing = refined.prove(kernels, space, unproven, wanted)?;
             unproven = refined.leaves.len();
             if failing.len() <= MOST_FAILING {
                 let fails = failing.iter().map(|leaf| &refined.leaves[*leaf].cell);
@@ -165,9 +162,10 @@ fn is_near(space: &Space, cell: &Tetrahedron, parts: &[PartBounds], distance: f6
     // Both |f| on the mesh and |g| on the surface are at most the bend. Along the vector, either
     // changes at least at the least slope.
     let corners = space.corners(cell);
-    let bend = slopes.iter().map(|part| bend(&part.gradient, &corners)).fold(0.0, f64::max);
     let least = slopes.iter().map(|part| least_slope(&part.gradient, vector).0);
-    bend <= distance * least.fold(f64::INFINITY, f64::min)
+    let reach = distance * least.fold(f64::INFINITY, f64::min);
+    // False for NaN.
+    slopes.iter().all(|part| bend(&part.gradient, &corners) <= reach)
 }
 
 impl Leaf {
@@ -182,8 +180,14 @@ impl Leaf {
 
 impl Refined {
     /// Looks for vectors at the corners of leaves from `first` on. Returns the leaves at corners
-    /// where none is found, in order.
-    fn prove(&mut self, kernels: &[PartKernels<'_>], space: &Space, first: usize) -> Vec<usize> {
+    /// where none is found, in order. `None` once `wanted` returns false.
+    fn prove(
+        &mut self,
+        kernels: &[PartKernels<'_>],
+        space: &Space,
+        first: usize,
+        wanted: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Vec<usize>> {
         self.sample(kernels, space, first);
         let mut stars: CornerMap<Corner, Vec<u32>> = CornerMap::default();
         let is_open = |leaf: &&Leaf| matches!(leaf.kind, Kind::Open { .. });
@@ -224,7 +228,8 @@ impl Refined {
             }
             common_vector(&all, space.faces(*corner)).is_some()
         };
-        let proven: Vec<bool> = stars.par_iter().map(is_proven).collect();
+        let asked = |star| wanted().then(|| is_proven(star));
+        let proven: Vec<bool> = stars.par_iter().map(asked).collect::<Option<_>>()?;
         let mut leaves = Vec::new();
         for ((corner, star), proven) in stars.into_iter().zip(proven) {
             if proven {
@@ -236,7 +241,7 @@ impl Refined {
         }
         leaves.sort_unstable();
         leaves.dedup();
-        leaves
+        Some(leaves)
     }
 
     /// Adds the values of the parts that matter, at the corners of leaves from `first` on.

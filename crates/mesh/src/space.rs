@@ -4,7 +4,7 @@ use crate::grid::{Corner, Grid, Tetrahedron};
 use glam::DVec3;
 use zeroset_interval::Interval;
 
-/// Longest axis of a root cube, in lengths of its shortest axis.
+/// Greatest number of cubes along an axis before any split, as a power of two.
 const MOST_CUBES: u32 = 4;
 
 /// The grid over a box of space. Coordinates are mapped along each axis apart.

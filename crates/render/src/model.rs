@@ -132,7 +132,7 @@ impl Model {
     }
 
     /// Optimizes the kernels of [`Model::new_while`], in parallel. It checks `wanted` between
-    /// kernels, and returns whether none is left. The model may draw meanwhile.
+    /// kernels, and returns whether all are optimized. The model may draw at the same time.
     pub fn optimize(&self, wanted: &(dyn Fn() -> bool + Sync)) -> bool {
         self.program.optimize(wanted)
     }

@@ -84,14 +84,31 @@ impl Nodes {
     }
 }
 
-/// The choice that a node is. Sums with a choice are choices of sums.
-fn nodes(graph: &mut Graph, node: NodeId, depth: usize) -> Nodes {
+/// For each node, whether it is a choice: a minimum, maximum or absolute value, or a sum with one.
+fn choices(graph: &Graph) -> Vec<bool> {
+    let mut found = vec![false; graph.len()];
+    for (id, node) in graph.iter() {
+        if let Node::Apply(op, operands) = node {
+            found[id.index()] = match op {
+                Op::Min | Op::Max | Op::Abs => true,
+                Op::Neg | Op::Add | Op::Sub => operands.iter().any(|one| found[one.index()]),
+                _ => false,
+            };
+        }
+    }
+    found
+}
+
+/// The choice that a node is. Sums with a choice are choices of sums. At most `left` choices are
+/// taken apart, since a node that is shared is taken apart each time.
+fn nodes(graph: &mut Graph, is_choice: &[bool], node: NodeId, left: &mut usize) -> Nodes {
     let Node::Apply(op, operands) = graph.node(node).clone() else { return Nodes::Part(node) };
-    let operands: Vec<NodeId> = operands.to_vec();
-    if depth == 0 {
+    if *left == 0 || !is_choice[node.index()] {
         return Nodes::Part(node);
     }
-    let inner = |graph: &mut Graph, k: usize| nodes(graph, operands[k], depth - 1);
+    *left -= 1;
+    let operands: Vec<NodeId> = operands.to_vec();
+    let mut inner = |graph: &mut Graph, k: usize| nodes(graph, is_choice, operands[k], left);
     let negated = |graph: &mut Graph, node: NodeId| graph.apply(Op::Neg, &[node]);
     match op {
         Op::Min => Nodes::Min((0..operands.len()).map(|k| inner(graph, k)).collect()),
@@ -129,8 +146,9 @@ impl Program {
     /// If there is no such surface.
     pub fn choices(&self, surface: usize) -> Result<(Choice, Self), ProgramError> {
         let whole = self.simplified();
-        let (mut graph, root) = (whole.symbolic.0.clone(), whole.symbolic.1[surface]);
-        let mut choice = nodes(&mut graph, root, 64);
+        let (mut graph, root) = whole.symbolic(surface);
+        let is_choice = choices(&graph);
+        let mut choice = nodes(&mut graph, &is_choice, root, &mut { MOST_PARTS });
         if choice.parts() > MOST_PARTS {
             choice = Nodes::Part(root);
         }
@@ -180,5 +198,19 @@ mod tests {
             let (choice, found) = program.choices(0).expect(text);
             assert_eq!((choice, found.roots().len()), (expected, parts), "{text}");
         }
+    }
+
+    /// A choice that is shared is taken apart each time that it occurs: here 2⁶⁰ times, were there
+    /// no limit.
+    #[test]
+    fn shared_choices_are_taken_apart_within_a_limit() {
+        let line = |k: usize| format!("a{k} = max(a{}, z - a{})\n", k - 1, k - 1);
+        let lines: String = (1..=60).map(line).collect();
+        let text = format!("a0 = max(x, y)\n{lines}0 = a60");
+        let document = read(&text, &Options::default()).expect("reads");
+        let program = Program::new(&document, [Interval { lo: -2.0, hi: 2.0 }; 3]).expect("small");
+        let (choice, found) = program.choices(0).expect("small");
+        assert!(matches!(choice, Choice::Min(_) | Choice::Max(_)));
+        assert!((2..=MOST_PARTS).contains(&found.roots().len()));
     }
 }

@@ -137,7 +137,7 @@ impl Program {
 
     /// Optimizes the kernels compiled since [`Program::hurry`], in parallel. Later kernels are
     /// optimized when they are first requested. Checks `wanted` between kernels, and returns
-    /// whether none is left. Kernels may be in use meanwhile.
+    /// whether all are optimized. Kernels may be in use at the same time.
     pub fn optimize(&self, wanted: &(dyn Fn() -> bool + Sync)) -> bool {
         self.store.optimize(wanted)
     }

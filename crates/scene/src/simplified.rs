@@ -163,7 +163,7 @@ impl Simplified {
 
     /// A surface's function before constants are folded. Its graph holds no other surface, which
     /// would only cost time.
-    fn symbolic(&self, surface: usize) -> (Graph, NodeId) {
+    pub fn symbolic(&self, surface: usize) -> (Graph, NodeId) {
         let (graph, roots) = &self.symbolic;
         let (graph, roots) = compact(graph, &[roots[surface]]);
         (graph, roots[0])

@@ -61,8 +61,8 @@ pub(super) fn gradients_at_roots(
     found
 }
 
-/// Returns the mean of the normals at the simple zeros near the starts, or `None` if there are
-/// none.
+/// Returns the mean of the normals at the simple zeros near the starts. `None` without a simple
+/// zero.
 pub(super) fn mean_normal(
     kernel: &dyn Kernel<SampleGradient, f64>,
     starts: &[Start],
