@@ -165,7 +165,7 @@ fn answer(choice: &Choice, bounds: &[PartBounds], is_solid: bool) -> Answer {
     // If several parts matter, the bounds also hold for functions that are linear in the cell and
     // have the parts' values at its corners.
     let is_empty = match &*parts {
-        // Which side of a solid's surface the cell is on must be known.
+        // A solid's mesh must know on which side the cell is.
         [only] if !only.may_vanish => sign != 0 || !is_solid,
         parts => sign != 0 && parts.iter().all(|part| part.gradient.is_some()),
     };

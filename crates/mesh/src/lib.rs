@@ -39,7 +39,7 @@ pub struct Mesh {
     pub far: usize,
     /// Number of tetrahedra that may hold a part of the surface.
     pub cells: usize,
-    /// Whether the triangles have no rim.
+    /// True if the triangles have no rim.
     pub is_closed: bool,
 }
 
