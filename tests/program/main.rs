@@ -5,6 +5,7 @@ mod cli_axes;
 mod cli_errors;
 mod cli_eval;
 mod cli_large;
+mod cli_measure;
 mod cli_mesh;
 mod cli_render;
 mod cli_sequence;

@@ -58,6 +58,8 @@ pub enum Command {
     Explain(ExplainArgs),
     /// Write a formula's surface as triangles, with a proof of its shape.
     Mesh(MeshArgs),
+    /// Measure a solid's volume, centroid and inertia, and a surface's extent, area and shape.
+    Measure(MeasureArgs),
     /// Render every gallery surface, and a contact sheet.
     Gallery(GalleryArgs),
     /// Print a completion script for a shell.
@@ -550,6 +552,28 @@ pub struct MeshArgs {
     /// Exit with code 1 if the shape or the distance is not proven
     #[arg(long)]
     pub strict: bool,
+
+    /// Use this many threads [default: one per processor]
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+}
+
+#[derive(Debug, Args)]
+pub struct MeasureArgs {
+    #[command(flatten)]
+    pub document: DocumentArgs,
+
+    /// Make the bounds of a volume this narrow, as a share of the volume [default: 1e-3]
+    #[arg(long, value_name = "SHARE", allow_hyphen_values = true)]
+    pub relative: Option<f64>,
+
+    /// Print the measures as a JSON object
+    #[arg(long)]
+    pub json: bool,
+
+    /// Give up after this time, and print nothing
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
+    pub budget: Option<f64>,
 
     /// Use this many threads [default: one per processor]
     #[arg(long, value_name = "N")]

@@ -20,6 +20,7 @@ mod history;
 mod interactive;
 #[cfg(feature = "window")]
 mod line_edit;
+mod measure;
 mod mesh;
 mod mesh_file;
 mod notes;
@@ -91,6 +92,7 @@ fn dispatch() -> anyhow::Result<ExitCode> {
         Some(Command::Eval(arguments)) => eval::run(&arguments),
         Some(Command::Explain(arguments)) => explain::run(&arguments),
         Some(Command::Mesh(arguments)) => mesh::run(&arguments),
+        Some(Command::Measure(arguments)) => measure::run(&arguments),
         Some(Command::Gallery(arguments)) => gallery::run(&arguments),
         Some(Command::Completions { shell }) => {
             let mut command = Arguments::command();

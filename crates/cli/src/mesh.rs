@@ -13,13 +13,12 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
-use zeroset_mesh::{Mesh, Options, TOLERANCE, Unproven, mesh};
+use zeroset_mesh::{MOST_CELLS, Mesh, Options, TOLERANCE, Unproven, mesh};
 use zeroset_scene::blank::Blank;
 use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::program::Program;
-use zeroset_scene::view::{self, ClipChoice, ClipShape, Clipping};
+use zeroset_scene::view::{self, Clipping};
 use zeroset_space::Region;
-use zeroset_syntax::DomainLine;
 
 pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
     let begun = Instant::now();
@@ -48,7 +47,7 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
     if objects.iter().all(|object| object.mesh.triangles.is_empty()) {
         bail!("nothing to write: {}", found.why_empty(&subject));
     }
-    found.remark(&subject, files.format());
+    found.remark(files.format());
     let clock = Instant::now();
     files.finish(objects)?;
     if arguments.json {
@@ -143,14 +142,13 @@ fn meshed(
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Found>> {
     let document = &subject.document;
-    let cut = Clipping { plane: ClipChoice::Off, to: ClipShape::Box };
+    let cut = Clipping::default();
     let found = view::region_while(&mut None, document, subject.domain, cut, wanted)?;
     let Some((region, searched)) = found else { return Ok(None) };
-    let (low, high) = (region.low(), region.high());
     let clock = Instant::now();
-    let program = Program::new(document, view::bounds(&region))?;
+    let program = Program::new(document, zeroset_mesh::domain(&region))?;
     let simplify = clock.elapsed();
-    let tolerance = tolerance.unwrap_or(TOLERANCE * (high - low).length());
+    let tolerance = tolerance.unwrap_or(TOLERANCE * (region.high() - region.low()).length());
     let clock = Instant::now();
     let mut objects = Vec::new();
     let mut is_undefined = true;
@@ -159,7 +157,8 @@ fn meshed(
             continue;
         }
         is_undefined &= program.is_undefined(index);
-        let options = Options { low, high, tolerance, is_solid: program.is_solid(index) };
+        let is_solid = program.is_solid(index);
+        let options = Options { region, tolerance, is_solid, most_cells: MOST_CELLS };
         let Some(mesh) = mesh(&program, index, &options, wanted)? else {
             return Ok(None);
         };
@@ -188,20 +187,8 @@ impl Found {
     }
 
     /// Notes what the files do not hold.
-    fn remark(&self, subject: &Subject, format: Option<&Format>) {
+    fn remark(&self, format: Option<&Format>) {
         self.remarks.iter().for_each(|remark| notes::note(remark));
-        let document = &subject.document;
-        let is_ball = subject.domain == view::DomainChoice::Document
-            && matches!(document.domain, Some(DomainLine::Ball(_)));
-        for (is_cut, cut) in
-            [(is_ball, "ball"), (view::typed_clip(document).is_some(), "clip plane")]
-        {
-            if is_cut {
-                notes::note(&format!(
-                    "the {cut} of the file does not cut meshes, only its box does"
-                ));
-            }
-        }
         for Object { name, mesh } in &self.objects {
             if mesh.triangles.is_empty() {
                 notes::note(&format!("`{name}` has no triangle in this domain"));

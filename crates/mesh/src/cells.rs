@@ -34,6 +34,17 @@ impl<'a> PartKernels<'a> {
     }
 }
 
+/// The parts of a function in space, and what is asked of it.
+pub struct Question<'a> {
+    pub parts: &'a [PartKernels<'a>],
+    pub space: &'a Space,
+    /// Whether the function's surface bounds a solid.
+    pub is_solid: bool,
+    /// Where parts from this one on are 0, there is no surface. They cut it off where they are
+    /// above 0.
+    pub first_cut: usize,
+}
+
 /// Bounds of one part over a box.
 #[derive(Clone, Copy, Debug)]
 pub struct PartBounds {
@@ -75,12 +86,11 @@ pub enum Answer {
 
 /// Answers for the bounding boxes of cells, in order. `None` once `wanted` returns false.
 pub fn ask(
-    parts: &[PartKernels<'_>],
-    space: &Space,
-    is_solid: bool,
+    question: &Question<'_>,
     cells: &[Cell],
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Option<Vec<Answer>> {
+    let Question { parts, space, .. } = question;
     // Up to six tetrahedra have the same box.
     let mut numbers: CornerMap<(Corner, Corner), usize> = CornerMap::default();
     let mut boxes: Vec<[Interval; 3]> = Vec::new();
@@ -113,7 +123,7 @@ pub fn ask(
             found[*number as usize].push(bounds);
         }
     }
-    let answer = |(choice, parts): (&&Choice, &Vec<PartBounds>)| answer(choice, parts, is_solid);
+    let answer = |(choice, parts): (&&Choice, &Vec<PartBounds>)| answer(choice, parts, question);
     let answers: Vec<Answer> = choices.par_iter().zip(&found).map(answer).collect();
     Some(index.into_iter().map(|number| answers[number].clone()).collect())
 }
@@ -155,7 +165,8 @@ pub fn parts_of(choice: &Choice) -> Vec<usize> {
     parts
 }
 
-fn answer(choice: &Choice, bounds: &[PartBounds], is_solid: bool) -> Answer {
+fn answer(choice: &Choice, bounds: &[PartBounds], question: &Question<'_>) -> Answer {
+    let is_solid = question.is_solid;
     let choice = pruned(choice, bounds);
     let left = parts_of(&choice);
     let is_left = |bounds: &&PartBounds| left.contains(&usize::from(bounds.part));
@@ -171,6 +182,12 @@ fn answer(choice: &Choice, bounds: &[PartBounds], is_solid: bool) -> Answer {
     };
     if is_empty {
         return Answer::Empty(sign);
+    }
+    let is_cut = |part: &PartBounds| usize::from(part.part) >= question.first_cut;
+    let has_sign =
+        |part: &PartBounds| (part.value.lo > 0.0 || part.value.hi < 0.0) && part.gradient.is_some();
+    if parts.iter().any(is_cut) && parts.iter().all(|part| is_cut(part) || has_sign(part)) {
+        return Answer::Empty(0);
     }
     Answer::Open(Arc::new(Local { choice: Arc::new(choice), parts }))
 }

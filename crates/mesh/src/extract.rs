@@ -2,7 +2,7 @@
 //!
 //! The mesh of a solid also covers its part of the domain's boundary.
 
-use crate::cells::PartKernels;
+use crate::cells::{PartKernels, Question};
 use crate::grid::{Corner, CornerMap};
 use crate::polygon::{Linear, NO_PART, VertexKey};
 use crate::refine::{Kind, Leaf, Refined, sample};
@@ -24,26 +24,26 @@ const STEPS: usize = 6;
 
 /// Vertices and triangles.
 #[derive(Default)]
-pub struct Triangles {
+pub struct Extracted {
     pub vertices: Vec<DVec3>,
     pub triangles: Vec<[u32; 3]>,
+    /// For each vertex, whether a part is 0 there that cuts the surface.
+    pub is_cut: Vec<bool>,
 }
 
 /// The mesh in the leaves of a grid. For an equation, triangles where the function jumps or ends
 /// are left out: there is no zero.
-pub fn extract(
-    refined: &Refined,
-    kernels: &[PartKernels<'_>],
-    space: &Space,
-    is_solid: bool,
-) -> Result<Triangles, KernelError> {
+pub fn extract(refined: &Refined, question: &Question<'_>) -> Result<Extracted, KernelError> {
+    let &Question { parts: kernels, space, is_solid, first_cut } = question;
     let mut vertices = Vertices::default();
     let mut polygons: Vec<Numbered> = Vec::new();
     for leaf in &refined.leaves {
-        vertices.add_leaf(leaf, refined, space, is_solid, &mut polygons);
+        vertices.add_leaf(leaf, refined, question, &mut polygons);
     }
     let at_zero = vertices.place(refined, kernels, space)?;
-    let mut mesh = Triangles { vertices: vertices.places, ..Triangles::default() };
+    let cuts = |part: &u16| *part != NO_PART && usize::from(*part) >= first_cut;
+    let is_cut = vertices.keys.iter().map(|key| key.parts.iter().any(cuts)).collect();
+    let mut mesh = Extracted { vertices: vertices.places, triangles: Vec::new(), is_cut };
     for polygon in polygons {
         if is_solid || polygon.vertices.iter().all(|vertex| at_zero[*vertex as usize]) {
             mesh.add(&polygon);
@@ -52,6 +52,9 @@ pub fn extract(
     mesh.keep_used();
     Ok(mesh)
 }
+
+/// From in front, the corners of the face opposite each corner.
+const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
 
 /// A polygon by the numbers of its vertices.
 struct Numbered {
@@ -72,12 +75,10 @@ impl Vertices {
         &mut self,
         leaf: &Leaf,
         refined: &Refined,
-        space: &Space,
-        is_solid: bool,
+        question: &Question<'_>,
         polygons: &mut Vec<Numbered>,
     ) {
-        // From in front, these are the corners of the face opposite each corner.
-        const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
+        let &Question { space, is_solid, first_cut, .. } = question;
         let mut positive = leaf.cell.corners;
         if !leaf.cell.is_positive() {
             positive.swap(2, 3);
@@ -92,6 +93,7 @@ impl Vertices {
         let parts = parts.iter().map(|part| (part.part, values(part.part))).collect();
         let (linear, choice) = (Linear { corners, parts }, leaf.choice());
         let mut found = linear.zeros(choice, is_even(&positive, &corners));
+        found.retain(|polygon| usize::from(polygon.part) < first_cut);
         if is_solid {
             let faces = FACES.map(|face| face.map(|k| positive[k]));
             for face in faces.into_iter().filter(|face| is_outside(space, face)) {
@@ -304,7 +306,7 @@ fn is_between(point: DVec3, corners: &[DVec3]) -> bool {
     used.iter().all(|weight| *weight >= APART) && used.iter().sum::<f64>() <= 1.0 - APART
 }
 
-impl Triangles {
+impl Extracted {
     /// Adds the triangles of a polygon.
     fn add(&mut self, polygon: &Numbered) {
         let Numbered { vertices: polygon, is_joined } = polygon;
@@ -314,6 +316,7 @@ impl Triangles {
             let places = polygon.iter().map(|vertex| self.vertices[*vertex as usize]);
             let middle = self.vertices.len() as u32;
             self.vertices.push(places.sum::<DVec3>() / polygon.len() as f64);
+            self.is_cut.push(false);
             for (k, vertex) in polygon.iter().enumerate() {
                 self.triangles.push([middle, *vertex, polygon[(k + 1) % polygon.len()]]);
             }
@@ -340,15 +343,16 @@ impl Triangles {
     /// Removes vertices without a triangle.
     fn keep_used(&mut self) {
         let mut numbers = vec![u32::MAX; self.vertices.len()];
-        let mut kept = Vec::new();
+        let (mut kept, mut is_cut) = (Vec::new(), Vec::new());
         for vertex in self.triangles.as_flattened_mut() {
             let number = &mut numbers[*vertex as usize];
             if *number == u32::MAX {
                 *number = kept.len() as u32;
                 kept.push(self.vertices[*vertex as usize]);
+                is_cut.push(self.is_cut[*vertex as usize]);
             }
             *vertex = *number;
         }
-        self.vertices = kept;
+        (self.vertices, self.is_cut) = (kept, is_cut);
     }
 }

@@ -1,6 +1,6 @@
 //! A check whether triangles fit together.
 
-use crate::{Mesh, Options};
+use crate::Mesh;
 use glam::DVec3;
 use std::collections::HashMap;
 
@@ -8,8 +8,14 @@ use std::collections::HashMap;
 const ROUNDING: f64 = 1e-9;
 
 /// Returns whether the triangles have no rim, and the edges that are not between two triangles of
-/// the same orientation. A rim of an equation on a face of the domain is no misfit.
-pub fn fit(mesh: &Mesh, options: &Options) -> (bool, Vec<(DVec3, DVec3)>) {
+/// the same orientation. A rim of an equation is no misfit on a face of the box between `ends`, nor
+/// between two vertices that `may_end` the mesh.
+pub fn fit(
+    mesh: &Mesh,
+    ends: [DVec3; 2],
+    is_solid: bool,
+    may_end: &dyn Fn(u32) -> bool,
+) -> (bool, Vec<(DVec3, DVec3)>) {
     let mut edges: HashMap<[u32; 2], [u32; 2]> = HashMap::new();
     for &[a, b, c] in &mesh.triangles {
         for [from, to] in [[a, b], [b, c], [c, a]] {
@@ -17,18 +23,18 @@ pub fn fit(mesh: &Mesh, options: &Options) -> (bool, Vec<(DVec3, DVec3)>) {
         }
     }
     let at = |vertex: u32| mesh.vertices[vertex as usize];
-    let is_misfit = |(ends, sides): &([u32; 2], [u32; 2])| {
-        let is_rim = sides[0] + sides[1] == 1 && !options.is_solid;
-        *sides != [1, 1] && !(is_rim && is_on_face(ends.map(at), options))
+    let is_misfit = |(edge, sides): &([u32; 2], [u32; 2])| {
+        let is_rim = sides[0] + sides[1] == 1 && !is_solid;
+        let ends_here = || edge.iter().all(|one| may_end(*one)) || is_on_face(edge.map(at), ends);
+        *sides != [1, 1] && !(is_rim && ends_here())
     };
     let is_closed = edges.values().all(|sides| sides[0] == sides[1]);
     let misfits = edges.into_iter().filter(is_misfit).map(|([a, b], _)| (at(a), at(b)));
     (is_closed, misfits.collect())
 }
 
-/// Returns whether both points are on one face of the domain.
-fn is_on_face(points: [DVec3; 2], options: &Options) -> bool {
-    let Options { low, high, .. } = options;
+/// Returns whether both points are on one face of the box between two corners.
+fn is_on_face(points: [DVec3; 2], [low, high]: [DVec3; 2]) -> bool {
     (0..3).any(|axis| {
         let near = ROUNDING * (high[axis] - low[axis]);
         [low, high].iter().any(|end| points.iter().all(|p| (p[axis] - end[axis]).abs() <= near))

@@ -12,17 +12,22 @@ mod proof;
 mod refine;
 mod space;
 
-use cells::PartKernels;
+use cells::{PartKernels, Question};
 use glam::DVec3;
 use refine::{Kind, Limits};
 use space::Space;
+use zeroset_interval::Interval;
+use zeroset_scene::choices::Choices;
 use zeroset_scene::program::{Program, ProgramError};
+use zeroset_space::Region;
 
 /// Share of the domain's diagonal that is the tolerance, unless another is given.
 pub const TOLERANCE: f64 = 1e-3;
 /// Size of the tetrahedra that are not split for the proof, as a share of the domain's longest
 /// edge.
 const FINEST: f64 = 1.0 / 262_144.0;
+/// Space around a ball, as a share of the domain's extent.
+const AROUND: f64 = 1.0 / 32.0;
 
 /// The mesh of one surface.
 #[derive(Clone, Debug, Default)]
@@ -55,15 +60,35 @@ pub struct Unproven {
 /// The choices for a mesh.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
-    /// The domain's corner with the smallest coordinates.
-    pub low: DVec3,
-    /// The domain's corner with the largest coordinates.
-    pub high: DVec3,
+    /// The domain. Its half-space and its ball cut the mesh.
+    pub region: Region,
     /// Largest allowed distance between mesh and surface, in world units.
     pub tolerance: f64,
     /// Whether the surface bounds a solid, where f ≤ 0. The mesh then covers the solid's part of
     /// the domain's boundary.
     pub is_solid: bool,
+    /// Number of tetrahedra that may hold the surface, beyond which none is split.
+    pub most_cells: usize,
+}
+
+/// Number of tetrahedra beyond which none is split, unless another is given.
+pub const MOST_CELLS: usize = 1_500_000;
+
+/// The box in which a program must be valid for a mesh in a region. A ball may touch faces of the
+/// region's box. Where it does, the box is larger, since the shape of what touches a face is not
+/// proven.
+pub fn domain(region: &Region) -> [Interval; 3] {
+    let touches = |axis: usize| {
+        region.ball().is_some_and(|ball| {
+            let reach = 0.5 * (region.high()[axis] - region.low()[axis]);
+            (reach - ball.radius).abs() < AROUND * ball.radius
+        })
+    };
+    [0, 1, 2].map(|axis| {
+        let (low, high) = (region.low()[axis], region.high()[axis]);
+        let around = if touches(axis) { AROUND * (high - low) } else { 0.0 };
+        Interval { lo: low - around, hi: high + around }
+    })
 }
 
 /// Returns the mesh of a program's surface within a domain, or `None` once `wanted` returns false.
@@ -76,21 +101,28 @@ pub struct Options {
 /// If a part of the function is too large, or a kernel is not available.
 ///
 /// # Panics
-/// If there is no such surface. In debug builds also if the program is not valid in the domain.
+/// If there is no such surface. In debug builds also if the program is not valid in [`domain`].
 pub fn mesh(
     program: &Program,
     surface: usize,
     options: &Options,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Mesh>, ProgramError> {
-    let &Options { low, high, tolerance, is_solid } = options;
-    let (choice, parts) = program.choices(surface)?;
+    let &Options { region, tolerance, is_solid, most_cells } = options;
+    let bounds = domain(&region);
+    let [low, high] = [bounds.map(|along| along.lo), bounds.map(|along| along.hi)];
+    let (low, high) = (DVec3::from_array(low), DVec3::from_array(high));
+    let Choices { choice, parts, first_cut } = program.choices(surface, &region)?;
     let kernels = PartKernels::of(&parts)?;
     let (space, mut grid) = Space::new(low, high);
-    let limits = Limits { tolerance, finest: FINEST * (high - low).max_element() };
-    let refined = refine::refine(&choice, &kernels, &space, &mut grid, limits, is_solid, wanted);
+    let finest = FINEST * (high - low).max_element();
+    let limits = Limits { tolerance, finest, most_cells };
+    // The surface of a solid includes the region's boundary.
+    let first_cut = if is_solid { kernels.len() } else { first_cut };
+    let question = Question { parts: &kernels, space: &space, is_solid, first_cut };
+    let refined = refine::refine(&choice, &question, &mut grid, limits, wanted);
     let Some(refined) = refined else { return Ok(None) };
-    let triangles = extract::extract(&refined, &kernels, &space, is_solid)?;
+    let triangles = extract::extract(&refined, &question)?;
     let mut mesh =
         Mesh { vertices: triangles.vertices, triangles: triangles.triangles, ..Mesh::default() };
     for leaf in &refined.leaves {
@@ -104,7 +136,8 @@ pub fn mesh(
         }
     }
     // Rounding may decide differently in neighbors where more than three parts are 0 at a point.
-    let (is_closed, misfits) = fit::fit(&mesh, options);
+    let may_end = |vertex: u32| triangles.is_cut[vertex as usize];
+    let (is_closed, misfits) = fit::fit(&mesh, [low, high], is_solid, &may_end);
     mesh.is_closed = is_closed;
     for (from, to) in misfits {
         let size = (to - from).abs();

@@ -63,7 +63,7 @@ pub struct Polygon {
     /// The corners that the polygon lies between, as bits.
     between: u8,
     /// The part that is 0 in the polygon, or [`NO_PART`].
-    part: u16,
+    pub part: u16,
     /// Whether it was joined from pieces, so that it may have any shape.
     pub is_joined: bool,
 }

@@ -1,6 +1,6 @@
 //! Refines a grid until the shape of the surface in it is proven, and the mesh is near enough.
 
-use crate::cells::{Answer, Cell, Local, PartBounds, PartKernels, ask};
+use crate::cells::{Answer, Cell, Local, PartBounds, PartKernels, Question, ask};
 use crate::grid::{Corner, CornerHasher, CornerMap, CornerSet, Grid, Tetrahedron};
 use crate::proof::{Slopes, bend, common_vector, least_slope, linear_gradient, middle};
 use crate::space::Space;
@@ -11,10 +11,9 @@ use std::sync::Arc;
 use zeroset_eval::{Kernel, LANES, Points, Sample, Values};
 use zeroset_scene::choices::Choice;
 
-/// Number of tetrahedra beyond which none is split.
-const MOST_CELLS: usize = 1_500_000;
-/// Number of tetrahedra that may fail the proof at a time. If more do, none is split for the proof.
-const MOST_FAILING: usize = 300_000;
+/// Share of all tetrahedra that may fail the proof at a time. If more do, none is split for the
+/// proof.
+const MOST_FAILING: f64 = 0.2;
 /// Greatest relative difference of values by which parts are told apart.
 const APART: f64 = 1e-4;
 
@@ -39,6 +38,8 @@ pub struct Limits {
     pub tolerance: f64,
     /// Size of tetrahedra that are not split for the proof, in world units.
     pub finest: f64,
+    /// Number of tetrahedra beyond which none is split.
+    pub most_cells: usize,
 }
 
 /// A refined grid.
@@ -50,17 +51,16 @@ pub struct Refined {
     pub failing: CornerSet,
 }
 
-/// Refines `grid` for a function. `is_solid` keeps tetrahedra inside of a solid at the boundary of
-/// the domain. Returns `None` once `wanted` returns false.
+/// Refines `grid` for a function. If it bounds a solid, tetrahedra inside of it stay at the boundary
+/// of the domain. Returns `None` once `wanted` returns false.
 pub fn refine(
     choice: &Choice,
-    kernels: &[PartKernels<'_>],
-    space: &Space,
+    question: &Question<'_>,
     grid: &mut Grid,
     limits: Limits,
-    is_solid: bool,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Option<Refined> {
+    let &Question { parts: kernels, space, is_solid, .. } = question;
     let choice = Arc::new(choice.clone());
     let root = |tetrahedron| Cell { tetrahedron, choice: Arc::clone(&choice) };
     let mut fresh: Vec<Cell> = grid.roots().into_iter().map(root).collect();
@@ -70,7 +70,7 @@ pub fn refine(
     let mut unproven = 0;
     loop {
         let first = refined.leaves.len();
-        let answers = ask(kernels, space, is_solid, &fresh, wanted)?;
+        let answers = ask(question, &fresh, wanted)?;
         for (Cell { tetrahedron: cell, choice }, answer) in fresh.drain(..).zip(answers) {
             let kind = match answer {
                 Answer::Open(local) => {
@@ -82,7 +82,7 @@ pub fn refine(
             };
             refined.leaves.push(Leaf { cell, kind });
         }
-        let has_room = refined.leaves.len() < MOST_CELLS;
+        let has_room = refined.leaves.len() < limits.most_cells;
         // Tells whether a tetrahedron may be split, down to some size.
         let may_split = |cell: &Tetrahedron, least: f64| {
             has_room && !cell.is_finest() && size(space, cell) > least
@@ -103,7 +103,7 @@ pub fn refine(
         if middles.is_empty() {
             let failing = refined.prove(kernels, space, unproven, wanted)?;
             unproven = refined.leaves.len();
-            if failing.len() <= MOST_FAILING {
+            if failing.len() as f64 <= MOST_FAILING * limits.most_cells as f64 {
                 let fails = failing.iter().map(|leaf| &refined.leaves[*leaf].cell);
                 let split = fails.filter(|cell| may_split(cell, limits.finest));
                 middles.extend(split.map(Tetrahedron::middle));

@@ -4,18 +4,23 @@ use glam::DVec3;
 use std::collections::HashMap;
 use std::time::Instant;
 use zeroset_interval::Interval;
-use zeroset_mesh::{Mesh, Options, mesh};
+use zeroset_mesh::{MOST_CELLS, Mesh, Options, mesh};
 use zeroset_scene::program::Program;
+use zeroset_space::{HalfSpace, Region};
 use zeroset_syntax::{SurfaceKind, read};
 
 /// The mesh of a text's only surface in a cube around the origin.
 fn mesh_of(text: &str, half: f64, tolerance: f64) -> Mesh {
+    let region = Region::new(DVec3::splat(-half), DVec3::splat(half)).expect("a region");
+    mesh_in(text, region, tolerance)
+}
+
+/// The mesh of a text's only surface in a region.
+fn mesh_in(text: &str, region: Region, tolerance: f64) -> Mesh {
     let document = read(text, &zeroset_syntax::Options::default()).expect(text);
-    let program =
-        Program::new(&document, [Interval { lo: -half, hi: half }; 3]).expect("a surface");
+    let program = Program::new(&document, zeroset_mesh::domain(&region)).expect("a surface");
     let is_solid = document.surfaces[0].kind == SurfaceKind::Solid;
-    let (low, high) = (DVec3::splat(-half), DVec3::splat(half));
-    let options = Options { low, high, tolerance, is_solid };
+    let options = Options { region, tolerance, is_solid, most_cells: MOST_CELLS };
     mesh(&program, 0, &options, &|| true).expect("kernels").expect("wanted")
 }
 
@@ -34,6 +39,39 @@ fn euler(mesh: &Mesh) -> (i64, usize) {
     let open = edges.values().filter(|sides| sides[0] + sides[1] == 1).count();
     let count = mesh.vertices.len() as i64 - edges.len() as i64 + mesh.triangles.len() as i64;
     (count, open)
+}
+
+/// A ball and a plane cut a mesh: a solid is closed there, an equation has rims.
+#[test]
+fn regions_cut_meshes() {
+    let cube = Region::new(DVec3::splat(-1.0), DVec3::splat(1.0)).expect("a region");
+    let plane = |normal: DVec3, offset: f64| HalfSpace { normal, offset };
+    let above = cube.with_clip(plane(DVec3::new(0.1, 0.2, 1.0), 0.25)).expect("a plane");
+    let ball = cube.with_ball();
+    let both = ball.with_clip(plane(DVec3::new(0.0, 0.1, 1.0), 0.0)).expect("a plane");
+    for (text, region, number, rims) in [
+        ("x^2+y^2+z^2 <= 0.5", above, 2, 0),
+        ("x^2+y^2+z^2 = 0.5", above, 1, 1),
+        ("z = 0.3x*y", ball, 1, 1),
+        ("z <= 0.3x*y", ball, 2, 0),
+        ("x^2+y^2 = 0.3", ball, 0, 2),
+        ("x^2+y^2 <= 0.3", both, 2, 0),
+        ("x^2+y^2 = 0.3", both, 0, 2),
+        ("max(abs(x),abs(y)) = 0.4", ball, 0, 2),
+    ] {
+        let mesh = mesh_in(text, region, 5e-3);
+        let (count, open) = euler(&mesh);
+        println!("{text}: {} triangles, {} cells, Euler {count}", mesh.triangles.len(), mesh.cells);
+        assert_eq!((count, mesh.is_closed), (number, rims == 0), "{text}");
+        assert_eq!(rims == 0, open == 0, "{text}");
+        assert_eq!((mesh.unproven.len(), mesh.far), (0, 0), "{text}");
+        for vertex in &mesh.vertices {
+            let is_in_ball = region.ball().is_none_or(|ball| vertex.length() < ball.radius + 5e-3);
+            let is_below =
+                region.clip().is_none_or(|clip| clip.normal.dot(*vertex) < clip.offset + 5e-3);
+            assert!(is_in_ball && is_below, "{text}: {vertex:?}");
+        }
+    }
 }
 
 #[test]

@@ -3,9 +3,11 @@
 use crate::kernels::{CodeStore, Evaluator};
 use crate::program::{Program, ProgramError};
 use crate::simplified::Simplified;
+use num_rational::BigRational;
 use std::sync::{Arc, OnceLock};
-use zeroset_ir::{Graph, Node, NodeId, simplify};
+use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, simplify};
 use zeroset_ops::Op;
+use zeroset_space::{Ball, HalfSpace, Region};
 
 /// Largest number of parts.
 const MOST_PARTS: usize = 128;
@@ -19,6 +21,16 @@ pub enum Choice {
     Min(Vec<Choice>),
     /// The greatest of some functions, at least two.
     Max(Vec<Choice>),
+}
+
+/// A function as a choice of parts.
+pub struct Choices {
+    /// The function.
+    pub choice: Choice,
+    /// A program whose surfaces are the parts.
+    pub parts: Program,
+    /// The number of the first part that cuts the region.
+    pub first_cut: usize,
 }
 
 /// Nodes in place of numbers of parts.
@@ -135,16 +147,46 @@ fn nodes(graph: &mut Graph, is_choice: &[bool], node: NodeId, left: &mut usize) 
     }
 }
 
+/// The functions that are at most 0 in a region's half-space and in its ball.
+fn cuts(graph: &mut Graph, region: &Region) -> Vec<NodeId> {
+    let exact = |number: f64| BigRational::from_float(number).expect("finite");
+    let mut cuts = Vec::new();
+    if let Some(HalfSpace { normal, offset }) = region.clip() {
+        let mut sum = graph.constant(Constant::rational(-exact(offset)));
+        for axis in Axis::ALL {
+            let slope = graph.constant(Constant::rational(exact(normal[axis as usize])));
+            let variable = graph.variable(axis);
+            let term = graph.apply(Op::Mul, &[slope, variable]);
+            sum = graph.apply(Op::Add, &[sum, term]);
+        }
+        cuts.push(sum);
+    }
+    if let Some(Ball { centre, radius }) = region.ball() {
+        let square = exact(radius) * exact(radius);
+        let mut sum = graph.constant(Constant::rational(-square));
+        for axis in Axis::ALL {
+            let middle = graph.constant(Constant::rational(exact(centre[axis as usize])));
+            let variable = graph.variable(axis);
+            let way = graph.apply(Op::Sub, &[variable, middle]);
+            let term = graph.apply(Op::Mul, &[way, way]);
+            sum = graph.apply(Op::Add, &[sum, term]);
+        }
+        cuts.push(sum);
+    }
+    cuts
+}
+
 impl Program {
-    /// A surface's function as minima and maxima of parts, and a program whose surfaces are the
-    /// parts. A function without minima and maxima, or with too many parts, is one part.
+    /// A surface's function as minima and maxima of parts. A function without minima and maxima, or
+    /// with too many parts, is one part. The plane and the ball of `region` are parts, too: the
+    /// choice is the greatest of the function and these.
     ///
     /// # Errors
     /// If a part is too large.
     ///
     /// # Panics
     /// If there is no such surface.
-    pub fn choices(&self, surface: usize) -> Result<(Choice, Self), ProgramError> {
+    pub fn choices(&self, surface: usize, region: &Region) -> Result<Choices, ProgramError> {
         let whole = self.simplified();
         let (mut graph, root) = whole.symbolic(surface);
         let is_choice = choices(&graph);
@@ -153,7 +195,17 @@ impl Program {
             choice = Nodes::Part(root);
         }
         let mut parts = Vec::new();
-        let choice = choice.numbered(&mut parts);
+        let mut choice = choice.numbered(&mut parts);
+        let first_cut = parts.len();
+        parts.extend(cuts(&mut graph, region));
+        if parts.len() > first_cut {
+            let mut all = match choice {
+                Choice::Max(all) => all,
+                other => vec![other],
+            };
+            all.extend((first_cut..parts.len()).map(Choice::Part));
+            choice = Choice::Max(all);
+        }
         let assumptions = whole.assumptions.clone();
         let (simple, roots) =
             simplify(&graph, &parts, &assumptions.domain, &assumptions.parameters)?;
@@ -172,14 +224,17 @@ impl Program {
             cleared: (0..count).map(|_| OnceLock::new()).collect(),
         };
         let store = CodeStore::new(Arc::new(simplified), Evaluator::Native);
-        Ok((choice, Self::of(Arc::new(store), self.values().to_vec())))
+        let parts = Self::of(Arc::new(store), self.values().to_vec());
+        Ok(Choices { choice, parts, first_cut })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zeroset_interval::Interval;
+    use crate::view;
+    use glam::DVec3;
+    use zeroset_eval::Points;
     use zeroset_syntax::{Options, read};
 
     #[test]
@@ -193,10 +248,30 @@ mod tests {
             ("max(x, -min(y, z)) = 0", Max(vec![Part(0), Part(1), Part(2)]), 3),
         ] {
             let document = read(text, &Options::default()).expect(text);
-            let domain = [Interval { lo: -2.0, hi: 2.0 }; 3];
-            let program = Program::new(&document, domain).expect(text);
-            let (choice, found) = program.choices(0).expect(text);
-            assert_eq!((choice, found.roots().len()), (expected, parts), "{text}");
+            let region = Region::new(DVec3::splat(-2.0), DVec3::splat(2.0)).expect("a region");
+            let program = Program::new(&document, view::bounds(&region)).expect(text);
+            let found = program.choices(0, &region).expect(text);
+            let count = found.parts.roots().len();
+            assert_eq!((found.choice, count, found.first_cut), (expected, parts, parts), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_region_that_is_cut_has_parts_of_its_own() {
+        use Choice::{Max, Part};
+        let document = read("x = y", &Options::default()).expect("reads");
+        let region = Region::new(DVec3::splat(-2.0), DVec3::splat(2.0)).expect("a region");
+        let plane = HalfSpace { normal: DVec3::X, offset: 1.0 };
+        let region = region.with_clip(plane).expect("a plane").with_ball();
+        let program = Program::new(&document, view::bounds(&region)).expect("small");
+        let found = program.choices(0, &region).expect("small");
+        assert_eq!((found.choice, found.first_cut), (Max((0..3).map(Part).collect()), 1));
+        for (part, at, expected) in
+            [(1, [0.5, 0.0, 0.0], -0.5), (2, [1.0, 1.0, 1.0], -1.0), (2, [2.0, 0.0, 0.0], 0.0)]
+        {
+            let kernel = found.parts.kernels::<f64>(part).values().expect("a kernel");
+            let values = kernel.eval_all(&Points::near(&[DVec3::from_array(at)]));
+            assert_eq!(values[0].value[0], expected, "part {part} at {at:?}");
         }
     }
 
@@ -208,9 +283,10 @@ mod tests {
         let lines: String = (1..=60).map(line).collect();
         let text = format!("a0 = max(x, y)\n{lines}0 = a60");
         let document = read(&text, &Options::default()).expect("reads");
-        let program = Program::new(&document, [Interval { lo: -2.0, hi: 2.0 }; 3]).expect("small");
-        let (choice, found) = program.choices(0).expect("small");
-        assert!(matches!(choice, Choice::Min(_) | Choice::Max(_)));
-        assert!((2..=MOST_PARTS).contains(&found.roots().len()));
+        let region = Region::new(DVec3::splat(-2.0), DVec3::splat(2.0)).expect("a region");
+        let program = Program::new(&document, view::bounds(&region)).expect("small");
+        let found = program.choices(0, &region).expect("small");
+        assert!(matches!(found.choice, Choice::Min(_) | Choice::Max(_)));
+        assert!((2..=MOST_PARTS).contains(&found.parts.roots().len()));
     }
 }

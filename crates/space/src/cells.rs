@@ -70,7 +70,7 @@ impl Cell {
     }
 
     /// The eight boxes that result from halving all sides. Together they cover this box exactly.
-    fn parts(self) -> impl Iterator<Item = Self> {
+    pub fn parts(self) -> impl Iterator<Item = Self> {
         let middle = self.centre();
         (0..8).map(move |n| {
             let mut part = self;
@@ -282,14 +282,29 @@ thread_local! {
 
 impl Batches {
     fn new() -> Self {
-        let mut tiles = Tiles::default();
-        for lane in 0..LANES {
-            (tiles.origin[3][lane], tiles.origin[7][lane]) = (1.0, 1.0);
-            tiles.direction[2][lane] = 1.0;
-        }
         let (boxes, zeros, planes) = (Boxes::default(), Zeros::default(), Planes::default());
-        Self { boxes, zeros, tiles, planes }
+        Self { boxes, zeros, tiles: upright_tiles(), planes }
     }
+}
+
+/// Tiles of rays parallel to z, without a place.
+fn upright_tiles() -> Tiles<f64> {
+    let mut tiles = Tiles::default();
+    for lane in 0..LANES {
+        (tiles.origin[3][lane], tiles.origin[7][lane]) = (1.0, 1.0);
+        tiles.direction[2][lane] = 1.0;
+    }
+    tiles
+}
+
+/// Up to sixteen cells as tiles of rays parallel to z. Screen coordinates are x and y.
+///
+/// # Panics
+/// If there are more cells.
+pub fn tiles_of(cells: &[Cell]) -> Tiles<f64> {
+    let mut tiles = upright_tiles();
+    write_tiles(cells, &mut tiles);
+    tiles
 }
 
 /// Writes up to sixteen cells to a batch of boxes.

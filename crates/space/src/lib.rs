@@ -7,6 +7,6 @@ mod cells;
 mod ray;
 mod region;
 
-pub use cells::{Cell, CellSearch, places_about};
+pub use cells::{Cell, CellSearch, places_about, tiles_of};
 pub use ray::Ray;
 pub use region::{Ball, Chord, Entry, HalfSpace, LARGEST_COORDINATE, Region, RegionError};

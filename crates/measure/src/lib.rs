@@ -1,0 +1,100 @@
+//! Measures of surfaces: volume, centroid and inertia of solids between proven bounds, pieces and
+//! genus where they are proven, and an estimate of the area.
+
+mod clip;
+mod shape;
+mod volume;
+
+pub use shape::{Piece, Shape};
+pub use volume::{Inertia, Solid, SolidKernels, solid};
+
+use shape::hull;
+use zeroset_interval::Interval;
+use zeroset_mesh::{Mesh, mesh};
+use zeroset_scene::program::{Program, ProgramError};
+use zeroset_space::Region;
+
+/// Largest width of a volume's bounds as a share of the volume, unless another is given.
+pub const RELATIVE: f64 = 1e-3;
+/// Distance between surface and mesh as a share of the domain's diagonal.
+const TOLERANCE: f64 = 4e-3;
+/// Number of tetrahedra of a mesh beyond which none is split.
+const MOST_CELLS: usize = 200_000;
+/// The mesh that tells how good an area is has a distance so many times as large.
+const COARSER: f64 = 4.0;
+
+/// The measures of a surface in a region.
+#[derive(Clone, Debug)]
+pub struct Measures {
+    /// Volume and moments. `None` if the surface bounds no solid.
+    pub solid: Option<Solid>,
+    /// The least and the greatest coordinates of the surface. `None` if they are not proven.
+    pub ends: Option<[[Interval; 3]; 2]>,
+    /// Pieces and genus of a mesh.
+    pub shape: Shape,
+    /// Number of cells in which the mesh is not proven to have the surface's shape. If it is 0,
+    /// `shape` is that of the surface.
+    pub unproven: usize,
+    /// The area of a mesh: an estimate.
+    pub area: f64,
+    /// The difference from the area of a coarser mesh.
+    pub area_change: f64,
+}
+
+/// Measures a surface of a program in a region. The width of a volume's bounds is at most
+/// `relative` times the volume, unless that takes too many boxes. Returns `None` once `wanted`
+/// returns false.
+///
+/// # Errors
+/// If the function is too large, or a kernel is not available.
+///
+/// # Panics
+/// If there is no such surface. In debug builds also if the program is not valid in the
+/// [domain](zeroset_mesh::domain) of a mesh.
+pub fn measure(
+    program: &Program,
+    surface: usize,
+    region: &Region,
+    relative: f64,
+    wanted: &(dyn Fn() -> bool + Sync),
+) -> Result<Option<Measures>, ProgramError> {
+    let is_solid = program.is_solid(surface);
+    let solid = if is_solid {
+        let kernels = program.kernels::<f64>(surface);
+        let kernels = SolidKernels { bounds: kernels.bounds()?, tiles: kernels.tiles()? };
+        let Some(solid) = solid(&kernels, region, relative, wanted) else { return Ok(None) };
+        Some(solid)
+    } else {
+        None
+    };
+    let tolerance = TOLERANCE * (region.high() - region.low()).length();
+    let with = |tolerance: f64| {
+        let options =
+            zeroset_mesh::Options { region: *region, tolerance, is_solid, most_cells: MOST_CELLS };
+        mesh(program, surface, &options, wanted)
+    };
+    let Some(fine) = with(tolerance)? else { return Ok(None) };
+    let Some(coarse) = with(COARSER * tolerance)? else { return Ok(None) };
+    let area = shape::area(&fine);
+    Ok(Some(Measures {
+        ends: match &solid {
+            Some(solid) => solid.low.zip(solid.high).map(<[_; 2]>::from),
+            None => ends(&fine, tolerance),
+        },
+        solid,
+        shape: shape::shape(&fine),
+        unproven: fine.unproven.len(),
+        area,
+        area_change: (area - shape::area(&coarse)).abs(),
+    }))
+}
+
+/// The ends of a surface, from a mesh whose distance is proven.
+fn ends(mesh: &Mesh, tolerance: f64) -> Option<[[Interval; 3]; 2]> {
+    if mesh.far > 0 || !mesh.unproven.is_empty() {
+        return None;
+    }
+    let around =
+        |at: f64| Interval { lo: (at - tolerance).next_down(), hi: (at + tolerance).next_up() };
+    hull(mesh).map(|ends| ends.map(|end| end.to_array().map(around)))
+}

@@ -1,0 +1,396 @@
+//! Volume and moments of a solid, between two bounds.
+//!
+//! Boxes are halved. A box is inside of the solid, outside, or cut by its boundary. In a cut box,
+//! the function lies between two linear functions ([`Strip`]), so the solid's part of the box lies
+//! between two polyhedra. Their difference falls with the square of a box's size, as its share of
+//! the volume.
+
+use crate::clip::{Moments, Strip, clip, cube};
+use glam::DVec3;
+use rayon::prelude::*;
+use zeroset_eval::{Boxes, ContractTiles, Enclose, Enclosures, Kernel, LANES, Planes};
+use zeroset_interval::Interval;
+use zeroset_space::{Cell, Region, tiles_of};
+
+/// Share of a box's integrals by which rounding may change them, and of a number that stands for a
+/// coordinate in a box.
+const ROUNDING: f64 = 1e-13;
+/// Largest number of cut boxes.
+const MOST_BOXES: usize = 1_000_000;
+/// Largest number of cut boxes that are halved for the solid's ends.
+const MOST_AT_ENDS: usize = 50_000;
+/// Number of boxes that may be cut again when one is halved, as far as limits are concerned.
+const CUT_PARTS: usize = 4;
+
+/// The kernels of one solid.
+pub struct SolidKernels<'a> {
+    /// Tells where the function is negative, positive and defined.
+    pub bounds: &'a dyn Kernel<Enclose, f64>,
+    /// Approximates the function.
+    pub tiles: &'a dyn Kernel<ContractTiles, f64>,
+}
+
+/// Integrals over a solid, and its bounding box, each between two bounds.
+#[derive(Clone, Copy, Debug)]
+pub struct Solid {
+    /// The volume.
+    pub volume: Interval,
+    /// The point from which the coordinates below are measured.
+    pub origin: DVec3,
+    /// The integrals of coordinates.
+    pub first: [Interval; 3],
+    /// The integrals of x², y² and z².
+    pub squares: [Interval; 3],
+    /// The integrals of y·z, z·x and x·y.
+    pub products: [Interval; 3],
+    /// The least coordinates, if the solid has a proven point.
+    pub low: Option<[Interval; 3]>,
+    /// The greatest coordinates.
+    pub high: Option<[Interval; 3]>,
+    /// Number of boxes that the boundary may cut.
+    pub boxes: usize,
+}
+
+/// A solid's part of a box, and whether the boundary may cut it. `None` if it is empty.
+type Found = Option<(Part, bool)>;
+
+/// A solid's part of a box.
+#[derive(Clone, Copy)]
+struct Part {
+    /// Integrals over a polyhedron in the part, and over one around it.
+    moments: [Moments; 2],
+    /// The corners of a box that the part reaches, and of a box around it. `None` if no point is
+    /// proven.
+    inner: Option<[DVec3; 2]>,
+    outer: [DVec3; 2],
+}
+
+impl Part {
+    fn width(&self) -> f64 {
+        self.moments[1].volume - self.moments[0].volume
+    }
+}
+
+/// Measures a solid in a region. The width of the volume's bounds is at most `relative` times the
+/// volume, unless that takes too many boxes. Returns `None` once `wanted` returns false.
+pub fn solid(
+    kernels: &SolidKernels<'_>,
+    region: &Region,
+    relative: f64,
+    wanted: &(dyn Fn() -> bool + Sync),
+) -> Option<Solid> {
+    let whole = Cell { low: region.low().into(), high: region.high().into() };
+    let middle = DVec3::from_array(whole.centre());
+    let mut sums = Sums::default();
+    let mut cut: Vec<(Cell, Part)> = Vec::new();
+    // No box extends to both sides of the middle, so coordinates have one sign in each.
+    let mut fresh: Vec<Cell> = whole.parts().collect();
+    loop {
+        let parts: Option<Vec<Vec<Found>>> = fresh
+            .par_chunks(LANES)
+            .map(|cells| wanted().then(|| parts(kernels, region, cells, middle)))
+            .collect();
+        for (cell, part) in fresh.drain(..).zip(parts?.into_iter().flatten()) {
+            match part {
+                Some((part, true)) => cut.push((cell, part)),
+                Some((part, false)) => sums.add(&part),
+                None => {}
+            }
+        }
+        let mut all = sums;
+        for (_, part) in &cut {
+            all.add(part);
+        }
+        let [least, most] = all.moments.map(|moments| moments.volume);
+        let goal = relative * if least > 0.0 { least } else { most };
+        let room = MOST_BOXES.saturating_sub(cut.len()) / CUT_PARTS;
+        let halved: Vec<(Cell, Part)> = if most - least > goal {
+            // The widest parts are halved, until what is left may be half of the goal.
+            cut.sort_by(|(_, a), (_, b)| a.width().total_cmp(&b.width()));
+            let mut left = 0.0;
+            let kept = cut.iter().take_while(|(_, part)| {
+                left += part.width();
+                left <= 0.5 * goal
+            });
+            let kept = kept.count().max(cut.len().saturating_sub(room));
+            cut.split_off(kept)
+        } else {
+            let is_at_end = |(cell, part): &mut (Cell, Part)| all.is_at_end(cell, part, relative);
+            let halved: Vec<(Cell, Part)> = cut.extract_if(.., is_at_end).collect();
+            if halved.len() > MOST_AT_ENDS.min(room) {
+                cut.extend(halved);
+                Vec::new()
+            } else {
+                halved
+            }
+        };
+        if halved.is_empty() {
+            return Some(all.solid(middle, cut.len()));
+        }
+        for (cell, part) in halved {
+            if cell.parts().all(|half| (0..3).all(|axis| half.extent(axis) > 0.0)) {
+                fresh.extend(cell.parts());
+            } else {
+                sums.add(&part);
+            }
+        }
+    }
+}
+
+/// The solid's parts of up to sixteen boxes.
+fn parts(kernels: &SolidKernels<'_>, region: &Region, cells: &[Cell], origin: DVec3) -> Vec<Found> {
+    let intervals =
+        |cell: &Cell| [0, 1, 2].map(|axis| Interval { lo: cell.low[axis], hi: cell.high[axis] });
+    let boxes: Vec<[Interval; 3]> = cells.iter().map(intervals).collect();
+    let mut bounds = Enclosures::<f64>::default();
+    kernels.bounds.eval(&Boxes::around(&boxes)[0], &mut bounds);
+    let is = |mask: u16, lane: usize| mask >> lane & 1 == 1;
+    let is_outside = |lane: usize| bounds.neg_lo[lane] < 0.0 || is(bounds.nowhere, lane);
+    let is_inside = |lane: usize| bounds.hi[lane] < 0.0 && is(bounds.defined, lane);
+    let mut planes = Planes::<f64>::default();
+    if (0..cells.len()).any(|lane| !is_outside(lane) && !is_inside(lane)) {
+        kernels.tiles.eval(&tiles_of(cells), &mut planes);
+    }
+    let part = |(lane, cell): (usize, &Cell)| {
+        if is_outside(lane) {
+            return None;
+        }
+        let frame = Frame::of(cell, origin);
+        let mut strips = cuts(region, &frame)?;
+        if !is_inside(lane) {
+            let slope = DVec3::from_array(planes.slope.map(|slope| slope[lane]));
+            strips.push(frame.rounded(Strip {
+                value: planes.value[lane],
+                slope,
+                error: planes.error[lane],
+            }));
+        }
+        // The bounds of a function are no bounds where it is undefined.
+        let is_defined = is(bounds.defined, lane);
+        frame.part(&strips, is_defined)
+    };
+    cells.iter().enumerate().map(part).collect()
+}
+
+/// The place of a box.
+struct Frame {
+    middle: DVec3,
+    half: DVec3,
+    origin: DVec3,
+    /// Rounding of a coordinate, as a share of the box.
+    rounding: DVec3,
+}
+
+impl Frame {
+    fn of(cell: &Cell, origin: DVec3) -> Self {
+        let (low, high) = (DVec3::from_array(cell.low), DVec3::from_array(cell.high));
+        let half = 0.5 * (high - low);
+        let rounding =
+            DVec3::splat(ROUNDING) + 8.0 * f64::EPSILON * low.abs().max(high.abs()) / half;
+        Self { middle: 0.5 * (low + high), half, origin, rounding }
+    }
+
+    /// The strip with the rounding of the box's coordinates and of the strip's values.
+    fn rounded(&self, strip: Strip) -> Strip {
+        let slack = strip.slope.abs().dot(self.rounding) + ROUNDING * strip.value.abs();
+        Strip { error: strip.error + slack, ..strip }
+    }
+
+    /// The part of the box where all functions are at most 0.
+    fn part(&self, strips: &[Strip], is_defined: bool) -> Found {
+        let mut outer = cube();
+        let mut inner = if is_defined { cube() } else { Vec::new() };
+        let mut is_cut = !is_defined;
+        for strip in strips {
+            let (least, most) = strip.bounds();
+            if most <= 0.0 {
+                continue;
+            }
+            if least > 0.0 {
+                return None;
+            }
+            // Also if the bounds are not finite.
+            is_cut = true;
+            if !(least.is_finite() && most.is_finite()) {
+                inner.clear();
+                continue;
+            }
+            outer = clip(&outer, strip, -strip.error);
+            inner = clip(&inner, strip, strip.error);
+        }
+        if outer.is_empty() {
+            return None;
+        }
+        let all = if is_cut { Moments::of(&outer) } else { Moments::CUBE };
+        let sure = if is_cut { Moments::of(&inner) } else { Moments::CUBE };
+        let moved = |moments: Moments| moments.moved(self.middle - self.origin, self.half);
+        let hull = |tetrahedra: &[[DVec3; 4]]| {
+            let corners = tetrahedra.as_flattened();
+            let low = corners.iter().copied().reduce(DVec3::min)?;
+            let high = corners.iter().copied().reduce(DVec3::max)?;
+            Some([low, high].map(|corner| self.middle + self.half * corner))
+        };
+        let part =
+            Part { moments: [sure, all].map(moved), inner: hull(&inner), outer: hull(&outer)? };
+        Some((part, is_cut))
+    }
+}
+
+/// The region's plane and ball in a box, as far as they cut it. `None` if the box is proven to lie
+/// outside of the region.
+fn cuts(region: &Region, frame: &Frame) -> Option<Vec<Strip>> {
+    let &Frame { middle, half, .. } = frame;
+    let mut strips = Vec::new();
+    if let Some(plane) = region.clip() {
+        let slope = plane.normal * half;
+        let value = plane.normal.dot(middle) - plane.offset;
+        let size = plane.normal.abs().dot(middle.abs()) + plane.offset.abs();
+        strips.push(frame.rounded(Strip { value, slope, error: ROUNDING * size }));
+    }
+    if let Some(ball) = region.ball() {
+        let way = middle - ball.centre;
+        // The squares of the distance from the middle are between 0 and this.
+        let bend = half.length_squared();
+        let square = ball.radius * ball.radius;
+        let value = way.length_squared() - square + 0.5 * bend;
+        let size = (middle.abs() + ball.centre.abs()).length_squared() + square + bend;
+        let error = 0.5 * bend + ROUNDING * size;
+        strips.push(frame.rounded(Strip { value, slope: 2.0 * way * half, error }));
+    }
+    strips.retain(|strip| {
+        let (_, most) = strip.bounds();
+        most > 0.0 || most.is_nan()
+    });
+    let is_outside = strips.iter().any(|strip| strip.bounds().0 > 0.0);
+    (!is_outside).then_some(strips)
+}
+
+/// Sums over parts.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    moments: [Moments; 2],
+    inner: Option<[DVec3; 2]>,
+    outer: Option<[DVec3; 2]>,
+    /// Number of parts, and the integrals' sizes, for their rounding.
+    count: usize,
+    size: Moments,
+}
+
+impl Sums {
+    fn add(&mut self, part: &Part) {
+        // In one box, each coordinate and each product has one sign. So the integrals over the
+        // part are between those over the two polyhedra.
+        let [least, most] = part.moments;
+        let ordered = |a: DVec3, b: DVec3| [a.min(b), a.max(b)];
+        let first = ordered(least.first, most.first);
+        let squares = ordered(least.squares, most.squares);
+        let products = ordered(least.products, most.products);
+        for (k, sum) in self.moments.iter_mut().enumerate() {
+            sum.volume += part.moments[k].volume;
+            sum.first += first[k];
+            sum.squares += squares[k];
+            sum.products += products[k];
+        }
+        self.size.volume += most.volume;
+        self.size.first += most.first.abs().max(least.first.abs());
+        self.size.squares += squares[1];
+        self.size.products += most.products.abs().max(least.products.abs());
+        let around = |all: Option<[DVec3; 2]>, new: [DVec3; 2]| {
+            Some(all.map_or(new, |[low, high]| [low.min(new[0]), high.max(new[1])]))
+        };
+        self.outer = around(self.outer, part.outer);
+        if let Some(inner) = part.inner {
+            self.inner = around(self.inner, inner);
+        }
+        self.count += 1;
+    }
+
+    /// Returns whether a part may extend the solid by more than a share, and its box by more than
+    /// that.
+    fn is_at_end(&self, cell: &Cell, part: &Part, share: f64) -> bool {
+        let Some([low, high]) = self.inner else { return false };
+        (0..3).any(|axis| {
+            let least = share * (high[axis] - low[axis]);
+            let beyond = |way: f64| way > least && cell.extent(axis) > least;
+            beyond(low[axis] - part.outer[0][axis]) || beyond(part.outer[1][axis] - high[axis])
+        })
+    }
+
+    fn solid(&self, origin: DVec3, boxes: usize) -> Solid {
+        let share = ROUNDING + 2.0 * f64::EPSILON * self.count as f64;
+        let [least, most] = self.moments;
+        let wide = |low: f64, high: f64, size: f64| Interval {
+            lo: (low - share * size).next_down(),
+            hi: (high + share * size).next_up(),
+        };
+        let each = |low: DVec3, high: DVec3, size: DVec3| {
+            [0, 1, 2].map(|axis| wide(low[axis], high[axis], size[axis]))
+        };
+        let volume = wide(least.volume, most.volume, self.size.volume);
+        let ends = |end: usize| {
+            let (outer, inner) = (self.outer?, self.inner?);
+            Some([0, 1, 2].map(|axis| {
+                let (one, other) = (outer[end][axis], inner[end][axis]);
+                let size = outer[0][axis].abs().max(outer[1][axis].abs());
+                wide(one.min(other), one.max(other), size)
+            }))
+        };
+        Solid {
+            volume: Interval { lo: volume.lo.max(0.0), ..volume },
+            origin,
+            first: each(least.first, most.first, self.size.first),
+            squares: each(least.squares, most.squares, self.size.squares),
+            products: each(least.products, most.products, self.size.products),
+            low: ends(0),
+            high: ends(1),
+            boxes,
+        }
+    }
+}
+
+/// The centroid and the moments of inertia of a solid of density 1.
+#[derive(Clone, Copy, Debug)]
+pub struct Inertia {
+    /// The centroid's coordinates.
+    pub centroid: [Interval; 3],
+    /// The moments of inertia about the axes through the centroid along x, y and z: the diagonal of
+    /// the tensor.
+    pub moments: [Interval; 3],
+    /// The integrals of y·z, z·x and x·y, measured from the centroid: negated, the other entries of
+    /// the tensor.
+    pub products: [Interval; 3],
+}
+
+impl Solid {
+    /// The centroid and the moments of inertia, or `None` if the volume may be 0.
+    pub fn inertia(&self) -> Option<Inertia> {
+        let volume = self.volume;
+        if !volume.is_positive() {
+            return None;
+        }
+        // From the origin of the integrals.
+        let mean = self.first.map(|first| first.over(volume));
+        let about_mean = |integral: Interval, one: usize, other: usize| {
+            integral.plus(mean[one].times(self.first[other]).negated())
+        };
+        let squares = [0, 1, 2].map(|axis| {
+            let square = about_mean(self.squares[axis], axis, axis);
+            Interval { lo: square.lo.max(0.0), hi: square.hi }
+        });
+        let others = |axis: usize| ((axis + 1) % 3, (axis + 2) % 3);
+        Some(Inertia {
+            centroid: [0, 1, 2].map(|axis| {
+                let origin = Interval { lo: self.origin[axis], hi: self.origin[axis] };
+                mean[axis].plus(origin)
+            }),
+            moments: [0, 1, 2].map(|axis| {
+                let (one, other) = others(axis);
+                squares[one].plus(squares[other])
+            }),
+            products: [0, 1, 2].map(|axis| {
+                let (one, other) = others(axis);
+                about_mean(self.products[axis], one, other)
+            }),
+        })
+    }
+}

@@ -1,0 +1,187 @@
+//! Solids whose volume, centroid and moments are known.
+
+use glam::DVec3;
+use std::f64::consts::PI;
+use std::time::Instant;
+use zeroset_eval::{LANES, Points};
+use zeroset_interval::Interval;
+use zeroset_measure::{Solid, SolidKernels, solid};
+use zeroset_scene::program::Program;
+use zeroset_space::{HalfSpace, Region};
+use zeroset_syntax::read;
+
+/// Measures the solid of a text.
+fn measured(text: &str, region: &Region, relative: f64) -> Solid {
+    let document = read(text, &zeroset_syntax::Options::default()).expect(text);
+    let domain = zeroset_scene::view::bounds(region);
+    let program = Program::new(&document, domain).expect(text);
+    assert!(program.is_solid(0), "{text}");
+    let kernels = program.kernels::<f64>(0);
+    let kernels = SolidKernels {
+        bounds: kernels.bounds().expect("a kernel"),
+        tiles: kernels.tiles().expect("a kernel"),
+    };
+    solid(&kernels, region, relative, &|| true).expect("wanted")
+}
+
+fn cube(half: f64) -> Region {
+    Region::new(DVec3::splat(-half), DVec3::splat(half)).expect("a region")
+}
+
+/// Asserts that a value is in an interval, which is as narrow as wanted.
+fn assert_in(value: f64, bounds: Interval, width: f64, of: &str) {
+    // The value itself is rounded.
+    let near = 1e-14 * value.abs().max(1e-3);
+    assert!(bounds.lo - near <= value && value <= bounds.hi + near, "{of}: {value}, {bounds:?}");
+    assert!(bounds.hi - bounds.lo <= width, "{of}: {bounds:?} is wider than {width}");
+}
+
+#[test]
+fn volumes_and_centroids_are_within_narrow_bounds() {
+    // Γ(5/4)³ / Γ(7/4), of the superellipsoid of exponent 4.
+    let quartic = 8.0 * 0.906_402_477_055_477_f64.powi(3) / 0.919_062_526_848_882_9;
+    let lens = PI / 12.0 * (4.0 * 1.0 + 1.0) * (2.0_f64 - 1.0).powi(2);
+    for (text, half, volume, centroid) in [
+        ("x^2+y^2+z^2 <= 1", 1.1, 4.0 / 3.0 * PI, [0.0; 3]),
+        ("(x-0.3)^2+(y+0.2)^2+(z-0.1)^2 <= 1", 1.5, 4.0 / 3.0 * PI, [0.3, -0.2, 0.1]),
+        ("(sqrt(x^2+y^2)-1)^2+z^2 <= 0.16", 1.5, 2.0 * PI * PI * 0.16, [0.0; 3]),
+        ("x^2+y^2/4+z^2/0.25 <= 1", 2.1, 4.0 / 3.0 * PI, [0.0; 3]),
+        ("x^2+y^2 <= 1 and y^2+z^2 <= 1", 1.1, 16.0 / 3.0, [0.0; 3]),
+        ("max(x^2+y^2, y^2+z^2, z^2+x^2) <= 1", 1.1, 8.0 * (2.0 - 2.0_f64.sqrt()), [0.0; 3]),
+        ("x^2+y^2+z^2 <= 1 and z >= 0", 1.1, 2.0 / 3.0 * PI, [0.0, 0.0, 0.375]),
+        ("x^2+y^2+z^2 <= 1 and z >= 0.5", 1.1, 5.0 / 24.0 * PI, [0.0, 0.0, 0.675]),
+        ("x^2+y^2 <= (1-z)^2 and 0 <= z and z <= 1", 1.2, PI / 3.0, [0.0, 0.0, 0.25]),
+        ("abs(x)+abs(y)+abs(z) <= 1", 1.1, 4.0 / 3.0, [0.0; 3]),
+        ("x^4+y^4+z^4 <= 1", 1.1, quartic, [0.0; 3]),
+        ("x^2+y^2+z^2 <= 1 and x^2+y^2+z^2 >= 0.25", 1.1, 7.0 / 6.0 * PI, [0.0; 3]),
+        ("x^2+y^2+(z-0.5)^2 <= 1 and x^2+y^2+(z+0.5)^2 <= 1", 1.1, lens, [0.0; 3]),
+        ("max(abs(x-0.2), abs(y), abs(z)) <= 0.7", 1.0, 2.744, [0.2, 0.0, 0.0]),
+        ("x^2+y^2 <= z and z <= 1", 1.2, PI / 2.0, [0.0, 0.0, 2.0 / 3.0]),
+    ] {
+        let clock = Instant::now();
+        let found = measured(text, &cube(half), 1e-3);
+        let inertia = found.inertia().expect("a volume");
+        println!(
+            "{text}: {:?} {:?}, {} boxes, {:?}",
+            found.volume,
+            inertia.centroid,
+            found.boxes,
+            clock.elapsed()
+        );
+        assert_in(volume, found.volume, 1e-3 * volume, text);
+        for (mean, bounds) in centroid.into_iter().zip(inertia.centroid) {
+            assert_in(mean, bounds, 3e-3 * half, text);
+        }
+    }
+}
+
+/// Moments of inertia, and ends, of a box away from the middle of the domain.
+#[test]
+fn inertia_and_ends_are_within_bounds() {
+    let text = "max(abs(x-0.3)-0.5, abs(y+0.1)-0.25, abs(z-0.4)-0.3) <= 0";
+    let found = measured(text, &cube(1.0), 1e-3);
+    let inertia = found.inertia().expect("a volume");
+    let (sides, mass) = ([1.0, 0.5, 0.6], 0.3);
+    for axis in 0..3 {
+        let (one, other): (f64, f64) = (sides[(axis + 1) % 3], sides[(axis + 2) % 3]);
+        let exact = mass * (one * one + other * other) / 12.0;
+        assert_in(exact, inertia.moments[axis], 2e-3, "moment");
+        assert_in(0.0, inertia.products[axis], 2e-3, "product");
+        let middle = [0.3, -0.1, 0.4][axis];
+        let half = 0.5 * sides[axis];
+        assert_in(middle - half, found.low.expect("a point")[axis], 1e-2, "low end");
+        assert_in(middle + half, found.high.expect("a point")[axis], 1e-2, "high end");
+    }
+    // An ellipsoid that is turned has products.
+    let text = "(x+y)^2/2 + 4*(x-y)^2/2 + 4*z^2 <= 1";
+    let inertia = measured(text, &cube(1.1), 1e-3).inertia().expect("a volume");
+    let mass = 4.0 / 3.0 * PI / 4.0;
+    assert_in(mass / 5.0 * 0.375, inertia.products[2], 2e-3, "xy");
+    assert_in(mass / 5.0 * (1.0 + 0.25), inertia.moments[2], 2e-3, "zz");
+}
+
+#[test]
+fn a_ball_and_a_plane_cut_solids() {
+    let region = cube(1.0).with_ball();
+    let ball = measured("x <= 5", &region, 1e-3);
+    assert_in(4.0 / 3.0 * PI, ball.volume, 5e-3, "ball");
+    let plane = HalfSpace { normal: DVec3::new(0.0, 0.0, -2.0), offset: -1.0 };
+    let cap = measured("x <= 5", &region.with_clip(plane).expect("a plane"), 1e-3);
+    assert_in(5.0 / 24.0 * PI, cap.volume, 1e-3, "cap");
+    let low = cap.low.expect("a point")[2];
+    assert_in(0.5, low, 1e-3, "the plane");
+}
+
+/// Where a function is undefined, there is no solid. Where it jumps, the solid ends.
+#[test]
+fn what_is_undefined_has_no_volume() {
+    for (text, volume) in [
+        ("sqrt(x) <= 0.5", 1.0),
+        ("1/x <= 0", 4.0),
+        ("floor(2x) <= 0", 6.0),
+        ("ln(x) + 1 >= 0", 4.0 * (1.0 - (-1.0_f64).exp())),
+    ] {
+        let found = measured(text, &cube(1.0), 2e-2);
+        println!("{text}: {:?}, {} boxes", found.volume, found.boxes);
+        assert_in(volume, found.volume, 2e-2 * volume, text);
+    }
+    let nothing = measured("x^2+y^2+z^2 <= -1", &cube(1.0), 1e-3);
+    assert!(nothing.volume.hi < 1e-9 && nothing.inertia().is_none() && nothing.low.is_none());
+}
+
+/// Random unions, intersections and differences. Points at random estimate the volume.
+#[test]
+fn random_solids_have_the_volume_that_samples_estimate() {
+    const POINTS: usize = 40_000;
+    let cases = std::env::var("ZEROSET_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(12);
+    let mut rng = fastrand::Rng::with_seed(1);
+    for case in 0..cases {
+        let text = format!("{} <= 0", random_solid(&mut rng, 3));
+        let region = cube(1.0);
+        let found = measured(&text, &region, 1e-2);
+        let document = read(&text, &zeroset_syntax::Options::default()).expect("reads");
+        let program = Program::new(&document, zeroset_scene::view::bounds(&region)).expect("small");
+        let kernel = program.kernels::<f64>(0).values().expect("a kernel");
+        let mut inside = 0;
+        for _ in 0..POINTS / LANES {
+            let points: Vec<DVec3> = (0..LANES)
+                .map(|_| DVec3::from_array([(); 3].map(|()| 2.0 * rng.f64() - 1.0)))
+                .collect();
+            let values = kernel.eval_all(&Points::near(&points));
+            for (value, point) in values[0].value.iter().zip(&points) {
+                if *value < -1e-9 {
+                    inside += 1;
+                    let (low, high) = (found.low.expect("a point"), found.high.expect("a point"));
+                    let is_between =
+                        (0..3).all(|k| low[k].lo <= point[k] && point[k] <= high[k].hi);
+                    assert!(is_between, "{text}: {point:?} is beyond {low:?} {high:?}");
+                }
+            }
+        }
+        let share = f64::from(inside) / POINTS as f64;
+        // Five standard deviations.
+        let noise = 8.0 * 5.0 * (share * (1.0 - share) / POINTS as f64).sqrt() + 1e-3;
+        let (volume, bounds) = (8.0 * share, found.volume);
+        println!("case {case}: {volume} {bounds:?} {text}");
+        assert!(bounds.lo - noise <= volume && volume <= bounds.hi + noise, "{text}");
+    }
+}
+
+fn random_solid(rng: &mut fastrand::Rng, depth: u32) -> String {
+    if depth == 0 {
+        let [a, b, c] = [(); 3].map(|()| 1.4 * rng.f64() - 0.7);
+        let r = 0.2 + 0.5 * rng.f64();
+        return match rng.u32(0..4) {
+            0 => format!("((x-({a:.3}))^2+(y-({b:.3}))^2+(z-({c:.3}))^2-{:.3})", r * r),
+            1 => format!("(max(abs(x-({a:.3})),abs(y-({b:.3})),abs(z-({c:.3})))-{r:.3})"),
+            2 => format!("({a:.3}*x+({b:.3})*y+({c:.3})*z-0.1)"),
+            _ => format!("(sqrt((x-({a:.3}))^2+(z-({c:.3}))^2)+abs(y-({b:.3}))-{r:.3})"),
+        };
+    }
+    let (one, other) = (random_solid(rng, depth - 1), random_solid(rng, depth - 1));
+    match rng.u32(0..3) {
+        0 => format!("min({one},{other})"),
+        1 => format!("max({one},{other})"),
+        _ => format!("max({one},-{other})"),
+    }
+}

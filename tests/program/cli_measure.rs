@@ -1,0 +1,73 @@
+//! The command `measure`.
+
+use crate::cli_support::Sandbox;
+use serde_json::Value;
+use std::f64::consts::PI;
+
+/// The report on a text, and the first surface of it.
+fn report(arguments: &[&str]) -> (Value, Value) {
+    let run = Sandbox::new().run(&[&["measure", "--json"], arguments].concat()).ok();
+    let report: Value = serde_json::from_str(&run.stdout).expect("JSON");
+    let first = report["surfaces"][0].clone();
+    (report, first)
+}
+
+fn pair(value: &Value) -> [f64; 2] {
+    let end = |k: usize| value[k].as_f64().unwrap_or_else(|| panic!("two numbers: {value}"));
+    [end(0), end(1)]
+}
+
+#[test]
+fn a_ring_is_measured() {
+    let (report, ring) = report(&["(sqrt(x^2+y^2)-1)^2+z^2 <= 0.16", "--relative", "1e-2"]);
+    let volume = 2.0 * PI * PI * 0.16;
+    let [low, high] = pair(&ring["volume"]);
+    assert!(low <= volume && volume <= high && high - low <= 1e-2 * volume, "{ring}");
+    for (axis, exact) in [1.4, 1.4, 0.4].into_iter().enumerate() {
+        for (key, exact) in [("low", -exact), ("high", exact)] {
+            let [low, high] = pair(&ring[key][axis]);
+            assert!(low <= exact && exact <= high && high - low < 0.05, "{key} {axis}: {ring}");
+        }
+        let [low, high] = pair(&ring["centroid"][axis]);
+        assert!(low <= 0.0 && 0.0 <= high, "{ring}");
+    }
+    // About the axis: the square of the large radius, and three quarters of that of the small one.
+    let [low, high] = pair(&ring["inertia"]["zz"]);
+    let exact = volume * (1.0 + 0.75 * 0.16);
+    assert!(low <= exact && exact <= high, "{ring}");
+    let (area, change) = (ring["area"].as_f64().unwrap(), ring["area_change"].as_f64().unwrap());
+    assert!((area - 4.0 * PI * PI * 0.4).abs() <= change, "{ring}");
+    assert_eq!((&ring["genus"], &ring["shape_proven"]), (&serde_json::json!([1]), &true.into()));
+    assert_eq!(report["domain_found"], "bounded: proven");
+}
+
+#[test]
+fn the_text_says_what_is_proven() {
+    let place = Sandbox::new();
+    let run = place.run(&["measure", "0.25 <= x^2+y^2+z^2 <= 1", "--relative", "0.1"]).ok();
+    let lines: Vec<&str> = run.stdout.lines().collect();
+    assert!(lines[0].starts_with("volume      3."), "{}", run.stdout);
+    assert_eq!(lines.last(), Some(&"shape       1 piece with 1 hollow, of genus 0, 0: proven"));
+    let surface = "z = x*y {x^2+y^2<1}";
+    let run = place.run(&["measure", surface, "--domain", "1.5"]).ok();
+    assert!(!run.stdout.contains("volume"), "{}", run.stdout);
+    assert!(run.stdout.contains("1 piece with a rim"), "{}", run.stdout);
+}
+
+#[test]
+fn mistakes_get_one_message() {
+    for (arguments, expected) in [
+        (
+            &["z >= x^2+y^2"][..],
+            "error: the surface is not proven to be bounded, so its measures may be infinite: \
+             --domain=",
+        ),
+        (&["x^2+y^2+z^2 <= -1"], "error: nothing to measure: the surface is proven empty"),
+        (&["x^2+y^2+z^2 <= 1", "--relative", "0"], "error: --relative needs a finite number"),
+        (&["(x^2)^1.1+y^6+sin(9z)^2 <= 1", "--domain", "3", "--budget", "1e-9"], "not done within"),
+    ] {
+        let run = Sandbox::new().run(&[&["measure"], arguments].concat());
+        assert_eq!((run.code, &*run.stdout), (Some(2), ""), "{}", run.stderr);
+        assert!(run.stderr.contains(expected), "{arguments:?}: {}", run.stderr);
+    }
+}
