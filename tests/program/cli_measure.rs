@@ -4,10 +4,16 @@ use crate::cli_support::Sandbox;
 use serde_json::Value;
 use std::f64::consts::PI;
 
+/// The text that a run of `measure` prints, its messages and its exit code.
+fn run(arguments: &[&str]) -> (String, String, Option<i32>) {
+    let run = Sandbox::new().run(&[&["measure"], arguments].concat());
+    (String::from_utf8(run.stdout).expect("a text"), run.stderr, run.code)
+}
+
 /// The report on a text, and the first surface of it.
 fn report(arguments: &[&str]) -> (Value, Value) {
-    let run = Sandbox::new().run(&[&["measure", "--json"], arguments].concat()).ok();
-    let report: Value = serde_json::from_str(&run.stdout).expect("JSON");
+    let (text, stderr, _) = run(&[&["--json"], arguments].concat());
+    let report: Value = serde_json::from_str(&text).expect(&stderr);
     let first = report["surfaces"][0].clone();
     (report, first)
 }
@@ -43,15 +49,11 @@ fn a_ring_is_measured() {
 
 #[test]
 fn the_text_says_what_is_proven() {
-    let place = Sandbox::new();
-    let run = place.run(&["measure", "0.25 <= x^2+y^2+z^2 <= 1", "--relative", "0.1"]).ok();
-    let lines: Vec<&str> = run.stdout.lines().collect();
-    assert!(lines[0].starts_with("volume      3."), "{}", run.stdout);
-    assert_eq!(lines.last(), Some(&"shape       1 piece with 1 hollow, of genus 0, 0: proven"));
-    let surface = "z = x*y {x^2+y^2<1}";
-    let run = place.run(&["measure", surface, "--domain", "1.5"]).ok();
-    assert!(!run.stdout.contains("volume"), "{}", run.stdout);
-    assert!(run.stdout.contains("1 piece with a rim"), "{}", run.stdout);
+    let (text, ..) = run(&["0.25 <= x^2+y^2+z^2 <= 1", "--relative", "0.1"]);
+    assert!(text.starts_with("volume      3."), "{text}");
+    assert!(text.ends_with("shape       1 piece with 1 hollow, of genus 0, 0: proven\n"), "{text}");
+    let (text, ..) = run(&["z = x*y {x^2+y^2<1}", "--domain", "1.5"]);
+    assert!(!text.contains("volume") && text.contains("1 piece with a rim"), "{text}");
 }
 
 #[test]
@@ -66,8 +68,8 @@ fn mistakes_get_one_message() {
         (&["x^2+y^2+z^2 <= 1", "--relative", "0"], "error: --relative needs a finite number"),
         (&["(x^2)^1.1+y^6+sin(9z)^2 <= 1", "--domain", "3", "--budget", "1e-9"], "not done within"),
     ] {
-        let run = Sandbox::new().run(&[&["measure"], arguments].concat());
-        assert_eq!((run.code, &*run.stdout), (Some(2), ""), "{}", run.stderr);
-        assert!(run.stderr.contains(expected), "{arguments:?}: {}", run.stderr);
+        let (text, stderr, code) = run(arguments);
+        assert_eq!((code, &*text), (Some(2), ""), "{stderr}");
+        assert!(stderr.contains(expected), "{arguments:?}: {stderr}");
     }
 }
