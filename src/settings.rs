@@ -4,7 +4,7 @@ use crate::error::Error;
 use std::fmt;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use zeroset_render::picture;
 use zeroset_scene::view::{CameraChoice, DomainChoice};
 use zeroset_shade::{LinearRgb, Pattern};
@@ -373,7 +373,7 @@ impl Settings {
         /// Limits the time for finding surfaces. Pixels that are not reached in time are undecided
         /// and not drawn. The picture then depends on the machine, but its proofs hold. Default: no
         /// limit.
-        budget(time: Duration) => picture.budget = Some(time);
+        budget(time: Duration) => picture.limit.budget = Some(time);
     }
 
     pub(crate) fn domain_choice(&self) -> DomainChoice {
@@ -401,7 +401,7 @@ impl Settings {
             options: self.trace.options()?,
             antialias,
             ambient: self.ambient.map(|share| share as f32),
-            begun: Some(Instant::now()),
+            limit: self.picture.limit.begin(),
             ..self.picture.clone()
         };
         let shadow_depth = self.shadows.then(|| settings.usual_shadow_depth());

@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
+use zeroset_render::limit::Limit;
 use zeroset_render::model::Model;
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::view::{self, CameraChoice, DomainChoice};
@@ -111,12 +112,13 @@ fn what_is_left_off_claims_nothing() {
 #[test]
 fn a_budget_of_time_ends_a_picture() {
     let (document, region) = document();
-    let settings = Settings { budget: Some(Duration::ZERO), ..Settings::default() };
+    let limit = |time| Limit { budget: Some(time), ..Limit::default() };
+    let settings = Settings { limit: limit(Duration::ZERO), ..Settings::default() };
     let model = Model::new(&document, &region, &settings).expect("compiles");
     let (none, _) = picture(&model, &settings, usize::MAX);
     assert_eq!(none.buffer.reasons()[UndecidedReason::Budget as usize], 512 * 512);
     assert!(none.buffer.drawn.iter().all(|drawn| drawn.is_infinite()));
-    let settings = Settings { budget: Some(Duration::MAX), ..settings };
+    let settings = Settings { limit: limit(Duration::MAX), ..settings };
     let (whole, _) = picture(&model, &settings, usize::MAX);
     assert_eq!(whole.statistics.pixels.undecided, 0);
 }

@@ -4,9 +4,9 @@
 //! A long run of one property: `ZEROSET_CASES=100000 cargo test --release --test pictures
 //! properties::pictures`.
 
-use crate::property_support::{draw, zero_kernel};
+use crate::property_support::{draw, interpreted_zero_kernel, zero_kernel};
 use std::path::{Path, PathBuf};
-use zeroset_testkit::property::{render, zeros};
+use zeroset_testkit::property::{render, seam_pictures, seam_zeros, zeros};
 use zeroset_testkit::{Effort, attack};
 
 fn seeds(target: &str) -> PathBuf {
@@ -28,6 +28,24 @@ fn no_kernel_denies_a_certain_zero() {
     let effort = Effort::from_environment(0x5eed_0740, 1500);
     let property = |data: &[u8]| zeros(data, &zero_kernel, &zero_kernel);
     let tally = attack(&property, &seeds("zeros"), effort);
+    println!("{tally:?}");
+    assert!(tally.compared > 3 * effort.cases && tally.defined > 3 * effort.cases, "{tally:?}");
+}
+
+#[test]
+fn pictures_of_seams_claim_nothing_false() {
+    let effort = Effort::from_environment(0x5eed_0750, 300);
+    let tally = attack(&|data| seam_pictures(data, &draw), &seeds("seam_pictures"), effort);
+    println!("{tally:?}");
+    assert!(tally.compared > 5 * effort.cases && tally.defined > effort.cases, "{tally:?}");
+}
+
+#[test]
+fn no_kernel_denies_a_certain_zero_at_seams() {
+    let effort = Effort::from_environment(0x5eed_0760, 1000);
+    let property =
+        |data: &[u8]| seam_zeros(data, &interpreted_zero_kernel, &interpreted_zero_kernel);
+    let tally = attack(&property, &seeds("seam_zeros"), effort);
     println!("{tally:?}");
     assert!(tally.compared > 3 * effort.cases && tally.defined > 3 * effort.cases, "{tally:?}");
 }

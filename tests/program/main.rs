@@ -16,6 +16,8 @@ mod documents;
 #[path = "../edit_support/mod.rs"]
 mod edit_support;
 #[cfg(unix)]
+mod interrupt;
+#[cfg(unix)]
 mod prompt;
 #[cfg(unix)]
 mod prompt_soak;

@@ -23,6 +23,7 @@ use image::RgbImage;
 use serde::Serialize;
 use sheet::Sheet;
 use std::time::{Duration, Instant};
+use zeroset_render::limit::Limit;
 use zeroset_render::picture::Settings;
 use zeroset_trace::Method;
 
@@ -103,7 +104,11 @@ fn judged(
     budget: Duration,
 ) -> (Verdict, Option<[RgbImage; 2]>) {
     let settings = Configuration::plain(method).settings(SIDE);
-    let settings = Settings { budget: Some(budget), brackets: true, ..settings };
+    let settings = Settings {
+        limit: Limit { budget: Some(budget), ..Limit::default() },
+        brackets: true,
+        ..settings
+    };
     let start = Instant::now();
     let drawn = case
         .view()

@@ -1,8 +1,8 @@
 //! The command line: one module per subcommand, and modules that subcommands share.
 //!
 //! Results go to standard output or files; notes and errors go to standard error. The exit code is
-//! 0 for success, 1 if a proof is missing under `--strict`, 2 for a user error and 3 for an
-//! internal error.
+//! 0 for success, 1 if a proof is missing under `--strict`, 2 for a user error, 3 for an internal
+//! error and 130 after Ctrl-C.
 
 mod animation;
 mod arguments;
@@ -18,6 +18,7 @@ mod graphics;
 mod help;
 mod history;
 mod interactive;
+mod interrupt;
 #[cfg(feature = "window")]
 mod line_edit;
 mod measure;
@@ -59,6 +60,8 @@ use std::process::ExitCode;
 const UNDECIDED: u8 = 1;
 const USER_ERROR: u8 = 2;
 const INTERNAL_ERROR: u8 = 3;
+/// The exit code after Ctrl-C, as shells have it: 128 and the number of the signal.
+const INTERRUPTED: u8 = 130;
 
 /// Runs the command line and returns the process's exit code.
 pub fn run() -> ExitCode {

@@ -5,7 +5,7 @@ use super::mesh_file::{FORMATS, Format, Object};
 use super::output::{OutputFile, print};
 use super::render::{budget, in_threads};
 use super::subject::{self, Subject};
-use super::{UNDECIDED, notes};
+use super::{UNDECIDED, interrupt, notes};
 use anyhow::{Context, Result, bail, ensure};
 use npyz::WriterBuilder;
 use serde_json::{Value, json};
@@ -14,6 +14,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use zeroset_mesh::{MOST_CELLS, Mesh, Options, TOLERANCE, Unproven, mesh};
+use zeroset_render::limit::Limit;
 use zeroset_scene::blank::Blank;
 use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::program::Program;
@@ -28,10 +29,11 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
         "--tolerance needs a finite number above 0"
     );
     let budget = budget(arguments.budget)?;
+    interrupt::listen("nothing is written")?;
     let files = Files::create(arguments)?;
     let subject = Subject::read(&arguments.document)?;
     subject.show_notes();
-    let wanted = move || budget.is_none_or(|budget| begun.elapsed() < budget);
+    let wanted = Limit { budget, begun: Some(begun), ..Limit::default() }.wanted();
     let found = in_threads(arguments.threads, || meshed(&subject, tolerance, &wanted))?;
     let Some(found) = found else {
         let seconds = budget.unwrap_or_default().as_secs_f64();
@@ -49,7 +51,9 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
     }
     found.remark(files.format());
     let clock = Instant::now();
+    let held = interrupt::hold();
     files.finish(objects)?;
+    drop(held);
     if arguments.json {
         print(&format!("{}\n", found.report(&subject, clock.elapsed())))?;
     } else {

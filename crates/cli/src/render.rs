@@ -9,7 +9,7 @@ use super::png_file::PictureOrigin;
 use super::progress::Progress;
 use super::subject::{self, Subject};
 use super::vector::Size;
-use super::{UNDECIDED, notes, report, sequence};
+use super::{INTERRUPTED, UNDECIDED, interrupt, notes, report, sequence};
 use abandoned::within;
 use anyhow::{Context, Result, anyhow, ensure};
 use glam::DVec3;
@@ -17,6 +17,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use zeroset_render::framing;
+use zeroset_render::limit::Limit;
 use zeroset_render::model::{Model, Strip};
 use zeroset_render::overlay::{Overlay, PictureView};
 use zeroset_render::picture::{Picture, Precision, Settings, UndecidedStatistics};
@@ -33,6 +34,7 @@ const FALLBACK_HALF_SIDE: f64 = 2.0;
 
 pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     let settings = settings(arguments)?;
+    interrupt::listen("nothing is written")?;
     if let Some(sequence) = sequence::asked(arguments)? {
         let threads = arguments.tracing.threads;
         return in_threads(threads, || sequence::run(arguments, &sequence, &settings));
@@ -51,6 +53,7 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     let (model, pool) = modeled(document, &region, &settings, threads)?;
     let draw = || -> Result<_> {
         let camera = framing::camera(&model, document, &choice, &settings, around.axes)?;
+        interrupt::draws();
         let seen = document.surfaces.iter().filter(|surface| !surface.hidden).count();
         let pixels = settings.width * settings.height * seen;
         let bar = Progress::new(pixels as u64, "tracing");
@@ -66,13 +69,19 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
             files.add(picture)
         };
         let picture = model.strips(&camera, &settings, &advance, &mut write)?;
+        let is_stopped = settings.limit.is_stopped();
+        let held = interrupt::hold();
         files.finish()?;
-        Ok((camera, picture))
+        drop(held);
+        Ok((camera, picture, is_stopped))
     };
-    let (camera, picture) = pool.install(draw)?;
+    let (camera, picture, is_stopped) = pool.install(draw)?;
 
     if let Some(found) = searched {
         notes::note(&subject::describe_domain(&found));
+    }
+    if is_stopped {
+        notes::note("stopped by Ctrl-C: this is the picture so far");
     }
     remark(&subject, &region, &settings, &picture, searched);
     if arguments.outputs.json {
@@ -80,7 +89,13 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         print(&format!("{object}\n"))?;
     }
     let undecided = picture.statistics.pixels.undecided > 0;
-    Ok(if arguments.strict && undecided { ExitCode::from(UNDECIDED) } else { ExitCode::SUCCESS })
+    Ok(if is_stopped {
+        ExitCode::from(INTERRUPTED)
+    } else if arguments.strict && undecided {
+        ExitCode::from(UNDECIDED)
+    } else {
+        ExitCode::SUCCESS
+    })
 }
 
 /// The region of a picture, and the result of the search for it. If the search finds no region
@@ -92,12 +107,12 @@ fn chosen(
     threads: Option<usize>,
 ) -> Result<(Region, Option<AutoDomain>)> {
     let domain = subject.domain;
-    let left = settings.time_left().filter(|_| view::needs_search(&subject.document, domain));
+    let left = settings.limit.time_left().filter(|_| view::needs_search(&subject.document, domain));
     let pool = thread_pool(threads)?;
     let Some(left) = left else {
         return Ok(pool.install(|| view::region(&subject.document, domain, cut))?);
     };
-    let (document, wanted) = (subject.document.clone(), settings.has_time_to_choose());
+    let (document, wanted) = (subject.document.clone(), settings.limit.wanted_to_choose());
     let search = move || Ok(view::region_while(&mut None, &document, domain, cut, &wanted)?);
     if let Some((Some(found), _)) = within(left / 4, pool, search)? {
         return Ok(found);
@@ -122,12 +137,12 @@ fn modeled(
 ) -> Result<(Model, ThreadPool)> {
     let pool = thread_pool(threads)?;
     let mut model = pool.install(|| Model::simplified(document, region, settings))?;
-    let Some(left) = settings.time_left() else {
+    let Some(left) = settings.limit.time_left() else {
         pool.install(|| model.compile(settings, &|| true))?;
         return Ok((model, pool));
     };
     let (late, own) = (model.interpreted(document), settings.clone());
-    let compile = move || Ok(model.compile(&own, &own.has_time())?.then_some(model));
+    let compile = move || Ok(model.compile(&own, &own.limit.wanted())?.then_some(model));
     match within(left, pool, compile)? {
         Some((Some(model), pool)) => Ok((model, pool)),
         Some((None, _)) | None => Ok((late, thread_pool(threads)?)),
@@ -215,8 +230,7 @@ fn settings(arguments: &RenderArgs) -> Result<Settings> {
         normals: method.normals.filter(|_| needs_normals),
         keeps_normals,
         brackets: outputs.arrays.0.iter().any(|(row, _)| row.needs_brackets),
-        budget,
-        begun: Some(Instant::now()),
+        limit: Limit { budget, begun: Some(Instant::now()), stop: Some(interrupt::asked()) },
         undecided: shading.undecided,
         light: shading.light,
         look: shading.look,
@@ -272,7 +286,11 @@ fn remark(
         notes::note(&format!("{} of {all} pixels {are} undecided: {why}", pixels.undecided));
     }
     let UndecidedStatistics { blank, unreached, .. } = picture.statistics.open;
-    if let Some(budget) = settings.budget.filter(|_| unreached > 0) {
+    if settings.limit.is_stopped() && unreached > 0 {
+        notes::note(&format!(
+            "{unreached} of these were not reached before Ctrl-C and are not drawn"
+        ));
+    } else if let Some(budget) = settings.limit.budget.filter(|_| unreached > 0) {
         notes::note(&format!(
             "{unreached} of these were not reached within {} s and are not drawn: a larger --budget \
              shows more",

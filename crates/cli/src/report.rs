@@ -48,7 +48,7 @@ pub fn object(
     let mut report = json!({
         "surfaces": echoes,
         "method": picture.method.name,
-        "budget": settings.budget.map(|budget| budget.as_secs_f64()),
+        "budget": settings.limit.budget.map(|budget| budget.as_secs_f64()),
         "look": picture.look.name,
         "antialias": settings.antialias.count(),
         "size": [settings.width, settings.height],

@@ -8,7 +8,7 @@ use super::output::{OutputFile, print};
 use super::png_file::PictureOrigin;
 use super::progress::Progress;
 use super::subject::{self, Subject};
-use super::{UNDECIDED, notes, report};
+use super::{UNDECIDED, interrupt, notes, report};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -304,7 +304,7 @@ impl<'a> FrameRenderer<'a> {
         last: &mut Option<Model>,
     ) -> Result<(Camera, Picture)> {
         let Self { overrides, time, sequence, stage, .. } = self;
-        let settings = self.settings.begin();
+        let settings = Settings { limit: self.settings.limit.begin(), ..self.settings.clone() };
         let options = Options { overrides, time: *time, ..Options::default() };
         let named = || {
             let values = sequence.values(frame).map(|(name, value)| format!(", {name} = {value}"));
@@ -334,7 +334,11 @@ impl<'a> FrameRenderer<'a> {
     ) -> Result<FrameCounts> {
         let (mut count, mut last) = (FrameCounts::default(), None);
         let origin = PictureOrigin::typed(&self.subject.source.text);
-        for frame in (shard..self.sequence.frames).step_by(of) {
+        let frames = (shard..self.sequence.frames).step_by(of);
+        let all = frames.len();
+        for frame in frames {
+            interrupt::leaves(&format!("{} of {all} frames are there", count.made + count.kept));
+            interrupt::end_if_asked();
             let origin = origin.frame(frame);
             let name = |path: &PathBuf| -> Result<PathBuf> {
                 Ok(numbered(path, frame)?.unwrap_or_else(|| path.clone()))
@@ -361,6 +365,7 @@ impl<'a> FrameRenderer<'a> {
             }
             let opened = Files::create(&files)?;
             let (camera, picture) = self.render_frame(frame, &mut last)?;
+            let held = interrupt::hold();
             opened.finish(&picture, &origin)?;
             if wanted.json {
                 let Stage { region, searched, .. } = &self.stage;
@@ -372,6 +377,7 @@ impl<'a> FrameRenderer<'a> {
                 object["values"] = self.sequence.values(frame).collect();
                 print(&format!("{object}\n"))?;
             }
+            drop(held);
             count.add(&picture, self.settings.method);
             self.progress.reach(frame as u64 + 1);
         }
@@ -381,6 +387,12 @@ impl<'a> FrameRenderer<'a> {
     /// Writes all frames to one file, or to standard output.
     fn animation(mut self, format: AnimationFormat, path: &Path, fps: u16) -> Result<FrameCounts> {
         let output = OutputFile::create(path)?;
+        if path != Path::new("-") {
+            interrupt::leaves(
+                "nothing is written; with -o frame-%04d.png, frames that are done stay",
+            );
+        }
+        let mut held = None;
         let origin = PictureOrigin::typed(&self.subject.source.text);
         let size = [self.settings.width, self.settings.height];
         let frames = self.sequence.frames;
@@ -399,8 +411,11 @@ impl<'a> FrameRenderer<'a> {
                 count.add(&picture, self.settings.method);
                 self.progress.reach(frame as u64 + 1);
             }
-            animation.end()
+            animation.end()?;
+            held = Some(interrupt::hold());
+            Ok(())
         });
+        drop(held);
         wrong.map_or(written, Err)?;
         Ok(count)
     }

@@ -183,7 +183,8 @@ pub fn without_gaps(graph: &mut Graph, root: NodeId, parameters: &[Interval]) ->
         };
         let fraction = fraction.filter(|fraction| !fraction.is_whole());
         let filled = fraction.as_ref().filter(|fraction| {
-            let mut gaps = fraction.removed.iter().chain(&fraction.excluded);
+            let mut gaps =
+                fraction.removed.iter().chain(&fraction.excluded).chain(fraction.above.keys());
             let is_gap = !fraction.removed.is_empty() || !fraction.excluded.is_empty();
             is_gap && gaps.all(|base| is_thin_zero(graph, *base, parameters))
         });

@@ -2,7 +2,8 @@
 //!
 //! Content is written to an unnamed file. At the end the file is copied next to the target, and the
 //! copy is renamed over the target. [`AtomicFile::create`] checks beforehand that this is possible,
-//! so an unwritable target is reported before rendering. An interrupted run leaves no files behind.
+//! so an unwritable target is reported before rendering. A process that is killed leaves no files
+//! behind, unless it dies while it copies: then there is a `.zeroset-….part`.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, Write};

@@ -125,7 +125,7 @@ pub fn camera(
     settings: &Settings,
     axes: bool,
 ) -> Result<Camera, SceneError> {
-    let wanted = settings.has_time_to_choose();
+    let wanted = settings.limit.wanted_to_choose();
     match camera_while(model, document, choice, settings, axes, &wanted)? {
         Some(camera) => Ok(camera),
         None => whole(model.region(), document, choice, settings),

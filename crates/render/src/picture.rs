@@ -1,9 +1,10 @@
 //! Settings of a picture, the finished picture, and its statistics.
 
+use crate::limit::Limit;
 use crate::overlay::Legend;
 use glam::DVec3;
 use std::ops::AddAssign;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use zeroset_scene::kernels::CompiledKernel;
 use zeroset_shade::{LinearRgb, Pattern, UndecidedStyle, hand_back_colors};
 use zeroset_style::Look;
@@ -34,10 +35,8 @@ pub struct Settings {
     /// Set to keep the picture's normals in any case. A picture without normals is drawn faster,
     /// but [`Model::relight`](crate::model::Model::relight) and `settle` must trace it again.
     pub keeps_normals: bool,
-    /// Time limit for tracing. Pixels not reached by then are undecided and unpainted.
-    pub budget: Option<Duration>,
-    /// Time from which the budget counts. `None` if it counts from the start of the picture.
-    pub begun: Option<Instant>,
+    /// When tracing ends early. Pixels not reached by then are undecided and unpainted.
+    pub limit: Limit,
     /// Number of halvings along shadow rays. `None` for no shadows.
     pub shadow_depth: Option<u32>,
     /// Source of normals. `None` if neither colors nor normals are wanted.
@@ -78,8 +77,7 @@ impl Default for Settings {
             is_preview: false,
             brackets: false,
             keeps_normals: true,
-            budget: None,
-            begun: None,
+            limit: Limit::default(),
             shadow_depth: None,
             normals: Some(Normals::Gradient),
             undecided: UndecidedStyle::Shade,
@@ -97,37 +95,6 @@ impl Settings {
     /// Default number of halvings along a shadow ray: one less than along camera rays.
     pub fn usual_shadow_depth(&self) -> u32 {
         self.options.depth.saturating_sub(1).max(1)
-    }
-
-    /// The same settings with the budget starting now.
-    #[must_use]
-    pub fn begin(&self) -> Self {
-        Self { begun: Some(Instant::now()), ..self.clone() }
-    }
-
-    /// Returns a function that tells whether any of the budget is left. The budget counts from now
-    /// unless `begun` is set.
-    pub fn has_time(&self) -> impl Fn() -> bool + Sync + use<> {
-        self.has_time_for(1.0)
-    }
-
-    /// The part of the budget that is left. `None` without a budget.
-    pub fn time_left(&self) -> Option<Duration> {
-        let spent = self.begun.map_or(Duration::ZERO, |begun| begun.elapsed());
-        self.budget.map(|budget| budget.saturating_sub(spent))
-    }
-
-    /// Like [`Settings::has_time`], for choosing a region or a camera. It allows a quarter of the
-    /// time that is left, so that most of the time remains for the picture.
-    pub fn has_time_to_choose(&self) -> impl Fn() -> bool + Sync + use<> {
-        self.has_time_for(0.25)
-    }
-
-    fn has_time_for(&self, share: f64) -> impl Fn() -> bool + Sync + use<> {
-        let now = Instant::now();
-        let end = self.budget.and_then(|budget| self.begun.unwrap_or(now).checked_add(budget));
-        let end = end.map(|end| now + end.saturating_duration_since(now).mul_f64(share));
-        move || end.is_none_or(|end| Instant::now() < end)
     }
 
     /// These settings, with the light and antialiasing settings of `others`.

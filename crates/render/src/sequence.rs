@@ -172,7 +172,7 @@ impl Sequence {
         let camera = if shows_domain && !is_turned {
             framing::of_domain(&region, &seen[0], choice, settings).map(Some)
         } else {
-            let (document, wanted) = (&seen[0], &settings.has_time_to_choose());
+            let (document, wanted) = (&seen[0], &settings.limit.wanted_to_choose());
             framing::camera_over(visible, document, choice, settings, &region, is_turned, wanted)
         };
         let whole = || framing::whole(&region, &seen[0], choice, settings);

@@ -13,6 +13,7 @@ mod picturing;
 mod reading;
 mod rewriting;
 mod scene;
+mod seaming;
 mod shortening;
 mod sloping;
 mod spelled;
@@ -28,6 +29,7 @@ pub use picturing::{Pixel, RayClaim, picture};
 pub use reading::read_and_print;
 pub use rewriting::check_simplification;
 pub use scene::{Formula, Scene};
+pub use seaming::check_seams;
 pub use shortening::{check_shortening, random_choices};
 pub use sloping::{check_gradient_bounds, native_slopes, reference_slopes};
 pub use spelled::spelled;
@@ -161,6 +163,45 @@ pub fn forms(data: &[u8]) -> Result<Tally, Failure> {
 pub fn render(data: &[u8], draw: &dyn Fn(&Scene) -> Option<Vec<Pixel>>) -> Result<Tally, Failure> {
     let mut rng = Rng::from_bytes(data);
     Scene::random(&mut rng).map_or(Ok(Tally::default()), |scene| picture(&scene, draw))
+}
+
+/// Runs [`check_seams`] on a formula with seams, drawn from bytes.
+///
+/// # Errors
+/// The first contradiction.
+pub fn seams(data: &[u8]) -> Result<Tally, Failure> {
+    let mut rng = Rng::from_bytes(data);
+    Formula::seamed(&mut rng)
+        .map_or(Ok(Tally::default()), |formula| check_seams(&formula, &mut rng))
+}
+
+/// As [`render`], on a scene with seams.
+///
+/// # Errors
+/// The first false claim, with arguments of `zeroset render` that show it.
+pub fn seam_pictures(
+    data: &[u8],
+    draw: &dyn Fn(&Scene) -> Option<Vec<Pixel>>,
+) -> Result<Tally, Failure> {
+    let mut rng = Rng::from_bytes(data);
+    Scene::seamed(&mut rng).map_or(Ok(Tally::default()), |scene| picture(&scene, draw))
+}
+
+/// As [`zeros`], on a formula with seams.
+///
+/// # Errors
+/// The first zero that the kernel denies.
+pub fn seam_zeros(
+    data: &[u8],
+    single: CompileZeros<f32>,
+    double: CompileZeros<f64>,
+) -> Result<Tally, Failure> {
+    let mut rng = Rng::from_bytes(data);
+    match Formula::seamed(&mut rng) {
+        None => Ok(Tally::default()),
+        Some(formula) if rng.bool() => check_zeros(&formula, &mut rng, double),
+        Some(formula) => check_zeros(&formula, &mut rng, single),
+    }
 }
 
 /// Runs [`check_zeros`] on a formula and a precision drawn from bytes.

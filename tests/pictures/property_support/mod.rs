@@ -8,6 +8,7 @@ use zeroset_eval::{Boxes, FindZeros, Kernel, KernelFloat, Zeros};
 use zeroset_interval::Interval;
 use zeroset_render::model::render;
 use zeroset_render::picture::{Picture, Precision, Settings};
+use zeroset_scene::kernels::Evaluator;
 use zeroset_scene::program::Program;
 use zeroset_space::Region;
 use zeroset_testkit::certified::Line;
@@ -106,6 +107,16 @@ pub fn zero_kernel<T: KernelFloat>(formula: &Formula) -> Option<Box<dyn Kernel<F
     let domain = formula.region.map(|[lo, hi]| Interval { lo, hi });
     let program = Program::new(&formula.document, domain).ok()?;
     program.kernels::<T>(0).zeros().expect("compiles");
+    Some(Box::new(First(program)))
+}
+
+/// As [`zero_kernel`], but interpreted. Nothing is compiled, so many formulas can be tried.
+#[allow(dead_code)] // one fuzz target needs it
+pub fn interpreted_zero_kernel<T: KernelFloat>(
+    formula: &Formula,
+) -> Option<Box<dyn Kernel<FindZeros, T>>> {
+    let domain = formula.region.map(|[lo, hi]| Interval { lo, hi });
+    let program = Program::new(&formula.document, domain).ok()?.on(Evaluator::Reference);
     Some(Box::new(First(program)))
 }
 

@@ -335,6 +335,9 @@ fn gaps_with_an_interior_stay() {
     assert_eq!(filled(|[x, y, _]| (x.f(Op::Abs) + x) * y / (x.f(Op::Abs) + x)), "the same");
     assert_eq!(filled(|[x, y, _]| x.f(Op::Floor) * y / x.f(Op::Floor)), "the same");
     assert_eq!(filled(|[x, y, _]| y / x + 1.0), "the same");
+    // The pole of a divisor: y + |y| is 0 where y ≤ 0.
+    assert_eq!(filled(|[x, y, _]| x / (x.f(Op::Sqr) / (y.f(Op::Abs) + y))), "the same");
+    assert_eq!(filled(|[x, y, _]| x / (x.f(Op::Sqr) / y)), "y/x");
 }
 
 #[test]

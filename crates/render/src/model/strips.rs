@@ -85,7 +85,7 @@ impl Model {
             return Ok(picture);
         }
         assert!(rows > 0 && rows.is_multiple_of(ALIGNED), "strips of whole bands");
-        let has_time = settings.has_time();
+        let wanted = settings.limit.wanted();
         let small = overview_settings(settings);
         let tops = || (0..height).step_by(rows);
         let known = |top: usize| top.saturating_sub(ALIGNED)..(top + rows + ALIGNED).min(height);
@@ -94,7 +94,7 @@ impl Model {
         let done = AtomicUsize::new(0);
         let advance = |now: usize| {
             progress(done.fetch_add(now, Ordering::Relaxed) + now, pixels);
-            has_time()
+            wanted()
         };
         let whole = camera.rays(width, height);
         let mut overview = None;

@@ -62,8 +62,8 @@ impl Model {
         settings: &Settings,
         advance: Advance<'_>,
     ) -> Result<Picture, ProgramError> {
-        let has_time = settings.has_time();
-        let advance = |done| advance(done) && has_time();
+        let wanted = settings.limit.wanted();
+        let advance = |done| advance(done) && wanted();
         let rays = camera.rays(settings.width, settings.height);
         self.along(&rays, settings, &advance, None, None)
     }

@@ -1,6 +1,7 @@
 //! Random scenes: a text, a region and a camera.
 
 use crate::certified::{Function, Line};
+use crate::random::{random_limit, random_seam};
 use crate::{
     Adversarial, Case, Defined, GraphOptions, Oracle, Rng, hexadecimal, point_in_box, typed,
 };
@@ -58,6 +59,43 @@ impl Formula {
         let document = read(&text, &Options::default())
             .unwrap_or_else(|errors| panic!("{}", errors.render(None, &text, false)));
         (document.surfaces.len() == 1).then_some(Self { text, document, region, aim })
+    }
+
+    /// Returns a formula with [seams](random_seam), mostly with a zero at a point of the region.
+    /// `None` if the text is refused, as one without a coordinate is.
+    pub fn seamed(rng: &mut Rng) -> Option<Self> {
+        let seam = random_seam(rng);
+        let region = random_region(rng);
+        let aim = random_simple_point(rng, &region);
+        let levelled = if rng.u32(0..4) > 0 { level_at(&seam, aim) } else { None };
+        let function = levelled.map_or(seam.clone(), |level| format!("{seam} - ({level:?})"));
+        let text = match rng.u32(0..8) {
+            0 => format!("{function} <= 0"),
+            1 => format!("{function} >= 0"),
+            2 => format!("{function} <= 0 and {}", random_limit(rng)),
+            3 => format!("{function} = 0 {{{}}}", random_limit(rng)),
+            _ => format!("{function} = 0"),
+        };
+        Some(Self { aim, ..Self::from_text(&text, region)? })
+    }
+
+    /// Returns a point of the region, often one at which functions with simple numbers are 0.
+    pub fn random_point(&self, rng: &mut Rng) -> [f64; 3] {
+        match rng.u32(0..8) {
+            0 => self.aim,
+            1 => point_in_box(rng, &self.region),
+            _ => random_simple_point(rng, &self.region),
+        }
+    }
+
+    /// Returns a point of the region with as many digits as floats have. Bytes alike do not make its
+    /// coordinates alike.
+    pub fn point_anywhere(&self, rng: &mut Rng) -> [f64; 3] {
+        const SHIFTS: [f64; 3] = [0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9];
+        [0, 1, 2].map(|axis| {
+            let [low, high] = self.region[axis];
+            low + (high - low) * (f64::uniform(rng) + SHIFTS[axis]).fract()
+        })
     }
 
     /// Returns the formula of `text`. `None` if it is refused, draws nothing or hides surfaces.
@@ -124,6 +162,32 @@ impl fmt::Display for Formula {
             self.region.iter().flatten().map(|end| format!("{end:?}")).collect();
         write!(f, "{} --domain={}", quoted(&self.text), ends.join(","))
     }
+}
+
+/// Returns a point of the region. Some coordinates are multiples of a quarter, if there are any in
+/// the region, and some are equal.
+fn random_simple_point(rng: &mut Rng, region: &[[f64; 2]; 3]) -> [f64; 3] {
+    let mut last = 0.0;
+    region.map(|[low, high]| {
+        let anywhere = low + (high - low) * f64::uniform(rng);
+        let quarter = (4.0 * anywhere).round() / 4.0;
+        let at = match rng.u32(0..8) {
+            0..=3 => quarter,
+            4 => last,
+            5 => -last,
+            _ => anywhere,
+        };
+        last = if (low..=high).contains(&at) { at } else { anywhere };
+        last
+    })
+}
+
+/// Returns the value of an expression at a point. `None` if it has none, or none that is finite.
+fn level_at(expression: &str, point: [f64; 3]) -> Option<f64> {
+    let Document { graph, surfaces, .. } = read(expression, &Options::default()).ok()?;
+    let claim = Oracle::new(&graph, &[surfaces.first()?.root]).at(point, &[])[0];
+    let level = claim.lo.midpoint(claim.hi);
+    (claim.defined == Defined::Yes && level.is_finite()).then_some(level)
 }
 
 /// Returns a cube as a user might type it, or any box of moderate size.
@@ -203,11 +267,23 @@ impl Scene {
     pub fn random(rng: &mut Rng) -> Option<Self> {
         /// Greatest number of operations in a formula.
         const LARGEST: u32 = 10;
+        let formula = Formula::random(rng, LARGEST)?;
+        Some(Self::viewed(formula, rng, true))
+    }
+
+    /// Returns a small scene with [seams](Formula::seamed), or `None` if its formula is refused.
+    /// The camera may be invalid.
+    pub fn seamed(rng: &mut Rng) -> Option<Self> {
+        let formula = Formula::seamed(rng)?;
+        Some(Self::viewed(formula, rng, false))
+    }
+
+    /// Returns a view of a formula. If `fills`, some become solids.
+    fn viewed(formula: Formula, rng: &mut Rng, fills: bool) -> Self {
         /// Greatest number of pixels on a side.
         const WIDEST: u32 = 6;
         /// Greatest depth. Deeper pictures would cost a fuzzer too much time.
         const DEEPEST: u32 = 12;
-        let formula = Formula::random(rng, LARGEST)?;
         let eye = random_eye(rng, &formula.region);
         let target = formula.random_target(rng);
         let up = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 2.0, -1.0]][rng.u32(0..3) as usize];
@@ -222,13 +298,13 @@ impl Scene {
         // The number is not used. Without this draw, saved seeds would give other scenes.
         rng.u32(0..3);
         let precision = if rng.bool() { "f64" } else { "auto" };
-        let formula = if rng.u32(0..4) == 0 { formula.filled() } else { formula };
+        let formula = if fills && rng.u32(0..4) == 0 { formula.filled() } else { formula };
         let tolerance = 0.5;
         let mut scene = Self { formula, eye, target, up, fov, size, depth, tolerance, precision };
         if rng.u32(0..4) == 1 {
             scene.make_extreme(rng);
         }
-        Some(scene)
+        scene
     }
 
     /// Gives the camera numbers at which floats run out of digits or range.

@@ -6,7 +6,7 @@
 
 use std::path::{Path, PathBuf};
 use zeroset_testkit::property::{
-    forms, jit_vs_oracle, jit_vs_reference, parse, shorten, simplify, slopes, spelled,
+    forms, jit_vs_oracle, jit_vs_reference, parse, seams, shorten, simplify, slopes, spelled,
 };
 use zeroset_testkit::suite::{Failure, Tally};
 use zeroset_testkit::{Effort, attack};
@@ -69,4 +69,9 @@ fn bounds_of_gradients_hold_what_the_oracle_knows() {
 #[test]
 fn shortened_functions_have_the_signs_of_the_whole() {
     hold(shorten, "shorten", 0x5eed_07a0, 1000);
+}
+
+#[test]
+fn seams_that_are_rewritten_keep_values_and_zeros() {
+    hold(seams, "seams", 0x5eed_07b0, 3000);
 }

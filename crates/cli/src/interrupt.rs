@@ -1,0 +1,107 @@
+//! Ctrl-C while a command works.
+//!
+//! It ends the process, except while files get their names: they appear whole, and together. While
+//! a picture is drawn, the first Ctrl-C ends only the drawing, and the next one the process.
+
+use super::{INTERRUPTED, notes};
+use anyhow::{Context, Result};
+use std::io::IsTerminal;
+use std::process::exit;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
+use std::thread;
+use std::time::{Duration, Instant};
+use zeroset_render::limit::StopFlag;
+
+/// How long the second Ctrl-C waits for files to get their names.
+const PATIENCE: Duration = Duration::from_secs(1);
+/// Time between two looks at whether they have them.
+const WAIT: Duration = Duration::from_millis(5);
+
+static STATE: Mutex<State> = Mutex::new(State { remark: String::new(), draws: false });
+static ASKED: AtomicBool = AtomicBool::new(false);
+
+struct State {
+    /// What the process leaves behind if it ends now.
+    remark: String,
+    /// Set while a picture is drawn.
+    draws: bool,
+}
+
+/// Listens for Ctrl-C from now on. `remark` is what [`leaves`] says. A process that was started to
+/// ignore Ctrl-C, as shells start those of the background, goes on ignoring it.
+///
+/// # Errors
+/// If the system does not allow it.
+pub fn listen(remark: &str) -> Result<()> {
+    leaves(remark);
+    match ctrlc::try_set_handler(answer) {
+        Ok(()) | Err(ctrlc::Error::MultipleHandlers) => Ok(()),
+        Err(error) => Err(error).context("cannot listen for Ctrl-C"),
+    }
+}
+
+/// Sets the remark with which Ctrl-C ends the process: what is left behind.
+pub fn leaves(remark: &str) {
+    remark.clone_into(&mut state().remark);
+}
+
+/// From now on the first Ctrl-C only sets [`asked`].
+pub fn draws() {
+    state().draws = true;
+}
+
+/// Puts the end off until the guard is dropped. A first Ctrl-C in between only sets [`asked`].
+pub fn hold() -> impl Drop {
+    Hold(state())
+}
+
+struct Hold(#[allow(dead_code, reason = "it is a lock")] MutexGuard<'static, State>);
+
+impl Drop for Hold {
+    fn drop(&mut self) {}
+}
+
+/// The flag that Ctrl-C sets.
+pub fn asked() -> StopFlag {
+    StopFlag(&ASKED)
+}
+
+/// Ends the process if there was a Ctrl-C.
+pub fn end_if_asked() {
+    let state = state();
+    if ASKED.load(Ordering::Relaxed) {
+        end(&state);
+    }
+}
+
+fn state() -> MutexGuard<'static, State> {
+    STATE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Does what Ctrl-C asks for. It runs on a thread of its own.
+fn answer() {
+    let is_first = !ASKED.load(Ordering::Relaxed);
+    let asked = Instant::now();
+    loop {
+        match STATE.try_lock() {
+            Ok(state) if is_first && !state.draws => end(&state),
+            Err(TryLockError::WouldBlock) if !is_first && asked.elapsed() < PATIENCE => {
+                thread::sleep(WAIT);
+            }
+            _ if is_first => return ASKED.store(true, Ordering::Relaxed),
+            // The lock, if it was taken, is held to the end.
+            _held => exit(INTERRUPTED.into()),
+        }
+    }
+}
+
+/// Says what is left behind, and ends the process.
+fn end(state: &State) -> ! {
+    if std::io::stderr().is_terminal() {
+        // A terminal shows the keys, and there may be a progress bar.
+        notes::say("");
+    }
+    notes::note(&format!("stopped by Ctrl-C: {}", state.remark));
+    exit(INTERRUPTED.into())
+}
