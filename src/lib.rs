@@ -61,6 +61,23 @@
 //! # Ok::<(), zeroset::Error>(())
 //! ```
 //!
+//! # Meshes
+//!
+//! [`Scene::mesh`] makes triangles of the surfaces, and proves that they have the same shape.
+//! [`Mesh::save`] writes them to a file.
+//!
+//! ```
+//! use zeroset::{MeshSettings, Scene};
+//!
+//! let mesh = Scene::read("x^2+y^2+z^2 = 1")?.mesh(&MeshSettings::new().tolerance(0.05))?;
+//! assert!(mesh.is_proven());
+//! let sphere = &mesh.surfaces()[0];
+//! assert!(sphere.is_closed());
+//! // Vertices less edges, plus triangles: Euler's number of a sphere.
+//! assert_eq!(sphere.vertices().len() - sphere.faces().len() / 2, 2);
+//! # Ok::<(), zeroset::Error>(())
+//! ```
+//!
 //! [`gallery`] lists texts that are part of the library.
 //!
 //! # The language
@@ -91,6 +108,7 @@
 mod error;
 mod function;
 mod gallery;
+mod mesh;
 mod picture;
 mod ray;
 mod scene;
@@ -100,6 +118,7 @@ mod text;
 pub use error::{Diagnostic, Error, ErrorKind};
 pub use function::{Enclosure, Function};
 pub use gallery::{Example, gallery};
+pub use mesh::{Mesh, MeshSettings, SurfaceMesh};
 pub use picture::{Counts, Picture, Status};
 pub use ray::{Ray, RayResult, Reason};
 pub use scene::Scene;

@@ -1,6 +1,7 @@
 //! Scenes: texts that draw surfaces, and their rendering.
 
 use crate::error::{Diagnostic, Error};
+use crate::mesh::{Mesh, MeshSettings};
 use crate::picture::{Picture, PictureArrays};
 use crate::settings::Settings;
 use crate::text::{Parameter, Text};
@@ -109,6 +110,25 @@ impl Scene {
         let whole = model.strips(&camera, &settings, &|_, _| {}, &mut add);
         let rays = camera.rays(settings.width, settings.height);
         Ok(Picture::new(rays, &region, rows, whole.map_err(Error::formula)?))
+    }
+
+    /// Makes triangles of all surfaces that are not hidden, in the domain, as a ball or a clip plane
+    /// of the text cuts it.
+    ///
+    /// # Errors
+    /// If a setting is out of range, the domain is impossible, or the time is over. If a formula is
+    /// constant, defined nowhere, or too large to compile.
+    ///
+    /// ```
+    /// use zeroset::{MeshSettings, Scene};
+    /// let mesh = Scene::read("z = x*y {x^2+y^2 < 4}")?.mesh(&MeshSettings::new().tolerance(0.2))?;
+    /// let saddle = &mesh.surfaces()[0];
+    /// assert!(!saddle.is_closed());
+    /// assert_eq!(saddle.name(), "z = x*y {x^2 + y^2 < 4}");
+    /// # Ok::<(), zeroset::Error>(())
+    /// ```
+    pub fn mesh(&self, settings: &MeshSettings) -> Result<Mesh, Error> {
+        Mesh::new(&self.text.document, settings)
     }
 }
 

@@ -5,7 +5,10 @@
 mod cli_support;
 
 pub use cli_support::Sandbox;
-use zeroset::{Camera, Error, ErrorKind, Function, Ray, Scene, Settings, TraceSettings};
+use std::time::Duration;
+use zeroset::{
+    Camera, Domain, Error, ErrorKind, Function, MeshSettings, Ray, Scene, Settings, TraceSettings,
+};
 
 const INFINITY: f64 = f64::INFINITY;
 const NAN: f64 = f64::NAN;
@@ -38,6 +41,33 @@ fn wrong_texts_are_pointed_at_as_on_the_command_line() {
     }
     let error = Scene::read("x + sinn(y)").expect_err("wrong");
     assert_eq!(error.diagnostics()[0].suggestion, Some((4..8, "sign".to_owned())));
+}
+
+#[test]
+fn meshes_are_refused_as_pictures_are() {
+    let scene = |text| Scene::read(text).expect("reads");
+    let coarse = MeshSettings::new().tolerance(0.3);
+    for (text, settings, message) in [
+        ("x-x", MeshSettings::new(), "every point is a zero"),
+        ("x^2+y^2+z^2 = 1", coarse.clone().tolerance(0.0), "tolerance must be a finite length"),
+        ("x^2+y^2+z^2 = 1", coarse.clone().tolerance(NAN), "tolerance must be a finite length"),
+        ("x^2+y^2+z^2 = 1", coarse.clone().budget(Duration::ZERO), "not done within 0 s"),
+        ("z = 0", coarse.clone().domain([0.0..=NAN, 0.0..=1.0, 0.0..=1.0]), "domain"),
+    ] {
+        let error = scene(text).mesh(&settings).expect_err(text);
+        assert!(error.to_string().contains(message), "{error}");
+    }
+    let place = Sandbox::new();
+    let mesh = scene("x^2+y^2+z^2 = 1").mesh(&coarse).expect("a mesh");
+    assert_eq!(mesh.save(place.path("a.step")).expect_err("step").kind(), ErrorKind::Argument);
+    assert_eq!(mesh.save(place.path("no/a.stl")).expect_err("no").kind(), ErrorKind::File);
+    let none = scene("hidden\nz = 0").mesh(&coarse.domain(Domain::Auto)).expect("nothing");
+    assert_eq!(none.save(place.path("a.stl")).expect_err("empty").kind(), ErrorKind::Argument);
+    assert!(place.files().is_empty());
+    for name in ["a.stl", "a.obj", "a.ply", "a.3mf", "a.glb"] {
+        mesh.save(place.path(name)).expect(name);
+        assert!(std::fs::metadata(place.path(name)).expect(name).len() > 1000, "{name}");
+    }
 }
 
 #[test]

@@ -56,6 +56,18 @@ fn depth_map_writes_a_gray_picture() {
 }
 
 #[test]
+fn mesh_writes_a_ring() {
+    let (printed, place) = run("mesh", &[]);
+    assert!(
+        printed.contains("triangles, Euler's number 0\nclosed: true, proven: true\n"),
+        "{printed}"
+    );
+    let bytes = std::fs::read(place.path("ring.3mf")).expect("written");
+    let mut archive = zip::ZipArchive::new(std::io::Cursor::new(bytes)).expect("an archive");
+    assert!(archive.by_name("3D/3dmodel.model").expect("a model").size() > 10_000);
+}
+
+#[test]
 fn render_writes_a_picture() {
     let (printed, place) = run("render", &[]);
     assert!(printed.starts_with("Counts { miss: "), "{printed}");

@@ -1,7 +1,9 @@
 //! The command `mesh`. Its files are read back here by readers of their own.
 
 use crate::cli_support::Sandbox;
+use serde_json::Value;
 use std::collections::{HashMap, HashSet};
+use std::io::Read as _;
 
 /// A mesh as read from a file.
 #[derive(Default)]
@@ -9,6 +11,12 @@ struct Read {
     vertices: Vec<[f64; 3]>,
     triangles: Vec<[usize; 3]>,
     names: Vec<String>,
+    /// Normals of vertices, or of the corners of triangles.
+    normals: Vec<[f64; 3]>,
+    /// Colors of objects or of vertices, as hexadecimal digits.
+    colors: HashSet<String>,
+    /// Values of a color map at the vertices.
+    values: Vec<f64>,
 }
 
 impl Read {
@@ -53,9 +61,15 @@ impl Read {
                 ("v", [x, y, z]) => {
                     mesh.vertices.push([x, y, z].map(|word| word.parse().expect("a number")));
                 }
-                ("f", [a, b, c]) => mesh
-                    .triangles
-                    .push([a, b, c].map(|word| word.parse::<usize>().expect("a vertex") - 1)),
+                ("vn", [x, y, z]) => {
+                    mesh.normals.push([x, y, z].map(|word| word.parse().expect("a number")));
+                }
+                ("f", [a, b, c]) => {
+                    let number = |word: &str| word.parse::<usize>().expect("a number") - 1;
+                    let both = [a, b, c].map(|word| word.split_once("//").expect("a normal"));
+                    assert!(both.iter().all(|(_, n)| number(n) < mesh.normals.len()), "{line}");
+                    mesh.triangles.push(both.map(|(vertex, _)| number(vertex)));
+                }
                 ("o", _) => mesh.names.push(rest.to_owned()),
                 ("#", _) => {}
                 _ => panic!("{line}"),
@@ -73,20 +87,144 @@ impl Read {
             line.trim().parse().expect("a count")
         };
         assert!(header.starts_with("ply\nformat binary_little_endian 1.0\n"), "{header}");
-        let (vertices, faces) = bytes[start + end.len()..].split_at(24 * count("element vertex"));
+        let has_values = header.contains("property double value\n");
+        let size = if has_values { 48 } else { 40 };
+        let (vertices, faces) = bytes[start + end.len()..].split_at(size * count("element vertex"));
         assert_eq!(faces.len(), 13 * count("element face"));
-        let floats: Vec<f64> =
-            vertices.as_chunks().0.iter().map(|eight| f64::from_le_bytes(*eight)).collect();
+        let mut mesh = Self::default();
+        for vertex in vertices.chunks(size) {
+            mesh.vertices.push([0, 8, 16].map(|at| f64_at(vertex, at)));
+            mesh.normals.push([24, 28, 32].map(|at| f32_at(vertex, at)));
+            mesh.colors.insert(hexadecimal(&vertex[36..40]));
+            mesh.values.extend(has_values.then(|| f64_at(vertex, 40)));
+        }
         let triangle = |face: &[u8; 13]| {
             assert_eq!(face[0], 3);
-            let (numbers, _) = face[1..].as_chunks::<4>();
-            [0, 1, 2].map(|k| i32::from_le_bytes(numbers[k]) as usize)
+            [1, 5, 9].map(|at| u32_at(face, at))
         };
-        Self {
-            vertices: floats.as_chunks().0.to_vec(),
-            triangles: faces.as_chunks().0.iter().map(triangle).collect(),
-            names: Vec::new(),
+        mesh.triangles = faces.as_chunks().0.iter().map(triangle).collect();
+        mesh
+    }
+
+    /// Reads what `zeroset` writes. A vertex is welded to others at its place.
+    fn glb(bytes: &[u8]) -> Self {
+        let (header, length) = (&bytes[..12], u32_at(bytes, 12));
+        assert_eq!(
+            (&header[..4], u32_at(header, 4), u32_at(header, 8)),
+            (&b"glTF"[..], 2, bytes.len())
+        );
+        let (text, binary) = bytes[20..].split_at(length);
+        assert_eq!((&bytes[16..20], &binary[4..8], length % 4), (&b"JSON"[..], &b"BIN\0"[..], 0));
+        let json: Value = serde_json::from_slice(text).expect("JSON");
+        let buffer = &binary[8..];
+        assert_eq!(json["buffers"][0]["byteLength"], buffer.len());
+        assert_eq!(u32_at(binary, 0), buffer.len());
+        let list = |number: &Value, size: usize| {
+            let number = number.as_u64().expect("a number") as usize;
+            let accessor = &json["accessors"][number];
+            let view =
+                &json["bufferViews"][accessor["bufferView"].as_u64().expect("a number") as usize];
+            let [start, length] = ["byteOffset", "byteLength"]
+                .map(|key| view[key].as_u64().expect("a number") as usize);
+            assert_eq!(accessor["count"], length / size);
+            buffer[start..start + length].chunks(size).collect::<Vec<_>>()
+        };
+        let mut mesh = Self::default();
+        let mut corners: Vec<[f32; 3]> = Vec::new();
+        for (number, node) in json["nodes"].as_array().expect("nodes").iter().enumerate() {
+            mesh.names.push(node["name"].as_str().expect("a name").to_owned());
+            let part = &json["meshes"][number]["primitives"][0];
+            let attributes = &part["attributes"];
+            let places: Vec<[f32; 3]> = list(&attributes["POSITION"], 12)
+                .iter()
+                .map(|place| [0, 4, 8].map(|at| f32_at(place, at) as f32))
+                .collect();
+            let bounds =
+                &json["accessors"][attributes["POSITION"].as_u64().expect("a number") as usize];
+            for axis in 0..3 {
+                let along = places.iter().map(|place| f64::from(place[axis]));
+                assert_eq!(bounds["min"][axis], along.clone().fold(f64::INFINITY, f64::min));
+                assert_eq!(bounds["max"][axis], along.fold(f64::NEG_INFINITY, f64::max));
+            }
+            let normals = list(&attributes["NORMAL"], 12);
+            assert_eq!(normals.len(), places.len());
+            // Up is y.
+            let normal = |normal: &&[u8]| [0, 8, 4].map(|at| f32_at(normal, at));
+            mesh.normals.extend(normals.iter().map(normal).map(|[x, y, z]| [x, -y, z]));
+            let factor = &json["materials"][number]["pbrMetallicRoughness"]["baseColorFactor"];
+            let parts = factor.as_array().expect("a color").iter();
+            let bytes: Vec<u8> =
+                parts.map(|part| encode(part.as_f64().expect("a number"))).collect();
+            // Opacity is not light.
+            let alpha = (255.0 * factor[3].as_f64().expect("a number")).round() as u8;
+            mesh.colors.insert(hexadecimal(&[bytes[0], bytes[1], bytes[2], alpha]));
+            if let Some(colors) = attributes.get("COLOR_0") {
+                mesh.colors.clear();
+                for color in list(colors, 8) {
+                    let part = |at: usize| u16::from_le_bytes([color[at], color[at + 1]]);
+                    let [red, green, blue] =
+                        [0, 2, 4].map(|at| encode(f64::from(part(at)) / 65535.0));
+                    mesh.colors.insert(hexadecimal(&[red, green, blue, alpha]));
+                }
+            }
+            let indices = list(&part["indices"], 4);
+            corners.extend(indices.iter().map(|index| places[u32_at(index, 0)]));
         }
+        let welded = Self::weld(&corners);
+        let turned = |[x, y, z]: [f64; 3]| [x, -z, y];
+        mesh.vertices = welded.vertices.into_iter().map(turned).collect();
+        mesh.triangles = welded.triangles;
+        mesh
+    }
+
+    /// Reads what `zeroset` writes: an element in each line.
+    fn three_mf(bytes: &[u8]) -> Self {
+        let mut archive = zip::ZipArchive::new(std::io::Cursor::new(bytes)).expect("an archive");
+        for name in ["[Content_Types].xml", "_rels/.rels"] {
+            archive.by_name(name).expect(name);
+        }
+        let mut text = String::new();
+        let mut file = archive.by_name("3D/3dmodel.model").expect("a model");
+        file.read_to_string(&mut text).expect("a text");
+        let mut mesh = Self::default();
+        let mut first = 0;
+        let mut opened = Vec::new();
+        for tag in text.split('<').skip(1).filter(|tag| !tag.starts_with('?')) {
+            let (tag, _) = tag.split_once('>').expect("an end");
+            let (name, rest) = tag.split_once(' ').unwrap_or((tag, ""));
+            if let Some(name) = name.strip_prefix('/') {
+                assert_eq!(opened.pop(), Some(name), "{tag}");
+                continue;
+            }
+            if !tag.ends_with('/') {
+                opened.push(name);
+            }
+            let value = |key: &str| {
+                let start = rest.find(&format!("{key}=\"")).expect(key) + key.len() + 2;
+                rest[start..].split('"').next().expect("an end").to_owned()
+            };
+            match name {
+                "object" => {
+                    first = mesh.vertices.len();
+                    mesh.names.push(value("name").replace("&lt;", "<"));
+                }
+                "vertex" => mesh
+                    .vertices
+                    .push(["x", "y", "z"].map(|key| value(key).parse().expect("a number"))),
+                "triangle" => mesh.triangles.push(
+                    ["v1", "v2", "v3"]
+                        .map(|key| first + value(key).parse::<usize>().expect("a number")),
+                ),
+                "base" => drop(mesh.colors.insert(value("displaycolor")[1..].to_lowercase())),
+                "m:color" => drop(mesh.colors.insert(value("color")[1..].to_lowercase())),
+                _ => {}
+            }
+        }
+        assert!(opened.is_empty(), "{opened:?}");
+        assert!(text.contains("<model unit=\"millimeter\""));
+        let items = text.matches("<item objectid=").count();
+        assert_eq!(items, mesh.names.len());
+        mesh
     }
 
     /// Euler's number. Panics if an edge lacks one of its two triangles, or has one too many.
@@ -117,6 +255,29 @@ impl Read {
     }
 }
 
+fn f64_at(bytes: &[u8], at: usize) -> f64 {
+    f64::from_le_bytes(bytes[at..at + 8].try_into().expect("eight"))
+}
+
+fn f32_at(bytes: &[u8], at: usize) -> f64 {
+    f64::from(f32::from_le_bytes(bytes[at..at + 4].try_into().expect("four")))
+}
+
+fn u32_at(bytes: &[u8], at: usize) -> usize {
+    u32::from_le_bytes(bytes[at..at + 4].try_into().expect("four")) as usize
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// The sRGB byte of an amount of light (IEC 61966-2-1).
+fn encode(amount: f64) -> u8 {
+    let share =
+        if amount <= 0.003_130_8 { 12.92 * amount } else { 1.055 * amount.powf(1.0 / 2.4) - 0.055 };
+    (255.0 * share).round() as u8
+}
+
 /// Twice a triangle's area, as a vector.
 fn cross(a: &[f32; 3], b: &[f32; 3], c: &[f32; 3]) -> [f32; 3] {
     let (u, v) = ([0, 1, 2].map(|k| b[k] - a[k]), [0, 1, 2].map(|k| c[k] - a[k]));
@@ -133,6 +294,8 @@ fn read(arguments: &[&str], file: &str) -> (Read, String) {
     let mesh = match file.rsplit_once('.').expect("an extension").1 {
         "stl" => Read::stl(&bytes),
         "ply" => Read::ply(&bytes),
+        "glb" => Read::glb(&bytes),
+        "3mf" => Read::three_mf(&bytes),
         _ => Read::obj(std::str::from_utf8(&bytes).expect("a text")),
     };
     (mesh, run.stderr)
@@ -142,7 +305,7 @@ fn read(arguments: &[&str], file: &str) -> (Read, String) {
 fn each_format_holds_the_same_closed_mesh() {
     let coarse = ["x^2+y^2+z^2 = 1", "--tolerance", "0.02"];
     let mut sizes = HashSet::new();
-    for file in ["a.stl", "a.obj", "A.OBJ", "a.ply"] {
+    for file in ["a.stl", "a.obj", "A.OBJ", "a.ply", "a.3mf", "a.glb"] {
         let (mesh, stderr) = read(&coarse, file);
         assert_eq!(mesh.closed_euler(), 2, "{file}");
         for vertex in &mesh.vertices {
@@ -153,6 +316,9 @@ fn each_format_holds_the_same_closed_mesh() {
         assert!((mesh.volume() / ball - 1.0).abs() < 0.06, "{file}: {}", mesh.volume());
         let line = format!("{} triangles, closed; the shape is proven", mesh.triangles.len());
         assert!(stderr.contains(&line), "{stderr}");
+        if !mesh.normals.is_empty() {
+            assert_eq!(mesh.normals.len(), mesh.vertices.len(), "{file}");
+        }
         sizes.insert((mesh.vertices.len(), mesh.triangles.len()));
     }
     assert_eq!(sizes.len(), 1, "{sizes:?}");
@@ -174,17 +340,91 @@ fn a_solid_is_closed_by_its_domain() {
 fn several_surfaces_are_several_objects() {
     let two = ["x^2+y^2+z^2 = 1\n(x-3)^2+y^2+z^2 <= r\nhidden\nz = 0", "-D", "r=0.5"];
     let two = [&two[..], &["--tolerance", "0.05"]].concat();
-    let (mesh, stderr) = read(&two, "a.obj");
-    assert_eq!(mesh.closed_euler(), 4);
-    assert_eq!(mesh.names.len(), 2, "{:?}", mesh.names);
-    assert!(mesh.names[0].contains("= 1") && mesh.names[1].contains("<="), "{:?}", mesh.names);
-    assert!(!stderr.contains("apart"), "{stderr}");
+    for file in ["a.obj", "a.3mf", "a.glb"] {
+        let (mesh, stderr) = read(&two, file);
+        assert_eq!(mesh.closed_euler(), 4);
+        assert_eq!(mesh.names.len(), 2, "{:?}", mesh.names);
+        assert!(mesh.names[0].contains("= 1") && mesh.names[1].contains("<="), "{:?}", mesh.names);
+        assert!(!stderr.contains("apart"), "{stderr}");
+    }
     for (file, format) in [("a.stl", "STL"), ("a.ply", "PLY")] {
         let (mesh, stderr) = read(&two, file);
         assert_eq!(mesh.closed_euler(), 4);
         let told = format!("{format} keeps no surfaces apart: 2 are one object here");
         assert!(stderr.contains(&told), "{stderr}");
     }
+}
+
+#[test]
+fn normals_are_of_the_surface_and_edges_have_two() {
+    for file in ["a.obj", "a.ply", "a.glb"] {
+        let (mesh, _) = read(&["x^2+y^2+z^2 = 1", "--tolerance", "0.02"], file);
+        // Each vertex has one normal, in the order of the vertices except in GLB.
+        if file != "a.glb" {
+            for (place, normal) in mesh.vertices.iter().zip(&mesh.normals) {
+                let along: f64 = (0..3).map(|k| place[k] * normal[k]).sum();
+                assert!((along - 1.0).abs() < 1e-6, "{file}: {place:?} {normal:?}");
+            }
+        }
+    }
+    // A can: flat at its ends, which are its only faces that look up or down.
+    for file in ["a.obj", "a.glb"] {
+        let (mesh, _) = read(&["x^2+y^2 <= 0.25", "--domain", "1", "--tolerance", "0.02"], file);
+        assert_eq!(mesh.closed_euler(), 2);
+        assert!(mesh.normals.len() > mesh.vertices.len() + 10, "{file}");
+        let (mut ends, mut sides) = (0, 0);
+        for [x, y, z] in &mesh.normals {
+            assert!((x * x + y * y + z * z - 1.0).abs() < 1e-6, "{file}");
+            ends += usize::from(z.abs() > 0.999_999);
+            sides += usize::from(z.abs() < 1e-3);
+        }
+        assert_eq!(ends + sides, mesh.normals.len(), "{file}");
+        assert!(ends > 10 && sides > 10, "{file}: {ends} {sides}");
+    }
+}
+
+#[test]
+fn colors_are_those_of_pictures() {
+    let plain = ["color gold 50%\nx^2+y^2+z^2 = 1\ncolor auto\n(x-3)^2+y^2+z^2 = 1"];
+    let plain = [&plain[..], &["--tolerance", "0.1"]].concat();
+    for file in ["a.ply", "a.3mf", "a.glb"] {
+        let colors = read(&plain, file).0.colors;
+        assert_eq!(colors, ["ffd70080", "f0e442ff"].map(str::to_owned).into(), "{file}");
+    }
+    let mapped = ["color viridis(nz, -1, 1)\nx^2+y^2+z^2 <= 1", "--tolerance", "0.02"];
+    for file in ["a.ply", "a.3mf", "a.glb"] {
+        let mesh = read(&mapped, file).0;
+        assert!(mesh.colors.len() > 100, "{file}: {}", mesh.colors.len());
+        // The ends of the map are the poles.
+        assert!(mesh.colors.contains("fde725ff"), "{file}");
+        for (place, value) in mesh.vertices.iter().zip(&mesh.values) {
+            assert!((place[2] - value).abs() < 1e-6, "{place:?} {value}");
+        }
+        assert_eq!(mesh.values.is_empty(), file != "a.ply");
+    }
+    // Without a range, the map's ends are the least and the greatest value of the mesh.
+    let mesh = read(&["color viridis(5*z)\nx^2+y^2+z^2 <= 1", "--tolerance", "0.02"], "a.ply").0;
+    assert!(mesh.colors.contains("440154ff") && mesh.colors.contains("fde725ff"));
+    assert!(mesh.values.iter().all(|value| value.abs() <= 5.0 + 1e-9));
+}
+
+#[test]
+fn units_are_those_of_the_format() {
+    let sphere = ["mesh", "x^2+y^2+z^2 = 1", "--tolerance", "0.1", "--unit", "inch"];
+    let place = Sandbox::new();
+    for file in ["a.3mf", "a.glb", "a.stl"] {
+        let run = place.run(&[&sphere[..], &["-o", file]].concat()).ok();
+        let told = run.stderr.contains("--unit changes nothing: only 3MF and GLB have units");
+        assert_eq!(told, file == "a.stl", "{}", run.stderr);
+    }
+    let bytes = std::fs::read(place.path("a.3mf")).expect("written");
+    let mut archive = zip::ZipArchive::new(std::io::Cursor::new(bytes)).expect("an archive");
+    let mut text = String::new();
+    archive.by_name("3D/3dmodel.model").expect("a model").read_to_string(&mut text).expect("text");
+    assert!(text.contains("<model unit=\"inch\""));
+    let mesh = Read::glb(&std::fs::read(place.path("a.glb")).expect("written"));
+    let largest = mesh.vertices.iter().flatten().fold(0.0, |most: f64, along| most.max(*along));
+    assert!((largest - 0.0254).abs() < 1e-6, "{largest}");
 }
 
 #[test]
@@ -249,7 +489,7 @@ fn mistakes_get_one_message_and_leave_no_file() {
     let sphere = "x^2+y^2+z^2 = 1";
     for (arguments, expected) in [
         (&[sphere][..], "nothing to write: add -o part.stl"),
-        (&[sphere, "-o", "a.step"], "a mesh file ends in .stl, .obj, .ply"),
+        (&[sphere, "-o", "a.step"], "a mesh file ends in .stl, .obj, .ply, .3mf, .glb"),
         (&[sphere, "-o", "-"], "a mesh file ends in"),
         (&[sphere, "-o", "none/a.stl"], "there is no directory 'none'"),
         (&[sphere, "-o", "a.stl", "--cells-unproven", "a.stl"], "given for two outputs"),

@@ -8,6 +8,7 @@ use clap::{Arg, ArgAction, ArgMatches, Args, FromArgMatches, Parser, Subcommand}
 use glam::DVec3;
 use std::ffi::OsString;
 use std::path::PathBuf;
+use zeroset_export::{UNITS, Unit};
 use zeroset_render::names::Named;
 use zeroset_render::picture::{Normals, Precision};
 use zeroset_scene::view::{self, CameraChoice, ClipChoice, ClipShape, Clipping, DomainChoice};
@@ -528,13 +529,17 @@ pub struct MeshArgs {
     pub document: DocumentArgs,
 
     /// Write the triangles to this file, in the format that its extension names
-    #[arg(short, long, value_name = "FILE.stl|obj|ply")]
+    #[arg(short, long, value_name = "FILE.stl|obj|ply|3mf|glb")]
     pub output: Option<PathBuf>,
 
     /// Set the largest distance between triangles and surface [default: a thousandth of the
     /// domain's diagonal]
     #[arg(long, value_name = "DISTANCE", allow_hyphen_values = true)]
     pub tolerance: Option<f64>,
+
+    /// Set the unit of coordinates, in 3MF and GLB [default: millimeter in 3MF, meter in GLB]
+    #[arg(long, value_parser = units())]
+    pub unit: Option<&'static Unit>,
 
     /// Write center and size of cells in which the shape is not proven, as a float64 array of six
     /// values per cell
@@ -602,6 +607,12 @@ pub struct GalleryArgs {
 fn looks() -> impl TypedValueParser<Value = &'static Look> {
     let values = LOOKS.iter().map(|look| PossibleValue::new(look.name).help(look.help));
     PossibleValuesParser::new(values).try_map(|name| Look::named(&name).ok_or("no such look"))
+}
+
+/// Returns a parser that accepts the names in [`UNITS`].
+fn units() -> impl TypedValueParser<Value = &'static Unit> {
+    let names = PossibleValuesParser::new(UNITS.iter().map(|unit| unit.name));
+    names.try_map(|name| Unit::named(&name).ok_or("no such unit"))
 }
 
 /// Returns a parser that accepts the names in [`METHODS`].

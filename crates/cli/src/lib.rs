@@ -23,7 +23,6 @@ mod interrupt;
 mod line_edit;
 mod measure;
 mod mesh;
-mod mesh_file;
 mod notes;
 mod number;
 mod output;
@@ -114,7 +113,7 @@ fn split_attached_value(argument: OsString) -> Vec<OsString> {
         let attached = |flag: &str| text.strip_prefix(flag).filter(|value| !value.is_empty());
         let is_file = |value: &&str| {
             let path = Path::new(value);
-            mesh_file::Format::of(path).is_some() || path.extension().is_some_and(|e| e == "png")
+            zeroset_export::Format::of(path).is_ok() || path.extension().is_some_and(|e| e == "png")
         };
         let is_definition = |value: &&str| {
             let name = value.split_once('=').map(|(name, _)| name);

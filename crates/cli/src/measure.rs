@@ -1,10 +1,10 @@
 //! The command `zeroset measure`.
 
 use super::arguments::MeasureArgs;
-use super::notes;
 use super::output::print;
 use super::render::{budget, in_threads};
 use super::subject::{self, Subject};
+use super::{interrupt, notes};
 use anyhow::{Result, bail, ensure};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -12,6 +12,7 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use zeroset_interval::Interval;
 use zeroset_measure::{Inertia, Measures, RELATIVE, measure};
+use zeroset_render::limit::Limit;
 use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::program::Program;
 use zeroset_scene::view::{self, Clipping};
@@ -25,9 +26,10 @@ pub fn run(arguments: &MeasureArgs) -> Result<ExitCode> {
         "--relative needs a finite number above 0, such as 1e-3"
     );
     let budget = budget(arguments.budget)?;
+    interrupt::listen("nothing is printed")?;
     let subject = Subject::read(&arguments.document)?;
     subject.show_notes();
-    let wanted = move || budget.is_none_or(|budget| begun.elapsed() < budget);
+    let wanted = Limit { budget, begun: Some(begun), ..Limit::default() }.wanted();
     let found = in_threads(arguments.threads, || measured(&subject, relative, &wanted))?;
     let Some(found) = found else {
         let seconds = budget.unwrap_or_default().as_secs_f64();

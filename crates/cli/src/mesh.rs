@@ -1,25 +1,21 @@
 //! The command `zeroset mesh`.
 
 use super::arguments::MeshArgs;
-use super::mesh_file::{FORMATS, Format, Object};
 use super::output::{OutputFile, print};
 use super::render::{budget, in_threads};
 use super::subject::{self, Subject};
 use super::{UNDECIDED, interrupt, notes};
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Result, bail, ensure};
 use npyz::WriterBuilder;
 use serde_json::{Value, json};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
-use zeroset_mesh::{MOST_CELLS, Mesh, Options, TOLERANCE, Unproven, mesh};
+use zeroset_export::{FORMATS, Format, Meshes, Object, Unit, meshes};
+use zeroset_mesh::{Mesh, Unproven};
 use zeroset_render::limit::Limit;
 use zeroset_scene::blank::Blank;
-use zeroset_scene::domain::AutoDomain;
-use zeroset_scene::program::Program;
-use zeroset_scene::view::{self, Clipping};
-use zeroset_space::Region;
 
 pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
     let begun = Instant::now();
@@ -34,7 +30,9 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
     let subject = Subject::read(&arguments.document)?;
     subject.show_notes();
     let wanted = Limit { budget, begun: Some(begun), ..Limit::default() }.wanted();
-    let found = in_threads(arguments.threads, || meshed(&subject, tolerance, &wanted))?;
+    let found = in_threads(arguments.threads, || {
+        Ok(meshes(&subject.document, subject.domain, tolerance, &wanted)?)
+    })?;
     let Some(found) = found else {
         let seconds = budget.unwrap_or_default().as_secs_f64();
         bail!(
@@ -45,17 +43,20 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
     if let Some(searched) = found.searched {
         notes::note(&subject::describe_domain(&searched));
     }
-    let Found { objects, .. } = &found;
-    if objects.iter().all(|object| object.mesh.triangles.is_empty()) {
-        bail!("nothing to write: {}", found.why_empty(&subject));
+    if found.is_empty() {
+        bail!("nothing to write: {}", why_empty(&found, &subject));
     }
-    found.remark(files.format());
+    remark(&found, files.format());
+    if arguments.unit.is_some() && !files.format().is_some_and(|format| format.has_unit) {
+        notes::note(&format!("--unit changes nothing: only {} have units", listed(|f| f.has_unit)));
+    }
+    let objects = &found.objects;
     let clock = Instant::now();
     let held = interrupt::hold();
-    files.finish(objects)?;
+    files.finish(objects, arguments.unit)?;
     drop(held);
     if arguments.json {
-        print(&format!("{}\n", found.report(&subject, clock.elapsed())))?;
+        print(&format!("{}\n", report(&found, &subject, clock.elapsed())))?;
     } else {
         for object in objects.iter().filter(|object| !object.mesh.triangles.is_empty()) {
             let name = if objects.len() > 1 { &*object.name } else { "" };
@@ -83,14 +84,7 @@ impl Files {
         let is_standard = cells_unproven.as_deref() == Some(Path::new("-"));
         ensure!(!(is_standard && *json), "only one thing can be written to standard output");
         let open = |path: &PathBuf| {
-            let format = Format::of(path).with_context(|| {
-                let known = FORMATS.map(|format| format!(".{}", format.name.to_lowercase()));
-                format!(
-                    "cannot write '{}': a mesh file ends in {}",
-                    path.display(),
-                    known.join(", ")
-                )
-            })?;
+            let format = Format::of(path).map_err(anyhow::Error::msg)?;
             Ok::<_, anyhow::Error>((format, OutputFile::create(path)?))
         };
         let mesh = output.as_ref().map(open).transpose()?;
@@ -106,11 +100,12 @@ impl Files {
     }
 
     /// Writes the files, the mesh last. If the mesh exists, so does the array.
-    fn finish(self, objects: &[Object]) -> Result<()> {
+    fn finish(self, objects: &[Object], unit: Option<&Unit>) -> Result<()> {
         if let Some(file) = self.unproven {
             file.finish(|out| write_unproven(objects, out))?;
         }
-        self.mesh.map_or(Ok(()), |(format, file)| file.finish(|out| (format.write)(objects, out)))
+        self.mesh
+            .map_or(Ok(()), |(format, file)| file.finish(|out| format.write(objects, unit, out)))
     }
 }
 
@@ -125,139 +120,93 @@ fn write_unproven(objects: &[Object], out: &mut dyn Write) -> io::Result<()> {
     array.finish()
 }
 
-/// The meshes of all visible surfaces.
-struct Found {
-    objects: Vec<Object>,
-    region: Region,
-    searched: Option<AutoDomain>,
-    tolerance: f64,
-    /// Notes on surfaces whose functions are constant in the domain.
-    remarks: Vec<String>,
-    /// True if no visible surface's function has a value in the domain.
-    is_undefined: bool,
-    simplify: Duration,
-    mesh: Duration,
+/// Says why no surface has a triangle.
+fn why_empty(found: &Meshes, subject: &Subject) -> String {
+    let Meshes { region, searched, is_undefined, .. } = found;
+    let blank = Blank::find(&subject.document, region, *is_undefined, *searched);
+    let cells: usize = found.objects.iter().map(|object| object.mesh.cells).sum();
+    match blank {
+        Blank::Missed if cells > 0 => format!(
+            "the function changes its sign at no sample; {cells} cells may still hold a point \
+             of the surface"
+        ),
+        Blank::Missed => "the surface is proven to have no point in the domain".to_owned(),
+        _ => blank.describe(&|ends| format!("--domain {ends}")),
+    }
 }
 
-/// Makes the meshes. Returns `None` once `wanted` returns false.
-fn meshed(
-    subject: &Subject,
-    tolerance: Option<f64>,
-    wanted: &(dyn Fn() -> bool + Sync),
-) -> Result<Option<Found>> {
-    let document = &subject.document;
-    let cut = Clipping::default();
-    let found = view::region_while(&mut None, document, subject.domain, cut, wanted)?;
-    let Some((region, searched)) = found else { return Ok(None) };
-    let clock = Instant::now();
-    let program = Program::new(document, zeroset_mesh::domain(&region))?;
-    let simplify = clock.elapsed();
-    let tolerance = tolerance.unwrap_or(TOLERANCE * (region.high() - region.low()).length());
-    let clock = Instant::now();
-    let mut objects = Vec::new();
-    let mut is_undefined = true;
-    for (index, surface) in document.surfaces.iter().enumerate() {
-        if surface.hidden {
-            continue;
+/// Notes what the files do not hold.
+fn remark(found: &Meshes, format: Option<&Format>) {
+    found.remarks.iter().for_each(|remark| notes::note(remark));
+    for Object { name, mesh, .. } in &found.objects {
+        if mesh.triangles.is_empty() {
+            notes::note(&format!("`{name}` has no triangle in this domain"));
         }
-        is_undefined &= program.is_undefined(index);
-        let is_solid = program.is_solid(index);
-        let options = Options { region, tolerance, is_solid, most_cells: MOST_CELLS };
-        let Some(mesh) = mesh(&program, index, &options, wanted)? else {
-            return Ok(None);
-        };
-        let name = surface.echo.split_whitespace().collect::<Vec<_>>().join(" ");
-        objects.push(Object { name, mesh });
     }
-    let mesh = clock.elapsed();
-    let remarks = program.remarks(document);
-    Ok(Some(Found { objects, region, searched, tolerance, remarks, is_undefined, simplify, mesh }))
+    let Some(format) = format else { return };
+    if found.objects.len() > 1 && !format.has_objects {
+        notes::note(&format!(
+            "{} keeps no surfaces apart: {} are one object here, and {} keep them apart",
+            format.name,
+            found.objects.len(),
+            listed(|format| format.has_objects)
+        ));
+    }
+    let largest = found.region.low().abs().max(found.region.high().abs()).max_element();
+    let rounding = largest * f64::from(f32::EPSILON) / 2.0;
+    if format.is_single && rounding > ROUNDING * found.tolerance {
+        notes::note(&format!(
+            "{} rounds coordinates, by up to {rounding:.1e} here: formats with more digits do \
+             not",
+            format.name
+        ));
+    }
 }
 
-impl Found {
-    /// Says why no surface has a triangle.
-    fn why_empty(&self, subject: &Subject) -> String {
-        let Self { region, searched, is_undefined, .. } = self;
-        let blank = Blank::find(&subject.document, region, *is_undefined, *searched);
-        let cells: usize = self.objects.iter().map(|object| object.mesh.cells).sum();
-        match blank {
-            Blank::Missed if cells > 0 => format!(
-                "the function changes its sign at no sample; {cells} cells may still hold a point \
-                 of the surface"
-            ),
-            Blank::Missed => "the surface is proven to have no point in the domain".to_owned(),
-            _ => blank.describe(&|ends| format!("--domain {ends}")),
-        }
-    }
-
-    /// Notes what the files do not hold.
-    fn remark(&self, format: Option<&Format>) {
-        self.remarks.iter().for_each(|remark| notes::note(remark));
-        for Object { name, mesh } in &self.objects {
-            if mesh.triangles.is_empty() {
-                notes::note(&format!("`{name}` has no triangle in this domain"));
-            }
-        }
-        let Some(format) = format else { return };
-        if self.objects.len() > 1 && !format.has_objects {
-            let several = FORMATS.iter().filter(|format| format.has_objects);
-            let several: Vec<&str> = several.map(|format| format.name).collect();
-            notes::note(&format!(
-                "{} keeps no surfaces apart: {} are one object here, and stay apart in {}",
-                format.name,
-                self.objects.len(),
-                several.join(" or ")
-            ));
-        }
-        let largest = self.region.low().abs().max(self.region.high().abs()).max_element();
-        let rounding = largest * f64::from(f32::EPSILON) / 2.0;
-        if format.is_single && rounding > ROUNDING * self.tolerance {
-            notes::note(&format!(
-                "{} rounds coordinates, by up to {rounding:.1e} here: formats with more digits do \
-                 not",
-                format.name
-            ));
-        }
-    }
-
-    /// The report that `--json` prints.
-    fn report(&self, subject: &Subject, write: Duration) -> Value {
-        let ms = |time: Duration| time.as_secs_f64() * 1e3;
-        let Self { objects, region, tolerance, .. } = self;
-        let surface = |object: &Object| {
-            let mesh = &object.mesh;
-            json!({
-                "name": object.name,
-                "vertices": mesh.vertices.len(),
-                "triangles": mesh.triangles.len(),
-                "closed": mesh.is_closed,
-                "cells": mesh.cells,
-                "unproven": mesh.unproven.len(),
-                "far": mesh.far,
-            })
-        };
-        let (low, high) = (region.low(), region.high());
-        let surfaces: Vec<Value> = objects.iter().map(surface).collect();
-        let sum = |key: &str| surfaces.iter().filter_map(|one| one[key].as_u64()).sum::<u64>();
+/// The report that `--json` prints.
+fn report(found: &Meshes, subject: &Subject, write: Duration) -> Value {
+    let ms = |time: Duration| time.as_secs_f64() * 1e3;
+    let Meshes { objects, region, tolerance, .. } = found;
+    let surface = |object: &Object| {
+        let mesh = &object.mesh;
         json!({
-            "vertices": sum("vertices"),
-            "triangles": sum("triangles"),
-            "closed": surfaces.iter().all(|one| one["closed"] == true),
-            "cells": sum("cells"),
-            "unproven": sum("unproven"),
-            "far": sum("far"),
-            "tolerance": tolerance,
-            "domain": [low.x, high.x, low.y, high.y, low.z, high.z],
-            "domain_found": self.searched.map(|found| found.describe()),
-            "ms": {
-                "parse": ms(subject.parse),
-                "simplify": ms(self.simplify),
-                "mesh": ms(self.mesh),
-                "write": ms(write),
-            },
-            "surfaces": surfaces,
+            "name": object.name,
+            "vertices": mesh.vertices.len(),
+            "triangles": mesh.triangles.len(),
+            "closed": mesh.is_closed,
+            "cells": mesh.cells,
+            "unproven": mesh.unproven.len(),
+            "far": mesh.far,
         })
-    }
+    };
+    let (low, high) = (region.low(), region.high());
+    let surfaces: Vec<Value> = objects.iter().map(surface).collect();
+    let sum = |key: &str| surfaces.iter().filter_map(|one| one[key].as_u64()).sum::<u64>();
+    json!({
+        "vertices": sum("vertices"),
+        "triangles": sum("triangles"),
+        "closed": surfaces.iter().all(|one| one["closed"] == true),
+        "cells": sum("cells"),
+        "unproven": sum("unproven"),
+        "far": sum("far"),
+        "tolerance": tolerance,
+        "domain": [low.x, high.x, low.y, high.y, low.z, high.z],
+        "domain_found": found.searched.map(|found| found.describe()),
+        "ms": {
+            "parse": ms(subject.parse),
+            "simplify": ms(found.simplify),
+            "mesh": ms(found.mesh),
+            "write": ms(write),
+        },
+        "surfaces": surfaces,
+    })
+}
+
+/// The names of formats, in a sentence.
+fn listed(holds: impl Fn(&&Format) -> bool) -> String {
+    let names: Vec<&str> = FORMATS.iter().filter(holds).map(|format| format.name).collect();
+    let (last, others) = names.split_last().unwrap_or((&"", &[]));
+    if others.is_empty() { (*last).to_owned() } else { format!("{} and {last}", others.join(", ")) }
 }
 
 /// Rounding of coordinates that goes without saying, as a share of the tolerance.

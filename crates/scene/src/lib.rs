@@ -12,6 +12,7 @@ pub mod coordinate;
 pub mod domain;
 pub mod gallery;
 pub mod kernels;
+pub mod point_value;
 pub mod program;
 pub mod shortened;
 mod simplified;

@@ -7,12 +7,11 @@ use super::trace::Advance;
 use crate::overlay::{Legend, round_step};
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
-use zeroset_interval::{Exponent, Format, Software, Vector128, evaluate};
-use zeroset_ir::{Constant, Node};
+use zeroset_scene::point_value::{Place, PointValues};
 use zeroset_scene::view::nearest;
 use zeroset_shade::{Appearance, LinearRgb, Paint};
 use zeroset_style::ColorMap;
-use zeroset_syntax::{MappedColor, POINT_NAMES, PointValue, SurfaceColor};
+use zeroset_syntax::{MappedColor, PointValue, SurfaceColor};
 use zeroset_trace::{GBuffer, RayGrid};
 
 /// Width of a contour line, in pixels.
@@ -203,56 +202,30 @@ impl<'a> Painter<'a> {
         rays: &RayGrid,
         behind: f64,
     ) -> Vec<f64> {
-        let parameters = &self.model.setting.parameters;
-        let needed = value.graph.reachable(&[value.root]);
-        let nodes: Vec<_> = value.graph.iter().filter(|(id, _)| needed[id.index()]).collect();
+        let evaluated = PointValues::new(value, &self.model.setting.parameters);
         let place = |pixel: usize| {
             let ray = rays.ray_of(pixel);
             let drawn = picture.drawn[pixel];
             let t = ray.parameter(drawn);
             let at = ray.at(t + behind * rays.footprint(t));
             let [nx, ny, nz] = picture.normal[pixel].map(f64::from);
-            // The coordinates x, y and z, and the named quantities in the order of `POINT_NAMES`.
-            let own: [f64; POINT_NAMES.len()] = [nx, ny, nz, drawn];
-            (at.to_array(), own)
-        };
-        let both = |values: [f64; 2]| Vector128::from_f64(values);
-        let room = || (vec![both([0.0; 2]); value.graph.len()], Vec::new());
-        let pair = |(known, inputs): &mut (Vec<Vector128>, Vec<Vector128>), two: &[usize]| {
-            let ends = [place(two[0]), place(two[two.len() - 1])];
-            for (id, node) in &nodes {
-                known[id.index()] = match node {
-                    Node::Variable(axis) => both(ends.map(|(at, _)| at[*axis as usize])),
-                    Node::Parameter(number) => {
-                        let number = *number as usize;
-                        match parameters.get(number) {
-                            Some(parameter) => both([*parameter; 2]),
-                            None => both(ends.map(|(_, own)| own[number - parameters.len()])),
-                        }
-                    }
-                    Node::Constant(constant) => both([nearest(constant); 2]),
-                    Node::Apply(op, operands) => {
-                        let last = operands.last().and_then(|last| value.graph.number(*last));
-                        let exponent = last.map_or(Exponent::Real, Constant::exponent);
-                        inputs.clear();
-                        inputs.extend(operands.iter().map(|id| known[id.index()]));
-                        evaluate(&mut Software::new(), Format::F64, *op, inputs, exponent)
-                    }
-                };
-            }
-            known[value.root.index()].f64()
+            Place { at: at.to_array(), own: [nx, ny, nz, drawn] }
         };
         let mut values = vec![f64::NAN; points.len()];
         let parts = values.par_chunks_mut(PART).zip(points.par_chunks(PART));
-        parts.for_each_init(room, |room, (values, points)| {
-            if !(self.advance)(0) {
-                self.is_cut.store(true, Ordering::Relaxed);
-                return;
-            }
-            for (values, two) in values.chunks_mut(2).zip(points.chunks(2)) {
-                values.copy_from_slice(&pair(room, two)[..two.len()]);
-            }
-        });
+        parts.for_each_init(
+            || evaluated.room(),
+            |room, (values, points)| {
+                if !(self.advance)(0) {
+                    self.is_cut.store(true, Ordering::Relaxed);
+                    return;
+                }
+                for (values, two) in values.chunks_mut(2).zip(points.chunks(2)) {
+                    let ends = [place(two[0]), place(two[two.len() - 1])];
+                    values.copy_from_slice(&evaluated.pair(room, ends)[..two.len()]);
+                }
+            },
+        );
         values
     }
 }

@@ -1,0 +1,84 @@
+//! The meshes of a document's visible surfaces.
+
+use crate::color::{Color, map_colors};
+use std::time::{Duration, Instant};
+use zeroset_mesh::{MOST_CELLS, Mesh, Options, TOLERANCE, mesh};
+use zeroset_scene::domain::AutoDomain;
+use zeroset_scene::program::Program;
+use zeroset_scene::view::{self, Clipping, DomainChoice, SceneError};
+use zeroset_space::Region;
+use zeroset_syntax::Document;
+
+/// The mesh of one surface.
+#[derive(Clone, Debug)]
+pub struct Object {
+    /// The surface's statement, in one line.
+    pub name: String,
+    /// Its mesh.
+    pub mesh: Mesh,
+    /// Its color.
+    pub color: Color,
+}
+
+/// The meshes of all visible surfaces.
+#[derive(Clone, Debug)]
+pub struct Meshes {
+    /// The meshes, in the order of the document.
+    pub objects: Vec<Object>,
+    /// The box that they fill.
+    pub region: Region,
+    /// How the box was found, if it was not given.
+    pub searched: Option<AutoDomain>,
+    /// Largest allowed distance between a mesh and its surface, in world units.
+    pub tolerance: f64,
+    /// Notes on surfaces whose functions are constant in the domain.
+    pub remarks: Vec<String>,
+    /// True if no visible surface's function has a value in the domain.
+    pub is_undefined: bool,
+    /// Time that simplifying took.
+    pub simplify: Duration,
+    /// Time that meshing took.
+    pub mesh: Duration,
+}
+
+/// Makes the meshes of all visible surfaces, in the document's region. The default tolerance
+/// is a thousandth of the diagonal of its box. Returns `None` once `wanted` returns false.
+///
+/// # Errors
+/// If there is no domain, or a function is constant, defined nowhere or too large.
+pub fn meshes(
+    document: &Document,
+    domain: DomainChoice,
+    tolerance: Option<f64>,
+    wanted: &(dyn Fn() -> bool + Sync),
+) -> Result<Option<Meshes>, SceneError> {
+    let found = view::region_while(&mut None, document, domain, Clipping::default(), wanted)?;
+    let Some((region, searched)) = found else { return Ok(None) };
+    let clock = Instant::now();
+    let program = Program::new(document, zeroset_mesh::domain(&region))?;
+    let simplify = clock.elapsed();
+    let tolerance = tolerance.unwrap_or(TOLERANCE * (region.high() - region.low()).length());
+    let clock = Instant::now();
+    let visible = document.surfaces.iter().enumerate().filter(|(_, surface)| !surface.hidden);
+    let (mut objects, mut surfaces, mut is_undefined) = (Vec::new(), Vec::new(), true);
+    for (number, surface) in visible {
+        is_undefined &= program.is_undefined(number);
+        let is_solid = program.is_solid(number);
+        let options = Options { region, tolerance, is_solid, most_cells: MOST_CELLS };
+        let Some(mesh) = mesh(&program, number, &options, wanted)? else { return Ok(None) };
+        let name = surface.echo.split_whitespace().collect::<Vec<_>>().join(" ");
+        objects.push(Object { name, mesh, color: Color::of(number, surface) });
+        surfaces.push(number);
+    }
+    map_colors(document, &surfaces, &mut objects);
+    let mesh = clock.elapsed();
+    let remarks = program.remarks(document);
+    Ok(Some(Meshes { objects, region, searched, tolerance, remarks, is_undefined, simplify, mesh }))
+}
+
+impl Meshes {
+    /// Returns whether no surface has a triangle.
+    pub fn is_empty(&self) -> bool {
+        self.objects.iter().all(|object| object.mesh.triangles.is_empty())
+    }
+}
