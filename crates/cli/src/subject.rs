@@ -75,12 +75,6 @@ pub fn note_time(time: Option<f64>, document: &Document) {
     }
 }
 
-/// The ends of a domain that was found automatically, as `--domain` takes them.
-pub fn domain_ends(found: &AutoDomain) -> String {
-    let range = |axis: usize| [found.low[axis], found.high[axis]].map(coordinate);
-    [0, 1, 2].map(range).concat().join(",")
-}
-
 /// Describes a domain that was found automatically, in one line.
 pub fn describe_domain(found: &AutoDomain) -> String {
     let range = |axis: usize| [found.low[axis], found.high[axis]].map(coordinate).join("..");

@@ -2,9 +2,12 @@
 //! genus where they are proven, and an estimate of the area.
 
 mod clip;
+mod scene;
 mod shape;
+mod text;
 mod volume;
 
+pub use scene::{MeasureError, Measured, measures};
 pub use shape::{Piece, Shape};
 pub use volume::{Inertia, Solid, SolidKernels, solid};
 

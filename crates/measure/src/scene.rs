@@ -1,0 +1,99 @@
+//! The measures of a document.
+
+use crate::{Measures, measure};
+use std::time::{Duration, Instant};
+use thiserror::Error;
+use zeroset_scene::coordinate::coordinate;
+use zeroset_scene::domain::AutoDomain;
+use zeroset_scene::program::{Program, ProgramError};
+use zeroset_scene::view::{self, Clipping, DomainChoice, SceneError};
+use zeroset_space::Region;
+use zeroset_syntax::Document;
+
+/// The measures of all visible surfaces of a document.
+pub struct Measured {
+    /// The statement of each surface, in one line, and its measures.
+    pub surfaces: Vec<(String, Measures)>,
+    /// The region in which they were measured.
+    pub region: Region,
+    /// The search that found the domain, if none was given.
+    pub searched: Option<AutoDomain>,
+    /// Notes on surfaces whose functions are constant in the domain.
+    pub remarks: Vec<String>,
+    /// Time that simplifying took.
+    pub simplify: Duration,
+    /// Time that measuring took.
+    pub measure: Duration,
+}
+
+/// The reason why a document has no measures.
+#[derive(Debug, Error)]
+pub enum MeasureError {
+    /// There is no domain.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// A function cannot be compiled.
+    #[error(transparent)]
+    Program(#[from] ProgramError),
+    /// A surface may reach beyond any box.
+    #[error(
+        "the surface is not proven to be bounded, so its measures may be infinite: the domain \
+         {ends} would measure the part in a box"
+    )]
+    Unbounded {
+        /// A domain as six numbers with commas between.
+        ends: String,
+    },
+    /// There is no surface.
+    #[error("nothing to measure: the surface is proven empty up to ±1e12")]
+    Empty,
+    /// No surface is visible.
+    #[error("nothing to measure: every surface is hidden")]
+    Hidden,
+}
+
+/// Measures all visible surfaces of a document, as [`measure`] does. Returns `None` once `wanted`
+/// returns false.
+///
+/// # Errors
+/// If the domain is not given and a surface is not proven bounded, if no surface is visible or has a
+/// point, or if a function is too large.
+pub fn measures(
+    document: &Document,
+    domain: DomainChoice,
+    relative: f64,
+    wanted: &(dyn Fn() -> bool + Sync),
+) -> Result<Option<Measured>, MeasureError> {
+    if document.surfaces.iter().all(|surface| surface.hidden) {
+        return Err(MeasureError::Hidden);
+    }
+    let found = view::region_while(&mut None, document, domain, Clipping::default(), wanted)?;
+    let Some((region, searched)) = found else { return Ok(None) };
+    if let Some(found) = searched {
+        if found.finding.is_empty() {
+            return Err(MeasureError::Empty);
+        }
+        if !found.finding.is_bounded() {
+            let range = |axis: usize| [found.low[axis], found.high[axis]].map(coordinate);
+            let ends = [0, 1, 2].map(range).concat().join(",");
+            return Err(MeasureError::Unbounded { ends });
+        }
+    }
+    let clock = Instant::now();
+    let program = Program::new(document, zeroset_mesh::domain(&region))?;
+    let simplify = clock.elapsed();
+    let clock = Instant::now();
+    let mut surfaces = Vec::new();
+    for (number, surface) in document.surfaces.iter().enumerate() {
+        if surface.hidden {
+            continue;
+        }
+        let Some(measures) = measure(&program, number, &region, relative, wanted)? else {
+            return Ok(None);
+        };
+        let name = surface.echo.split_whitespace().collect::<Vec<_>>().join(" ");
+        surfaces.push((name, measures));
+    }
+    let (remarks, measure) = (program.remarks(document), clock.elapsed());
+    Ok(Some(Measured { surfaces, region, searched, remarks, simplify, measure }))
+}
