@@ -268,7 +268,7 @@ fn u32_at(bytes: &[u8], at: usize) -> usize {
 }
 
 fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect::<Vec<_>>().concat()
 }
 
 /// The sRGB byte of an amount of light (IEC 61966-2-1).

@@ -32,7 +32,7 @@ pub struct Color {
 /// Values at the vertices of a mesh, and the colors that show them.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointColors {
-    /// The value at each vertex; NaN where there is none.
+    /// The value at each vertex; NaN if it has no value.
     pub values: Vec<f64>,
     /// The color of each vertex, as sRGB bytes.
     pub colors: Vec<[u8; 3]>,

@@ -46,7 +46,7 @@ pub fn write(objects: &[&Object], unit: Option<&Unit>, out: &mut dyn Write) -> i
     parts.iter().try_for_each(|part| part.write(out))
 }
 
-/// What is written of an object.
+/// An object with the lists that are written.
 struct Part<'a> {
     object: &'a Object,
     corners: Corners,

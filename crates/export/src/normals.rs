@@ -180,7 +180,7 @@ fn areas(mesh: &Mesh) -> Vec<DVec3> {
     mesh.triangles.iter().map(area).collect()
 }
 
-/// The direction of a sum of normals. A sum of 0 has none, and gets any.
+/// The direction of a sum of normals. A sum of 0 gets the direction of z.
 fn unit(sum: DVec3) -> Vec3 {
     sum.normalize_or(DVec3::Z).as_vec3().normalize()
 }

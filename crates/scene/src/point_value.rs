@@ -43,7 +43,7 @@ impl<'a> PointValues<'a> {
         Room { known: vec![none; self.value.graph.len()], inputs: Vec::new() }
     }
 
-    /// Returns the values at two points. NaN where there is none.
+    /// Returns the values at two points. They are NaN where the value is undefined.
     pub fn pair(&self, room: &mut Room, two: [Place; 2]) -> [f64; 2] {
         let Room { known, inputs } = room;
         let graph = &self.value.graph;
