@@ -64,6 +64,7 @@
 //! # Meshes
 //!
 //! [`Scene::mesh`] makes triangles of the surfaces, and proves that they have the same shape.
+//! [`Scene::measure`] bounds the volume and the centroid of solids.
 //! [`Mesh::save`] writes them to a file.
 //!
 //! ```
@@ -108,6 +109,7 @@
 mod error;
 mod function;
 mod gallery;
+mod measure;
 mod mesh;
 mod picture;
 mod ray;
@@ -118,6 +120,7 @@ mod text;
 pub use error::{Diagnostic, Error, ErrorKind};
 pub use function::{Enclosure, Function};
 pub use gallery::{Example, gallery};
+pub use measure::{MeasureSettings, Measures};
 pub use mesh::{Mesh, MeshSettings, SurfaceMesh};
 pub use picture::{Counts, Picture, Status};
 pub use ray::{Ray, RayResult, Reason};

@@ -1,6 +1,7 @@
 //! Scenes: texts that draw surfaces, and their rendering.
 
 use crate::error::{Diagnostic, Error};
+use crate::measure::{MeasureSettings, Measures, measured};
 use crate::mesh::{Mesh, MeshSettings};
 use crate::picture::{Picture, PictureArrays};
 use crate::settings::Settings;
@@ -129,6 +130,26 @@ impl Scene {
     /// ```
     pub fn mesh(&self, settings: &MeshSettings) -> Result<Mesh, Error> {
         Mesh::new(&self.text.document, settings)
+    }
+
+    /// Measures all surfaces that are not hidden: volume, centroid and inertia of solids, extent,
+    /// area and shape of each. A ball or a clip plane of the text cuts them.
+    ///
+    /// # Errors
+    /// If a setting is out of range, a surface is not proven bounded and no domain is given, or the
+    /// time is over. If a formula is constant, empty, or too large to compile.
+    ///
+    /// ```
+    /// use zeroset::{MeasureSettings, Scene};
+    /// let ball = Scene::read("x^2+y^2+z^2 <= 1")?;
+    /// let ball = &ball.measure(&MeasureSettings::new().relative(0.01))?[0];
+    /// let volume = ball.volume.clone().expect("a solid");
+    /// assert!(volume.contains(&4.18879) && volume.end() - volume.start() < 0.042);
+    /// assert!(ball.is_shape_proven && ball.genus == [Some(0)]);
+    /// # Ok::<(), zeroset::Error>(())
+    /// ```
+    pub fn measure(&self, settings: &MeasureSettings) -> Result<Vec<Measures>, Error> {
+        measured(&self.text.document, settings)
     }
 }
 
