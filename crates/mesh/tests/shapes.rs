@@ -41,9 +41,9 @@ fn euler(mesh: &Mesh) -> (i64, usize) {
     (count, open)
 }
 
-/// A ball and a plane cut a mesh: a solid is closed there, an equation has rims.
+/// A ball, a plane and restrictions cut a mesh: a solid is closed there, an equation has rims.
 #[test]
-fn regions_cut_meshes() {
+fn regions_and_restrictions_cut_meshes() {
     let cube = Region::new(DVec3::splat(-1.0), DVec3::splat(1.0)).expect("a region");
     let plane = |normal: DVec3, offset: f64| HalfSpace { normal, offset };
     let above = cube.with_clip(plane(DVec3::new(0.1, 0.2, 1.0), 0.25)).expect("a plane");
@@ -58,6 +58,11 @@ fn regions_cut_meshes() {
         ("x^2+y^2 <= 0.3", both, 2, 0),
         ("x^2+y^2 = 0.3", both, 0, 2),
         ("max(abs(x),abs(y)) = 0.4", ball, 0, 2),
+        ("z = x*y {x^2+y^2 < 0.6}", cube, 1, 1),
+        ("x^2+y^2+z^2 = 0.5 {z > 0.1x}", cube, 1, 1),
+        ("z = 0.3x {0.2 < x^2+y^2 <= 0.7}", cube, 0, 2),
+        ("z = 0.3x {abs(x) < 0.8 and abs(y) < 0.7}", cube, 1, 1),
+        ("x^2+y^2+z^2 = 0.5 {z > 0 or x > 0}", cube, 1, 1),
     ] {
         let mesh = mesh_in(text, region, 5e-3);
         let (count, open) = euler(&mesh);

@@ -29,8 +29,22 @@ pub struct Choices {
     pub choice: Choice,
     /// A program whose surfaces are the parts.
     pub parts: Program,
-    /// The number of the first part that cuts the region.
+    /// The number of the first part that restricts the function or cuts the region.
     pub first_cut: usize,
+}
+
+impl Choice {
+    /// The greatest of some functions, at least one.
+    fn greatest(all: Vec<Self>) -> Self {
+        let mut flat: Vec<Self> = all
+            .into_iter()
+            .flat_map(|one| match one {
+                Self::Max(inner) => inner,
+                other => vec![other],
+            })
+            .collect();
+        if flat.len() == 1 { flat.remove(0) } else { Self::Max(flat) }
+    }
 }
 
 /// Nodes in place of numbers of parts.
@@ -178,8 +192,9 @@ fn cuts(graph: &mut Graph, region: &Region) -> Vec<NodeId> {
 
 impl Program {
     /// A surface's function as minima and maxima of parts. A function without minima and maxima, or
-    /// with too many parts, is one part. The plane and the ball of `region` are parts, too: the
-    /// choice is the greatest of the function and these.
+    /// with too many parts, is one part. The conditions that restrict an equation are made of parts,
+    /// too, and so are the plane and the ball of `region`. The choice is the greatest of the function
+    /// and these, which are at most 0 where the surface is.
     ///
     /// # Errors
     /// If a part is too large.
@@ -190,22 +205,38 @@ impl Program {
         let whole = self.simplified();
         let (mut graph, root) = whole.symbolic(surface);
         let is_choice = choices(&graph);
-        let mut choice = nodes(&mut graph, &is_choice, root, &mut { MOST_PARTS });
-        if choice.parts() > MOST_PARTS {
-            choice = Nodes::Part(root);
+        let (mut function, mut limits) = (root, Vec::new());
+        if !whole.solid[surface] {
+            while let Node::Apply(Op::WherePositive | Op::WhereNonneg, operands) =
+                graph.node(function)
+            {
+                limits.push(operands[1]);
+                function = operands[0];
+            }
+        }
+        let mut left = MOST_PARTS;
+        let mut choice = nodes(&mut graph, &is_choice, function, &mut left);
+        let mut limits: Vec<Nodes> = limits
+            .into_iter()
+            .map(|limit| nodes(&mut graph, &is_choice, limit, &mut left))
+            .collect();
+        let count = choice.parts() + limits.iter().map(Nodes::parts).sum::<usize>();
+        if count > MOST_PARTS {
+            (choice, limits) = (Nodes::Part(root), Vec::new());
         }
         let mut parts = Vec::new();
-        let mut choice = choice.numbered(&mut parts);
+        let choice = choice.numbered(&mut parts);
         let first_cut = parts.len();
-        parts.extend(cuts(&mut graph, region));
-        if parts.len() > first_cut {
-            let mut all = match choice {
-                Choice::Max(all) => all,
-                other => vec![other],
-            };
-            all.extend((first_cut..parts.len()).map(Choice::Part));
-            choice = Choice::Max(all);
+        let negated = |graph: &mut Graph, node: NodeId| graph.apply(Op::Neg, &[node]);
+        let mut all = vec![choice];
+        for limit in limits {
+            all.push(limit.map(&mut graph, true, &negated).numbered(&mut parts));
         }
+        for cut in cuts(&mut graph, region) {
+            all.push(Choice::Part(parts.len()));
+            parts.push(cut);
+        }
+        let choice = Choice::greatest(all);
         let assumptions = whole.assumptions.clone();
         let (simple, roots) =
             simplify(&graph, &parts, &assumptions.domain, &assumptions.parameters)?;
@@ -253,6 +284,24 @@ mod tests {
             let found = program.choices(0, &region).expect(text);
             let count = found.parts.roots().len();
             assert_eq!((found.choice, count, found.first_cut), (expected, parts, parts), "{text}");
+        }
+    }
+
+    #[test]
+    fn restrictions_are_parts_that_cut() {
+        use Choice::{Max, Min, Part};
+        let region = Region::new(DVec3::splat(-2.0), DVec3::splat(2.0)).expect("a region");
+        for (text, expected) in [
+            ("z = x*y {x^2+y^2 < 1}", Max(vec![Part(0), Part(1)])),
+            ("z = x*y {x > 0} {y >= x}", Max(vec![Part(0), Part(1), Part(2)])),
+            ("z = x*y {0 < x < 1}", Max(vec![Part(0), Part(1), Part(2)])),
+            ("min(x, y) = 0 {x < 1}", Max(vec![Min(vec![Part(0), Part(1)]), Part(2)])),
+        ] {
+            let document = read(text, &Options::default()).expect(text);
+            let program = Program::new(&document, view::bounds(&region)).expect(text);
+            let found = program.choices(0, &region).expect(text);
+            let own = 1 + usize::from(text.starts_with('m'));
+            assert_eq!((found.choice, found.first_cut), (expected, own), "{text}");
         }
     }
 
