@@ -6,6 +6,7 @@ use std::ops::RangeInclusive;
 use std::time::{Duration, Instant};
 use zeroset_interval::Interval;
 use zeroset_measure::{MeasureError, RELATIVE, measures};
+use zeroset_scene::view::Clipping;
 use zeroset_syntax::Document;
 
 /// Settings of measures, for [`Scene::measure`](crate::Scene::measure).
@@ -85,7 +86,8 @@ pub(crate) fn measured(
     }
     let (begun, budget) = (Instant::now(), settings.budget);
     let wanted = move || budget.is_none_or(|budget| begun.elapsed() < budget);
-    let found = measures(document, settings.domain.choice(), relative, &wanted);
+    let found =
+        measures(document, settings.domain.choice(), Clipping::default(), relative, &wanted);
     let found = found.map_err(|error| match error {
         MeasureError::Scene(error) => Error::scene(error),
         MeasureError::Unbounded { .. } => Error::argument(error),

@@ -8,6 +8,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use zeroset_export::{Format, Meshes, Object, meshes};
 use zeroset_render::atomic_file::AtomicFile;
+use zeroset_scene::view::Clipping;
 use zeroset_syntax::Document;
 
 /// Settings of a mesh, for [`Scene::mesh`](crate::Scene::mesh).
@@ -80,7 +81,8 @@ impl Mesh {
         }
         let begun = Instant::now();
         let wanted = move || budget.is_none_or(|budget| begun.elapsed() < budget);
-        let found = meshes(document, settings.domain.choice(), tolerance, &wanted);
+        let found =
+            meshes(document, settings.domain.choice(), Clipping::default(), tolerance, &wanted);
         let Some(Meshes { objects, tolerance, .. }) = found.map_err(Error::scene)? else {
             let seconds = budget.unwrap_or_default().as_secs_f64();
             return Err(Error::argument(format!("the mesh was not done within {seconds} s")));

@@ -516,3 +516,22 @@ fn mistakes_get_one_message_and_leave_no_file() {
         assert!(run.stdout.is_empty() && place.files().is_empty(), "{arguments:?}");
     }
 }
+
+/// At the prompt, what the picture shows is written and measured.
+#[test]
+fn the_prompt_writes_and_measures_surfaces() {
+    let place = Sandbox::new();
+    let lines =
+        b"x^2+y^2+z^2 <= 1\n:clip 0,0,1,0\n:mesh my part.ply 0.1\n:measure\n:mesh part.dxf\n";
+    let run = place.run_with(&["--preview"], lines);
+    let shown = String::from_utf8_lossy(&run.stdout).into_owned() + &run.stderr;
+    assert!(shown.contains("saved 'my part.ply'"), "{shown}");
+    assert!(shown.contains("closed; the shape is proven"), "{shown}");
+    // Half of a ball.
+    assert!(shown.contains("volume      2.09"), "{shown}");
+    assert!(shown.contains("part.dxf"), "{shown}");
+    let mesh = Read::ply(&std::fs::read(place.path("my part.ply")).expect("a file"));
+    assert_eq!(mesh.closed_euler(), 2);
+    assert!(mesh.vertices.iter().all(|vertex| vertex[2] < 1e-6));
+    assert!(!place.path("part.dxf").exists());
+}

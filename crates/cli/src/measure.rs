@@ -5,13 +5,15 @@ use super::output::print;
 use super::render::{budget, in_threads};
 use super::subject::{self, Subject};
 use super::{interrupt, notes};
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use serde_json::{Value, json};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use zeroset_interval::Interval;
+use zeroset_live::Rendering;
 use zeroset_measure::{MeasureError, Measured, Measures, RELATIVE, measures};
 use zeroset_render::limit::Limit;
+use zeroset_scene::view::Clipping;
 
 pub fn run(arguments: &MeasureArgs) -> Result<ExitCode> {
     let begun = Instant::now();
@@ -26,7 +28,7 @@ pub fn run(arguments: &MeasureArgs) -> Result<ExitCode> {
     subject.show_notes();
     let wanted = Limit { budget, begun: Some(begun), ..Limit::default() }.wanted();
     let found = in_threads(arguments.threads, || {
-        match measures(&subject.document, subject.domain, relative, &wanted) {
+        match measures(&subject.document, subject.domain, Clipping::default(), relative, &wanted) {
             Err(MeasureError::Unbounded { ends }) => bail!(
                 "the surface is not proven to be bounded, so its measures may be infinite: \
                  --domain={ends} measures the part in a box"
@@ -51,6 +53,17 @@ pub fn run(arguments: &MeasureArgs) -> Result<ExitCode> {
         print(&found.text(relative))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The measures of a picture's surfaces, as lines of text.
+///
+/// # Errors
+/// If the surfaces cannot be measured, or `wanted` returns false.
+pub fn of_picture(seen: &Rendering, wanted: &(dyn Fn() -> bool + Sync)) -> Result<String> {
+    let request = &seen.request;
+    let cut = Clipping { plane: request.clip, ..Clipping::default() };
+    let found = measures(&seen.document, request.domain, cut, RELATIVE, wanted)?;
+    Ok(found.context("not measured: the session has ended")?.text(RELATIVE))
 }
 
 /// The report that `--json` prints.

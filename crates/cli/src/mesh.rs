@@ -5,7 +5,7 @@ use super::output::{OutputFile, print};
 use super::render::{budget, in_threads};
 use super::subject::{self, Subject};
 use super::{UNDECIDED, interrupt, notes};
-use anyhow::{Result, bail, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use npyz::WriterBuilder;
 use serde_json::{Value, json};
 use std::io::{self, Write};
@@ -13,9 +13,12 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use zeroset_export::{FORMATS, Format, Meshes, Object, Unit, meshes};
+use zeroset_live::Rendering;
 use zeroset_mesh::{Mesh, Unproven};
 use zeroset_render::limit::Limit;
 use zeroset_scene::blank::Blank;
+use zeroset_scene::view::Clipping;
+use zeroset_syntax::Document;
 
 pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
     let begun = Instant::now();
@@ -31,7 +34,7 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
     subject.show_notes();
     let wanted = Limit { budget, begun: Some(begun), ..Limit::default() }.wanted();
     let found = in_threads(arguments.threads, || {
-        Ok(meshes(&subject.document, subject.domain, tolerance, &wanted)?)
+        Ok(meshes(&subject.document, subject.domain, Clipping::default(), tolerance, &wanted)?)
     })?;
     let Some(found) = found else {
         let seconds = budget.unwrap_or_default().as_secs_f64();
@@ -44,7 +47,7 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
         notes::note(&subject::describe_domain(&searched));
     }
     if found.is_empty() {
-        bail!("nothing to write: {}", why_empty(&found, &subject));
+        bail!("nothing to write: {}", why_empty(&found, &subject.document));
     }
     remark(&found, files.format());
     if arguments.unit.is_some() && !files.format().is_some_and(|format| format.has_unit) {
@@ -66,6 +69,34 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
     let is_proven = objects.iter().all(|object| is_shape_proven(object) && object.mesh.far == 0);
     let is_failed = arguments.strict && !is_proven;
     Ok(if is_failed { ExitCode::from(UNDECIDED) } else { ExitCode::SUCCESS })
+}
+
+/// Writes the surfaces of a picture to a file. Returns what is proven of them, as lines of text.
+///
+/// # Errors
+/// If the file cannot be written, nothing is there to write, or `wanted` returns false.
+pub fn of_picture(
+    seen: &Rendering,
+    to: &str,
+    tolerance: Option<f64>,
+    wanted: &(dyn Fn() -> bool + Sync),
+) -> Result<String> {
+    let path = Path::new(to);
+    let format = Format::of(path).map_err(anyhow::Error::msg)?;
+    let file = OutputFile::create(path)?;
+    let (request, document) = (&seen.request, &seen.document);
+    let cut = Clipping { plane: request.clip, ..Clipping::default() };
+    let found = meshes(document, request.domain, cut, tolerance, wanted)?;
+    let found = found.context("not written: the session has ended")?;
+    ensure!(!found.is_empty(), "nothing to write: {}", why_empty(&found, document));
+    file.finish(|out| format.write(&found.objects, None, out))?;
+    let mut text = format!("saved '{to}'");
+    for Object { name, mesh, .. } in &found.objects {
+        let name = if found.objects.len() > 1 { &**name } else { "" };
+        text += "\n";
+        text += &describe(name, mesh, found.tolerance);
+    }
+    Ok(text)
 }
 
 /// The files to write, opened before the work starts.
@@ -121,9 +152,9 @@ fn write_unproven(objects: &[Object], out: &mut dyn Write) -> io::Result<()> {
 }
 
 /// Says why no surface has a triangle.
-fn why_empty(found: &Meshes, subject: &Subject) -> String {
+fn why_empty(found: &Meshes, document: &Document) -> String {
     let Meshes { region, searched, is_undefined, .. } = found;
-    let blank = Blank::find(&subject.document, region, *is_undefined, *searched);
+    let blank = Blank::find(document, region, *is_undefined, *searched);
     let cells: usize = found.objects.iter().map(|object| object.mesh.cells).sum();
     match blank {
         Blank::Missed if cells > 0 => format!(

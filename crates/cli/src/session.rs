@@ -10,7 +10,7 @@ use super::render::{kernel_settings, with_effects};
 use super::source::{self, Source};
 use super::subject::{Subject, note_time};
 use super::watch::{Change, Watch};
-use super::{explain, notes, preview, tips};
+use super::{explain, measure, mesh, notes, preview, tips};
 use anyhow::{Context, Result};
 use std::ffi::OsStr;
 use std::fmt::Write as _;
@@ -18,7 +18,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
-use zeroset_live::{Axes, DocumentSource, Live, Refusal, Reply, Request};
+use zeroset_live::{Axes, DocumentSource, Live, Refusal, Rendering, Reply, Request};
 use zeroset_render::overlay::Overlay;
 use zeroset_render::picture::Settings;
 use zeroset_render::png_file::{check_png, write_png};
@@ -304,6 +304,10 @@ impl Session {
             Reply::Load(from) => self.load(&from),
             Reply::Save(to) => self.save(to.as_deref()),
             Reply::Png(to) => png(to),
+            Reply::Mesh { to, tolerance } => {
+                self.say_of_picture(|seen, wanted| mesh::of_picture(seen, &to, tolerance, wanted))
+            }
+            Reply::Measure => self.say_of_picture(measure::of_picture),
             Reply::Explain { code } => self.explain(code),
             Reply::Tips(wanted) => {
                 tips::switch(wanted);
@@ -408,6 +412,19 @@ impl Session {
         output
             .finish(|out| write_png(out, &rgb, size, &PictureOrigin::command(&command).chunks))?;
         self.say(&format!("saved '{name}'; the command that reproduces it:\n{command}"));
+        Ok(())
+    }
+
+    /// Waits for the picture, and says what is found out about its surfaces. The work is given up
+    /// when the session ends.
+    fn say_of_picture(
+        &self,
+        find_out: impl FnOnce(&Rendering, &(dyn Fn() -> bool + Sync)) -> Result<String>,
+    ) -> Result<()> {
+        let seen = self.live.finished(self.live.revision(), PATIENCE);
+        let seen = seen.context("there is no picture yet, or it was changed")?;
+        let text = find_out(&seen, &|| !self.has_ended())?;
+        self.say(text.trim_end());
         Ok(())
     }
 

@@ -49,10 +49,11 @@ pub struct Meshes {
 pub fn meshes(
     document: &Document,
     domain: DomainChoice,
+    cut: Clipping,
     tolerance: Option<f64>,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Meshes>, SceneError> {
-    let found = view::region_while(&mut None, document, domain, Clipping::default(), wanted)?;
+    let found = view::region_while(&mut None, document, domain, cut, wanted)?;
     let Some((region, searched)) = found else { return Ok(None) };
     let clock = Instant::now();
     let program = Program::new(document, zeroset_mesh::domain(&region))?;

@@ -109,6 +109,10 @@ const ROWS: &[CommandRow] = &[
         run: |_, to| Some(Ok(Reply::Save(given(to)))) },
     CommandRow { name: "png", arguments: "[FILE.png]", doc: "write the picture, and show the command that reproduces it",
         run: |_, to| Some(Ok(Reply::Png(given(to)))) },
+    CommandRow { name: "mesh", arguments: "FILE.stl|obj|ply|3mf|glb [TOLERANCE]", doc: "write the surfaces as triangles, with a proof of their shape",
+        run: |_, to| mesh(to).map(Ok) },
+    CommandRow { name: "measure", arguments: "", doc: "volume, centroid, inertia, area and shape of the surfaces",
+        run: |_, rest| rest.is_empty().then_some(Ok(Reply::Measure)) },
     CommandRow { name: "explain", arguments: "[code]", doc: "how the document was read, simplified and compiled",
         run: |_, what| matches!(what, "" | "code").then(|| Ok(Reply::Explain { code: !what.is_empty() })) },
     CommandRow { name: "status", arguments: "", doc: "what the picture shows and what it took",
@@ -118,6 +122,15 @@ const ROWS: &[CommandRow] = &[
     CommandRow { name: "quit", arguments: "", doc: "end",
         run: |_, rest| rest.is_empty().then_some(Ok(Reply::Quit)) },
 ];
+
+/// A file name, and a tolerance after it if the line ends in a number. `None` if the name is
+/// missing.
+fn mesh(line: &str) -> Option<Reply> {
+    let number = |text: &str| view::number(text).filter(|length| *length > 0.0);
+    let split = line.rsplit_once(' ').and_then(|(to, last)| Some((to.trim(), number(last)?)));
+    let (to, tolerance) = split.map_or((line, None), |(to, length)| (to, Some(length)));
+    Some(Reply::Mesh { to: given(to)?, tolerance })
+}
 
 impl Live {
     /// Previews a line that is being typed: draws the document as it would be after entering
@@ -305,6 +318,12 @@ mod tests {
         for (line, expected) in [
             (":save", Reply::Save(None)),
             (":png a.png", Reply::Png(Some("a.png".to_owned()))),
+            (":mesh a.stl", Reply::Mesh { to: "a.stl".to_owned(), tolerance: None }),
+            (
+                ":mesh my part.stl 1e-2",
+                Reply::Mesh { to: "my part.stl".to_owned(), tolerance: Some(0.01) },
+            ),
+            (":measure", Reply::Measure),
             (":explain", Reply::Explain { code: false }),
             (":explain code", Reply::Explain { code: true }),
             (":q", Reply::Quit),

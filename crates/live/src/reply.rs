@@ -18,6 +18,15 @@ pub enum Reply {
     Save(Option<String>),
     /// The caller should write the picture to this file. `None` is a file with a new name.
     Png(Option<String>),
+    /// The caller should write the surfaces as triangles to this file.
+    Mesh {
+        /// The file. Its extension names the format.
+        to: String,
+        /// Largest distance between triangles and surface, in world units.
+        tolerance: Option<f64>,
+    },
+    /// The caller should show the measures of the surfaces.
+    Measure,
     /// The caller should show tips, or stop showing them.
     Tips(bool),
     /// The caller should show how the document was read and compiled.

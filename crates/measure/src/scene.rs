@@ -61,13 +61,14 @@ pub enum MeasureError {
 pub fn measures(
     document: &Document,
     domain: DomainChoice,
+    cut: Clipping,
     relative: f64,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Measured>, MeasureError> {
     if document.surfaces.iter().all(|surface| surface.hidden) {
         return Err(MeasureError::Hidden);
     }
-    let found = view::region_while(&mut None, document, domain, Clipping::default(), wanted)?;
+    let found = view::region_while(&mut None, document, domain, cut, wanted)?;
     let Some((region, searched)) = found else { return Ok(None) };
     if let Some(found) = searched {
         if found.finding.is_empty() {
