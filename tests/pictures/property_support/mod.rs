@@ -77,7 +77,8 @@ pub fn claims(scene: &Scene, camera: &Camera, picture: &Picture) -> Vec<Pixel> {
         let line = Line { eye: ray.origin.to_array(), direction: ray.direction.to_array() };
         let buffer = &picture.buffer;
         let (distance, drawn) = (buffer.distance(index), buffer.drawn[index]);
-        assert!(drawn >= distance, "{scene}: painted at {drawn}, before {distance}");
+        let method = picture.method.name;
+        assert!(drawn >= distance, "{scene}, {method}: painted at {drawn}, before {distance}");
         let normal = buffer.normal[index];
         let is_number = !buffer.is_drawn(index) || normal.iter().all(|part| part.is_finite());
         assert!(is_number, "{scene}: {normal:?}");

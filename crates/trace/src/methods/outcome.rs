@@ -23,8 +23,10 @@ impl RayOutcome {
         let place = |s: f64| start + s;
         let middle = self.hit.map(|[near, far]| place(0.5 * (near + far)));
         if let Some((from, reason)) = self.open {
-            let drawn = self.likely.map(place).or(middle).unwrap_or(f64::INFINITY);
             let (status, distance) = (Status::Undecided, place(from));
+            // Before it, the ray is proven empty. A part that is examined later may begin there by a
+            // rounding.
+            let drawn = self.likely.map(place).or(middle).unwrap_or(f64::INFINITY).max(distance);
             return RayResult { status, distance, drawn, reason, ..RayResult::MISS };
         }
         let (Some([near, far]), Some(distance)) = (self.hit, middle) else {
