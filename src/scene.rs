@@ -113,8 +113,8 @@ impl Scene {
         Ok(Picture::new(rays, &region, rows, whole.map_err(Error::formula)?))
     }
 
-    /// Makes triangles of all surfaces that are not hidden, in the domain, as a ball or a clip plane
-    /// of the text cuts it.
+    /// Makes triangles of all surfaces that are not hidden, in the domain, as a ball or a clip
+    /// plane of the text cuts it.
     ///
     /// # Errors
     /// If a setting is out of range, the domain is impossible, or the time is over. If a formula is

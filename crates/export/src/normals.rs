@@ -86,7 +86,8 @@ struct Star {
     groups: Vec<usize>,
     /// The sum of each group's areas, at last by their weights.
     sums: Vec<DVec3>,
-    /// The two neighbors of the vertex in each triangle, each with the triangle's place in `groups`.
+    /// The two neighbors of the vertex in each triangle, each with the triangle's place in
+    /// `groups`.
     beside: Vec<(u32, usize)>,
 }
 

@@ -107,7 +107,7 @@ impl Moments {
             all.volume += volume;
             all.first += sum * (volume / 4.0);
             all.squares += pairs(|p| p);
-            // Of x·y, y·z and z·x, which are turned.
+            // The pairs are x·y, y·z and z·x. They are turned.
             all.products += next(pairs(next));
         }
         all

@@ -56,8 +56,8 @@ pub enum MeasureError {
 /// returns false.
 ///
 /// # Errors
-/// If the domain is not given and a surface is not proven bounded, if no surface is visible or has a
-/// point, or if a function is too large.
+/// If the domain is not given and a surface is not proven bounded, if no surface is visible or has
+/// a point, or if a function is too large.
 pub fn measures(
     document: &Document,
     domain: DomainChoice,

@@ -4,8 +4,8 @@ use crate::{Inertia, Measured, Measures};
 use std::fmt::Write;
 use zeroset_interval::Interval;
 
-/// The measures of one surface: a label of at most nine letters, and a value, as text. `relative` is
-/// the share that was asked for.
+/// The measures of one surface: a label of at most nine letters, and a value, as text. `relative`
+/// is the share that was asked for.
 fn rows(measures: &Measures, relative: f64) -> Vec<(&'static str, String)> {
     let mut rows = Vec::new();
     let point = |of: &[Interval; 3]| of.map(digits).join(", ");

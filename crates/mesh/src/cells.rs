@@ -38,7 +38,7 @@ impl<'a> PartKernels<'a> {
 pub struct Question<'a> {
     pub parts: &'a [PartKernels<'a>],
     pub space: &'a Space,
-    /// Whether the function's surface bounds a solid.
+    /// True if the function's surface bounds a solid.
     pub is_solid: bool,
     /// Where parts from this one on are 0, there is no surface. They cut it off where they are
     /// above 0.

@@ -51,8 +51,8 @@ pub struct Refined {
     pub failing: CornerSet,
 }
 
-/// Refines `grid` for a function. If it bounds a solid, tetrahedra inside of it stay at the boundary
-/// of the domain. Returns `None` once `wanted` returns false.
+/// Refines `grid` for a function. If it bounds a solid, tetrahedra inside of it stay at the
+/// boundary of the domain. Returns `None` once `wanted` returns false.
 pub fn refine(
     choice: &Choice,
     question: &Question<'_>,

@@ -192,9 +192,9 @@ fn cuts(graph: &mut Graph, region: &Region) -> Vec<NodeId> {
 
 impl Program {
     /// A surface's function as minima and maxima of parts. A function without minima and maxima, or
-    /// with too many parts, is one part. The conditions that restrict an equation are made of parts,
-    /// too, and so are the plane and the ball of `region`. The choice is the greatest of the function
-    /// and these, which are at most 0 where the surface is.
+    /// with too many parts, is one part. The conditions that restrict an equation are made of
+    /// parts, too, and so are the plane and the ball of `region`. The choice is the greatest of the
+    /// function and these, which are at most 0 where the surface is.
     ///
     /// # Errors
     /// If a part is too large.

@@ -88,8 +88,8 @@ impl Formula {
         }
     }
 
-    /// Returns a point of the region with as many digits as floats have. Bytes alike do not make its
-    /// coordinates alike.
+    /// Returns a point of the region with as many digits as floats have. Bytes alike do not make
+    /// its coordinates alike.
     pub fn point_anywhere(&self, rng: &mut Rng) -> [f64; 3] {
         const SHIFTS: [f64; 3] = [0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9];
         [0, 1, 2].map(|axis| {

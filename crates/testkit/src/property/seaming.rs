@@ -1,5 +1,5 @@
-//! What is rewritten before it is drawn, waves of angles and quotients, has the values and the zeros
-//! of what was typed.
+//! Waves of angles and quotients are rewritten before they are drawn. They keep the values and the
+//! zeros of what was typed.
 
 use super::scene::Formula;
 use crate::suite::{Failure, Tally, contradiction};

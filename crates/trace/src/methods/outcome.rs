@@ -24,8 +24,8 @@ impl RayOutcome {
         let middle = self.hit.map(|[near, far]| place(0.5 * (near + far)));
         if let Some((from, reason)) = self.open {
             let (status, distance) = (Status::Undecided, place(from));
-            // Before it, the ray is proven empty. A part that is examined later may begin there by a
-            // rounding.
+            // Before it, the ray is proven empty. A part that is examined later may begin there by
+            // a rounding.
             let drawn = self.likely.map(place).or(middle).unwrap_or(f64::INFINITY).max(distance);
             return RayResult { status, distance, drawn, reason, ..RayResult::MISS };
         }
