@@ -34,7 +34,7 @@ fn no_kernel_denies_a_certain_zero() {
 
 #[test]
 fn pictures_of_seams_claim_nothing_false() {
-    let effort = Effort::from_environment(0x5eed_0750, 300);
+    let effort = Effort::from_environment(0x5eed_0750, 60);
     let tally = attack(&|data| seam_pictures(data, &draw), &seeds("seam_pictures"), effort);
     println!("{tally:?}");
     assert!(tally.compared > 5 * effort.cases && tally.defined > effort.cases, "{tally:?}");

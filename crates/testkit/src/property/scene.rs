@@ -11,6 +11,9 @@ use zeroset_ir::{Axis, Constant, Graph, NodeId};
 use zeroset_ops::{Notation, Op, TABLE};
 use zeroset_syntax::{Document, Options, Surface, SurfaceKind, read};
 
+/// Numbers that are in no simple relation.
+const SHIFTS: [f64; 3] = [0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9];
+
 /// A text with surfaces, and the bounded region in which they are drawn.
 #[derive(Clone, Debug)]
 pub struct Formula {
@@ -91,7 +94,6 @@ impl Formula {
     /// Returns a point of the region with as many digits as floats have. Bytes alike do not make
     /// its coordinates alike.
     pub fn point_anywhere(&self, rng: &mut Rng) -> [f64; 3] {
-        const SHIFTS: [f64; 3] = [0.819_172_513_4, 0.671_043_606_7, 0.549_700_477_9];
         [0, 1, 2].map(|axis| {
             let [low, high] = self.region[axis];
             low + (high - low) * (f64::uniform(rng) + SHIFTS[axis]).fract()
@@ -268,23 +270,32 @@ impl Scene {
         /// Greatest number of operations in a formula.
         const LARGEST: u32 = 10;
         let formula = Formula::random(rng, LARGEST)?;
-        Some(Self::viewed(formula, rng, true))
+        Some(Self::viewed(formula, rng, false))
     }
 
     /// Returns a small scene with [seams](Formula::seamed), or `None` if its formula is refused.
     /// The camera may be invalid.
     pub fn seamed(rng: &mut Rng) -> Option<Self> {
         let formula = Formula::seamed(rng)?;
-        Some(Self::viewed(formula, rng, false))
+        Some(Self::viewed(formula, rng, true))
     }
 
-    /// Returns a view of a formula. If `fills`, some become solids.
-    fn viewed(formula: Formula, rng: &mut Rng, fills: bool) -> Self {
+    /// Returns a view of a formula. If it is not `seamed`, it may become a solid. No ray lies in the
+    /// gaps of a seamed solid, which a picture fills: the eye is beside them.
+    fn viewed(formula: Formula, rng: &mut Rng, seamed: bool) -> Self {
         /// Greatest number of pixels on a side.
         const WIDEST: u32 = 6;
         /// Greatest depth. Deeper pictures would cost a fuzzer too much time.
         const DEEPEST: u32 = 12;
-        let eye = random_eye(rng, &formula.region);
+        let solid = |surface: &Surface| surface.kind == SurfaceKind::Solid;
+        let gapped = seamed && formula.document.surfaces.iter().any(solid);
+        let mut eye = random_eye(rng, &formula.region);
+        if gapped {
+            for (axis, shift) in SHIFTS.into_iter().enumerate() {
+                let [low, high] = formula.region[axis];
+                eye[axis] += (high - low) * shift / 64.0;
+            }
+        }
         let target = formula.random_target(rng);
         let up = [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 2.0, -1.0]][rng.u32(0..3) as usize];
         let extent = formula.region.iter().map(|[low, high]| high - low).fold(0.0, f64::max);
@@ -298,10 +309,10 @@ impl Scene {
         // The number is not used. Without this draw, saved seeds would give other scenes.
         rng.u32(0..3);
         let precision = if rng.bool() { "f64" } else { "auto" };
-        let formula = if fills && rng.u32(0..4) == 0 { formula.filled() } else { formula };
+        let formula = if !seamed && rng.u32(0..4) == 0 { formula.filled() } else { formula };
         let tolerance = 0.5;
         let mut scene = Self { formula, eye, target, up, fov, size, depth, tolerance, precision };
-        if rng.u32(0..4) == 1 {
+        if rng.u32(0..4) == 1 && !gapped {
             scene.make_extreme(rng);
         }
         scene
