@@ -280,8 +280,8 @@ impl Scene {
         Some(Self::viewed(formula, rng, true))
     }
 
-    /// Returns a view of a formula. If it is not `seamed`, it may become a solid. No ray lies in the
-    /// gaps of a seamed solid, which a picture fills: the eye is beside them.
+    /// Returns a view of a formula. If it is not `seamed`, it may become a solid. No ray lies in
+    /// the gaps of a seamed solid, which a picture fills: the eye is beside them.
     fn viewed(formula: Formula, rng: &mut Rng, seamed: bool) -> Self {
         /// Greatest number of pixels on a side.
         const WIDEST: u32 = 6;
