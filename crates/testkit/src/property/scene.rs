@@ -64,8 +64,8 @@ impl Formula {
         (document.surfaces.len() == 1).then_some(Self { text, document, region, aim })
     }
 
-    /// Returns a formula with [seams](random_seam), mostly with a zero at a point of the region.
-    /// `None` if the text is refused, as one without a coordinate is.
+    /// Returns a formula with seams (jumps, quotients and waves of angles), mostly with a zero at a
+    /// point of the region. `None` if the text is refused, as one without a coordinate is.
     pub fn seamed(rng: &mut Rng) -> Option<Self> {
         let seam = random_seam(rng);
         let region = random_region(rng);
