@@ -3,9 +3,10 @@
 use crate::error::Error;
 use crate::settings::Domain;
 use std::ops::RangeInclusive;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use zeroset_interval::Interval;
 use zeroset_measure::{MeasureError, RELATIVE, measures};
+use zeroset_render::limit::Limit;
 use zeroset_scene::view::Clipping;
 use zeroset_syntax::Document;
 
@@ -72,7 +73,7 @@ pub struct Measures {
     pub area_change: f64,
     /// The genus of each piece of a mesh, or `None` for one with a rim.
     pub genus: Vec<Option<u32>>,
-    /// Whether the surface is proven to have the pieces of the mesh.
+    /// True if the surface is proven to have the pieces of the mesh.
     pub is_shape_proven: bool,
 }
 
@@ -84,13 +85,15 @@ pub(crate) fn measured(
     if !(relative > 0.0 && relative.is_finite()) {
         return Err(Error::argument("relative must be a finite number above 0"));
     }
-    let (begun, budget) = (Instant::now(), settings.budget);
-    let wanted = move || budget.is_none_or(|budget| begun.elapsed() < budget);
+    let budget = settings.budget;
+    let wanted = Limit { budget, ..Limit::default() }.wanted();
     let found =
         measures(document, settings.domain.choice(), Clipping::default(), relative, &wanted);
     let found = found.map_err(|error| match error {
         MeasureError::Scene(error) => Error::scene(error),
-        MeasureError::Unbounded { .. } => Error::argument(error),
+        MeasureError::Unbounded { .. } => {
+            Error::argument(error.advise(&|ends| format!("the domain {ends}")))
+        }
         error => Error::formula(error),
     })?;
     let Some(found) = found else {

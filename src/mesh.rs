@@ -5,9 +5,10 @@ use crate::settings::Domain;
 use glam::DVec3;
 use std::ops::RangeInclusive;
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use zeroset_export::{Format, Meshes, Object, meshes};
 use zeroset_render::atomic_file::AtomicFile;
+use zeroset_render::limit::Limit;
 use zeroset_scene::view::Clipping;
 use zeroset_syntax::Document;
 
@@ -79,8 +80,7 @@ impl Mesh {
         if !tolerance.is_none_or(|tolerance| tolerance > 0.0 && tolerance.is_finite()) {
             return Err(Error::argument("tolerance must be a finite length above 0"));
         }
-        let begun = Instant::now();
-        let wanted = move || budget.is_none_or(|budget| begun.elapsed() < budget);
+        let wanted = Limit { budget, ..Limit::default() }.wanted();
         let found =
             meshes(document, settings.domain.choice(), Clipping::default(), tolerance, &wanted);
         let Some(Meshes { objects, tolerance, .. }) = found.map_err(Error::scene)? else {

@@ -13,7 +13,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 use zeroset_render::limit::StopFlag;
 
-/// How long the second Ctrl-C waits for files to get their names.
+/// Time that the second Ctrl-C waits for files to get their names.
 const PATIENCE: Duration = Duration::from_secs(1);
 /// Time between two looks at whether they have them.
 const WAIT: Duration = Duration::from_millis(5);
@@ -22,7 +22,7 @@ static STATE: Mutex<State> = Mutex::new(State { remark: String::new(), draws: fa
 static ASKED: AtomicBool = AtomicBool::new(false);
 
 struct State {
-    /// What the process leaves behind if it ends now.
+    /// Tells of the files that are left behind if the process ends now.
     remark: String,
     /// Set while a picture is drawn.
     draws: bool,
@@ -53,13 +53,7 @@ pub fn draws() {
 
 /// Puts the end off until the guard is dropped. A first Ctrl-C in between only sets [`asked`].
 pub fn hold() -> impl Drop {
-    Hold(state())
-}
-
-struct Hold(#[allow(dead_code, reason = "it is a lock")] MutexGuard<'static, State>);
-
-impl Drop for Hold {
-    fn drop(&mut self) {}
+    state()
 }
 
 /// The flag that Ctrl-C sets.

@@ -5,13 +5,13 @@ use super::output::print;
 use super::render::{budget, in_threads};
 use super::subject::{self, Subject};
 use super::{interrupt, notes};
-use anyhow::{Context, Result, bail, ensure};
+use anyhow::{Context, Result, anyhow, bail, ensure};
 use serde_json::{Value, json};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use zeroset_interval::Interval;
 use zeroset_live::Rendering;
-use zeroset_measure::{MeasureError, Measured, Measures, RELATIVE, measures};
+use zeroset_measure::{Measured, Measures, RELATIVE, measures};
 use zeroset_render::limit::Limit;
 use zeroset_scene::view::Clipping;
 
@@ -28,13 +28,9 @@ pub fn run(arguments: &MeasureArgs) -> Result<ExitCode> {
     subject.show_notes();
     let wanted = Limit { budget, begun: Some(begun), ..Limit::default() }.wanted();
     let found = in_threads(arguments.threads, || {
-        match measures(&subject.document, subject.domain, Clipping::default(), relative, &wanted) {
-            Err(MeasureError::Unbounded { ends }) => bail!(
-                "the surface is not proven to be bounded, so its measures may be infinite: \
-                 --domain={ends} measures the part in a box"
-            ),
-            found => Ok(found?),
-        }
+        let (document, cut) = (&subject.document, Clipping::default());
+        measures(document, subject.domain, cut, relative, &wanted)
+            .map_err(|error| anyhow!(error.advise(&|ends| format!("--domain={ends}"))))
     })?;
     let Some(found) = found else {
         let seconds = budget.unwrap_or_default().as_secs_f64();
@@ -62,7 +58,8 @@ pub fn run(arguments: &MeasureArgs) -> Result<ExitCode> {
 pub fn of_picture(seen: &Rendering, wanted: &(dyn Fn() -> bool + Sync)) -> Result<String> {
     let request = &seen.request;
     let cut = Clipping { plane: request.clip, ..Clipping::default() };
-    let found = measures(&seen.document, request.domain, cut, RELATIVE, wanted)?;
+    let found = measures(&seen.document, request.domain, cut, RELATIVE, wanted)
+        .map_err(|error| anyhow!(error.advise(&|ends| format!(":domain {ends}"))))?;
     Ok(found.context("not measured: the session has ended")?.text(RELATIVE))
 }
 

@@ -49,7 +49,7 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
     if found.is_empty() {
         bail!("nothing to write: {}", why_empty(&found, &subject.document));
     }
-    remark(&found, files.format());
+    remarks(&found, files.format()).iter().for_each(|remark| notes::note(remark));
     if arguments.unit.is_some() && !files.format().is_some_and(|format| format.has_unit) {
         notes::note(&format!("--unit changes nothing: only {} have units", listed(|f| f.has_unit)));
     }
@@ -61,10 +61,7 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
     if arguments.json {
         print(&format!("{}\n", report(&found, &subject, clock.elapsed())))?;
     } else {
-        for object in objects.iter().filter(|object| !object.mesh.triangles.is_empty()) {
-            let name = if objects.len() > 1 { &*object.name } else { "" };
-            notes::say(&describe(name, &object.mesh, found.tolerance));
-        }
+        lines(&found).for_each(|line| notes::say(&line));
     }
     let is_proven = objects.iter().all(|object| is_shape_proven(object) && object.mesh.far == 0);
     let is_failed = arguments.strict && !is_proven;
@@ -90,13 +87,9 @@ pub fn of_picture(
     let found = found.context("not written: the session has ended")?;
     ensure!(!found.is_empty(), "nothing to write: {}", why_empty(&found, document));
     file.finish(|out| format.write(&found.objects, None, out))?;
-    let mut text = format!("saved '{to}'");
-    for Object { name, mesh, .. } in &found.objects {
-        let name = if found.objects.len() > 1 { &**name } else { "" };
-        text += "\n";
-        text += &describe(name, mesh, found.tolerance);
-    }
-    Ok(text)
+    let remarks = remarks(&found, Some(format)).into_iter().map(|remark| format!("note: {remark}"));
+    let saved = std::iter::once(format!("saved '{to}'"));
+    Ok(saved.chain(remarks).chain(lines(&found)).collect::<Vec<_>>().join("\n"))
 }
 
 /// The files to write, opened before the work starts.
@@ -166,17 +159,17 @@ fn why_empty(found: &Meshes, document: &Document) -> String {
     }
 }
 
-/// Notes what the files do not hold.
-fn remark(found: &Meshes, format: Option<&Format>) {
-    found.remarks.iter().for_each(|remark| notes::note(remark));
+/// Tells what the files do not hold.
+fn remarks(found: &Meshes, format: Option<&Format>) -> Vec<String> {
+    let mut remarks = found.remarks.clone();
     for Object { name, mesh, .. } in &found.objects {
         if mesh.triangles.is_empty() {
-            notes::note(&format!("`{name}` has no triangle in this domain"));
+            remarks.push(format!("`{name}` has no triangle in this domain"));
         }
     }
-    let Some(format) = format else { return };
+    let Some(format) = format else { return remarks };
     if found.objects.len() > 1 && !format.has_objects {
-        notes::note(&format!(
+        remarks.push(format!(
             "{} keeps no surfaces apart: {} are one object here, and {} keep them apart",
             format.name,
             found.objects.len(),
@@ -186,12 +179,13 @@ fn remark(found: &Meshes, format: Option<&Format>) {
     let largest = found.region.low().abs().max(found.region.high().abs()).max_element();
     let rounding = largest * f64::from(f32::EPSILON) / 2.0;
     if format.is_single && rounding > ROUNDING * found.tolerance {
-        notes::note(&format!(
+        remarks.push(format!(
             "{} rounds coordinates, by up to {rounding:.1e} here: formats with more digits do \
              not",
             format.name
         ));
     }
+    remarks
 }
 
 /// The report that `--json` prints.
@@ -245,6 +239,15 @@ const ROUNDING: f64 = 0.01;
 
 fn is_shape_proven(object: &Object) -> bool {
     object.mesh.unproven.is_empty()
+}
+
+/// One line for each surface that has triangles.
+fn lines(found: &Meshes) -> impl Iterator<Item = String> {
+    let objects = found.objects.iter().filter(|object| !object.mesh.triangles.is_empty());
+    objects.map(|object| {
+        let name = if found.objects.len() > 1 { &*object.name } else { "" };
+        describe(name, &object.mesh, found.tolerance)
+    })
 }
 
 /// Says in one line how large a mesh is, and what is proven of it.

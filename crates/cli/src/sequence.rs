@@ -324,8 +324,8 @@ impl<'a> FrameRenderer<'a> {
         Ok((camera, picture))
     }
 
-    /// Writes each frame to its own files. Of `of` shards, numbered from 0, the one with the number
-    /// `shard` renders every `of`-th frame, beginning with frame `shard`.
+    /// Writes each frame to its own files. There are `of` shards, numbered from 0. The one with the
+    /// number `shard` renders every `of`-th frame, beginning with frame `shard`.
     fn files(
         mut self,
         wanted: &OutputArgs,

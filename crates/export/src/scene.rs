@@ -67,7 +67,7 @@ pub fn meshes(
         let is_solid = program.is_solid(number);
         let options = Options { region, tolerance, is_solid, most_cells: MOST_CELLS };
         let Some(mesh) = mesh(&program, number, &options, wanted)? else { return Ok(None) };
-        let name = surface.echo.split_whitespace().collect::<Vec<_>>().join(" ");
+        let name = surface.line();
         objects.push(Object { name, mesh, color: Color::of(number, surface) });
         surfaces.push(number);
     }

@@ -2,7 +2,7 @@
 //! the same `f64`. The core specification is version 1.3, the materials extension 1.2.1.
 
 use crate::color::Color;
-use crate::format::Unit;
+use crate::format::{Unit, triangles};
 use crate::scene::Object;
 use glam::DVec3;
 use rustc_hash::FxHashMap;
@@ -31,8 +31,7 @@ pub fn write(objects: &[&Object], unit: Option<&Unit>, out: &mut dyn Write) -> i
     let unit = unit.map_or("millimeter", |unit| unit.name);
     // Readers want sizes before contents, so the archive is written before the output.
     let mut archive = ZipWriter::new(Cursor::new(Vec::new()));
-    let triangles: usize = objects.iter().map(|object| object.mesh.triangles.len()).sum();
-    let is_large = triangles as u64 * MOST_BYTES > u64::from(u32::MAX);
+    let is_large = triangles(objects) as u64 * MOST_BYTES > u64::from(u32::MAX);
     let options = SimpleFileOptions::default().large_file(is_large);
     for (name, text) in [("[Content_Types].xml", CONTENT_TYPES), ("_rels/.rels", RELATIONSHIPS)] {
         archive.start_file(name, options)?;

@@ -121,6 +121,19 @@ impl Moments {
         products: DVec3::ZERO,
     };
 
+    /// Bounds of the integrals over a box with these half extents, in which no coordinate exceeds
+    /// `reach`.
+    pub fn most(reach: DVec3, half: DVec3) -> Self {
+        let volume = 8.0 * half.x * half.y * half.z;
+        let products = next(reach) * next(next(reach));
+        Self {
+            volume,
+            first: volume * reach,
+            squares: volume * reach * reach,
+            products: volume * products,
+        }
+    }
+
     /// The integrals in coordinates that are `middle + half · p` of the cube's.
     pub fn moved(&self, middle: DVec3, half: DVec3) -> Self {
         let scale = half.x * half.y * half.z;

@@ -63,8 +63,7 @@ pub fn measure(
 ) -> Result<Option<Measures>, ProgramError> {
     let is_solid = program.is_solid(surface);
     let solid = if is_solid {
-        let kernels = program.kernels::<f64>(surface);
-        let kernels = SolidKernels { bounds: kernels.bounds()?, tiles: kernels.tiles()? };
+        let kernels = SolidKernels::of(program, surface)?;
         let Some(solid) = solid(&kernels, region, relative, wanted) else { return Ok(None) };
         Some(solid)
     } else {

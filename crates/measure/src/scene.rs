@@ -36,10 +36,7 @@ pub enum MeasureError {
     #[error(transparent)]
     Program(#[from] ProgramError),
     /// A surface may reach beyond any box.
-    #[error(
-        "the surface is not proven to be bounded, so its measures may be infinite: the domain \
-         {ends} would measure the part in a box"
-    )]
+    #[error("the surface is not proven to be bounded, so its measures may be infinite")]
     Unbounded {
         /// A domain as six numbers with commas between.
         ends: String,
@@ -52,12 +49,25 @@ pub enum MeasureError {
     Hidden,
 }
 
+impl MeasureError {
+    /// The message, with advice if there is any. `domain` turns bounds of x, y and z into the text
+    /// that sets them.
+    pub fn advise(&self, domain: &dyn Fn(&str) -> String) -> String {
+        match self {
+            Self::Unbounded { ends } => {
+                format!("{self}: {} measures the part in a box", domain(ends))
+            }
+            _ => self.to_string(),
+        }
+    }
+}
+
 /// Measures all visible surfaces of a document, as [`measure`] does. Returns `None` once `wanted`
 /// returns false.
 ///
 /// # Errors
-/// If the domain is not given and a surface is not proven bounded, if no surface is visible or has
-/// a point, or if a function is too large.
+/// If the domain is not given and a surface is not proven bounded. If no surface is visible or has
+/// a point, or a function is too large.
 pub fn measures(
     document: &Document,
     domain: DomainChoice,
@@ -92,7 +102,7 @@ pub fn measures(
         let Some(measures) = measure(&program, number, &region, relative, wanted)? else {
             return Ok(None);
         };
-        let name = surface.echo.split_whitespace().collect::<Vec<_>>().join(" ");
+        let name = surface.line();
         surfaces.push((name, measures));
     }
     let (remarks, measure) = (program.remarks(document), clock.elapsed());

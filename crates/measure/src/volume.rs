@@ -8,12 +8,13 @@
 use crate::clip::{Moments, Strip, clip, cube};
 use glam::DVec3;
 use rayon::prelude::*;
-use zeroset_eval::{Boxes, ContractTiles, Enclose, Enclosures, Kernel, LANES, Planes};
+use zeroset_eval::{Boxes, ContractTiles, Enclose, Enclosures, Kernel, KernelError, LANES, Planes};
 use zeroset_interval::Interval;
+use zeroset_scene::program::Program;
 use zeroset_space::{Cell, Region, tiles_of};
 
-/// Share of a box's integrals by which rounding may change them, and of a number that stands for a
-/// coordinate in a box.
+/// Share of a whole box's integrals by which rounding may change those of a part, and of a number
+/// that stands for a coordinate in a box.
 const ROUNDING: f64 = 1e-13;
 /// Largest number of cut boxes.
 const MOST_BOXES: usize = 1_000_000;
@@ -28,6 +29,24 @@ pub struct SolidKernels<'a> {
     pub bounds: &'a dyn Kernel<Enclose, f64>,
     /// Approximates the function.
     pub tiles: &'a dyn Kernel<ContractTiles, f64>,
+    /// Whether the solid holds the points at which the function is 0: all of them, none, or not
+    /// known. The function may be 0 in whole boxes.
+    pub holds_zeros: Option<bool>,
+}
+
+impl<'a> SolidKernels<'a> {
+    /// The kernels of a program's surface.
+    ///
+    /// # Errors
+    /// If a kernel is not available.
+    ///
+    /// # Panics
+    /// If there is no such surface.
+    pub fn of(program: &'a Program, surface: usize) -> Result<Self, KernelError> {
+        let kernels = program.kernels::<f64>(surface);
+        let (bounds, tiles) = (kernels.bounds()?, kernels.tiles()?);
+        Ok(Self { bounds, tiles, holds_zeros: program.holds_zeros(surface) })
+    }
 }
 
 /// Integrals over a solid, and its bounding box, each between two bounds.
@@ -63,6 +82,8 @@ struct Part {
     /// proven.
     inner: Option<[DVec3; 2]>,
     outer: [DVec3; 2],
+    /// Bounds of the integrals' sizes over the whole box.
+    size: Moments,
 }
 
 impl Part {
@@ -145,8 +166,13 @@ fn parts(kernels: &SolidKernels<'_>, region: &Region, cells: &[Cell], origin: DV
     let mut bounds = Enclosures::<f64>::default();
     kernels.bounds.eval(&Boxes::around(&boxes)[0], &mut bounds);
     let is = |mask: u16, lane: usize| mask >> lane & 1 == 1;
-    let is_outside = |lane: usize| bounds.neg_lo[lane] < 0.0 || is(bounds.nowhere, lane);
-    let is_inside = |lane: usize| bounds.hi[lane] < 0.0 && is(bounds.defined, lane);
+    let (may_hold, may_lack) =
+        (kernels.holds_zeros != Some(false), kernels.holds_zeros != Some(true));
+    let is_positive =
+        |lane: usize| bounds.neg_lo[lane] < 0.0 || bounds.neg_lo[lane] <= 0.0 && !may_hold;
+    let is_negative = |lane: usize| bounds.hi[lane] < 0.0 || bounds.hi[lane] <= 0.0 && !may_lack;
+    let is_outside = |lane: usize| is_positive(lane) || is(bounds.nowhere, lane);
+    let is_inside = |lane: usize| is_negative(lane) && is(bounds.defined, lane);
     let mut planes = Planes::<f64>::default();
     if (0..cells.len()).any(|lane| !is_outside(lane) && !is_inside(lane)) {
         kernels.tiles.eval(&tiles_of(cells), &mut planes);
@@ -190,9 +216,11 @@ impl Frame {
         Self { middle: 0.5 * (low + high), half, origin, rounding }
     }
 
-    /// The strip with the rounding of the box's coordinates and of the strip's values.
+    /// The strip with the rounding of the box's coordinates and of the strip's values. It is never
+    /// without width: a function that is 0 has no proven sign.
     fn rounded(&self, strip: Strip) -> Strip {
-        let slack = strip.slope.abs().dot(self.rounding) + ROUNDING * strip.value.abs();
+        let slack =
+            strip.slope.abs().dot(self.rounding) + ROUNDING * strip.value.abs() + f64::MIN_POSITIVE;
         Strip { error: strip.error + slack, ..strip }
     }
 
@@ -230,8 +258,12 @@ impl Frame {
             let high = corners.iter().copied().reduce(DVec3::max)?;
             Some([low, high].map(|corner| self.middle + self.half * corner))
         };
-        let part =
-            Part { moments: [sure, all].map(moved), inner: hull(&inner), outer: hull(&outer)? };
+        let part = Part {
+            moments: [sure, all].map(moved),
+            inner: hull(&inner),
+            outer: hull(&outer)?,
+            size: Moments::most((self.middle - self.origin).abs() + self.half, self.half),
+        };
         Some((part, is_cut))
     }
 }
@@ -291,10 +323,10 @@ impl Sums {
             sum.squares += squares[k];
             sum.products += products[k];
         }
-        self.size.volume += most.volume;
-        self.size.first += most.first.abs().max(least.first.abs());
-        self.size.squares += squares[1];
-        self.size.products += most.products.abs().max(least.products.abs());
+        self.size.volume += part.size.volume;
+        self.size.first += part.size.first;
+        self.size.squares += part.size.squares;
+        self.size.products += part.size.products;
         let around = |all: Option<[DVec3; 2]>, new: [DVec3; 2]| {
             Some(all.map_or(new, |[low, high]| [low.min(new[0]), high.max(new[1])]))
         };

@@ -16,11 +16,7 @@ fn measured(text: &str, region: &Region, relative: f64) -> Solid {
     let domain = zeroset_scene::view::bounds(region);
     let program = Program::new(&document, domain).expect(text);
     assert!(program.is_solid(0), "{text}");
-    let kernels = program.kernels::<f64>(0);
-    let kernels = SolidKernels {
-        bounds: kernels.bounds().expect("a kernel"),
-        tiles: kernels.tiles().expect("a kernel"),
-    };
+    let kernels = SolidKernels::of(&program, 0).expect("kernels");
     solid(&kernels, region, relative, &|| true).expect("wanted")
 }
 
@@ -127,6 +123,25 @@ fn what_is_undefined_has_no_volume() {
     }
     let nothing = measured("x^2+y^2+z^2 <= -1", &cube(1.0), 1e-3);
     assert!(nothing.volume.hi < 1e-9 && nothing.inertia().is_none() && nothing.low.is_none());
+}
+
+/// A function may be 0 in whole boxes. Whether the solid holds these is for its condition to say.
+#[test]
+fn a_function_that_is_zero_in_boxes_proves_no_more_than_its_condition() {
+    for (text, volume, width) in [
+        ("floor(x) < 0", 4.0, 0.2),
+        ("floor(x) <= 0", 8.0, 0.4),
+        ("max(x, 0) <= 0", 4.0, 0.2),
+        ("max(x, 0) < 0", 0.0, 0.2),
+        ("x*0 + floor(y/4) >= 0", 4.0, 0.2),
+        ("x*0 + floor(y/4) > 0", 0.0, 0.2),
+        // Its zeros belong to one half of the condition only, so those boxes stay undecided.
+        ("floor(x) < 0 or floor(y) <= 0 and x > 2", 4.0, 4.1),
+    ] {
+        let found = measured(text, &cube(1.0), 5e-2);
+        println!("{text}: {:?}, {} boxes", found.volume, found.boxes);
+        assert_in(volume, found.volume, width, text);
+    }
 }
 
 /// Random unions, intersections and differences. Points at random estimate the volume.

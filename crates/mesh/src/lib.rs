@@ -75,7 +75,7 @@ pub struct Options {
 pub const MOST_CELLS: usize = 1_500_000;
 
 /// The box in which a program must be valid for a mesh in a region. A ball may touch faces of the
-/// region's box. Where it does, the box is larger, since the shape of what touches a face is not
+/// region's box. There the box is larger, since the shape of a surface that touches a face is not
 /// proven.
 pub fn domain(region: &Region) -> [Interval; 3] {
     let touches = |axis: usize| {

@@ -4,7 +4,7 @@ use std::ptr;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Limits of work. By default there are none.
+/// Limits of work. The default is to go on to the end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Limit {
     /// Time that the work may take.
@@ -20,7 +20,7 @@ pub struct Limit {
 pub struct StopFlag(pub &'static AtomicBool);
 
 impl PartialEq for StopFlag {
-    /// Whether both are the same flag.
+    /// Returns whether both are the same flag.
     fn eq(&self, other: &Self) -> bool {
         ptr::eq(self.0, other.0)
     }

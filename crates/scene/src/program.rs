@@ -156,6 +156,15 @@ impl Program {
         Some(program.check(document).map(|()| program))
     }
 
+    /// Returns whether a solid holds the points at which its function is 0. `None` if that is not
+    /// known, or differs from point to point.
+    ///
+    /// # Panics
+    /// If there is no such surface.
+    pub fn holds_zeros(&self, surface: usize) -> Option<bool> {
+        self.simplified().holds_zeros[surface]
+    }
+
     /// Returns whether the code is valid for `document`. The document may differ from the program's
     /// own document only in parameter values, and only within the assumed bounds.
     pub fn serves(&self, document: &Document) -> bool {

@@ -94,6 +94,13 @@ pub struct Surface {
     pub hidden: bool,
 }
 
+impl Surface {
+    /// The statement as it was read, in one line.
+    pub fn line(&self) -> String {
+        self.echo.split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+}
+
 /// Kind of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfaceKind {
