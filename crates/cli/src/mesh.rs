@@ -49,7 +49,9 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
     if found.is_empty() {
         bail!("nothing to write: {}", why_empty(&found, &subject.document));
     }
-    remarks(&found, files.format()).iter().for_each(|remark| notes::note(remark));
+    for remark in remarks(&found, files.format()) {
+        notes::note(&remark);
+    }
     if arguments.unit.is_some() && !files.format().is_some_and(|format| format.has_unit) {
         notes::note(&format!("--unit changes nothing: only {} have units", listed(|f| f.has_unit)));
     }
