@@ -5,6 +5,7 @@
 
 mod knoll2007;
 mod measure;
+mod meshes;
 mod ours;
 mod parts;
 mod reference;
@@ -20,6 +21,7 @@ use clap::{Parser, Subcommand};
 use fidget::jit::JitFunction;
 use knoll2007::{Knoll2007, PACKET_WIDTHS};
 use measure::measure;
+use meshes::MeshesArguments;
 use ours::ZerosetSide;
 use parts::PartsArguments;
 use reference::{Entries, Reference};
@@ -80,6 +82,8 @@ struct Arguments {
 enum Run {
     /// Compare zeroset with fidget on models of many parts, on one thread
     Parts(PartsArguments),
+    /// Compare zeroset's meshes with fidget's, on one thread
+    Meshes(MeshesArguments),
 }
 
 fn names(names: impl Iterator<Item = &'static str>) -> PossibleValuesParser {
@@ -155,8 +159,10 @@ const ENTRIES: usize = 64;
 
 fn main() -> Result<()> {
     let arguments = Arguments::parse();
-    if let Some(Run::Parts(arguments)) = &arguments.run {
-        return parts::run(arguments);
+    match &arguments.run {
+        Some(Run::Parts(arguments)) => return parts::run(arguments),
+        Some(Run::Meshes(arguments)) => return meshes::run(arguments),
+        None => {}
     }
     let threads = arguments.threads as usize;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;

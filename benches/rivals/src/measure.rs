@@ -33,8 +33,8 @@ pub fn measure(sides: &mut [Box<dyn Side + Send>], rounds: usize) -> Result<Vec<
 ///
 /// # Errors
 /// If a renderer cannot draw.
-pub fn measure_within(
-    sides: &mut [Box<dyn Side + Send>],
+pub fn measure_within<'a>(
+    sides: &mut [Box<dyn Side + Send + 'a>],
     rounds: usize,
     most: f64,
 ) -> Result<Vec<Times>> {

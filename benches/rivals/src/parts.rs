@@ -1,7 +1,7 @@
 //! zeroset beside fidget on models of many parts: time against the number of parts, and ratios on
 //! larger solids.
 
-mod models;
+pub mod models;
 
 use crate::measure::{Times, measure_within};
 use crate::ours::{ZerosetSide, settings};

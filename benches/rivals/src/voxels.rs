@@ -127,7 +127,7 @@ fn centre(right: DVec3, up: DVec3, rays: &RayGrid) -> DVec3 {
 }
 
 /// Converts the function as typed. fidget simplifies it.
-fn tree(graph: &Graph, root: NodeId) -> Result<Tree> {
+pub fn tree(graph: &Graph, root: NodeId) -> Result<Tree> {
     let needed = graph.reachable(&[root]);
     let mut trees: Vec<Option<Tree>> = vec![None; graph.len()];
     for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {

@@ -65,7 +65,8 @@ pub fn meshes(
     for (number, surface) in visible {
         is_undefined &= program.is_undefined(number);
         let is_solid = program.is_solid(number);
-        let options = Options { region, tolerance, is_solid, most_cells: MOST_CELLS };
+        let options =
+            Options { region, tolerance, is_solid, is_proven: true, most_cells: MOST_CELLS };
         let Some(mesh) = mesh(&program, number, &options, wanted)? else { return Ok(None) };
         let name = surface.line();
         objects.push(Object { name, mesh, color: Color::of(number, surface) });

@@ -71,8 +71,13 @@ pub fn measure(
     };
     let tolerance = TOLERANCE * (region.high() - region.low()).length();
     let with = |tolerance: f64| {
-        let options =
-            zeroset_mesh::Options { region: *region, tolerance, is_solid, most_cells: MOST_CELLS };
+        let options = zeroset_mesh::Options {
+            region: *region,
+            tolerance,
+            is_solid,
+            is_proven: true,
+            most_cells: MOST_CELLS,
+        };
         mesh(program, surface, &options, wanted)
     };
     let Some(fine) = with(tolerance)? else { return Ok(None) };

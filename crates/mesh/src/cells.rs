@@ -3,6 +3,7 @@
 use crate::grid::{Corner, CornerMap, Tetrahedron};
 use crate::space::Space;
 use rayon::prelude::*;
+use smallvec::SmallVec;
 use std::sync::Arc;
 use zeroset_eval::{
     Boxes, EncloseGradient, FindZeros, GradientEnclosures, Kernel, KernelError, Kernels, LANES,
@@ -59,6 +60,9 @@ pub struct PartBounds {
     may_vanish: bool,
 }
 
+/// Bounds of the parts that matter in a cell, mostly one.
+pub type Parts = SmallVec<[PartBounds; 1]>;
+
 /// A tetrahedron, and the function in it: the choices that may matter.
 #[derive(Clone)]
 pub struct Cell {
@@ -71,7 +75,7 @@ pub struct Local {
     /// The choices that may matter in the cell.
     pub choice: Arc<Choice>,
     /// Its parts.
-    pub parts: Vec<PartBounds>,
+    pub parts: Parts,
 }
 
 /// The answer for a cell.
@@ -95,7 +99,7 @@ pub fn ask(
     let mut numbers: CornerMap<(Corner, Corner), usize> = CornerMap::default();
     let mut boxes: Vec<[Interval; 3]> = Vec::new();
     let mut asked: Vec<Vec<u32>> = vec![Vec::new(); parts.len()];
-    let mut choices: Vec<&Choice> = Vec::new();
+    let mut choices: Vec<&Arc<Choice>> = Vec::new();
     let index: Vec<usize> = cells
         .iter()
         .map(|cell| {
@@ -112,7 +116,7 @@ pub fn ask(
             })
         })
         .collect();
-    let mut found: Vec<Vec<PartBounds>> = vec![Vec::new(); boxes.len()];
+    let mut found: Vec<Parts> = vec![Parts::new(); boxes.len()];
     for (part, asked) in asked.iter().enumerate() {
         let some = |some: &[u32]| {
             let boxes: Vec<[Interval; 3]> = some.iter().map(|n| boxes[*n as usize]).collect();
@@ -123,7 +127,7 @@ pub fn ask(
             found[*number as usize].push(bounds);
         }
     }
-    let answer = |(choice, parts): (&&Choice, &Vec<PartBounds>)| answer(choice, parts, question);
+    let answer = |(choice, parts): (&&Arc<Choice>, &Parts)| answer(choice, parts, question);
     let answers: Vec<Answer> = choices.par_iter().zip(&found).map(answer).collect();
     Some(index.into_iter().map(|number| answers[number].clone()).collect())
 }
@@ -151,26 +155,29 @@ fn bounds(kernels: &PartKernels<'_>, part: u16, boxes: &[[Interval; 3]]) -> Vec<
 }
 
 /// The numbers of a choice's parts, each once, in order.
-pub fn parts_of(choice: &Choice) -> Vec<usize> {
-    fn add(choice: &Choice, parts: &mut Vec<usize>) {
+pub fn parts_of(choice: &Choice) -> SmallVec<[usize; 4]> {
+    fn add(choice: &Choice, parts: &mut SmallVec<[usize; 4]>) {
         match choice {
             Choice::Part(part) => parts.push(*part),
             Choice::Min(all) | Choice::Max(all) => all.iter().for_each(|one| add(one, parts)),
         }
     }
-    let mut parts = Vec::new();
+    let mut parts = SmallVec::new();
     add(choice, &mut parts);
     parts.sort_unstable();
     parts.dedup();
     parts
 }
 
-fn answer(choice: &Choice, bounds: &[PartBounds], question: &Question<'_>) -> Answer {
+fn answer(choice: &Arc<Choice>, bounds: &Parts, question: &Question<'_>) -> Answer {
     let is_solid = question.is_solid;
-    let choice = pruned(choice, bounds);
+    let choice = match &**choice {
+        Choice::Part(_) => Arc::clone(choice),
+        several => Arc::new(pruned(several, bounds)),
+    };
     let left = parts_of(&choice);
     let is_left = |bounds: &&PartBounds| left.contains(&usize::from(bounds.part));
-    let parts: Vec<PartBounds> = bounds.iter().filter(is_left).copied().collect();
+    let parts: Parts = bounds.iter().filter(is_left).copied().collect();
     let value = value(&choice, &parts).unwrap_or(Interval::ENTIRE);
     let sign = i8::from(value.lo > 0.0) - i8::from(value.hi < 0.0);
     // If several parts matter, the bounds also hold for functions that are linear in the cell and
@@ -189,7 +196,7 @@ fn answer(choice: &Choice, bounds: &[PartBounds], question: &Question<'_>) -> An
     if parts.iter().any(is_cut) && parts.iter().all(|part| is_cut(part) || has_sign(part)) {
         return Answer::Empty(0);
     }
-    Answer::Open(Arc::new(Local { choice: Arc::new(choice), parts }))
+    Answer::Open(Arc::new(Local { choice, parts }))
 }
 
 /// Bounds of a choice. `None` if it has no part with bounds.

@@ -3,11 +3,13 @@
 //! The mesh of a solid also covers its part of the domain's boundary.
 
 use crate::cells::{PartKernels, Question};
-use crate::grid::{Corner, CornerMap};
+use crate::grid::{Corner, Grid};
 use crate::polygon::{Linear, NO_PART, VertexKey};
 use crate::refine::{Kind, Leaf, Refined, sample};
 use crate::space::Space;
 use glam::{DMat3, DVec3};
+use rustc_hash::FxHashMap;
+use smallvec::SmallVec;
 use zeroset_eval::{Gradients, KernelError, Points};
 
 /// Number of times that a bracket on an edge is narrowed.
@@ -33,14 +35,19 @@ pub struct Extracted {
 
 /// The mesh in the leaves of a grid. For an equation, triangles where the function jumps or ends
 /// are left out: there is no zero.
-pub fn extract(refined: &Refined, question: &Question<'_>) -> Result<Extracted, KernelError> {
+pub fn extract(
+    refined: &Refined,
+    grid: &Grid,
+    question: &Question<'_>,
+) -> Result<Extracted, KernelError> {
     let &Question { parts: kernels, space, is_solid, first_cut } = question;
     let mut vertices = Vertices::default();
     let mut polygons: Vec<Numbered> = Vec::new();
     for leaf in &refined.leaves {
         vertices.add_leaf(leaf, refined, question, &mut polygons);
     }
-    let at_zero = vertices.place(refined, kernels, space)?;
+    let at = |corner: u32| space.at(grid.corners[corner as usize]);
+    let at_zero = vertices.place(refined, kernels, &at)?;
     let cuts = |part: &u16| *part != NO_PART && usize::from(*part) >= first_cut;
     let is_cut = vertices.keys.iter().map(|key| key.parts.iter().any(cuts)).collect();
     let mut mesh = Extracted { vertices: vertices.places, triangles: Vec::new(), is_cut };
@@ -58,13 +65,13 @@ const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
 
 /// A polygon by the numbers of its vertices.
 struct Numbered {
-    vertices: Vec<u32>,
+    vertices: SmallVec<[u32; 4]>,
     is_joined: bool,
 }
 
 #[derive(Default)]
 struct Vertices {
-    numbers: CornerMap<VertexKey, u32>,
+    numbers: FxHashMap<VertexKey, u32>,
     keys: Vec<VertexKey>,
     weights: Vec<[f64; 4]>,
     places: Vec<DVec3>,
@@ -79,31 +86,32 @@ impl Vertices {
         polygons: &mut Vec<Numbered>,
     ) {
         let &Question { space, is_solid, first_cut, .. } = question;
-        let mut positive = leaf.cell.corners;
+        let mut positive = [0, 1, 2, 3].map(|k| (leaf.cell.numbers[k], leaf.cell.corners[k]));
         if !leaf.cell.is_positive() {
             positive.swap(2, 3);
         }
-        let mut corners = positive;
+        let mut corners = positive.map(|(number, _)| number);
         corners.sort_unstable();
         let parts = match &leaf.kind {
             Kind::Open { local, .. } => &local.parts[..],
             Kind::Inside(_) => &[],
         };
-        let values = |part: u16| corners.map(|corner| refined.values[&(corner, part)]);
+        let values = |part: u16| corners.map(|corner| refined.values.at(corner, part));
         let parts = parts.iter().map(|part| (part.part, values(part.part))).collect();
         let (linear, choice) = (Linear { corners, parts }, leaf.choice());
-        let mut found = linear.zeros(choice, is_even(&positive, &corners));
+        let mut found = linear.zeros(choice, is_even(positive.map(|(number, _)| number), corners));
         found.retain(|polygon| usize::from(polygon.part) < first_cut);
         if is_solid {
             let faces = FACES.map(|face| face.map(|k| positive[k]));
-            for face in faces.into_iter().filter(|face| is_outside(space, face)) {
-                found.extend(linear.face(choice, face));
+            let is_outside = |face: &[(u32, Corner); 3]| is_outside(space, face.map(|(_, at)| at));
+            for face in faces.into_iter().filter(is_outside) {
+                found.extend(linear.face(choice, face.map(|(number, _)| number)));
             }
         }
         for polygon in found {
             let keys = linear.keys(&polygon);
             let number = |(key, weights)| self.number(key, weights);
-            let vertices = keys.into_iter().map(number).collect();
+            let vertices = keys.map(number).collect();
             polygons.push(Numbered { vertices, is_joined: polygon.is_joined });
         }
     }
@@ -121,22 +129,14 @@ impl Vertices {
         &mut self,
         refined: &Refined,
         kernels: &[PartKernels<'_>],
-        space: &Space,
+        at: &dyn Fn(u32) -> DVec3,
     ) -> Result<Vec<bool>, KernelError> {
-        let corners = |key: &VertexKey| {
-            let count = key.corners.iter().flatten().count();
-            let first = space.at(key.corners[0].expect("a corner"));
-            let at = key.corners.map(|corner| corner.map_or(first, |corner| space.at(corner)));
-            (at, count)
+        let place = |(key, weights): (&VertexKey, &[f64; 4])| {
+            let corners = key.corners();
+            let weights = apart(weights, corners.len());
+            corners.iter().zip(weights).map(|(corner, weight)| at(*corner) * weight).sum()
         };
-        let mean =
-            |at: &[DVec3; 4], weights: &[f64; 4]| (0..4).map(|k| at[k] * weights[k]).sum::<DVec3>();
-        self.places = self
-            .keys
-            .iter()
-            .zip(&self.weights)
-            .map(|(key, weights)| mean(&corners(key).0, &apart(weights, corners(key).1)))
-            .collect();
+        self.places = self.keys.iter().zip(&self.weights).map(place).collect();
         let mut at_zero = vec![true; self.keys.len()];
         let mut sorted: Vec<usize> = (0..self.keys.len()).collect();
         sorted.sort_by_key(|k| self.keys[*k].parts);
@@ -150,12 +150,13 @@ impl Vertices {
             match &vanishing[..] {
                 // A corner of the grid stays in its place.
                 [] => {}
-                [only] => self.place_on_edges(some, parts[0], refined, only, space, &mut at_zero),
+                [only] => self.place_on_edges(some, refined, only, at, &mut at_zero),
                 several => {
                     for vertex in some {
-                        let (at, used) = corners(&self.keys[*vertex]);
+                        let corners = self.keys[*vertex].corners().iter();
+                        let corners: SmallVec<[DVec3; 4]> = corners.map(|c| at(*c)).collect();
                         let start = self.places[*vertex];
-                        self.places[*vertex] = common_zero(several, &at[..used], start)?;
+                        self.places[*vertex] = common_zero(several, &corners, start)?;
                     }
                 }
             }
@@ -167,10 +168,9 @@ impl Vertices {
     fn place_on_edges(
         &mut self,
         vertices: &[usize],
-        part: u16,
         refined: &Refined,
         kernels: &PartKernels<'_>,
-        space: &Space,
+        at: &dyn Fn(u32) -> DVec3,
         at_zero: &mut [bool],
     ) {
         struct Bracket {
@@ -183,14 +183,15 @@ impl Vertices {
         let mut brackets: Vec<Bracket> = vertices
             .iter()
             .map(|k| {
-                let corners = [0, 1].map(|end| self.keys[*k].corners[end].expect("an edge"));
-                let mut values = corners.map(|corner| refined.values[&(corner, part)]);
+                let VertexKey { parts: [part, ..], .. } = self.keys[*k];
+                let corners = [0, 1].map(|end| self.keys[*k].corners()[end]);
+                let mut values = corners.map(|corner| refined.values.at(corner, part));
                 let mut shares = [0.0, 1.0];
                 if !is_below(values[0]) {
                     values.reverse();
                     shares.reverse();
                 }
-                let ends = corners.map(|corner| space.at(corner));
+                let ends = corners.map(at);
                 Bracket { ends, shares, values, scale: values[1] - values[0] }
             })
             .collect();
@@ -236,14 +237,14 @@ fn is_below(value: f64) -> bool {
 }
 
 /// Returns whether one order of four corners is an even permutation of another.
-fn is_even(from: &[Corner; 4], to: &[Corner; 4]) -> bool {
+fn is_even(from: [u32; 4], to: [u32; 4]) -> bool {
     let place = from.map(|corner| to.iter().position(|one| *one == corner));
     let swaps = (0..4).flat_map(|k| (0..k).map(move |j| (j, k)));
     swaps.filter(|(j, k)| place[*j] > place[*k]).count() % 2 == 0
 }
 
 /// Returns whether a face is on the boundary of the domain.
-fn is_outside(space: &Space, face: &[Corner; 3]) -> bool {
+fn is_outside(space: &Space, face: [Corner; 3]) -> bool {
     let on = face.map(|corner| space.faces(corner));
     let at = face.map(Corner::coordinates);
     (0..3).any(|axis| on.iter().all(|on| on[axis]) && at.iter().all(|one| one[axis] == at[0][axis]))

@@ -2,7 +2,7 @@
 
 use crate::Mesh;
 use glam::DVec3;
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 /// Distance from a face of the domain, as a share of the domain's size, that rounding may cause.
 const ROUNDING: f64 = 1e-9;
@@ -16,7 +16,8 @@ pub fn fit(
     is_solid: bool,
     may_end: &dyn Fn(u32) -> bool,
 ) -> (bool, Vec<(DVec3, DVec3)>) {
-    let mut edges: HashMap<[u32; 2], [u32; 2]> = HashMap::new();
+    let mut edges: FxHashMap<[u32; 2], [u32; 2]> = FxHashMap::default();
+    edges.reserve(3 * mesh.triangles.len() / 2);
     for &[a, b, c] in &mesh.triangles {
         for [from, to] in [[a, b], [b, c], [c, a]] {
             edges.entry([from.min(to), from.max(to)]).or_default()[usize::from(from < to)] += 1;

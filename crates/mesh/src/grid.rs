@@ -10,7 +10,7 @@
 //! middles are, whose splits make the tetrahedra around the edge (Weiss and De Floriani, "Diamond
 //! hierarchies of arbitrary dimension", 2009).
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
 /// Number of bits of a coordinate.
@@ -67,13 +67,14 @@ impl Hasher for CornerHasher {
 }
 
 pub type CornerMap<K, V> = HashMap<K, V, BuildHasherDefault<CornerHasher>>;
-pub type CornerSet = HashSet<Corner, BuildHasherDefault<CornerHasher>>;
 
 /// A tetrahedron of the grid. Its corners are in the order of Maubach's rule: the edge from corner
 /// 0 to corner `splits` is the next to be split.
 #[derive(Clone, Copy, Debug)]
 pub struct Tetrahedron {
     pub corners: [Corner; 4],
+    /// The corners' [numbers](Grid::corners).
+    pub numbers: [u32; 4],
     /// Number of splits until the tetrahedra are those of a cube again: 3, 2 or 1.
     splits: u8,
 }
@@ -84,15 +85,20 @@ impl Tetrahedron {
         self.corners[0].middle(self.corners[usize::from(self.splits)])
     }
 
-    /// The two tetrahedra into which this one is split.
-    pub fn halves(&self) -> [Self; 2] {
-        let ([a, b, c, d], middle) = (self.corners, self.middle());
-        let (corners, splits) = match self.splits {
+    /// The two tetrahedra into which this one is split. The number of the middle is given.
+    pub fn halves(&self, number: u32) -> [Self; 2] {
+        let halves = |[a, b, c, d]: [(Corner, u32); 4], middle| match self.splits {
             3 => ([[a, b, c, middle], [b, c, d, middle]], 2),
             2 => ([[a, b, middle, d], [b, c, middle, d]], 1),
             _ => ([[a, middle, c, d], [b, middle, c, d]], 3),
         };
-        corners.map(|corners| Self { corners, splits })
+        let all = [0, 1, 2, 3].map(|k| (self.corners[k], self.numbers[k]));
+        let (both, splits) = halves(all, (self.middle(), number));
+        both.map(|half| Self {
+            corners: half.map(|(corner, _)| corner),
+            numbers: half.map(|(_, number)| number),
+            splits,
+        })
     }
 
     /// The least and the greatest corner of the bounding box.
@@ -124,13 +130,17 @@ impl Tetrahedron {
     }
 }
 
-/// The middles of edges at which a grid is split.
+/// A grid: the corners of its tetrahedra.
 pub struct Grid {
     /// The least size of a root cube as a power of two, in units of coordinates.
     root: u32,
     /// The greatest coordinates.
     pub extent: [u32; 3],
-    middles: CornerSet,
+    /// All corners. The number of a corner is its place here.
+    pub corners: Vec<Corner>,
+    /// The numbers of all corners. A corner that is the middle of an edge is where this edge is
+    /// split.
+    numbers: CornerMap<Corner, u32>,
 }
 
 /// Number of times that a cube can be halved.
@@ -141,7 +151,8 @@ impl Grid {
     pub fn new(cubes: [u32; 3]) -> Self {
         let most = cubes.into_iter().max().unwrap_or_default();
         let root = LEVELS - most;
-        Self { root, extent: cubes.map(|k| 1 << (k + root)), middles: CornerSet::default() }
+        let extent = cubes.map(|k| 1 << (k + root));
+        Self { root, extent, corners: Vec::new(), numbers: CornerMap::default() }
     }
 
     /// The size of a root cube, in units of coordinates.
@@ -149,8 +160,18 @@ impl Grid {
         1 << self.root
     }
 
+    /// The number of a corner, which is added if the grid does not have it. True if it is added.
+    fn number(&mut self, corner: Corner) -> (u32, bool) {
+        let next = self.corners.len() as u32;
+        let number = *self.numbers.entry(corner).or_insert(next);
+        if number == next {
+            self.corners.push(corner);
+        }
+        (number, number == next)
+    }
+
     /// The tetrahedra before any split.
-    pub fn roots(&self) -> Vec<Tetrahedron> {
+    pub fn roots(&mut self) -> Vec<Tetrahedron> {
         let size = self.root_size();
         let [nx, ny, nz] = self.extent.map(|extent| extent / size);
         let mut all = Vec::new();
@@ -164,15 +185,16 @@ impl Grid {
                     Corner::new(at)
                 };
                 let corners = [Corner::new(from), step(i), step(j), Corner::new(to)];
-                all.push(Tetrahedron { corners, splits: 3 });
+                let numbers = corners.map(|corner| self.number(corner).0);
+                all.push(Tetrahedron { corners, numbers, splits: 3 });
             }
         }
         all
     }
 
-    /// Returns whether a tetrahedron is split.
-    pub fn is_split(&self, tetrahedron: &Tetrahedron) -> bool {
-        self.middles.contains(&tetrahedron.middle())
+    /// The tetrahedra into which a tetrahedron is split, if it is.
+    pub fn halves(&self, tetrahedron: &Tetrahedron) -> Option<[Tetrahedron; 2]> {
+        self.numbers.get(&tetrahedron.middle()).map(|number| tetrahedron.halves(*number))
     }
 
     /// Splits all tetrahedra around the edge with this middle, and before that those whose splits
@@ -180,7 +202,7 @@ impl Grid {
     pub fn split(&mut self, middle: Corner) {
         let mut open = vec![middle];
         while let Some(middle) = open.pop() {
-            if self.middles.insert(middle) {
+            if self.number(middle).1 {
                 self.parents(middle, &mut open);
             }
         }
@@ -231,13 +253,12 @@ impl Grid {
 mod tests {
     use super::*;
 
-    fn leaves(grid: &Grid) -> Vec<Tetrahedron> {
+    fn leaves(grid: &mut Grid) -> Vec<Tetrahedron> {
         let (mut open, mut leaves) = (grid.roots(), Vec::new());
         while let Some(tetrahedron) = open.pop() {
-            if grid.is_split(&tetrahedron) {
-                open.extend(tetrahedron.halves());
-            } else {
-                leaves.push(tetrahedron);
+            match grid.halves(&tetrahedron) {
+                Some(halves) => open.extend(halves),
+                None => leaves.push(tetrahedron),
             }
         }
         leaves
@@ -255,19 +276,20 @@ mod tests {
         for (seed, cubes) in [(1_u64, [0, 0, 0]), (2, [1, 0, 2]), (3, [0, 2, 0])] {
             let (mut grid, mut random) = (Grid::new(cubes), seed);
             for _ in 0..300 {
-                let leaves = leaves(&grid);
+                let leaves = leaves(&mut grid);
                 random = random.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(1);
                 let chosen = leaves[(random >> 33) as usize % leaves.len()];
                 if !chosen.is_finest() {
                     grid.split(chosen.middle());
                 }
             }
-            let leaves = leaves(&grid);
+            let leaves = leaves(&mut grid);
             let mut faces: HashMap<Vec<Corner>, usize> = HashMap::new();
             let mut total = 0.0;
             for leaf in &leaves {
                 total += volume(leaf).abs();
                 assert_eq!(leaf.is_positive(), volume(leaf) > 0.0);
+                assert_eq!(leaf.numbers.map(|n| grid.corners[n as usize]), leaf.corners);
                 for left_out in 0..4 {
                     let mut face: Vec<Corner> = leaf.corners.to_vec();
                     face.remove(left_out);

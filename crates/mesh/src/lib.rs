@@ -67,6 +67,9 @@ pub struct Options {
     /// Whether the surface bounds a solid, where f ≤ 0. The mesh then covers the solid's part of
     /// the domain's boundary.
     pub is_solid: bool,
+    /// Whether to prove the shape. If not, tetrahedra are split for the tolerance alone, and all of
+    /// them count as [unproven](Mesh::unproven).
+    pub is_proven: bool,
     /// Number of tetrahedra that may hold the surface, beyond which none is split.
     pub most_cells: usize,
 }
@@ -108,7 +111,7 @@ pub fn mesh(
     options: &Options,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Mesh>, ProgramError> {
-    let &Options { region, tolerance, is_solid, most_cells } = options;
+    let &Options { region, tolerance, is_solid, is_proven, most_cells } = options;
     let bounds = domain(&region);
     let [low, high] = [bounds.map(|along| along.lo), bounds.map(|along| along.hi)];
     let (low, high) = (DVec3::from_array(low), DVec3::from_array(high));
@@ -116,20 +119,20 @@ pub fn mesh(
     let kernels = PartKernels::of(&parts)?;
     let (space, mut grid) = Space::new(low, high);
     let finest = FINEST * (high - low).max_element();
-    let limits = Limits { tolerance, finest, most_cells };
+    let limits = Limits { tolerance, is_proven, finest, most_cells };
     // The surface of a solid includes the region's boundary.
     let first_cut = if is_solid { kernels.len() } else { first_cut };
     let question = Question { parts: &kernels, space: &space, is_solid, first_cut };
     let refined = refine::refine(&choice, &question, &mut grid, limits, wanted);
     let Some(refined) = refined else { return Ok(None) };
-    let triangles = extract::extract(&refined, &question)?;
+    let triangles = extract::extract(&refined, &grid, &question)?;
     let mut mesh =
         Mesh { vertices: triangles.vertices, triangles: triangles.triangles, ..Mesh::default() };
     for leaf in &refined.leaves {
         let Kind::Open { near, .. } = leaf.kind else { continue };
         mesh.cells += 1;
         mesh.far += usize::from(!near);
-        if leaf.cell.corners.iter().any(|corner| refined.failing.contains(corner)) {
+        if !is_proven || refined.fails(&leaf.cell) {
             let [x, y, z] = space.between(leaf.cell.bounds());
             let (low, high) = (DVec3::new(x.lo, y.lo, z.lo), DVec3::new(x.hi, y.hi, z.hi));
             mesh.unproven.push(Unproven { centre: 0.5 * (low + high), size: high - low });

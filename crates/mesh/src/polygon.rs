@@ -3,37 +3,37 @@
 //! A vertex is known by the corners of the tetrahedron, triangle or edge that it lies in, and by
 //! the parts that are 0 there. So tetrahedra that share a face agree on the vertices in it.
 
-use crate::grid::Corner;
+use smallvec::{SmallVec, smallvec};
 use std::cmp::Ordering;
 use zeroset_scene::choices::Choice;
 
-/// A vertex: the corners it lies between, and the parts that are 0 there, both in order. There is
-/// one corner more than there are parts; the other places are filled up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// A vertex: the numbers of the corners it lies between, and the parts that are 0 there, both in
+/// order. There is one corner more than there are parts; the other places are filled up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct VertexKey {
-    pub corners: [Option<Corner>; 4],
+    corners: [u32; 4],
     pub parts: [u16; 3],
 }
 
 /// Fills places of [`VertexKey::parts`].
 pub const NO_PART: u16 = u16::MAX;
+/// Fills places of a vertex's corners.
+const NO_CORNER: u32 = u32::MAX;
 
-impl std::hash::Hash for VertexKey {
-    fn hash<H: std::hash::Hasher>(&self, state: &mut H) {
-        for corner in self.corners.iter().flatten() {
-            corner.hash(state);
-        }
-        let [a, b, c] = self.parts.map(u64::from);
-        state.write_u64(a | b << 16 | c << 32);
+impl VertexKey {
+    /// The numbers of the corners.
+    pub fn corners(&self) -> &[u32] {
+        let count = self.corners.iter().position(|corner| *corner == NO_CORNER);
+        &self.corners[..count.unwrap_or(4)]
     }
 }
 
 /// A tetrahedron with linear functions.
 pub struct Linear {
-    /// The corners, in order of their numbers.
-    pub corners: [Corner; 4],
+    /// The corners' numbers, in order.
+    pub corners: [u32; 4],
     /// For each part that matters, its number and its values at the corners.
-    pub parts: Vec<(u16, [f64; 4])>,
+    pub parts: SmallVec<[(u16, [f64; 4]); 1]>,
 }
 
 /// A line of the tetrahedron that a polygon's edge lies on.
@@ -59,7 +59,7 @@ struct Vertex {
 /// A polygon, counterclockwise from in front.
 #[derive(Clone, Debug)]
 pub struct Polygon {
-    vertices: Vec<Vertex>,
+    vertices: SmallVec<[Vertex; 4]>,
     /// The corners that the polygon lies between, as bits.
     between: u8,
     /// The part that is 0 in the polygon, or [`NO_PART`].
@@ -78,18 +78,21 @@ impl Linear {
 
     /// The polygons in which the choice is 0. In front, it is above 0. `is_positive` tells the
     /// orientation of the corners.
-    pub fn zeros(&self, choice: &Choice, is_positive: bool) -> Vec<Polygon> {
+    pub fn zeros(&self, choice: &Choice, is_positive: bool) -> SmallVec<[Polygon; 1]> {
         let sections =
             self.parts.iter().filter_map(|(part, values)| self.section(*part, values, is_positive));
         // On a section, one part is 0. So is the choice where the other parts leave it at 0.
-        let zeros = |section| merged(self.pieces(choice, section, Ordering::Equal));
+        let zeros = |section| match choice {
+            Choice::Part(_) => smallvec![section],
+            several => merged(self.pieces(several, section, Ordering::Equal)),
+        };
         sections.flat_map(zeros).collect()
     }
 
     /// The parts of a face, with corners in the order seen from in front, where the choice is below
     /// 0: all of it if no part matters.
-    pub fn face(&self, choice: &Choice, face: [Corner; 3]) -> Vec<Polygon> {
-        let bit = |corner: Corner| -> u8 {
+    pub fn face(&self, choice: &Choice, face: [u32; 3]) -> SmallVec<[Polygon; 1]> {
+        let bit = |corner: u32| -> u8 {
             1 << self.corners.iter().position(|one| *one == corner).expect("a corner")
         };
         let bits = face.map(bit);
@@ -100,13 +103,13 @@ impl Linear {
             Vertex { between: bits[k], parts: [NO_PART; 3], weights, next }
         };
         let polygon = Polygon {
-            vertices: [0, 1, 2].map(vertex).to_vec(),
+            vertices: [0, 1, 2].map(vertex).into_iter().collect(),
             between: bits[0] | bits[1] | bits[2],
             part: NO_PART,
             is_joined: false,
         };
         if self.parts.is_empty() {
-            return vec![polygon];
+            return smallvec![polygon];
         }
         merged(self.pieces(choice, polygon, Ordering::Less))
     }
@@ -118,15 +121,20 @@ impl Linear {
         const PAIRS: [[usize; 4]; 6] =
             [[0, 1, 2, 3], [0, 2, 3, 1], [0, 3, 1, 2], [1, 2, 0, 3], [1, 3, 2, 0], [2, 3, 0, 1]];
         let inside = values.map(|value| value < 0.0);
-        let mut edges: Vec<[usize; 2]> = match inside.iter().filter(|one| **one).count() {
+        let mut edges: SmallVec<[[usize; 2]; 4]> = match inside.iter().filter(|one| **one).count() {
             count @ (1 | 3) => {
                 let lone = inside.iter().position(|one| *one == (count == 1))?;
                 let [a, b, c, d] = FIRST[lone];
-                if count == 1 { vec![[a, b], [a, c], [a, d]] } else { vec![[a, d], [a, c], [a, b]] }
+                let edges = [[a, b], [a, c], [a, d]];
+                if count == 1 {
+                    edges.into_iter().collect()
+                } else {
+                    edges.into_iter().rev().collect()
+                }
             }
             2 => {
                 let [a, b, c, d] = *PAIRS.iter().find(|pair| inside[pair[0]] && inside[pair[1]])?;
-                vec![[a, c], [a, d], [b, d], [b, c]]
+                smallvec![[a, c], [a, d], [b, d], [b, c]]
             }
             _ => return None,
         };
@@ -173,20 +181,20 @@ impl Linear {
 
     /// The vertex's key, and the weights of its corners.
     fn key(&self, vertex: &Vertex) -> (VertexKey, [f64; 4]) {
-        let (mut corners, mut weights) = ([None; 4], [0.0; 4]);
+        let (mut corners, mut weights) = ([NO_CORNER; 4], [0.0; 4]);
         for (to, from) in bits_of(vertex.between).enumerate() {
-            (corners[to], weights[to]) = (Some(self.corners[from]), vertex.weights[from]);
+            (corners[to], weights[to]) = (self.corners[from], vertex.weights[from]);
         }
         (VertexKey { corners, parts: vertex.parts }, weights)
     }
 
     /// The keys of a polygon's vertices.
-    pub fn keys(&self, polygon: &Polygon) -> Vec<(VertexKey, [f64; 4])> {
-        polygon.vertices.iter().map(|vertex| self.key(vertex)).collect()
+    pub fn keys(&self, polygon: &Polygon) -> impl Iterator<Item = (VertexKey, [f64; 4])> {
+        polygon.vertices.iter().map(|vertex| self.key(vertex))
     }
 
     /// The pieces of a polygon, cut along the zeros of all parts, in which the choice has a sign.
-    fn pieces(&self, choice: &Choice, polygon: Polygon, sign: Ordering) -> Vec<Polygon> {
+    fn pieces(&self, choice: &Choice, polygon: Polygon, sign: Ordering) -> SmallVec<[Polygon; 1]> {
         let mut pieces = vec![(polygon, Vec::new())];
         for (part, values) in &self.parts {
             let whole = std::mem::take(&mut pieces);
@@ -227,7 +235,7 @@ impl Linear {
         if kept.iter().all(|kept| *kept) {
             return Some(polygon.clone());
         }
-        let mut left = Vec::new();
+        let mut left = SmallVec::new();
         for (k, vertex) in polygon.vertices.iter().enumerate() {
             let next = (k + 1) % kept.len();
             let crossing = |line: Line| {
@@ -284,7 +292,7 @@ fn minor(rows: &[[f64; 4]; 3], count: usize, left_out: usize) -> f64 {
 
 /// Pieces of one polygon, joined along the edges that they share. A vertex in the middle of a line
 /// is left out, since neighbors do not have it.
-fn merged(pieces: Vec<Polygon>) -> Vec<Polygon> {
+fn merged(pieces: SmallVec<[Polygon; 1]>) -> SmallVec<[Polygon; 1]> {
     if pieces.len() < 2 {
         return pieces;
     }
@@ -300,7 +308,7 @@ fn merged(pieces: Vec<Polygon>) -> Vec<Polygon> {
             }
         }
     }
-    let mut loops = Vec::new();
+    let mut loops = SmallVec::new();
     while let Some((first, mut end)) = edges.pop() {
         let mut vertices = vec![first];
         while id(&end) != id(&first) {
@@ -315,7 +323,7 @@ fn merged(pieces: Vec<Polygon>) -> Vec<Polygon> {
             let before = vertices[(k + vertices.len() - 1) % vertices.len()];
             before.next != vertices[*k].next
         };
-        let vertices: Vec<Vertex> =
+        let vertices: SmallVec<[Vertex; 4]> =
             (0..vertices.len()).filter(is_bend).map(|k| vertices[k]).collect();
         if vertices.len() >= 3 {
             loops.push(Polygon { vertices, is_joined: true, ..pieces[0] });

@@ -1,11 +1,12 @@
 //! Refines a grid until the shape of the surface in it is proven, and the mesh is near enough.
 
 use crate::cells::{Answer, Cell, Local, PartBounds, PartKernels, Question, ask};
-use crate::grid::{Corner, CornerHasher, CornerMap, CornerSet, Grid, Tetrahedron};
+use crate::grid::{Corner, CornerHasher, Grid, Tetrahedron};
 use crate::proof::{Slopes, bend, common_vector, least_slope, linear_gradient, middle};
 use crate::space::Space;
 use glam::DVec3;
 use rayon::prelude::*;
+use smallvec::SmallVec;
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 use zeroset_eval::{Kernel, LANES, Points, Sample, Values};
@@ -36,6 +37,8 @@ pub enum Kind {
 pub struct Limits {
     /// Largest allowed distance between mesh and surface, in world units.
     pub tolerance: f64,
+    /// Whether tetrahedra are split until the shape is proven.
+    pub is_proven: bool,
     /// Size of tetrahedra that are not split for the proof, in world units.
     pub finest: f64,
     /// Number of tetrahedra beyond which none is split.
@@ -43,12 +46,43 @@ pub struct Limits {
 }
 
 /// A refined grid.
+#[derive(Default)]
 pub struct Refined {
     pub leaves: Vec<Leaf>,
-    /// Values of parts at the leaves' corners, by the sample kernel. NaN if undefined.
-    pub values: CornerMap<(Corner, u16), f64>,
-    /// Corners at which the proof fails.
-    pub failing: CornerSet,
+    /// The parts' values at the corners.
+    pub values: CornerValues,
+    /// For each corner by its number, whether the proof fails there.
+    failing: Vec<bool>,
+}
+
+/// Values of parts at corners, by the corners' numbers.
+#[derive(Default)]
+pub struct CornerValues(Vec<SmallVec<[(u16, f64); 1]>>);
+
+impl CornerValues {
+    /// The value of a part at a corner, by the sample kernel. NaN if undefined.
+    ///
+    /// # Panics
+    /// If it has not been sampled.
+    pub fn at(&self, corner: u32, part: u16) -> f64 {
+        let mut all = self.0[corner as usize].iter();
+        all.find(|(one, _)| *one == part).expect("a sample").1
+    }
+
+    /// Makes room for the value of a part at a corner. Returns false if there is one.
+    fn reserve(&mut self, corner: u32, part: u16) -> bool {
+        let all = &mut self.0[corner as usize];
+        let is_new = all.iter().all(|(one, _)| *one != part);
+        if is_new {
+            all.push((part, f64::NAN));
+        }
+        is_new
+    }
+
+    fn set(&mut self, corner: u32, part: u16, value: f64) {
+        let mut all = self.0[corner as usize].iter_mut();
+        all.find(|(one, _)| *one == part).expect("room").1 = value;
+    }
 }
 
 /// Refines `grid` for a function. If it bounds a solid, tetrahedra inside of it stay at the
@@ -64,8 +98,7 @@ pub fn refine(
     let choice = Arc::new(choice.clone());
     let root = |tetrahedron| Cell { tetrahedron, choice: Arc::clone(&choice) };
     let mut fresh: Vec<Cell> = grid.roots().into_iter().map(root).collect();
-    let mut refined =
-        Refined { leaves: Vec::new(), values: CornerMap::default(), failing: CornerSet::default() };
+    let mut refined = Refined::default();
     // Leaves from this one on have not been proven.
     let mut unproven = 0;
     loop {
@@ -100,8 +133,10 @@ pub fn refine(
             })
             .map(|leaf| leaf.cell.middle())
             .collect();
-        if middles.is_empty() {
-            let failing = refined.prove(kernels, space, unproven, wanted)?;
+        if middles.is_empty() && !limits.is_proven {
+            refined.sample(kernels, space, grid, 0);
+        } else if middles.is_empty() {
+            let failing = refined.prove(kernels, space, grid, unproven, wanted)?;
             unproven = refined.leaves.len();
             if failing.len() as f64 <= MOST_FAILING * limits.most_cells as f64 {
                 let fails = failing.iter().map(|leaf| &refined.leaves[*leaf].cell);
@@ -110,29 +145,25 @@ pub fn refine(
             }
         }
         if middles.is_empty() {
-            refined.keep_used();
             return Some(refined);
         }
         for middle in middles {
             grid.split(middle);
         }
-        let (mut kept, mut number) = (0, 0);
+        let (mut kept, mut number, mut open) = (0, 0, Vec::new());
         refined.leaves.retain(|leaf| {
-            let stays = !grid.is_split(&leaf.cell);
-            kept += usize::from(stays && number < unproven);
+            let halves = grid.halves(&leaf.cell);
+            kept += usize::from(halves.is_none() && number < unproven);
             number += 1;
-            if !stays {
-                let choice = leaf.choice();
-                let mut open = vec![leaf.cell];
-                while let Some(tetrahedron) = open.pop() {
-                    if grid.is_split(&tetrahedron) {
-                        open.extend(tetrahedron.halves());
-                    } else {
-                        fresh.push(Cell { tetrahedron, choice: Arc::clone(choice) });
-                    }
+            let Some(halves) = halves else { return true };
+            open.extend(halves);
+            while let Some(tetrahedron) = open.pop() {
+                match grid.halves(&tetrahedron) {
+                    Some(halves) => open.extend(halves),
+                    None => fresh.push(Cell { tetrahedron, choice: Arc::clone(leaf.choice()) }),
                 }
             }
-            stays
+            false
         });
         unproven = kept;
     }
@@ -179,64 +210,83 @@ impl Leaf {
 }
 
 impl Refined {
+    /// Returns whether the proof fails at a corner of a tetrahedron.
+    pub fn fails(&self, cell: &Tetrahedron) -> bool {
+        cell.numbers.iter().any(|corner| self.failing.get(*corner as usize) == Some(&true))
+    }
+
     /// Looks for vectors at the corners of leaves from `first` on. Returns the leaves at corners
     /// where none is found, in order. `None` once `wanted` returns false.
     fn prove(
         &mut self,
         kernels: &[PartKernels<'_>],
         space: &Space,
+        grid: &Grid,
         first: usize,
         wanted: &(dyn Fn() -> bool + Sync),
     ) -> Option<Vec<usize>> {
-        self.sample(kernels, space, first);
-        let mut stars: CornerMap<Corner, Vec<u32>> = CornerMap::default();
-        let is_open = |leaf: &&Leaf| matches!(leaf.kind, Kind::Open { .. });
-        for leaf in self.leaves[first..].iter().filter(is_open) {
-            for corner in leaf.cell.corners {
-                stars.entry(corner).or_default();
+        self.sample(kernels, space, grid, first);
+        let is_open = |leaf: &Leaf| matches!(leaf.kind, Kind::Open { .. });
+        // The open leaves around each corner that is asked for, one corner after the other.
+        let mut is_asked = vec![false; grid.corners.len()];
+        for leaf in self.leaves[first..].iter().filter(|leaf| is_open(leaf)) {
+            leaf.cell.numbers.iter().for_each(|corner| is_asked[*corner as usize] = true);
+        }
+        let asks = |corner: &&u32| is_asked[**corner as usize];
+        let mut ends = vec![0; grid.corners.len() + 1];
+        for leaf in self.leaves.iter().filter(|leaf| is_open(leaf)) {
+            leaf.cell
+                .numbers
+                .iter()
+                .filter(asks)
+                .for_each(|corner| ends[*corner as usize + 1] += 1);
+        }
+        for corner in 0..grid.corners.len() {
+            ends[corner + 1] += ends[corner];
+        }
+        let starts = ends.clone();
+        let mut stars = vec![0; *starts.last().expect("an end")];
+        for (number, leaf) in self.leaves.iter().enumerate().filter(|(_, leaf)| is_open(leaf)) {
+            for corner in leaf.cell.numbers.iter().filter(asks) {
+                let end = &mut ends[*corner as usize];
+                stars[*end] = number as u32;
+                *end += 1;
             }
         }
-        for (number, leaf) in self.leaves.iter().enumerate() {
-            if is_open(&leaf) {
-                for corner in leaf.cell.corners {
-                    if let Some(star) = stars.get_mut(&corner) {
-                        star.push(number as u32);
-                    }
-                }
-            }
-        }
-        let slopes: Vec<Option<Vec<Slopes>>> = self
-            .leaves
-            .par_iter()
-            .map(|leaf| {
-                let Kind::Open { local, .. } = &leaf.kind else { return None };
-                let corners = space.corners(&leaf.cell);
-                let slopes = |part: &PartBounds| {
-                    let gradient = part.gradient?;
-                    let values = leaf.cell.corners.map(|corner| self.values[&(corner, part.part)]);
-                    Some(Slopes { gradient, linear: linear_gradient(&corners, &values) })
-                };
-                local.parts.iter().map(slopes).collect()
-            })
-            .collect();
-        let stars: Vec<(Corner, Vec<u32>)> = stars.into_iter().collect();
-        let is_proven = |(corner, star): &(Corner, Vec<u32>)| {
-            let mut all = Vec::new();
-            for number in star {
+        let star = |corner: u32| &stars[starts[corner as usize]..starts[corner as usize + 1]];
+        let slopes = |leaf: &Leaf| -> Option<SmallVec<[Slopes; 1]>> {
+            let Kind::Open { local, .. } = &leaf.kind else { return None };
+            leaf.cell.numbers.iter().find(asks)?;
+            let corners = space.corners(&leaf.cell);
+            let slopes = |part: &PartBounds| {
+                let gradient = part.gradient?;
+                let values = leaf.cell.numbers.map(|corner| self.values.at(corner, part.part));
+                Some(Slopes { gradient, linear: linear_gradient(&corners, &values) })
+            };
+            local.parts.iter().map(slopes).collect()
+        };
+        let slopes: Vec<Option<SmallVec<[Slopes; 1]>>> =
+            self.leaves.par_iter().map(slopes).collect();
+        let is_proven = |all: &mut Vec<Slopes>, corner: &u32| {
+            all.clear();
+            for number in star(*corner) {
                 let Some(slopes) = &slopes[*number as usize] else { return false };
                 all.extend_from_slice(slopes);
             }
-            common_vector(&all, space.faces(*corner)).is_some()
+            common_vector(all, space.faces(grid.corners[*corner as usize])).is_some()
         };
-        let asked = |star| wanted().then(|| is_proven(star));
-        let proven: Vec<bool> = stars.par_iter().map(asked).collect::<Option<_>>()?;
+        let corners: Vec<u32> =
+            (0..grid.corners.len() as u32).filter(|corner| asks(&corner)).collect();
+        let proven: Option<Vec<bool>> = corners
+            .par_iter()
+            .map_init(Vec::new, |all, corner| wanted().then(|| is_proven(all, corner)))
+            .collect();
+        self.failing.resize(grid.corners.len(), false);
         let mut leaves = Vec::new();
-        for ((corner, star), proven) in stars.into_iter().zip(proven) {
-            if proven {
-                self.failing.remove(&corner);
-            } else {
-                self.failing.insert(corner);
-                leaves.extend(star.into_iter().map(|number| number as usize));
+        for (corner, is_proven) in corners.into_iter().zip(proven?) {
+            self.failing[corner as usize] = !is_proven;
+            if !is_proven {
+                leaves.extend(star(corner).iter().map(|number| *number as usize));
             }
         }
         leaves.sort_unstable();
@@ -245,41 +295,31 @@ impl Refined {
     }
 
     /// Adds the values of the parts that matter, at the corners of leaves from `first` on.
-    fn sample(&mut self, kernels: &[PartKernels<'_>], space: &Space, first: usize) {
+    fn sample(&mut self, kernels: &[PartKernels<'_>], space: &Space, grid: &Grid, first: usize) {
         let mut corners = vec![Vec::new(); kernels.len()];
+        self.values.0.resize(grid.corners.len(), SmallVec::new());
         for leaf in &self.leaves[first..] {
             let Kind::Open { local, .. } = &leaf.kind else { continue };
             for PartBounds { part, .. } in &local.parts {
-                for corner in leaf.cell.corners {
-                    self.values.entry((corner, *part)).or_insert_with(|| {
+                for corner in leaf.cell.numbers {
+                    if self.values.reserve(corner, *part) {
                         corners[usize::from(*part)].push(corner);
-                        0.0
-                    });
+                    }
                 }
             }
         }
         for (part, corners) in corners.into_iter().enumerate() {
-            let points: Vec<DVec3> = corners.iter().map(|corner| space.at(*corner)).collect();
+            let at = |corner: &u32| grid.corners[*corner as usize];
+            let points: Vec<DVec3> = corners.iter().map(|corner| space.at(at(corner))).collect();
             for (corner, value) in corners.into_iter().zip(sample(kernels[part].samples, &points)) {
                 // At a zero, g may have either sign.
                 let value = if value == 0.0 { f64::MIN_POSITIVE } else { value };
                 // Symmetric parts are equal on whole planes of the grid. They are told apart.
-                let moved = if kernels.len() == 1 { value } else { value * factor(corner, part) };
-                self.values.insert((corner, part as u16), moved);
+                let factor = || factor(at(&corner), part);
+                let moved = if kernels.len() == 1 { value } else { value * factor() };
+                self.values.set(corner, part as u16, moved);
             }
         }
-    }
-
-    /// Forgets corners of tetrahedra that were split.
-    fn keep_used(&mut self) {
-        let mut used = CornerSet::default();
-        for leaf in &self.leaves {
-            for corner in leaf.cell.corners {
-                used.insert(corner);
-            }
-        }
-        self.values.retain(|(corner, _), _| used.contains(corner));
-        self.failing.retain(|corner| used.contains(corner));
     }
 }
 
