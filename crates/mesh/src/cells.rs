@@ -6,8 +6,8 @@ use rayon::prelude::*;
 use smallvec::SmallVec;
 use std::sync::Arc;
 use zeroset_eval::{
-    Boxes, EncloseGradient, FindZeros, GradientEnclosures, Kernel, KernelError, Kernels, LANES,
-    Sample, Zeros,
+    Boxes, EncloseGradient, FindZeros, GradientEnclosures, Gradients, Kernel, KernelError, Kernels,
+    LANES, Points, Sample, Zeros,
 };
 use zeroset_interval::Interval;
 use zeroset_scene::choices::Choice;
@@ -44,6 +44,8 @@ pub struct Question<'a> {
     /// Where parts from this one on are 0, there is no surface. They cut it off where they are
     /// above 0.
     pub first_cut: usize,
+    /// Greatest size of boxes over which bounds are estimated from samples, in world units.
+    pub estimated: f64,
 }
 
 /// Bounds of one part over a box.
@@ -58,6 +60,8 @@ pub struct PartBounds {
     pub gradient: Option<[Interval; 3]>,
     /// True if the part may be 0 in the box.
     may_vanish: bool,
+    /// True if the part is proven to be defined and continuous in the box.
+    is_continuous: bool,
 }
 
 /// Bounds of the parts that matter in a cell, mostly one.
@@ -94,7 +98,7 @@ pub fn ask(
     cells: &[Cell],
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Option<Vec<Answer>> {
-    let Question { parts, space, .. } = question;
+    let Question { parts, space, estimated, .. } = question;
     // Up to six tetrahedra have the same box.
     let mut numbers: CornerMap<(Corner, Corner), usize> = CornerMap::default();
     let mut boxes: Vec<[Interval; 3]> = Vec::new();
@@ -120,7 +124,7 @@ pub fn ask(
     for (part, asked) in asked.iter().enumerate() {
         let some = |some: &[u32]| {
             let boxes: Vec<[Interval; 3]> = some.iter().map(|n| boxes[*n as usize]).collect();
-            wanted().then(|| bounds(&parts[part], part as u16, &boxes))
+            wanted().then(|| bounds(&parts[part], part as u16, &boxes, *estimated))
         };
         let bounds: Option<Vec<Vec<PartBounds>>> = asked.par_chunks(LANES).map(some).collect();
         for (number, bounds) in asked.iter().zip(bounds?.into_iter().flatten()) {
@@ -132,7 +136,18 @@ pub fn ask(
     Some(index.into_iter().map(|number| answers[number].clone()).collect())
 }
 
-fn bounds(kernels: &PartKernels<'_>, part: u16, boxes: &[[Interval; 3]]) -> Vec<PartBounds> {
+fn bounds(
+    kernels: &PartKernels<'_>,
+    part: u16,
+    boxes: &[[Interval; 3]],
+    estimated: f64,
+) -> Vec<PartBounds> {
+    let is_small = |bounds: &[Interval; 3]| bounds.iter().all(|b| b.hi - b.lo <= estimated);
+    if boxes.iter().all(is_small)
+        && let Some(all) = estimates(kernels, part, boxes)
+    {
+        return all;
+    }
     let batch = &Boxes::around(boxes)[0];
     let (mut zeros, mut bounds) = (Zeros::default(), GradientEnclosures::<f64>::default());
     kernels.zeros.eval(batch, &mut zeros);
@@ -149,9 +164,60 @@ fn bounds(kernels: &PartKernels<'_>, part: u16, boxes: &[[Interval; 3]]) -> Vec<
             value: Interval { lo: -bounds.neg_lo[lane], hi: bounds.hi[lane] },
             gradient: (bounds.lipschitz >> lane & 1 == 1).then(slopes),
             may_vanish: zeros.possible >> lane & 1 == 1,
+            is_continuous: zeros.jumping >> lane & 1 == 0,
         }
     };
     (0..boxes.len()).map(of).collect()
+}
+
+/// Number of corners of a box.
+const CORNERS: usize = 8;
+
+/// Bounds of a part over boxes, estimated from samples at their corners. `None` if the part is
+/// undefined at one.
+fn estimates(
+    kernels: &PartKernels<'_>,
+    part: u16,
+    boxes: &[[Interval; 3]],
+) -> Option<Vec<PartBounds>> {
+    let gradients = kernels.all.gradients().ok()?;
+    let mut all = Vec::with_capacity(boxes.len());
+    for some in boxes.chunks(LANES / CORNERS) {
+        let corner = |of: &[Interval; 3], corner: usize| {
+            [0, 1, 2].map(|axis| if corner >> axis & 1 == 1 { of[axis].hi } else { of[axis].lo })
+        };
+        let corners = |of| (0..CORNERS).map(move |k| corner(of, k));
+        let corners: SmallVec<[[f64; 3]; LANES]> = some.iter().flat_map(corners).collect();
+        let mut found = Gradients::<f64>::default();
+        gradients.eval(&Points::near(&corners)[0], &mut found);
+        for (k, bounds) in some.iter().enumerate() {
+            let hull = |lanes: &[f64; LANES]| {
+                let values = &lanes[k * CORNERS..][..CORNERS];
+                let lo = values.iter().copied().fold(f64::INFINITY, f64::min);
+                let hi = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                values.iter().all(|value| value.is_finite()).then_some(Interval { lo, hi })
+            };
+            let Interval { lo, hi } = hull(&found.value)?;
+            let [x, y, z] = &found.gradient;
+            let gradient = [hull(x)?, hull(y)?, hull(z)?];
+            // A quadratic function differs by at most this much from an interpolation of its values
+            // at the corners.
+            let along = |(slope, span): (&Interval, &Interval)| {
+                0.125 * (slope.hi - slope.lo) * (span.hi - span.lo)
+            };
+            let bend: f64 = gradient.iter().zip(bounds).map(along).sum();
+            let value = Interval { lo: lo - bend, hi: hi + bend };
+            let may_vanish = value.lo <= 0.0 && value.hi >= 0.0;
+            all.push(PartBounds {
+                part,
+                value,
+                gradient: Some(gradient),
+                may_vanish,
+                is_continuous: true,
+            });
+        }
+    }
+    Some(all)
 }
 
 /// The numbers of a choice's parts, each once, in order.
@@ -176,23 +242,24 @@ fn answer(choice: &Arc<Choice>, bounds: &Parts, question: &Question<'_>) -> Answ
         several => Arc::new(pruned(several, bounds)),
     };
     let left = parts_of(&choice);
-    let is_left = |bounds: &&PartBounds| left.contains(&usize::from(bounds.part));
+    let is_left = |one: &&PartBounds| left.binary_search(&usize::from(one.part)).is_ok();
     let parts: Parts = bounds.iter().filter(is_left).copied().collect();
     let value = value(&choice, &parts).unwrap_or(Interval::ENTIRE);
     let sign = i8::from(value.lo > 0.0) - i8::from(value.hi < 0.0);
     // If several parts matter, the bounds also hold for functions that are linear in the cell and
     // have the parts' values at its corners.
     let is_empty = match &*parts {
-        // A solid's mesh must know on which side the cell is.
-        [only] if !only.may_vanish => sign != 0 || !is_solid,
-        parts => sign != 0 && parts.iter().all(|part| part.gradient.is_some()),
+        // A solid's mesh must know on which side the cell is. Where the function is undefined, the
+        // cell is outside.
+        [only] if !only.may_vanish => !is_solid || sign > 0 || (sign < 0 && only.is_continuous),
+        parts => sign != 0 && parts.iter().all(|part| part.is_continuous),
     };
     if is_empty {
         return Answer::Empty(sign);
     }
     let is_cut = |part: &PartBounds| usize::from(part.part) >= question.first_cut;
     let has_sign =
-        |part: &PartBounds| (part.value.lo > 0.0 || part.value.hi < 0.0) && part.gradient.is_some();
+        |part: &PartBounds| (part.value.lo > 0.0 || part.value.hi < 0.0) && part.is_continuous;
     if parts.iter().any(is_cut) && parts.iter().all(|part| is_cut(part) || has_sign(part)) {
         return Answer::Empty(0);
     }
@@ -207,7 +274,8 @@ fn value(choice: &Choice, bounds: &[PartBounds]) -> Option<Interval> {
     };
     match choice {
         Choice::Part(part) => {
-            bounds.iter().find(|bounds| usize::from(bounds.part) == *part).map(|one| one.value)
+            let place = bounds.binary_search_by_key(part, |one| usize::from(one.part));
+            place.ok().map(|place| bounds[place].value)
         }
         Choice::Min(all) => fold(all, f64::min),
         Choice::Max(all) => fold(all, f64::max),
@@ -243,9 +311,10 @@ fn pruned(choice: &Choice, bounds: &[PartBounds]) -> Choice {
 /// Returns whether all parts of a choice are proven continuous.
 fn is_certain(choice: &Choice, bounds: &[PartBounds]) -> bool {
     match choice {
-        Choice::Part(part) => bounds
-            .iter()
-            .all(|bounds| usize::from(bounds.part) != *part || bounds.gradient.is_some()),
+        Choice::Part(part) => {
+            let place = bounds.binary_search_by_key(part, |one| usize::from(one.part));
+            place.is_ok_and(|place| bounds[place].is_continuous)
+        }
         Choice::Min(all) | Choice::Max(all) => all.iter().all(|one| is_certain(one, bounds)),
     }
 }

@@ -7,6 +7,7 @@ mod cells;
 mod extract;
 mod fit;
 mod grid;
+mod place;
 mod polygon;
 mod proof;
 mod refine;
@@ -23,9 +24,8 @@ use zeroset_space::Region;
 
 /// Share of the domain's diagonal that is the tolerance, unless another is given.
 pub const TOLERANCE: f64 = 1e-3;
-/// Size of the tetrahedra that are not split for the proof, as a share of the domain's longest
-/// edge.
-const FINEST: f64 = 1.0 / 262_144.0;
+/// Size of boxes over which bounds may be estimated, as a share of the domain's longest edge.
+const ESTIMATED: f64 = 1.0 / 64.0;
 /// Space around a ball, as a share of the domain's extent.
 const AROUND: f64 = 1.0 / 32.0;
 
@@ -118,11 +118,12 @@ pub fn mesh(
     let Choices { choice, parts, first_cut } = program.choices(surface, &region)?;
     let kernels = PartKernels::of(&parts)?;
     let (space, mut grid) = Space::new(low, high);
-    let finest = FINEST * (high - low).max_element();
-    let limits = Limits { tolerance, is_proven, finest, most_cells };
+    let extent = (high - low).max_element();
+    let limits = Limits { tolerance, is_proven, extent, most_cells };
     // The surface of a solid includes the region's boundary.
     let first_cut = if is_solid { kernels.len() } else { first_cut };
-    let question = Question { parts: &kernels, space: &space, is_solid, first_cut };
+    let estimated = if is_proven { 0.0 } else { ESTIMATED * extent };
+    let question = Question { parts: &kernels, space: &space, is_solid, first_cut, estimated };
     let refined = refine::refine(&choice, &question, &mut grid, limits, wanted);
     let Some(refined) = refined else { return Ok(None) };
     let triangles = extract::extract(&refined, &grid, &question)?;

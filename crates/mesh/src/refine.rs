@@ -15,6 +15,16 @@ use zeroset_scene::choices::Choice;
 /// Share of all tetrahedra that may fail the proof at a time. If more do, none is split for the
 /// proof.
 const MOST_FAILING: f64 = 0.2;
+/// Size of the tetrahedra that are not split for the proof, as a share of the domain's longest
+/// edge.
+const FINEST: f64 = 1.0 / 262_144.0;
+/// Size of the tetrahedra that are not split for the proof at the domain's boundary, if the proof
+/// holds but for the boundary, as a share of the domain's longest edge. It may fail at any size,
+/// since the surface may go through an edge of the domain.
+const BOUNDARY: f64 = 1.0 / 1024.0;
+/// The value of a part where it is undefined: far above 0, since a solid is not there. Products of
+/// three are finite.
+const UNDEFINED: f64 = 1e100;
 /// Greatest relative difference of values by which parts are told apart.
 const APART: f64 = 1e-4;
 
@@ -32,6 +42,13 @@ pub enum Kind {
     Inside(Arc<Choice>),
 }
 
+/// The proof fails at a corner.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+struct Fails {
+    /// True if it would hold in a larger domain.
+    at_boundary: bool,
+}
+
 /// Limits of a refinement.
 #[derive(Clone, Copy)]
 pub struct Limits {
@@ -39,8 +56,8 @@ pub struct Limits {
     pub tolerance: f64,
     /// Whether tetrahedra are split until the shape is proven.
     pub is_proven: bool,
-    /// Size of tetrahedra that are not split for the proof, in world units.
-    pub finest: f64,
+    /// The domain's longest edge, in world units.
+    pub extent: f64,
     /// Number of tetrahedra beyond which none is split.
     pub most_cells: usize,
 }
@@ -60,7 +77,7 @@ pub struct Refined {
 pub struct CornerValues(Vec<SmallVec<[(u16, f64); 1]>>);
 
 impl CornerValues {
-    /// The value of a part at a corner, by the sample kernel. NaN if undefined.
+    /// The value of a part at a corner, by the sample kernel. [`UNDEFINED`] if it has none.
     ///
     /// # Panics
     /// If it has not been sampled.
@@ -125,8 +142,12 @@ pub fn refine(
             .filter(|leaf| match &leaf.kind {
                 Kind::Open { local, near: false } => {
                     let is_smooth = local.parts.iter().all(|part| part.gradient.is_some());
-                    // Where the function may jump or end, only samples tell, in whole planes.
-                    let share = if is_smooth { 0.125 } else { 2.0 };
+                    let share = match is_smooth {
+                        true if limits.is_proven => 0.125,
+                        true => 0.5,
+                        // Where the function may jump or end, only samples tell, in whole planes.
+                        false => 2.0,
+                    };
                     may_split(&leaf.cell, share * limits.tolerance)
                 }
                 Kind::Open { near: true, .. } | Kind::Inside(_) => false,
@@ -139,9 +160,12 @@ pub fn refine(
             let failing = refined.prove(kernels, space, grid, unproven, wanted)?;
             unproven = refined.leaves.len();
             if failing.len() as f64 <= MOST_FAILING * limits.most_cells as f64 {
-                let fails = failing.iter().map(|leaf| &refined.leaves[*leaf].cell);
-                let split = fails.filter(|cell| may_split(cell, limits.finest));
-                middles.extend(split.map(Tetrahedron::middle));
+                for (leaf, Fails { at_boundary }) in failing {
+                    let cell = &refined.leaves[leaf].cell;
+                    let least =
+                        if at_boundary { BOUNDARY * limits.extent } else { FINEST * limits.extent };
+                    middles.extend(may_split(cell, least).then(|| cell.middle()));
+                }
             }
         }
         if middles.is_empty() {
@@ -224,7 +248,7 @@ impl Refined {
         grid: &Grid,
         first: usize,
         wanted: &(dyn Fn() -> bool + Sync),
-    ) -> Option<Vec<usize>> {
+    ) -> Option<Vec<(usize, Fails)>> {
         self.sample(kernels, space, grid, first);
         let is_open = |leaf: &Leaf| matches!(leaf.kind, Kind::Open { .. });
         // The open leaves around each corner that is asked for, one corner after the other.
@@ -267,30 +291,37 @@ impl Refined {
         };
         let slopes: Vec<Option<SmallVec<[Slopes; 1]>>> =
             self.leaves.par_iter().map(slopes).collect();
-        let is_proven = |all: &mut Vec<Slopes>, corner: &u32| {
+        let fails = |all: &mut Vec<Slopes>, corner: &u32| {
             all.clear();
             for number in star(*corner) {
-                let Some(slopes) = &slopes[*number as usize] else { return false };
+                let Some(slopes) = &slopes[*number as usize] else {
+                    return Some(Fails { at_boundary: false });
+                };
                 all.extend_from_slice(slopes);
             }
-            common_vector(all, space.faces(grid.corners[*corner as usize])).is_some()
+            let faces = space.faces(grid.corners[*corner as usize]);
+            if common_vector(all, faces).is_some() {
+                return None;
+            }
+            let at_boundary = faces != [false; 3] && common_vector(all, [false; 3]).is_some();
+            Some(Fails { at_boundary })
         };
         let corners: Vec<u32> =
             (0..grid.corners.len() as u32).filter(|corner| asks(&corner)).collect();
-        let proven: Option<Vec<bool>> = corners
+        let found: Option<Vec<Option<Fails>>> = corners
             .par_iter()
-            .map_init(Vec::new, |all, corner| wanted().then(|| is_proven(all, corner)))
+            .map_init(Vec::new, |all, corner| wanted().then(|| fails(all, corner)))
             .collect();
         self.failing.resize(grid.corners.len(), false);
         let mut leaves = Vec::new();
-        for (corner, is_proven) in corners.into_iter().zip(proven?) {
-            self.failing[corner as usize] = !is_proven;
-            if !is_proven {
-                leaves.extend(star(corner).iter().map(|number| *number as usize));
+        for (corner, fails) in corners.into_iter().zip(found?) {
+            self.failing[corner as usize] = fails.is_some();
+            if let Some(fails) = fails {
+                leaves.extend(star(corner).iter().map(|number| (*number as usize, fails)));
             }
         }
         leaves.sort_unstable();
-        leaves.dedup();
+        leaves.dedup_by_key(|(leaf, _)| *leaf);
         Some(leaves)
     }
 
@@ -314,6 +345,8 @@ impl Refined {
             for (corner, value) in corners.into_iter().zip(sample(kernels[part].samples, &points)) {
                 // At a zero, g may have either sign.
                 let value = if value == 0.0 { f64::MIN_POSITIVE } else { value };
+                let value = if value.is_nan() { UNDEFINED } else { value };
+                let value = value.clamp(-UNDEFINED, UNDEFINED);
                 // Symmetric parts are equal on whole planes of the grid. They are told apart.
                 let factor = || factor(at(&corner), part);
                 let moved = if kernels.len() == 1 { value } else { value * factor() };

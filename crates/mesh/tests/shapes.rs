@@ -172,6 +172,90 @@ fn shapes_are_proven_up_to_singular_points() {
     }
 }
 
+/// A surface through an edge of the domain is not proven there. That takes few tetrahedra.
+#[test]
+fn surfaces_through_edges_of_the_domain_are_meshed_soon() {
+    for text in ["x <= y", "z = x^2", "x <= 0.1 or y <= z"] {
+        let mesh = mesh_of(text, 1.0, 0.05);
+        let is_at_edge = |place: DVec3| place.abs().to_array().map(|c| c > 0.99);
+        for place in &mesh.unproven {
+            let faces = is_at_edge(place.centre).into_iter().filter(|face| *face).count();
+            assert!(faces > 1, "{text}: {place:?}");
+        }
+        assert!(mesh.cells < 50_000, "{text}: {} tetrahedra", mesh.cells);
+        assert_eq!(mesh.far, 0, "{text}");
+    }
+}
+
+/// Returns whether an edge of a triangle goes through the inside of another.
+fn crosses(edge: [DVec3; 2], [a, b, c]: [DVec3; 3]) -> bool {
+    let volume = |p: DVec3, q: DVec3, r: DVec3, s: DVec3| (q - p).cross(r - p).dot(s - p);
+    let [from, to] = edge;
+    if volume(a, b, c, from) * volume(a, b, c, to) >= 0.0 {
+        return false;
+    }
+    let sides = [volume(from, to, a, b), volume(from, to, b, c), volume(from, to, c, a)];
+    sides.iter().all(|side| *side > 1e-15) || sides.iter().all(|side| *side < -1e-15)
+}
+
+/// Polygons of several parts, and polygons that are not convex, do not cross.
+#[test]
+fn triangles_do_not_cross_where_parts_meet() {
+    let hump = "min(z-0.41, (z+0.05)^2+(y+0.03)^2+(x+0.56)^2-0.74) = 0";
+    let lens = "x^2+y^2+z^2 <= 1 or (x-1)^2+(y-0.3)^2+(z-0.2)^2 <= 1";
+    for (text, half, tolerance) in
+        [("x <= y/3 or y <= z/5", 1.0, 0.01), (hump, 2.0, 0.2), (lens, 2.5, 0.2)]
+    {
+        let mesh = mesh_of(text, half, tolerance);
+        assert!(mesh.unproven.is_empty(), "{text}");
+        let at = |vertex: u32| mesh.vertices[vertex as usize];
+        for one in &mesh.triangles {
+            let corners = one.map(at);
+            let low = corners[0].min(corners[1]).min(corners[2]);
+            let high = corners[0].max(corners[1]).max(corners[2]);
+            for other in &mesh.triangles {
+                for [from, to] in [[0, 1], [1, 2], [2, 0]].map(|edge| edge.map(|k| other[k])) {
+                    let edge = [at(from), at(to)];
+                    let is_apart = edge[0].max(edge[1]).cmplt(low).any()
+                        || edge[0].min(edge[1]).cmpgt(high).any();
+                    if !is_apart && !one.contains(&from) && !one.contains(&to) {
+                        assert!(!crosses(edge, corners), "{text}: {edge:?} crosses {corners:?}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// No vertex is farther from a solid's surface than the tolerance, also where it ends in a plane
+/// that is nearly tangent to an edge of the grid.
+#[test]
+fn vertices_are_within_the_tolerance() {
+    for normal in [DVec3::new(1.0, 0.3, 0.2), DVec3::new(-0.5, -0.2, -2.0)] {
+        let offset = if normal.x > 0.0 { 0.2 } else { -0.3 };
+        let DVec3 { x, y, z } = normal;
+        let text = format!("x^2+y^2+z^2 <= 1 and {x}x + {y}y + {z}z >= {offset}");
+        let tolerance = 3e-3;
+        let mesh = mesh_of(&text, 1.1, tolerance);
+        assert_eq!((mesh.unproven.len(), mesh.far), (0, 0), "{text}");
+        for vertex in &mesh.vertices {
+            let beyond = (offset - normal.dot(*vertex)) / normal.length();
+            let depth = (vertex.length() - 1.0).max(beyond);
+            assert!(depth.abs() <= tolerance, "{text}: {vertex} is {depth} from the surface");
+        }
+    }
+}
+
+/// A solid is closed where a pole is on a plane of the grid.
+#[test]
+fn solids_are_closed_at_poles() {
+    let mesh = mesh_of("1/x <= 1", 1.5, 0.05);
+    let (_, open) = euler(&mesh);
+    assert_eq!(open, 0);
+    // Its parts are where x < 0, and where x is between 1 and 1.5.
+    assert!((volume(&mesh) - 9.0 * 2.0).abs() < 0.5, "{}", volume(&mesh));
+}
+
 #[test]
 fn small_parts_and_thin_gaps_are_not_lost() {
     for (text, half, number) in [
