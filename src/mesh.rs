@@ -6,7 +6,7 @@ use glam::DVec3;
 use std::ops::RangeInclusive;
 use std::path::Path;
 use std::time::Duration;
-use zeroset_export::{Format, Meshes, Object, meshes};
+use zeroset_export::{Format, Meshes, Object, Quality, meshes};
 use zeroset_render::atomic_file::AtomicFile;
 use zeroset_render::limit::Limit;
 use zeroset_scene::view::Clipping;
@@ -26,6 +26,7 @@ use zeroset_syntax::Document;
 pub struct MeshSettings {
     domain: Domain,
     tolerance: Option<f64>,
+    is_estimated: bool,
     budget: Option<Duration>,
 }
 
@@ -67,6 +68,12 @@ impl MeshSettings {
         self
     }
 
+    /// Estimates bounds from samples. That is often several times as fast, and nothing is proven.
+    pub fn estimate(mut self) -> Self {
+        self.is_estimated = true;
+        self
+    }
+
     /// Limits the time. A mesh that is not done in time is an error. Default: no limit.
     pub fn budget(mut self, time: Duration) -> Self {
         self.budget = Some(time);
@@ -76,13 +83,14 @@ impl MeshSettings {
 
 impl Mesh {
     pub(crate) fn new(document: &Document, settings: &MeshSettings) -> Result<Self, Error> {
-        let &MeshSettings { tolerance, budget, .. } = settings;
+        let &MeshSettings { tolerance, is_estimated, budget, .. } = settings;
+        let quality = Quality { tolerance, is_estimated };
         if !tolerance.is_none_or(|tolerance| tolerance > 0.0 && tolerance.is_finite()) {
             return Err(Error::argument("tolerance must be a finite length above 0"));
         }
         let wanted = Limit { budget, ..Limit::default() }.wanted();
         let found =
-            meshes(document, settings.domain.choice(), Clipping::default(), tolerance, &wanted);
+            meshes(document, settings.domain.choice(), Clipping::default(), quality, &wanted);
         let Some(Meshes { objects, tolerance, .. }) = found.map_err(Error::scene)? else {
             let seconds = budget.unwrap_or_default().as_secs_f64();
             return Err(Error::argument(format!("the mesh was not done within {seconds} s")));

@@ -460,6 +460,27 @@ fn cells_that_are_not_proven_are_told_of() {
     assert!(run.stderr.contains(&told), "{}", run.stderr);
 }
 
+/// An estimated mesh is as near to the surface, and claims nothing.
+#[test]
+fn an_estimated_mesh_claims_nothing() {
+    let ball = ["x^2+y^2+z^2 = 1", "--tolerance", "0.01", "--estimate"];
+    let (mesh, told) = read(&ball, "a.ply");
+    assert_eq!(mesh.closed_euler(), 2);
+    for [x, y, z] in &mesh.vertices {
+        let distance = (x * x + y * y + z * z).sqrt() - 1.0;
+        assert!(distance.abs() < 0.01, "{distance}");
+    }
+    assert!(told.contains("nothing is proven"), "{told}");
+    let place = Sandbox::new();
+    let run = place.run(&[&["mesh"], &ball[..], &["--json", "--strict"]].concat());
+    assert_eq!(run.code, Some(1), "{}", run.stderr);
+    let report = run.json();
+    assert!(report["cells"].as_u64() > Some(0), "{report}");
+    for count in ["unproven", "far"] {
+        assert_eq!(report[count], report["cells"], "{report}");
+    }
+}
+
 /// A ball and a clip plane of a file cut its mesh.
 #[test]
 fn a_region_cuts_a_mesh() {

@@ -16,7 +16,7 @@ use fidget::mesh::{Octree, Settings};
 use fidget::shape::{BoundShape, Shape};
 use glam::DVec3;
 use nalgebra::Matrix4;
-use zeroset_eval::{Gradients, Kernels, LANES, Points};
+use zeroset_eval::{Gradients, LANES, Points};
 use zeroset_mesh::{MOST_CELLS, Options, mesh};
 use zeroset_scene::program::Program;
 use zeroset_syntax::Document;
@@ -81,17 +81,17 @@ impl Side for Dual {
 }
 
 /// zeroset's mesher, with or without the proof of the shape.
-struct Proven<'a> {
+struct Ours<'a> {
     name: &'static str,
     document: &'a Document,
     surface: &'a Surface,
     tolerance: f64,
-    is_proven: bool,
+    is_estimated: bool,
     mesh: Triangles,
     unproven: usize,
 }
 
-impl Side for Proven<'_> {
+impl Side for Ours<'_> {
     fn name(&self) -> String {
         self.name.to_owned()
     }
@@ -108,7 +108,7 @@ impl Side for Proven<'_> {
             region,
             tolerance: self.tolerance,
             is_solid,
-            is_proven: self.is_proven,
+            is_estimated: self.is_estimated,
             most_cells: MOST_CELLS,
         };
         let mesh = mesh(&program, 0, &options, &|| true)?.expect("nobody cancels it");
@@ -214,23 +214,23 @@ fn compare(surface: &Surface, depth: u8, arguments: &MeshesArguments) -> Result<
     let mut dual = Dual { tree, half: surface.half, depth, mesh: Triangles::default() };
     dual.draw()?;
     let error = largest(&dual.mesh.distances(&program)?);
-    let proven = |tolerance: f64, is_proven: bool| Proven {
-        name: if is_proven { "with proof" } else { "without proof" },
+    let ours = |tolerance: f64, is_estimated: bool| Ours {
+        name: if is_estimated { "without proof" } else { "with proof" },
         document: &document,
         surface,
         tolerance,
-        is_proven,
+        is_estimated,
         mesh: Triangles::default(),
         unproven: 0,
     };
     let (mut tolerance, mut near) = (16.0 * error, f64::INFINITY);
     while near > error {
         tolerance *= 0.5_f64.sqrt();
-        let mut trial = proven(tolerance, false);
+        let mut trial = ours(tolerance, true);
         trial.draw()?;
         near = largest(&trial.mesh.distances(&program)?);
     }
-    let (mut without, mut with) = (proven(tolerance, false), proven(tolerance, true));
+    let (mut without, mut with) = (ours(tolerance, true), ours(tolerance, false));
     without.draw()?;
     with.draw()?;
     let found = [&dual.mesh, &without.mesh, &with.mesh].map(|mesh| mesh.0.len());

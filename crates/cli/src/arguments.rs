@@ -537,6 +537,10 @@ pub struct MeshArgs {
     #[arg(long, value_name = "DISTANCE", allow_hyphen_values = true)]
     pub tolerance: Option<f64>,
 
+    /// Estimate bounds from samples: often several times as fast, and nothing is proven
+    #[arg(long)]
+    pub estimate: bool,
+
     /// Set the unit of coordinates, in 3MF and GLB [default: millimeter in 3MF, meter in GLB]
     #[arg(long, value_parser = units())]
     pub unit: Option<&'static Unit>,

@@ -12,7 +12,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
-use zeroset_export::{FORMATS, Format, Meshes, Object, Unit, meshes};
+use zeroset_export::{FORMATS, Format, Meshes, Object, Quality, Unit, meshes};
 use zeroset_live::Rendering;
 use zeroset_mesh::{Mesh, Unproven};
 use zeroset_render::limit::Limit;
@@ -27,6 +27,7 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
         tolerance.is_none_or(|tolerance| tolerance > 0.0 && tolerance.is_finite()),
         "--tolerance needs a finite number above 0"
     );
+    let quality = Quality { tolerance, is_estimated: arguments.estimate };
     let budget = budget(arguments.budget)?;
     interrupt::listen("nothing is written")?;
     let files = Files::create(arguments)?;
@@ -34,7 +35,7 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
     subject.show_notes();
     let wanted = Limit { budget, begun: Some(begun), ..Limit::default() }.wanted();
     let found = in_threads(arguments.threads, || {
-        Ok(meshes(&subject.document, subject.domain, Clipping::default(), tolerance, &wanted)?)
+        Ok(meshes(&subject.document, subject.domain, Clipping::default(), quality, &wanted)?)
     })?;
     let Some(found) = found else {
         let seconds = budget.unwrap_or_default().as_secs_f64();
@@ -85,7 +86,8 @@ pub fn of_picture(
     let file = OutputFile::create(path)?;
     let (request, document) = (&seen.request, &seen.document);
     let cut = Clipping { plane: request.clip, ..Clipping::default() };
-    let found = meshes(document, request.domain, cut, tolerance, wanted)?;
+    let quality = Quality { tolerance, ..Quality::default() };
+    let found = meshes(document, request.domain, cut, quality, wanted)?;
     let found = found.context("not written: the session has ended")?;
     ensure!(!found.is_empty(), "nothing to write: {}", why_empty(&found, document));
     file.finish(|out| format.write(&found.objects, None, out))?;
@@ -266,6 +268,9 @@ fn describe(name: &str, mesh: &Mesh, tolerance: f64) -> String {
              distance is not proven to be within {tolerance:.2e}",
             mesh.cells
         ),
+        (unproven, far) if unproven.len() >= mesh.cells && far == mesh.cells => {
+            format!("nothing is proven: samples decide in all {} cells", mesh.cells)
+        }
         ([first, ..], _) => {
             // One digit more than the tolerance shows.
             let digits = (1.0 - tolerance.log10()).ceil().clamp(0.0, 18.0) as usize;

@@ -15,4 +15,4 @@ mod three_mf;
 
 pub use color::{Color, PointColors};
 pub use format::{FORMATS, Format, UNITS, Unit};
-pub use scene::{Meshes, Object, meshes};
+pub use scene::{Meshes, Object, Quality, meshes};

@@ -41,8 +41,18 @@ pub struct Meshes {
     pub mesh: Duration,
 }
 
-/// Makes the meshes of all visible surfaces, in the document's region. The default tolerance
-/// is a thousandth of the diagonal of its box. Returns `None` once `wanted` returns false.
+/// How near a mesh is to its surface, and how sure that is.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Quality {
+    /// Largest distance between triangles and surface, in world units. `None` for a thousandth of
+    /// the domain's diagonal.
+    pub tolerance: Option<f64>,
+    /// Whether bounds are [estimated](Options::is_estimated) instead of proven.
+    pub is_estimated: bool,
+}
+
+/// Makes the meshes of all visible surfaces, in the document's region. Returns `None` once `wanted`
+/// returns false.
 ///
 /// # Errors
 /// If there is no domain, or a function is constant, defined nowhere or too large.
@@ -50,7 +60,7 @@ pub fn meshes(
     document: &Document,
     domain: DomainChoice,
     cut: Clipping,
-    tolerance: Option<f64>,
+    Quality { tolerance, is_estimated }: Quality,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Meshes>, SceneError> {
     let found = view::region_while(&mut None, document, domain, cut, wanted)?;
@@ -65,8 +75,7 @@ pub fn meshes(
     for (number, surface) in visible {
         is_undefined &= program.is_undefined(number);
         let is_solid = program.is_solid(number);
-        let options =
-            Options { region, tolerance, is_solid, is_proven: true, most_cells: MOST_CELLS };
+        let options = Options { region, tolerance, is_solid, is_estimated, most_cells: MOST_CELLS };
         let Some(mesh) = mesh(&program, number, &options, wanted)? else { return Ok(None) };
         let name = surface.line();
         objects.push(Object { name, mesh, color: Color::of(number, surface) });

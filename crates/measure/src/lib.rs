@@ -75,7 +75,7 @@ pub fn measure(
             region: *region,
             tolerance,
             is_solid,
-            is_proven: true,
+            is_estimated: false,
             most_cells: MOST_CELLS,
         };
         mesh(program, surface, &options, wanted)

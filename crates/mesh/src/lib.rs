@@ -67,9 +67,9 @@ pub struct Options {
     /// Whether the surface bounds a solid, where f ≤ 0. The mesh then covers the solid's part of
     /// the domain's boundary.
     pub is_solid: bool,
-    /// Whether to prove the shape. If not, tetrahedra are split for the tolerance alone, and all of
-    /// them count as [unproven](Mesh::unproven).
-    pub is_proven: bool,
+    /// Whether bounds over small boxes are estimated from samples at their corners. Nothing is then
+    /// proven: all tetrahedra count as [unproven](Mesh::unproven) and as [far](Mesh::far).
+    pub is_estimated: bool,
     /// Number of tetrahedra that may hold the surface, beyond which none is split.
     pub most_cells: usize,
 }
@@ -111,7 +111,7 @@ pub fn mesh(
     options: &Options,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Mesh>, ProgramError> {
-    let &Options { region, tolerance, is_solid, is_proven, most_cells } = options;
+    let &Options { region, tolerance, is_solid, is_estimated, most_cells } = options;
     let bounds = domain(&region);
     let [low, high] = [bounds.map(|along| along.lo), bounds.map(|along| along.hi)];
     let (low, high) = (DVec3::from_array(low), DVec3::from_array(high));
@@ -119,10 +119,10 @@ pub fn mesh(
     let kernels = PartKernels::of(&parts)?;
     let (space, mut grid) = Space::new(low, high);
     let extent = (high - low).max_element();
-    let limits = Limits { tolerance, is_proven, extent, most_cells };
+    let limits = Limits { tolerance, is_estimated, extent, most_cells };
     // The surface of a solid includes the region's boundary.
     let first_cut = if is_solid { kernels.len() } else { first_cut };
-    let estimated = if is_proven { 0.0 } else { ESTIMATED * extent };
+    let estimated = if is_estimated { ESTIMATED * extent } else { 0.0 };
     let question = Question { parts: &kernels, space: &space, is_solid, first_cut, estimated };
     let refined = refine::refine(&choice, &question, &mut grid, limits, wanted);
     let Some(refined) = refined else { return Ok(None) };
@@ -132,8 +132,8 @@ pub fn mesh(
     for leaf in &refined.leaves {
         let Kind::Open { near, .. } = leaf.kind else { continue };
         mesh.cells += 1;
-        mesh.far += usize::from(!near);
-        if !is_proven || refined.fails(&leaf.cell) {
+        mesh.far += usize::from(is_estimated || !near);
+        if is_estimated || refined.fails(&leaf.cell) {
             let [x, y, z] = space.between(leaf.cell.bounds());
             let (low, high) = (DVec3::new(x.lo, y.lo, z.lo), DVec3::new(x.hi, y.hi, z.hi));
             mesh.unproven.push(Unproven { centre: 0.5 * (low + high), size: high - low });

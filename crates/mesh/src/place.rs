@@ -49,8 +49,9 @@ impl Vertices {
         })
     }
 
-    /// Places all vertices. Several on one edge stay at the zeros of linear functions: elsewhere the
-    /// polygons through them might cross.
+    /// Places all vertices. Several on one edge stay at the zeros of linear functions, since
+    /// polygons through them might cross elsewhere.
+    ///
     /// Returns, for each, whether it is at a zero: no part jumps there.
     pub fn place(
         &mut self,
@@ -99,9 +100,11 @@ impl Vertices {
                         let start = self.places[*vertex];
                         let found = common_zero(several, &corners, start)?;
                         // Another part may have the choice's value there.
-                        let choice = &*self.choices[*vertex];
-                        let values = sample_choices(&[choice; 2], &[start, found], kernels);
-                        if values[1].abs() < values[0].abs() {
+                        let value = |point: DVec3| {
+                            let of = |part: usize| sample(kernels[part].samples, &[point])[0];
+                            value_of(&self.choices[*vertex], &of).abs()
+                        };
+                        if value(found) < value(start) {
                             self.places[*vertex] = found;
                         }
                     }

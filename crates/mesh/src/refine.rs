@@ -18,9 +18,8 @@ const MOST_FAILING: f64 = 0.2;
 /// Size of the tetrahedra that are not split for the proof, as a share of the domain's longest
 /// edge.
 const FINEST: f64 = 1.0 / 262_144.0;
-/// Size of the tetrahedra that are not split for the proof at the domain's boundary, if the proof
-/// holds but for the boundary, as a share of the domain's longest edge. It may fail at any size,
-/// since the surface may go through an edge of the domain.
+/// As [`FINEST`], where only the domain's boundary is in the way of the proof. It may be so at any
+/// size, since the surface may go through an edge of the domain.
 const BOUNDARY: f64 = 1.0 / 1024.0;
 /// The value of a part where it is undefined: far above 0, since a solid is not there. Products of
 /// three are finite.
@@ -54,8 +53,8 @@ struct Fails {
 pub struct Limits {
     /// Largest allowed distance between mesh and surface, in world units.
     pub tolerance: f64,
-    /// Whether tetrahedra are split until the shape is proven.
-    pub is_proven: bool,
+    /// Whether bounds are estimated, so that tetrahedra are not split for the proof.
+    pub is_estimated: bool,
     /// The domain's longest edge, in world units.
     pub extent: f64,
     /// Number of tetrahedra beyond which none is split.
@@ -77,7 +76,7 @@ pub struct Refined {
 pub struct CornerValues(Vec<SmallVec<[(u16, f64); 1]>>);
 
 impl CornerValues {
-    /// The value of a part at a corner, by the sample kernel. [`UNDEFINED`] if it has none.
+    /// The value of a part at a corner, by the sample kernel. [`UNDEFINED`] stands for no value.
     ///
     /// # Panics
     /// If it has not been sampled.
@@ -143,8 +142,8 @@ pub fn refine(
                 Kind::Open { local, near: false } => {
                     let is_smooth = local.parts.iter().all(|part| part.gradient.is_some());
                     let share = match is_smooth {
-                        true if limits.is_proven => 0.125,
-                        true => 0.5,
+                        true if limits.is_estimated => 0.5,
+                        true => 0.125,
                         // Where the function may jump or end, only samples tell, in whole planes.
                         false => 2.0,
                     };
@@ -154,7 +153,7 @@ pub fn refine(
             })
             .map(|leaf| leaf.cell.middle())
             .collect();
-        if middles.is_empty() && !limits.is_proven {
+        if middles.is_empty() && limits.is_estimated {
             refined.sample(kernels, space, grid, 0);
         } else if middles.is_empty() {
             let failing = refined.prove(kernels, space, grid, unproven, wanted)?;

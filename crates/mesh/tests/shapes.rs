@@ -20,7 +20,8 @@ fn mesh_in(text: &str, region: Region, tolerance: f64) -> Mesh {
     let document = read(text, &zeroset_syntax::Options::default()).expect(text);
     let program = Program::new(&document, zeroset_mesh::domain(&region)).expect("a surface");
     let is_solid = document.surfaces[0].kind == SurfaceKind::Solid;
-    let options = Options { region, tolerance, is_solid, is_proven: true, most_cells: MOST_CELLS };
+    let options =
+        Options { region, tolerance, is_solid, is_estimated: false, most_cells: MOST_CELLS };
     mesh(&program, 0, &options, &|| true).expect("kernels").expect("wanted")
 }
 
