@@ -68,6 +68,7 @@ const TESTS: &[Group] = &[
             session::one_step_of_the_wheel_zooms_as_far_as_a_key,
             session::a_line_is_typed_corrected_and_entered_in_the_window,
             session::a_click_and_a_saved_picture_can_be_repeated_from_the_terminal,
+            session::a_key_and_enter_save_a_mesh,
             session::saving_a_slow_picture_does_not_hold_the_window,
             sliders::a_slider_that_is_dragged_changes_picture_and_document_and_is_taken_back,
             sliders::a_slider_that_is_held_while_the_gallery_opens_is_let_go,

@@ -1,6 +1,7 @@
 //! A real window on a virtual display: mouse, keys, the edit line, saving, reloading.
 
 use crate::scene::{CUBE, Scene, painted};
+use crate::terminal_support::until;
 
 pub fn the_picture_is_centred_and_follows_mouse_and_keys() {
     // This method leaves some pixels undecided, so that they can be marked.
@@ -133,6 +134,20 @@ pub fn a_click_and_a_saved_picture_can_be_repeated_from_the_terminal() {
     let saved = pixels("zeroset-1.png");
     shell(&line("-o zeroset-1.png").replace("-o zeroset-1.png", "-o again.png"));
     assert!(saved == pixels("again.png"), "the command makes another picture");
+    scene.terminal.type_in(":quit\r");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
+pub fn a_key_and_enter_save_a_mesh() {
+    let mut scene = Scene::start(CUBE);
+    scene.rest();
+    scene.display.tool(&["key", "--delay", "300", "m", "Return"]);
+    let file = scene.terminal.place().join("zeroset-1.stl");
+    let triangles = || {
+        let bytes = std::fs::read(&file).unwrap_or_default();
+        bytes.get(80..84).map_or(0, |count| u32::from_le_bytes(count.try_into().expect("four")))
+    };
+    until("the mesh is saved", || triangles() >= 12);
     scene.terminal.type_in(":quit\r");
     assert_eq!(scene.terminal.ends(), 0);
 }

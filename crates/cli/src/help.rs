@@ -30,6 +30,7 @@ const ROWS: &[(&str, &str)] = &[
     ("T", "play time"),
     ("U", "undecided"),
     ("S", "save a PNG"),
+    ("M", "save a mesh"),
     ("Q", "quit"),
 ];
 

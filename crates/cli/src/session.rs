@@ -382,10 +382,7 @@ impl Session {
         let _one_at_a_time = lock(&self.saving);
         let path = match to {
             Some(path) => PathBuf::from(path),
-            None => (1..=9999)
-                .map(|number| PathBuf::from(format!("zeroset-{number}.png")))
-                .find(|path| !path.exists())
-                .context("all names up to zeroset-9999.png are taken")?,
+            None => unused_name("png")?,
         };
         check_png(&path).map_err(anyhow::Error::msg)?;
         let output = OutputFile::create(&path)?;
@@ -472,4 +469,12 @@ impl Session {
         }
         Ok(())
     }
+}
+
+/// A name in the current directory that no file has.
+pub fn unused_name(extension: &str) -> Result<PathBuf> {
+    (1..=9999)
+        .map(|number| PathBuf::from(format!("zeroset-{number}.{extension}")))
+        .find(|path| !path.exists())
+        .with_context(|| format!("all names up to zeroset-9999.{extension} are taken"))
 }

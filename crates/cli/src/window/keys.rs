@@ -5,6 +5,7 @@ use super::input::InputEvent;
 use super::page::Page;
 use super::tasks::save;
 use crate::line_edit::LineEdit;
+use crate::session::unused_name;
 use minifb::Key;
 use std::sync::Arc;
 use std::thread::spawn;
@@ -205,6 +206,10 @@ impl Window {
                 self.threads.push(spawn(move || save(&session, None, revision, &tell)));
                 self.say("saving the picture once it is finished");
             }
+            'm' => match unused_name("stl") {
+                Ok(name) => self.line = Some(format!(":mesh {}", name.display()).into()),
+                Err(error) => self.say(&error.to_string()),
+            },
             'q' => self.session.end(),
             _ => {}
         }
