@@ -29,8 +29,7 @@ const ROWS: &[(&str, &str)] = &[
     ("Ctrl wheel", "move cut"),
     ("T", "play time"),
     ("U", "undecided"),
-    ("S", "save a PNG"),
-    ("M", "save a mesh"),
+    ("S, M", "save PNG, mesh"),
     ("Q", "quit"),
 ];
 
