@@ -29,7 +29,7 @@ const ROWS: &[(&str, &str)] = &[
     ("Ctrl wheel", "move cut"),
     ("T", "play time"),
     ("U", "undecided"),
-    ("S, M", "save PNG, mesh"),
+    ("S, M", "PNG, mesh"),
     ("Q", "quit"),
 ];
 
