@@ -45,7 +45,7 @@ pub struct SurfaceMesh {
     vertices: Vec<[f64; 3]>,
     faces: Vec<[u32; 3]>,
     unproven: Vec<[RangeInclusive<f64>; 3]>,
-    is_near: bool,
+    is_proven: bool,
     is_closed: bool,
 }
 
@@ -68,7 +68,8 @@ impl MeshSettings {
         self
     }
 
-    /// Estimates bounds from samples. That is often several times as fast, and nothing is proven.
+    /// Estimates bounds from samples, so that nothing is proven. Many meshes are done several times
+    /// as fast.
     pub fn estimate(mut self) -> Self {
         self.is_estimated = true;
         self
@@ -146,7 +147,7 @@ impl SurfaceMesh {
             vertices: mesh.vertices.iter().map(DVec3::to_array).collect(),
             faces: mesh.triangles.clone(),
             unproven: mesh.unproven.iter().map(|cell| ranges(cell.centre, cell.size)).collect(),
-            is_near: mesh.far == 0,
+            is_proven: mesh.is_proven(),
             is_closed: mesh.is_closed,
         }
     }
@@ -170,7 +171,7 @@ impl SurfaceMesh {
     /// Returns whether the mesh is proven to be isotopic to the surface in the domain, and within
     /// the tolerance of it.
     pub fn is_proven(&self) -> bool {
-        self.unproven.is_empty() && self.is_near
+        self.is_proven
     }
 
     /// Returns boxes around the places in which the shape is not proven.

@@ -479,6 +479,14 @@ fn an_estimated_mesh_claims_nothing() {
     for count in ["unproven", "far"] {
         assert_eq!(report[count], report["cells"], "{report}");
     }
+    // The solid fills the domain, so that no cell holds its surface.
+    let full = ["mesh", "x^2+y^2+z^2 <= 100", "--domain", "1", "--estimate", "-oa.ply", "--strict"];
+    let run = place.run(&full);
+    assert_eq!(run.code, Some(1), "{}", run.stderr);
+    assert!(run.stderr.contains("nothing is proven"), "{}", run.stderr);
+    let empty = ["mesh", "x^2+y^2+z^2 = 100", "--domain", "1", "--estimate", "-ob.ply"];
+    let run = place.run(&empty);
+    assert_eq!(run.code, Some(2), "{}", run.stderr);
 }
 
 /// A ball and a clip plane of a file cut its mesh.

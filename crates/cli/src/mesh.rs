@@ -66,7 +66,7 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
     } else {
         lines(&found).for_each(|line| notes::say(&line));
     }
-    let is_proven = objects.iter().all(|object| is_shape_proven(object) && object.mesh.far == 0);
+    let is_proven = objects.iter().all(|object| object.mesh.is_proven());
     let is_failed = arguments.strict && !is_proven;
     Ok(if is_failed { ExitCode::from(UNDECIDED) } else { ExitCode::SUCCESS })
 }
@@ -153,11 +153,17 @@ fn why_empty(found: &Meshes, document: &Document) -> String {
     let Meshes { region, searched, is_undefined, .. } = found;
     let blank = Blank::find(document, region, *is_undefined, *searched);
     let cells: usize = found.objects.iter().map(|object| object.mesh.cells).sum();
+    let is_estimated = found.objects.iter().any(|object| object.mesh.is_estimated);
     match blank {
         Blank::Missed if cells > 0 => format!(
             "the function changes its sign at no sample; {cells} cells may still hold a point \
              of the surface"
         ),
+        Blank::Missed if is_estimated => {
+            "the estimated bounds leave no point in the domain; without --estimate, that is proven, \
+             or the surface found"
+                .to_owned()
+        }
         Blank::Missed => "the surface is proven to have no point in the domain".to_owned(),
         _ => blank.describe(&|ends| format!("--domain {ends}")),
     }
@@ -203,6 +209,7 @@ fn report(found: &Meshes, subject: &Subject, write: Duration) -> Value {
             "vertices": mesh.vertices.len(),
             "triangles": mesh.triangles.len(),
             "closed": mesh.is_closed,
+            "estimated": mesh.is_estimated,
             "cells": mesh.cells,
             "unproven": mesh.unproven.len(),
             "far": mesh.far,
@@ -215,6 +222,7 @@ fn report(found: &Meshes, subject: &Subject, write: Duration) -> Value {
         "vertices": sum("vertices"),
         "triangles": sum("triangles"),
         "closed": surfaces.iter().all(|one| one["closed"] == true),
+        "estimated": surfaces.iter().any(|one| one["estimated"] == true),
         "cells": sum("cells"),
         "unproven": sum("unproven"),
         "far": sum("far"),
@@ -241,10 +249,6 @@ fn listed(holds: impl Fn(&&Format) -> bool) -> String {
 /// Rounding of coordinates that goes without saying, as a share of the tolerance.
 const ROUNDING: f64 = 0.01;
 
-fn is_shape_proven(object: &Object) -> bool {
-    object.mesh.unproven.is_empty()
-}
-
 /// One line for each surface that has triangles.
 fn lines(found: &Meshes) -> impl Iterator<Item = String> {
     let objects = found.objects.iter().filter(|object| !object.mesh.triangles.is_empty());
@@ -259,6 +263,7 @@ fn describe(name: &str, mesh: &Mesh, tolerance: f64) -> String {
     let of = if name.is_empty() { String::new() } else { format!("`{name}`: ") };
     let closed = if mesh.is_closed { "closed" } else { "with an open rim" };
     let shape = match (&mesh.unproven[..], mesh.far) {
+        _ if mesh.is_estimated => "nothing is proven: bounds were estimated".to_owned(),
         ([], 0) => format!(
             "the shape is proven: isotopic to the surface in the domain, and within {tolerance:.2e} \
              of it"
@@ -268,9 +273,6 @@ fn describe(name: &str, mesh: &Mesh, tolerance: f64) -> String {
              distance is not proven to be within {tolerance:.2e}",
             mesh.cells
         ),
-        (unproven, far) if unproven.len() >= mesh.cells && far == mesh.cells => {
-            format!("nothing is proven: samples decide in all {} cells", mesh.cells)
-        }
         ([first, ..], _) => {
             // One digit more than the tolerance shows.
             let digits = (1.0 - tolerance.log10()).ceil().clamp(0.0, 18.0) as usize;

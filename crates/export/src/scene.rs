@@ -47,7 +47,7 @@ pub struct Quality {
     /// Largest distance between triangles and surface, in world units. `None` for a thousandth of
     /// the domain's diagonal.
     pub tolerance: Option<f64>,
-    /// Whether bounds are [estimated](Options::is_estimated) instead of proven.
+    /// True if bounds are [estimated](Options::is_estimated) instead of proven.
     pub is_estimated: bool,
 }
 

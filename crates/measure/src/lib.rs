@@ -98,7 +98,7 @@ pub fn measure(
 
 /// The ends of a surface, from a mesh whose distance is proven.
 fn ends(mesh: &Mesh, tolerance: f64) -> Option<[[Interval; 3]; 2]> {
-    if mesh.far > 0 || !mesh.unproven.is_empty() {
+    if !mesh.is_proven() {
         return None;
     }
     let around =

@@ -44,7 +44,8 @@ pub struct Question<'a> {
     /// Where parts from this one on are 0, there is no surface. They cut it off where they are
     /// above 0.
     pub first_cut: usize,
-    /// Greatest size of boxes over which bounds are estimated from samples, in world units.
+    /// Greatest size of boxes over which bounds are estimated from samples, in world units. 0 if
+    /// all are proven.
     pub estimated: f64,
 }
 

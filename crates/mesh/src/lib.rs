@@ -46,6 +46,16 @@ pub struct Mesh {
     pub cells: usize,
     /// True if the triangles have no rim.
     pub is_closed: bool,
+    /// True if bounds were [estimated](Options::is_estimated), so that nothing is proven: not even
+    /// that there is no surface.
+    pub is_estimated: bool,
+}
+
+impl Mesh {
+    /// Returns whether shape and distance are proven.
+    pub fn is_proven(&self) -> bool {
+        !self.is_estimated && self.unproven.is_empty() && self.far == 0
+    }
 }
 
 /// A place in which the shape of the surface is not proven.
@@ -67,7 +77,7 @@ pub struct Options {
     /// Whether the surface bounds a solid, where f ≤ 0. The mesh then covers the solid's part of
     /// the domain's boundary.
     pub is_solid: bool,
-    /// Whether bounds over small boxes are estimated from samples at their corners. Nothing is then
+    /// True if bounds over small boxes are estimated from samples at their corners. Nothing is then
     /// proven: all tetrahedra count as [unproven](Mesh::unproven) and as [far](Mesh::far).
     pub is_estimated: bool,
     /// Number of tetrahedra that may hold the surface, beyond which none is split.
@@ -119,7 +129,7 @@ pub fn mesh(
     let kernels = PartKernels::of(&parts)?;
     let (space, mut grid) = Space::new(low, high);
     let extent = (high - low).max_element();
-    let limits = Limits { tolerance, is_estimated, extent, most_cells };
+    let limits = Limits { tolerance, extent, most_cells };
     // The surface of a solid includes the region's boundary.
     let first_cut = if is_solid { kernels.len() } else { first_cut };
     let estimated = if is_estimated { ESTIMATED * extent } else { 0.0 };
@@ -127,8 +137,12 @@ pub fn mesh(
     let refined = refine::refine(&choice, &question, &mut grid, limits, wanted);
     let Some(refined) = refined else { return Ok(None) };
     let triangles = extract::extract(&refined, &grid, &question)?;
-    let mut mesh =
-        Mesh { vertices: triangles.vertices, triangles: triangles.triangles, ..Mesh::default() };
+    let mut mesh = Mesh {
+        vertices: triangles.vertices,
+        triangles: triangles.triangles,
+        is_estimated,
+        ..Mesh::default()
+    };
     for leaf in &refined.leaves {
         let Kind::Open { near, .. } = leaf.kind else { continue };
         mesh.cells += 1;

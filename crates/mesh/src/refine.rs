@@ -53,8 +53,6 @@ struct Fails {
 pub struct Limits {
     /// Largest allowed distance between mesh and surface, in world units.
     pub tolerance: f64,
-    /// Whether bounds are estimated, so that tetrahedra are not split for the proof.
-    pub is_estimated: bool,
     /// The domain's longest edge, in world units.
     pub extent: f64,
     /// Number of tetrahedra beyond which none is split.
@@ -110,7 +108,8 @@ pub fn refine(
     limits: Limits,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Option<Refined> {
-    let &Question { parts: kernels, space, is_solid, .. } = question;
+    let &Question { parts: kernels, space, is_solid, estimated, .. } = question;
+    let is_estimated = estimated > 0.0;
     let choice = Arc::new(choice.clone());
     let root = |tetrahedron| Cell { tetrahedron, choice: Arc::clone(&choice) };
     let mut fresh: Vec<Cell> = grid.roots().into_iter().map(root).collect();
@@ -142,7 +141,7 @@ pub fn refine(
                 Kind::Open { local, near: false } => {
                     let is_smooth = local.parts.iter().all(|part| part.gradient.is_some());
                     let share = match is_smooth {
-                        true if limits.is_estimated => 0.5,
+                        true if is_estimated => 0.5,
                         true => 0.125,
                         // Where the function may jump or end, only samples tell, in whole planes.
                         false => 2.0,
@@ -153,7 +152,7 @@ pub fn refine(
             })
             .map(|leaf| leaf.cell.middle())
             .collect();
-        if middles.is_empty() && limits.is_estimated {
+        if middles.is_empty() && is_estimated {
             refined.sample(kernels, space, grid, 0);
         } else if middles.is_empty() {
             let failing = refined.prove(kernels, space, grid, unproven, wanted)?;

@@ -173,7 +173,7 @@ fn shapes_are_proven_up_to_singular_points() {
     }
 }
 
-/// A surface through an edge of the domain is not proven there. That takes few tetrahedra.
+/// A surface through an edge of the domain is not proven there, and takes few tetrahedra.
 #[test]
 fn surfaces_through_edges_of_the_domain_are_meshed_soon() {
     for text in ["x <= y", "z = x^2", "x <= 0.1 or y <= z"] {

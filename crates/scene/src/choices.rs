@@ -10,7 +10,7 @@ use zeroset_ops::Op;
 use zeroset_space::{Ball, HalfSpace, Region};
 
 /// Largest number of parts.
-const MOST_PARTS: usize = 1024;
+const MOST_PARTS: usize = 128;
 
 /// Minima and maxima of parts.
 #[derive(Clone, Debug, PartialEq, Eq)]
