@@ -80,7 +80,8 @@ pub struct Options {
     /// True if bounds over small boxes are estimated from samples at their corners. Nothing is then
     /// proven: all tetrahedra count as [unproven](Mesh::unproven) and as [far](Mesh::far).
     pub is_estimated: bool,
-    /// Number of tetrahedra that may hold the surface, beyond which none is split.
+    /// Number of tetrahedra that may hold the surface, beyond which none is split for the distance.
+    /// For the proof of the shape, it is twice as many.
     pub most_cells: usize,
 }
 

@@ -12,8 +12,8 @@ use std::sync::Arc;
 use zeroset_eval::{Kernel, LANES, Points, Sample, Values};
 use zeroset_scene::choices::Choice;
 
-/// Share of all tetrahedra that may fail the proof at a time. If more do, none is split for the
-/// proof.
+/// Share of all tetrahedra that may fail the proof at a time. If more do, those of the smallest size
+/// among them are not split any more.
 const MOST_FAILING: f64 = 0.2;
 /// Size of the tetrahedra that are not split for the proof, as a share of the domain's longest
 /// edge.
@@ -55,7 +55,8 @@ pub struct Limits {
     pub tolerance: f64,
     /// The domain's longest edge, in world units.
     pub extent: f64,
-    /// Number of tetrahedra beyond which none is split.
+    /// Number of tetrahedra beyond which none is split for the distance. For the proof of the shape,
+    /// it is twice as many.
     pub most_cells: usize,
 }
 
@@ -116,6 +117,7 @@ pub fn refine(
     let mut refined = Refined::default();
     // Leaves from this one on have not been proven.
     let mut unproven = 0;
+    let mut finest = FINEST * limits.extent;
     loop {
         let first = refined.leaves.len();
         let answers = ask(question, &fresh, wanted)?;
@@ -131,14 +133,14 @@ pub fn refine(
             refined.leaves.push(Leaf { cell, kind });
         }
         let has_room = refined.leaves.len() < limits.most_cells;
+        let has_room_to_prove = refined.leaves.len() < 2 * limits.most_cells;
         // Tells whether a tetrahedron may be split, down to some size.
-        let may_split = |cell: &Tetrahedron, least: f64| {
-            has_room && !cell.is_finest() && size(space, cell) > least
-        };
+        let may_split =
+            |cell: &Tetrahedron, least: f64| !cell.is_finest() && size(space, cell) > least;
         let mut middles: Vec<Corner> = refined.leaves[first..]
             .iter()
             .filter(|leaf| match &leaf.kind {
-                Kind::Open { local, near: false } => {
+                Kind::Open { local, near: false } if has_room => {
                     let is_smooth = local.parts.iter().all(|part| part.gradient.is_some());
                     let share = match is_smooth {
                         true if is_estimated => 0.5,
@@ -148,7 +150,7 @@ pub fn refine(
                     };
                     may_split(&leaf.cell, share * limits.tolerance)
                 }
-                Kind::Open { near: true, .. } | Kind::Inside(_) => false,
+                Kind::Open { .. } | Kind::Inside(_) => false,
             })
             .map(|leaf| leaf.cell.middle())
             .collect();
@@ -157,13 +159,16 @@ pub fn refine(
         } else if middles.is_empty() {
             let failing = refined.prove(kernels, space, grid, unproven, wanted)?;
             unproven = refined.leaves.len();
-            if failing.len() as f64 <= MOST_FAILING * limits.most_cells as f64 {
-                for (leaf, Fails { at_boundary }) in failing {
-                    let cell = &refined.leaves[leaf].cell;
-                    let least =
-                        if at_boundary { BOUNDARY * limits.extent } else { FINEST * limits.extent };
-                    middles.extend(may_split(cell, least).then(|| cell.middle()));
-                }
+            let cell = |leaf: usize| &refined.leaves[leaf].cell;
+            if failing.len() as f64 > MOST_FAILING * limits.most_cells as f64 {
+                let sizes = failing.iter().map(|(leaf, _)| size(space, cell(*leaf)));
+                finest = finest.max(sizes.fold(f64::INFINITY, f64::min));
+            }
+            for (leaf, Fails { at_boundary }) in failing {
+                let least = if at_boundary { BOUNDARY * limits.extent } else { 0.0 };
+                let cell = cell(leaf);
+                let splits = has_room_to_prove && may_split(cell, least.max(finest));
+                middles.extend(splits.then(|| cell.middle()));
             }
         }
         if middles.is_empty() {
