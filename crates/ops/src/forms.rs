@@ -40,6 +40,18 @@ pub enum VectorFunction {
     Transpose,
     /// The determinant of a matrix.
     Determinant,
+    /// The complex number with given real and imaginary parts.
+    Complex,
+    /// The quaternion with given components, the real one first.
+    Quaternion,
+    /// The real part of a complex number or quaternion.
+    RealPart,
+    /// The imaginary part of a complex number. For a quaternion, the vector of its other parts.
+    ImaginaryPart,
+    /// The angle of a complex number, in (−π, π]; undefined at 0.
+    Argument,
+    /// The complex number or quaternion with the opposite imaginary part.
+    Conjugate,
 }
 
 impl VectorFunction {
@@ -55,8 +67,15 @@ impl VectorFunction {
     /// Number of arguments that the function takes.
     pub fn arity(self) -> usize {
         match self {
-            Self::Normalize | Self::Transpose | Self::Determinant => 1,
-            Self::Dot | Self::Cross | Self::Distance | Self::Reflect => 2,
+            Self::Normalize
+            | Self::Transpose
+            | Self::Determinant
+            | Self::RealPart
+            | Self::ImaginaryPart
+            | Self::Argument
+            | Self::Conjugate => 1,
+            Self::Dot | Self::Cross | Self::Distance | Self::Reflect | Self::Complex => 2,
+            Self::Quaternion => 4,
         }
     }
 }
@@ -108,6 +127,12 @@ pub static FORMS: &[SpecialForm] = &[
     row("normalize", &[], FormKind::OfVectors(VectorFunction::Normalize), "normalize(p)", "p/length(p)"),
     row("distance", &[], FormKind::OfVectors(VectorFunction::Distance), "distance(p, q)", "length(p - q)"),
     row("reflect", &[], FormKind::OfVectors(VectorFunction::Reflect), "reflect(p, n)", "p - 2 dot(n, p) n"),
+    row("complex", &["cmplx"], FormKind::OfVectors(VectorFunction::Complex), "abs(complex(x, y)^2)", "the complex number x + i y"),
+    row("quat", &["quaternion"], FormKind::OfVectors(VectorFunction::Quaternion), "abs(quat(x, y, z, 0)^2)", "a quaternion, its real part first; a product depends on the order"),
+    row("re", &["real", "creal", "realpart"], FormKind::OfVectors(VectorFunction::RealPart), "re((x + i y)^2)", "real part of a complex number"),
+    row("im", &["imag", "cimag", "imagpart"], FormKind::OfVectors(VectorFunction::ImaginaryPart), "im((x + i y)^2)", "imaginary part of a complex number"),
+    row("arg", &["carg", "phase", "angle"], FormKind::OfVectors(VectorFunction::Argument), "arg(x + i y)", "angle of a complex number, in (-pi, pi]; undefined at 0"),
+    row("conj", &["conjugate"], FormKind::OfVectors(VectorFunction::Conjugate), "abs(conj(x + i y))", "x - i y: the conjugate of x + i y"),
 ];
 
 /// Returns the special form with this name or alias, in exact spelling.

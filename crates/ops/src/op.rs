@@ -109,6 +109,9 @@ pub struct OpRow {
     /// `a`, `b`, `c`, their derivatives `da`, `db`, `dc`, small integers and operations of the
     /// table.
     pub derivative: &'static str,
+    /// The function's value for a complex number `w`, as a formula in the language; empty for a
+    /// function without one. Where several values are possible, it is the principal value.
+    pub complex: &'static str,
     /// One line of help about the operation.
     pub doc: &'static str,
 }

@@ -353,6 +353,8 @@ fn kind_of(value: &Tensor) -> &'static str {
         Tensor::Vector(nodes) if nodes.len() == 4 => "a vector of four numbers",
         Tensor::Vector(_) => "a vector",
         Tensor::Matrix(_) => "a matrix",
+        Tensor::Complex(nodes) if nodes.len() == 2 => "a complex number",
+        Tensor::Complex(_) => "a quaternion",
     }
 }
 
@@ -381,7 +383,7 @@ fn misfit(graph: &Graph, role: Role, value: &Tensor) -> Option<&'static str> {
                 Some(count) if count < 1 => Some("below 1"),
                 Some(count) => (count > MAX_TERMS).then_some("above 1000"),
             },
-            Tensor::Vector(_) | Tensor::Matrix(_) => None,
+            Tensor::Vector(_) | Tensor::Matrix(_) | Tensor::Complex(_) => None,
         },
     }
 }

@@ -224,7 +224,7 @@ impl<'a> Lowering<'a> {
     ) -> Fallible<Tensor> {
         let count = match arguments.remove(0) {
             Tensor::Number(node) => integer_of(&self.graph, node, &mut { MAX_STEPS }),
-            Tensor::Vector(_) | Tensor::Matrix(_) => None,
+            Tensor::Vector(_) | Tensor::Matrix(_) | Tensor::Complex(_) => None,
         };
         let Some(count) = count.filter(|count| *count >= 0) else {
             return Err(Error::new(span, ErrorKind::RangeNotWhole));

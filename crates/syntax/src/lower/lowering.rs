@@ -207,11 +207,19 @@ impl<'a> Lowering<'a> {
         if zero(right) {
             return self.number(left, locals);
         }
-        let right_node = self.number(right, locals)?;
+        let right_value = self.value_of(right, locals)?;
         if zero(left) {
+            let right_node = self.real(&right_value, right.span)?;
             return Ok(self.graph.apply(Op::Neg, &[right_node]));
         }
-        let left_node = self.number(left, locals)?;
+        let left_value = self.value_of(left, locals)?;
+        if left_value.is_complex() || right_value.is_complex() {
+            let span = left.span.to(right.span);
+            let difference = self.native(Op::Sub, &[left_value, right_value], span)?;
+            return self.real(&difference, span);
+        }
+        let right_node = self.real(&right_value, right.span)?;
+        let left_node = self.real(&left_value, left.span)?;
         Ok(self.graph.apply(Op::Sub, &[left_node, right_node]))
     }
 
@@ -242,14 +250,22 @@ impl<'a> Lowering<'a> {
 
     /// The node of an expression. Fails unless the expression is a number.
     pub(crate) fn number(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<NodeId> {
-        match self.value_of(expr, locals)? {
-            Tensor::Number(node) => Ok(node),
-            Tensor::Vector(_) => Err(Error::new(expr.span, ErrorKind::Vector)),
-            Tensor::Matrix(_) => Err(Error::new(expr.span, ErrorKind::MatrixValue)),
+        let value = self.value_of(expr, locals)?;
+        self.real(&value, expr.span)
+    }
+
+    /// The node of a value. Fails unless the value is a number, or a complex number whose imaginary
+    /// part is 0 everywhere.
+    fn real(&mut self, value: &Tensor, span: Span) -> Fallible<NodeId> {
+        match value {
+            Tensor::Number(node) => Ok(*node),
+            Tensor::Vector(_) => Err(Error::new(span, ErrorKind::Vector)),
+            Tensor::Matrix(_) => Err(Error::new(span, ErrorKind::MatrixValue)),
+            Tensor::Complex(parts) => self.real_part(parts, span),
         }
     }
 
-    /// The value of an expression: a number, a vector or a matrix.
+    /// The value of an expression: a real or complex number, a vector or a matrix.
     #[inline(never)]
     pub(crate) fn value_of(&mut self, expr: &'a Expr, locals: &Locals<'a>) -> Fallible<Tensor> {
         self.count_visit(expr.span)?;
@@ -367,6 +383,9 @@ impl<'a> Lowering<'a> {
             NamedValue::Constant(constant) => {
                 Ok(Tensor::Number(self.graph.constant(Constant::Named(*constant))))
             }
+            NamedValue::ImaginaryUnit => {
+                Ok(Tensor::Complex(vec![self.graph.integer(0), self.graph.integer(1)]))
+            }
             NamedValue::Local(name) => {
                 let found = locals.iter().rfind(|(local, _)| local == name);
                 found.map(|(_, value)| value.clone()).ok_or_else(varies)
@@ -408,12 +427,20 @@ impl<'a> Lowering<'a> {
                     .try_fold(first, |all, next| self.native(*op, &[all, next], span))
             }
             Function::Native(op) if op.arity() > arguments.len() => {
+                if arguments[0].is_complex() {
+                    return self.of_complex(*op, &arguments, span);
+                }
                 Ok(Tensor::Number(self.fold(*op, arguments[0].parts())))
             }
             Function::Native(op) => self.native(*op, &arguments, span),
             Function::Length => {
                 let nodes = numbers(&arguments, span)?;
                 Ok(Tensor::Number(self.length(&nodes)))
+            }
+            Function::Root if arguments[0].is_complex() => {
+                let one = Tensor::Number(self.graph.integer(1));
+                let index = self.native(Op::Div, &[one, arguments[1].clone()], span)?;
+                self.native(Op::Pow, &[arguments[0].clone(), index], span)
             }
             Function::Root => {
                 let nodes = numbers(&arguments, span)?;
@@ -453,7 +480,7 @@ impl<'a> Lowering<'a> {
 
     /// Expands a call: lowers the function's `body` with `names` bound to the arguments.
     #[inline(never)]
-    fn expand(
+    pub(crate) fn expand(
         &mut self,
         function: &Function,
         arguments: Vec<Tensor>,
@@ -466,7 +493,7 @@ impl<'a> Lowering<'a> {
             return Ok(value.clone());
         }
         let locals: Vec<(&str, Tensor)> = names.zip(key.1.iter().cloned()).collect();
-        let is_typed = !matches!(function, Function::Composed(_));
+        let is_typed = matches!(function, Function::Defined(_));
         let defined = Defined::Call(key);
         self.expanded(Expansion { defined, locals, body, span, is_typed })
     }

@@ -18,6 +18,9 @@ impl Lowering<'_> {
         arguments: &[Tensor],
         span: Span,
     ) -> Fallible<Tensor> {
+        if arguments.iter().any(Tensor::is_complex) {
+            return Err(Error::new(span, ErrorKind::ComplexAmongVectors));
+        }
         let source: Vec<NodeId> = arguments.iter().flat_map(Tensor::parts).copied().collect();
         if !matches!(arguments, [Tensor::Number(_) | Tensor::Matrix(_)]) {
             let given = source.len();

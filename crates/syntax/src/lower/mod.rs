@@ -8,6 +8,7 @@
 
 pub(crate) mod builders;
 pub(crate) mod choice;
+pub(crate) mod complex;
 pub(crate) mod condition;
 pub(crate) mod constant;
 pub(crate) mod lowering;

@@ -1,4 +1,4 @@
-//! Parses the formulas of composed functions and of builders once.
+//! Parses the formulas of composed functions, of functions of complex numbers and of builders once.
 
 use crate::lex::arrangement::statements;
 use crate::limits::Limits;
@@ -7,11 +7,21 @@ use crate::tree::ast::{Expr, Name};
 use crate::tree::builder::Builder;
 use crate::tree::scope::Scope;
 use std::sync::LazyLock;
-use zeroset_ops::{BUILDERS, COMPOSED, Composed};
+use zeroset_ops::{BUILDERS, COMPOSED, Composed, Op, TABLE};
+
+/// The parameter of functions of complex numbers.
+pub(crate) const COMPLEX: &str = "w";
 
 static BODIES: LazyLock<Vec<Expr>> = LazyLock::new(|| {
     let body = |composed: &Composed| parsed(composed.name, composed.body, composed.parameters);
     COMPOSED.iter().map(body).collect()
+});
+
+static COMPLEX_BODIES: LazyLock<Vec<Option<Expr>>> = LazyLock::new(|| {
+    let body = |row: &zeroset_ops::OpRow| {
+        (!row.complex.is_empty()).then(|| parsed(row.name, row.complex, &[COMPLEX]))
+    };
+    TABLE.iter().map(body).collect()
 });
 
 static BUILDER_FORMULAS: LazyLock<Vec<(Option<Expr>, Expr)>> = LazyLock::new(|| {
@@ -44,6 +54,11 @@ pub(crate) fn body(index: usize) -> &'static Expr {
     &BODIES[index]
 }
 
+/// The value of a function for a complex number; `None` for a function without one.
+pub(crate) fn complex(op: Op) -> Option<&'static Expr> {
+    COMPLEX_BODIES[op as usize].as_ref()
+}
+
 /// The point of evaluation, if it is another, and the value of the builder at `index` of
 /// [`BUILDERS`].
 pub(crate) fn builder(index: usize) -> (Option<&'static Expr>, &'static Expr) {
@@ -57,6 +72,10 @@ mod tests {
     fn every_body_parses() {
         for (index, composed) in zeroset_ops::COMPOSED.iter().enumerate() {
             assert!(!super::body(index).to_string().is_empty(), "{}", composed.name);
+        }
+        for row in zeroset_ops::TABLE {
+            let body = super::complex(row.op).map(ToString::to_string);
+            assert_eq!(body.is_none(), row.complex.is_empty(), "{}", row.name);
         }
         for (index, builder) in zeroset_ops::BUILDERS.iter().enumerate() {
             let (place, body) = super::builder(index);

@@ -19,6 +19,8 @@ pub(crate) enum Tensor {
     Vector(Vec<NodeId>),
     /// The elements of a square matrix, column by column.
     Matrix(Vec<NodeId>),
+    /// The two components of a complex number or the four of a quaternion, the real one first.
+    Complex(Vec<NodeId>),
 }
 
 impl Tensor {
@@ -30,7 +32,7 @@ impl Tensor {
     fn part(&self, index: usize) -> NodeId {
         match self {
             Self::Number(node) => *node,
-            Self::Vector(nodes) | Self::Matrix(nodes) => nodes[index],
+            Self::Vector(nodes) | Self::Matrix(nodes) | Self::Complex(nodes) => nodes[index],
         }
     }
 
@@ -38,7 +40,7 @@ impl Tensor {
     pub(crate) fn parts(&self) -> &[NodeId] {
         match self {
             Self::Number(node) => std::slice::from_ref(node),
-            Self::Vector(nodes) | Self::Matrix(nodes) => nodes,
+            Self::Vector(nodes) | Self::Matrix(nodes) | Self::Complex(nodes) => nodes,
         }
     }
 
@@ -46,8 +48,14 @@ impl Tensor {
     fn elements(&self, span: Span) -> Fallible<&[NodeId]> {
         match self {
             Self::Matrix(nodes) => Ok(nodes),
-            Self::Number(_) | Self::Vector(_) => Err(Error::new(span, ErrorKind::NotAMatrix)),
+            Self::Number(_) | Self::Vector(_) | Self::Complex(_) => {
+                Err(Error::new(span, ErrorKind::NotAMatrix))
+            }
         }
+    }
+
+    pub(crate) fn is_complex(&self) -> bool {
+        matches!(self, Self::Complex(_))
     }
 
     fn is_matrix(&self) -> bool {
@@ -64,6 +72,7 @@ pub(crate) fn numbers(values: &[Tensor], span: Span) -> Fallible<Vec<NodeId>> {
     let node = |value: &Tensor| match value {
         Tensor::Number(node) => Ok(*node),
         Tensor::Vector(_) | Tensor::Matrix(_) => Err(Error::new(span, ErrorKind::Vector)),
+        Tensor::Complex(_) => Err(Error::new(span, ErrorKind::Complex)),
     };
     values.iter().map(node).collect()
 }
@@ -76,6 +85,9 @@ impl Lowering<'_> {
         span: Span,
         mut apply: impl FnMut(&mut Self, &[NodeId]) -> Fallible<NodeId>,
     ) -> Fallible<Tensor> {
+        let is_complex = operands.iter().any(Tensor::is_complex);
+        let promoted = is_complex.then(|| self.all_complex(operands, span)).transpose()?;
+        let operands = promoted.as_deref().unwrap_or(operands);
         let size = common_size(operands, span)?;
         let mut nodes = Vec::with_capacity(size);
         for index in 0..size {
@@ -83,11 +95,19 @@ impl Lowering<'_> {
             nodes.push(apply(self, &parts)?);
         }
         let has_matrix = operands.iter().any(Tensor::is_matrix);
-        Ok(if has_matrix { Tensor::Matrix(nodes) } else { Tensor::new(nodes) })
+        Ok(match (is_complex, has_matrix) {
+            (true, _) => Tensor::Complex(nodes),
+            (false, true) => Tensor::Matrix(nodes),
+            (false, false) => Tensor::new(nodes),
+        })
     }
 
-    /// Applies an operation component by component. With matrices, the rules of matrices apply.
+    /// Applies an operation component by component. With complex numbers or matrices, their rules
+    /// apply.
     pub(crate) fn native(&mut self, op: Op, operands: &[Tensor], span: Span) -> Fallible<Tensor> {
+        if operands.iter().any(Tensor::is_complex) {
+            return self.of_complex(op, operands, span);
+        }
         if operands.iter().any(Tensor::is_matrix) {
             return self.of_matrices(op, operands, span);
         }
@@ -119,7 +139,16 @@ impl Lowering<'_> {
         arguments: &[Tensor],
         span: Span,
     ) -> Fallible<Tensor> {
+        if arguments.iter().any(Tensor::is_complex) {
+            return self.of_complex_vectors(function, arguments, span);
+        }
         match function {
+            VectorFunction::Complex
+            | VectorFunction::Quaternion
+            | VectorFunction::RealPart
+            | VectorFunction::ImaginaryPart
+            | VectorFunction::Argument
+            | VectorFunction::Conjugate => self.of_complex_vectors(function, arguments, span),
             VectorFunction::Transpose => {
                 Ok(Tensor::Matrix(Self::transposed(arguments[0].elements(span)?)))
             }
@@ -170,6 +199,9 @@ impl Lowering<'_> {
 /// A vector of `size` components from arguments with `size` components in total, from one number,
 /// or from the first components of one longer vector.
 pub(crate) fn vector(size: usize, arguments: &[Tensor], span: Span) -> Fallible<Tensor> {
+    if arguments.iter().any(Tensor::is_complex) {
+        return Err(Error::new(span, ErrorKind::ComplexAmongVectors));
+    }
     let mut nodes: Vec<NodeId> = arguments.iter().flat_map(Tensor::parts).copied().collect();
     let given = nodes.len();
     // `vec2(p)` takes the first two components of a longer vector `p`.

@@ -237,8 +237,16 @@ pub enum ErrorKind {
     UnknownFunction { name: String },
     #[error("`{name}` runs a name and a number together")]
     LostSuperscript { name: String },
-    #[error("complex numbers are not supported")]
+    #[error("this is a complex number, where a real one is needed")]
     Complex,
+    #[error("`{name}` has no value for complex numbers")]
+    ComplexFunction { name: &'static str },
+    #[error("`{name}` has no value for quaternions")]
+    QuaternionFunction { name: &'static str },
+    #[error("vectors and matrices hold no complex numbers")]
+    ComplexAmongVectors,
+    #[error("the whole power of a complex number is at most {limit}")]
+    ComplexExponent { limit: u64 },
     #[error("`{name}` is a value, not a function")]
     NotAFunction { name: String },
     #[error("`{name}` is a function and needs {}", plural(*.count))]

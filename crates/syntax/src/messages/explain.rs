@@ -74,7 +74,7 @@ impl Error {
             NeedsArgument { count: 1, .. } if self.suggestion.is_some() => {
                 "an argument without brackets cannot start with a sign"
             }
-            Complex => "all values are real; `i` has no value here",
+            Complex => "`i` is the imaginary unit, unless the text defines it",
             NotAFunction { .. } => "brackets after a value multiply, and a product has no commas",
             InversePower { .. } => {
                 "`^-1` means the inverse only for sin, cos, tan, sinh, cosh and tanh"
@@ -311,7 +311,13 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         Remark => "write a remark behind `#`",
         SeriesStep => "leave the step out, or let it be 1 or more",
         TooManyTerms { .. } => "end the range earlier",
-        Complex => "rewrite the formula with real and imaginary parts",
+        Complex => "take `abs(…)`, `re(…)`, `im(…)` or `arg(…)` of it, or define `i = 1`",
+        ComplexFunction { .. } => "apply it to `re(…)`, `im(…)` or `abs(…)` of the number",
+        QuaternionFunction { .. } => {
+            "quaternions have `+`, `-`, `*`, `/`, whole powers, `abs`, `re`, `im` and `conj`"
+        }
+        ComplexAmongVectors => "take `re(…)` and `im(…)` of it",
+        ComplexExponent { .. } => "lower the exponent",
         Reserved { .. } => "choose another name",
         TooManySurfaces { .. } => "draw fewer at a time",
         ZerothRoot => "the second argument of `root(a, n)` says which root to take",

@@ -295,6 +295,8 @@ pub enum NamedValue {
     Coordinate(Axis),
     /// Time, `t`.
     Time,
+    /// The imaginary unit, `i`.
+    ImaginaryUnit,
     /// A constant of the language. A document may define its name otherwise.
     Constant(NamedConstant),
     /// A parameter of the function being defined.
@@ -309,6 +311,7 @@ impl NamedValue {
         match self {
             Self::Coordinate(axis) => axis.name(),
             Self::Time => "t",
+            Self::ImaginaryUnit => "i",
             Self::Constant(constant) => constant.name(),
             Self::Local(name) | Self::Defined(name) => name,
         }

@@ -194,12 +194,14 @@ impl Builder<'_> {
                 if is_called && matches!(typed, "float" | "double" | "f32" | "f64" | "S") {
                     return Ok(());
                 }
-                // In C#, `2f` is a number.
-                if typed == "f"
-                    && let Some(FactorItem::Leaf(before)) = items.back()
-                    && before.number().is_some()
-                    && before.span.end == span.start
-                {
+                let follows_number = matches!(items.back(), Some(FactorItem::Leaf(before))
+                    if before.number().is_some() && before.span.end == span.start);
+                // In C#, `2f` is a number. In Python, `2j` is an imaginary one, and in Julia `2im`.
+                if typed == "f" && follows_number {
+                    return Ok(());
+                }
+                if typed == "j" && follows_number || typed == "im" {
+                    items.push_back(self.leaf(NamedValue::ImaginaryUnit, span));
                     return Ok(());
                 }
                 // If a parameter is called `x`, `X` is not read as the coordinate x.
@@ -235,7 +237,7 @@ impl Builder<'_> {
                     self.note(span, NoteKind::ConstantUsed { name, meaning });
                 }
             }
-            NamedValue::Coordinate(_) | NamedValue::Local(_) => {}
+            NamedValue::Coordinate(_) | NamedValue::Local(_) | NamedValue::ImaginaryUnit => {}
         }
         FactorItem::Leaf(Expr::new(ExprKind::Name(value), span))
     }

@@ -156,6 +156,7 @@ impl Scope {
             (_, Some(Some(_))) => None,
             (_, None) => match canonical(name).filter(|name| self.implied.contains(name)) {
                 Some(name) => Some(NamedValue::Defined(name.to_owned())),
+                None if matches!(name, "i" | "I" | "ⅈ") => Some(NamedValue::ImaginaryUnit),
                 None => named_constant(name).map(NamedValue::Constant),
             },
         }

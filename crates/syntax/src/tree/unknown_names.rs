@@ -107,12 +107,6 @@ impl Builder<'_> {
             let meant = format!("{name}(x, y, z)");
             return Error::new(span, kind).suggest(left, meant);
         }
-        // `i` alone or beside values, as in `iy`, is the imaginary unit.
-        let rest = name.strip_prefix('i').or_else(|| name.strip_suffix('i'));
-        let is_unit = |rest: &str| rest.is_empty() || scope.is_product(rest, locals);
-        if name == "I" || rest.is_some_and(is_unit) {
-            return Error::new(span, ErrorKind::Complex);
-        }
         let is_parameter = matches!(name, "u" | "v" | "s");
         if is_parameter && ["x", "y", "z"].iter().all(|axis| assigns(self.text, axis)) {
             return Error::new(span, ErrorKind::Parametric);
@@ -313,11 +307,6 @@ impl Scope {
             }
             _ => None,
         }
-    }
-
-    /// Returns whether `name` is a value, or a product of values.
-    fn is_product(&self, name: &str, locals: &[Name]) -> bool {
-        matches!(self.meaning(name, locals), NameMeaning::Value(_) | NameMeaning::Product)
     }
 
     fn is_value(&self, letter: char, locals: &[Name]) -> bool {

@@ -3,7 +3,7 @@
 
 use super::Rng;
 use super::values::below;
-use zeroset_ops::{BUILDERS, COMPOSED, FORMS, FormKind, Role, VectorFunction};
+use zeroset_ops::{BUILDERS, COMPOSED, FORMS, FormKind, Role, TABLE, VectorFunction};
 
 /// Vectors and a function that every text defines.
 const HEAD: &str = "p = vec3(x, y, z)\nq = vec3(y, 1 - z, x*y)\nf(a) = a^2 - x/2\n";
@@ -132,6 +132,29 @@ impl Text<'_> {
         format!("mat{size}({})", elements.join(", "))
     }
 
+    /// Returns a random expression for a complex number.
+    fn complex_number(&mut self, depth: u32) -> String {
+        if depth == 0 {
+            return ["(x + i*y)", "(z - i*x)", "i", "complex(y, z)"][below(self.rng, 4)].to_owned();
+        }
+        let inner = depth - 1;
+        let functions: Vec<&str> =
+            TABLE.iter().filter(|row| !row.complex.is_empty()).map(|row| row.name).collect();
+        match self.rng.u32(0..7) {
+            0 => format!("({} + i*{})", self.number(inner), self.number(inner)),
+            1 => format!("({}*{})", self.complex_number(inner), self.complex_number(inner)),
+            2 => format!("({} + {})", self.complex_number(inner), self.leaf()),
+            3 => format!("({}/{})", self.complex_number(inner), self.complex_number(inner)),
+            4 => format!("{}^{}", self.complex_number(0), self.rng.u32(0..5)),
+            5 => format!("({}^({}))", self.complex_number(0), self.number(0)),
+            _ => format!(
+                "{}({})",
+                functions[below(self.rng, functions.len())],
+                self.complex_number(inner)
+            ),
+        }
+    }
+
     /// Returns a random expression for a number, with one of the special forms.
     fn form(&mut self, depth: u32) -> String {
         let form = &FORMS[below(self.rng, FORMS.len())];
@@ -179,6 +202,19 @@ impl Text<'_> {
                     format!("{name}({}, {}).z", self.vector(depth), self.vector(depth))
                 }
                 VectorFunction::Normalize => format!("{name}({}).y", self.vector(depth)),
+                VectorFunction::Complex => {
+                    format!("abs({name}({}, {}))", self.number(depth), self.number(depth))
+                }
+                VectorFunction::Quaternion => {
+                    let parts = (self.number(depth), self.number(0), self.number(0), self.leaf());
+                    format!("abs({name}({}, {}, {}, {})^2)", parts.0, parts.1, parts.2, parts.3)
+                }
+                VectorFunction::RealPart
+                | VectorFunction::ImaginaryPart
+                | VectorFunction::Argument => format!("{name}({})", self.complex_number(depth)),
+                VectorFunction::Conjugate => {
+                    format!("re({name}({0})*{0})", self.complex_number(depth))
+                }
             },
         }
     }
