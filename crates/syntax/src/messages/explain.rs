@@ -261,7 +261,7 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
             "write one equation in x, y and z; a product is written with `*`, a vector `vec2(x, y)`"
         }
         Vector => "take its `length(…)`, or a component such as `.x`",
-        Calculus => "write the derivative or the integral out, as a formula",
+        Calculus => "write the integral or the limit out, as a formula",
         Program { .. } => {
             "write a choice as `c ? a : b`, a loop as `sum(k = 1..3, …)` or `iterate(f, 3, x)`"
         }
@@ -312,6 +312,9 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         SeriesStep => "leave the step out, or let it be 1 or more",
         TooManyTerms { .. } => "end the range earlier",
         Complex => "take `abs(…)`, `re(…)`, `im(…)` or `arg(…)` of it, or define `i = 1`",
+        NotAVariable { .. } => "differentiate by `x`, `y`, `z`, `t`, a slider or a parameter",
+        WhichVariable => "name the variable, as in `diff(x^2*y, x)`",
+        DerivativeOrder { .. } => "write the order in digits, as in `diff(x^4, x, 2)`",
         ComplexFunction { .. } => "apply it to `re(…)`, `im(…)` or `abs(…)` of the number",
         QuaternionFunction { .. } => {
             "quaternions have `+`, `-`, `*`, `/`, whole powers, `abs`, `re`, `im` and `conj`"

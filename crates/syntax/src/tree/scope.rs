@@ -76,6 +76,8 @@ pub(crate) enum Callee {
     BuiltIn(String),
     /// The logarithm to a base that is part of the name, as in `log_2`.
     Logarithm(String),
+    /// The derivative of a function of one argument, this many times.
+    Derived(Box<Callee>, u8),
 }
 
 impl Callee {
@@ -84,6 +86,7 @@ impl Callee {
         match self {
             Self::Defined(name, _) | Self::BuiltIn(name) => name,
             Self::Logarithm(_) => "log",
+            Self::Derived(function, _) => function.name(),
         }
     }
 }
@@ -192,6 +195,14 @@ impl Scope {
             }
             Callee::BuiltIn(name) => signatures(name, self.internal),
             Callee::Logarithm(_) => signatures("ln", false),
+            Callee::Derived(function, order) => {
+                let mut forms = self.signatures(function).0;
+                forms.retain(|form| form.count == 1);
+                for form in &mut forms {
+                    form.function = Function::Derived(Box::new(form.function.clone()), *order);
+                }
+                Signatures(forms)
+            }
         }
     }
 
@@ -298,6 +309,11 @@ const MOST_ARGUMENTS: usize = 12;
 /// Returns whether an operation of two operands also combines more operands, from left to right.
 pub(crate) fn is_variadic(op: Op) -> bool {
     matches!(op, Op::Min | Op::Max)
+}
+
+/// Returns whether a builder has this name.
+pub(crate) fn is_builder(name: &str) -> bool {
+    builders(name).next().is_some()
 }
 
 /// The signatures of the language's function called `name`; empty if there is no such function.
