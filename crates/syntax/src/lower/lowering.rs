@@ -478,6 +478,9 @@ impl<'a> Lowering<'a> {
             {
                 Ok(Tensor::Number(self.length(arguments[0].parts())))
             }
+            Function::Composed(index) if let Some(sequence) = prelude::sequence(*index) => {
+                self.numbered(*index, sequence, arguments, span)
+            }
             Function::Composed(index) => {
                 let names = zeroset_ops::COMPOSED[*index].parameters.iter().copied();
                 self.expand(function, arguments, names, prelude::body(*index), span)

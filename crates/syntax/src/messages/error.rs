@@ -210,7 +210,7 @@ pub enum ErrorKind {
     #[error("this must be a constant whole number")]
     RangeNotWhole,
     #[error("a polynomial's degree must be a whole number up to {limit}")]
-    Degree { limit: u32 },
+    Degree { limit: i64 },
     #[error("there are no parametric surfaces")]
     Parametric,
     #[error("this plots in coordinates of its own")]

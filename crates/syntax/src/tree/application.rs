@@ -245,6 +245,11 @@ impl Builder<'_> {
             (Callee::BuiltIn(name), [_, _]) if name == "frac" => {
                 return quotient_of(arguments);
             }
+            (Callee::Numbered(name, number), [_]) => {
+                arguments.insert(0, Expr::of_digits(number.as_str(), span));
+                let callee = Callee::BuiltIn((*name).to_owned());
+                return self.call(&callee, span, arguments, place);
+            }
             (Callee::Logarithm(base), [_]) => {
                 let base = Expr::of_digits(base.as_str(), span);
                 let argument = arguments.remove(0);

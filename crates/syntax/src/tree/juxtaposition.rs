@@ -16,7 +16,7 @@ use crate::tree::delimited::native;
 use crate::tree::derivatives::{Operator, operator};
 use crate::tree::foreign_functions::{ForeignFunction, foreign_function};
 use crate::tree::grammar::{Pair, Pairs, Rule};
-use crate::tree::scope::{Callee, NameMeaning, coordinate, meaning, read_as};
+use crate::tree::scope::{Callee, NameMeaning, coordinate, meaning, numbered, read_as};
 use crate::tree::special_forms::{Logic, logic};
 use std::collections::VecDeque;
 use zeroset_ir::NamedConstant;
@@ -159,6 +159,12 @@ impl Builder<'_> {
             let elsewhere = || elsewhere().filter(|_| !self.scope.is_defined(&name));
             if let Some(word) = form.or_else(elsewhere) {
                 items.push_back(FactorItem::Special(word, span));
+                return Ok(());
+            }
+            if let Some(callee) = numbered(&name).filter(|_| !self.scope.is_defined(&name)) {
+                let read = callee.name().to_owned();
+                self.note(span, NoteKind::Sequence { name, read });
+                items.push_back(FactorItem::Function(callee, span));
                 return Ok(());
             }
         }
