@@ -173,7 +173,17 @@ impl Error {
                  `erf(a) = tanh(1.128379a + 0.100906a^3)`, as a line of its own"
                     .to_owned()
             }
-            UnknownFunction { name } if name == "gamma" => {
+            UnknownFunction { name }
+                if matches!(
+                    name.as_str(),
+                    "besselj" | "BesselJ" | "jn" | "jv" | "j0" | "j1" | "besj0" | "besj1"
+                ) =>
+            {
+                "no proven bounds are known here; near 0, write the first terms of the series, \
+                 `sum(k = 0..8, (-a^2/4)^k/product(j = 1..k, j)^2)` for J_0(a)"
+                    .to_owned()
+            }
+            UnknownFunction { name } if matches!(name.as_str(), "gamma" | "Gamma") => {
                 "no proven bounds are known here; for whole numbers write the product, \
                  `product(k = 1..4, k)`"
                     .to_owned()
