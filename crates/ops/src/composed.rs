@@ -8,7 +8,8 @@ pub struct Composed {
     pub name: &'static str,
     /// Other names that formulas may use for the function.
     pub aliases: &'static [&'static str],
-    /// Parameter names, as used in `body`.
+    /// Parameter names, as used in `body`. `n` and `m` stand for constant whole numbers of which m is
+    /// not above n.
     pub parameters: &'static [&'static str],
     /// The formula. A name in it always means the built-in function or constant, even if the user
     /// redefines that name. The formula may call internal operations of the table.
@@ -107,6 +108,6 @@ pub static COMPOSED: &[Composed] = &[
     sequence("hermite_e", &["hermite_prob", "eval_hermitenorm"], &["n", "a"], ["1", "a", "a*p-n*q"], "Hermite polynomial of degree n, of probability theory"),
     sequence("laguerre", &["laguerrel", "laguerreL", "eval_laguerre"], &["n", "a"], ["1", "1-a", "((2*n+1-a)*p-n*q)/(n+1)"], "Laguerre polynomial of degree n, also L_4(a)"),
     sequence("laguerre", &["laguerrel", "laguerreL", "assoc_laguerre"], &["n", "k", "a"], ["1", "1+k-a", "((2*n+1+k-a)*p-(n+k)*q)/(n+1)"], "associated Laguerre polynomial of degree n and index k"),
-    row("bernstein", &[], &["n", "k", "a"], "product(j = 1..k, (n-k+j)/j)*a^k*(1-a)^(n-k)", "Bernstein polynomial number k of degree n"),
+    row("bernstein", &[], &["n", "m", "a"], "product(k = 1..m, (n-m+k)/k)*a^m*(1-a)^(n-m)", "Bernstein polynomial number m of degree n"),
     row("spherical_harmonic", &["sphericalharmonicy", "Ynm"], &["n", "m", "a", "b"], "sqrt((2*n+1)/(4*pi)*product(k = n-m+1..n+m, 1/k))*(-1)^m*product(k = 1..m, 2*k-1)*sin(a)^m*gegenbauer(n-m, m+1/2, cos(a))*exp(i*m*b)", "complex spherical harmonic of degree n and order m >= 0, at the angle a from z and b around z"),
 ];

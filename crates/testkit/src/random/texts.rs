@@ -53,8 +53,13 @@ impl Text<'_> {
             }
             3 | 4 => {
                 let row = &COMPOSED[below(self.rng, COMPOSED.len())];
-                let given: Vec<String> =
-                    row.parameters.iter().map(|_| self.number(inner)).collect();
+                let degree = self.rng.u32(0..7);
+                let given = row.parameters.iter().map(|parameter| match *parameter {
+                    "n" => degree.to_string(),
+                    "m" => self.rng.u32(0..=degree).to_string(),
+                    _ => self.number(inner),
+                });
+                let given: Vec<String> = given.collect();
                 format!("{}({})", row.name, given.join(", "))
             }
             5 => format!("length({})", self.vector(inner)),
