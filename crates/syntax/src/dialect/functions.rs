@@ -74,7 +74,12 @@ impl ProgramReader<'_> {
         }
         let before = self.program.last_function.clone();
         let mut frame = self.enter(self.words.name(name), parameters)?;
-        if before.is_some() && types.iter().any(|token| size_of(self.words.word(*token)) > 1) {
+        let returns_vector = types.iter().any(|token| size_of(self.words.word(*token)) > 1);
+        let is_scene = SCENES.contains(&word.as_str());
+        if self.program.last_function.as_ref().is_some_and(|name| name.text == word) {
+            self.program.draws_first_component = returns_vector && is_scene;
+        }
+        if before.is_some() && returns_vector && !is_scene {
             // A function that returns a vector, such as a color, does not replace an earlier
             // function to draw.
             self.program.last_function = before;
@@ -197,8 +202,9 @@ impl ProgramReader<'_> {
                 self.plain(tokens, frame, false)?;
             }
         }
-        if let Some(raw) = self.program.statements.last_mut() {
-            raw.lexed.notes.extend(note);
+        self.program.in_degrees = true;
+        if self.program.notes.iter().all(|note| note.kind != NoteKind::DegreesOfOpenscad) {
+            self.program.notes.extend(note);
         }
         Ok(())
     }

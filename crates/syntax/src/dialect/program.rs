@@ -19,6 +19,10 @@ pub(crate) struct PastedProgram {
     pub in_steps: bool,
     /// True if the text is a program in the manner of shaders or of POV-Ray, in which y points up.
     pub is_y_up: bool,
+    /// True if the trigonometry of the text is in degrees, as in `OpenSCAD`.
+    pub in_degrees: bool,
+    /// True if the function to draw returns a vector, whose first component is drawn.
+    pub draws_first_component: bool,
     /// Name of the function to draw: the last one that takes a point of space.
     pub last_function: Option<Name>,
     /// The variable last assigned outside functions. Assignments of plain numbers do not count.

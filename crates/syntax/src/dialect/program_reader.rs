@@ -1,7 +1,6 @@
 //! Translates the statements of a program, in order, to statements of this language.
 
 use crate::dialect::blocks::ProgramStep;
-use crate::dialect::plot_commands::Plot;
 use crate::dialect::program::PastedProgram;
 use crate::dialect::program_words::{Words, begins_name, is_whole_type, size_of};
 use crate::lex::arrangement::arrange;
@@ -11,7 +10,9 @@ use crate::tree::raw_statement::{Head, RawStatement, ValueConversion};
 
 use crate::lex::token::{Token, closing};
 use crate::limits::Limits;
+use crate::lex::spelling::short_name;
 use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
 use crate::tree::aliases::Aliases;
 use crate::tree::ast::{Expr, ExprKind, LETTERS, Name, NamedValue, Statement};
@@ -74,6 +75,10 @@ pub(crate) struct ProgramReader<'a> {
     pub defined_names: FxHashSet<String>,
     pub macros: FxHashMap<String, Macro>,
     pub procedures: FxHashMap<String, Rc<Procedure>>,
+    /// Ends of the ranges that names stand for.
+    pub ranges: FxHashMap<String, [Vec<Token>; 2]>,
+    /// Rows of numbers that names stand for.
+    pub rows: FxHashMap<String, Vec<Token>>,
     /// Known values of variables outside functions.
     pub constants: FxHashMap<String, f64>,
     /// Number of statements and iterations that ran in loops, branches and inlined calls.
@@ -105,6 +110,8 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
         integers: FxHashSet::default(),
         macros: FxHashMap::default(),
         procedures: FxHashMap::default(),
+        ranges: FxHashMap::default(),
+        rows: FxHashMap::default(),
         constants: FxHashMap::default(),
         steps: 0,
         expanded_tokens: Cell::new(0),
@@ -131,7 +138,11 @@ impl ProgramReader<'_> {
         let Some(first) = tokens.first().copied() else {
             return Ok(());
         };
-        if let Some(sign) = Words::prefixed(&tokens) {
+        if frame.function.is_none() && self.leaves_out(&tokens)? {
+            return Ok(());
+        }
+        self.words.apply_at_signs(&mut tokens);
+        if let Some(sign) = self.words.prefixed(&tokens) {
             return Err(Error::new(sign.span, ErrorKind::Prefix));
         }
         if first.kind.is_setting() && frame.function.is_none() {
@@ -223,6 +234,23 @@ impl ProgramReader<'_> {
         self.plain(tokens, frame, true)
     }
 
+    /// Reads a statement that draws nothing: a grid, or one that only styles the picture.
+    fn leaves_out(&mut self, tokens: &[Token]) -> Fallible<bool> {
+        if self.grid(tokens)? {
+            return Ok(true);
+        }
+        if !self.words.is_style(tokens) {
+            return Ok(false);
+        }
+        let span = tokens[0].span.to(tokens[tokens.len() - 1].span);
+        let is_style = |note: &Note| matches!(note.kind, NoteKind::StyleLeftOut { .. });
+        if !self.program.notes.iter().any(is_style) {
+            let example = short_name(&self.words.text[span.range()]);
+            self.program.notes.push(Note { span, kind: NoteKind::StyleLeftOut { example } });
+        }
+        Ok(true)
+    }
+
     /// Adds a statement unchanged. With `plots`, a plot command is replaced by its formulas.
     pub(crate) fn plain(&mut self, tokens: Vec<Token>, frame: &Frame, plots: bool) -> Fallible<()> {
         let mut tokens = tokens;
@@ -236,16 +264,18 @@ impl ProgramReader<'_> {
         {
             self.constants.insert(self.words.word(*name).to_owned(), value);
         }
-        let plot = if plots { self.words.plot(&tokens)? } else { None };
-        let Some(Plot { formulas, is_height, domain, note }) = plot else {
+        let plots = if plots {
+            tokens = self.with_rows(tokens);
+            self.words.plots(&tokens)?
+        } else {
+            Vec::new()
+        };
+        if plots.is_empty() {
             self.words.patterns(&mut tokens);
             return self.push(tokens, None, None, &frame.aliases, false);
-        };
-        self.program.notes.extend(note);
-        for formula in formulas {
-            self.push(formula, None, None, &frame.aliases, is_height)?;
         }
-        domain.map_or(Ok(()), |line| self.push(line, None, None, &Aliases::default(), false))
+        let place = tokens[0].span;
+        plots.into_iter().try_for_each(|plot| self.draw(plot, place, frame))
     }
 
     pub(crate) fn push(

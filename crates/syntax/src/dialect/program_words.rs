@@ -332,11 +332,11 @@ impl<'a> Words<'a> {
     }
 
     /// The first operator that stands before its operands, as in `(+ a b)`.
-    pub(crate) fn prefixed(tokens: &[Token]) -> Option<Token> {
+    pub(crate) fn prefixed(self, tokens: &[Token]) -> Option<Token> {
         let found = tokens.windows(3).find(|part| {
             part[0].kind == OpenParen
                 && matches!(part[1].kind, Plus | Star | Slash)
-                && part[1].span.end < part[2].span.start
+                && self.text[part[1].span.end..].starts_with(char::is_whitespace)
         });
         found.map(|part| part[1])
     }
@@ -372,6 +372,29 @@ impl<'a> Words<'a> {
         let mut short = vec![tokens[0]];
         short.extend(&tokens[equals..]);
         short
+    }
+
+    /// Turns Mathematica's `f@x` into `f(x)`, from the last sign to the first.
+    pub(crate) fn apply_at_signs(self, tokens: &mut Vec<Token>) {
+        for at in (1..tokens.len()).rev() {
+            let is_applied = tokens[at].kind == At && tokens[at - 1].kind == TokenKind::Name;
+            let Some(next) = tokens.get(at + 1).filter(|_| is_applied) else { continue };
+            if next.kind == OpenParen {
+                tokens.remove(at);
+                continue;
+            }
+            let mut end = at + 2;
+            while let Some(length) = tokens.get(end..).and_then(closing) {
+                let touches = tokens[end - 1].span.end == tokens[end].span.start;
+                if !touches || !matches!(tokens[end].kind, OpenBracket | OpenParen) {
+                    break;
+                }
+                end += length + 1;
+            }
+            let place = Span::at(tokens[end - 1].span.end);
+            tokens[at] = Token::new(OpenParen, Span::at(tokens[at].span.end));
+            tokens.insert(end, Token::new(CloseParen, place));
+        }
     }
 
     /// Turns the left side `f[x_, y_]` of a definition in Mathematica into `f[x, y]`.

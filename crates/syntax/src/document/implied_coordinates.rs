@@ -208,7 +208,7 @@ fn has_components(text: &str, lines: &[ParsedStatement<'_>], name: &str) -> bool
         line.raw.lexed.tokens.windows(2).any(|pair| {
             pair[0].kind == TokenKind::Name
                 && pair[1].kind == Component
-                && &text[pair[0].span.range()] == name
+                && plain_name(&text[pair[0].span.range()]) == name
         })
     })
 }

@@ -55,7 +55,14 @@ pub(crate) fn drawn_by_program(
         let coordinate = |axis| Expr::new(ExprKind::Name(NamedValue::Coordinate(axis)), name.span);
         let point = Axis::ALL.iter().map(|axis| coordinate(*axis)).collect();
         let point = Expr::new(ExprKind::Call(Function::Vector(3), point), name.span);
-        (name, ExprKind::Call(function, vec![point]))
+        let call = ExprKind::Call(function, vec![point]);
+        (
+            name,
+            match program.draws_first_component {
+                true => ExprKind::Component(Box::new(Expr::new(call, name.span)), "x".to_owned()),
+                false => call,
+            },
+        )
     } else {
         let name = program.last_value.as_ref().filter(|_| program.in_steps)?;
         (name, ExprKind::Name(NamedValue::Defined(name.text.clone())))

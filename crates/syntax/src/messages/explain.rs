@@ -300,6 +300,13 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         Parametric => {
             "eliminate the parameters: what is a ball for `x = cos u cos v, …` is `x^2 + y^2 + z^2 = 1`"
         }
+        PlotOption { .. } => {
+            "write a level into the formula, as in `f - 1`, and a condition behind it in braces: `f {z > 0}`"
+        }
+        PlotVariables => {
+            "write the formula in x, y and z, and the ranges as `domain x in [-2, 2], y in [-1, 1]`"
+        }
+        Format { help, .. } => help,
         PlotCoordinates => {
             "write the equation with `rho`, `theta` and `phi` (distance from the origin, angle around z, angle from z), \
              or with `r`, `theta` and `z`"

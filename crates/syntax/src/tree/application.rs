@@ -284,12 +284,24 @@ impl Builder<'_> {
             && (before.ends_with("np.") || before.ends_with("numpy."))
         {
             // In numpy, `sinc(a)` is sin(πa)/(πa).
-            let pi = ExprKind::Name(NamedValue::Constant(NamedConstant::Pi));
-            let pi = Expr::new(pi, argument.span);
-            *argument = product_of([pi, argument.clone()])?;
+            *argument = product_of([pi_at(argument.span), argument.clone()])?;
             self.note(span.to(place), NoteKind::SincOfNumpy);
         }
-        Ok(Expr::new(ExprKind::Call(function, arguments), span.to(place)))
+        let call = |arguments| Expr::new(ExprKind::Call(function, arguments), span.to(place));
+        if let Callee::BuiltIn(name) = callee
+            && self.scope.in_degrees
+        {
+            let half = |place| [Expr::of_digits("180", place), pi_at(place)];
+            if matches!(name.as_str(), "sin" | "cos" | "tan") {
+                let argument = arguments.remove(0);
+                let [degrees, radians] = half(argument.span);
+                arguments.insert(0, product_of([argument, radians])?.over(degrees, place));
+            } else if matches!(name.as_str(), "asin" | "acos" | "atan" | "atan2") {
+                let [degrees, radians] = half(place);
+                return Ok(product_of([call(arguments), degrees])?.over(radians, span.to(place)));
+            }
+        }
+        Ok(call(arguments))
     }
 
     /// Adds a note if other languages define the function differently.
@@ -319,6 +331,11 @@ impl Builder<'_> {
         };
         Error::new(span.to(place), kind)
     }
+}
+
+/// The constant pi, with its place.
+fn pi_at(place: Span) -> Expr {
+    Expr::new(ExprKind::Name(NamedValue::Constant(NamedConstant::Pi)), place)
 }
 
 /// The logarithm of `argument` to `base`: ln(argument)/ln(base).
