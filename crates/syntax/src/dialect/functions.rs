@@ -177,6 +177,20 @@ impl ProgramReader<'_> {
         });
         let note =
             trigonometric.map(|token| Note { span: token.span, kind: NoteKind::DegreesOfOpenscad });
+        self.function_with_defaults(tokens, frame)?;
+        self.program.in_degrees = true;
+        if self.program.notes.iter().all(|note| note.kind != NoteKind::DegreesOfOpenscad) {
+            self.program.notes.extend(note);
+        }
+        Ok(())
+    }
+
+    /// Reads `f(a, b = 2) = value`.
+    pub(crate) fn function_with_defaults(
+        &mut self,
+        tokens: Vec<Token>,
+        frame: &mut Frame,
+    ) -> Fallible<()> {
         let name = self.words.name(tokens[0]);
         match bracketed(&tokens[1..]) {
             Some((inner, [equals, rest @ ..]))
@@ -202,11 +216,44 @@ impl ProgramReader<'_> {
                 self.plain(tokens, frame, false)?;
             }
         }
-        self.program.in_degrees = true;
-        if self.program.notes.iter().all(|note| note.kind != NoteKind::DegreesOfOpenscad) {
-            self.program.notes.extend(note);
-        }
         Ok(())
+    }
+
+    /// Reads POV-Ray's `name = function { body }`.
+    pub(crate) fn pov_function(&mut self, name: Name, body: Vec<Token>) -> Fallible<()> {
+        let parameter = |axis: &str| Name { text: axis.to_owned(), span: name.span };
+        let parameters = Some(["x", "y", "z"].map(|axis| parameter(axis)).to_vec());
+        let frame = Frame { function: Some(Head { name, parameters }), ..Frame::default() };
+        self.result(body, &frame)
+    }
+
+    /// Reads a function of Lua or Julia, whose body ends with `end`.
+    pub(crate) fn function_to_end(
+        &mut self,
+        tokens: &[Token],
+        following: &mut Statements,
+    ) -> Fallible<()> {
+        let mut lines = Vec::new();
+        let is_end = |line: &Vec<Token>| line.len() == 1 && self.words.word(line[0]) == "end";
+        for line in following.by_ref().take_while(|line| !is_end(line)) {
+            if matches!(self.words.word(line[0]), "if" | "for" | "while" | "repeat") {
+                return Err(self.words.unsupported(line[0]));
+            }
+            lines.push(line);
+        }
+        let is_value = |line: &Vec<Token>| self.words.is_value(line);
+        let tail = if lines.last().is_some_and(is_value) { lines.pop() } else { None };
+        let Some((parameters, _)) = bracketed(&tokens[2..]) else {
+            return Err(self.words.unsupported(tokens[0]));
+        };
+        let steps = self.words.lines(&lines, 0)?;
+        let mut frame = self.enter(self.words.name(tokens[1]), split(parameters, Comma))?;
+        self.run(&steps, &mut frame)?;
+        if let Some(tail) = tail {
+            self.result(tail, &frame)?;
+            frame.has_result = true;
+        }
+        self.leave_function(&frame)
     }
 
     /// Reads `def name(parameters):` and the lines of its body.

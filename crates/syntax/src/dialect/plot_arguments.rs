@@ -106,6 +106,12 @@ impl Words<'_> {
                 ranges.push(PlotRange { name: Some(name), low, high });
             }
         }
+        // MathPartner writes the ends of all ranges as arguments.
+        let ends = arguments.get(1..7).unwrap_or_default();
+        if ranges.is_empty() && ends.len() == 6 {
+            let is_number = |token: &Token| matches!(token.kind, Number | Minus);
+            ranges.extend(in_order(ends).into_iter().filter(|_| ends.iter().flatten().all(is_number)));
+        }
         ranges.retain(|range| !range.low.is_empty() && !range.high.is_empty());
         ranges
     }

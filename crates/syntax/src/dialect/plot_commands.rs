@@ -17,7 +17,7 @@ fn plots_height(command: &str) -> Option<bool> {
         "Plot3D" | "plot3d" | "explicit" | "fsurf" | "ezsurf" | "surf" | "mesh" | "surface"
         | "surfc" | "meshc" => Some(true),
         "ContourPlot3D" | "RegionPlot3D" | "ImplicitRegion" | "implicit_plot3d"
-        | "implicitplot3d" | "ImplicitPlot3D" | "fimplicit3" | "ezimplot3" | "isosurface"
+        | "implicitplot3d" | r"\implicitPlot3d" | "ImplicitPlot3D" | "fimplicit3" | "ezimplot3" | "isosurface"
         | "implicit" | "plot_implicit" | "draw3d" | "draw" | "display" | "Show" | "contour3"
         | "implicitsurface" | "contour" | "marching_cubes" | "surfaceNets" => Some(false),
         _ => None,
@@ -61,6 +61,8 @@ impl Words<'_> {
     /// Reads a plot command; no plot if `tokens` are no plot command.
     pub(crate) fn plots(self, tokens: &[Token]) -> Fallible<Vec<Plot>> {
         let is_name = |token: &Token| token.kind.is_name() || token.kind == Comma;
+        let types = self.types(tokens);
+        let tokens = &tokens[types..];
         // The left side of `plot = ContourPlot3D[…]`, which only names the picture.
         let left = tokens.iter().take_while(|token| is_name(token)).count();
         let tokens = match &tokens[left..] {
@@ -114,7 +116,14 @@ impl Words<'_> {
             return Ok(Vec::new());
         }
         let place = tokens[0].span;
-        let arguments = split(inner, Comma);
+        let mut arguments = split(inner, Comma);
+        // The parameters of `lambda x, y: …` were split too.
+        if let Some(at) = arguments.iter().position(|part| self.word(part[0]) == "lambda") {
+            while outside(&arguments[at], Colon).is_none() && at + 1 < arguments.len() {
+                let next = arguments.remove(at + 1);
+                arguments[at].extend(std::iter::once(Token::new(Comma, next[0].span)).chain(next));
+            }
+        }
         let mut plots = Vec::new();
         for part in arguments.iter().filter(|part| plots_height(self.word(part[0])).is_some()) {
             plots.extend(self.plots_of(self.word(part[0]), &part[1..])?);
@@ -153,7 +162,11 @@ impl Words<'_> {
             }
             // In MATLAB's `surf(X, Y, Z)`, the heights come third.
             [_, _, heights, ..] if GRIDS.contains(&word) => heights,
-            [list, formula, ..] if word == "contour" && list[0].kind == OpenBracket => {
+            [list, formula, ..]
+                if word == "contour"
+                    && list[0].kind == OpenBracket
+                    && outside(formula, Equals).is_none() =>
+            {
                 levels = bracketed(list).map_or(Vec::new(), |(inner, _)| split(inner, Comma));
                 formula
             }
@@ -162,7 +175,20 @@ impl Words<'_> {
                 formula
             }
             [formula, ..] if word != "contour" => formula,
-            _ => return Ok(Vec::new()),
+            // PyVista's `grid.contour([0])` draws the values that the program assigned last.
+            [list, ..] => {
+                let is_zero = |token: &Token| {
+                    let typed = &self.text[token.span.range()];
+                    token.kind != Number || typed.bytes().all(|byte| matches!(byte, b'0' | b'.'))
+                };
+                if !list.iter().all(is_zero) {
+                    let kind = ErrorKind::PlotOption { name: word.to_owned() };
+                    return Err(Error::new(list[0].span, kind));
+                }
+                let (formulas, renamed) = (Vec::new(), Vec::new());
+                return Ok(vec![Plot { formulas, is_height, domain: None, note: None, renamed }]);
+            }
+            [] => return Ok(Vec::new()),
         };
         let mut ranges = self.ranges(&arguments);
         let is_plain = formula.iter().all(|token| token.kind != At) && lambda.is_none();
@@ -183,6 +209,7 @@ impl Words<'_> {
             }
             _ => (Vec::new(), formula.clone()),
         };
+        let formula = self.returned(formula)?;
         let region = self.region(&arguments)?;
         let mut renamed = renamed(&names, &axes);
         for names in [&parameters, region.as_ref().map_or(&Vec::new(), |(names, _)| names)] {
@@ -207,6 +234,18 @@ impl Words<'_> {
             }
         }
         Ok(vec![Plot { formulas, is_height, domain, note, renamed }])
+    }
+
+    /// The value of a function's body, which may be `{ return value; }`.
+    fn returned(self, body: Vec<Token>) -> Fallible<Vec<Token>> {
+        let is_return = |token: &Token| self.word(*token) == "return";
+        let Some(at) = body.iter().position(is_return) else { return Ok(body) };
+        let inner = bracketed(&body).filter(|(inner, rest)| {
+            at == 1 && rest.is_empty() && inner.iter().filter(|token| is_return(token)).count() == 1
+        });
+        let Some((inner, _)) = inner else { return Err(self.unsupported(body[at])) };
+        let end = outside(inner, Semicolon).unwrap_or(inner.len());
+        Ok(inner[1..end].to_vec())
     }
 
     /// Reads gnuplot's `splot [-2:2][-2:2] f with lines`. `tokens` begin after the word `splot`.
@@ -346,7 +385,7 @@ impl Words<'_> {
 }
 
 /// The tokens of `(formula) - (level)`.
-fn less(formula: &[Token], level: &[Token]) -> Vec<Token> {
+pub(crate) fn less(formula: &[Token], level: &[Token]) -> Vec<Token> {
     let mut all = in_brackets(formula);
     let end = all[all.len() - 1].span;
     all.push(Token::new(Minus, end));

@@ -1,11 +1,12 @@
 //! Translates the statements of a program, in order, to statements of this language.
 
 use crate::dialect::blocks::ProgramStep;
+use crate::dialect::formats::foreign_text;
 use crate::dialect::program::PastedProgram;
 use crate::dialect::program_words::{Words, begins_name, is_whole_type, size_of};
 use crate::lex::arrangement::arrange;
 use crate::lex::scanner::scan;
-use crate::lex::token_kind::TokenKind::{Equals, Number, OpenBrace, OpenParen};
+use crate::lex::token_kind::TokenKind::{Comma, Equals, Number, OpenBrace, OpenParen, Semicolon};
 use crate::tree::raw_statement::{Head, RawStatement, ValueConversion};
 
 use crate::lex::token::{Token, closing};
@@ -90,9 +91,27 @@ pub(crate) struct ProgramReader<'a> {
 
 pub(crate) type Statements = std::vec::IntoIter<Vec<Token>>;
 
+/// The error for the solids of Python's module `sdf`.
+const SOLIDS_OF_SDF: ErrorKind = ErrorKind::Format {
+    format: "Python's module sdf",
+    read: "no solids are read",
+    help: "write a solid as a formula, such as `max(sphere(1), -cylinder(0.5))`, with `union(a, b)`, \
+           `intersect(a, b)` and `subtract(a, b)`",
+};
+
+/// The error for a module of `OpenSCAD`.
+const MODULE_OF_OPENSCAD: ErrorKind = ErrorKind::Format {
+    format: "OpenSCAD",
+    read: "only functions and values are read, and no modules",
+    help: "write the solid as a formula, such as `(sqrt(x^2 + y^2) - 2)^2 + z^2 <= 0.25`",
+};
+
 /// Translates a text, whether it is a program or not.
 pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
-    let mut statements = scan(text, limits)?;
+    let (mut statements, note) = match foreign_text(text, limits)? {
+        Some(found) => found,
+        None => (scan(text, limits)?, None),
+    };
     let words = Words { text };
     words.join_bodies(&mut statements);
     let taken = statements
@@ -115,7 +134,12 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
         constants: FxHashMap::default(),
         steps: 0,
         expanded_tokens: Cell::new(0),
-        program: PastedProgram { in_steps, is_y_up, ..PastedProgram::default() },
+        program: PastedProgram {
+            in_steps,
+            is_y_up,
+            notes: note.into_iter().collect(),
+            ..PastedProgram::default()
+        },
     };
     let mut top = Frame::default();
     let mut statements = statements.into_iter();
@@ -138,10 +162,10 @@ impl ProgramReader<'_> {
         let Some(first) = tokens.first().copied() else {
             return Ok(());
         };
-        if frame.function.is_none() && self.leaves_out(&tokens)? {
+        self.words.apply_signs(&mut tokens);
+        if frame.function.is_none() && self.outside_of_formulas(&tokens, frame)? {
             return Ok(());
         }
-        self.words.apply_at_signs(&mut tokens);
         if let Some(sign) = self.words.prefixed(&tokens) {
             return Err(Error::new(sign.span, ErrorKind::Prefix));
         }
@@ -157,7 +181,20 @@ impl ProgramReader<'_> {
                 .try_for_each(|tokens| self.statement(tokens, frame, &mut Statements::default()));
         }
         match self.words.word(first) {
+            "import" | "from" if self.words.word(tokens.get(1).copied().unwrap_or(first)) == "sdf" => {
+                return Err(Error::new(first.span, SOLIDS_OF_SDF));
+            }
             "import" | "from" if begins_name(tokens.get(1)) => return Ok(()),
+            "module" if begins_name(tokens.get(1)) && tokens.len() > 3 => {
+                return Err(Error::new(first.span, MODULE_OF_OPENSCAD));
+            }
+            "function"
+                if begins_name(tokens.get(1))
+                    && tokens[2..].first().is_some_and(|open| open.kind == OpenParen)
+                    && closing(&tokens[2..]).is_some_and(|end| end + 3 == tokens.len()) =>
+            {
+                return self.function_to_end(&tokens, following);
+            }
             "for" | "while" | "if" if self.words.is_control(&tokens) => {
                 return self.control(tokens, frame, following);
             }
@@ -208,6 +245,28 @@ impl ProgramReader<'_> {
             }
             _ => {}
         }
+        match tokens.as_mut_slice() {
+            // POV-Ray's `f = function { … }`, a function of x, y and z.
+            [name, equals, function, open, ..]
+                if (equals.kind, open.kind) == (Equals, OpenBrace)
+                    && self.words.word(*function) == "function" =>
+            {
+                let (name, end) = (self.words.name(*name), tokens.len() - 1);
+                return self.pov_function(name, tokens[4..end].to_vec());
+            }
+            // Julia's `f(x; a = 2) = …`.
+            [name, open, ..] if name.kind.is_name() && open.kind == OpenParen => {
+                if let Some(end) = closing(&tokens[1..])
+                    && tokens.get(end + 2).is_some_and(|next| next.kind == Equals)
+                    && let Some(semicolon) =
+                        tokens[1..end].iter().position(|token| token.kind == Semicolon)
+                {
+                    tokens[semicolon + 1].kind = Comma;
+                    return self.function_with_defaults(tokens, frame);
+                }
+            }
+            _ => {}
+        }
         if self.words.has_body(&tokens) {
             return self.functions(tokens, frame, following);
         }
@@ -234,8 +293,15 @@ impl ProgramReader<'_> {
         self.plain(tokens, frame, true)
     }
 
-    /// Reads a statement that draws nothing: a grid, or one that only styles the picture.
-    fn leaves_out(&mut self, tokens: &[Token]) -> Fallible<bool> {
+    /// Reads a plot, a grid, or a statement that only styles the picture. Returns false for any
+    /// other statement.
+    fn outside_of_formulas(&mut self, tokens: &[Token], frame: &Frame) -> Fallible<bool> {
+        let plots = self.words.plots(&self.with_rows(tokens.to_vec()))?;
+        if !plots.is_empty() {
+            let place = tokens[0].span;
+            plots.into_iter().try_for_each(|plot| self.draw(plot, place, frame))?;
+            return Ok(true);
+        }
         if self.grid(tokens)? {
             return Ok(true);
         }
@@ -251,10 +317,15 @@ impl ProgramReader<'_> {
         Ok(true)
     }
 
-    /// Adds a statement unchanged. With `plots`, a plot command is replaced by its formulas.
-    pub(crate) fn plain(&mut self, tokens: Vec<Token>, frame: &Frame, plots: bool) -> Fallible<()> {
+    /// Adds a statement unchanged. With `is_step`, a function's body may not hold a mere value.
+    pub(crate) fn plain(
+        &mut self,
+        tokens: Vec<Token>,
+        frame: &Frame,
+        is_step: bool,
+    ) -> Fallible<()> {
         let mut tokens = tokens;
-        if frame.function.is_some() && plots && self.words.assignment(&tokens).is_none() {
+        if frame.function.is_some() && is_step && self.words.assignment(&tokens).is_none() {
             return Err(Error::new(tokens[0].span, ErrorKind::NoEffect));
         }
         if let [name, equals, number] = tokens.as_slice()
@@ -264,18 +335,8 @@ impl ProgramReader<'_> {
         {
             self.constants.insert(self.words.word(*name).to_owned(), value);
         }
-        let plots = if plots {
-            tokens = self.with_rows(tokens);
-            self.words.plots(&tokens)?
-        } else {
-            Vec::new()
-        };
-        if plots.is_empty() {
-            self.words.patterns(&mut tokens);
-            return self.push(tokens, None, None, &frame.aliases, false);
-        }
-        let place = tokens[0].span;
-        plots.into_iter().try_for_each(|plot| self.draw(plot, place, frame))
+        self.words.patterns(&mut tokens);
+        self.push(tokens, None, None, &frame.aliases, false)
     }
 
     pub(crate) fn push(

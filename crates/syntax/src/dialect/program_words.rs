@@ -153,7 +153,11 @@ impl<'a> Words<'a> {
 
     /// Number of types and modifiers before a declared name; 0 if no name follows them.
     pub(crate) fn types(self, tokens: &[Token]) -> usize {
-        let count = tokens.iter().take_while(|token| is_type(self.word(**token))).count();
+        let is_type = |token: &&Token| {
+            let word = self.word(**token);
+            is_type(word) || word == "T" && self.text.contains("typename T")
+        };
+        let count = tokens.iter().take_while(is_type).count();
         if begins_name(tokens.get(count)) { count } else { 0 }
     }
 
@@ -374,9 +378,17 @@ impl<'a> Words<'a> {
         short
     }
 
-    /// Turns Mathematica's `f@x` into `f(x)`, from the last sign to the first.
-    pub(crate) fn apply_at_signs(self, tokens: &mut Vec<Token>) {
+    /// Turns Mathematica's `f@x` into `f(x)`, from the last sign to the first, and the braces of
+    /// `\overline{…}` into round brackets.
+    pub(crate) fn apply_signs(self, tokens: &mut Vec<Token>) {
         for at in (1..tokens.len()).rev() {
+            if self.word(tokens[at - 1]) == r"\overline"
+                && tokens[at].kind == OpenBrace
+                && let Some(end) = closing(&tokens[at..])
+            {
+                tokens[at].kind = OpenParen;
+                tokens[at + end].kind = CloseParen;
+            }
             let is_applied = tokens[at].kind == At && tokens[at - 1].kind == TokenKind::Name;
             let Some(next) = tokens.get(at + 1).filter(|_| is_applied) else { continue };
             if next.kind == OpenParen {

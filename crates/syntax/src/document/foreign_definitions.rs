@@ -17,6 +17,7 @@ struct ForeignDefinition {
     name: &'static str,
     parameters: &'static [&'static str],
     body: &'static str,
+    system: &'static str,
 }
 
 const fn of_pov(
@@ -24,15 +25,17 @@ const fn of_pov(
     parameters: &'static [&'static str],
     body: &'static str,
 ) -> ForeignDefinition {
-    ForeignDefinition { name, parameters, body }
+    ForeignDefinition { name, parameters, body, system: "POV-Ray" }
 }
 
-/// Functions of POV-Ray's `functions.inc`. The axis of its torus is the y axis.
+/// Functions of POV-Ray's `functions.inc`, and a constant of MATLAB. The axis of POV-Ray's torus is
+/// the y axis.
 const DEFINITIONS: &[ForeignDefinition] = &[
     of_pov("f_r", &["a", "b", "c"], "sqrt(a^2 + b^2 + c^2)"),
     of_pov("f_sphere", &["a", "b", "c", "r"], "sqrt(a^2 + b^2 + c^2) - r"),
     of_pov("f_ellipsoid", &["a", "b", "c", "u", "v", "w"], "sqrt((a*u)^2 + (b*v)^2 + (c*w)^2)"),
     of_pov("f_torus", &["a", "b", "c", "u", "v"], "sqrt((sqrt(a^2 + c^2) - u)^2 + b^2) - v"),
+    ForeignDefinition { name: "eps", parameters: &[], body: "2^-52", system: "MATLAB" },
 ];
 
 /// The definitions of the functions that `lines` use and do not define, with notes. Adds the names
@@ -44,18 +47,17 @@ pub(crate) fn foreign_definitions(
     limits: &Limits,
 ) -> (Vec<BuiltStatement>, Vec<Note>) {
     let (mut built, mut notes) = (Vec::new(), Vec::new());
-    if !text.contains("f_") {
-        return (built, notes);
-    }
     let tokens = || lines.iter().flat_map(|line| &line.raw.lexed.tokens);
     for definition in DEFINITIONS {
         let is_name = |span: Span| plain_name(&text[span.range()]) == definition.name;
         let place = tokens().map(|token| token.span).find(|span| is_name(*span));
         let Some(span) = place.filter(|_| !scope.is_defined(definition.name)) else { continue };
-        let parameters = definition.parameters.join(", ");
-        let read = format!("{}({parameters}) = {}", definition.name, definition.body);
-        notes.push(Note { span, kind: NoteKind::ForeignDefinition { read } });
-        scope.define(definition.name, Some(definition.parameters.len()));
+        let ForeignDefinition { name, parameters, body, system } = definition;
+        let count = Some(parameters.len()).filter(|count| *count > 0);
+        let left = count.map_or(String::new(), |_| format!("({})", parameters.join(", ")));
+        let read = format!("{name}{left} = {body}");
+        notes.push(Note { span, kind: NoteKind::ForeignDefinition { system, read } });
+        scope.define(name, count);
         built.extend(define(definition, scope, limits));
     }
     (built, notes)
@@ -75,7 +77,8 @@ fn define(
         Builder::new(definition.body, statements.first()?, scope, &parameters, limits);
     let body = builder.only_expression().ok()?;
     let used = builder.used;
-    let (name, parameters) = (name(&definition.name), Some(parameters));
+    let parameters = Some(parameters).filter(|parameters| !parameters.is_empty());
+    let name = name(&definition.name);
     let definition = Definition { name, parameters, body, range: None };
     Some(BuiltStatement { statement: Statement::Define(definition), span, notes: Vec::new(), used })
 }

@@ -72,7 +72,8 @@ pub(crate) fn foreign(rest: &str, context: LexContext) -> Option<(TokenKind, usi
         }
         // The imaginary unit of gnuplot, beside an operator.
         '{' if rest.starts_with("{0,1}")
-            && matches!(context.last, Some(Plus | Minus | Star))
+            && (matches!(context.last, Some(Plus | Minus | Star))
+                || context.last == Some(Equals) && start(rest, 2000).contains("splot "))
             && !rest[5..].starts_with('.') =>
         {
             Some((TokenKind::Name, 5))
@@ -108,10 +109,11 @@ pub(crate) fn foreign(rest: &str, context: LexContext) -> Option<(TokenKind, usi
 /// Length of the quoted text at the start of `rest`. Such a text is an argument, an option or an
 /// element of a list.
 fn quoted(rest: &str, mark: char, context: LexContext) -> Option<usize> {
-    let begins = matches!(
-        context.last?,
-        OpenParen | OpenBracket | OpenBrace | Comma | Equals | Greater | Colon
-    );
+    let begins = match context.last? {
+        OpenParen | OpenBracket | OpenBrace | Comma | Equals | Greater | Colon => true,
+        TokenKind::Name => mark == '\'' && context.touching.is_none(),
+        _ => false,
+    };
     let line = start(&rest[1..], 400);
     let end = line[..line_length(line)].find(mark).filter(|_| begins)?;
     Some(end + 2)

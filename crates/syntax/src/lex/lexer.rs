@@ -144,9 +144,10 @@ fn comment(rest: &str, context: LexContext) -> Option<usize> {
     if context.starts_line && context.last.is_none() && rest.starts_with('•') {
         return Some('•'.len_utf8());
     }
-    // The mark of Sage before a line that continues.
-    if context.starts_line && rest.starts_with("....:") {
-        return Some("....:".len());
+    // The prompts of Sage.
+    let prompt = ["....:", "sage:"].into_iter().find(|prompt| rest.starts_with(prompt));
+    if let Some(prompt) = prompt.filter(|_| context.starts_line) {
+        return Some(prompt.len());
     }
     // A backslash at the end of a line: the next line continues the statement.
     if let Some(blank) = rest.strip_prefix('\\') {
@@ -294,6 +295,8 @@ fn command(rest: &str, context: LexContext) -> (TokenKind, usize) {
             };
         }
         "boxed" | "fbox" | "ensuremath" if after.starts_with('{') => return (Blank, end),
+        // A command of MathPartner.
+        "implicitPlot" if after.starts_with("3d") => return (TokenKind::Name, end + 2),
         _ if LABELS.contains(&word) && after.starts_with('{') => {
             return (Blank, after.find('}').map_or(rest.len(), |length| end + length + 1));
         }

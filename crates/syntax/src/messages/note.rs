@@ -120,8 +120,8 @@ pub enum NoteKind {
     StyleLeftOut { example: String },
     #[error("the names of the plot are the coordinates: `{read}`")]
     PlotNames { read: String },
-    #[error("read as in POV-Ray: `{read}`; for another, define it")]
-    ForeignDefinition { read: String },
+    #[error("read as in {system}: `{read}`; for another, define it")]
+    ForeignDefinition { system: &'static str, read: String },
     #[error("further notes omitted")]
     More,
 }

@@ -40,7 +40,7 @@ const FOREIGN_NAMES: &[(&str, &str)] = &[
     ("lg", "log10"),
     ("M_PI", "pi"),
     ("M_E", "e"),
-    ("overline", "conj"),
+    ("cabs", "abs"),
     ("max_symbolic", "max"),
     ("min_symbolic", "min"),
 ];
@@ -186,6 +186,7 @@ impl Scope {
         if self.is_defined(name) || locals.iter().any(|local| local.text == name) {
             return None;
         }
+        let name = if name == "overline" { "conj" } else { name };
         form(name).or_else(|| form(&name.to_lowercase()))
     }
 
