@@ -172,17 +172,8 @@ impl ProgramReader<'_> {
         tokens: Vec<Token>,
         frame: &mut Frame,
     ) -> Fallible<()> {
-        let trigonometric = tokens.iter().find(|token| {
-            matches!(self.words.word(**token), "sin" | "cos" | "tan" | "atan2" | "atan")
-        });
-        let note =
-            trigonometric.map(|token| Note { span: token.span, kind: NoteKind::DegreesOfOpenscad });
-        self.function_with_defaults(tokens, frame)?;
         self.program.in_degrees = true;
-        if self.program.notes.iter().all(|note| note.kind != NoteKind::DegreesOfOpenscad) {
-            self.program.notes.extend(note);
-        }
-        Ok(())
+        self.function_with_defaults(tokens, frame)
     }
 
     /// Reads `f(a, b = 2) = value`.

@@ -187,7 +187,7 @@ impl ProgramReader<'_> {
     }
 
     /// The number of parameters of a name that the text defines; 0 for a value.
-    fn arity(&self, name: Token) -> Option<usize> {
+    pub(crate) fn arity(&self, name: Token) -> Option<usize> {
         let word = self.words.word(name);
         self.program.statements.iter().rev().find_map(|raw| {
             if let Some(head) = &raw.head {

@@ -110,7 +110,9 @@ impl Words<'_> {
         let ends = arguments.get(1..7).unwrap_or_default();
         if ranges.is_empty() && ends.len() == 6 {
             let is_number = |token: &Token| matches!(token.kind, Number | Minus);
-            ranges.extend(in_order(ends).into_iter().filter(|_| ends.iter().flatten().all(is_number)));
+            ranges.extend(
+                in_order(ends).into_iter().filter(|_| ends.iter().flatten().all(is_number)),
+            );
         }
         ranges.retain(|range| !range.low.is_empty() && !range.high.is_empty());
         ranges
@@ -149,7 +151,8 @@ impl Words<'_> {
 pub(crate) fn in_order(numbers: &[Vec<Token>]) -> Vec<PlotRange> {
     let count = if numbers.len() == 2 { 3 } else { numbers.len() / 2 };
     let end = |at: usize| numbers[at % numbers.len()].clone();
-    let range = |index: usize| PlotRange { name: None, low: end(2 * index), high: end(2 * index + 1) };
+    let range =
+        |index: usize| PlotRange { name: None, low: end(2 * index), high: end(2 * index + 1) };
     (0..count).map(range).collect()
 }
 

@@ -17,9 +17,11 @@ fn plots_height(command: &str) -> Option<bool> {
         "Plot3D" | "plot3d" | "explicit" | "fsurf" | "ezsurf" | "surf" | "mesh" | "surface"
         | "surfc" | "meshc" => Some(true),
         "ContourPlot3D" | "RegionPlot3D" | "ImplicitRegion" | "implicit_plot3d"
-        | "implicitplot3d" | r"\implicitPlot3d" | "ImplicitPlot3D" | "fimplicit3" | "ezimplot3" | "isosurface"
-        | "implicit" | "plot_implicit" | "draw3d" | "draw" | "display" | "Show" | "contour3"
-        | "implicitsurface" | "contour" | "marching_cubes" | "surfaceNets" => Some(false),
+        | "implicitplot3d" | r"\implicitPlot3d" | "ImplicitPlot3D" | "fimplicit3" | "ezimplot3"
+        | "isosurface" | "implicit" | "plot_implicit" | "draw3d" | "draw" | "display" | "Show"
+        | "contour3" | "implicitsurface" | "contour" | "marching_cubes" | "surfaceNets" => {
+            Some(false)
+        }
         _ => None,
     }
 }
@@ -34,7 +36,8 @@ const METHODS: &[&str] = &["contour", "marching_cubes", "surfaceNets"];
 const GRIDS: &[&str] = &["surf", "mesh", "surface", "surfc", "meshc"];
 
 /// Words after a formula of gnuplot.
-const SPLOT_WORDS: &[&str] = &["with", "w", "using", "u", "title", "t", "notitle", "lw", "lt", "lc"];
+const SPLOT_WORDS: &[&str] =
+    &["with", "w", "using", "u", "title", "t", "notitle", "lw", "lt", "lc"];
 
 /// Names that the ends of a range may contain. If another name occurs, all ranges are ignored.
 const CONSTANTS: &[&str] = &["pi", "tau", "e", "phi", "sqrt"];
@@ -84,7 +87,9 @@ impl Words<'_> {
             }
             // A method of a module, as in `grid.contour(…)`.
             [module, dot, command, rest @ ..]
-                if module.kind.is_name() && self.is_dot(*dot) && METHODS.contains(&self.word(*command)) =>
+                if module.kind.is_name()
+                    && self.is_dot(*dot)
+                    && METHODS.contains(&self.word(*command)) =>
             {
                 return self.plots_of(self.word(*command), rest);
             }
@@ -98,7 +103,7 @@ impl Words<'_> {
         if word == "splot" {
             return self.splot(&tokens[1..], first.span);
         }
-        if METHODS.contains(&word) { Ok(Vec::new()) } else { self.plots_of(word, &tokens[1..]) }
+        if word == "contour" { Ok(Vec::new()) } else { self.plots_of(word, &tokens[1..]) }
     }
 
     /// Returns whether a token is the dot before a method.
@@ -118,7 +123,7 @@ impl Words<'_> {
         let place = tokens[0].span;
         let mut arguments = split(inner, Comma);
         // The parameters of `lambda x, y: …` were split too.
-        if let Some(at) = arguments.iter().position(|part| self.word(part[0]) == "lambda") {
+        if let Some(at) = arguments.iter().position(|part| self.has(part, "lambda")) {
             while outside(&arguments[at], Colon).is_none() && at + 1 < arguments.len() {
                 let next = arguments.remove(at + 1);
                 arguments[at].extend(std::iter::once(Token::new(Comma, next[0].span)).chain(next));
@@ -136,15 +141,15 @@ impl Words<'_> {
             return Err(Error::new(span, ErrorKind::PlotCoordinates));
         }
         let mut levels = self.levels(&arguments)?;
-        let lambda = arguments.iter().find(|part| self.lambda(part).is_some_and(|(name, ..)| name.is_none()));
-        let is_function =
-            |part: &Vec<Token>| part.len() == 1 && part[0].kind == TokenKind::Name;
+        let lambda = arguments
+            .iter()
+            .find(|part| self.lambda(part).is_some_and(|(name, ..)| name.is_none()));
+        let is_function = |part: &Vec<Token>| part.len() == 1 && part[0].kind == TokenKind::Name;
         let are_three = arguments.len() > 2 && arguments[..3].iter().all(is_function);
         let is_tuple = |part: &Vec<Token>| {
             matches!(part[0].kind, OpenBracket | OpenParen)
-                && bracketed(part).is_some_and(|(inner, rest)| {
-                    rest.is_empty() && split(inner, Comma).len() == 3
-                })
+                && bracketed(part)
+                    .is_some_and(|(inner, rest)| rest.is_empty() && split(inner, Comma).len() == 3)
         };
         if matches!(word, "fsurf" | "ezsurf") && are_three
             || word == "plot3d" && arguments.first().is_some_and(is_tuple)
@@ -170,7 +175,9 @@ impl Words<'_> {
                 levels = bracketed(list).map_or(Vec::new(), |(inner, _)| split(inner, Comma));
                 formula
             }
-            [formula, level, ..] if word == "marching_cubes" && outside(level, Equals).is_none() => {
+            [formula, level, ..]
+                if word == "marching_cubes" && outside(level, Equals).is_none() =>
+            {
                 levels = vec![level.clone()];
                 formula
             }
@@ -217,13 +224,12 @@ impl Words<'_> {
         }
         let mut formulas = Vec::new();
         for formula in Self::listed(&formula) {
-            let is_function = outside(&formula, Equals).is_none();
-            let mut all: Vec<Vec<Token>> =
-                levels.iter().filter(|_| is_function).map(|level| less(&formula, level)).collect();
-            if all.is_empty() {
-                all.push(formula);
+            if outside(&formula, Equals).is_some() && !levels.is_empty() {
+                let kind = ErrorKind::PlotOption { name: "contour".to_owned() };
+                return Err(Error::new(formula[0].span, kind));
             }
-            formulas.append(&mut all);
+            formulas.extend(levels.iter().map(|level| less(&formula, level)));
+            formulas.extend(levels.is_empty().then_some(formula));
         }
         if let Some((_, condition)) = &region {
             let end = Span::at(condition.last().map_or(place.start, |last| last.span.end));
@@ -258,7 +264,8 @@ impl Words<'_> {
             }
             rest = more;
         }
-        let (domain, note) = self.domain(&ranges, &axes_of(&vec![None; ranges.len()], true)?, place);
+        let (domain, note) =
+            self.domain(&ranges, &axes_of(&vec![None; ranges.len()], true)?, place);
         let mut formulas = Vec::new();
         for part in split(rest, Comma) {
             let ends = |token: &Token| SPLOT_WORDS.contains(&self.word(*token));
@@ -404,7 +411,10 @@ fn renamed(names: &[Option<Token>], axes: &[TokenKind]) -> Vec<(Token, TokenKind
 fn renamed_all(names: &[Token], is_height: bool) -> Fallible<Vec<(Token, TokenKind)>> {
     let count = if is_height { 2 } else { 3 };
     let axes = AXES.into_iter().take(count);
-    let wrong = names.iter().zip(axes.clone()).find(|(name, axis)| name.kind.is_axis() && name.kind != *axis);
+    let wrong = names
+        .iter()
+        .zip(axes.clone())
+        .find(|(name, axis)| name.kind.is_axis() && name.kind != *axis);
     if let Some(name) = wrong.map(|(name, _)| name).or(names.get(count)) {
         return Err(Error::new(name.span, ErrorKind::PlotVariables));
     }

@@ -9,9 +9,9 @@ use crate::lex::scanner::scan;
 use crate::lex::token_kind::TokenKind::{Comma, Equals, Number, OpenBrace, OpenParen, Semicolon};
 use crate::tree::raw_statement::{Head, RawStatement, ValueConversion};
 
+use crate::lex::spelling::short_name;
 use crate::lex::token::{Token, closing};
 use crate::limits::Limits;
-use crate::lex::spelling::short_name;
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
@@ -181,7 +181,9 @@ impl ProgramReader<'_> {
                 .try_for_each(|tokens| self.statement(tokens, frame, &mut Statements::default()));
         }
         match self.words.word(first) {
-            "import" | "from" if self.words.word(tokens.get(1).copied().unwrap_or(first)) == "sdf" => {
+            "import" | "from"
+                if self.words.word(tokens.get(1).copied().unwrap_or(first)) == "sdf" =>
+            {
                 return Err(Error::new(first.span, SOLIDS_OF_SDF));
             }
             "import" | "from" if begins_name(tokens.get(1)) => return Ok(()),
@@ -297,7 +299,8 @@ impl ProgramReader<'_> {
     /// other statement.
     fn outside_of_formulas(&mut self, tokens: &[Token], frame: &Frame) -> Fallible<bool> {
         let plots = self.words.plots(&self.with_rows(tokens.to_vec()))?;
-        if !plots.is_empty() {
+        // The text may define the name of a plot command otherwise.
+        if !plots.is_empty() && self.arity(tokens[0]).is_none() {
             let place = tokens[0].span;
             plots.into_iter().try_for_each(|plot| self.draw(plot, place, frame))?;
             return Ok(true);
@@ -404,7 +407,10 @@ impl ProgramReader<'_> {
             if is_coordinate && !is_set {
                 return self.plain(tokens.to_vec(), frame, true).map(|()| true);
             }
-            let is_steps = is_set || self.words.is_step(tokens);
+            // `tz = …` names a value in a program. Elsewhere `tz` is a product.
+            let is_product =
+                name.text.len() > 1 && name.text.chars().all(|letter| "xyzt".contains(letter));
+            let is_steps = is_set || is_product || self.words.is_step(tokens);
             if is_steps || self.words.has(&value, &name.text) {
                 let within = frame.aliases.clone();
                 let before = frame.meaning(&name.text);

@@ -404,7 +404,7 @@ impl<'a> Words<'a> {
                 end += length + 1;
             }
             let place = Span::at(tokens[end - 1].span.end);
-            tokens[at] = Token::new(OpenParen, Span::at(tokens[at].span.end));
+            tokens[at] = Token::new(OpenParen, Span::at(tokens[at].span.start));
             tokens.insert(end, Token::new(CloseParen, place));
         }
     }

@@ -6,10 +6,44 @@ use crate::lex::token_kind::TokenKind::*;
 
 /// Words before the options of a command, as in `axis equal` and `title('A surface')`.
 const COMMANDS: &[&str] = &[
-    "axis", "colormap", "shading", "lighting", "camlight", "material", "colorbar", "grid", "box",
-    "title", "xlabel", "ylabel", "zlabel", "xlim", "ylim", "zlim", "daspect", "pbaspect", "print",
-    "fig2plotly", "set", "unset", "pause", "disp", "drawnow", "rotate3d", "figure", "hold", "axes",
-    "light", "legend", "view", "Export", "setOptions", "size", "subplot", "Graphics3d", "clf",
+    "axis",
+    "colormap",
+    "shading",
+    "lighting",
+    "camlight",
+    "material",
+    "colorbar",
+    "grid",
+    "box",
+    "title",
+    "xlabel",
+    "ylabel",
+    "zlabel",
+    "xlim",
+    "ylim",
+    "zlim",
+    "daspect",
+    "pbaspect",
+    "print",
+    "fig2plotly",
+    "set",
+    "unset",
+    "pause",
+    "disp",
+    "drawnow",
+    "rotate3d",
+    "figure",
+    "hold",
+    "axes",
+    "light",
+    "legend",
+    "view",
+    "Export",
+    "setOptions",
+    "size",
+    "subplot",
+    "Graphics3d",
+    "clf",
 ];
 
 /// Objects whose members only style or show a picture.
@@ -34,14 +68,20 @@ impl Words<'_> {
             return false;
         }
         let has_text = || rest.iter().any(|token| token.kind == Unknown);
+        let is_formula = |token: &Token| {
+            token.kind.is_operator() && !matches!(token.kind, Comma | Minus) || token.kind == Caret
+        };
         match rest.first() {
             None => !first.kind.is_setting() && word != "box",
             Some(next) if next.kind == OpenParen => {
                 closing(rest).is_some_and(|end| end + 1 == rest.len())
-                    && (!matches!(word, "box" | "grid" | "axes" | "light" | "size" | "view") || has_text())
+                    && (!matches!(word, "box" | "grid" | "axes" | "light") || has_text())
             }
             // A word of this language's settings takes other words too.
-            Some(next) => next.kind.is_name() && !first.kind.is_setting() || next.kind == Unknown,
+            Some(next) => {
+                let is_option = next.kind.is_name() && !first.kind.is_setting();
+                (is_option || next.kind == Unknown) && !rest.iter().any(is_formula)
+            }
         }
     }
 
@@ -50,9 +90,7 @@ impl Words<'_> {
         match tokens {
             [] => true,
             [end] if matches!(end.kind, Unknown | Colon) => true,
-            [dot, name, rest @ ..]
-                if self.is_dot(*dot) && METHODS.contains(&self.word(*name)) =>
-            {
+            [dot, name, rest @ ..] if self.is_dot(*dot) && METHODS.contains(&self.word(*name)) => {
                 bracketed(rest).is_some_and(|(_, rest)| self.is_style_tail(rest))
             }
             _ => false,

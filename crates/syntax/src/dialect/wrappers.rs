@@ -58,12 +58,14 @@ impl Words<'_> {
         let word = self.word(first);
         let opens = next.is_some_and(|next| matches!(next.kind, OpenParen | OpenBracket));
         let is_setting = next.is_some_and(|next| matches!(next.kind, Equals | Colon | Comma));
-        let is_template =
-            word == "template" && next.is_some_and(|next| next.kind == Less);
-        if is_template
-            || word == "SPACE" && next.is_some_and(|next| next.kind == Equals)
+        if word == "template" && next.is_some_and(|next| next.kind == Less) {
+            let end = tokens.iter().position(|token| token.kind == Greater)?;
+            return Some(vec![tokens[end + 1..].to_vec()]);
+        }
+        if word == "SPACE" && next.is_some_and(|next| next.kind == Equals)
             || word == r"\clean" && opens
-            || SETUP.contains(&word) && (next.is_none_or(|next| next.kind.is_name()) || word == "Needs")
+            || SETUP.contains(&word)
+                && (next.is_none_or(|next| next.kind.is_name()) || word == "Needs")
             || SETUP_CALLS.contains(&word) && opens && !is_setting && Self::is_whole_call(tokens)
         {
             return Some(Vec::new());
@@ -174,7 +176,11 @@ impl Words<'_> {
     }
 
     /// Replaces names in `tokens` by values. `None` if the result is too long.
-    fn substituted(tokens: &[Token], rules: &[(Token, Vec<Token>)], text: &str) -> Option<Vec<Token>> {
+    fn substituted(
+        tokens: &[Token],
+        rules: &[(Token, Vec<Token>)],
+        text: &str,
+    ) -> Option<Vec<Token>> {
         let mut all = Vec::new();
         for token in tokens {
             let typed = &text[token.span.range()];

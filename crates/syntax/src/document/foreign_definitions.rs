@@ -35,6 +35,11 @@ const DEFINITIONS: &[ForeignDefinition] = &[
     of_pov("f_sphere", &["a", "b", "c", "r"], "sqrt(a^2 + b^2 + c^2) - r"),
     of_pov("f_ellipsoid", &["a", "b", "c", "u", "v", "w"], "sqrt((a*u)^2 + (b*v)^2 + (c*w)^2)"),
     of_pov("f_torus", &["a", "b", "c", "u", "v"], "sqrt((sqrt(a^2 + c^2) - u)^2 + b^2) - v"),
+    of_pov(
+        "f_superellipsoid",
+        &["a", "b", "c", "u", "v"],
+        "1 - ((abs(a)^(2/u) + abs(b)^(2/u))^(u/v) + abs(c)^(2/v))^(v/2)",
+    ),
     ForeignDefinition { name: "eps", parameters: &[], body: "2^-52", system: "MATLAB" },
 ];
 

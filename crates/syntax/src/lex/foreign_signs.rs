@@ -33,7 +33,8 @@ pub(crate) fn foreign(rest: &str, context: LexContext) -> Option<(TokenKind, usi
         // Constants of Maxima, such as `%pi`.
         '%' if !context.last.is_some_and(TokenKind::ends_operand) || context.touching.is_none() => {
             let word = prefix_length(&rest[1..], is_name_char);
-            matches!(&rest[1..=word], "pi" | "e" | "phi" | "i").then_some((TokenKind::Name, 1 + word))
+            matches!(&rest[1..=word], "pi" | "e" | "phi" | "i")
+                .then_some((TokenKind::Name, 1 + word))
         }
         // Coordinates of Houdini, such as `$X`.
         '$' => {
@@ -81,7 +82,9 @@ pub(crate) fn foreign(rest: &str, context: LexContext) -> Option<(TokenKind, usi
         // A quoted text of a program, such as the color in `color='red'`.
         '"' | '\'' if let Some(length) = quoted(rest, first, context) => Some((Unknown, length)),
         // MATLAB's transpose.
-        '\'' if context.touching == Some(CloseParen) && rest[1..].trim_start_matches(' ').starts_with([';', '\n']) => {
+        '\'' if context.touching == Some(CloseParen)
+            && rest[1..].trim_start_matches(' ').starts_with([';', '\n']) =>
+        {
             Some((Blank, 1))
         }
         // Quotation marks around a formula, which are skipped.

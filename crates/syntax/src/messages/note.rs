@@ -143,6 +143,7 @@ impl NoteKind {
                 | Self::Remainder
                 | Self::TimeOfShaders { .. }
                 | Self::ProductOfVectors
+                | Self::DegreesOfOpenscad
         )
     }
 }

@@ -16,6 +16,9 @@ use crate::tree::scope::{Callee, is_variadic};
 use zeroset_ir::NamedConstant;
 use zeroset_ops::Op;
 
+/// Functions of angles. An angle is in degrees in `OpenSCAD`.
+const ANGULAR: &[&str] = &["sin", "cos", "tan", "asin", "acos", "atan", "atan2"];
+
 impl Builder<'_> {
     /// Builds a call of `callee`. The arguments are in brackets. Without brackets, the argument is
     /// the implicit product up to the next function.
@@ -290,13 +293,15 @@ impl Builder<'_> {
         let call = |arguments| Expr::new(ExprKind::Call(function, arguments), span.to(place));
         if let Callee::BuiltIn(name) = callee
             && self.scope.in_degrees
+            && ANGULAR.contains(&name.as_str())
         {
+            self.note(span, NoteKind::DegreesOfOpenscad);
             let half = |place| [Expr::of_digits("180", place), pi_at(place)];
             if matches!(name.as_str(), "sin" | "cos" | "tan") {
                 let argument = arguments.remove(0);
                 let [degrees, radians] = half(argument.span);
                 arguments.insert(0, product_of([argument, radians])?.over(degrees, place));
-            } else if matches!(name.as_str(), "asin" | "acos" | "atan" | "atan2") {
+            } else {
                 let [degrees, radians] = half(place);
                 return Ok(product_of([call(arguments), degrees])?.over(radians, span.to(place)));
             }
