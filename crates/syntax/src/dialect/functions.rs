@@ -7,7 +7,7 @@ use crate::dialect::program_reader::{
 };
 use crate::dialect::program_words::{SCENES, Words, size_of};
 use crate::lex::token::{Token, bracketed, closing, split};
-use crate::lex::token_kind::TokenKind::{Comma, Equals, OpenBrace, Semicolon};
+use crate::lex::token_kind::TokenKind::{Comma, Equals, OpenBrace, OpenParen, Semicolon};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
@@ -20,7 +20,67 @@ use std::rc::Rc;
 /// Largest number of functions on one line.
 const MAX_FUNCTIONS: usize = 300;
 
+/// The error for the solids of Python's module `sdf`.
+const SOLIDS_OF_SDF: ErrorKind = ErrorKind::Format {
+    format: "Python's module sdf",
+    read: "no solids are read",
+    help: "write a solid as a formula, such as `max(sphere(1), -cylinder(0.5))`, with `union(a, b)`, \
+           `intersect(a, b)` and `subtract(a, b)`",
+};
+
+/// The error for a module of `OpenSCAD`.
+const MODULE_OF_OPENSCAD: ErrorKind = ErrorKind::Format {
+    format: "OpenSCAD",
+    read: "only functions and values are read, and no modules",
+    help: "write the solid as a formula, such as `(sqrt(x^2 + y^2) - 2)^2 + z^2 <= 0.25`",
+};
+
 impl ProgramReader<'_> {
+    /// Reads a definition in the manner of a single system. Returns false for any other statement.
+    pub(crate) fn of_other_system(
+        &mut self,
+        tokens: &[Token],
+        frame: &mut Frame,
+        following: &mut Statements,
+    ) -> Fallible<bool> {
+        let word = |at: usize| tokens.get(at).map_or("", |token| self.words.word(*token));
+        let parameters_end =
+            |at: usize| tokens.get(at..).filter(|rest| rest[0].kind == OpenParen).and_then(closing);
+        let is_named = !word(1).is_empty();
+        match (word(0), tokens) {
+            ("import" | "from", _) if word(1) == "sdf" => {
+                Err(Error::new(tokens[0].span, SOLIDS_OF_SDF))
+            }
+            ("module", [first, _, _, _, ..]) if is_named => {
+                Err(Error::new(first.span, MODULE_OF_OPENSCAD))
+            }
+            ("function", [_, _, _, ..])
+                if is_named && parameters_end(2).is_some_and(|end| end + 3 == tokens.len()) =>
+            {
+                self.function_to_end(tokens, following).map(|()| true)
+            }
+            // POV-Ray's `f = function { … }`, a function of x, y and z.
+            (_, [name, equals, _, open, body @ .., _])
+                if (equals.kind, open.kind) == (Equals, OpenBrace) && word(2) == "function" =>
+            {
+                self.pov_function(self.words.name(*name), body.to_vec()).map(|()| true)
+            }
+            // Julia's `f(x; a = 2) = …`.
+            (_, [name, _, ..]) if name.kind.is_name() => {
+                let is_left =
+                    |end: &usize| tokens.get(end + 2).is_some_and(|next| next.kind == Equals);
+                let inner = parameters_end(1).filter(is_left).map_or(&[][..], |end| &tokens[..end]);
+                let Some(at) = inner.iter().position(|token| token.kind == Semicolon) else {
+                    return Ok(false);
+                };
+                let mut tokens = tokens.to_vec();
+                tokens[at].kind = Comma;
+                self.function_with_defaults(tokens, frame).map(|()| true)
+            }
+            _ => Ok(false),
+        }
+    }
+
     /// Reads functions with bodies in braces, then the statement after them on the same line.
     pub(crate) fn functions(
         &mut self,
@@ -212,8 +272,9 @@ impl ProgramReader<'_> {
 
     /// Reads POV-Ray's `name = function { body }`.
     pub(crate) fn pov_function(&mut self, name: Name, body: Vec<Token>) -> Fallible<()> {
-        let parameter = |axis: &str| Name { text: axis.to_owned(), span: name.span };
-        let parameters = Some(["x", "y", "z"].map(|axis| parameter(axis)).to_vec());
+        let span = name.span;
+        let parameters = ["x", "y", "z"].map(|axis| Name { text: axis.to_owned(), span });
+        let parameters = Some(parameters.to_vec());
         let frame = Frame { function: Some(Head { name, parameters }), ..Frame::default() };
         self.result(body, &frame)
     }

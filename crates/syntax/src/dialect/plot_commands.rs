@@ -101,7 +101,7 @@ impl Words<'_> {
             return Ok(self.isosurface(&tokens[1..], first.span).into_iter().collect());
         }
         if word == "splot" {
-            return self.splot(&tokens[1..], first.span);
+            return Ok(vec![self.splot(&tokens[1..], first.span)]);
         }
         if word == "contour" { Ok(Vec::new()) } else { self.plots_of(word, &tokens[1..]) }
     }
@@ -141,80 +141,21 @@ impl Words<'_> {
             return Err(Error::new(span, ErrorKind::PlotCoordinates));
         }
         let mut levels = self.levels(&arguments)?;
-        let lambda = arguments
-            .iter()
-            .find(|part| self.lambda(part).is_some_and(|(name, ..)| name.is_none()));
-        let is_function = |part: &Vec<Token>| part.len() == 1 && part[0].kind == TokenKind::Name;
-        let are_three = arguments.len() > 2 && arguments[..3].iter().all(is_function);
-        let is_tuple = |part: &Vec<Token>| {
-            matches!(part[0].kind, OpenBracket | OpenParen)
-                && bracketed(part)
-                    .is_some_and(|(inner, rest)| rest.is_empty() && split(inner, Comma).len() == 3)
-        };
-        if matches!(word, "fsurf" | "ezsurf") && are_three
-            || word == "plot3d" && arguments.first().is_some_and(is_tuple)
-        {
-            return Err(Error::new(place, ErrorKind::Parametric));
-        }
-        let formula = match arguments.as_slice() {
-            _ if let Some(lambda) = lambda => lambda,
-            // In MATLAB's `isosurface(x, y, z, v, 0.1)`, `v` is the formula and 0.1 is the level.
-            [x, y, z, values, rest @ ..]
-                if word == "isosurface" && [x, y, z].iter().all(|part| part.len() == 1) =>
-            {
-                levels.extend(rest.first().cloned());
-                values
-            }
-            // In MATLAB's `surf(X, Y, Z)`, the heights come third.
-            [_, _, heights, ..] if GRIDS.contains(&word) => heights,
-            [list, formula, ..]
-                if word == "contour"
-                    && list[0].kind == OpenBracket
-                    && outside(formula, Equals).is_none() =>
-            {
-                levels = bracketed(list).map_or(Vec::new(), |(inner, _)| split(inner, Comma));
-                formula
-            }
-            [formula, level, ..]
-                if word == "marching_cubes" && outside(level, Equals).is_none() =>
-            {
-                levels = vec![level.clone()];
-                formula
-            }
-            [formula, ..] if word != "contour" => formula,
-            // PyVista's `grid.contour([0])` draws the values that the program assigned last.
-            [list, ..] => {
-                let is_zero = |token: &Token| {
-                    let typed = &self.text[token.span.range()];
-                    token.kind != Number || typed.bytes().all(|byte| matches!(byte, b'0' | b'.'))
-                };
-                if !list.iter().all(is_zero) {
-                    let kind = ErrorKind::PlotOption { name: word.to_owned() };
-                    return Err(Error::new(list[0].span, kind));
-                }
-                let (formulas, renamed) = (Vec::new(), Vec::new());
-                return Ok(vec![Plot { formulas, is_height, domain: None, note: None, renamed }]);
-            }
-            [] => return Ok(Vec::new()),
+        let Some(formula) = self.formula(word, &arguments, &mut levels)? else {
+            return Ok(Vec::new());
         };
         let mut ranges = self.ranges(&arguments);
-        let is_plain = formula.iter().all(|token| token.kind != At) && lambda.is_none();
         if is_height {
             ranges.truncate(if ranges.iter().all(|range| range.name.is_none()) { 2 } else { 4 });
         }
         let names: Vec<Option<Token>> = ranges.iter().map(|range| range.name).collect();
         let axes = axes_of(&names, is_height)?;
         let (domain, note) = self.domain(&ranges, &axes, place);
-        let formula = match formula.as_slice() {
-            // A function of all points of a grid, as in `f(*grid)`.
-            [name, open, star, ..] if (open.kind, star.kind) == (OpenParen, Star) => &vec![*name],
-            _ => formula,
-        };
-        let (parameters, formula) = match self.lambda(formula) {
-            Some((None, parameters, value)) if !is_plain => {
+        let (parameters, formula) = match self.lambda(&formula) {
+            Some((None, parameters, value)) => {
                 (parameters.iter().filter_map(|part| part.first()).copied().collect(), value)
             }
-            _ => (Vec::new(), formula.clone()),
+            _ => (Vec::new(), formula),
         };
         let formula = self.returned(formula)?;
         let region = self.region(&arguments)?;
@@ -223,7 +164,8 @@ impl Words<'_> {
             renamed.extend(renamed_all(names, is_height)?);
         }
         let mut formulas = Vec::new();
-        for formula in Self::listed(&formula) {
+        for formula in Some(formula).filter(|f| !f.is_empty()).iter().flat_map(|f| Self::listed(f))
+        {
             if outside(&formula, Equals).is_some() && !levels.is_empty() {
                 let kind = ErrorKind::PlotOption { name: "contour".to_owned() };
                 return Err(Error::new(formula[0].span, kind));
@@ -242,6 +184,75 @@ impl Words<'_> {
         Ok(vec![Plot { formulas, is_height, domain, note, renamed }])
     }
 
+    /// The formula among the arguments of the plot command `word`, empty if the command draws the
+    /// value that the program assigned last; `None` if there is none. Adds levels to `levels`.
+    fn formula(
+        self,
+        word: &str,
+        arguments: &[Vec<Token>],
+        levels: &mut Vec<Vec<Token>>,
+    ) -> Fallible<Option<Vec<Token>>> {
+        let is_function = |part: &Vec<Token>| part.len() == 1 && part[0].kind == TokenKind::Name;
+        let are_three = arguments.len() > 2 && arguments[..3].iter().all(is_function);
+        let is_tuple = |part: &Vec<Token>| {
+            matches!(part[0].kind, OpenBracket | OpenParen)
+                && bracketed(part)
+                    .is_some_and(|(inner, rest)| rest.is_empty() && split(inner, Comma).len() == 3)
+        };
+        if matches!(word, "fsurf" | "ezsurf") && are_three
+            || word == "plot3d" && arguments.first().is_some_and(is_tuple)
+        {
+            return Err(Error::new(arguments[0][0].span, ErrorKind::Parametric));
+        }
+        let lambda =
+            |part: &&Vec<Token>| self.lambda(part).is_some_and(|(name, ..)| name.is_none());
+        let formula = match arguments {
+            _ if let Some(lambda) = arguments.iter().find(lambda) => lambda,
+            // In MATLAB's `isosurface(x, y, z, v, 0.1)`, `v` is the formula and 0.1 is the level.
+            [x, y, z, values, rest @ ..]
+                if word == "isosurface" && [x, y, z].iter().all(|part| part.len() == 1) =>
+            {
+                levels.extend(rest.first().cloned());
+                values
+            }
+            // In MATLAB's `surf(X, Y, Z)`, the heights come third.
+            [_, _, heights, ..] if GRIDS.contains(&word) => heights,
+            [list, formula, ..]
+                if word == "contour"
+                    && list[0].kind == OpenBracket
+                    && outside(formula, Equals).is_none() =>
+            {
+                *levels = bracketed(list).map_or(Vec::new(), |(inner, _)| split(inner, Comma));
+                formula
+            }
+            [formula, level, ..]
+                if word == "marching_cubes" && outside(level, Equals).is_none() =>
+            {
+                *levels = vec![level.clone()];
+                formula
+            }
+            [formula, ..] if word != "contour" => formula,
+            // PyVista's `grid.contour([0])` draws the values that the program assigned last.
+            [list, ..] => {
+                let is_zero = |token: &Token| {
+                    let typed = &self.text[token.span.range()];
+                    token.kind != Number || typed.bytes().all(|byte| matches!(byte, b'0' | b'.'))
+                };
+                if !list.iter().all(is_zero) {
+                    let kind = ErrorKind::PlotOption { name: word.to_owned() };
+                    return Err(Error::new(list[0].span, kind));
+                }
+                return Ok(Some(Vec::new()));
+            }
+            [] => return Ok(None),
+        };
+        Ok(Some(match formula.as_slice() {
+            // A function of all points of a grid, as in `f(*grid)`.
+            [name, open, star, ..] if (open.kind, star.kind) == (OpenParen, Star) => vec![*name],
+            _ => formula.clone(),
+        }))
+    }
+
     /// The value of a function's body, which may be `{ return value; }`.
     fn returned(self, body: Vec<Token>) -> Fallible<Vec<Token>> {
         let is_return = |token: &Token| self.word(*token) == "return";
@@ -255,7 +266,7 @@ impl Words<'_> {
     }
 
     /// Reads gnuplot's `splot [-2:2][-2:2] f with lines`. `tokens` begin after the word `splot`.
-    fn splot(self, tokens: &[Token], place: Span) -> Fallible<Vec<Plot>> {
+    fn splot(self, tokens: &[Token], place: Span) -> Plot {
         let mut rest = tokens;
         let mut ranges = Vec::new();
         while let Some((inner, more)) = bracketed(rest).filter(|_| rest[0].kind == OpenBracket) {
@@ -264,8 +275,9 @@ impl Words<'_> {
             }
             rest = more;
         }
-        let (domain, note) =
-            self.domain(&ranges, &axes_of(&vec![None; ranges.len()], true)?, place);
+        // A third range only cuts the picture.
+        ranges.truncate(2);
+        let (domain, note) = self.domain(&ranges, &AXES[..ranges.len()], place);
         let mut formulas = Vec::new();
         for part in split(rest, Comma) {
             let ends = |token: &Token| SPLOT_WORDS.contains(&self.word(*token));
@@ -279,7 +291,7 @@ impl Words<'_> {
                 (formula, _) => formulas.push(formula.to_vec()),
             }
         }
-        Ok(vec![Plot { formulas, is_height: true, domain, note, renamed: Vec::new() }])
+        Plot { formulas, is_height: true, domain, note, renamed: Vec::new() }
     }
 
     /// Reads POV-Ray's `isosurface { function { … } threshold 1 contained_by { … } }`. `tokens`
@@ -295,7 +307,7 @@ impl Words<'_> {
             rest = bracketed(rest)?.1;
         }
         let (body, _) = bracketed(rest)?;
-        let is_sign = |token: &&Token| matches!(token.kind, Number | Minus);
+        let is_sign = |token: &&Token| token.kind == Number || token.kind.is_arithmetic();
         let level: Vec<Token> =
             behind("threshold").unwrap_or_default().iter().take_while(is_sign).copied().collect();
         let body = if level.is_empty() { body.to_vec() } else { less(body, &level) };

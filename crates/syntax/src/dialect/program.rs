@@ -13,6 +13,7 @@ use rustc_hash::FxHashSet;
 
 /// A text, translated to statements of this language.
 #[derive(Default)]
+#[allow(clippy::struct_excessive_bools)] // independent observations
 pub(crate) struct PastedProgram {
     pub statements: Vec<RawStatement>,
     /// True if the text has declarations or assignments that occur only in programs.

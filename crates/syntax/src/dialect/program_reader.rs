@@ -6,7 +6,7 @@ use crate::dialect::program::PastedProgram;
 use crate::dialect::program_words::{Words, begins_name, is_whole_type, size_of};
 use crate::lex::arrangement::arrange;
 use crate::lex::scanner::scan;
-use crate::lex::token_kind::TokenKind::{Comma, Equals, Number, OpenBrace, OpenParen, Semicolon};
+use crate::lex::token_kind::TokenKind::{Equals, Number, OpenBrace, OpenParen};
 use crate::tree::raw_statement::{Head, RawStatement, ValueConversion};
 
 use crate::lex::spelling::short_name;
@@ -91,21 +91,6 @@ pub(crate) struct ProgramReader<'a> {
 
 pub(crate) type Statements = std::vec::IntoIter<Vec<Token>>;
 
-/// The error for the solids of Python's module `sdf`.
-const SOLIDS_OF_SDF: ErrorKind = ErrorKind::Format {
-    format: "Python's module sdf",
-    read: "no solids are read",
-    help: "write a solid as a formula, such as `max(sphere(1), -cylinder(0.5))`, with `union(a, b)`, \
-           `intersect(a, b)` and `subtract(a, b)`",
-};
-
-/// The error for a module of `OpenSCAD`.
-const MODULE_OF_OPENSCAD: ErrorKind = ErrorKind::Format {
-    format: "OpenSCAD",
-    read: "only functions and values are read, and no modules",
-    help: "write the solid as a formula, such as `(sqrt(x^2 + y^2) - 2)^2 + z^2 <= 0.25`",
-};
-
 /// Translates a text, whether it is a program or not.
 pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
     let (mut statements, note) = match foreign_text(text, limits)? {
@@ -175,28 +160,16 @@ impl ProgramReader<'_> {
         if frame.function.is_none()
             && let Some(statements) = self.words.unwrap_statement(&tokens)
         {
-            // Each unwrapped statement has fewer tokens, so the recursion ends.
+            // Each unwrapped statement has fewer wrappers, so the recursion ends.
             return statements
                 .into_iter()
                 .try_for_each(|tokens| self.statement(tokens, frame, &mut Statements::default()));
         }
+        if self.of_other_system(&tokens, frame, following)? {
+            return Ok(());
+        }
         match self.words.word(first) {
-            "import" | "from"
-                if self.words.word(tokens.get(1).copied().unwrap_or(first)) == "sdf" =>
-            {
-                return Err(Error::new(first.span, SOLIDS_OF_SDF));
-            }
             "import" | "from" if begins_name(tokens.get(1)) => return Ok(()),
-            "module" if begins_name(tokens.get(1)) && tokens.len() > 3 => {
-                return Err(Error::new(first.span, MODULE_OF_OPENSCAD));
-            }
-            "function"
-                if begins_name(tokens.get(1))
-                    && tokens[2..].first().is_some_and(|open| open.kind == OpenParen)
-                    && closing(&tokens[2..]).is_some_and(|end| end + 3 == tokens.len()) =>
-            {
-                return self.function_to_end(&tokens, following);
-            }
             "for" | "while" | "if" if self.words.is_control(&tokens) => {
                 return self.control(tokens, frame, following);
             }
@@ -244,28 +217,6 @@ impl ProgramReader<'_> {
             }
             "let" if tokens.get(1).is_some_and(|token| token.kind == OpenParen) => {
                 return self.bindings(tokens, frame);
-            }
-            _ => {}
-        }
-        match tokens.as_mut_slice() {
-            // POV-Ray's `f = function { … }`, a function of x, y and z.
-            [name, equals, function, open, ..]
-                if (equals.kind, open.kind) == (Equals, OpenBrace)
-                    && self.words.word(*function) == "function" =>
-            {
-                let (name, end) = (self.words.name(*name), tokens.len() - 1);
-                return self.pov_function(name, tokens[4..end].to_vec());
-            }
-            // Julia's `f(x; a = 2) = …`.
-            [name, open, ..] if name.kind.is_name() && open.kind == OpenParen => {
-                if let Some(end) = closing(&tokens[1..])
-                    && tokens.get(end + 2).is_some_and(|next| next.kind == Equals)
-                    && let Some(semicolon) =
-                        tokens[1..end].iter().position(|token| token.kind == Semicolon)
-                {
-                    tokens[semicolon + 1].kind = Comma;
-                    return self.function_with_defaults(tokens, frame);
-                }
             }
             _ => {}
         }
