@@ -6,7 +6,8 @@
 //! by a hull, not by a sum. The rules are the column `derivative` of the table of operations.
 
 use crate::algebra::{add, div, is_zero, mul, neg, pow, sub};
-use crate::graph::{Axis, Graph, Node, NodeId};
+use crate::graph::{Graph, Node, NodeId};
+use rustc_hash::FxHashMap;
 use zeroset_ops::{Class, Op, TABLE};
 
 /// Adds the partial derivatives of `root` by x, y and z to `graph`, and returns their nodes.
@@ -30,28 +31,64 @@ use zeroset_ops::{Class, Op, TABLE};
 /// assert_eq!(by_x, graph.apply(Op::Cos, &[x]));
 /// ```
 pub fn gradient(graph: &mut Graph, root: NodeId) -> [NodeId; 3] {
+    partials(graph, root, |_, node| match node {
+        Node::Variable(axis) => Some(*axis as usize),
+        Node::Parameter(_) | Node::Constant(_) | Node::Apply(..) => None,
+    })
+}
+
+/// Adds the derivative of `root` by `leaf` to `graph`, and returns its node. It is that of
+/// [`gradient`], with respect to any variable or parameter.
+pub fn derivative(graph: &mut Graph, root: NodeId, leaf: NodeId) -> NodeId {
+    let [by_leaf] = partials(graph, root, |id, _| (id == leaf).then_some(0));
+    by_leaf
+}
+
+/// The derivatives of `root` by N leaves. `number` returns the number of each of these leaves.
+fn partials<const N: usize>(
+    graph: &mut Graph,
+    root: NodeId,
+    number: impl Fn(NodeId, &Node) -> Option<usize>,
+) -> [NodeId; N] {
     let ids = graph.needed_by(root);
     let (zero, one) = (graph.integer(0), graph.integer(1));
     // `partials` ends with the root: nodes that the rules add are not differentiated.
-    let mut partials = vec![[zero; 3]; root.index() + 1];
+    let mut partials = vec![[zero; N]; root.index() + 1];
     for id in ids {
-        match graph.node(id).clone() {
-            Node::Variable(axis) => partials[id.index()][axis as usize] = one,
-            Node::Parameter(_) | Node::Constant(_) => {}
-            Node::Apply(op, operands) => {
-                for axis in Axis::ALL {
-                    let axis = axis as usize;
-                    let inner: Vec<NodeId> =
-                        operands.iter().map(|o| partials[o.index()][axis]).collect();
-                    if inner.iter().all(|d| is_zero(graph, *d)) {
-                        continue;
-                    }
-                    partials[id.index()][axis] = chain(graph, op, &operands, &inner);
+        let node = graph.node(id).clone();
+        if let Some(leaf) = number(id, &node) {
+            partials[id.index()][leaf] = one;
+        } else if let Node::Apply(op, operands) = node {
+            for leaf in 0..N {
+                let inner: Vec<NodeId> =
+                    operands.iter().map(|o| partials[o.index()][leaf]).collect();
+                if inner.iter().all(|d| is_zero(graph, *d)) {
+                    continue;
                 }
+                partials[id.index()][leaf] = chain(graph, op, &operands, &inner);
             }
         }
     }
     partials[root.index()]
+}
+
+/// Adds a copy of `root` in which `value` takes the place of `leaf`, and returns its node.
+pub fn substitute(graph: &mut Graph, root: NodeId, leaf: NodeId, value: NodeId) -> NodeId {
+    let mut copies: FxHashMap<NodeId, NodeId> = FxHashMap::from_iter([(leaf, value)]);
+    for id in graph.needed_by(root) {
+        if let Node::Apply(op, operands) = graph.node(id) {
+            let (op, operands) = (*op, operands.clone());
+            if operands.iter().any(|operand| copies.contains_key(operand)) {
+                let copied: Vec<NodeId> = operands
+                    .iter()
+                    .map(|operand| copies.get(operand).copied().unwrap_or(*operand))
+                    .collect();
+                let copy = graph.apply(op, &copied);
+                copies.insert(id, copy);
+            }
+        }
+    }
+    copies.get(&root).copied().unwrap_or(root)
 }
 
 /// The derivative of `op(operands)`; `inner` holds the derivatives of the operands.
@@ -175,6 +212,7 @@ impl FormulaParser<'_> {
 mod tests {
     use super::*;
     use crate::display;
+    use crate::graph::Axis;
     use crate::testing::{Random, TestGraphBuilder, evaluate};
     use zeroset_ops::composed;
 

@@ -33,7 +33,7 @@ pub use angles::algebraic_angles;
 pub use clear::{RationalForm, clear, without_gaps};
 pub use compact::compact;
 pub use constant::{Constant, NamedConstant};
-pub use derivative::gradient;
+pub use derivative::{derivative, gradient, substitute};
 pub use display::{Precedence, TEXT_LIMIT, display};
 pub use error::{IrError, NODE_LIMIT};
 pub use exponents::fix_exponents;

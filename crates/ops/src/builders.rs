@@ -11,6 +11,9 @@ use crate::op::Op;
 pub enum Role {
     /// A function of x, y and z.
     Shape,
+    /// A function of x, y and z whose value is a distance, as that of all builders is. Any other
+    /// function is divided by the length of its gradient.
+    Distance,
     /// Three numbers: a vector, or three arguments.
     Vector,
     /// Three numbers that are not all 0.
@@ -106,7 +109,7 @@ impl Builder {
 
     /// Returns whether a vector after all other arguments is the center of the solid.
     pub fn has_center(&self) -> bool {
-        let elsewhere = [Role::Shape, Role::Vector, Role::Direction];
+        let elsewhere = [Role::Shape, Role::Distance, Role::Vector, Role::Direction];
         !self.parameters.iter().any(|(_, role)| elsewhere.contains(role))
     }
 
@@ -178,8 +181,8 @@ pub static BUILDERS: &[Builder] = &[
     Builder { name: "repeat", aliases: &[], parameters: &[("shape", Shape), ("v", Vector), ("n", Count)], place: "vec3(x, y, z)-i*v", body: "shape", join: Some(Op::Min), distance: StaysBound, usage: "repeat(sphere(1), (3, 0, 0), 5)", doc: "the union of n copies, each moved by v from the one before; copies may overlap" },
     change("repeat", &[], &[("shape", Shape), ("cells", Cells)], ("vec3(if(cells.x > 0, x-cells.x*round(x/cells.x), x), if(cells.y > 0, y-cells.y*round(y/cells.y), y), if(cells.z > 0, z-cells.z*round(z/cells.z), z))", "shape"), Conditional, "repeat(sphere(1), 3, 3, 0)", "the part of the shape in a cell around the origin, in all cells of this size; 0 for no repetition; the bound holds for a shape with a mirror plane across each such axis"),
     Builder { name: "ring", aliases: &[], parameters: &[("shape", Shape), ("n", Count)], place: "vec3(x*cos(tau*i/n)+y*sin(tau*i/n), y*cos(tau*i/n)-x*sin(tau*i/n), z)", body: "shape", join: Some(Op::Min), distance: StaysBound, usage: "ring(sphere(1, (3, 0, 0)), 8)", doc: "the union of n copies at equal angles around the z axis; copies may overlap" },
-    change("shell", &[], &[("shape", Shape), ("t", Size)], ("", "max(shape, -(shape+t))"), StaysBound, "shell(sphere(1), 0.1)", "a wall of thickness t inside the surface of the shape"),
-    change("offset", &[], &[("shape", Shape), ("d", Number)], ("", "shape-d"), StaysBound, "offset(box(1), 0.2)", "the shape grown by d on all sides; d below 0 shrinks it"),
+    change("shell", &[], &[("shape", Role::Distance), ("t", Size)], ("", "max(shape, -(shape+t))"), StaysBound, "shell(sphere(1), 0.1)", "a wall of thickness t inside the surface of the shape"),
+    change("offset", &[], &[("shape", Role::Distance), ("d", Number)], ("", "shape-d"), StaysBound, "offset(box(1), 0.2)", "the shape grown by d on all sides; d below 0 shrinks it"),
 ];
 
 /// Returns the builders with this name or alias, in exact spelling. An alias stands for all

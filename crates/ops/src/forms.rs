@@ -21,6 +21,34 @@ pub enum FormKind {
     OfVectors(VectorFunction),
     /// A product of matrices and vectors.
     Multiply,
+    /// A derivative by one or more variables.
+    Derivative,
+    /// A function of the derivatives by x, y and z.
+    OfDerivatives(Differential),
+}
+
+/// A function of a value's derivatives by x, y and z.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Differential {
+    /// The vector of the three derivatives.
+    Gradient,
+    /// The sum of the three second derivatives.
+    Laplacian,
+    /// The mean curvature of the level surface through a point; above 0 where a solid is convex.
+    MeanCurvature,
+    /// The Gaussian curvature of the level surface through a point.
+    GaussianCurvature,
+}
+
+impl Differential {
+    /// The name under which the function is printed.
+    ///
+    /// # Panics
+    /// Never: the table has a row for every function.
+    pub fn name(self) -> &'static str {
+        let row = FORMS.iter().find(|form| form.meaning == FormKind::OfDerivatives(self));
+        row.expect("each has a row").name
+    }
 }
 
 /// A function that combines the components of its arguments.
@@ -127,6 +155,11 @@ pub static FORMS: &[SpecialForm] = &[
     row("normalize", &[], FormKind::OfVectors(VectorFunction::Normalize), "normalize(p)", "p/length(p)"),
     row("distance", &[], FormKind::OfVectors(VectorFunction::Distance), "distance(p, q)", "length(p - q)"),
     row("reflect", &[], FormKind::OfVectors(VectorFunction::Reflect), "reflect(p, n)", "p - 2 dot(n, p) n"),
+    row("diff", &["D", "Diff", "derivative", "differentiate"], FormKind::Derivative, "diff(x^2*y, x)", "derivative; diff(f, x, x, y) is a third one"),
+    row("grad", &["gradient"], FormKind::OfDerivatives(Differential::Gradient), "length(grad(x^2 + y*z))", "the vector of the derivatives by x, y and z"),
+    row("laplacian", &["laplace"], FormKind::OfDerivatives(Differential::Laplacian), "laplacian(x^2 + y*z)", "the sum of the second derivatives by x, y and z"),
+    row("mean_curvature", &[], FormKind::OfDerivatives(Differential::MeanCurvature), "mean_curvature(x^2 + y*z)", "mean curvature of the level surface; 1/r on a ball x^2 + y^2 + z^2 - r^2"),
+    row("curvature", &["gaussian_curvature"], FormKind::OfDerivatives(Differential::GaussianCurvature), "curvature(x^2 + y*z)", "Gaussian curvature of the level surface"),
     row("complex", &["cmplx"], FormKind::OfVectors(VectorFunction::Complex), "abs(complex(x, y)^2)", "the complex number x + i y"),
     row("quat", &["quaternion"], FormKind::OfVectors(VectorFunction::Quaternion), "abs(quat(x, y, z, 0)^2)", "a quaternion, its real part first; a product depends on the order"),
     row("re", &["real", "creal", "realpart"], FormKind::OfVectors(VectorFunction::RealPart), "re((x + i y)^2)", "real part of a complex number"),

@@ -362,7 +362,7 @@ impl<'a> DocumentReader<'a> {
             implied = statement;
             surfaces.push(surface(&mut lowering, &implied)?);
         }
-        if !lowering.moves.is_empty() {
+        if lowering.has_placeholders() {
             let roots: Vec<NodeId> = surfaces.iter().map(|surface| surface.root).collect();
             let (graph, roots) = zeroset_ir::compact(&lowering.graph, &roots);
             lowering.graph = graph;

@@ -6,8 +6,8 @@
 use crate::lex::environment::environment;
 use crate::lex::foreign_signs::foreign;
 use crate::lex::spelling::{
-    is_name_char, line_length, plain_text, prefix_length, start, superscript_digit, token_kind,
-    vulgar,
+    PRIMES, is_name_char, line_length, plain_text, prefix_length, start, superscript_digit,
+    token_kind, vulgar,
 };
 use crate::lex::token::LexContext;
 use crate::lex::token_kind::TokenKind::{self, *};
@@ -39,6 +39,11 @@ pub(crate) fn lex(rest: &str, context: LexContext) -> (TokenKind, usize) {
     }
     if let Some(found) = foreign(rest, context) {
         return found;
+    }
+    if matches!(character, '\\' | 'd' | '∂')
+        && let Some(length) = differential(rest)
+    {
+        return (TokenKind::Name, length);
     }
     match character {
         '#' if rest.starts_with("#define ") => (TokenKind::Name, "#define".len()),
@@ -85,7 +90,7 @@ pub(crate) fn lex(rest: &str, context: LexContext) -> (TokenKind, usize) {
             (Underscore, 1)
         }
         _ if vulgar(character).is_some() => (VulgarFraction, length),
-        'ℯ' => (TokenKind::Name, length),
+        'ℯ' | '∇' => (TokenKind::Name, length),
         // After an operand, a degree sign is read as a name.
         '°' if context.last.is_some_and(TokenKind::ends_operand) => (TokenKind::Name, length),
         // The point of space in TouchDesigner.
@@ -190,7 +195,7 @@ pub(crate) fn method(word: &str) -> Option<&'static str> {
     const ALIKE: &[&str] = &[
         "pow", "sqrt", "cbrt", "abs", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh",
         "cosh", "tanh", "exp", "ln", "log2", "log10", "floor", "ceil", "round", "recip", "min",
-        "max", "clamp", "hypot", "length", "square",
+        "max", "clamp", "hypot", "length", "square", "diff",
     ];
     const OTHERS: &[(&str, &str)] =
         &[("powi", "pow"), ("powf", "pow"), ("signum", "sign"), ("norm", "length")];
@@ -248,6 +253,51 @@ fn number(rest: &str) -> (TokenKind, usize) {
     (Number, end)
 }
 
+/// Length of the primes at the start of `rest`, if brackets follow, as in `f'(x)`.
+fn primes(rest: &str) -> Option<usize> {
+    let length = prefix_length(rest, |c| PRIMES.contains(&c));
+    let after = rest[length..].trim_start_matches(' ');
+    let after = after.strip_prefix(r"\left").unwrap_or(after);
+    (length > 0 && after.starts_with(['(', '['])).then_some(length)
+}
+
+/// Length of an operator of differentiation at the start of `rest`, such as `\frac{d}{dx}`, d/dx
+/// before brackets, or ∂/∂x.
+fn differential(rest: &str) -> Option<usize> {
+    // Above the line, the operator may be followed by the function's name.
+    let is_sign = |part: &str| {
+        let part = part.replace(r"\partial", "∂");
+        let rest = part.trim().strip_prefix(['d', '∂']).map(str::trim_start);
+        let rest =
+            rest.map(|rest| rest.trim_start_matches(['^', '{', '}', '2', '3', '4', '²', '³']));
+        rest.is_some_and(|rest| rest.trim().chars().all(is_name_char))
+    };
+    if let Some(inner) = rest.strip_prefix(r"\frac{") {
+        let above = inner.find("}{").filter(|length| *length < 20)?;
+        let below = &inner[above + 2..];
+        let mut depth = 1;
+        let end = below.char_indices().take(60).find(|(_, c)| {
+            depth += i32::from(*c == '{') - i32::from(*c == '}');
+            depth == 0
+        });
+        let (end, _) = end?;
+        let begins = below.trim_start().replace(r"\partial", "∂");
+        let is_operator = is_sign(&inner[..above]) && begins.starts_with(['d', '∂']);
+        return is_operator.then_some(r"\frac{".len() + above + 2 + end + 1);
+    }
+    let (sign, below) =
+        rest.get(..start(rest, 20).find('/')? + 1).and_then(|_| rest.split_once('/'))?;
+    let letter = below.strip_prefix(sign)?;
+    let length = letter.chars().next().filter(|c| c.is_alphabetic())?.len_utf8();
+    let after = letter[length..].trim_start_matches(' ');
+    let is_operator = match sign {
+        "∂" => true,
+        "d" => after.starts_with('(') || after.len() < letter.len() - length,
+        _ => false,
+    };
+    is_operator.then_some(2 * sign.len() + 1 + length)
+}
+
 /// The token of a name, and its length with a subscript. The name's letters end at byte `end`.
 fn name(rest: &str, end: usize) -> (TokenKind, usize) {
     if let Some(fixed) = token_kind(&rest[..end]).or_else(|| token_kind(&plain_text(&rest[..end])))
@@ -256,6 +306,9 @@ fn name(rest: &str, end: usize) -> (TokenKind, usize) {
     }
     // The letters may already include the underscore of a subscript.
     let base = rest[..end].strip_suffix('_').map_or(end, str::len);
+    if let Some(primes) = primes(&rest[end..]) {
+        return (TokenKind::Name, end + primes);
+    }
     match rest[base..].strip_prefix('_') {
         Some(subscript) if subscript.starts_with('{') => {
             (TokenKind::Name, base + braced(subscript).map_or(0, |length| 1 + length))

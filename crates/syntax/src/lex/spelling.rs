@@ -69,7 +69,7 @@ pub(crate) fn token_kind(spelling: &str) -> Option<TokenKind> {
         r"\prod" => BigProduct,
         "&sup2;" | "&sup3;" => Superscript,
         // Spellings that have no meaning in this language.
-        r"\pm" | r"\mp" | r"\int" | r"\iint" | r"\iiint" | r"\oint" | r"\partial" | r"\nabla"
+        r"\pm" | r"\mp" | r"\int" | r"\iint" | r"\iiint" | r"\oint" | r"\partial"
         | r"\lim" | "&amp;" => Unknown,
         r"\bmod" => Remainder,
         r"\frac" | r"\dfrac" | r"\tfrac" | r"\cfrac" => Fraction,
@@ -115,6 +115,9 @@ pub(crate) fn line_length(rest: &str) -> usize {
 pub(crate) fn start(text: &str, most: usize) -> &str {
     &text[..text.floor_char_boundary(most)]
 }
+
+/// Signs behind a function that stand for its derivative. The last one stands for two.
+pub(crate) const PRIMES: [char; 4] = ['\'', '′', '’', '″'];
 
 /// Returns whether `text` can be defined: it must be a name in plain letters, and no operator.
 pub(crate) fn is_definable(text: &str) -> bool {

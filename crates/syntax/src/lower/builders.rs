@@ -11,12 +11,13 @@ use crate::lower::lowering::{Lowering, VISITS, move_to_use};
 use crate::lower::prelude;
 use crate::lower::value::Tensor;
 use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
 use crate::tree::ast::Function;
 use crate::tree::series::MAX_TERMS;
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId};
-use zeroset_ops::{BUILDERS, Builder, Role};
+use zeroset_ops::{BUILDERS, Builder, Op, Role};
 
 /// Placeholders are parameters from this number on. No document has as many parameters.
 const FIRST_PLACEHOLDER: u32 = 1 << 31;
@@ -39,6 +40,8 @@ pub(crate) struct Moves {
     varies: Vec<bool>,
     /// For each node examined so far: whether it depends on a placeholder.
     is_moved: Vec<bool>,
+    /// The values of builders.
+    distances: FxHashSet<NodeId>,
 }
 
 impl Moves {
@@ -51,6 +54,22 @@ impl Moves {
             }
             Node::Variable(_) | Node::Constant(_) | Node::Apply(..) => None,
         }
+    }
+
+    /// Returns whether a node is the value of a builder, or a minimum, maximum or opposite of such
+    /// values.
+    fn is_distance(&self, graph: &Graph, node: NodeId) -> bool {
+        let mut open = vec![node];
+        let mut seen = FxHashSet::default();
+        while let Some(node) = open.pop() {
+            match graph.node(node) {
+                _ if self.distances.contains(&node) || !seen.insert(node) => {}
+                Node::Apply(Op::Min | Op::Max | Op::Neg, operands) => open.extend(operands.iter()),
+                Node::Constant(_) => {}
+                Node::Variable(_) | Node::Parameter(_) | Node::Apply(..) => return false,
+            }
+        }
+        true
     }
 
     /// Returns whether there are no moves.
@@ -87,7 +106,16 @@ impl Lowering<'_> {
         arguments: &[(Tensor, Span)],
         span: Span,
     ) -> Fallible<Tensor> {
-        let (index, values) = self.bound(name, arguments, span)?;
+        let (index, mut values) = self.bound(name, arguments, span)?;
+        for (value, (_, role)) in values.iter_mut().zip(BUILDERS[index].parameters) {
+            if let (Role::Distance, (_, Tensor::Number(node))) = (role, value)
+                && !self.moves.is_distance(&self.graph, *node)
+            {
+                *node = self.as_distance(*node, span)?;
+                let kind = NoteKind::DividedByGradient { name };
+                self.notes.push(Note { span, kind });
+            }
+        }
         let key = values.iter().map(|(_, value)| value.clone()).collect();
         let key = (Function::Builder(name), key);
         if let Some(value) = self.calls.get(&key) {
@@ -98,6 +126,7 @@ impl Lowering<'_> {
         let value = value.map_err(|error| move_to_use(error, span, false))?;
         self.notes.truncate(noted);
         self.calls.insert(key, Tensor::Number(value));
+        self.moves.distances.insert(value);
         Ok(Tensor::Number(value))
     }
 
@@ -135,7 +164,8 @@ impl Lowering<'_> {
             Some(Tensor::Number(node)) => integer_of(&self.graph, *node, &mut { 256 }).unwrap_or(1),
             _ => 1,
         };
-        let shape = row.parameters.iter().position(|(_, role)| *role == Role::Shape);
+        let is_shape = |role| matches!(role, Role::Shape | Role::Distance);
+        let shape = row.parameters.iter().position(|(_, role)| is_shape(*role));
         let mut all = Vec::new();
         for copy in 0..copies {
             let mut locals = locals.clone();
@@ -152,7 +182,7 @@ impl Lowering<'_> {
         if let Some((_, Tensor::Vector(center))) = center {
             let mut point = Axis::ALL.map(|axis| self.graph.variable(axis));
             for (coordinate, center) in point.iter_mut().zip(&center) {
-                *coordinate = self.graph.apply(zeroset_ops::Op::Sub, &[*coordinate, *center]);
+                *coordinate = self.graph.apply(Op::Sub, &[*coordinate, *center]);
             }
             value = self.moved(value, point);
         }
@@ -335,7 +365,7 @@ fn usage(name: &str) -> String {
 /// The words for the values that a role allows.
 fn needs(role: Role) -> &'static str {
     match role {
-        Role::Shape => "a function of x, y and z",
+        Role::Shape | Role::Distance => "a function of x, y and z",
         Role::Vector => "a vector such as (1, 0, 0), or three numbers",
         Role::Direction => "a vector such as (0, 0, 1) of which not all is 0",
         Role::Sizes => "three numbers above 0",
@@ -373,7 +403,7 @@ fn misfit(graph: &Graph, role: Role, value: &Tensor) -> Option<&'static str> {
     let signs: Vec<Option<i32>> = value.parts().iter().map(sign).collect();
     let all_zero = signs.iter().all(|sign| *sign == Some(0));
     match role {
-        Role::Shape | Role::Vector | Role::Number => None,
+        Role::Shape | Role::Distance | Role::Vector | Role::Number => None,
         Role::Size | Role::Sizes | Role::Cells if signs.contains(&Some(-1)) => Some("below 0"),
         Role::Size | Role::Sizes => signs.contains(&Some(0)).then_some("0"),
         Role::Direction | Role::Cells => all_zero.then_some("0"),

@@ -8,6 +8,7 @@
 
 use crate::lower::condition::{Purpose, comparisons, has_one_sign, sides};
 use crate::lower::lowering::{Locals, Lowering};
+use crate::lower::prelude::{self, Sequence};
 use crate::lower::value::Tensor;
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
@@ -19,6 +20,9 @@ use zeroset_ops::Op;
 
 /// Largest number of nodes to visit to find a whole number.
 const MAX_STEPS: usize = 256;
+
+/// Largest number of a function in a sequence, such as the degree of a polynomial.
+const MAX_DEGREE: i64 = 100;
 
 /// Largest number of nodes to visit in a margin that is a choice between numbers.
 const MAX_LEAVES: usize = 500;
@@ -212,6 +216,53 @@ impl<'a> Lowering<'a> {
         }
         let empty = i64::from(series.is_product);
         Ok(all.unwrap_or_else(|| Tensor::Number(self.graph.integer(empty))))
+    }
+
+    /// The function of a sequence that the first argument numbers.
+    pub(crate) fn numbered(
+        &mut self,
+        index: usize,
+        sequence: &'a Sequence,
+        arguments: Vec<Tensor>,
+        span: Span,
+    ) -> Fallible<Tensor> {
+        let number = match &arguments[0] {
+            Tensor::Number(node) => integer_of(&self.graph, *node, &mut { MAX_STEPS }),
+            Tensor::Vector(_) | Tensor::Matrix(_) | Tensor::Complex(_) => None,
+        };
+        let Some(number @ 0..=MAX_DEGREE) = number else {
+            return Err(Error::new(span, ErrorKind::Degree { limit: MAX_DEGREE }));
+        };
+        let names = zeroset_ops::COMPOSED[index].parameters.iter().copied();
+        let mut locals: Vec<(&str, Tensor)> = names.zip(arguments).collect();
+        let mut before = self.value_of(prelude::body(index), &locals)?;
+        if number == 0 {
+            return Ok(before);
+        }
+        let mut value = self.value_of(&sequence.second, &locals)?;
+        let of = |p: &Tensor, q: &Tensor| [("p", p.clone()), ("q", q.clone())];
+        if let Some([even, odd]) = &sequence.doubled {
+            // From the functions of numbers n and n − 1 to those of 2n and 2n − 1, or of 2n − 1 and
+            // 2n − 2, where n starts at 1. The last of these steps leads to `number`.
+            for bit in (0..(number - 1).checked_ilog2().map_or(0, |bits| bits + 1)).rev() {
+                let both = [locals.as_slice(), &of(&value, &before)].concat();
+                let double = self.value_of(even, &both)?;
+                let below = self.value_of(odd, &both)?;
+                (value, before) = if (number - 1) >> bit & 1 == 1 {
+                    (double, below)
+                } else {
+                    let lower = [locals.as_slice(), &of(&before, &before)].concat();
+                    (below, self.value_of(even, &lower)?)
+                };
+            }
+            return Ok(value);
+        }
+        for n in 1..number {
+            locals[0].1 = Tensor::Number(self.graph.integer(n));
+            let both = [locals.as_slice(), &of(&value, &before)].concat();
+            before = std::mem::replace(&mut value, self.value_of(&sequence.next, &both)?);
+        }
+        Ok(value)
     }
 
     /// Applies a function repeatedly. `arguments` are the number of repetitions, the start value,

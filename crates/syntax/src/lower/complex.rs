@@ -126,7 +126,7 @@ impl Lowering<'_> {
     }
 
     /// The sum of squares.
-    fn squares(&mut self, nodes: &[NodeId]) -> NodeId {
+    pub(crate) fn squares(&mut self, nodes: &[NodeId]) -> NodeId {
         let two = self.graph.integer(2);
         let squares: Vec<NodeId> =
             nodes.iter().map(|node| self.graph.apply(Op::Pow, &[*node, two])).collect();

@@ -66,9 +66,9 @@ enum Defined<'a> {
 pub(crate) struct Lowering<'a> {
     pub graph: Graph,
     pub notes: Vec<Note>,
-    names: FxHashMap<&'a str, NameBinding<'a>>,
-    time: Option<u32>,
-    is_constant: bool,
+    pub(crate) names: FxHashMap<&'a str, NameBinding<'a>>,
+    pub(crate) time: Option<u32>,
+    pub(crate) is_constant: bool,
     pub(crate) limits: &'a Limits,
     /// Functions of solids that are evaluated at other points.
     pub(crate) moves: Moves,
@@ -79,6 +79,8 @@ pub(crate) struct Lowering<'a> {
     /// An expansion that has to be lowered first. While it is set, errors mean nothing else.
     postponed: Option<Expansion<'a>>,
     visits: usize,
+    /// Whether the graph has variables of differentiation, which no root depends on.
+    pub(crate) has_variables: bool,
     /// For each node examined so far: whether it is defined everywhere.
     pub(crate) total: Vec<bool>,
 }
@@ -107,8 +109,14 @@ impl<'a> Lowering<'a> {
             expansions: 0,
             postponed: None,
             visits: 0,
+            has_variables: false,
             total: Vec::new(),
         }
+    }
+
+    /// Returns whether the graph may have nodes that stand for others. No root depends on them.
+    pub(crate) fn has_placeholders(&self) -> bool {
+        self.has_variables || !self.moves.is_empty()
     }
 
     /// Lowers by `attempt`, which is repeated each time an expansion that it postponed is lowered.
@@ -300,6 +308,9 @@ impl<'a> Lowering<'a> {
                 let arguments: Vec<_> = values.into_iter().zip(places).collect();
                 self.build(name, &arguments, expr.span)
             }
+            ExprKind::Call(Function::Derivative(by), arguments) => {
+                self.differentiated(by, &arguments[0], expr.span, locals)
+            }
             ExprKind::Call(function, arguments) => {
                 let values = self.values_of(arguments.iter(), locals)?;
                 self.call(function, values, expr.span)
@@ -450,6 +461,12 @@ impl<'a> Lowering<'a> {
             Function::Matrix(size) => self.matrix(usize::from(*size), &arguments, span),
             Function::OfVectors(function) => self.of_vectors(*function, &arguments, span),
             Function::Iterate(function) => self.iterate(function, arguments, span),
+            Function::Derived(function, order) => {
+                self.derived(function, *order, &arguments[0], span)
+            }
+            Function::OfDerivatives(function) => self.of_derivatives(*function, &arguments, span),
+            // Its argument is lowered for the variables' places, by `differentiated`.
+            Function::Derivative(_) => Err(Error::new(span, ErrorKind::WhichVariable)),
             Function::Builder(name) => {
                 let arguments: Vec<_> =
                     arguments.into_iter().map(|argument| (argument, span)).collect();
@@ -460,6 +477,9 @@ impl<'a> Lowering<'a> {
                     && matches!(arguments.as_slice(), [Tensor::Vector(_)]) =>
             {
                 Ok(Tensor::Number(self.length(arguments[0].parts())))
+            }
+            Function::Composed(index) if let Some(sequence) = prelude::sequence(*index) => {
+                self.numbered(*index, sequence, arguments, span)
             }
             Function::Composed(index) => {
                 let names = zeroset_ops::COMPOSED[*index].parameters.iter().copied();

@@ -11,6 +11,7 @@ pub(crate) mod choice;
 pub(crate) mod complex;
 pub(crate) mod condition;
 pub(crate) mod constant;
+pub(crate) mod derivative;
 pub(crate) mod lowering;
 pub(crate) mod matrix;
 pub(crate) mod prelude;

@@ -17,6 +17,26 @@ static BODIES: LazyLock<Vec<Expr>> = LazyLock::new(|| {
     COMPOSED.iter().map(body).collect()
 });
 
+/// The formulas of a sequence of functions.
+pub(crate) struct Sequence {
+    /// The function number 1.
+    pub second: Expr,
+    /// The function after `p` and `q`.
+    pub next: Expr,
+    /// The functions of the double number of `p`, and of one less.
+    pub doubled: Option<[Expr; 2]>,
+}
+
+static SEQUENCES: LazyLock<Vec<Option<Sequence>>> = LazyLock::new(|| {
+    let sequence = |composed: &Composed| {
+        let names: Vec<&str> = composed.parameters.iter().copied().chain(["p", "q"]).collect();
+        let formula = |text| parsed(composed.name, text, &names);
+        let [second, next] = composed.sequence?.map(formula);
+        Some(Sequence { second, next, doubled: composed.doubled.map(|all| all.map(formula)) })
+    };
+    COMPOSED.iter().map(sequence).collect()
+});
+
 static COMPLEX_BODIES: LazyLock<Vec<Option<Expr>>> = LazyLock::new(|| {
     let body = |row: &zeroset_ops::OpRow| {
         (!row.complex.is_empty()).then(|| parsed(row.name, row.complex, &[COMPLEX]))
@@ -54,6 +74,11 @@ pub(crate) fn body(index: usize) -> &'static Expr {
     &BODIES[index]
 }
 
+/// The formulas of a sequence of functions; `None` for a single function.
+pub(crate) fn sequence(index: usize) -> Option<&'static Sequence> {
+    SEQUENCES[index].as_ref()
+}
+
 /// The value of a function for a complex number; `None` for a function without one.
 pub(crate) fn complex(op: Op) -> Option<&'static Expr> {
     COMPLEX_BODIES[op as usize].as_ref()
@@ -72,6 +97,8 @@ mod tests {
     fn every_body_parses() {
         for (index, composed) in zeroset_ops::COMPOSED.iter().enumerate() {
             assert!(!super::body(index).to_string().is_empty(), "{}", composed.name);
+            let sequence = super::sequence(index);
+            assert_eq!(sequence.is_some(), composed.sequence.is_some(), "{}", composed.name);
         }
         for row in zeroset_ops::TABLE {
             let body = super::complex(row.op).map(ToString::to_string);

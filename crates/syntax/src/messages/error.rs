@@ -210,7 +210,7 @@ pub enum ErrorKind {
     #[error("this must be a constant whole number")]
     RangeNotWhole,
     #[error("a polynomial's degree must be a whole number up to {limit}")]
-    Degree { limit: u32 },
+    Degree { limit: i64 },
     #[error("there are no parametric surfaces")]
     Parametric,
     #[error("this plots in coordinates of its own")]
@@ -243,6 +243,12 @@ pub enum ErrorKind {
     UnknownFunction { name: String },
     #[error("`{name}` runs a name and a number together")]
     LostSuperscript { name: String },
+    #[error("`{name}` is no variable to differentiate by")]
+    NotAVariable { name: String },
+    #[error("there is no variable to differentiate by")]
+    WhichVariable,
+    #[error("a derivative is of order 1 to {limit}")]
+    DerivativeOrder { limit: usize },
     #[error("this is a complex number, where a real one is needed")]
     Complex,
     #[error("`{name}` has no value for complex numbers")]

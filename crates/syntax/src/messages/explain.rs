@@ -173,7 +173,17 @@ impl Error {
                  `erf(a) = tanh(1.128379a + 0.100906a^3)`, as a line of its own"
                     .to_owned()
             }
-            UnknownFunction { name } if name == "gamma" => {
+            UnknownFunction { name }
+                if matches!(
+                    name.as_str(),
+                    "besselj" | "BesselJ" | "jn" | "jv" | "j0" | "j1" | "besj0" | "besj1"
+                ) =>
+            {
+                "no proven bounds are known here; near 0, write the first terms of the series, \
+                 `sum(k = 0..8, (-a^2/4)^k/product(j = 1..k, j)^2)` for J_0(a)"
+                    .to_owned()
+            }
+            UnknownFunction { name } if matches!(name.as_str(), "gamma" | "Gamma") => {
                 "no proven bounds are known here; for whole numbers write the product, \
                  `product(k = 1..4, k)`"
                     .to_owned()
@@ -278,7 +288,7 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
             "write one equation in x, y and z; a product is written with `*`, a vector `vec2(x, y)`"
         }
         Vector => "take its `length(…)`, or a component such as `.x`",
-        Calculus => "write the derivative or the integral out, as a formula",
+        Calculus => "write the integral or the limit out, as a formula",
         Program { .. } => {
             "write a choice as `c ? a : b`, a loop as `sum(k = 1..3, …)` or `iterate(f, 3, x)`"
         }
@@ -329,6 +339,9 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         SeriesStep => "leave the step out, or let it be 1 or more",
         TooManyTerms { .. } => "end the range earlier",
         Complex => "take `abs(…)`, `re(…)`, `im(…)` or `arg(…)` of it, or define `i = 1`",
+        NotAVariable { .. } => "differentiate by `x`, `y`, `z`, `t`, a slider or a parameter",
+        WhichVariable => "name the variable, as in `diff(x^2*y, x)`",
+        DerivativeOrder { .. } => "write the order in digits, as in `diff(x^4, x, 2)`",
         ComplexFunction { .. } => "apply it to `re(…)`, `im(…)` or `abs(…)` of the number",
         QuaternionFunction { .. } => {
             "quaternions have `+`, `-`, `*`, `/`, whole powers, `abs`, `re`, `im` and `conj`"

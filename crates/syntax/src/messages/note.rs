@@ -40,6 +40,13 @@ pub enum NoteKind {
          `{other}` accepts negative values too"
     )]
     OddRoot { exponent: String, other: String },
+    #[error(
+        "`{name}` divides a function that is no distance by the length of its gradient, \
+         so lengths are right to first order"
+    )]
+    DividedByGradient { name: &'static str },
+    #[error("`{name}` is read as a function of the sequence `{read}`")]
+    Sequence { name: String, read: String },
     #[error("`{radical}` applies only to the factor after it; use brackets to cover more")]
     RadicalScope { radical: char },
     #[error("`{name}` is defined again below; the last definition applies everywhere")]

@@ -12,7 +12,7 @@ use crate::tree::delimited::{is_vector, native};
 use crate::tree::grammar::{Pair, Rule};
 use crate::tree::juxtaposition::{FactorItem, FactorItems};
 use crate::tree::print::factor_text;
-use crate::tree::scope::{Callee, is_variadic};
+use crate::tree::scope::{Callee, is_builder, is_variadic};
 use zeroset_ir::NamedConstant;
 use zeroset_ops::Op;
 
@@ -49,7 +49,7 @@ impl Builder<'_> {
         let (arguments, place) = if let Some(pair) = brackets {
             items.pop_front();
             let place = self.span(&pair);
-            let arguments = self.arguments(pair, place)?;
+            let arguments = self.arguments(&callee, pair, place)?;
             (self.with_radicand(&mut callee, span, arguments, items)?, place)
         } else {
             let argument = self.bare_argument(&callee, span, items)?;
@@ -100,7 +100,7 @@ impl Builder<'_> {
         if has_index && is_whole && arguments.len() == 1 {
             *callee = Callee::BuiltIn("root".to_owned());
             let place = self.span(radicand);
-            let mut of = self.arguments(radicand.clone(), place)?;
+            let mut of = self.arguments(callee, radicand.clone(), place)?;
             items.pop_front();
             of.append(&mut arguments);
             return Ok(of);
@@ -108,9 +108,14 @@ impl Builder<'_> {
         Ok(arguments)
     }
 
-    /// Reads arguments in brackets, or a single argument in braces.
+    /// Reads arguments in brackets, or a single argument in braces. Among the arguments of a
+    /// builder, the name of a function stands for its value at the point.
     #[inline(never)]
-    fn arguments(&mut self, pair: Pair<'_>, span: Span) -> Fallible<Vec<Expr>> {
+    fn arguments(&mut self, callee: &Callee, pair: Pair<'_>, span: Span) -> Fallible<Vec<Expr>> {
+        let is_builder = matches!(callee, Callee::BuiltIn(name) if is_builder(name));
+        if pair.as_rule() == Rule::group && is_builder {
+            return pair.into_inner().map(|argument| self.of_point(argument)).collect();
+        }
         if pair.as_rule() == Rule::group {
             return pair.into_inner().map(|argument| self.argument(argument)).collect();
         }
@@ -242,6 +247,11 @@ impl Builder<'_> {
             // Typst writes fractions as `frac(a, b)`.
             (Callee::BuiltIn(name), [_, _]) if name == "frac" => {
                 return quotient_of(arguments);
+            }
+            (Callee::Numbered(name, number), [_]) => {
+                arguments.insert(0, Expr::of_digits(number.as_str(), span));
+                let callee = Callee::BuiltIn((*name).to_owned());
+                return self.call(&callee, span, arguments, place);
             }
             (Callee::Logarithm(base), [_]) => {
                 let base = Expr::of_digits(base.as_str(), span);

@@ -7,7 +7,7 @@
 
 use crate::span::Span;
 use zeroset_ir::{Axis, NamedConstant};
-use zeroset_ops::{Op, VectorFunction};
+use zeroset_ops::{Differential, Op, VectorFunction};
 
 /// An expression and its place in the text.
 #[derive(Clone, Debug)]
@@ -338,6 +338,12 @@ pub enum Function {
     /// `iterate(f, n, a, …)`: the function f, applied n times, starting from a. Further arguments
     /// are the same for each application.
     Iterate(Box<Function>),
+    /// `diff(a, x, y)`: the derivative of the argument by each variable in turn.
+    Derivative(Vec<NamedValue>),
+    /// `f''(a)`: the derivative of a function of one argument, this many times.
+    Derived(Box<Function>, u8),
+    /// A function of the derivatives by x, y and z.
+    OfDerivatives(Differential),
     /// A builder, by its name in [`zeroset_ops::BUILDERS`]. The arguments select its row.
     Builder(&'static str),
     /// A function that the document defines.
@@ -360,6 +366,9 @@ impl Function {
             Self::Matrix(_) => "mat4",
             Self::OfVectors(function) => function.name(),
             Self::Iterate(_) => "iterate",
+            Self::Derivative(_) => "diff",
+            Self::Derived(function, _) => function.name(),
+            Self::OfDerivatives(function) => function.name(),
             Self::Builder(name) => name,
             Self::Defined(name) => name,
         }

@@ -1,5 +1,5 @@
 //! Reads functions of other systems: arithmetic such as `Plus[a, b]`, and functions with an
-//! equivalent formula in this language, such as `Boole[c]` and `ChebyshevT[n, x]`.
+//! equivalent formula in this language, such as `Boole[c]`.
 
 use crate::messages::error::{Error, ErrorKind, Fallible, plural};
 use crate::span::Span;
@@ -17,14 +17,9 @@ pub(crate) enum ForeignFunction {
     Total,
     /// 1 where a condition holds, else 0.
     Boole,
-    /// A Chebyshev polynomial of the first kind.
-    Chebyshev,
     /// The remainder as in C, with the sign of the dividend.
     Remainder,
 }
-
-/// Largest degree of a Chebyshev polynomial. Such a polynomial is written out.
-const MAX_DEGREE: u32 = 30;
 
 /// The foreign function called `name`. `square` is true if its arguments are in square brackets.
 pub(crate) fn foreign_function(name: &str, square: bool) -> Option<ForeignFunction> {
@@ -37,7 +32,6 @@ pub(crate) fn foreign_function(name: &str, square: bool) -> Option<ForeignFuncti
         "Total" => ForeignFunction::Total,
         "Boole" => ForeignFunction::Boole,
         "fmod" => ForeignFunction::Remainder,
-        "ChebyshevT" | "chebyshevT" | "chebyshevt" | "chebyshev_t" => ForeignFunction::Chebyshev,
         _ => return None,
     })
 }
@@ -58,9 +52,7 @@ impl Builder<'_> {
         let count = match kind {
             ForeignFunction::Chain(_, ChainSign::Direct) => parts.len().max(1),
             ForeignFunction::Minus | ForeignFunction::Total | ForeignFunction::Boole => 1,
-            ForeignFunction::Chain(_, ChainSign::Inverse)
-            | ForeignFunction::Chebyshev
-            | ForeignFunction::Remainder => 2,
+            ForeignFunction::Chain(_, ChainSign::Inverse) | ForeignFunction::Remainder => 2,
         };
         if parts.len() != count {
             let name = self.text[span.range()].to_owned();
@@ -87,13 +79,6 @@ impl Builder<'_> {
             }
             ForeignFunction::Boole => first,
             ForeignFunction::Remainder => remainder(first, values.next(), place)?,
-            ForeignFunction::Chebyshev => {
-                let degree = first.whole_number().filter(|degree| *degree <= MAX_DEGREE);
-                let Some(degree) = degree else {
-                    return Err(Error::new(first.span, ErrorKind::Degree { limit: MAX_DEGREE }));
-                };
-                chebyshev(degree, &values.next().unwrap_or(first), place)?
-            }
         };
         Ok(Expr::new(expr.kind, place))
     }
@@ -106,43 +91,4 @@ fn remainder(a: Expr, divisor: Option<Expr>, span: Span) -> Fallible<Expr> {
     let whole = Expr::new(ExprKind::Call(Function::Native(Op::Trunc), vec![quotient]), span);
     let multiple = product_of([b, whole])?;
     chain_of(Chain::Sum, vec![(ChainSign::Direct, a), (ChainSign::Inverse, multiple)])
-}
-
-/// The Chebyshev polynomial of the first kind of this `degree` at `a`, written out by the
-/// recurrence T(n + 1) = 2a T(n) − T(n − 1).
-fn chebyshev(degree: u32, a: &Expr, span: Span) -> Fallible<Expr> {
-    let (mut before, mut now): (Vec<i64>, Vec<i64>) = (vec![1], vec![0, 1]);
-    for _ in 0..degree {
-        let mut next = vec![0; now.len() + 1];
-        for (power, factor) in now.iter().enumerate() {
-            next[power + 1] += 2 * factor;
-        }
-        for (power, factor) in before.iter().enumerate() {
-            next[power] -= factor;
-        }
-        before = std::mem::replace(&mut now, next);
-    }
-    let number = |value: i64| Expr::of_digits(value.abs().to_string(), span);
-    let mut terms = Vec::new();
-    for (power, factor) in before.iter().enumerate().rev().filter(|(_, factor)| **factor != 0) {
-        let power_of = match power {
-            0 => None,
-            1 => Some(a.clone()),
-            _ => {
-                let exponent = number(i64::try_from(power).unwrap_or(0));
-                let kind = ExprKind::Power(Box::new(a.clone()), Box::new(exponent));
-                Some(Expr::new(kind, span))
-            }
-        };
-        let term = match power_of {
-            None => number(*factor),
-            Some(power) if factor.abs() == 1 => power,
-            Some(power) => {
-                let rest = vec![(ChainSign::Direct, power)];
-                Expr::chain(Chain::Product, number(*factor), rest, span)
-            }
-        };
-        terms.push((if *factor < 0 { ChainSign::Inverse } else { ChainSign::Direct }, term));
-    }
-    chain_of(Chain::Sum, terms)
 }

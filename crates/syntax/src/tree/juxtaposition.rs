@@ -5,7 +5,7 @@
 //! `f(x)` from `x(y + 1)`, reads `sin 2x cos y` as two calls, and splits `xyz` into three factors.
 
 use crate::lex::lexer::method;
-use crate::lex::spelling::{decimal, is_name_char, plain_name, superscript_digit};
+use crate::lex::spelling::{PRIMES, decimal, is_name_char, plain_name, superscript_digit};
 use crate::lex::token_kind::TokenKind::Slash;
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::NoteKind;
@@ -13,9 +13,10 @@ use crate::span::Span;
 use crate::tree::ast::{Expr, ExprKind, LETTERS, NamedValue};
 use crate::tree::builder::{Builder, Signs, number_only, root_text};
 use crate::tree::delimited::native;
+use crate::tree::derivatives::{Operator, operator};
 use crate::tree::foreign_functions::{ForeignFunction, foreign_function};
 use crate::tree::grammar::{Pair, Pairs, Rule};
-use crate::tree::scope::{Callee, NameMeaning, coordinate, meaning, read_as};
+use crate::tree::scope::{Callee, NameMeaning, coordinate, meaning, numbered, read_as};
 use crate::tree::special_forms::{Logic, logic};
 use std::collections::VecDeque;
 use zeroset_ir::NamedConstant;
@@ -26,6 +27,8 @@ pub(crate) enum FactorItem<'i> {
     /// A number or a named value.
     Leaf(Expr),
     Function(Callee, Span),
+    /// An operator before a function, such as ∂/∂x.
+    Operator(Operator, Span),
     /// A call whose arguments have special syntax. The next item holds the brackets.
     Special(SpecialCall, Span),
     /// A method call after its first argument. The pair holds the other arguments.
@@ -131,6 +134,14 @@ impl Builder<'_> {
 
     /// Adds the items for a name to `items`. Usually this is one item.
     fn name(&mut self, typed: &str, span: Span, items: &mut FactorItems<'_>) -> Fallible<()> {
+        if let Some(operator) = operator(typed) {
+            items.push_back(FactorItem::Operator(operator, span));
+            return Ok(());
+        }
+        let function = typed.trim_end_matches(PRIMES);
+        if function.len() < typed.len() {
+            return self.derived_function(function, typed, span, items);
+        }
         let name = plain_name(typed);
         if let Some(lifted) = self.alias(&name) {
             items.push_back(FactorItem::Leaf(Expr::new(lifted, span)));
@@ -149,6 +160,12 @@ impl Builder<'_> {
             let elsewhere = || elsewhere().filter(|_| !self.scope.is_defined(&name));
             if let Some(word) = form.or_else(elsewhere) {
                 items.push_back(FactorItem::Special(word, span));
+                return Ok(());
+            }
+            if let Some(callee) = numbered(&name).filter(|_| !self.scope.is_defined(&name)) {
+                let read = callee.name().to_owned();
+                self.note(span, NoteKind::Sequence { name, read });
+                items.push_back(FactorItem::Function(callee, span));
                 return Ok(());
             }
         }
@@ -222,6 +239,33 @@ impl Builder<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Adds the item for the derivative `f'` of a function.
+    #[inline(never)]
+    fn derived_function(
+        &mut self,
+        function: &str,
+        typed: &str,
+        span: Span,
+        items: &mut FactorItems<'_>,
+    ) -> Fallible<()> {
+        let order = typed[function.len()..].chars().map(|c| 1 + u8::from(c == '″')).sum();
+        let name = plain_name(function);
+        match self.scope.meaning(&name, &self.locals) {
+            NameMeaning::Function(callee) if !matches!(callee, Callee::Logarithm(_)) => {
+                if let Callee::Defined(name, _) = &callee {
+                    self.used.insert(name.clone());
+                }
+                let callee = Callee::Derived(Box::new(callee), order);
+                items.push_back(FactorItem::Function(callee, span));
+                Ok(())
+            }
+            NameMeaning::Function(_)
+            | NameMeaning::Value(_)
+            | NameMeaning::Product
+            | NameMeaning::Unknown => Err(self.unknown(&name, function, span)),
+        }
     }
 
     fn leaf(&mut self, value: NamedValue, span: Span) -> FactorItem<'static> {
@@ -333,6 +377,11 @@ impl Builder<'_> {
         let Some(FactorItem::Method(name, span, pair)) = items.pop_front() else { return Ok(base) };
         let place = self.span(&pair);
         self.check_depth(place, 1)?;
+        if name == "diff" {
+            let group = pair.into_inner().flat_map(Pair::into_inner);
+            let place = base.span.to(place);
+            return self.derivative(base, &group.collect::<Vec<_>>(), place);
+        }
         let mut arguments = vec![base];
         for part in pair.into_inner() {
             if part.as_rule() == Rule::group {
@@ -425,6 +474,9 @@ impl Builder<'_> {
             FactorItem::Leaf(expr) => self.leaf_factor(expr, items),
             FactorItem::Function(callee, span) => {
                 self.nested(span, 1, |b| b.application(&callee, span, items))
+            }
+            FactorItem::Operator(operator, span) => {
+                self.nested(span, 1, |b| b.operated(operator, span, items))
             }
             FactorItem::Special(word, span) => {
                 let group = self.brackets(items, span)?;

@@ -12,6 +12,7 @@ pub mod ast;
 pub(crate) mod builder;
 pub(crate) mod built_statement;
 pub(crate) mod delimited;
+pub(crate) mod derivatives;
 pub(crate) mod diagnose;
 pub(crate) mod foreign_functions;
 pub(crate) mod grammar;

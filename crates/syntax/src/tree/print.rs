@@ -104,11 +104,18 @@ impl fmt::Display for Expr {
             }
             ExprKind::Series(series) => series.fmt(f),
             ExprKind::Call(function, arguments) => {
-                write!(f, "{}(", function.name())?;
+                f.write_str(function.name())?;
+                if let Function::Derived(_, order) = function {
+                    f.write_str(&"'".repeat(usize::from(*order)))?;
+                }
+                f.write_str("(")?;
                 if let Function::Iterate(repeated) = function {
                     write!(f, "{}, ", repeated.name())?;
                 }
                 list(f, arguments, ", ", Tightness::Or)?;
+                if let Function::Derivative(by) = function {
+                    by.iter().try_for_each(|variable| write!(f, ", {}", variable.name()))?;
+                }
                 f.write_str(")")
             }
             ExprKind::Compare(first, rest) => {

@@ -81,6 +81,10 @@ pub(crate) enum Callee {
     BuiltIn(String),
     /// The logarithm to a base that is part of the name, as in `log_2`.
     Logarithm(String),
+    /// A function of a sequence, and its number, which is part of the name, as in `T_4`.
+    Numbered(&'static str, String),
+    /// The derivative of a function of one argument, this many times.
+    Derived(Box<Callee>, u8),
 }
 
 impl Callee {
@@ -89,6 +93,8 @@ impl Callee {
         match self {
             Self::Defined(name, _) | Self::BuiltIn(name) => name,
             Self::Logarithm(_) => "log",
+            Self::Numbered(name, _) => name,
+            Self::Derived(function, _) => function.name(),
         }
     }
 }
@@ -198,6 +204,21 @@ impl Scope {
             }
             Callee::BuiltIn(name) => signatures(name, self.internal),
             Callee::Logarithm(_) => signatures("ln", false),
+            // The number is not among the arguments.
+            Callee::Numbered(name, _) => {
+                let mut forms = signatures(name, false).0;
+                forms.retain(|form| form.count == 2);
+                forms.iter_mut().for_each(|form| form.count = 1);
+                Signatures(forms)
+            }
+            Callee::Derived(function, order) => {
+                let mut forms = self.signatures(function).0;
+                forms.retain(|form| form.count == 1);
+                for form in &mut forms {
+                    form.function = Function::Derived(Box::new(form.function.clone()), *order);
+                }
+                Signatures(forms)
+            }
         }
     }
 
@@ -304,6 +325,28 @@ const MOST_ARGUMENTS: usize = 12;
 /// Returns whether an operation of two operands also combines more operands, from left to right.
 pub(crate) fn is_variadic(op: Op) -> bool {
     matches!(op, Op::Min | Op::Max)
+}
+
+/// Letters that name sequences of functions, as in `T_4(x)`.
+const SEQUENCES: &[(&str, &str)] = &[
+    ("T", "chebyshev_t"),
+    ("U", "chebyshev_u"),
+    ("P", "legendre"),
+    ("H", "hermite"),
+    ("L", "laguerre"),
+];
+
+/// The function that a name such as `T_4` stands for, if a text does not define it.
+pub(crate) fn numbered(name: &str) -> Option<Callee> {
+    let (letter, number) = name.split_once('_')?;
+    let is_number = !number.is_empty() && number.bytes().all(|digit| digit.is_ascii_digit());
+    let (_, function) = SEQUENCES.iter().find(|(known, _)| *known == letter && is_number)?;
+    Some(Callee::Numbered(function, number.to_owned()))
+}
+
+/// Returns whether a builder has this name.
+pub(crate) fn is_builder(name: &str) -> bool {
+    builders(name).next().is_some()
 }
 
 /// The signatures of the language's function called `name`; empty if there is no such function.

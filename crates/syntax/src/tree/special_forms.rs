@@ -88,6 +88,8 @@ impl Builder<'_> {
                 self.value_call(Function::OfVectors(function), count, parts, place)
             }
             FormKind::Multiply => self.multiply(&parts, place),
+            FormKind::Derivative => self.diff(&parts, place),
+            FormKind::OfDerivatives(function) => self.differential(function, &parts, place),
         };
         let kind = || ErrorKind::FormUsage { name: form.name, usage: form.usage };
         built?.ok_or_else(|| Error::new(place, kind()))

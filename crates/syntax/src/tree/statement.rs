@@ -11,10 +11,11 @@ use crate::span::Span;
 use crate::tree::ast::{Definition, Expr, ExprKind, Name, NamedValue, Relation, Statement};
 use crate::tree::builder::{Builder, relation};
 use crate::tree::built_statement::{BuiltStatement, with_parts};
+use crate::tree::derivatives::operator;
 use crate::tree::diagnose::recognise;
 use crate::tree::grammar::{Pair, Rule};
 use crate::tree::raw_statement::{Head, RawStatement, ValueConversion};
-use crate::tree::scope::{NameMeaning, Scope, built_in, coordinate};
+use crate::tree::scope::{NameMeaning, Scope, built_in, coordinate, is_builder};
 use rustc_hash::FxHashSet;
 use zeroset_ir::Axis;
 use zeroset_ops::FormKind;
@@ -150,8 +151,13 @@ pub(crate) fn resolve_heads(
             continue;
         };
         let parameters = head.parameters.as_deref().unwrap_or_default();
-        let known = |name: &Name| {
-            matches!(scope.meaning(&name.text, &[]), NameMeaning::Value(_) | NameMeaning::Product)
+        let takes_functions = zeroset_ops::form(&head.name.text).is_some_and(|form| {
+            matches!(form.meaning, FormKind::Derivative | FormKind::OfDerivatives(_))
+        });
+        let known = |name: &Name| match scope.meaning(&name.text, &[]) {
+            NameMeaning::Value(_) | NameMeaning::Product => true,
+            NameMeaning::Function(_) => takes_functions,
+            NameMeaning::Unknown => false,
         };
         if parameters.iter().all(known) {
             let name = head.name.text.clone();
@@ -224,13 +230,15 @@ fn is_value(
     })
 }
 
-/// Returns whether a left side can be defined. A name made of coordinates, such as `xy`, cannot.
+/// Returns whether a left side can be defined. A name made of coordinates, such as `xy`, cannot, nor
+/// can an operator such as ∂/∂x.
 fn may_define(head: &Head) -> bool {
     let name = head.name.text.as_str();
     if name == "t" {
         return head.parameters.is_none();
     }
-    !name.chars().all(|c| matches!(c, 'x' | 'y' | 'z' | 't'))
+    let is_operator = operator(name).is_some() || name.contains(['{', '}', '/']);
+    !is_operator && !name.chars().all(|c| matches!(c, 'x' | 'y' | 'z' | 't'))
 }
 
 /// Returns whether the left side is a valid call of a function of the language.
@@ -251,6 +259,8 @@ fn accepts(head: &Head) -> Option<bool> {
     let count = head.parameters.as_ref()?.len();
     if let Some(form) = zeroset_ops::form(&head.name.text) {
         return match form.meaning {
+            // Many texts define such names themselves.
+            _ if form.name != head.name.text => None,
             FormKind::Vector(_) | FormKind::Matrix(_) => Some(true),
             FormKind::OfVectors(function) => Some(count == function.arity()),
             FormKind::Multiply => Some(count == 2),
@@ -259,6 +269,8 @@ fn accepts(head: &Head) -> Option<bool> {
             | FormKind::Sum
             | FormKind::Product
             | FormKind::Iterate => None,
+            FormKind::Derivative => Some(count >= 2),
+            FormKind::OfDerivatives(_) => Some(count == 1),
         };
     }
     match built_in(&head.name.text) {
@@ -269,11 +281,6 @@ fn accepts(head: &Head) -> Option<bool> {
         }
         NameMeaning::Value(_) | NameMeaning::Product | NameMeaning::Unknown => None,
     }
-}
-
-/// Returns whether a builder has this name.
-fn is_builder(name: &str) -> bool {
-    zeroset_ops::builders(name).next().is_some()
 }
 
 /// Builds the trees of one line.

@@ -163,8 +163,7 @@ enum NamePart {
 /// The error for a function of other systems that has no equivalent in this language.
 fn unsupported_function(name: &str) -> Option<ErrorKind> {
     Some(match name {
-        "D" | "diff" | "Diff" | "Derivative" | "integrate" | "Integrate" | "Dt" | "limit"
-        | "Limit" | "grad" | "Grad" => ErrorKind::Calculus,
+        "integrate" | "Integrate" | "Dt" | "limit" | "Limit" => ErrorKind::Calculus,
         "SphericalPlot3D" | "RevolutionPlot3D" | "sphereplot" | "spherical_plot3d" => {
             ErrorKind::PlotCoordinates
         }

@@ -71,7 +71,7 @@ fn no_parameter_takes_a_matrix() {
                 .enumerate()
                 .map(|(place, (_, role))| match role {
                     _ if place == at => "mat2(1)",
-                    Role::Shape => "x",
+                    Role::Shape | Role::Distance => "x",
                     Role::Vector | Role::Direction | Role::Sizes | Role::Cells => "(1, 2, 3)",
                     Role::Size | Role::Number | Role::Count => "2",
                 })

@@ -8,4 +8,5 @@ mod hostile;
 mod lists;
 mod render;
 mod round_trip;
+mod values;
 mod words;

@@ -69,7 +69,7 @@ fn rows(corpus: &str) -> Vec<Row> {
 }
 
 /// The value of a function at a point, or `None` where it is undefined.
-fn value(document: &Document, root: NodeId, point: &[Constant; 3]) -> Option<Constant> {
+pub(crate) fn value(document: &Document, root: NodeId, point: &[Constant; 3]) -> Option<Constant> {
     let mut graph = Graph::new();
     let mut map: Vec<NodeId> = Vec::new();
     for (_, node) in document.graph.iter() {

@@ -3,7 +3,7 @@
 
 use super::Rng;
 use super::values::below;
-use zeroset_ops::{BUILDERS, COMPOSED, FORMS, FormKind, Role, TABLE, VectorFunction};
+use zeroset_ops::{BUILDERS, COMPOSED, Differential, FORMS, FormKind, Role, TABLE, VectorFunction};
 
 /// Vectors and a function that every text defines.
 const HEAD: &str = "p = vec3(x, y, z)\nq = vec3(y, 1 - z, x*y)\nf(a) = a^2 - x/2\n";
@@ -72,7 +72,7 @@ impl Text<'_> {
             let size = |rng: &mut Rng| sizes[below(rng, sizes.len())].to_owned();
             let rng = &mut *self.rng;
             given.push(match role {
-                Role::Shape | Role::Number => self.number(depth),
+                Role::Shape | Role::Distance | Role::Number => self.number(depth),
                 Role::Vector => self.vector(depth),
                 Role::Direction => format!("(1, {}, 2)", self.number(depth)),
                 Role::Sizes => format!("({}, {}, {})", size(rng), size(rng), size(rng)),
@@ -191,6 +191,13 @@ impl Text<'_> {
                 format!("({}*{vector}).x", self.matrix(size, depth.min(1)))
             }
             FormKind::Matrix(_) => format!("(mat4({})*vec4(p, 1)).w", self.number(depth)),
+            FormKind::Derivative => {
+                format!("{name}({}, {})", self.number(depth), ["x", "y", "z"][below(self.rng, 3)])
+            }
+            FormKind::OfDerivatives(Differential::Gradient) => {
+                format!("{name}({}).y", self.number(depth.min(1)))
+            }
+            FormKind::OfDerivatives(_) => format!("{name}({})", self.number(depth.min(1))),
             FormKind::Multiply => format!("{name}({}, p.xz).x", self.matrix(2, depth)),
             FormKind::OfVectors(function) => match function {
                 VectorFunction::Transpose => format!("({name}({})*p.yz).y", self.matrix(2, depth)),
