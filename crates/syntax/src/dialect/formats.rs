@@ -1,5 +1,5 @@
-//! Reads texts that are no programs: files of `MathMod` and `CalcPlot3D`. Their formulas are scanned
-//! in a copy of the text in which all else is blank, so places stay the same.
+//! Reads texts that are no programs: files of `MathMod` and `CalcPlot3D`. Their formulas are
+//! scanned in a copy of the text in which all else is blank, so places stay the same.
 
 use crate::dialect::plot_arguments::PlotRange;
 use crate::dialect::program_words::Words;

@@ -11,7 +11,14 @@ use crate::span::Span;
 use crate::tree::aliases::Aliases;
 use crate::tree::ast::{Definition, Expr, ExprKind, Function, Name, NamedValue, Statement};
 use crate::tree::built_statement::BuiltStatement;
+use crate::tree::raw_statement::Head;
 use zeroset_ir::Axis;
+
+/// Largest number of tokens of a range or row. Names stand for them, so a limit keeps texts short.
+const MAX_RANGE: usize = 200;
+
+/// Largest number of functions whose names stand for their calls. Each name is searched among them.
+const MAX_ALIASES: usize = 200;
 
 /// The coordinate of an axis.
 fn coordinate(axis: TokenKind) -> ExprKind {
@@ -43,7 +50,10 @@ impl ProgramReader<'_> {
         };
         let (left, value) = (&tokens[..equals], &tokens[equals + 1..]);
         let names: Vec<Token> = left.iter().copied().filter(|token| token.kind.is_name()).collect();
-        let Some(first) = value.first() else { return Ok(false) };
+        let (Some(first), Some(name)) = (value.first(), names.first()) else { return Ok(false) };
+        if value.len() > MAX_RANGE {
+            return Ok(false);
+        }
         if words.word(*first) == "meshgrid"
             && let Some((inner, _)) = bracketed(&value[1..])
         {
@@ -57,11 +67,11 @@ impl ProgramReader<'_> {
         });
         if let Some(row) = row.and_then(|(inner, _)| words.numbers(inner)).filter(|_| is_list) {
             let ends = [row[0].clone(), row[1].clone()];
-            self.rows.insert(words.word(names[0]).to_owned(), value.to_vec());
-            self.ranges.insert(words.word(names[0]).to_owned(), ends);
+            self.rows.insert(words.word(*name).to_owned(), value.to_vec());
+            self.ranges.insert(words.word(*name).to_owned(), ends);
             return Ok(true);
         }
-        if !is_list || !words.text.contains("meshgrid") {
+        if !is_list || !self.has_grid {
             return Ok(false);
         }
         let Some(ends) = self.range_ends(value) else { return Ok(false) };
@@ -178,7 +188,7 @@ impl ProgramReader<'_> {
     /// Makes the name of a function stand for its call at the coordinates.
     fn call_in_plot(&self, name: Token, is_height: bool, aliases: &mut Aliases) {
         let count = if is_height { 2 } else { 3 };
-        if self.arity(name) == Some(count) {
+        if self.arity(name) == Some(count) && aliases.len() < MAX_ALIASES {
             let Name { text, span } = self.words.name(name);
             let point = [X, Y, Z].into_iter().take(count);
             let point = point.map(|axis| Expr::new(coordinate(axis), span)).collect();
@@ -188,23 +198,26 @@ impl ProgramReader<'_> {
 
     /// The number of parameters of a name that the text defines; 0 for a value.
     pub(crate) fn arity(&self, name: Token) -> Option<usize> {
-        let word = self.words.word(name);
-        self.program.statements.iter().rev().find_map(|raw| {
-            if let Some(head) = &raw.head {
-                let is_it = head.name.text == word;
-                return is_it.then(|| head.parameters.as_ref().map_or(0, Vec::len));
+        self.arities.get(self.words.word(name)).copied()
+    }
+
+    /// Records the name that a statement defines, with its number of parameters.
+    pub(crate) fn record_arity(&mut self, tokens: &[Token], head: Option<&Head>) {
+        let (name, count) = match (head, tokens) {
+            (Some(head), _) => {
+                (head.name.text.clone(), head.parameters.as_ref().map_or(0, Vec::len))
             }
-            let (first, rest) = raw.lexed.tokens.split_first()?;
-            if self.words.word(*first) != word {
-                return None;
+            (None, [name, equals, ..]) if equals.kind == Equals => {
+                (self.words.word(*name).to_owned(), 0)
             }
-            match bracketed(rest) {
+            (None, [name, rest @ ..]) => match bracketed(rest) {
                 Some((inner, [equals, ..])) if equals.kind == Equals => {
-                    Some(split(inner, Comma).len())
+                    (self.words.word(*name).to_owned(), split(inner, Comma).len())
                 }
-                None if rest.first()?.kind == Equals => Some(0),
-                _ => None,
-            }
-        })
+                _ => return,
+            },
+            _ => return,
+        };
+        self.arities.insert(name, count);
     }
 }

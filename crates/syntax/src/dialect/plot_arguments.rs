@@ -9,7 +9,7 @@ use crate::messages::error::{Error, ErrorKind, Fallible};
 /// Options that give the value of the function on the surface.
 const LEVELS: &[&str] = &["Contours", "contour", "isovalue", "level", "isomin"];
 
-/// Options that give a condition for what is drawn.
+/// Options that restrict the surface by a condition.
 const REGIONS: &[&str] = &["RegionFunction", "region"];
 
 /// Options that change the surface and cannot be read.

@@ -42,6 +42,9 @@ const SPLOT_WORDS: &[&str] =
 /// Names that the ends of a range may contain. If another name occurs, all ranges are ignored.
 const CONSTANTS: &[&str] = &["pi", "tau", "e", "phi", "sqrt"];
 
+/// Largest number of levels, and of formulas with a condition, because each gets a copy.
+const MAX_FORMULAS: usize = 20;
+
 /// Longest domain that a note quotes, in bytes.
 const MAX_NOTED_DOMAIN: usize = 120;
 
@@ -123,9 +126,12 @@ impl Words<'_> {
         let place = tokens[0].span;
         let mut arguments = split(inner, Comma);
         // The parameters of `lambda x, y: …` were split too.
-        if let Some(at) = arguments.iter().position(|part| self.has(part, "lambda")) {
-            while outside(&arguments[at], Colon).is_none() && at + 1 < arguments.len() {
-                let next = arguments.remove(at + 1);
+        let colon = |part: &Vec<Token>| outside(part, Colon).is_some();
+        if let Some(at) = arguments.iter().position(|part| self.has(part, "lambda"))
+            && let Some(more) = arguments[at..].iter().position(colon)
+        {
+            let rest: Vec<Vec<Token>> = arguments.drain(at + 1..=at + more).collect();
+            for next in rest {
                 arguments[at].extend(std::iter::once(Token::new(Comma, next[0].span)).chain(next));
             }
         }
@@ -166,12 +172,18 @@ impl Words<'_> {
         let mut formulas = Vec::new();
         for formula in Some(formula).filter(|f| !f.is_empty()).iter().flat_map(|f| Self::listed(f))
         {
-            if outside(&formula, Equals).is_some() && !levels.is_empty() {
+            let is_equation = outside(&formula, Equals).is_some();
+            let are_many = levels.len().max(formulas.len()) > MAX_FORMULAS;
+            if !levels.is_empty() && (is_equation || are_many) {
                 let kind = ErrorKind::PlotOption { name: "contour".to_owned() };
                 return Err(Error::new(formula[0].span, kind));
             }
             formulas.extend(levels.iter().map(|level| less(&formula, level)));
             formulas.extend(levels.is_empty().then_some(formula));
+        }
+        if formulas.len() > MAX_FORMULAS && region.is_some() {
+            let kind = ErrorKind::PlotOption { name: "RegionFunction".to_owned() };
+            return Err(Error::new(place, kind));
         }
         if let Some((_, condition)) = &region {
             let end = Span::at(condition.last().map_or(place.start, |last| last.span.end));
@@ -184,8 +196,8 @@ impl Words<'_> {
         Ok(vec![Plot { formulas, is_height, domain, note, renamed }])
     }
 
-    /// The formula among the arguments of the plot command `word`, empty if the command draws the
-    /// value that the program assigned last; `None` if there is none. Adds levels to `levels`.
+    /// The formula among the arguments of the plot command `word`; `None` without arguments. It is
+    /// empty if the command draws the last value of the program. Adds levels to `levels`.
     fn formula(
         self,
         word: &str,

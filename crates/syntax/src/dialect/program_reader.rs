@@ -76,6 +76,10 @@ pub(crate) struct ProgramReader<'a> {
     pub defined_names: FxHashSet<String>,
     pub macros: FxHashMap<String, Macro>,
     pub procedures: FxHashMap<String, Rc<Procedure>>,
+    /// Names that the text defines, each with its number of parameters.
+    pub arities: FxHashMap<String, usize>,
+    /// True if the text makes a grid of coordinates.
+    pub has_grid: bool,
     /// Ends of the ranges that names stand for.
     pub ranges: FxHashMap<String, [Vec<Token>; 2]>,
     /// Rows of numbers that names stand for.
@@ -114,6 +118,8 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
         integers: FxHashSet::default(),
         macros: FxHashMap::default(),
         procedures: FxHashMap::default(),
+        arities: FxHashMap::default(),
+        has_grid: text.contains("meshgrid"),
         ranges: FxHashMap::default(),
         rows: FxHashMap::default(),
         constants: FxHashMap::default(),
@@ -316,6 +322,7 @@ impl ProgramReader<'_> {
             let name = self.words.word(*token).to_owned();
             return Err(Error::new(token.span, ErrorKind::OutParameter { name }));
         }
+        self.record_arity(&tokens, head.as_ref());
         if let Some(lexed) = arrange(self.words.text, tokens, self.limits)? {
             let aliases = aliases.clone();
             self.defined_names.extend(head.iter().map(|head| head.name.text.clone()));

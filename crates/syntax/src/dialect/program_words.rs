@@ -1,6 +1,6 @@
 //! Recognizes the words of programs and the parts of statements. Does not parse formulas.
 
-use crate::lex::spelling::{plain_name, token_kind};
+use crate::lex::spelling::{plain_name, start, token_kind};
 use crate::lex::token::{Token, bracketed, closing, in_brackets, split};
 use crate::lex::token_kind::TokenKind::{self, *};
 use crate::messages::error::{Error, ErrorKind};
@@ -13,6 +13,9 @@ const VECTORS: &[&str] = &["vec", "float", "half", "ivec", "uvec", "bvec", "dvec
 /// Usual names of functions that return the distance from a point to the scene.
 pub(crate) const SCENES: &[&str] =
     &["map", "sdf", "SDF", "scene", "sceneSDF", "sdScene", "mapScene", "DE", "getDist", "GetDist"];
+
+/// Largest number of signs `@` in a statement that are read as applications. Each becomes brackets.
+const MAX_AT_SIGNS: usize = 20;
 
 /// Returns whether `word` is an integer type.
 pub(crate) fn is_whole_type(word: &str) -> bool {
@@ -155,7 +158,7 @@ impl<'a> Words<'a> {
     pub(crate) fn types(self, tokens: &[Token]) -> usize {
         let is_type = |token: &&Token| {
             let word = self.word(**token);
-            is_type(word) || word == "T" && self.text.contains("typename T")
+            is_type(word) || word == "T" && start(self.text, 2000).contains("typename T")
         };
         let count = tokens.iter().take_while(is_type).count();
         if begins_name(tokens.get(count)) { count } else { 0 }
@@ -381,6 +384,9 @@ impl<'a> Words<'a> {
     /// Turns Mathematica's `f@x` into `f(x)`, from the last sign to the first, and the braces of
     /// `\overline{…}` into round brackets.
     pub(crate) fn apply_signs(self, tokens: &mut Vec<Token>) {
+        if tokens.iter().filter(|token| token.kind == At).count() > MAX_AT_SIGNS {
+            return;
+        }
         for at in (1..tokens.len()).rev() {
             if self.word(tokens[at - 1]) == r"\overline"
                 && tokens[at].kind == OpenBrace

@@ -15,6 +15,9 @@ use crate::span::Span;
 const FUNCTIONS: &[&str] =
     &["max", "min", "sqrt", "abs", "square", "sin", "cos", "tan", "asin", "acos", "atan", "exp"];
 
+/// Largest number of shapes, and of values. Each name is searched among them.
+const MAX_NAMES: usize = 200;
+
 struct SchemeReader<'a> {
     words: Words<'a>,
     statements: Vec<Vec<Token>>,
@@ -117,7 +120,8 @@ impl<'a> SchemeReader<'a> {
                 ]);
                 self.shapes.push(call.clone());
                 call.push(sign(Equals, body[0].span.start));
-                call.extend(self.expression(body).filter(|_| is_point)?);
+                let is_read = is_point && self.shapes.len() < MAX_NAMES;
+                call.extend(self.expression(body).filter(|_| is_read)?);
                 self.statements.push(call);
             }
             ("", _) => {
@@ -154,7 +158,8 @@ impl<'a> SchemeReader<'a> {
                 let binding = parts(binding)?;
                 let [[name], value] = binding.as_slice() else { return None };
                 let text = self.words.word(*name);
-                if name.kind != TokenKind::Name || self.values.contains(&text) {
+                let is_full = self.values.len() >= MAX_NAMES;
+                if name.kind != TokenKind::Name || is_full || self.values.contains(&text) {
                     return None;
                 }
                 let mut line = vec![*name, sign(Equals, name.span.end)];

@@ -267,6 +267,10 @@ fn foreign_advice(kind: &ErrorKind) -> Option<&'static str> {
             "write the formula in x, y and z, and the ranges as `domain x in [-2, 2], y in [-1, 1]`"
         }
         Format { help, .. } => help,
+        PlotCoordinates => {
+            "write the equation with `rho`, `theta` and `phi` (distance from the origin, angle around z, angle from z), \
+             or with `r`, `theta` and `z`"
+        }
         _ => return None,
     })
 }
@@ -326,10 +330,6 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         Degree { .. } => "write it in digits, or the polynomial itself",
         Parametric => {
             "eliminate the parameters: what is a ball for `x = cos u cos v, …` is `x^2 + y^2 + z^2 = 1`"
-        }
-        PlotCoordinates => {
-            "write the equation with `rho`, `theta` and `phi` (distance from the origin, angle around z, angle from z), \
-             or with `r`, `theta` and `z`"
         }
         Solid { formula } => formula,
         InWords => {
