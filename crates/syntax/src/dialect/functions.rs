@@ -117,20 +117,12 @@ impl ProgramReader<'_> {
             return Ok(rest);
         }
         let body = self.expanded(body, 0)?;
-        let mut steps = self.words.block(&body, 0)?;
+        let steps = self.words.block(&body, 0)?;
         let given = self.given(&parameters);
         if is_void || given.iter().any(|given| given.is_out) {
             let procedure = Procedure { parameters: given, body: steps };
             self.procedures.insert(word, Rc::new(procedure));
             return Ok(rest);
-        }
-        // In Rust the last expression of a body is the function's result.
-        let tail = steps.last().and_then(|last| match last {
-            ProgramStep::Plain(tokens) if self.words.is_value(tokens) => Some(tokens.clone()),
-            _ => None,
-        });
-        if tail.is_some() {
-            steps.pop();
         }
         let before = self.program.last_function.clone();
         let mut frame = self.enter(self.words.name(name), parameters)?;
@@ -144,13 +136,24 @@ impl ProgramReader<'_> {
             // function to draw.
             self.program.last_function = before;
         }
-        self.run(&steps, &mut frame)?;
-        if let Some(tail) = tail {
-            self.result(tail, &frame)?;
+        self.run_to_result(steps, &mut frame)?;
+        Ok(rest)
+    }
+
+    /// Runs the body of a function, and ends the function. In Rust and Julia, the last expression
+    /// of a body is the function's result.
+    fn run_to_result(&mut self, mut steps: Vec<ProgramStep>, frame: &mut Frame) -> Fallible<()> {
+        let is_value = |step: &mut ProgramStep| match step {
+            ProgramStep::Plain(tokens) => self.words.is_value(tokens),
+            _ => false,
+        };
+        let tail = steps.pop_if(is_value);
+        self.run(&steps, frame)?;
+        if let Some(ProgramStep::Plain(tokens)) = tail {
+            self.result(tokens, frame)?;
             frame.has_result = true;
         }
-        self.leave_function(&frame)?;
-        Ok(rest)
+        self.leave_function(frame)
     }
 
     /// Ends a function. Fails if the function has no result.
@@ -293,19 +296,12 @@ impl ProgramReader<'_> {
             }
             lines.push(line);
         }
-        let is_value = |line: &Vec<Token>| self.words.is_value(line);
-        let tail = if lines.last().is_some_and(is_value) { lines.pop() } else { None };
         let Some((parameters, _)) = bracketed(&tokens[2..]) else {
             return Err(self.words.unsupported(tokens[0]));
         };
         let steps = self.words.lines(&lines, 0)?;
         let mut frame = self.enter(self.words.name(tokens[1]), split(parameters, Comma))?;
-        self.run(&steps, &mut frame)?;
-        if let Some(tail) = tail {
-            self.result(tail, &frame)?;
-            frame.has_result = true;
-        }
-        self.leave_function(&frame)
+        self.run_to_result(steps, &mut frame)
     }
 
     /// Reads `def name(parameters):` and the lines of its body.

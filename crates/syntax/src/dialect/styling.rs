@@ -5,46 +5,9 @@ use crate::lex::token::{Token, bracketed, closing};
 use crate::lex::token_kind::TokenKind::*;
 
 /// Words before the options of a command, as in `axis equal` and `title('A surface')`.
-const COMMANDS: &[&str] = &[
-    "axis",
-    "colormap",
-    "shading",
-    "lighting",
-    "camlight",
-    "material",
-    "colorbar",
-    "grid",
-    "box",
-    "title",
-    "xlabel",
-    "ylabel",
-    "zlabel",
-    "xlim",
-    "ylim",
-    "zlim",
-    "daspect",
-    "pbaspect",
-    "print",
-    "fig2plotly",
-    "set",
-    "unset",
-    "pause",
-    "disp",
-    "drawnow",
-    "rotate3d",
-    "figure",
-    "hold",
-    "axes",
-    "light",
-    "legend",
-    "view",
-    "Export",
-    "setOptions",
-    "size",
-    "subplot",
-    "Graphics3d",
-    "clf",
-];
+const COMMANDS: &str = "axis colormap shading lighting camlight material colorbar grid box title \
+    xlabel ylabel zlabel xlim ylim zlim daspect pbaspect print fig2plotly set unset pause disp \
+    drawnow rotate3d figure hold axes light legend view Export size subplot Graphics3d clf";
 
 /// Objects whose members only style or show a picture.
 const OBJECTS: &[&str] = &["plt", "ax", "fig", "console", "settings", "plotter", "pl", "display"];
@@ -64,7 +27,7 @@ impl Words<'_> {
             let is_plot = matches!(self.word(*name), "plot" | "scatter" | "contour");
             return OBJECTS.contains(&word) && !is_plot || self.is_style_tail(rest);
         }
-        if !COMMANDS.contains(&word) {
+        if !COMMANDS.split(' ').any(|command| command == word) {
             return false;
         }
         let has_text = || rest.iter().any(|token| token.kind == Unknown);
