@@ -5,7 +5,7 @@ use crate::dialect::plot_commands::Plot;
 use crate::dialect::program_reader::{Frame, ProgramReader};
 use crate::lex::token::{Token, bracketed, split};
 use crate::lex::token_kind::TokenKind::{self, *};
-use crate::messages::error::Fallible;
+use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
 use crate::tree::aliases::Aliases;
@@ -148,7 +148,13 @@ impl ProgramReader<'_> {
         for (name, axis) in renamed {
             let text = self.words.name(name).text;
             read.push(format!("{text} = {}", axis.as_char()));
-            if !formulas.iter().flatten().any(|token| word(token) == word(&name)) {
+            // The definitions of the formula may use the variables of the plot.
+            let mut tokens = formulas.iter().flatten();
+            let is_used = tokens.clone().any(|token| word(token) == word(&name));
+            if !is_used && tokens.any(|token| self.arity(*token).is_some()) {
+                if self.arity(name).is_some() {
+                    return Err(Error::new(name.span, ErrorKind::PlotVariables));
+                }
                 self.define_axis(name, axis);
             }
             aliases.push(text, coordinate(axis));

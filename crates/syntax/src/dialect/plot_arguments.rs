@@ -38,22 +38,23 @@ impl Words<'_> {
         })
     }
 
+    /// The error for an option that cannot be read.
+    fn refused_option(self, name: Token) -> Box<Error> {
+        Error::new(name.span, ErrorKind::PlotOption { name: self.word(name).to_owned() })
+    }
+
     /// The levels in an option such as `Contours -> {1}`. Fails if an option changes the surface
     /// and cannot be read.
     pub(crate) fn levels(self, arguments: &[Vec<Token>]) -> Fallible<Vec<Vec<Token>>> {
-        let refused = |name: Token| {
-            let kind = ErrorKind::PlotOption { name: self.word(name).to_owned() };
-            Err(Error::new(name.span, kind))
-        };
         if let Some((name, _)) = self.option(arguments, CHANGES) {
-            return refused(name);
+            return Err(self.refused_option(name));
         }
         let Some((name, value)) = self.option(arguments, LEVELS) else { return Ok(Vec::new()) };
         let is_list = value.first().is_some_and(|first| first.kind != OpenParen);
         match bracketed(&value).filter(|(_, rest)| is_list && rest.is_empty()) {
             Some((inner, _)) => Ok(split(inner, Comma)),
             // In Mathematica, a number without braces is the number of levels.
-            None if self.word(name) == "Contours" => refused(name),
+            None if self.word(name) == "Contours" => Err(self.refused_option(name)),
             None => Ok(vec![value]),
         }
     }
@@ -66,14 +67,13 @@ impl Words<'_> {
     ) -> Fallible<Option<(Vec<Token>, Vec<Token>)>> {
         let Some((name, value)) = self.option(arguments, REGIONS) else { return Ok(None) };
         let Some((None, parameters, condition)) = self.lambda(&value) else {
-            let kind = ErrorKind::PlotOption { name: self.word(name).to_owned() };
-            return Err(Error::new(name.span, kind));
+            return Err(self.refused_option(name));
         };
         let names = parameters.iter().filter_map(|part| part.first()).copied().collect();
         Ok(Some((names, condition)))
     }
 
-    /// The ranges in arguments such as `{x, -2, 2}`, `x = -2..2`, `x, -2, 2` and `[-2 2 -1 1]`.
+    /// The ranges in arguments after the formula, such as `{x, -2, 2}`, `x = -2..2`, `x, -2, 2` and `[-2 2 -1 1]`.
     pub(crate) fn ranges(self, arguments: &[Vec<Token>]) -> Vec<PlotRange> {
         let variable = |part: &[Token]| match part {
             [only] if only.kind.is_name() => Some(*only),
@@ -100,19 +100,19 @@ impl Words<'_> {
                 ranges.push(PlotRange { name, low, high });
             }
         }
-        for parts in arguments.windows(3).skip(1) {
+        for parts in arguments.windows(3) {
             if let Some(name) = variable(&parts[0]).filter(|name| name.kind.is_axis()) {
                 let (low, high) = (parts[1].clone(), parts[2].clone());
                 ranges.push(PlotRange { name: Some(name), low, high });
             }
         }
         // MathPartner writes the ends of all ranges as arguments.
-        let ends = arguments.get(1..7).unwrap_or_default();
-        if ranges.is_empty() && ends.len() == 6 {
-            let is_number = |token: &Token| matches!(token.kind, Number | Minus);
-            ranges.extend(
-                in_order(ends).into_iter().filter(|_| ends.iter().flatten().all(is_number)),
-            );
+        let is_number = |token: &Token| matches!(token.kind, Number | Minus);
+        if let Some(ends) = arguments.get(..6)
+            && ranges.is_empty()
+            && ends.iter().flatten().all(is_number)
+        {
+            ranges = in_order(ends);
         }
         ranges.retain(|range| !range.low.is_empty() && !range.high.is_empty());
         ranges

@@ -150,7 +150,7 @@ impl Words<'_> {
         let Some(formula) = self.formula(word, &arguments, &mut levels)? else {
             return Ok(Vec::new());
         };
-        let mut ranges = self.ranges(&arguments);
+        let mut ranges = self.ranges(&arguments[1..]);
         if is_height {
             ranges.truncate(if ranges.iter().all(|range| range.name.is_none()) { 2 } else { 4 });
         }
@@ -167,7 +167,12 @@ impl Words<'_> {
         let region = self.region(&arguments)?;
         let mut renamed = renamed(&names, &axes);
         for names in [&parameters, region.as_ref().map_or(&Vec::new(), |(names, _)| names)] {
-            renamed.extend(renamed_all(names, is_height)?);
+            // An unused parameter stands for nothing, also outside of the function.
+            let condition = region.iter().flat_map(|(_, condition)| condition);
+            let used: Vec<&str> =
+                formula.iter().chain(condition).map(|token| self.word(*token)).collect();
+            let all = renamed_all(names, is_height)?.into_iter();
+            renamed.extend(all.filter(|(name, _)| used.contains(&self.word(*name))));
         }
         let mut formulas = Vec::new();
         for formula in Some(formula).filter(|f| !f.is_empty()).iter().flat_map(|f| Self::listed(f))
