@@ -15,7 +15,7 @@ use crate::span::Span;
 fn plots_height(command: &str) -> Option<bool> {
     match command {
         "Plot3D" | "plot3d" | "explicit" | "fsurf" | "ezsurf" | "surf" | "mesh" | "surface"
-        | "surfc" | "meshc" => Some(true),
+        | "surfc" | "meshc" | "plot_surface" => Some(true),
         "ContourPlot3D" | "RegionPlot3D" | "ImplicitRegion" | "implicit_plot3d"
         | "implicitplot3d" | r"\implicitPlot3d" | "ImplicitPlot3D" | "fimplicit3" | "ezimplot3"
         | "isosurface" | "implicit" | "plot_implicit" | "draw3d" | "draw" | "display" | "Show"
@@ -30,10 +30,10 @@ fn plots_height(command: &str) -> Option<bool> {
 const CONTAINERS: &[&str] = &["draw3d", "display", "Show"];
 
 /// Plot commands that follow a module or an object and a dot.
-const METHODS: &[&str] = &["contour", "marching_cubes", "surfaceNets"];
+const METHODS: &[&str] = &["contour", "marching_cubes", "surfaceNets", "plot_surface"];
 
 /// Commands whose third argument holds the heights over a grid.
-const GRIDS: &[&str] = &["surf", "mesh", "surface", "surfc", "meshc"];
+const GRIDS: &[&str] = &["surf", "mesh", "surface", "surfc", "meshc", "plot_surface"];
 
 /// Words after a formula of gnuplot.
 const SPLOT_WORDS: &[&str] =

@@ -265,7 +265,7 @@ impl ProgramReader<'_> {
         if self.grid(tokens)? {
             return Ok(true);
         }
-        if !self.words.is_style(tokens) {
+        if !self.words.is_style(tokens) || self.arity(tokens[0]).is_some() {
             return Ok(false);
         }
         let span = tokens[0].span.to(tokens[tokens.len() - 1].span);

@@ -13,7 +13,7 @@ const COMMANDS: &str = "axis colormap shading lighting camlight material colorba
 const OBJECTS: &[&str] = &["plt", "ax", "fig", "console", "settings", "plotter", "pl", "display"];
 
 /// Methods that only show or save a picture.
-const METHODS: &[&str] = &["show", "save", "savefig", "plot_surface", "print", "plot_wireframe"];
+const METHODS: &[&str] = &["show", "save", "savefig", "print"];
 
 impl Words<'_> {
     /// Returns whether a statement only styles or shows a picture.
