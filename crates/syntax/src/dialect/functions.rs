@@ -7,7 +7,7 @@ use crate::dialect::program_reader::{
 };
 use crate::dialect::program_words::{SCENES, Words, size_of};
 use crate::lex::token::{Token, bracketed, closing, split};
-use crate::lex::token_kind::TokenKind::{Comma, Equals, OpenBrace, Semicolon};
+use crate::lex::token_kind::TokenKind::{Comma, Equals, OpenBrace, OpenParen, Semicolon};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
@@ -20,7 +20,67 @@ use std::rc::Rc;
 /// Largest number of functions on one line.
 const MAX_FUNCTIONS: usize = 300;
 
+/// The error for the solids of Python's module `sdf`.
+const SOLIDS_OF_SDF: ErrorKind = ErrorKind::Format {
+    format: "Python's module sdf",
+    read: "no solids are read",
+    help: "write a solid as a formula, such as `max(sphere(1), -cylinder(0.5))`, with `union(a, b)`, \
+           `intersect(a, b)` and `subtract(a, b)`",
+};
+
+/// The error for a module of `OpenSCAD`.
+const MODULE_OF_OPENSCAD: ErrorKind = ErrorKind::Format {
+    format: "OpenSCAD",
+    read: "only functions and values are read, and no modules",
+    help: "write the solid as a formula, such as `(sqrt(x^2 + y^2) - 2)^2 + z^2 <= 0.25`",
+};
+
 impl ProgramReader<'_> {
+    /// Reads a definition in the manner of a single system. Returns false for any other statement.
+    pub(crate) fn of_other_system(
+        &mut self,
+        tokens: &[Token],
+        frame: &mut Frame,
+        following: &mut Statements,
+    ) -> Fallible<bool> {
+        let word = |at: usize| tokens.get(at).map_or("", |token| self.words.word(*token));
+        let parameters_end =
+            |at: usize| tokens.get(at..).filter(|rest| rest[0].kind == OpenParen).and_then(closing);
+        let is_named = !word(1).is_empty();
+        match (word(0), tokens) {
+            ("import" | "from", _) if word(1) == "sdf" => {
+                Err(Error::new(tokens[0].span, SOLIDS_OF_SDF))
+            }
+            ("module", [first, _, _, _, ..]) if is_named => {
+                Err(Error::new(first.span, MODULE_OF_OPENSCAD))
+            }
+            ("function", [_, _, _, ..])
+                if is_named && parameters_end(2).is_some_and(|end| end + 3 == tokens.len()) =>
+            {
+                self.function_to_end(tokens, following).map(|()| true)
+            }
+            // POV-Ray's `f = function { … }`, a function of x, y and z.
+            (_, [name, equals, _, open, body @ .., _])
+                if (equals.kind, open.kind) == (Equals, OpenBrace) && word(2) == "function" =>
+            {
+                self.pov_function(self.words.name(*name), body.to_vec()).map(|()| true)
+            }
+            // Julia's `f(x; a = 2) = …`.
+            (_, [name, _, ..]) if name.kind.is_name() => {
+                let is_left =
+                    |end: &usize| tokens.get(end + 2).is_some_and(|next| next.kind == Equals);
+                let inner = parameters_end(1).filter(is_left).map_or(&[][..], |end| &tokens[..end]);
+                let Some(at) = inner.iter().position(|token| token.kind == Semicolon) else {
+                    return Ok(false);
+                };
+                let mut tokens = tokens.to_vec();
+                tokens[at].kind = Comma;
+                self.function_with_defaults(tokens, frame).map(|()| true)
+            }
+            _ => Ok(false),
+        }
+    }
+
     /// Reads functions with bodies in braces, then the statement after them on the same line.
     pub(crate) fn functions(
         &mut self,
@@ -57,35 +117,43 @@ impl ProgramReader<'_> {
             return Ok(rest);
         }
         let body = self.expanded(body, 0)?;
-        let mut steps = self.words.block(&body, 0)?;
+        let steps = self.words.block(&body, 0)?;
         let given = self.given(&parameters);
         if is_void || given.iter().any(|given| given.is_out) {
             let procedure = Procedure { parameters: given, body: steps };
             self.procedures.insert(word, Rc::new(procedure));
             return Ok(rest);
         }
-        // In Rust the last expression of a body is the function's result.
-        let tail = steps.last().and_then(|last| match last {
-            ProgramStep::Plain(tokens) if self.words.is_value(tokens) => Some(tokens.clone()),
-            _ => None,
-        });
-        if tail.is_some() {
-            steps.pop();
-        }
         let before = self.program.last_function.clone();
         let mut frame = self.enter(self.words.name(name), parameters)?;
-        if before.is_some() && types.iter().any(|token| size_of(self.words.word(*token)) > 1) {
+        let returns_vector = types.iter().any(|token| size_of(self.words.word(*token)) > 1);
+        let is_scene = SCENES.contains(&word.as_str());
+        if self.program.last_function.as_ref().is_some_and(|name| name.text == word) {
+            self.program.draws_first_component = returns_vector && is_scene;
+        }
+        if before.is_some() && returns_vector && !is_scene {
             // A function that returns a vector, such as a color, does not replace an earlier
             // function to draw.
             self.program.last_function = before;
         }
-        self.run(&steps, &mut frame)?;
-        if let Some(tail) = tail {
-            self.result(tail, &frame)?;
+        self.run_to_result(steps, &mut frame)?;
+        Ok(rest)
+    }
+
+    /// Runs the body of a function, and ends the function. In Rust and Julia, the last expression
+    /// of a body is the function's result.
+    fn run_to_result(&mut self, mut steps: Vec<ProgramStep>, frame: &mut Frame) -> Fallible<()> {
+        let is_value = |step: &mut ProgramStep| match step {
+            ProgramStep::Plain(tokens) => self.words.is_value(tokens),
+            _ => false,
+        };
+        let tail = steps.pop_if(is_value);
+        self.run(&steps, frame)?;
+        if let Some(ProgramStep::Plain(tokens)) = tail {
+            self.result(tokens, frame)?;
             frame.has_result = true;
         }
-        self.leave_function(&frame)?;
-        Ok(rest)
+        self.leave_function(frame)
     }
 
     /// Ends a function. Fails if the function has no result.
@@ -167,11 +235,16 @@ impl ProgramReader<'_> {
         tokens: Vec<Token>,
         frame: &mut Frame,
     ) -> Fallible<()> {
-        let trigonometric = tokens.iter().find(|token| {
-            matches!(self.words.word(**token), "sin" | "cos" | "tan" | "atan2" | "atan")
-        });
-        let note =
-            trigonometric.map(|token| Note { span: token.span, kind: NoteKind::DegreesOfOpenscad });
+        self.program.in_degrees = true;
+        self.function_with_defaults(tokens, frame)
+    }
+
+    /// Reads `f(a, b = 2) = value`.
+    pub(crate) fn function_with_defaults(
+        &mut self,
+        tokens: Vec<Token>,
+        frame: &mut Frame,
+    ) -> Fallible<()> {
         let name = self.words.name(tokens[0]);
         match bracketed(&tokens[1..]) {
             Some((inner, [equals, rest @ ..]))
@@ -197,10 +270,38 @@ impl ProgramReader<'_> {
                 self.plain(tokens, frame, false)?;
             }
         }
-        if let Some(raw) = self.program.statements.last_mut() {
-            raw.lexed.notes.extend(note);
-        }
         Ok(())
+    }
+
+    /// Reads POV-Ray's `name = function { body }`.
+    pub(crate) fn pov_function(&mut self, name: Name, body: Vec<Token>) -> Fallible<()> {
+        let span = name.span;
+        let parameters = ["x", "y", "z"].map(|axis| Name { text: axis.to_owned(), span });
+        let parameters = Some(parameters.to_vec());
+        let frame = Frame { function: Some(Head { name, parameters }), ..Frame::default() };
+        self.result(body, &frame)
+    }
+
+    /// Reads a function of Lua or Julia, whose body ends with `end`.
+    pub(crate) fn function_to_end(
+        &mut self,
+        tokens: &[Token],
+        following: &mut Statements,
+    ) -> Fallible<()> {
+        let mut lines = Vec::new();
+        let is_end = |line: &Vec<Token>| line.len() == 1 && self.words.word(line[0]) == "end";
+        for line in following.by_ref().take_while(|line| !is_end(line)) {
+            if matches!(self.words.word(line[0]), "if" | "for" | "while" | "repeat") {
+                return Err(self.words.unsupported(line[0]));
+            }
+            lines.push(line);
+        }
+        let Some((parameters, _)) = bracketed(&tokens[2..]) else {
+            return Err(self.words.unsupported(tokens[0]));
+        };
+        let steps = self.words.lines(&lines, 0)?;
+        let mut frame = self.enter(self.words.name(tokens[1]), split(parameters, Comma))?;
+        self.run_to_result(steps, &mut frame)
     }
 
     /// Reads `def name(parameters):` and the lines of its body.

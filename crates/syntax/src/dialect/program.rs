@@ -13,12 +13,17 @@ use rustc_hash::FxHashSet;
 
 /// A text, translated to statements of this language.
 #[derive(Default)]
+#[allow(clippy::struct_excessive_bools)] // independent observations
 pub(crate) struct PastedProgram {
     pub statements: Vec<RawStatement>,
     /// True if the text has declarations or assignments that occur only in programs.
     pub in_steps: bool,
     /// True if the text is a program in the manner of shaders or of POV-Ray, in which y points up.
     pub is_y_up: bool,
+    /// True if the trigonometry of the text is in degrees, as in `OpenSCAD`.
+    pub in_degrees: bool,
+    /// True if the function to draw returns a vector, whose first component is drawn.
+    pub draws_first_component: bool,
     /// Name of the function to draw: the last one that takes a point of space.
     pub last_function: Option<Name>,
     /// The variable last assigned outside functions. Assignments of plain numbers do not count.

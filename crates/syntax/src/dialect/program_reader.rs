@@ -1,7 +1,7 @@
 //! Translates the statements of a program, in order, to statements of this language.
 
 use crate::dialect::blocks::ProgramStep;
-use crate::dialect::plot_commands::Plot;
+use crate::dialect::formats::foreign_text;
 use crate::dialect::program::PastedProgram;
 use crate::dialect::program_words::{Words, begins_name, is_whole_type, size_of};
 use crate::lex::arrangement::arrange;
@@ -9,9 +9,11 @@ use crate::lex::scanner::scan;
 use crate::lex::token_kind::TokenKind::{Equals, Number, OpenBrace, OpenParen};
 use crate::tree::raw_statement::{Head, RawStatement, ValueConversion};
 
+use crate::lex::spelling::short_name;
 use crate::lex::token::{Token, closing};
 use crate::limits::Limits;
 use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
 use crate::tree::aliases::Aliases;
 use crate::tree::ast::{Expr, ExprKind, LETTERS, Name, NamedValue, Statement};
@@ -74,6 +76,14 @@ pub(crate) struct ProgramReader<'a> {
     pub defined_names: FxHashSet<String>,
     pub macros: FxHashMap<String, Macro>,
     pub procedures: FxHashMap<String, Rc<Procedure>>,
+    /// Names that the text defines, each with its number of parameters.
+    pub arities: FxHashMap<String, usize>,
+    /// True if the text makes a grid of coordinates.
+    pub has_grid: bool,
+    /// Ends of the ranges that names stand for.
+    pub ranges: FxHashMap<String, [Vec<Token>; 2]>,
+    /// Rows of numbers that names stand for.
+    pub rows: FxHashMap<String, Vec<Token>>,
     /// Known values of variables outside functions.
     pub constants: FxHashMap<String, f64>,
     /// Number of statements and iterations that ran in loops, branches and inlined calls.
@@ -87,7 +97,10 @@ pub(crate) type Statements = std::vec::IntoIter<Vec<Token>>;
 
 /// Translates a text, whether it is a program or not.
 pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
-    let mut statements = scan(text, limits)?;
+    let (mut statements, note) = match foreign_text(text, limits)? {
+        Some(found) => found,
+        None => (scan(text, limits)?, None),
+    };
     let words = Words { text };
     words.join_bodies(&mut statements);
     let taken = statements
@@ -105,10 +118,19 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
         integers: FxHashSet::default(),
         macros: FxHashMap::default(),
         procedures: FxHashMap::default(),
+        arities: FxHashMap::default(),
+        has_grid: text.contains("meshgrid"),
+        ranges: FxHashMap::default(),
+        rows: FxHashMap::default(),
         constants: FxHashMap::default(),
         steps: 0,
         expanded_tokens: Cell::new(0),
-        program: PastedProgram { in_steps, is_y_up, ..PastedProgram::default() },
+        program: PastedProgram {
+            in_steps,
+            is_y_up,
+            notes: note.into_iter().collect(),
+            ..PastedProgram::default()
+        },
     };
     let mut top = Frame::default();
     let mut statements = statements.into_iter();
@@ -131,7 +153,11 @@ impl ProgramReader<'_> {
         let Some(first) = tokens.first().copied() else {
             return Ok(());
         };
-        if let Some(sign) = Words::prefixed(&tokens) {
+        self.words.apply_signs(&mut tokens);
+        if frame.function.is_none() && self.outside_of_formulas(&tokens, frame)? {
+            return Ok(());
+        }
+        if let Some(sign) = self.words.prefixed(&tokens) {
             return Err(Error::new(sign.span, ErrorKind::Prefix));
         }
         if first.kind.is_setting() && frame.function.is_none() {
@@ -140,10 +166,13 @@ impl ProgramReader<'_> {
         if frame.function.is_none()
             && let Some(statements) = self.words.unwrap_statement(&tokens)
         {
-            // Each unwrapped statement has fewer tokens, so the recursion ends.
+            // Each unwrapped statement has fewer wrappers, so the recursion ends.
             return statements
                 .into_iter()
                 .try_for_each(|tokens| self.statement(tokens, frame, &mut Statements::default()));
+        }
+        if self.of_other_system(&tokens, frame, following)? {
+            return Ok(());
         }
         match self.words.word(first) {
             "import" | "from" if begins_name(tokens.get(1)) => return Ok(()),
@@ -223,10 +252,40 @@ impl ProgramReader<'_> {
         self.plain(tokens, frame, true)
     }
 
-    /// Adds a statement unchanged. With `plots`, a plot command is replaced by its formulas.
-    pub(crate) fn plain(&mut self, tokens: Vec<Token>, frame: &Frame, plots: bool) -> Fallible<()> {
+    /// Reads a plot, a grid, or a statement that only styles the picture. Returns false for any
+    /// other statement.
+    fn outside_of_formulas(&mut self, tokens: &[Token], frame: &Frame) -> Fallible<bool> {
+        let plots = self.words.plots(&self.with_rows(tokens.to_vec()))?;
+        // The text may define the name of a plot command otherwise.
+        if !plots.is_empty() && self.arity(tokens[0]).is_none() {
+            let place = tokens[0].span;
+            plots.into_iter().try_for_each(|plot| self.draw(plot, place, frame))?;
+            return Ok(true);
+        }
+        if self.grid(tokens)? {
+            return Ok(true);
+        }
+        if !self.words.is_style(tokens) || self.arity(tokens[0]).is_some() {
+            return Ok(false);
+        }
+        let span = tokens[0].span.to(tokens[tokens.len() - 1].span);
+        let is_style = |note: &Note| matches!(note.kind, NoteKind::StyleLeftOut { .. });
+        if !self.program.notes.iter().any(is_style) {
+            let example = short_name(&self.words.text[span.range()]);
+            self.program.notes.push(Note { span, kind: NoteKind::StyleLeftOut { example } });
+        }
+        Ok(true)
+    }
+
+    /// Adds a statement unchanged. With `is_step`, a function's body may not hold a mere value.
+    pub(crate) fn plain(
+        &mut self,
+        tokens: Vec<Token>,
+        frame: &Frame,
+        is_step: bool,
+    ) -> Fallible<()> {
         let mut tokens = tokens;
-        if frame.function.is_some() && plots && self.words.assignment(&tokens).is_none() {
+        if frame.function.is_some() && is_step && self.words.assignment(&tokens).is_none() {
             return Err(Error::new(tokens[0].span, ErrorKind::NoEffect));
         }
         if let [name, equals, number] = tokens.as_slice()
@@ -236,16 +295,8 @@ impl ProgramReader<'_> {
         {
             self.constants.insert(self.words.word(*name).to_owned(), value);
         }
-        let plot = if plots { self.words.plot(&tokens)? } else { None };
-        let Some(Plot { formulas, is_height, domain, note }) = plot else {
-            self.words.patterns(&mut tokens);
-            return self.push(tokens, None, None, &frame.aliases, false);
-        };
-        self.program.notes.extend(note);
-        for formula in formulas {
-            self.push(formula, None, None, &frame.aliases, is_height)?;
-        }
-        domain.map_or(Ok(()), |line| self.push(line, None, None, &Aliases::default(), false))
+        self.words.patterns(&mut tokens);
+        self.push(tokens, None, None, &frame.aliases, false)
     }
 
     pub(crate) fn push(
@@ -271,6 +322,7 @@ impl ProgramReader<'_> {
             let name = self.words.word(*token).to_owned();
             return Err(Error::new(token.span, ErrorKind::OutParameter { name }));
         }
+        self.record_arity(&tokens, head.as_ref());
         if let Some(lexed) = arrange(self.words.text, tokens, self.limits)? {
             let aliases = aliases.clone();
             self.defined_names.extend(head.iter().map(|head| head.name.text.clone()));
@@ -313,7 +365,10 @@ impl ProgramReader<'_> {
             if is_coordinate && !is_set {
                 return self.plain(tokens.to_vec(), frame, true).map(|()| true);
             }
-            let is_steps = is_set || self.words.is_step(tokens);
+            // `tz = …` names a value in a program. Elsewhere `tz` is a product.
+            let is_product =
+                name.text.len() > 1 && name.text.chars().all(|letter| "xyzt".contains(letter));
+            let is_steps = is_set || is_product || self.words.is_step(tokens);
             if is_steps || self.words.has(&value, &name.text) {
                 let within = frame.aliases.clone();
                 let before = frame.meaning(&name.text);

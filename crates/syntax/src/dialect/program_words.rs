@@ -1,6 +1,6 @@
 //! Recognizes the words of programs and the parts of statements. Does not parse formulas.
 
-use crate::lex::spelling::{plain_name, token_kind};
+use crate::lex::spelling::{plain_name, start, token_kind};
 use crate::lex::token::{Token, bracketed, closing, in_brackets, split};
 use crate::lex::token_kind::TokenKind::{self, *};
 use crate::messages::error::{Error, ErrorKind};
@@ -13,6 +13,9 @@ const VECTORS: &[&str] = &["vec", "float", "half", "ivec", "uvec", "bvec", "dvec
 /// Usual names of functions that return the distance from a point to the scene.
 pub(crate) const SCENES: &[&str] =
     &["map", "sdf", "SDF", "scene", "sceneSDF", "sdScene", "mapScene", "DE", "getDist", "GetDist"];
+
+/// Largest number of signs `@` in a statement that are read as applications. Each becomes brackets.
+const MAX_AT_SIGNS: usize = 20;
 
 /// Returns whether `word` is an integer type.
 pub(crate) fn is_whole_type(word: &str) -> bool {
@@ -153,7 +156,11 @@ impl<'a> Words<'a> {
 
     /// Number of types and modifiers before a declared name; 0 if no name follows them.
     pub(crate) fn types(self, tokens: &[Token]) -> usize {
-        let count = tokens.iter().take_while(|token| is_type(self.word(**token))).count();
+        let is_type = |token: &&Token| {
+            let word = self.word(**token);
+            is_type(word) || word == "T" && start(self.text, 2000).contains("typename T")
+        };
+        let count = tokens.iter().take_while(is_type).count();
         if begins_name(tokens.get(count)) { count } else { 0 }
     }
 
@@ -332,11 +339,11 @@ impl<'a> Words<'a> {
     }
 
     /// The first operator that stands before its operands, as in `(+ a b)`.
-    pub(crate) fn prefixed(tokens: &[Token]) -> Option<Token> {
+    pub(crate) fn prefixed(self, tokens: &[Token]) -> Option<Token> {
         let found = tokens.windows(3).find(|part| {
             part[0].kind == OpenParen
                 && matches!(part[1].kind, Plus | Star | Slash)
-                && part[1].span.end < part[2].span.start
+                && self.text[part[1].span.end..].starts_with(char::is_whitespace)
         });
         found.map(|part| part[1])
     }
@@ -372,6 +379,40 @@ impl<'a> Words<'a> {
         let mut short = vec![tokens[0]];
         short.extend(&tokens[equals..]);
         short
+    }
+
+    /// Turns Mathematica's `f@x` into `f(x)`, from the last sign to the first, and the braces of
+    /// `\overline{…}` into round brackets.
+    pub(crate) fn apply_signs(self, tokens: &mut Vec<Token>) {
+        if tokens.iter().filter(|token| token.kind == At).count() > MAX_AT_SIGNS {
+            return;
+        }
+        for at in (1..tokens.len()).rev() {
+            if self.word(tokens[at - 1]) == r"\overline"
+                && tokens[at].kind == OpenBrace
+                && let Some(end) = closing(&tokens[at..])
+            {
+                tokens[at].kind = OpenParen;
+                tokens[at + end].kind = CloseParen;
+            }
+            let is_applied = tokens[at].kind == At && tokens[at - 1].kind == TokenKind::Name;
+            let Some(next) = tokens.get(at + 1).filter(|_| is_applied) else { continue };
+            if next.kind == OpenParen {
+                tokens.remove(at);
+                continue;
+            }
+            let mut end = at + 2;
+            while let Some(length) = tokens.get(end..).and_then(closing) {
+                let touches = tokens[end - 1].span.end == tokens[end].span.start;
+                if !touches || !matches!(tokens[end].kind, OpenBracket | OpenParen) {
+                    break;
+                }
+                end += length + 1;
+            }
+            let place = Span::at(tokens[end - 1].span.end);
+            tokens[at] = Token::new(OpenParen, Span::at(tokens[at].span.start));
+            tokens.insert(end, Token::new(CloseParen, place));
+        }
     }
 
     /// Turns the left side `f[x_, y_]` of a definition in Mathematica into `f[x, y]`.

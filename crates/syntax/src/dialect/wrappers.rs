@@ -3,8 +3,14 @@
 use crate::dialect::program_words::Words;
 use crate::lex::token_kind::TokenKind::{self, *};
 
-use crate::lex::token::{Token, bracketed, closing, outside, split};
+use crate::dialect::plot_commands::less;
+use crate::lex::spelling::plain_name;
+use crate::lex::token::{Token, bracketed, closing, in_brackets, outside, split};
 use crate::span::Span;
+use crate::tree::scope::{NameMeaning, built_in};
+
+/// Largest number of tokens after names were replaced by values.
+const MAX_SUBSTITUTED: usize = 10_000;
 
 /// Commands of other systems that only declare names or change settings.
 const SETUP: &[&str] = &[
@@ -32,7 +38,7 @@ const SETUP: &[&str] = &[
 const SETUP_CALLS: &[&str] = &["var", "with", "load", "library", "require", "reset", "kill"];
 
 /// Functions that create symbols.
-const SYMBOLS: &[&str] = &["symbols", "Symbol", "var", "sym", "PolynomialRing"];
+const SYMBOLS: &[&str] = &["symbols", "Symbol", "var", "sym", "PolynomialRing", "require"];
 
 /// Functions that create grids of coordinates.
 const GRIDS: &[&str] = &["meshgrid", "ndgrid", "mgrid", "ogrid"];
@@ -52,10 +58,20 @@ impl Words<'_> {
         let word = self.word(first);
         let opens = next.is_some_and(|next| matches!(next.kind, OpenParen | OpenBracket));
         let is_setting = next.is_some_and(|next| matches!(next.kind, Equals | Colon | Comma));
-        if SETUP.contains(&word) && (next.is_none_or(|next| next.kind.is_name()) || word == "Needs")
+        if word == "template" && next.is_some_and(|next| next.kind == Less) {
+            let end = tokens.iter().position(|token| token.kind == Greater)?;
+            return Some(vec![tokens[end + 1..].to_vec()]);
+        }
+        if word == "SPACE" && next.is_some_and(|next| next.kind == Equals)
+            || word == r"\clean" && opens
+            || SETUP.contains(&word)
+                && (next.is_none_or(|next| next.kind.is_name()) || word == "Needs")
             || SETUP_CALLS.contains(&word) && opens && !is_setting && Self::is_whole_call(tokens)
         {
             return Some(Vec::new());
+        }
+        if let Some(named) = self.named_equation(tokens) {
+            return Some(vec![named]);
         }
         if let Some(equals) = tokens.iter().position(|token| token.kind == Equals)
             && let [callee, open, ..] = &tokens[equals + 1..]
@@ -74,7 +90,7 @@ impl Words<'_> {
             return self.in_braces(tokens).map(|inner| vec![inner]);
         }
         match word {
-            "With" | "Module" | "Block" if opens => return Self::with(tokens),
+            "With" | "Module" | "Block" if opens => return self.with(tokens),
             "function" if next.is_some_and(|next| next.kind == OpenBrace) => {
                 let (inner, rest) = bracketed(&tokens[1..])?;
                 return rest.is_empty().then(|| vec![inner.to_vec()]);
@@ -145,7 +161,43 @@ impl Words<'_> {
         (!rest.is_empty()).then_some(rest)
     }
 
-    /// Splits Mathematica's `formula /. {a -> 2, b -> 3}` into the formula and two definitions.
+    /// Turns `name = left == right` into `name = (left) - (right)`, which a plot then draws.
+    fn named_equation(self, tokens: &[Token]) -> Option<Vec<Token>> {
+        let [name, equals, sides @ ..] = tokens else { return None };
+        let at = outside(sides, Equals).filter(|at| *at > 0 && at + 1 < sides.len())?;
+        let is_named = name.kind == TokenKind::Name
+            && equals.kind == Equals
+            && &self.text[equals.span.range()] != "=="
+            && &self.text[sides[at].span.range()] == "=="
+            && outside(&sides[at + 1..], Equals).is_none();
+        let mut all = vec![*name, *equals];
+        all.extend(less(&sides[..at], &sides[at + 1..]));
+        is_named.then_some(all)
+    }
+
+    /// Replaces names in `tokens` by values. `None` if the result is too long.
+    fn substituted(
+        tokens: &[Token],
+        rules: &[(Token, Vec<Token>)],
+        text: &str,
+    ) -> Option<Vec<Token>> {
+        let mut all = Vec::new();
+        for token in tokens {
+            let typed = &text[token.span.range()];
+            let rule = rules.iter().find(|(name, _)| &text[name.span.range()] == typed);
+            match rule {
+                Some((_, value)) => all.extend(in_brackets(value)),
+                None => all.push(*token),
+            }
+            if all.len() > MAX_SUBSTITUTED {
+                return None;
+            }
+        }
+        Some(all)
+    }
+
+    /// Splits Mathematica's `formula /. {a -> 2, b -> 3}` into the formula and two definitions. A
+    /// coordinate is replaced in the formula instead, which may then use no other definition.
     fn with_rules(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         let is_sign = |pair: &[Token]| {
             pair[0].kind == Slash && &self.text[pair[0].span.to(pair[1].span).range()] == "/."
@@ -154,14 +206,29 @@ impl Words<'_> {
         let rules = &tokens[at + 2..];
         let rules = bracketed(rules).map_or(rules, |(inner, _)| inner);
         let mut all = vec![tokens[..at].to_vec()];
+        let mut substitutions = Vec::new();
         for rule in split(rules, Comma) {
             let [name, minus, arrow, value @ ..] = rule.as_slice() else { return None };
             if minus.kind != Minus || arrow.kind != Greater || !name.kind.is_name() {
                 return None;
             }
+            if name.kind.is_axis() {
+                substitutions.push((*name, value.to_vec()));
+                continue;
+            }
             let mut line = vec![*name, Token::new(Equals, minus.span)];
             line.extend(value);
             all.push(line);
+        }
+        let is_known = |token: &Token| {
+            token.kind != TokenKind::Name
+                || built_in(&plain_name(self.word(*token))) != NameMeaning::Unknown
+        };
+        if !substitutions.is_empty() {
+            let is_read = rules.windows(2).all(|pair| !is_sign(pair))
+                && all.len() == 1
+                && all[0].iter().all(is_known);
+            all[0] = Self::substituted(&all[0], &substitutions, self.text).filter(|_| is_read)?;
         }
         (at > 0).then_some(all)
     }
@@ -264,7 +331,7 @@ impl Words<'_> {
     }
 
     /// The definitions and the body of Mathematica's `With[{a = 2}, body]`.
-    fn with(tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
+    fn with(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         let (inner, rest) = bracketed(&tokens[1..])?;
         let [names, body] = <[_; 2]>::try_from(split(inner, Comma)).ok()?;
         let (names, more) = bracketed(&names).filter(|_| names[0].kind == OpenBrace)?;
@@ -273,6 +340,12 @@ impl Words<'_> {
         }
         let mut all = split(names, Comma);
         all.retain(|tokens| tokens.len() > 1);
+        // A coordinate is replaced in the body, because it cannot be defined.
+        let is_axis = |tokens: &Vec<Token>| tokens[0].kind.is_axis() && tokens[1].kind == Equals;
+        let (axes, mut all): (Vec<_>, Vec<_>) = all.into_iter().partition(is_axis);
+        let rules: Vec<(Token, Vec<Token>)> =
+            axes.into_iter().map(|tokens| (tokens[0], tokens[2..].to_vec())).collect();
+        let body = Self::substituted(&body, &rules, self.text)?;
         all.extend(split(&body, Semicolon));
         Some(all)
     }

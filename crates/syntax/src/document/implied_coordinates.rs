@@ -164,7 +164,8 @@ pub(crate) fn implied(
     for (name, _) in &given {
         scope.imply(name);
     }
-    let built = given.iter().filter_map(|given| define(*given, scope, limits)).collect();
+    let built =
+        given.iter().filter_map(|(name, body)| define(name, &[], body, scope, limits)).collect();
     (built, notes)
 }
 
@@ -208,23 +209,27 @@ fn has_components(text: &str, lines: &[ParsedStatement<'_>], name: &str) -> bool
         line.raw.lexed.tokens.windows(2).any(|pair| {
             pair[0].kind == TokenKind::Name
                 && pair[1].kind == Component
-                && &text[pair[0].span.range()] == name
+                && plain_name(&text[pair[0].span.range()]) == name
         })
     })
 }
 
-/// The statement of an implied definition.
-fn define(
-    (name, body): ImpliedDefinition,
+/// The statement of a definition that is not in the text. Without `parameters`, it names a value.
+pub(crate) fn define(
+    name: &str,
+    parameters: &[&str],
+    body: &str,
     scope: &Scope,
     limits: &Limits,
 ) -> Option<BuiltStatement> {
-    let statements = statements(body, limits).ok()?;
-    let mut builder = Builder::new(body, statements.first()?, scope, &[], limits);
-    let body = builder.only_expression().ok()?;
     let span = Span::default();
-    let name = Name { text: name.to_owned(), span };
-    let definition = Definition { name, parameters: None, body, range: None };
+    let name_of = |text: &str| Name { text: text.to_owned(), span };
+    let parameters: Vec<Name> = parameters.iter().map(|text| name_of(text)).collect();
+    let statements = statements(body, limits).ok()?;
+    let mut builder = Builder::new(body, statements.first()?, scope, &parameters, limits);
+    let body = builder.only_expression().ok()?;
     let used = builder.used;
+    let parameters = Some(parameters).filter(|parameters| !parameters.is_empty());
+    let definition = Definition { name: name_of(name), parameters, body, range: None };
     Some(BuiltStatement { statement: Statement::Define(definition), span, notes: Vec::new(), used })
 }

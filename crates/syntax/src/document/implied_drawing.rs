@@ -55,7 +55,10 @@ pub(crate) fn drawn_by_program(
         let coordinate = |axis| Expr::new(ExprKind::Name(NamedValue::Coordinate(axis)), name.span);
         let point = Axis::ALL.iter().map(|axis| coordinate(*axis)).collect();
         let point = Expr::new(ExprKind::Call(Function::Vector(3), point), name.span);
-        (name, ExprKind::Call(function, vec![point]))
+        let call = ExprKind::Call(function, vec![point]);
+        let first = || Box::new(Expr::new(call.clone(), name.span));
+        let is_vector = program.draws_first_component;
+        (name, if is_vector { ExprKind::Component(first(), "x".to_owned()) } else { call.clone() })
     } else {
         let name = program.last_value.as_ref().filter(|_| program.in_steps)?;
         (name, ExprKind::Name(NamedValue::Defined(name.text.clone())))

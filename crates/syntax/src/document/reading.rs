@@ -1,6 +1,7 @@
 //! Reads a whole text: its surfaces in one graph, parameters, domain, view and notes.
 
 use crate::dialect::program_reader::program;
+use crate::document::foreign_definitions::foreign_definitions;
 use crate::document::heading::heading;
 use crate::document::implied_coordinates;
 use crate::document::implied_drawing::{drawn_by_program, implied_drawing};
@@ -216,6 +217,7 @@ impl<'a> DocumentReader<'a> {
         self.is_y_up = program.is_y_up;
         let mut lines = lines(self.text, &program.statements)?;
         let mut scope = Scope::default();
+        scope.in_degrees = program.in_degrees;
         for (name, _) in self.options.overrides {
             scope.define(name, None);
         }
@@ -234,6 +236,10 @@ impl<'a> DocumentReader<'a> {
             program.in_steps,
             &self.options.limits,
         );
+        self.notes.extend(notes);
+        let (defined, notes) =
+            foreign_definitions(self.text, &lines, &mut scope, &self.options.limits);
+        built.extend(defined);
         self.notes.extend(notes);
         for line in lines {
             let result = if line.pair.as_rule() == Rule::line {

@@ -33,7 +33,8 @@ pub(crate) fn foreign(rest: &str, context: LexContext) -> Option<(TokenKind, usi
         // Constants of Maxima, such as `%pi`.
         '%' if !context.last.is_some_and(TokenKind::ends_operand) || context.touching.is_none() => {
             let word = prefix_length(&rest[1..], is_name_char);
-            matches!(&rest[1..=word], "pi" | "e" | "phi").then_some((TokenKind::Name, 1 + word))
+            matches!(&rest[1..=word], "pi" | "e" | "phi" | "i")
+                .then_some((TokenKind::Name, 1 + word))
         }
         // Coordinates of Houdini, such as `$X`.
         '$' => {
@@ -42,6 +43,10 @@ pub(crate) fn foreign(rest: &str, context: LexContext) -> Option<(TokenKind, usi
             is_axis.then_some((Blank, 1))
         }
         '@' if rest[1..].trim_start().starts_with('(') => Some((At, 1)),
+        // Mathematica's `f@x`.
+        '@' if context.touching == Some(TokenKind::Name) && rest[1..].starts_with(is_name_char) => {
+            Some((At, 1))
+        }
         '@' if rest[1..].starts_with('P') && prefix_length(&rest[1..], is_name_char) == 1 => {
             Some((TokenKind::Name, 2))
         }
@@ -58,9 +63,29 @@ pub(crate) fn foreign(rest: &str, context: LexContext) -> Option<(TokenKind, usi
             if dots == 1 && !is_number && rest[1..].starts_with(['*', '/', '^']) {
                 return Some((Blank, 1));
             }
+            // A function of all elements in Julia, as in `f.(x)`.
+            if context.touching == Some(TokenKind::Name) && rest[1..].starts_with('(') {
+                return Some((Blank, 1));
+            }
             // Mathematica's product of lists, as in `{a, b}.{c, d}`.
             (context.touching == Some(CloseBrace) && rest[1..].starts_with('{'))
                 .then_some((DotProduct, 1))
+        }
+        // The imaginary unit of gnuplot, beside an operator.
+        '{' if rest.starts_with("{0,1}")
+            && (matches!(context.last, Some(Plus | Minus | Star))
+                || context.last == Some(Equals) && start(rest, 2000).contains("splot "))
+            && !rest[5..].starts_with('.') =>
+        {
+            Some((TokenKind::Name, 5))
+        }
+        // A quoted text of a program, such as the color in `color='red'`.
+        '"' | '\'' if let Some(length) = quoted(rest, first, context) => Some((Unknown, length)),
+        // MATLAB's transpose.
+        '\'' if context.touching == Some(CloseParen)
+            && rest[1..].trim_start_matches(' ').starts_with([';', '\n']) =>
+        {
+            Some((Blank, 1))
         }
         // Quotation marks around a formula, which are skipped.
         '"' | '`' | '“' | '”' | '„' => {
@@ -82,6 +107,19 @@ pub(crate) fn foreign(rest: &str, context: LexContext) -> Option<(TokenKind, usi
             Some((token_kind(meant.encode_utf8(&mut buffer))?, length))
         }),
     }
+}
+
+/// Length of the quoted text at the start of `rest`. Such a text is an argument, an option or an
+/// element of a list.
+fn quoted(rest: &str, mark: char, context: LexContext) -> Option<usize> {
+    let begins = match context.last? {
+        OpenParen | OpenBracket | OpenBrace | Comma | Equals | Greater | Colon => true,
+        TokenKind::Name => mark == '\'' && context.touching.is_none(),
+        _ => false,
+    };
+    let line = start(&rest[1..], 400);
+    let end = line[..line_length(line)].find(mark).filter(|_| begins)?;
+    Some(end + 2)
 }
 
 /// Returns whether `rest`, after an optional minus, begins with a divisor: a number, a bracket, or

@@ -93,6 +93,8 @@ pub(crate) fn lex(rest: &str, context: LexContext) -> (TokenKind, usize) {
         'ℯ' | '∇' => (TokenKind::Name, length),
         // After an operand, a degree sign is read as a name.
         '°' if context.last.is_some_and(TokenKind::ends_operand) => (TokenKind::Name, length),
+        // The point of space in TouchDesigner.
+        'm' if rest.starts_with("me.curPos.") => (TokenKind::Name, "me.curPos".len()),
         _ if character.is_alphabetic() => {
             // A name ends after its Unicode subscript.
             let is_below = |c: char| ('₀'..='₉').contains(&c);
@@ -147,6 +149,11 @@ fn comment(rest: &str, context: LexContext) -> Option<usize> {
     if context.starts_line && context.last.is_none() && rest.starts_with('•') {
         return Some('•'.len_utf8());
     }
+    // The prompts of Sage.
+    let prompt = ["....:", "sage:"].into_iter().find(|prompt| rest.starts_with(prompt));
+    if let Some(prompt) = prompt.filter(|_| context.starts_line) {
+        return Some(prompt.len());
+    }
     // A backslash at the end of a line: the next line continues the statement.
     if let Some(blank) = rest.strip_prefix('\\') {
         let blank = blank.strip_prefix('\r').unwrap_or(blank);
@@ -188,7 +195,7 @@ pub(crate) fn method(word: &str) -> Option<&'static str> {
     const ALIKE: &[&str] = &[
         "pow", "sqrt", "cbrt", "abs", "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh",
         "cosh", "tanh", "exp", "ln", "log2", "log10", "floor", "ceil", "round", "recip", "min",
-        "max", "clamp", "hypot", "length", "diff",
+        "max", "clamp", "hypot", "length", "square", "diff",
     ];
     const OTHERS: &[(&str, &str)] =
         &[("powi", "pow"), ("powf", "pow"), ("signum", "sign"), ("norm", "length")];
@@ -341,6 +348,8 @@ fn command(rest: &str, context: LexContext) -> (TokenKind, usize) {
             };
         }
         "boxed" | "fbox" | "ensuremath" if after.starts_with('{') => return (Blank, end),
+        // A command of MathPartner.
+        "implicitPlot" if after.starts_with("3d") => return (TokenKind::Name, end + 2),
         _ if LABELS.contains(&word) && after.starts_with('{') => {
             return (Blank, after.find('}').map_or(rest.len(), |length| end + length + 1));
         }

@@ -112,7 +112,7 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
         // A line that ends with an operator continues on the next line.
         let last = tokens.last().map_or(Blank, |token| token.kind);
         let goes_on = || {
-            (last.is_arithmetic() || last == Caret) && continues(&text[end..])
+            (last.is_arithmetic() || matches!(last, Caret | Equals)) && continues(&text[end..])
                 || must_continue(&text[end..], &tokens)
         };
         match kind {

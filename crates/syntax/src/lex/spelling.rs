@@ -228,8 +228,11 @@ pub(crate) fn plain_name(typed: &str) -> String {
     if typed == "ℯ" {
         return "e".to_owned();
     }
-    if typed == "@P" {
+    if matches!(typed, "@P" | "me.curPos") {
         return "p".to_owned();
+    }
+    if typed == "{0,1}" {
+        return "i".to_owned();
     }
     let typed = &plain_text(typed.strip_prefix('%').unwrap_or(typed));
     let text = typed.strip_prefix('\\').unwrap_or(typed).trim_end_matches('}');

@@ -215,6 +215,12 @@ pub enum ErrorKind {
     Parametric,
     #[error("this plots in coordinates of its own")]
     PlotCoordinates,
+    #[error("the option `{name}` changes the surface, and is not read")]
+    PlotOption { name: String },
+    #[error("the variables of this plot cannot be matched with the coordinates")]
+    PlotVariables,
+    #[error("of a text of {format}, {read}")]
+    Format { format: &'static str, read: &'static str, help: &'static str },
     #[error("this is no equation but the name of a solid")]
     Solid { formula: &'static str },
     #[error("these words are no part of a formula")]

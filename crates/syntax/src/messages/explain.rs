@@ -225,7 +225,10 @@ impl Error {
             BadLook => there_are(&LOOKS.map(|look| look.name)),
             BadSetting { hint, .. } => (*hint).to_owned(),
             BadColorMap => there_are(&COLOR_MAPS.map(|map| map.name)),
-            kind => fixed_advice(kind).or_else(|| list_advice(kind))?.to_owned(),
+            kind => fixed_advice(kind)
+                .or_else(|| list_advice(kind))
+                .or_else(|| foreign_advice(kind))?
+                .to_owned(),
         })
     }
 
@@ -252,6 +255,24 @@ impl Error {
 /// Returns whether a word begins a condition in other languages.
 fn is_clause(word: &str) -> bool {
     matches!(word, "for" | "if" | "where" | "when")
+}
+
+/// Advice on a plot or a text of another system that cannot be read.
+fn foreign_advice(kind: &ErrorKind) -> Option<&'static str> {
+    Some(match kind {
+        PlotOption { .. } => {
+            "write a level into the formula, as in `f - 1`, and a condition behind it in braces: `f {z > 0}`"
+        }
+        PlotVariables => {
+            "write the formula in x, y and z, and the ranges as `domain x in [-2, 2], y in [-1, 1]`"
+        }
+        Format { help, .. } => help,
+        PlotCoordinates => {
+            "write the equation with `rho`, `theta` and `phi` (distance from the origin, angle around z, angle from z), \
+             or with `r`, `theta` and `z`"
+        }
+        _ => return None,
+    })
 }
 
 /// Advice that depends only on the kind of the error.
@@ -309,10 +330,6 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         Degree { .. } => "write it in digits, or the polynomial itself",
         Parametric => {
             "eliminate the parameters: what is a ball for `x = cos u cos v, …` is `x^2 + y^2 + z^2 = 1`"
-        }
-        PlotCoordinates => {
-            "write the equation with `rho`, `theta` and `phi` (distance from the origin, angle around z, angle from z), \
-             or with `r`, `theta` and `z`"
         }
         Solid { formula } => formula,
         InWords => {

@@ -87,7 +87,7 @@ pub enum NoteKind {
     SincOfNumpy,
     #[error("the angle of a point, as in Mathematica: `{read}`")]
     ArcTanOfPoint { read: String },
-    #[error("angles are in radians here; those of OpenSCAD are in degrees: write `radians(a)`")]
+    #[error("the angles of this text are in degrees, as in OpenSCAD")]
     DegreesOfOpenscad,
     #[error("`E` is read as Euler's number e")]
     CapitalE,
@@ -123,6 +123,12 @@ pub enum NoteKind {
     ContainerIgnored,
     #[error("an expression list: drawn is the solid `{name} <= 0`, as in fidget")]
     ExpressionList { name: String },
+    #[error("what only styles the picture, such as `{example}`, is left out")]
+    StyleLeftOut { example: String },
+    #[error("the names of the plot are the coordinates: `{read}`")]
+    PlotNames { read: String },
+    #[error("read as in {system}: `{read}`; for another, define it")]
+    ForeignDefinition { system: &'static str, read: String },
     #[error("further notes omitted")]
     More,
 }
@@ -144,6 +150,7 @@ impl NoteKind {
                 | Self::Remainder
                 | Self::TimeOfShaders { .. }
                 | Self::ProductOfVectors
+                | Self::DegreesOfOpenscad
         )
     }
 }

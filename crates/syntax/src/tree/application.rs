@@ -16,6 +16,9 @@ use crate::tree::scope::{Callee, is_builder, is_variadic};
 use zeroset_ir::NamedConstant;
 use zeroset_ops::Op;
 
+/// Functions of angles. An angle is in degrees in `OpenSCAD`.
+const ANGULAR: &[&str] = &["sin", "cos", "tan", "asin", "acos", "atan", "atan2"];
+
 impl Builder<'_> {
     /// Builds a call of `callee`. The arguments are in brackets. Without brackets, the argument is
     /// the implicit product up to the next function.
@@ -294,12 +297,26 @@ impl Builder<'_> {
             && (before.ends_with("np.") || before.ends_with("numpy."))
         {
             // In numpy, `sinc(a)` is sin(πa)/(πa).
-            let pi = ExprKind::Name(NamedValue::Constant(NamedConstant::Pi));
-            let pi = Expr::new(pi, argument.span);
-            *argument = product_of([pi, argument.clone()])?;
+            *argument = product_of([pi_at(argument.span), argument.clone()])?;
             self.note(span.to(place), NoteKind::SincOfNumpy);
         }
-        Ok(Expr::new(ExprKind::Call(function, arguments), span.to(place)))
+        let call = |arguments| Expr::new(ExprKind::Call(function, arguments), span.to(place));
+        if let Callee::BuiltIn(name) = callee
+            && self.scope.in_degrees
+            && ANGULAR.contains(&name.as_str())
+        {
+            self.note(span, NoteKind::DegreesOfOpenscad);
+            let half = |place| [Expr::of_digits("180", place), pi_at(place)];
+            if matches!(name.as_str(), "sin" | "cos" | "tan") {
+                let argument = arguments.remove(0);
+                let [degrees, radians] = half(argument.span);
+                arguments.insert(0, product_of([argument, radians])?.over(degrees, place));
+            } else {
+                let [degrees, radians] = half(place);
+                return Ok(product_of([call(arguments), degrees])?.over(radians, span.to(place)));
+            }
+        }
+        Ok(call(arguments))
     }
 
     /// Adds a note if other languages define the function differently.
@@ -329,6 +346,11 @@ impl Builder<'_> {
         };
         Error::new(span.to(place), kind)
     }
+}
+
+/// The constant pi, with its place.
+fn pi_at(place: Span) -> Expr {
+    Expr::new(ExprKind::Name(NamedValue::Constant(NamedConstant::Pi)), place)
 }
 
 /// The logarithm of `argument` to `base`: ln(argument)/ln(base).

@@ -220,6 +220,8 @@ fn unknown_character(text: &str, span: Span) -> Box<Error> {
     }
     let character = match typed {
         r"\pm" | r"\mp" => '±',
+        // A quoted text is one token, whatever its quotation marks are.
+        _ if typed.len() > 1 && typed.starts_with('\'') => '"',
         _ => typed.chars().next().unwrap_or('?'),
     };
     let error = Error::new(span, ErrorKind::UnexpectedCharacter { character });

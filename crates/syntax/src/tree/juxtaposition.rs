@@ -149,7 +149,8 @@ impl Builder<'_> {
         }
         let behind = self.text[span.end..].trim_start_matches(BLANKS);
         let behind = behind.strip_prefix(r"\left").unwrap_or(behind);
-        if behind.starts_with(['(', '[']) || behind.starts_with(r"\begin{") {
+        let is_applied = behind.starts_with(['(', '[', '@']) || name == "overline";
+        if is_applied || behind.starts_with(r"\begin{") {
             let form = self.scope.form(&name, &self.locals).map(SpecialCall::Form);
             let elsewhere = || {
                 let kind =

@@ -16,6 +16,8 @@ pub(crate) struct Scope {
     implied: Vec<&'static str>,
     /// True if internal operations may be called, which only the language's own prelude may do.
     internal: bool,
+    /// True if the trigonometry of the text is in degrees, as in `OpenSCAD`.
+    pub in_degrees: bool,
 }
 
 /// Largest size of a name that is tried as a product of letters, in bytes.
@@ -38,6 +40,9 @@ const FOREIGN_NAMES: &[(&str, &str)] = &[
     ("lg", "log10"),
     ("M_PI", "pi"),
     ("M_E", "e"),
+    ("cabs", "abs"),
+    ("max_symbolic", "max"),
+    ("min_symbolic", "min"),
 ];
 
 /// The meaning of `name` in this language alone. Names from other languages have no meaning.
@@ -162,7 +167,7 @@ impl Scope {
             (_, Some(Some(_))) => None,
             (_, None) => match canonical(name).filter(|name| self.implied.contains(name)) {
                 Some(name) => Some(NamedValue::Defined(name.to_owned())),
-                None if matches!(name, "i" | "I" | "ⅈ") => Some(NamedValue::ImaginaryUnit),
+                None if matches!(name, "i" | "I" | "ⅈ" | "ί") => Some(NamedValue::ImaginaryUnit),
                 None => named_constant(name).map(NamedValue::Constant),
             },
         }
@@ -187,6 +192,7 @@ impl Scope {
         if self.is_defined(name) || locals.iter().any(|local| local.text == name) {
             return None;
         }
+        let name = if name == "overline" { "conj" } else { name };
         form(name).or_else(|| form(&name.to_lowercase()))
     }
 

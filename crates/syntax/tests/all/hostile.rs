@@ -327,3 +327,65 @@ fn programs_are_bounded() {
     error("p.x = ".repeat(5_000));
     accepted("r == theta + rho + phi\n".repeat(900));
 }
+
+/// Texts of other systems that are long, or end early. Each must be read or refused within a second.
+#[test]
+fn texts_of_other_systems_are_bounded() {
+    let many = |part: &str| part.repeat(20_000);
+    let long = [
+        format!("x{}", many("@x")),
+        format!("implicit_plot3d(lambda {}: x)", many("a, ")),
+        format!("ContourPlot3D[x, Contours -> {{{}1}}]", many("1, ")),
+        format!("ContourPlot3D[{{{}1}}, Contours -> {{1, 2}}]", many("x, ")),
+        format!("{}x == z /. x -> {}x", many("x + "), many("x + ")),
+        format!("a = [{}1 2]\n{}", many("1*"), many("a ")),
+        format!("f(x, y, z) = x\nimplicit_plot3d({}f)", many("f + ")),
+        format!("(+ {} 1)", many("x ")),
+        format!("(define-shape (a x y z) (let ({}) x))", many("(a x)")),
+        format!("template<typename T>\n{}", many("T\n")),
+        format!("[X, Y] = meshgrid(t, t)\n{}", many("a = 1:2\n")),
+        format!("{}plot3d(x)", many("a = ")),
+        format!("\\overline{{{}x}}", many("x + ")),
+    ];
+    let short = [
+        "= [1 2]",
+        "[X,Y] = meshgrid()",
+        "[a,b,c,d] = meshgrid(1:2)",
+        "splot",
+        "set xrange [1:]",
+        "ContourPlot3D[]",
+        "Re@",
+        "@x",
+        "f@@x",
+        "function f(x)",
+        "torus(x;) = 3",
+        "f = function { }",
+        "{\"Fxyz\"",
+        "{\"Fxyz\": [\"",
+        "{\"Fxyz\": [\"é\"], \"Xmin\": [\"\"]}",
+        "type=implicit;",
+        "type=implicit;equation=~;xmin=",
+        "(define",
+        "(define-shape)",
+        "(define-shape (a) 1)",
+        "(+)",
+        "(lambda-shape)",
+        "(set-bounds! [] [])\n(define-shape (a x y z) x)",
+        "With[{x = }, x]",
+        "plot3d(lambda x: )",
+        "fsurf(@(x,y) {return})",
+        "isosurface { function { } }",
+        "x /. x ->",
+        "contour([1], )",
+        "a.contour([1])",
+        "a.contour()",
+        "{0,1}",
+        "x + {0,1}",
+        "f.()",
+        "....:",
+        "sage:",
+    ];
+    for text in long.iter().map(String::as_str).chain(short) {
+        let _ = read(text, &Options::default());
+    }
+}

@@ -1,0 +1,80 @@
+//! Reads texts that are no programs: files of `MathMod` and `CalcPlot3D`. Their formulas are
+//! scanned in a copy of the text in which all else is blank, so places stay the same.
+
+use crate::dialect::plot_arguments::PlotRange;
+use crate::dialect::program_words::Words;
+use crate::dialect::scheme::scheme;
+use crate::lex::scanner::scan;
+use crate::lex::token::Token;
+use crate::lex::token_kind::TokenKind::{Equals, X, Y, Z};
+use crate::limits::Limits;
+use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::messages::note::Note;
+use crate::span::Span;
+use std::ops::Range;
+
+/// The statements of a text of another format, and a note on its domain.
+pub(crate) type ForeignText = (Vec<Vec<Token>>, Option<Note>);
+
+/// Reads a text of another format; `None` for any other text.
+pub(crate) fn foreign_text(text: &str, limits: &Limits) -> Fallible<Option<ForeignText>> {
+    let is_mathmod = text.trim_start().starts_with('{') && text.contains("\"Fxyz\"");
+    if !is_mathmod && !text.starts_with("type=implicit;") {
+        return scheme(text, limits);
+    }
+    let lower = text.to_ascii_lowercase();
+    let find = |key: &str| if is_mathmod { string(&lower, key) } else { setting(&lower, key) };
+    let has_more = is_mathmod
+        && ["const", "funct", "varu", "cnd"]
+            .iter()
+            .any(|key| lower.contains(&format!("\"{key}\"")));
+    let formula = find(if is_mathmod { "fxyz" } else { "equation" }).filter(|_| !has_more);
+    let Some(formula) = formula else {
+        let kind = ErrorKind::Format {
+            format: "MathMod",
+            read: "only one `Fxyz` without constants and functions is read",
+            help: "paste one formula of `Fxyz` alone, and each constant as a line `a = 1`",
+        };
+        return Err(Error::new(Span::at(0), kind));
+    };
+    // `CalcPlot3D` writes `~` for the equals sign.
+    let sign = text[formula.clone()].find('~').map_or(formula.end, |at| formula.start + at);
+    let mut statement = part(text, formula.start..sign, limits)?;
+    if sign < formula.end {
+        statement.push(Token::new(Equals, Span::new(sign, sign + 1)));
+        statement.extend(part(text, sign + 1..formula.end, limits)?);
+    }
+    let (mut ranges, mut axes) = (Vec::new(), Vec::new());
+    for (axis, letter) in [(X, 'x'), (Y, 'y'), (Z, 'z')] {
+        let ends = ["min", "max"].map(|end| find(&format!("{letter}{end}")));
+        if let [Some(low), Some(high)] = ends {
+            let (low, high) = (part(text, low, limits)?, part(text, high, limits)?);
+            ranges.push(PlotRange { name: None, low, high });
+            axes.push(axis);
+        }
+    }
+    let (domain, note) = Words { text }.domain(&ranges, &axes, statement[0].span);
+    Ok(Some((std::iter::once(statement).chain(domain).collect(), note)))
+}
+
+/// The only string in `"key": ["string"]`.
+fn string(text: &str, key: &str) -> Option<Range<usize>> {
+    let at = text.find(&format!("\"{key}\""))? + key.len() + 2;
+    let open = at + text[at..].find('"')? + 1;
+    let close = open + text[open..].find('"')?;
+    text[close + 1..].trim_start().starts_with(']').then_some(open..close)
+}
+
+/// The value in `;key=value;`.
+fn setting(text: &str, key: &str) -> Option<Range<usize>> {
+    let at = text.find(&format!(";{key}="))? + key.len() + 2;
+    Some(at..at + text[at..].find([';', '\n', '&']).unwrap_or(text.len() - at))
+}
+
+/// The tokens of a part of the text, which must be one statement.
+fn part(text: &str, range: Range<usize>, limits: &Limits) -> Fallible<Vec<Token>> {
+    let kept = format!("{}{}", " ".repeat(range.start), &text[range.clone()]);
+    let mut statements = scan(&kept, limits)?;
+    let only = statements.pop().filter(|_| statements.is_empty());
+    only.ok_or_else(|| Error::new(Span::new(range.start, range.end), ErrorKind::Unfinished))
+}

@@ -1,0 +1,62 @@
+//! Recognizes statements of other systems that only style or show a picture.
+
+use crate::dialect::program_words::Words;
+use crate::lex::token::{Token, bracketed, closing};
+use crate::lex::token_kind::TokenKind::*;
+
+/// Words before the options of a command, as in `axis equal` and `title('A surface')`.
+const COMMANDS: &str = "axis colormap shading lighting camlight material colorbar grid box title \
+    xlabel ylabel zlabel xlim ylim zlim daspect pbaspect print fig2plotly set unset pause disp \
+    drawnow rotate3d figure hold axes light legend view Export size subplot Graphics3d clf";
+
+/// Objects whose members only style or show a picture.
+const OBJECTS: &[&str] = &["plt", "ax", "fig", "console", "settings", "plotter", "pl", "display"];
+
+/// Methods that only show or save a picture.
+const METHODS: &[&str] = &["show", "save", "savefig", "print"];
+
+impl Words<'_> {
+    /// Returns whether a statement only styles or shows a picture.
+    pub(crate) fn is_style(self, tokens: &[Token]) -> bool {
+        let Some((first, rest)) = tokens.split_first() else { return false };
+        let word = self.word(*first);
+        if let [dot, name, ..] = rest
+            && self.is_dot(*dot)
+            && name.kind.is_name()
+        {
+            let is_plot = matches!(self.word(*name), "plot" | "scatter" | "contour");
+            return OBJECTS.contains(&word) && !is_plot || self.is_style_tail(rest);
+        }
+        if !COMMANDS.split(' ').any(|command| command == word) {
+            return false;
+        }
+        let has_text = || rest.iter().any(|token| token.kind == Unknown);
+        let is_formula = |token: &Token| {
+            token.kind.is_operator() && !matches!(token.kind, Comma | Minus) || token.kind == Caret
+        };
+        match rest.first() {
+            None => !first.kind.is_setting() && word != "box",
+            Some(next) if next.kind == OpenParen => {
+                closing(rest).is_some_and(|end| end + 1 == rest.len())
+                    && (!matches!(word, "box" | "grid" | "axes" | "light") || has_text())
+            }
+            // A word of this language's settings takes other words too.
+            Some(next) => {
+                let is_option = next.kind.is_name() && !first.kind.is_setting();
+                (is_option || next.kind == Unknown) && !rest.iter().any(is_formula)
+            }
+        }
+    }
+
+    /// Returns whether `tokens`, after a plot, only show or save it, as in `.save("a.png")`.
+    pub(crate) fn is_style_tail(self, tokens: &[Token]) -> bool {
+        match tokens {
+            [] => true,
+            [end] if matches!(end.kind, Unknown | Colon) => true,
+            [dot, name, rest @ ..] if self.is_dot(*dot) && METHODS.contains(&self.word(*name)) => {
+                bracketed(rest).is_some_and(|(_, rest)| self.is_style_tail(rest))
+            }
+            _ => false,
+        }
+    }
+}
