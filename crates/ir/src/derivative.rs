@@ -59,14 +59,14 @@ fn partials<const N: usize>(
         if let Some(leaf) = number(id, &node) {
             partials[id.index()][leaf] = one;
         } else if let Node::Apply(op, operands) = node {
-            for leaf in 0..N {
+            partials[id.index()] = std::array::from_fn(|leaf| {
                 let inner: Vec<NodeId> =
                     operands.iter().map(|o| partials[o.index()][leaf]).collect();
                 if inner.iter().all(|d| is_zero(graph, *d)) {
-                    continue;
+                    return zero;
                 }
-                partials[id.index()][leaf] = chain(graph, op, &operands, &inner);
-            }
+                chain(graph, op, &operands, &inner)
+            });
         }
     }
     partials[root.index()]
@@ -77,7 +77,7 @@ pub fn substitute(graph: &mut Graph, root: NodeId, leaf: NodeId, value: NodeId) 
     let mut copies: FxHashMap<NodeId, NodeId> = FxHashMap::from_iter([(leaf, value)]);
     for id in graph.needed_by(root) {
         if let Node::Apply(op, operands) = graph.node(id) {
-            let (op, operands) = (*op, operands.clone());
+            let (op, operands) = (*op, *operands);
             if operands.iter().any(|operand| copies.contains_key(operand)) {
                 let copied: Vec<NodeId> = operands
                     .iter()

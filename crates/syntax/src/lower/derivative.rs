@@ -142,7 +142,7 @@ impl<'a> Lowering<'a> {
             Differential::GaussianCurvature => {
                 let rows = [0, 1, 2].map(|row| self.gradient(gradient[row], span));
                 let [x, y, z] = rows;
-                self.gaussian_curvature(gradient, [x?, y?, z?]).map(Tensor::Number)
+                Ok(Tensor::Number(self.gaussian_curvature(gradient, [x?, y?, z?])))
             }
         }
     }
@@ -157,11 +157,7 @@ impl<'a> Lowering<'a> {
 
     /// The Gaussian curvature: the product of the gradient, the adjugate of the Hessian matrix and
     /// the gradient, divided by the fourth power of the gradient's length.
-    fn gaussian_curvature(
-        &mut self,
-        gradient: [NodeId; 3],
-        hessian: [[NodeId; 3]; 3],
-    ) -> Fallible<NodeId> {
+    fn gaussian_curvature(&mut self, gradient: [NodeId; 3], hessian: [[NodeId; 3]; 3]) -> NodeId {
         let mut terms = Vec::new();
         for (i, row) in hessian.iter().enumerate() {
             for j in 0..row.len() {
@@ -178,7 +174,7 @@ impl<'a> Lowering<'a> {
         let squares = self.squares(&gradient);
         let two = self.graph.integer(2);
         let fourth = self.graph.apply(Op::Pow, &[squares, two]);
-        Ok(self.graph.apply(Op::Div, &[sum, fourth]))
+        self.graph.apply(Op::Div, &[sum, fourth])
     }
 
     /// The derivatives of a node by x, y and z.

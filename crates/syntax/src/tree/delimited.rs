@@ -8,7 +8,7 @@ use crate::tree::ast::{Chain, Expr, ExprKind, Function};
 use crate::tree::builder::{Builder, number_only, quotient_of};
 use crate::tree::grammar::{Pair, Rule, first_kind};
 use crate::tree::scope::Callee;
-use zeroset_ops::{Op, VectorFunction};
+use zeroset_ops::{Differential, Op, VectorFunction};
 
 /// Beginnings of double bars, which mean the same as single bars, except around a matrix.
 const DOUBLE_BARS: &[&str] = &[r"\begin{V", r"\|", r"\left\|", "‖", r"\lVert", r"\Vert"];
@@ -144,7 +144,10 @@ fn vulgar_fraction(typed: &str, span: Span) -> Fallible<Expr> {
 /// Returns whether an expression is a vector by its form alone, without regard to definitions.
 pub(crate) fn is_vector(expr: &Expr) -> bool {
     match &expr.kind {
-        ExprKind::Call(Function::Vector(_), _) => true,
+        ExprKind::Call(
+            Function::Vector(_) | Function::OfDerivatives(Differential::Gradient),
+            _,
+        ) => true,
         ExprKind::Component(_, letters) => letters.len() > 1,
         // An operation on a vector gives a vector.
         ExprKind::Call(Function::Native(_), arguments) => arguments.iter().any(is_vector),

@@ -176,7 +176,7 @@ impl Builder<'_> {
     ) -> Fallible<Expr> {
         if let Some(FactorItem::Function(callee, at)) = items.front()
             && !matches!(items.get(1), Some(FactorItem::Group(_)))
-            && let Some(call) = self.at_point(&callee.name().to_owned(), *at)
+            && let Some(call) = self.at_point(callee.name(), *at)
         {
             items.pop_front();
             return Ok(call);

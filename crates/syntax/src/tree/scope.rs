@@ -208,7 +208,9 @@ impl Scope {
             Callee::Numbered(name, _) => {
                 let mut forms = signatures(name, false).0;
                 forms.retain(|form| form.count == 2);
-                forms.iter_mut().for_each(|form| form.count = 1);
+                for form in &mut forms {
+                    form.count = 1;
+                }
                 Signatures(forms)
             }
             Callee::Derived(function, order) => {

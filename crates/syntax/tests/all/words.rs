@@ -224,7 +224,8 @@ fn words_are_read_as_meant_or_refused_with_a_way_out() {
     assert!(report.is_empty(), "{count} of {} rows:\n\n{report}", rows.len());
 }
 
-/// Rows of the fourth corpus are read as meant, or refused. None is read otherwise.
+/// Rows of the fourth corpus are read as meant, or refused. None is read otherwise. Refused are
+/// curves, and functions without proven bounds.
 #[test]
 fn the_fourth_list_is_read_as_meant_with_few_exceptions() {
     let points = points();
@@ -241,7 +242,7 @@ fn the_fourth_list_is_read_as_meant_with_few_exceptions() {
         writeln!(report, "{}\n{}\n{what}\n", row.place, row.text).unwrap();
     }
     assert!(wrongly.is_empty(), "{wrongly}\n==== refused\n{refused}{as_meant}");
-    assert!(as_meant * 100 >= rows.len() * 84, "{as_meant} of {}:\n\n{refused}", rows.len());
+    assert!(as_meant * 100 >= rows.len() * 85, "{as_meant} of {}:\n\n{refused}", rows.len());
 }
 
 #[test]
@@ -251,7 +252,7 @@ fn the_corpus_is_as_wide_as_it_must_be() {
     let pages = rows.iter().filter(|row| row.is_from_a_page).count();
     assert!(rows.len() >= 300, "{} rows", rows.len());
     assert!(pages >= 60, "{pages} from pages");
-    assert!(read * 100 >= rows.len() * 84, "{read} of {} are to be read", rows.len());
+    assert!(read * 100 >= rows.len() * 95, "{read} of {} are to be read", rows.len());
     for style in
         ["desmos", "mathematica", "glsl", "python", "latex", "sympy", "geogebra", "openscad"]
     {
