@@ -12,8 +12,8 @@ use std::sync::Arc;
 use zeroset_eval::{Kernel, LANES, Points, Sample, Values};
 use zeroset_scene::choices::Choice;
 
-/// Share of all tetrahedra that may fail the proof at a time. If more do, those of the smallest size
-/// among them are not split any more.
+/// Share of all tetrahedra that may fail the proof at a time. If more do, those of the smallest
+/// size among them are not split any more.
 const MOST_FAILING: f64 = 0.2;
 /// Size of the tetrahedra that are not split for the proof, as a share of the domain's longest
 /// edge.
@@ -55,8 +55,8 @@ pub struct Limits {
     pub tolerance: f64,
     /// The domain's longest edge, in world units.
     pub extent: f64,
-    /// Number of tetrahedra beyond which none is split for the distance. For the proof of the shape,
-    /// it is twice as many.
+    /// Number of tetrahedra beyond which none is split for the distance. For the proof of the
+    /// shape, it is twice as many.
     pub most_cells: usize,
 }
 

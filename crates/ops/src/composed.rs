@@ -8,8 +8,8 @@ pub struct Composed {
     pub name: &'static str,
     /// Other names that formulas may use for the function.
     pub aliases: &'static [&'static str],
-    /// Parameter names, as used in `body`. `n` and `m` stand for constant whole numbers of which m is
-    /// not above n.
+    /// Parameter names, as used in `body`. `n` and `m` stand for constant whole numbers of which m
+    /// is not above n.
     pub parameters: &'static [&'static str],
     /// The formula. A name in it always means the built-in function or constant, even if the user
     /// redefines that name. The formula may call internal operations of the table.

@@ -73,7 +73,8 @@ impl Words<'_> {
         Ok(Some((names, condition)))
     }
 
-    /// The ranges in arguments after the formula, such as `{x, -2, 2}`, `x = -2..2`, `x, -2, 2` and `[-2 2 -1 1]`.
+    /// The ranges in arguments after the formula, such as `{x, -2, 2}`, `x = -2..2`, `x, -2, 2` and
+    /// `[-2 2 -1 1]`.
     pub(crate) fn ranges(self, arguments: &[Vec<Token>]) -> Vec<PlotRange> {
         let variable = |part: &[Token]| match part {
             [only] if only.kind.is_name() => Some(*only),

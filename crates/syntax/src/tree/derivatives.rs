@@ -12,7 +12,7 @@ use crate::tree::special_forms::{descend_to, tuple};
 use zeroset_ops::Differential;
 
 /// Largest order of a derivative.
-const MAX_ORDER: usize = 20;
+pub(crate) const MAX_ORDER: usize = 20;
 
 /// An operator before a function, such as ∂/∂x or ∇.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -218,8 +218,8 @@ impl Builder<'_> {
         true
     }
 
-    /// The variables of an operator such as `\frac{\partial^2}{\partial x \partial y}` or d/dx: each
-    /// letter after a `d` or `∂` below the line, as often as its exponent says.
+    /// The variables of an operator such as `\frac{\partial^2}{\partial x \partial y}` or d/dx:
+    /// each letter after a `d` or `∂` below the line, as often as its exponent says.
     fn variables(&self, span: Span) -> Fallible<Vec<NamedValue>> {
         let typed = &self.text[span.range()];
         let below = typed.rsplit_once(['/', '{']).map_or(typed, |(_, below)| below);

@@ -13,7 +13,7 @@ use crate::span::Span;
 use crate::tree::ast::{Expr, ExprKind, LETTERS, NamedValue};
 use crate::tree::builder::{Builder, Signs, number_only, root_text};
 use crate::tree::delimited::native;
-use crate::tree::derivatives::{Operator, operator};
+use crate::tree::derivatives::{MAX_ORDER, Operator, operator};
 use crate::tree::foreign_functions::{ForeignFunction, foreign_function};
 use crate::tree::grammar::{Pair, Pairs, Rule};
 use crate::tree::scope::{Callee, NameMeaning, coordinate, meaning, numbered, read_as};
@@ -250,7 +250,12 @@ impl Builder<'_> {
         span: Span,
         items: &mut FactorItems<'_>,
     ) -> Fallible<()> {
-        let order = typed[function.len()..].chars().map(|c| 1 + u8::from(c == '″')).sum();
+        let primes: usize =
+            typed[function.len()..].chars().map(|c| 1 + usize::from(c == '″')).sum();
+        let order = u8::try_from(primes).ok().filter(|_| primes <= MAX_ORDER);
+        let Some(order) = order else {
+            return Err(Error::new(span, ErrorKind::DerivativeOrder { limit: MAX_ORDER }));
+        };
         let name = plain_name(function);
         match self.scope.meaning(&name, &self.locals) {
             NameMeaning::Function(callee) if !matches!(callee, Callee::Logarithm(_)) => {

@@ -230,8 +230,8 @@ fn is_value(
     })
 }
 
-/// Returns whether a left side can be defined. A name made of coordinates, such as `xy`, cannot, nor
-/// can an operator such as ∂/∂x.
+/// Returns whether a left side can be defined. A name made of coordinates, such as `xy`, cannot,
+/// nor can an operator such as ∂/∂x.
 fn may_define(head: &Head) -> bool {
     let name = head.name.text.as_str();
     if name == "t" {

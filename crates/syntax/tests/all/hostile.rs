@@ -328,7 +328,8 @@ fn programs_are_bounded() {
     accepted("r == theta + rho + phi\n".repeat(900));
 }
 
-/// Texts of other systems that are long, or end early. Each must be read or refused within a second.
+/// Texts of other systems that are long, or end early. Each must be read or refused within a
+/// second.
 #[test]
 fn texts_of_other_systems_are_bounded() {
     let many = |part: &str| part.repeat(20_000);
@@ -387,5 +388,72 @@ fn texts_of_other_systems_are_bounded() {
     ];
     for text in long.iter().map(String::as_str).chain(short) {
         let _ = read(text, &Options::default());
+    }
+}
+
+/// Derivatives and complex numbers that grow, nest or end early. Each is read or refused within
+/// seconds, on a small stack.
+#[test]
+fn derivatives_and_complex_numbers_are_bounded() {
+    let many = |part: &str, times: usize| part.repeat(times);
+    let texts = [
+        format!("f(a) = a^2\nf{}(x)", many("'", 300)),
+        format!("f(a) = a^2\nf{}(x)", many("″", 300)),
+        "diff(tan(tan(tan(x))), x, 20)".to_owned(),
+        "diff(x^x^x*exp(x*y*z)/sin(x), x, x, x, x, x, x, x, x, x, x, x, x)".to_owned(),
+        format!("{}x{}", many("diff(", 150), many(", x)", 150)),
+        format!("{}x{}", many("curvature(", 12), many(")", 12)),
+        format!("{}sin(x){}", many("offset(", 12), many(", 0.1)", 12)),
+        "f(a) = a^9*sin(a)\ng(a) = f'(a)*f(a)\nh(a) = g''(a)\nh'''(x)".to_owned(),
+        "f(u, v) = diff(u^2*v, u)\ng(v) = f(v, v)\ng'(x)".to_owned(),
+        "diff(x, diff(x, x))".to_owned(),
+        "diff(x)".to_owned(),
+        "diff()".to_owned(),
+        "diff(x, 2)".to_owned(),
+        "diff(x, x, 99999999999999999999)".to_owned(),
+        "diff(x, e)".to_owned(),
+        "diff(x, i)".to_owned(),
+        "d/d".to_owned(),
+        "d/dé(x)".to_owned(),
+        "∂/∂".to_owned(),
+        "∂/∂x".to_owned(),
+        r"\frac{d}{dx}".to_owned(),
+        r"\frac{d}{d".to_owned(),
+        r"\frac{∂^2}{∂}x".to_owned(),
+        r"\nabla".to_owned(),
+        "∇²".to_owned(),
+        format!("{}x", many("∇", 300)),
+        format!("{}x", many("∂/∂x ", 300)),
+        "f' = 2".to_owned(),
+        "x'(2)".to_owned(),
+        "abs((x + i y)^1000)".to_owned(),
+        "abs((x + i y)^(10^30))".to_owned(),
+        "abs((x + i)^(-1000))".to_owned(),
+        format!("abs({}x + i{})", many("sin(", 100), many(")", 100)),
+        "f(w) = w^w\nabs(iterate(f, 1000, x + i y))".to_owned(),
+        "re(spherical_harmonic(100, 100, x, y))".to_owned(),
+        "legendre(101, x)".to_owned(),
+        "legendre(x, x)".to_owned(),
+        "legendre(2, 5, x)".to_owned(),
+        "hermite(-1, x)".to_owned(),
+        "T_99999999999999999999(x)".to_owned(),
+        "quat(x, y, z, i)".to_owned(),
+        "vec3(i, x, y)".to_owned(),
+        "min(i, x)".to_owned(),
+        "i < 2".to_owned(),
+        "{i: x, y}".to_owned(),
+        "mat2(i)*vec2(x, y)".to_owned(),
+        "quat(x, y, z, 1)^0.5".to_owned(),
+        "sum(k = 1..i, x)".to_owned(),
+        "sphere(i)".to_owned(),
+    ];
+    for text in texts {
+        let shown: String = text.chars().take(60).collect();
+        println!("{shown}");
+        on_a_small_stack(move || {
+            if let Err(errors) = read(&text, &Options::default()) {
+                errors.render(None, &text, false);
+            }
+        });
     }
 }
