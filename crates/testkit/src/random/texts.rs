@@ -60,7 +60,8 @@ impl Text<'_> {
                     _ => self.number(inner),
                 });
                 let given: Vec<String> = given.collect();
-                format!("{}({})", row.name, given.join(", "))
+                // Some composed functions are complex. `re` changes no real number.
+                format!("re({}({}))", row.name, given.join(", "))
             }
             5 => format!("length({})", self.vector(inner)),
             6 => self.builder(inner),
