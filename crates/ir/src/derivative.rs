@@ -50,41 +50,40 @@ fn partials<const N: usize>(
     root: NodeId,
     number: impl Fn(NodeId, &Node) -> Option<usize>,
 ) -> [NodeId; N] {
-    let ids = graph.needed_by(root);
+    let ids = graph.needed(&[root]);
     let (zero, one) = (graph.integer(0), graph.integer(1));
-    // `partials` ends with the root: nodes that the rules add are not differentiated.
-    let mut partials = vec![[zero; N]; root.index() + 1];
+    // Nodes that are not in the map have the derivative 0.
+    let mut partials: FxHashMap<NodeId, [NodeId; N]> = FxHashMap::default();
     for id in ids {
         let node = graph.node(id).clone();
+        let mut own = [zero; N];
         if let Some(leaf) = number(id, &node) {
-            partials[id.index()][leaf] = one;
+            own[leaf] = one;
         } else if let Node::Apply(op, operands) = node {
-            partials[id.index()] = std::array::from_fn(|leaf| {
-                let inner: Vec<NodeId> =
-                    operands.iter().map(|o| partials[o.index()][leaf]).collect();
-                if inner.iter().all(|d| is_zero(graph, *d)) {
-                    return zero;
+            for (leaf, own) in own.iter_mut().enumerate() {
+                let partial = |o: &NodeId| partials.get(o).map_or(zero, |all| all[leaf]);
+                let inner: Vec<NodeId> = operands.iter().map(partial).collect();
+                if !inner.iter().all(|d| is_zero(graph, *d)) {
+                    *own = chain(graph, op, &operands, &inner);
                 }
-                chain(graph, op, &operands, &inner)
-            });
+            }
+        }
+        if own != [zero; N] {
+            partials.insert(id, own);
         }
     }
-    partials[root.index()]
+    partials.get(&root).copied().unwrap_or([zero; N])
 }
 
 /// Adds a copy of `root` in which `value` takes the place of `leaf`, and returns its node.
 pub fn substitute(graph: &mut Graph, root: NodeId, leaf: NodeId, value: NodeId) -> NodeId {
     let mut copies: FxHashMap<NodeId, NodeId> = FxHashMap::from_iter([(leaf, value)]);
-    for id in graph.needed_by(root) {
-        if let Node::Apply(op, operands) = graph.node(id) {
-            let (op, operands) = (*op, *operands);
-            if operands.iter().any(|operand| copies.contains_key(operand)) {
-                let copied: Vec<NodeId> = operands
-                    .iter()
-                    .map(|operand| copies.get(operand).copied().unwrap_or(*operand))
-                    .collect();
-                let copy = graph.apply(op, &copied);
-                copies.insert(id, copy);
+    for id in graph.needed(&[root]) {
+        if let Node::Apply(op, operands) = *graph.node(id) {
+            let copy = |operand: &NodeId| copies.get(operand).copied().unwrap_or(*operand);
+            let copied: Vec<NodeId> = operands.iter().map(copy).collect();
+            if copied != operands[..] {
+                copies.insert(id, graph.apply(op, &copied));
             }
         }
     }

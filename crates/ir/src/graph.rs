@@ -3,7 +3,7 @@
 use crate::constant::Constant;
 use hashbrown::HashTable;
 use num_rational::BigRational;
-use rustc_hash::FxBuildHasher;
+use rustc_hash::{FxBuildHasher, FxHashSet};
 use std::hash::BuildHasher;
 use std::sync::Arc;
 use zeroset_ops::Op;
@@ -228,7 +228,22 @@ impl Graph {
         id
     }
 
-    /// All nodes that `root` needs, itself included. Operands precede the nodes that use them.
+    /// All nodes that `roots` need, themselves included, in order: operands precede the nodes that
+    /// use them. It takes time in proportion to these nodes, whatever the size of the graph.
+    pub fn needed(&self, roots: &[NodeId]) -> Vec<NodeId> {
+        let mut open = roots.to_vec();
+        let mut needed: FxHashSet<NodeId> = open.iter().copied().collect();
+        while let Some(id) = open.pop() {
+            if let Node::Apply(_, operands) = self.node(id) {
+                open.extend(operands.iter().filter(|operand| needed.insert(**operand)));
+            }
+        }
+        let mut needed: Vec<NodeId> = needed.into_iter().collect();
+        needed.sort_unstable();
+        needed
+    }
+
+    /// As [`Self::needed`] for one root, faster where it needs most of the graph.
     pub(crate) fn needed_by(&self, root: NodeId) -> Vec<NodeId> {
         let needed = self.reachable(&[root]);
         self.iter().map(|(id, _)| id).filter(|id| needed[id.index()]).collect()

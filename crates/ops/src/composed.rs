@@ -14,15 +14,31 @@ pub struct Composed {
     /// The formula. A name in it always means the built-in function or constant, even if the user
     /// redefines that name. The formula may call internal operations of the table.
     pub body: &'static str,
-    /// For a sequence of functions: the function number 1, and the formula of the one after `n`,
-    /// from that of number `n`, called `p`, and that of the number before, called `q`. The first
-    /// argument is the number of the function, a constant, and `body` is the function number 0.
-    pub sequence: Option<[&'static str; 2]>,
-    /// For a sequence of functions: the functions of numbers 2n and 2n − 1, from that of number n,
-    /// called `p`, and that of the number before, called `q`. It takes the place of `sequence`.
-    pub doubled: Option<[&'static str; 2]>,
+    /// For a sequence of functions: how to get on from `body`, which is the function number 0. The
+    /// first argument, a constant, is the number of the function.
+    pub sequence: Option<Sequence<&'static str>>,
     /// One line of help about the function.
     pub doc: &'static str,
+}
+
+/// The formulas of a sequence of functions. In these, `p` is the function number n, and `q` the one
+/// before.
+#[derive(Clone, Copy, Debug)]
+pub enum Sequence<T> {
+    /// The function number 1, and the one of number n + 1.
+    Recurrence([T; 2]),
+    /// The function number 1, and those of numbers 2n and 2n − 1.
+    Doubling([T; 3]),
+}
+
+impl<T> Sequence<T> {
+    /// The sequence whose formulas are those that `change` returns.
+    pub fn map<U>(self, change: impl FnMut(T) -> U) -> Sequence<U> {
+        match self {
+            Self::Recurrence(all) => Sequence::Recurrence(all.map(change)),
+            Self::Doubling(all) => Sequence::Doubling(all.map(change)),
+        }
+    }
 }
 
 const fn row(
@@ -32,35 +48,21 @@ const fn row(
     body: &'static str,
     doc: &'static str,
 ) -> Composed {
-    Composed { name, aliases, parameters, body, sequence: None, doubled: None, doc }
+    Composed { name, aliases, parameters, body, sequence: None, doc }
 }
 
 const fn sequence(
     name: &'static str,
     aliases: &'static [&'static str],
     parameters: &'static [&'static str],
-    [first, second, next]: [&'static str; 3],
+    body: &'static str,
+    sequence: Sequence<&'static str>,
     doc: &'static str,
 ) -> Composed {
-    Composed {
-        name,
-        aliases,
-        parameters,
-        body: first,
-        sequence: Some([second, next]),
-        doubled: None,
-        doc,
-    }
+    Composed { name, aliases, parameters, body, sequence: Some(sequence), doc }
 }
 
-/// Chebyshev polynomials of the first kind. By doubling, their bounds stay narrow.
-const CHEBYSHEV: Composed = sequence(
-    "chebyshev_t",
-    &["chebyshevt", "chebyshevT", "eval_chebyt"],
-    &["n", "a"],
-    ["1", "a", "2*a*p-q"],
-    "Chebyshev polynomial of the first kind and degree n, also T_4(a)",
-);
+use Sequence::{Doubling, Recurrence};
 
 /// Every composed function.
 #[rustfmt::skip] // one row a line
@@ -99,15 +101,16 @@ pub static COMPOSED: &[Composed] = &[
     row("heaviside", &[], &["a", "b"], "select_negative(a, 0, select_negative(-a, 1, b))", "0 where a < 0, 1 where a > 0, b at 0"),
     row("subtract", &["difference"], &["a", "b"], "max(a, -b)", "solid a without solid b"),
     row("blend", &["smooth_union"], &["a", "b", "k"], "min(a, b)-max(k-abs(a-b), 0)^2/(4*k)", "union of solids a and b, rounded over a width k"),
-    Composed { doubled: Some(["2*p^2-1", "2*p*q-a"]), ..CHEBYSHEV },
-    sequence("chebyshev_u", &["chebyshevu", "chebyshevU", "eval_chebyu"], &["n", "a"], ["1", "2*a", "2*a*p-q"], "Chebyshev polynomial of the second kind and degree n, also U_4(a)"),
-    sequence("legendre", &["legendrep", "legendreP", "legendre_P", "eval_legendre"], &["n", "a"], ["1", "a", "((2*n+1)*a*p-n*q)/(n+1)"], "Legendre polynomial of degree n, also P_4(a)"),
+    // By doubling, bounds stay narrow.
+    sequence("chebyshev_t", &["chebyshevt", "chebyshevT", "eval_chebyt"], &["n", "a"], "1", Doubling(["a", "2*p^2-1", "2*p*q-a"]), "Chebyshev polynomial of the first kind and degree n, also T_4(a)"),
+    sequence("chebyshev_u", &["chebyshevu", "chebyshevU", "eval_chebyu"], &["n", "a"], "1", Recurrence(["2*a", "2*a*p-q"]), "Chebyshev polynomial of the second kind and degree n, also U_4(a)"),
+    sequence("legendre", &["legendrep", "legendreP", "legendre_P", "eval_legendre"], &["n", "a"], "1", Recurrence(["a", "((2*n+1)*a*p-n*q)/(n+1)"]), "Legendre polynomial of degree n, also P_4(a)"),
     row("legendre", &["legendrep", "legendreP", "assoc_legendre"], &["n", "m", "a"], "(-1)^m*product(k = 1..m, 2*k-1)*(1-a^2)^(m/2)*gegenbauer(n-m, m+1/2, a)", "associated Legendre function of degree n and order m >= 0, with the sign (-1)^m"),
-    sequence("gegenbauer", &["gegenbauerc", "gegenbauerC", "eval_gegenbauer"], &["n", "k", "a"], ["1", "2*k*a", "(2*(n+k)*a*p-(n+2*k-1)*q)/(n+1)"], "Gegenbauer polynomial of degree n and index k"),
-    sequence("hermite", &["hermiteh", "hermiteH", "eval_hermite"], &["n", "a"], ["1", "2*a", "2*a*p-2*n*q"], "Hermite polynomial of degree n, of physics, also H_4(a)"),
-    sequence("hermite_e", &["hermite_prob", "eval_hermitenorm"], &["n", "a"], ["1", "a", "a*p-n*q"], "Hermite polynomial of degree n, of probability theory"),
-    sequence("laguerre", &["laguerrel", "laguerreL", "eval_laguerre"], &["n", "a"], ["1", "1-a", "((2*n+1-a)*p-n*q)/(n+1)"], "Laguerre polynomial of degree n, also L_4(a)"),
-    sequence("laguerre", &["laguerrel", "laguerreL", "assoc_laguerre"], &["n", "k", "a"], ["1", "1+k-a", "((2*n+1+k-a)*p-(n+k)*q)/(n+1)"], "associated Laguerre polynomial of degree n and index k"),
+    sequence("gegenbauer", &["gegenbauerc", "gegenbauerC", "eval_gegenbauer"], &["n", "k", "a"], "1", Recurrence(["2*k*a", "(2*(n+k)*a*p-(n+2*k-1)*q)/(n+1)"]), "Gegenbauer polynomial of degree n and index k"),
+    sequence("hermite", &["hermiteh", "hermiteH", "eval_hermite"], &["n", "a"], "1", Recurrence(["2*a", "2*a*p-2*n*q"]), "Hermite polynomial of degree n, of physics, also H_4(a)"),
+    sequence("hermite_e", &["hermite_prob", "eval_hermitenorm"], &["n", "a"], "1", Recurrence(["a", "a*p-n*q"]), "Hermite polynomial of degree n, of probability theory"),
+    sequence("laguerre", &["laguerrel", "laguerreL", "eval_laguerre"], &["n", "a"], "1", Recurrence(["1-a", "((2*n+1-a)*p-n*q)/(n+1)"]), "Laguerre polynomial of degree n, also L_4(a)"),
+    sequence("laguerre", &["laguerrel", "laguerreL", "assoc_laguerre"], &["n", "k", "a"], "1", Recurrence(["1+k-a", "((2*n+1+k-a)*p-(n+k)*q)/(n+1)"]), "associated Laguerre polynomial of degree n and index k"),
     row("bernstein", &[], &["n", "m", "a"], "product(k = 1..m, (n-m+k)/k)*a^m*(1-a)^(n-m)", "Bernstein polynomial number m of degree n"),
     row("spherical_harmonic", &["sphericalharmonicy", "Ynm"], &["n", "m", "a", "b"], "sqrt((2*n+1)/(4*pi)*product(k = n-m+1..n+m, 1/k))*(-1)^m*product(k = 1..m, 2*k-1)*sin(a)^m*gegenbauer(n-m, m+1/2, cos(a))*exp(i*m*b)", "complex spherical harmonic of degree n and order m >= 0, at the angle a from z and b around z"),
 ];

@@ -46,8 +46,7 @@ impl Differential {
     /// # Panics
     /// Never: the table has a row for every function.
     pub fn name(self) -> &'static str {
-        let row = FORMS.iter().find(|form| form.meaning == FormKind::OfDerivatives(self));
-        row.expect("each has a row").name
+        name_of(FormKind::OfDerivatives(self))
     }
 }
 
@@ -88,8 +87,26 @@ impl VectorFunction {
     /// # Panics
     /// Never: the table has a row for every function.
     pub fn name(self) -> &'static str {
-        let row = FORMS.iter().find(|form| form.meaning == FormKind::OfVectors(self));
-        row.expect("each has a row").name
+        name_of(FormKind::OfVectors(self))
+    }
+
+    /// Returns whether the function makes complex numbers or quaternions, or takes them apart.
+    pub fn is_complex(self) -> bool {
+        match self {
+            Self::Complex
+            | Self::Quaternion
+            | Self::RealPart
+            | Self::ImaginaryPart
+            | Self::Argument
+            | Self::Conjugate => true,
+            Self::Dot
+            | Self::Cross
+            | Self::Normalize
+            | Self::Distance
+            | Self::Reflect
+            | Self::Transpose
+            | Self::Determinant => false,
+        }
     }
 
     /// Number of arguments that the function takes.
@@ -165,8 +182,13 @@ pub static FORMS: &[SpecialForm] = &[
     row("re", &["real", "creal", "realpart"], FormKind::OfVectors(VectorFunction::RealPart), "re((x + i y)^2)", "real part of a complex number"),
     row("im", &["imag", "cimag", "imagpart"], FormKind::OfVectors(VectorFunction::ImaginaryPart), "im((x + i y)^2)", "imaginary part of a complex number"),
     row("arg", &["carg", "phase", "angle"], FormKind::OfVectors(VectorFunction::Argument), "arg(x + i y)", "angle of a complex number, in (-pi, pi]; undefined at 0"),
-    row("conj", &["conjugate"], FormKind::OfVectors(VectorFunction::Conjugate), "abs(conj(x + i y))", "x - i y: the conjugate of x + i y"),
+    row("conj", &["conjugate", "overline"], FormKind::OfVectors(VectorFunction::Conjugate), "abs(conj(x + i y))", "x - i y: the conjugate of x + i y"),
 ];
+
+/// The name under which a form is printed.
+fn name_of(meaning: FormKind) -> &'static str {
+    FORMS.iter().find(|form| form.meaning == meaning).expect("each has a row").name
+}
 
 /// Returns the special form with this name or alias, in exact spelling.
 pub fn form(name: &str) -> Option<&'static SpecialForm> {

@@ -16,7 +16,7 @@ mod table;
 
 pub use builders::{BUILDERS, Builder, Distance, Role, builders};
 pub use class::{Class, Law, Parity, Restriction, Rounding};
-pub use composed::{COMPOSED, Composed};
+pub use composed::{COMPOSED, Composed, Sequence};
 pub use forms::{Differential, FORMS, FormKind, SpecialForm, VectorFunction, form};
 pub use op::{Continuity, Domain, Notation, Op, OpRow, Secant};
 pub use table::TABLE;

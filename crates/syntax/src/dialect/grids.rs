@@ -33,7 +33,7 @@ fn coordinate(axis: TokenKind) -> ExprKind {
 impl ProgramReader<'_> {
     /// Records a range such as `t = linspace(-2, 2)`, or reads the grid `[X, Y] = meshgrid(t, t)`.
     /// Returns false for any other statement.
-    pub(crate) fn grid(&mut self, tokens: &[Token]) -> Fallible<bool> {
+    pub(crate) fn grid(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
         let words = self.words;
         if let [set, name, range @ ..] = tokens
             && words.word(*set) == "set"
@@ -57,7 +57,7 @@ impl ProgramReader<'_> {
         if words.word(*first) == "meshgrid"
             && let Some((inner, _)) = bracketed(&value[1..])
         {
-            self.meshgrid(&names, &split(inner, Comma), first.span)?;
+            self.meshgrid(&names, &split(inner, Comma), frame)?;
             return Ok(true);
         }
         let is_list = left.iter().all(|token| token.kind.is_name() || token.kind == Equals);
@@ -98,11 +98,16 @@ impl ProgramReader<'_> {
     }
 
     /// Reads the names and the ranges of a grid.
-    fn meshgrid(&mut self, names: &[Token], parts: &[Vec<Token>], place: Span) -> Fallible<()> {
+    fn meshgrid(
+        &mut self,
+        names: &[Token],
+        parts: &[Vec<Token>],
+        frame: &mut Frame,
+    ) -> Fallible<()> {
         let axes = axes_of(&vec![None; names.len()], false)?;
         for (name, axis) in names.iter().zip(&axes) {
             if !name.kind.is_axis() && !matches!(self.words.word(*name), "X" | "Y" | "Z") {
-                self.define_axis(*name, *axis);
+                frame.aliases.push(self.words.name(*name).text, coordinate(*axis));
             }
         }
         let part = |index: usize| parts.get(index).or(parts.first());
@@ -112,7 +117,7 @@ impl ProgramReader<'_> {
         };
         let ranges: Option<Vec<PlotRange>> = (0..names.len()).map(range).collect();
         let Some(ranges) = ranges else { return Ok(()) };
-        let (domain, note) = self.words.domain(&ranges, &axes, place);
+        let (domain, note) = self.words.domain(&ranges, &axes, names[0].span);
         self.program.notes.extend(note);
         domain.map_or(Ok(()), |line| self.push(line, None, None, &Aliases::default(), false))
     }

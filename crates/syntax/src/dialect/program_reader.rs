@@ -254,7 +254,7 @@ impl ProgramReader<'_> {
 
     /// Reads a plot, a grid, or a statement that only styles the picture. Returns false for any
     /// other statement.
-    fn outside_of_formulas(&mut self, tokens: &[Token], frame: &Frame) -> Fallible<bool> {
+    fn outside_of_formulas(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
         let plots = self.words.plots(&self.with_rows(tokens.to_vec()))?;
         // The text may define the name of a plot command otherwise.
         if !plots.is_empty() && self.arity(tokens[0]).is_none() {
@@ -262,7 +262,7 @@ impl ProgramReader<'_> {
             plots.into_iter().try_for_each(|plot| self.draw(plot, place, frame))?;
             return Ok(true);
         }
-        if self.grid(tokens)? {
+        if self.grid(tokens, frame)? {
             return Ok(true);
         }
         if !self.words.is_style(tokens) || self.arity(tokens[0]).is_some() {

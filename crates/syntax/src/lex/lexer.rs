@@ -6,8 +6,8 @@
 use crate::lex::environment::environment;
 use crate::lex::foreign_signs::foreign;
 use crate::lex::spelling::{
-    PRIMES, is_name_char, line_length, plain_text, prefix_length, start, superscript_digit,
-    token_kind, vulgar,
+    PRIMES, differentiated, is_name_char, line_length, plain_text, prefix_length, start,
+    superscript_digit, token_kind, vulgar,
 };
 use crate::lex::token::LexContext;
 use crate::lex::token_kind::TokenKind::{self, *};
@@ -255,39 +255,33 @@ fn number(rest: &str) -> (TokenKind, usize) {
 
 /// Length of the primes at the start of `rest`, if brackets follow, as in `f'(x)`.
 fn primes(rest: &str) -> Option<usize> {
-    let length = prefix_length(rest, |c| PRIMES.contains(&c));
+    let length = Some(prefix_length(rest, |c| PRIMES.contains(&c))).filter(|length| *length > 0)?;
     let after = rest[length..].trim_start_matches(' ');
     let after = after.strip_prefix(r"\left").unwrap_or(after);
-    (length > 0 && after.starts_with(['(', '['])).then_some(length)
+    after.starts_with(['(', '[']).then_some(length)
 }
 
 /// Length of an operator of differentiation at the start of `rest`, such as `\frac{d}{dx}`, d/dx
 /// before brackets, or ∂/∂x.
 fn differential(rest: &str) -> Option<usize> {
-    // Above the line, the operator may be followed by the function's name.
-    let is_sign = |part: &str| {
-        let part = part.replace(r"\partial", "∂");
-        let rest = part.trim().strip_prefix(['d', '∂']).map(str::trim_start);
-        let rest =
-            rest.map(|rest| rest.trim_start_matches(['^', '{', '}', '2', '3', '4', '²', '³']));
-        rest.is_some_and(|rest| rest.trim().chars().all(is_name_char))
+    let begins = |part: &str| {
+        let part = part.trim_start();
+        part.starts_with(['d', '∂']) || part.starts_with(r"\partial")
     };
     if let Some(inner) = rest.strip_prefix(r"\frac{") {
-        let above = inner.find("}{").filter(|length| *length < 20)?;
-        let below = &inner[above + 2..];
+        let inner = start(inner, 80);
+        let (above, below) = inner.split_once("}{").filter(|(above, _)| begins(above))?;
         let mut depth = 1;
-        let end = below.char_indices().take(60).find(|(_, c)| {
-            depth += i32::from(*c == '{') - i32::from(*c == '}');
+        let end = below.find(|c| {
+            depth += i32::from(c == '{') - i32::from(c == '}');
             depth == 0
-        });
-        let (end, _) = end?;
-        let begins = below.trim_start().replace(r"\partial", "∂");
-        let is_operator = is_sign(&inner[..above]) && begins.starts_with(['d', '∂']);
-        return is_operator.then_some(r"\frac{".len() + above + 2 + end + 1);
+        })?;
+        // Above the line, the operator may be followed by the function's name.
+        let is_operator = begins(below) && differentiated(above).chars().all(is_name_char);
+        return is_operator.then_some(r"\frac{}{}".len() + above.len() + end);
     }
-    let (sign, below) =
-        rest.get(..start(rest, 20).find('/')? + 1).and_then(|_| rest.split_once('/'))?;
-    let letter = below.strip_prefix(sign)?;
+    let (sign, _) = start(rest, 20).split_once('/')?;
+    let letter = rest[sign.len() + 1..].strip_prefix(sign)?;
     let length = letter.chars().next().filter(|c| c.is_alphabetic())?.len_utf8();
     let after = letter[length..].trim_start_matches(' ');
     let is_operator = match sign {

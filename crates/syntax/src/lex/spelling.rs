@@ -119,6 +119,12 @@ pub(crate) fn start(text: &str, most: usize) -> &str {
 /// Signs behind a function that stand for its derivative. The last one stands for two.
 pub(crate) const PRIMES: [char; 4] = ['\'', '′', '’', '″'];
 
+/// The rest of the upper part of an operator of differentiation, such as `f` in `\partial^2 f`.
+pub(crate) fn differentiated(above: &str) -> &str {
+    let above = above.trim().trim_start_matches(r"\partial").trim_start_matches(['d', '∂']);
+    above.trim_start_matches(['^', '{', '}', '2', '3', '4', '²', '³', ' '])
+}
+
 /// Returns whether `text` can be defined: it must be a name in plain letters, and no operator.
 pub(crate) fn is_definable(text: &str) -> bool {
     text.starts_with(char::is_alphabetic)

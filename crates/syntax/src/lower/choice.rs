@@ -8,7 +8,7 @@
 
 use crate::lower::condition::{Purpose, comparisons, has_one_sign, sides};
 use crate::lower::lowering::{Locals, Lowering};
-use crate::lower::prelude::{self, Sequence};
+use crate::lower::prelude;
 use crate::lower::value::Tensor;
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
@@ -16,7 +16,7 @@ use crate::tree::ast::{Expr, ExprKind, Function, Relation, Series};
 use crate::tree::scope::signatures;
 use crate::tree::series::MAX_TERMS;
 use zeroset_ir::{Graph, Node, NodeId};
-use zeroset_ops::Op;
+use zeroset_ops::{Op, Sequence};
 
 /// Largest number of nodes to visit to find a whole number.
 const MAX_STEPS: usize = 256;
@@ -222,7 +222,7 @@ impl<'a> Lowering<'a> {
     pub(crate) fn numbered(
         &mut self,
         index: usize,
-        sequence: &'a Sequence,
+        sequence: &'a Sequence<Expr>,
         arguments: Vec<Tensor>,
         span: Span,
     ) -> Fallible<Tensor> {
@@ -239,28 +239,33 @@ impl<'a> Lowering<'a> {
         if number == 0 {
             return Ok(before);
         }
-        let mut value = self.value_of(&sequence.second, &locals)?;
-        let of = |p: &Tensor, q: &Tensor| [("p", p.clone()), ("q", q.clone())];
-        if let Some([even, odd]) = &sequence.doubled {
-            // From the functions of numbers n and n − 1 to those of 2n and 2n − 1, or of 2n − 1 and
-            // 2n − 2, where n starts at 1. The last of these steps leads to `number`.
-            for bit in (0..(number - 1).checked_ilog2().map_or(0, |bits| bits + 1)).rev() {
-                let both = [locals.as_slice(), &of(&value, &before)].concat();
-                let double = self.value_of(even, &both)?;
-                let below = self.value_of(odd, &both)?;
-                (value, before) = if (number - 1) >> bit & 1 == 1 {
-                    (double, below)
-                } else {
-                    let lower = [locals.as_slice(), &of(&before, &before)].concat();
-                    (below, self.value_of(even, &lower)?)
-                };
+        let (Sequence::Recurrence([second, ..]) | Sequence::Doubling([second, ..])) = sequence;
+        let mut value = self.value_of(second, &locals)?;
+        let with = |locals: &Locals<'a>, p: &Tensor, q: &Tensor| {
+            [locals, &[("p", p.clone()), ("q", q.clone())]].concat()
+        };
+        match sequence {
+            Sequence::Recurrence([_, next]) => {
+                for n in 1..number {
+                    locals[0].1 = Tensor::Number(self.graph.integer(n));
+                    let both = with(&locals, &value, &before);
+                    before = std::mem::replace(&mut value, self.value_of(next, &both)?);
+                }
             }
-            return Ok(value);
-        }
-        for n in 1..number {
-            locals[0].1 = Tensor::Number(self.graph.integer(n));
-            let both = [locals.as_slice(), &of(&value, &before)].concat();
-            before = std::mem::replace(&mut value, self.value_of(&sequence.next, &both)?);
+            Sequence::Doubling([_, even, odd]) => {
+                // From n = 1, each digit of `number` − 1 in base 2 leads to 2n, or to 2n − 1 for the
+                // digit 0.
+                let digits = (number - 1).checked_ilog2().map_or(0, |last| last + 1);
+                for digit in (0..digits).rev() {
+                    let both = with(&locals, &value, &before);
+                    let below = self.value_of(odd, &both)?;
+                    (value, before) = if (number - 1) >> digit & 1 == 1 {
+                        (self.value_of(even, &both)?, below)
+                    } else {
+                        (below, self.value_of(even, &with(&locals, &before, &before))?)
+                    };
+                }
+            }
         }
         Ok(value)
     }

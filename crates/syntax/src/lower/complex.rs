@@ -4,15 +4,15 @@
 //! a complex number are formulas in the column `complex` of the table of operations.
 
 use crate::lower::choice::integer_of;
+use crate::lower::constant::values;
 use crate::lower::lowering::Lowering;
 use crate::lower::prelude;
 use crate::lower::value::Tensor;
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
 use crate::tree::ast::Function;
-use zeroset_interval::Interval;
-use zeroset_ir::{Constant, NamedConstant, NodeId, compact, simplify};
-use zeroset_ops::{Op, VectorFunction};
+use zeroset_ir::{Constant, NamedConstant, NodeId};
+use zeroset_ops::Op;
 
 /// Largest exponent of a power that is written as products.
 const MAX_EXPONENT: u64 = 1000;
@@ -51,54 +51,27 @@ impl Lowering<'_> {
         }
     }
 
-    /// Applies a function of vectors to arguments of which one may be complex.
-    pub(crate) fn of_complex_vectors(
-        &mut self,
-        function: VectorFunction,
-        arguments: &[Tensor],
-        span: Span,
-    ) -> Fallible<Tensor> {
-        match function {
-            VectorFunction::Complex | VectorFunction::Quaternion => {
-                crate::lower::value::numbers(arguments, span).map(Tensor::Complex)
-            }
-            VectorFunction::RealPart => Ok(Tensor::Number(parts(&arguments[0], span)?[0])),
-            VectorFunction::ImaginaryPart => Ok(match parts(&arguments[0], span)? {
-                [_] => Tensor::Number(self.graph.integer(0)),
-                [_, imaginary] => Tensor::Number(*imaginary),
-                [_, rest @ ..] => Tensor::Vector(rest.to_vec()),
-                [] => arguments[0].clone(),
-            }),
-            VectorFunction::Conjugate => self.conjugate(&arguments[0], span),
-            VectorFunction::Argument => match *self.promoted(&arguments[0], 2, span)? {
-                [x, y] => Ok(Tensor::Number(self.graph.apply(Op::Atan2, &[y, x]))),
-                _ => Err(Error::new(span, ErrorKind::QuaternionFunction { name: "arg" })),
-            },
-            VectorFunction::Distance => {
-                let difference = self.native(Op::Sub, arguments, span)?;
-                Ok(Tensor::Number(self.length(difference.parts())))
-            }
-            VectorFunction::Normalize => {
-                let length = self.length(arguments[0].parts());
-                self.native(Op::Div, &[arguments[0].clone(), Tensor::Number(length)], span)
-            }
-            VectorFunction::Dot
-            | VectorFunction::Cross
-            | VectorFunction::Reflect
-            | VectorFunction::Transpose
-            | VectorFunction::Determinant => Err(Error::new(span, ErrorKind::ComplexAmongVectors)),
+    /// The imaginary part of a complex number, or the vector of those of a quaternion.
+    pub(crate) fn imaginary_part(&mut self, value: &Tensor, span: Span) -> Fallible<Tensor> {
+        Ok(match *self.promoted(value, 2, span)? {
+            [_, imaginary] => Tensor::Number(imaginary),
+            ref all => Tensor::Vector(all[1..].to_vec()),
+        })
+    }
+
+    /// The angle of a complex number.
+    pub(crate) fn angle(&mut self, value: &Tensor, span: Span) -> Fallible<Tensor> {
+        match *self.promoted(value, 2, span)? {
+            [x, y] => Ok(Tensor::Number(self.graph.apply(Op::Atan2, &[y, x]))),
+            _ => Err(Error::new(span, ErrorKind::QuaternionFunction { name: "arg" })),
         }
     }
 
     /// The real part of a complex number or a quaternion. Fails unless all imaginary parts are 0
     /// everywhere.
     pub(crate) fn real_part(&self, parts: &[NodeId], span: Span) -> Fallible<NodeId> {
-        let imaginary = &parts[1..];
-        let (graph, roots) = compact(&self.graph, imaginary);
-        let simple = simplify(&graph, &roots, &[Interval::ENTIRE; 3], &[]);
-        let is_real = simple.is_ok_and(|(graph, roots)| {
-            roots.iter().all(|root| graph.number(*root).is_some_and(Constant::is_zero))
-        });
+        let imaginary = values(&self.graph, &parts[1..]);
+        let is_real = imaginary.iter().all(|part| part.as_ref().is_some_and(Constant::is_zero));
         if is_real { Ok(parts[0]) } else { Err(Error::new(span, ErrorKind::Complex)) }
     }
 
@@ -116,21 +89,13 @@ impl Lowering<'_> {
         operands.iter().map(promoted).collect()
     }
 
-    fn conjugate(&mut self, value: &Tensor, span: Span) -> Fallible<Tensor> {
+    pub(crate) fn conjugate(&mut self, value: &Tensor, span: Span) -> Fallible<Tensor> {
         let (real, imaginary) = match parts(value, span)? {
             [_] | [] => return Ok(value.clone()),
             [real, imaginary @ ..] => (*real, imaginary),
         };
         let opposite = imaginary.iter().map(|part| self.graph.apply(Op::Neg, &[*part]));
         Ok(Tensor::Complex(std::iter::once(real).chain(opposite).collect()))
-    }
-
-    /// The sum of squares.
-    pub(crate) fn squares(&mut self, nodes: &[NodeId]) -> NodeId {
-        let two = self.graph.integer(2);
-        let squares: Vec<NodeId> =
-            nodes.iter().map(|node| self.graph.apply(Op::Pow, &[*node, two])).collect();
-        self.fold(Op::Add, &squares)
     }
 
     fn complex_product(&mut self, left: &Tensor, right: &Tensor, span: Span) -> Fallible<Tensor> {
@@ -184,13 +149,7 @@ impl Lowering<'_> {
         if let Some(whole) = integer_of(&self.graph, *power, &mut { 256 }) {
             return self.whole_power(base, whole, span);
         }
-        let is_half = {
-            let (graph, roots) = compact(&self.graph, &[*power]);
-            let simple = simplify(&graph, &roots, &[Interval::ENTIRE; 3], &[]);
-            let half = Constant::ratio(1, 2);
-            simple.is_ok_and(|(graph, roots)| graph.number(roots[0]) == half.as_ref())
-        };
-        if is_half {
+        if values(&self.graph, &[*power])[0] == Constant::ratio(1, 2) {
             return self.native(Op::Sqrt, std::slice::from_ref(base), span);
         }
         let [x, y] = *parts(base, span)? else {
@@ -263,7 +222,7 @@ impl Lowering<'_> {
 }
 
 /// The components of a number, a complex number or a quaternion. Fails for vectors and matrices.
-fn parts(value: &Tensor, span: Span) -> Fallible<&[NodeId]> {
+pub(crate) fn parts(value: &Tensor, span: Span) -> Fallible<&[NodeId]> {
     match value {
         Tensor::Number(_) | Tensor::Complex(_) => Ok(value.parts()),
         Tensor::Vector(_) | Tensor::Matrix(_) => {

@@ -62,7 +62,7 @@ pub(crate) fn evaluate(expr: &Expr, limits: &Limits) -> Fallible<Constant> {
 }
 
 /// The values of the constant nodes `roots`; `None` for a node that has no value.
-fn values(graph: &Graph, roots: &[NodeId]) -> Vec<Option<Constant>> {
+pub(crate) fn values(graph: &Graph, roots: &[NodeId]) -> Vec<Option<Constant>> {
     let Ok((graph, roots)) = simplify(graph, roots, &[Interval::ENTIRE; 3], &[]) else {
         return vec![None; roots.len()];
     };

@@ -102,11 +102,8 @@ impl<'a> Lowering<'a> {
         span: Span,
     ) -> Fallible<Tensor> {
         let mut values: FxHashMap<NodeId, Tensor> = FxHashMap::from_iter([(leaf, value.clone())]);
-        let needed = self.graph.reachable(&[root]);
-        let nodes: Vec<(NodeId, Node)> =
-            self.graph.iter().map(|(id, node)| (id, node.clone())).collect();
-        for (id, node) in nodes.into_iter().filter(|(id, _)| needed[id.index()]) {
-            let Node::Apply(op, operands) = node else { continue };
+        for id in self.graph.needed(&[root]) {
+            let Node::Apply(op, operands) = *self.graph.node(id) else { continue };
             let number = |node: &NodeId| values.get(node).cloned().unwrap_or(Tensor::Number(*node));
             let operands: Vec<Tensor> = operands.iter().map(number).collect();
             let applied = match (op, operands.as_slice()) {
@@ -211,12 +208,12 @@ impl<'a> Lowering<'a> {
     /// A variable of differentiation that none of the values depends on.
     fn unused_variable<'t>(&mut self, values: impl Iterator<Item = &'t Tensor>) -> NodeId {
         let nodes: Vec<NodeId> = values.flat_map(Tensor::parts).copied().collect();
-        let used = self.graph.reachable(&nodes);
+        let used = self.graph.needed(&nodes);
         self.has_variables = true;
         let mut number = FIRST_VARIABLE;
         loop {
             let leaf = self.graph.parameter(number);
-            if used.get(leaf.index()) != Some(&true) {
+            if used.binary_search(&leaf).is_err() {
                 return leaf;
             }
             number += 1;

@@ -56,7 +56,7 @@ struct Expansion<'a> {
     is_typed: bool,
 }
 
-/// What an expansion gives a value to.
+/// A name or a call that an expansion gives a value.
 enum Defined<'a> {
     Value(&'a str),
     Call((Function, Vec<Tensor>)),

@@ -7,7 +7,7 @@ use crate::tree::ast::{Expr, Name};
 use crate::tree::builder::Builder;
 use crate::tree::scope::Scope;
 use std::sync::LazyLock;
-use zeroset_ops::{BUILDERS, COMPOSED, Composed, Op, TABLE};
+use zeroset_ops::{BUILDERS, COMPOSED, Composed, Op, Sequence, TABLE};
 
 /// The parameter of functions of complex numbers.
 pub(crate) const COMPLEX: &str = "w";
@@ -17,22 +17,11 @@ static BODIES: LazyLock<Vec<Expr>> = LazyLock::new(|| {
     COMPOSED.iter().map(body).collect()
 });
 
-/// The formulas of a sequence of functions.
-pub(crate) struct Sequence {
-    /// The function number 1.
-    pub second: Expr,
-    /// The function after `p` and `q`.
-    pub next: Expr,
-    /// The functions of the double number of `p`, and of one less.
-    pub doubled: Option<[Expr; 2]>,
-}
-
-static SEQUENCES: LazyLock<Vec<Option<Sequence>>> = LazyLock::new(|| {
+static SEQUENCES: LazyLock<Vec<Option<Sequence<Expr>>>> = LazyLock::new(|| {
     let sequence = |composed: &Composed| {
         let names: Vec<&str> = composed.parameters.iter().copied().chain(["p", "q"]).collect();
         let formula = |text| parsed(composed.name, text, &names);
-        let [second, next] = composed.sequence?.map(formula);
-        Some(Sequence { second, next, doubled: composed.doubled.map(|all| all.map(formula)) })
+        composed.sequence.map(|sequence| sequence.map(formula))
     };
     COMPOSED.iter().map(sequence).collect()
 });
@@ -75,7 +64,7 @@ pub(crate) fn body(index: usize) -> &'static Expr {
 }
 
 /// The formulas of a sequence of functions; `None` for a single function.
-pub(crate) fn sequence(index: usize) -> Option<&'static Sequence> {
+pub(crate) fn sequence(index: usize) -> Option<&'static Sequence<Expr>> {
     SEQUENCES[index].as_ref()
 }
 

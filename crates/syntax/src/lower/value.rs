@@ -3,6 +3,7 @@
 //! Operations on vectors apply component by component. A number beside a vector is used for each
 //! component. Functions that mix components have names: `length`, `dot`, `cross`, `normalize`.
 
+use crate::lower::complex::parts;
 use crate::lower::lowering::Lowering;
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::{Note, NoteKind};
@@ -125,11 +126,16 @@ impl Lowering<'_> {
 
     /// The length of a vector: the square root of the sum of squares.
     pub(crate) fn length(&mut self, nodes: &[NodeId]) -> NodeId {
+        let sum = self.squares(nodes);
+        self.graph.apply(Op::Sqrt, &[sum])
+    }
+
+    /// The sum of squares.
+    pub(crate) fn squares(&mut self, nodes: &[NodeId]) -> NodeId {
         let two = self.graph.integer(2);
         let squares: Vec<NodeId> =
             nodes.iter().map(|node| self.graph.apply(Op::Pow, &[*node, two])).collect();
-        let sum = self.fold(Op::Add, &squares);
-        self.graph.apply(Op::Sqrt, &[sum])
+        self.fold(Op::Add, &squares)
     }
 
     /// Applies a function that mixes the components of vectors.
@@ -139,16 +145,14 @@ impl Lowering<'_> {
         arguments: &[Tensor],
         span: Span,
     ) -> Fallible<Tensor> {
-        if arguments.iter().any(Tensor::is_complex) {
-            return self.of_complex_vectors(function, arguments, span);
-        }
         match function {
-            VectorFunction::Complex
-            | VectorFunction::Quaternion
-            | VectorFunction::RealPart
-            | VectorFunction::ImaginaryPart
-            | VectorFunction::Argument
-            | VectorFunction::Conjugate => self.of_complex_vectors(function, arguments, span),
+            VectorFunction::Complex | VectorFunction::Quaternion => {
+                numbers(arguments, span).map(Tensor::Complex)
+            }
+            VectorFunction::RealPart => Ok(Tensor::Number(parts(&arguments[0], span)?[0])),
+            VectorFunction::ImaginaryPart => self.imaginary_part(&arguments[0], span),
+            VectorFunction::Argument => self.angle(&arguments[0], span),
+            VectorFunction::Conjugate => self.conjugate(&arguments[0], span),
             VectorFunction::Transpose => {
                 Ok(Tensor::Matrix(Self::transposed(arguments[0].elements(span)?)))
             }
@@ -191,6 +195,9 @@ impl Lowering<'_> {
     }
 
     fn dot(&mut self, left: &Tensor, right: &Tensor, span: Span) -> Fallible<NodeId> {
+        if left.is_complex() || right.is_complex() {
+            return Err(Error::new(span, ErrorKind::ComplexAmongVectors));
+        }
         let products = self.native(Op::Mul, &[left.clone(), right.clone()], span)?;
         Ok(self.fold(Op::Add, products.parts()))
     }

@@ -151,6 +151,8 @@ impl NoteKind {
                 | Self::TimeOfShaders { .. }
                 | Self::ProductOfVectors
                 | Self::DegreesOfOpenscad
+                | Self::DividedByGradient { .. }
+                | Self::Sequence { .. }
         )
     }
 }

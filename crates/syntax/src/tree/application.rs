@@ -113,11 +113,9 @@ impl Builder<'_> {
     #[inline(never)]
     fn arguments(&mut self, callee: &Callee, pair: Pair<'_>, span: Span) -> Fallible<Vec<Expr>> {
         let is_builder = matches!(callee, Callee::BuiltIn(name) if is_builder(name));
-        if pair.as_rule() == Rule::group && is_builder {
-            return pair.into_inner().map(|argument| self.of_point(argument)).collect();
-        }
         if pair.as_rule() == Rule::group {
-            return pair.into_inner().map(|argument| self.argument(argument)).collect();
+            let read = if is_builder { Self::of_point } else { Self::argument };
+            return pair.into_inner().map(|argument| read(self, argument)).collect();
         }
         Ok(vec![self.nested(span, 1, |b| b.delimited(pair, span))?])
     }

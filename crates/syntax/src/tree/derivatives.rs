@@ -1,6 +1,6 @@
 //! Reads derivatives, in several notations.
 
-use crate::lex::spelling::plain_name;
+use crate::lex::spelling::{differentiated, plain_name, superscript_digit};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
 use crate::tree::ast::{Expr, ExprKind, Function, NamedValue};
@@ -146,9 +146,7 @@ impl Builder<'_> {
     /// The function's name in an operator such as `\frac{\partial f}{\partial x}`.
     fn differentiated_name(&self, span: Span) -> Option<String> {
         let above = self.text[span.range()].strip_prefix(r"\frac{")?.split_once("}{")?.0;
-        let above = above.trim().trim_start_matches(r"\partial").trim_start_matches(['d', '∂']);
-        let name = above.trim_start_matches(['^', '{', '}', '2', '3', '4', '²', '³', ' ']).trim();
-        (!name.is_empty()).then(|| plain_name(name))
+        Some(differentiated(above)).filter(|name| !name.is_empty()).map(plain_name)
     }
 
     fn named_operand(&mut self, name: &str, span: Span) -> Fallible<Expr> {
@@ -157,9 +155,7 @@ impl Builder<'_> {
         }
         match self.scope.meaning(name, &self.locals) {
             NameMeaning::Value(value) => {
-                if let NamedValue::Defined(name) = &value {
-                    self.used.insert(name.clone());
-                }
+                self.use_value(&value);
                 Ok(Expr::new(ExprKind::Name(value), span))
             }
             NameMeaning::Function(_) | NameMeaning::Product | NameMeaning::Unknown => {
@@ -220,7 +216,7 @@ impl Builder<'_> {
 
     /// The variables of an operator such as `\frac{\partial^2}{\partial x \partial y}` or d/dx:
     /// each letter after a `d` or `∂` below the line, as often as its exponent says.
-    fn variables(&self, span: Span) -> Fallible<Vec<NamedValue>> {
+    fn variables(&mut self, span: Span) -> Fallible<Vec<NamedValue>> {
         let typed = &self.text[span.range()];
         let below = typed.rsplit_once(['/', '{']).map_or(typed, |(_, below)| below);
         let below = match typed.strip_prefix(r"\frac") {
@@ -236,15 +232,10 @@ impl Builder<'_> {
             }
             let Some(letter) = letters.next() else { break };
             let variable = self.variable_called(&letter.to_string(), span)?;
-            let mut times = 1;
-            if letters.next_if(|c| matches!(c, '^' | '²' | '³')).is_some_and(|c| c != '^') {
-                times = if plain.contains('²') { 2 } else { 3 };
-            }
-            letters.next_if_eq(&'{');
-            if let Some(digit) = letters.next_if(char::is_ascii_digit) {
-                times = digit.to_digit(10).unwrap_or(1) as usize;
-            }
-            by.extend(std::iter::repeat_n(variable, times));
+            while letters.next_if(|c| matches!(c, '^' | '{')).is_some() {}
+            let order = |c: char| superscript_digit(c).unwrap_or(c).to_digit(10);
+            let order = letters.next_if(|c| order(*c).is_some()).and_then(order);
+            by.extend(std::iter::repeat_n(variable, order.unwrap_or(1) as usize));
         }
         if by.is_empty() || by.len() > MAX_ORDER {
             return Err(Error::new(span, ErrorKind::WhichVariable));
@@ -258,17 +249,15 @@ impl Builder<'_> {
         let Some(name) = descend_to(pair, Rule::name) else {
             return Err(Error::new(span, ErrorKind::WhichVariable));
         };
-        let name = plain_name(self.typed(&name));
-        let value = self.variable_called(&name, span)?;
-        if let NamedValue::Defined(name) = &value {
-            self.used.insert(name.clone());
-        }
-        Ok(value)
+        self.variable_called(&plain_name(self.typed(&name)), span)
     }
 
-    fn variable_called(&self, name: &str, span: Span) -> Fallible<NamedValue> {
+    fn variable_called(&mut self, name: &str, span: Span) -> Fallible<NamedValue> {
         match self.scope.meaning(name, &self.locals) {
-            NameMeaning::Value(value) => Ok(value),
+            NameMeaning::Value(value) => {
+                self.use_value(&value);
+                Ok(value)
+            }
             NameMeaning::Function(_) | NameMeaning::Product | NameMeaning::Unknown => {
                 Err(Error::new(span, ErrorKind::NotAVariable { name: name.to_owned() }))
             }

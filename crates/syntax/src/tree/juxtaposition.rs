@@ -273,21 +273,19 @@ impl Builder<'_> {
         }
     }
 
+    /// Records that the statement uses a value.
+    pub(crate) fn use_value(&mut self, value: &NamedValue) {
+        if let NamedValue::Defined(_) | NamedValue::Time = value {
+            self.used.insert(value.name().to_owned());
+        }
+    }
+
     fn leaf(&mut self, value: NamedValue, span: Span) -> FactorItem<'static> {
-        match &value {
-            NamedValue::Defined(name) => {
-                self.used.insert(name.clone());
-            }
-            NamedValue::Time => {
-                self.used.insert("t".to_owned());
-            }
-            NamedValue::Constant(constant) => {
-                if let Some(meaning) = meaning(*constant) {
-                    let name = constant.name();
-                    self.note(span, NoteKind::ConstantUsed { name, meaning });
-                }
-            }
-            NamedValue::Coordinate(_) | NamedValue::Local(_) | NamedValue::ImaginaryUnit => {}
+        self.use_value(&value);
+        if let NamedValue::Constant(constant) = value
+            && let Some(meaning) = meaning(constant)
+        {
+            self.note(span, NoteKind::ConstantUsed { name: constant.name(), meaning });
         }
         FactorItem::Leaf(Expr::new(ExprKind::Name(value), span))
     }

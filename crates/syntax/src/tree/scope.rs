@@ -192,7 +192,6 @@ impl Scope {
         if self.is_defined(name) || locals.iter().any(|local| local.text == name) {
             return None;
         }
-        let name = if name == "overline" { "conj" } else { name };
         form(name).or_else(|| form(&name.to_lowercase()))
     }
 

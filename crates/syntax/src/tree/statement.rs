@@ -258,19 +258,22 @@ fn is_miscounted(head: &Head) -> bool {
 fn accepts(head: &Head) -> Option<bool> {
     let count = head.parameters.as_ref()?.len();
     if let Some(form) = zeroset_ops::form(&head.name.text) {
+        let is_own = |arity| (form.name == head.name.text && count == arity).then_some(true);
         return match form.meaning {
-            // Many texts define such names themselves.
-            _ if form.name != head.name.text => None,
             FormKind::Vector(_) | FormKind::Matrix(_) => Some(true),
-            FormKind::OfVectors(function) => Some(count == function.arity()),
+            FormKind::OfVectors(function) if !function.is_complex() => {
+                Some(count == function.arity())
+            }
             FormKind::Multiply => Some(count == 2),
             FormKind::Choose
             | FormKind::Pieces
             | FormKind::Sum
             | FormKind::Product
             | FormKind::Iterate => None,
-            FormKind::Derivative => Some(count >= 2),
-            FormKind::OfDerivatives(_) => Some(count == 1),
+            // Many texts define such names themselves, as in `re(x, y) = …` and `D(x, y, z) = …`.
+            FormKind::OfVectors(function) => is_own(function.arity()),
+            FormKind::OfDerivatives(_) => is_own(1),
+            FormKind::Derivative => is_own(count.max(2)),
         };
     }
     match built_in(&head.name.text) {
