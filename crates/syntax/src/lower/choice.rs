@@ -253,8 +253,8 @@ impl<'a> Lowering<'a> {
                 }
             }
             Sequence::Doubling([_, even, odd]) => {
-                // From n = 1, each digit of `number` − 1 in base 2 leads to 2n, or to 2n − 1 for the
-                // digit 0.
+                // From n = 1, each digit of `number` − 1 in base 2 leads to 2n, or to 2n − 1 for
+                // the digit 0.
                 let digits = (number - 1).checked_ilog2().map_or(0, |last| last + 1);
                 for digit in (0..digits).rev() {
                     let both = with(&locals, &value, &before);

@@ -1,5 +1,5 @@
-//! From syntax trees to the expression graph. Definitions are expanded. Vectors and
-//! complex numbers become numbers.
+//! From syntax trees to the expression graph. Definitions are expanded. Vectors and complex
+//! numbers become real numbers.
 //!
 //! Nothing here knows tokens, with one exception: constants and the language's own definitions are
 //! given as text, which is parsed like any other text.
