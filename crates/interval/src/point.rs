@@ -6,7 +6,9 @@
 use crate::bounds::Interval;
 use crate::enclosure::Exponent;
 use crate::machine::{Format, Machine};
-use crate::rules::{Approximation, Approximator, Base, HalfPi, Rule, by_halves};
+use crate::rules::{
+    Approximation, Approximator, Base, HalfPi, Reach, Rule, bessel_order, by_halves,
+};
 use zeroset_ops::Op;
 
 /// Evaluates `op` at points, given as lanes of operands in `format`. `exponent` is the last
@@ -64,6 +66,10 @@ pub fn evaluate<M: Machine>(
             rule.nan_unless(inside, value)
         }
         Op::Atanh => rule.within_one_at(a, false, |approx, a| approx.atanh(a)),
+        Op::Erf => rule.near_at(a, |approx, a| approx.erf(a)),
+        Op::BesselJ0 | Op::BesselJ1 | Op::BesselJ2 | Op::BesselJ3 => {
+            rule.bessel_at(a, bessel_order(op))
+        }
         Op::Add => rule.m.add(a, operands[1]),
         Op::Sub => rule.m.sub(a, operands[1]),
         Op::Mul => rule.m.mul(a, operands[1]),
@@ -233,6 +239,17 @@ impl<M: Machine> Rule<'_, M> {
     ) -> M::V {
         let half_pi = HalfPi::for_angles(Interval::ENTIRE);
         let value = self.near_at(a, |approx, a| f(approx, a, half_pi));
+        self.nan_beyond(a, half_pi, value)
+    }
+
+    fn bessel_at(&mut self, a: M::V, order: usize) -> M::V {
+        let half_pi = HalfPi::for_angles(Interval::ENTIRE);
+        let value = self.near_at(a, |approx, a| approx.bessel(order, a, &Reach::Anywhere(half_pi)));
+        self.nan_beyond(a, half_pi, value)
+    }
+
+    /// NaN where the angle `a` is too large to be reduced, else `value`.
+    fn nan_beyond(&mut self, a: M::V, half_pi: &HalfPi, value: M::V) -> M::V {
         let magnitude = self.m.abs(a);
         let limit = self.number(half_pi.limit(self.format));
         let near = self.m.le(magnitude, limit);

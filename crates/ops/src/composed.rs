@@ -29,6 +29,8 @@ pub enum Sequence<T> {
     Recurrence([T; 2]),
     /// The function number 1, and those of numbers 2n and 2n − 1.
     Doubling([T; 3]),
+    /// The functions number 1 to 3. There are no others.
+    Listed([T; 3]),
 }
 
 impl<T> Sequence<T> {
@@ -37,6 +39,7 @@ impl<T> Sequence<T> {
         match self {
             Self::Recurrence(all) => Sequence::Recurrence(all.map(change)),
             Self::Doubling(all) => Sequence::Doubling(all.map(change)),
+            Self::Listed(all) => Sequence::Listed(all.map(change)),
         }
     }
 }
@@ -62,7 +65,7 @@ const fn sequence(
     Composed { name, aliases, parameters, body, sequence: Some(sequence), doc }
 }
 
-use Sequence::{Doubling, Recurrence};
+use Sequence::{Doubling, Listed, Recurrence};
 
 /// Every composed function.
 #[rustfmt::skip] // one row a line
@@ -111,6 +114,8 @@ pub static COMPOSED: &[Composed] = &[
     sequence("hermite_e", &["hermite_prob", "eval_hermitenorm"], &["n", "a"], "1", Recurrence(["a", "a*p-n*q"]), "Hermite polynomial of degree n, of probability theory"),
     sequence("laguerre", &["laguerrel", "laguerreL", "eval_laguerre"], &["n", "a"], "1", Recurrence(["1-a", "((2*n+1-a)*p-n*q)/(n+1)"]), "Laguerre polynomial of degree n, also L_4(a)"),
     sequence("laguerre", &["laguerrel", "laguerreL", "assoc_laguerre"], &["n", "k", "a"], "1", Recurrence(["1+k-a", "((2*n+1+k-a)*p-(n+k)*q)/(n+1)"]), "associated Laguerre polynomial of degree n and index k"),
+    sequence("besselj", &["besselJ", "bessel_j", "bessel_J", "jn", "jv"], &["n", "a"], "besselj0(a)", Listed(["besselj1(a)", "besselj2(a)", "besselj3(a)"]), "Bessel function of the first kind and order n, from 0 to 3, also J_2(a)"),
+    row("erfc", &[], &["a"], "1-erf(a)", "complementary error function, 1 - erf(a)"),
     row("bernstein", &[], &["n", "m", "a"], "product(k = 1..m, (n-m+k)/k)*a^m*(1-a)^(n-m)", "Bernstein polynomial number m of degree n"),
     row("spherical_harmonic", &["sphericalharmonicy", "Ynm"], &["n", "m", "a", "b"], "sqrt((2*n+1)/(4*pi)*product(k = n-m+1..n+m, 1/k))*(-1)^m*product(k = 1..m, 2*k-1)*sin(a)^m*gegenbauer(n-m, m+1/2, cos(a))*exp(i*m*b)", "complex spherical harmonic of degree n and order m >= 0, at the angle a from z and b around z"),
 ];

@@ -74,3 +74,32 @@ pub(crate) const SQRT: Secant = Secant { limit: [1, 2], ..secant(1, 1, "1/(sqrt(
 /// a − 1 = (∛a − 1)(∛a² + ∛a + 1), and the last factor is at least 3/4.
 pub(crate) const CBRT: Secant =
     Secant { limit: [1, 3], ..secant(1, 1, "1/(sqr(cbrt(a))+cbrt(a)+1)") };
+
+/// Jₙ(a)·n!/(a/2)ⁿ is a mean of cos(at) over t from −1 to 1. So the bounds of the cosine, which are
+/// sums of the first terms of its series, are bounds here.
+pub(crate) const BESSEL_J0: Secant = Secant {
+    order: 2,
+    limit: [-1, 4],
+    ..secant(0, 1, "min(max((besselj0(a)-1)/sqr(a), -1/4), sqr(a)/64-1/4)")
+};
+
+pub(crate) const BESSEL_J1: Secant = Secant {
+    limit: [1, 2],
+    ..secant(0, 0, "min(max(besselj1(a)/a, (8-sqr(a))/16), (8-sqr(a))/16+sqr(sqr(a))/384)")
+};
+
+pub(crate) const BESSEL_J2: Secant = Secant {
+    order: 2,
+    limit: [1, 8],
+    ..secant(0, 0, "min(max(besselj2(a)/sqr(a), (12-sqr(a))/96), (12-sqr(a))/96+sqr(sqr(a))/3072)")
+};
+
+pub(crate) const BESSEL_J3: Secant = Secant {
+    order: 3,
+    limit: [1, 48],
+    ..secant(
+        0,
+        0,
+        "min(max(besselj3(a)/(a*sqr(a)), (16-sqr(a))/768), (16-sqr(a))/768+sqr(sqr(a))/30720)",
+    )
+};

@@ -11,6 +11,7 @@ mod power;
 mod step;
 
 pub(crate) use elementary::approximator::{Approximator, by_halves};
+pub(crate) use elementary::bessel::Reach;
 pub(crate) use elementary::double_double::Approximation;
 pub(crate) use elementary::logarithm::Base;
 pub(crate) use elementary::near::NEAR_UNITS;
@@ -92,6 +93,15 @@ impl<M: Machine> Rule<'_, M> {
             Op::Asinh => rule.increasing_unbounded(a, |approx, x| approx.asinh(x)),
             Op::Acosh => rule.acosh(a),
             Op::Atanh => rule.atanh(a),
+            Op::Erf => {
+                let ends = rule.erf_at_ends(a);
+                rule.erf(a, ends)
+            }
+            Op::BesselJ0 | Op::BesselJ1 | Op::BesselJ2 | Op::BesselJ3 => {
+                let order = bessel_order(op);
+                let ends = rule.bessel_at_ends(order, a);
+                rule.bessel(order, a, ends)
+            }
             Op::Add => rule.add(a, &operands[1]),
             Op::Sub => rule.add(a, &operands[1].negated()),
             Op::Mul => rule.mul(a, &operands[1]),
@@ -112,6 +122,11 @@ impl<M: Machine> Rule<'_, M> {
             Op::WhereDefined => rule.with_facts_of(a, &operands[1]),
         }
     }
+}
+
+/// The order of a Bessel function.
+pub(crate) fn bessel_order(op: Op) -> usize {
+    op as usize - Op::BesselJ0 as usize
 }
 
 /// Encloses `op` and its [twin](zeroset_ops::OpRow::twin) over the same operand. Returns `None` if

@@ -48,6 +48,7 @@ fn samples() -> Vec<Sample> {
         (Op::Tanh, f64::tanh),
         (Op::Asinh, f64::asinh),
         (Op::Acosh, f64::acosh),
+        (Op::Erf, libm::erf),
         // The standard library returns ±∞ at ±1, where the function is undefined.
         (Op::Atanh, |a| if a.abs() < 1.0 { a.atanh() } else { f64::NAN }),
     ]

@@ -183,7 +183,12 @@ impl Pieces {
             | Op::Cosh
             | Op::Tanh
             | Op::Atan
-            | Op::Asinh => Self::One,
+            | Op::Asinh
+            | Op::Erf
+            | Op::BesselJ0
+            | Op::BesselJ1
+            | Op::BesselJ2
+            | Op::BesselJ3 => Self::One,
             Op::Pow => {
                 let exponent = graph.number(operands[1]).and_then(Constant::as_integer);
                 if exponent.is_some_and(|n| n >= 0) { Self::One } else { Self::Unknown }

@@ -230,8 +230,11 @@ impl<'a> Lowering<'a> {
             Tensor::Number(node) => integer_of(&self.graph, *node, &mut { MAX_STEPS }),
             Tensor::Vector(_) | Tensor::Matrix(_) | Tensor::Complex(_) => None,
         };
-        let Some(number @ 0..=MAX_DEGREE) = number else {
-            return Err(Error::new(span, ErrorKind::Degree { limit: MAX_DEGREE }));
+        let limit =
+            if let Sequence::Listed(all) = sequence { all.len() as i64 } else { MAX_DEGREE };
+        let Some(number) = number.filter(|number| (0..=limit).contains(number)) else {
+            let name = zeroset_ops::COMPOSED[index].name;
+            return Err(Error::new(span, ErrorKind::NumberInSequence { name, limit }));
         };
         let names = zeroset_ops::COMPOSED[index].parameters.iter().copied();
         let mut locals: Vec<(&str, Tensor)> = names.zip(arguments).collect();
@@ -239,12 +242,15 @@ impl<'a> Lowering<'a> {
         if number == 0 {
             return Ok(before);
         }
-        let (Sequence::Recurrence([second, ..]) | Sequence::Doubling([second, ..])) = sequence;
+        let (Sequence::Recurrence([second, ..])
+        | Sequence::Doubling([second, ..])
+        | Sequence::Listed([second, ..])) = sequence;
         let mut value = self.value_of(second, &locals)?;
         let with = |locals: &Locals<'a>, p: &Tensor, q: &Tensor| {
             [locals, &[("p", p.clone()), ("q", q.clone())]].concat()
         };
         match sequence {
+            Sequence::Listed(all) => value = self.value_of(&all[number as usize - 1], &locals)?,
             Sequence::Recurrence([_, next]) => {
                 for n in 1..number {
                     locals[0].1 = Tensor::Number(self.graph.integer(n));

@@ -209,8 +209,8 @@ pub enum ErrorKind {
     FormUsage { name: &'static str, usage: &'static str },
     #[error("this must be a constant whole number")]
     RangeNotWhole,
-    #[error("a polynomial's degree must be a whole number up to {limit}")]
-    Degree { limit: i64 },
+    #[error("the first argument of `{name}` must be a whole number from 0 to {limit}")]
+    NumberInSequence { name: &'static str, limit: i64 },
     #[error("there are no parametric surfaces")]
     Parametric,
     #[error("this plots in coordinates of its own")]

@@ -168,21 +168,6 @@ impl Error {
                 "write a sum as `sum(k = 1..5, …)`, a function applied again as `iterate(f, 5, x)`"
                     .to_owned()
             }
-            UnknownFunction { name } if name == "erf" => {
-                "no proven bounds are known here; an approximation within 0.0005 is \
-                 `erf(a) = tanh(1.128379a + 0.100906a^3)`, as a line of its own"
-                    .to_owned()
-            }
-            UnknownFunction { name }
-                if matches!(
-                    name.as_str(),
-                    "besselj" | "BesselJ" | "jn" | "jv" | "j0" | "j1" | "besj0" | "besj1"
-                ) =>
-            {
-                "no proven bounds are known here; near 0, write the first terms of the series, \
-                 `sum(k = 0..8, (-a^2/4)^k/product(j = 1..k, j)^2)` for J_0(a)"
-                    .to_owned()
-            }
             UnknownFunction { name } if matches!(name.as_str(), "gamma" | "Gamma") => {
                 "no proven bounds are known here; for whole numbers write the product, \
                  `product(k = 1..4, k)`"
@@ -327,7 +312,7 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         Prefix => "what is `(+ a b)` in prefix notation is `a + b` here",
         RestrictionInside => "write a choice there, as in `z = {x > 0: x, 0} + y`",
         WholeQuotient => "write `floor(i/2)`, or `float(i)/2.` for all of it",
-        Degree { .. } => "write it in digits, or the polynomial itself",
+        NumberInSequence { .. } => "write the number in digits, or the formula itself",
         Parametric => {
             "eliminate the parameters: what is a ball for `x = cos u cos v, …` is `x^2 + y^2 + z^2 = 1`"
         }

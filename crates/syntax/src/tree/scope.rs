@@ -335,6 +335,7 @@ const SEQUENCES: &[(&str, &str)] = &[
     ("P", "legendre"),
     ("H", "hermite"),
     ("L", "laguerre"),
+    ("J", "besselj"),
 ];
 
 /// The function that a name such as `T_4` stands for, if a text does not define it.

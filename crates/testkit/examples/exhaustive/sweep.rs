@@ -43,6 +43,9 @@ enum ReferenceValue {
     Exactly(f64),
     /// The value is not a float, and this is the nearest `f64`.
     Near(f64),
+    /// The value is within an error of the first number. Widths count in units in the last place of
+    /// the third, the amplitude of a wave.
+    Wave { value: f64, error: f64, amplitude: f64 },
 }
 
 /// Returns every function to be checked.
@@ -118,10 +121,31 @@ pub fn functions() -> Vec<Function> {
         all(Op::Acosh, REALS, f32::MAX, |x| {
             where_defined(x >= 1.0, core_math::acosh(f64::from(x)), x == 1.0)
         }),
+        all(Op::Erf, UNIT, f32::MAX, |x| {
+            where_defined(true, core_math::erf(f64::from(x)), x == 0.0)
+        }),
+        wave(Op::BesselJ0, UNIT, |x| bessel(0, x), None),
+        wave(Op::BesselJ1, UNIT, |x| bessel(1, x), None),
+        wave(Op::BesselJ2, UNIT, |x| bessel(2, x), None),
+        wave(Op::BesselJ3, UNIT, |x| bessel(3, x), None),
+        wave(Op::BesselJ0, UNIT, |x| bessel(0, x), Some(NEAR_LIMIT)),
+        wave(Op::BesselJ3, UNIT, |x| bessel(3, x), Some(11.0)),
         all(Op::Atanh, REALS, f32::MAX, |x| {
             where_defined(x.abs() < 1.0, core_math::atanh(f64::from(x)), x == 0.0)
         }),
     ]
+}
+
+/// A Bessel function by `libm`, which errs by a few units in the last place of 1, and of the angle.
+fn bessel(order: i32, x: f32) -> ReferenceValue {
+    if x == 0.0 {
+        return ReferenceValue::Exactly(if order == 0 { 1.0 } else { 0.0 });
+    }
+    let x = f64::from(x);
+    let value = libm::jn(order, x);
+    let swing = if x.abs() < 2.0 { 0.0 } else { (0.6 / x.abs()).sqrt() };
+    let amplitude = swing.max(value.abs());
+    ReferenceValue::Wave { value, error: 16.0 * f64::EPSILON * amplitude, amplitude }
 }
 
 fn where_defined(defined: bool, value: f64, exact: bool) -> ReferenceValue {
@@ -263,7 +287,8 @@ impl Function {
 
     fn judge(&self, x: f32, lo: f32, hi: f32, facts: Facts, report: &mut Report) {
         report.tried += 1;
-        let (value, exact) = match (self.truth)(x) {
+        let truth = (self.truth)(x);
+        let (value, exact) = match truth {
             ReferenceValue::Undefined => {
                 // The function must be reported as undefined outside its domain of definition.
                 if facts != Facts::NOWHERE {
@@ -272,11 +297,15 @@ impl Function {
                 return;
             }
             ReferenceValue::Exactly(value) => (value, true),
-            ReferenceValue::Near(value) => (value, false),
+            ReferenceValue::Near(value) | ReferenceValue::Wave { value, .. } => (value, false),
         };
         // Bounds of the exact value. If `value` is rounded, they are the floats next to it.
         let claim = if exact {
             [value; 2]
+        } else if let ReferenceValue::Wave { error, .. } = truth {
+            // The least normal number covers results that `libm` lets underflow.
+            let error = error.max(f64::MIN_POSITIVE);
+            [(value - error).max(self.range[0]), (value + error).min(self.range[1])]
         } else {
             [value.next_down().max(self.range[0]), value.next_up().min(self.range[1])]
         };
@@ -300,7 +329,13 @@ impl Function {
             return;
         }
         let tightest = u64::from(!exact || f64::from(value as f32) != value);
-        let excess = place(hi).abs_diff(place(lo)) - tightest;
+        let excess = match truth {
+            ReferenceValue::Wave { amplitude, .. } => {
+                let ulp = (amplitude as f32).next_up() - amplitude as f32;
+                (((hi - lo) / ulp).ceil() as u64).saturating_sub(1)
+            }
+            _ => place(hi).abs_diff(place(lo)) - tightest,
+        };
         report.measured += 1;
         report.excess += excess;
         if excess > report.worst || report.worst_at.is_none() {

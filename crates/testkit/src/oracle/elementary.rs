@@ -82,6 +82,27 @@ fn wave(a: Span, f: fn(f64) -> f64, slope: fn(f64) -> f64, at_zero: f64) -> Span
     range.within(-1.0, 1.0)
 }
 
+pub(super) fn erf(a: Span) -> Span {
+    a.increasing(|x| Rounded::when(core_math::erf(x), x == 0.0)).within(-1.0, 1.0)
+}
+
+/// Bessel functions of the first kind. No correctly rounded ones are at hand. Those of `libm` err by
+/// a few units in the last place of 1; more is allowed here.
+pub(super) fn bessel(order: i32, a: Span) -> Span {
+    const ERROR: f64 = 16.0 * f64::EPSILON;
+    const LARGEST: f64 = 1e6;
+    if a.lo == 0.0 && a.hi == 0.0 {
+        return Span::point(if order == 0 { 1.0 } else { 0.0 });
+    }
+    if !(a.lo >= -LARGEST && a.hi <= LARGEST) {
+        return Span::new(-1.0, 1.0);
+    }
+    // The slope is at most 1.
+    let middle = libm::jn(order, f64::midpoint(a.lo, a.hi));
+    let reach = (a.hi - a.lo) / 2.0 + ERROR * (1.0 + a.hi.abs().max(a.lo.abs()));
+    Span::new(middle - reach, middle + reach).within(-1.0, 1.0)
+}
+
 /// Whether `a` certainly contains no pole of the tangent.
 pub(super) fn has_no_pole(a: Span) -> bool {
     is_narrow(a) && (core_math::cos(a.lo) > 0.0) == (core_math::cos(a.hi) > 0.0)

@@ -49,6 +49,10 @@ pub(super) fn apply(op: Op, operands: [Claim; 3], exponent: Exponent) -> Claim {
             elementary::atanh(a),
             Defined::decide(a.lo > -1.0 && a.hi < 1.0, a.lo < 1.0 && a.hi > -1.0),
         ),
+        Op::Erf => everywhere(elementary::erf(a)),
+        Op::BesselJ0 | Op::BesselJ1 | Op::BesselJ2 | Op::BesselJ3 => {
+            everywhere(elementary::bessel(op as i32 - Op::BesselJ0 as i32, a))
+        }
         Op::Add => everywhere(a.add(b)),
         Op::Sub => everywhere(a.sub(b)),
         Op::Mul => everywhere(a.mul(b)),

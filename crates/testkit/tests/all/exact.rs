@@ -9,6 +9,7 @@
 use num_bigint::BigInt;
 use num_traits::Zero;
 use std::f64::consts::{FRAC_PI_4, LN_2};
+use std::sync::LazyLock;
 use zeroset_interval::round::{f32_up, f64_up};
 use zeroset_interval::{Facts, Interval, fold};
 use zeroset_ops::Op;
@@ -90,6 +91,61 @@ fn tan(x: &BigInt) -> BigInt {
     over(&sin, &cos)
 }
 
+/// 1 in units.
+fn one() -> BigInt {
+    BigInt::from(1) << PLACES
+}
+
+/// π by Machin's formula, 16 atan(1/5) − 4 atan(1/239).
+fn pi() -> BigInt {
+    let atan = |n: i32| {
+        let mut power: BigInt = one() / n;
+        let mut sum = BigInt::zero();
+        for k in 0.. {
+            if power.is_zero() {
+                return sum;
+            }
+            let term: BigInt = &power / (2 * k + 1);
+            sum += if k % 2 == 0 { term } else { -term };
+            power = power / (n * n);
+        }
+        sum
+    };
+    atan(5) * 16 - atan(239) * 4
+}
+
+static ROOT_OF_PI: LazyLock<BigInt> = LazyLock::new(|| (pi() << PLACES).sqrt());
+
+/// 2/√π Σ (−1)ᵏ x²ᵏ⁺¹ / (k! (2k + 1)).
+fn erf(x: &BigInt) -> BigInt {
+    let square = times(x, x);
+    let (mut power, mut sum) = (x.clone(), BigInt::zero());
+    for k in 0_u32.. {
+        if power.bits() <= 1 {
+            break;
+        }
+        sum += &power / (2 * k + 1);
+        power = -times(&power, &square) / (k + 1);
+    }
+    over(&(sum * 2), &ROOT_OF_PI)
+}
+
+/// Σ (−1)ᵏ (x/2)²ᵏ⁺ⁿ / (k! (k + n)!) for n = `ORDER`.
+fn bessel<const ORDER: u32>(x: &BigInt) -> BigInt {
+    let half: BigInt = x / 2;
+    let square = times(&half, &half);
+    let mut term = (1..=ORDER).fold(one(), |term, n| times(&term, &half) / n);
+    let mut sum = BigInt::zero();
+    for k in 1_u32.. {
+        if term.bits() <= 1 {
+            break;
+        }
+        sum += &term;
+        term = -times(&term, &square) / (k * (k + ORDER));
+    }
+    sum
+}
+
 /// A way to compute the reference value of a function.
 #[derive(Clone, Copy)]
 enum ReferenceMethod {
@@ -134,7 +190,21 @@ fn cases() -> Vec<(Op, ReferenceMethod, Draw)> {
     };
     let above: Draw = |random| around(random, &[0.3, 0.5, 0.75, 1.4, 3.0, 5.6]);
     let from_one: Draw = |random| around(random, &[1.25, 1.414, 2.0, 3.0]);
+    // Around the ends of the ranges of series, and anywhere between.
+    let bell: Draw = |random| match random.bool() {
+        true => around(random, &[4.9, -4.9, 6.0, -6.0, 0.01]),
+        false => 6.5 * unit(random),
+    };
+    let drum: Draw = |random| match random.bool() {
+        true => around(random, &[11.3, -11.3, 22.6, -22.6, 0.01]),
+        false => 40.0 * unit(random),
+    };
     vec![
+        (Op::Erf, Of(erf), bell),
+        (Op::BesselJ0, Of(bessel::<0>), drum),
+        (Op::BesselJ1, Of(bessel::<1>), drum),
+        (Op::BesselJ2, Of(bessel::<2>), drum),
+        (Op::BesselJ3, Of(bessel::<3>), drum),
         (Op::Exp, Of(exp), power),
         (Op::Sinh, Of(sinh), power),
         (Op::Cosh, Of(cosh), power),
@@ -177,6 +247,35 @@ fn enclosures_of_points_hold_the_exact_value() {
             );
         }
         println!("{name}: {POINTS} points");
+    }
+}
+
+/// Enclosures of Bessel functions at points are at most four units in the last place of their
+/// amplitude wide, besides the one that any enclosure needs: near zeros, relative errors are larger.
+#[test]
+fn enclosures_of_bessel_functions_are_narrow_beside_their_amplitude() {
+    for op in [Op::BesselJ0, Op::BesselJ1, Op::BesselJ2, Op::BesselJ3] {
+        let mut random = Rng::with_seed(SEED);
+        let mut worst = (0.0, 0.0);
+        for _ in 0..10 * POINTS {
+            let x = match random.u32(0..3) {
+                0 => 40.0 * unit(&mut random),
+                1 => 1e6 * unit(&mut random),
+                _ => 2f64.powi(-random.i32(0..1000)) * unit(&mut random),
+            };
+            let point = Interval::point(x).expect("finite");
+            let (bounds, _) = fold(op, &[(point, Facts::TOTAL)]);
+            // The amplitude is √(2/πx) where the function swings.
+            let swing = if x.abs() < 2.0 { 0.0 } else { (0.6 / x.abs()).sqrt() };
+            let amplitude = swing.max(bounds.lo.abs()).max(bounds.hi.abs());
+            let ulp = amplitude.next_up() - amplitude;
+            let width = (bounds.hi - bounds.lo) / ulp;
+            if width > worst.0 {
+                worst = (width, x);
+            }
+        }
+        println!("{}: {} units at {:e}", op.row().name, worst.0, worst.1);
+        assert!(worst.0 <= 5.0, "{op:?}: {worst:?}, seed {SEED:#x}");
     }
 }
 

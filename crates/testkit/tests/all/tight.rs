@@ -65,6 +65,7 @@ fn cases() -> Vec<TestFunction> {
         case(Op::Asinh, core_math::asinh, &[0.0, 0.4142, 1e9, 1.1e9, 1e300, 1e-310]),
         case(Op::Acosh, core_math::acosh, &[1.0, 1.1, SQRT_2, 1e9, 1.1e9, 1e300]),
         case(Op::Atanh, core_math::atanh, &[0.0, 0.1716, 0.5, 1.0, -1.0, 1e-310]),
+        case(Op::Erf, core_math::erf, &[0.0, 0.5, 1.0, 4.24, 4.9, 6.0, 1e-120, 1e-310]),
     ]
 }
 

@@ -67,6 +67,43 @@ impl<M: Machine> Rule<'_, M> {
         self.with_bounds(&form, &value)
     }
 
+    /// The form of a function whose slope is at most 2 and whose second derivative is at most
+    /// `bend`, both in magnitude. `ends` bound it at the ends of its operand, each as [−lo, hi];
+    /// `value` encloses it.
+    ///
+    /// For any α, f(x) − αx lies between its values at the ends but for ⅛ · `bend` · width². Here α
+    /// is the slope of the chord.
+    pub(super) fn form_chord<const N: usize>(
+        &mut self,
+        a: &FormOperand<M::V, N>,
+        bounds: &Operand<M::V>,
+        [first, last]: [[M::V; 2]; 2],
+        value: &Enclosure<M::V>,
+        bend: f64,
+    ) -> Form<M::V, N> {
+        let Enclosure { neg_lo, hi, .. } = bounds.value;
+        let lo = self.m.neg(neg_lo);
+        let width = self.m.add(neg_lo, hi);
+        let rise = self.m.add(last[1], first[0]);
+        let slope = self.m.div(rise, width);
+        let (most, least) = (self.number(2.0), self.number(-2.0));
+        let slope = self.m.min(slope, most);
+        let slope = self.m.max(slope, least);
+        let share = self.number(bend / 8.0);
+        let scaled = self.m.mul(width, share);
+        let curved = self.m.mul(scaled, width);
+        let neg_hi = self.m.neg(hi);
+        let sides = [[(first[0], lo), (last[0], hi)], [(first[1], neg_lo), (last[1], neg_hi)]];
+        let [neg_least, most] = sides.map(|ends| {
+            let [first, last] = ends.map(|(bound, place)| self.m.mul_add(slope, place, bound));
+            let bound = self.m.max(first, last);
+            self.m.add(bound, curved)
+        });
+        let (middle, half) = self.middle(neg_least, most);
+        let form = self.form_line(&a.value, slope, middle, half);
+        self.with_bounds(&form, value)
+    }
+
     /// The form of a smooth function, with the slope and bend that `shape` returns. The bend or the
     /// bounds are infinite where the function is not smooth.
     pub(super) fn form_curve<const N: usize>(

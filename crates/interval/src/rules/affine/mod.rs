@@ -17,7 +17,7 @@ mod waves;
 use crate::bounds::Interval;
 use crate::enclosure::{Claims, Enclosure, Exponent, Operand, Term};
 use crate::machine::{Format, Machine};
-use crate::rules::{Rule, enclose};
+use crate::rules::{Rule, bessel_order, enclose};
 use crate::software::{Software, Vector128};
 use std::f64::consts::{LOG2_E, LOG10_E};
 use zeroset_ops::{Class, Op};
@@ -226,6 +226,19 @@ pub fn linearise<M: Machine, const N: usize>(
         Op::Asinh => rule.form_curve(op, Rule::shape_of_asinh, a),
         Op::Acosh => rule.form_curve(op, Rule::shape_of_acosh, a),
         Op::Atanh => rule.form_curve(op, Rule::shape_of_atanh, a),
+        Op::Erf => {
+            let bounds = rule.operand(a);
+            let ends = rule.erf_at_ends(&bounds);
+            let value = rule.erf(&bounds, ends);
+            // |f″| = 4|x| exp(−x²)/√π is greatest at 1/√2.
+            rule.form_chord(a, &bounds, ends, &value, 0.968_75)
+        }
+        Op::BesselJ0 | Op::BesselJ1 | Op::BesselJ2 | Op::BesselJ3 => {
+            let (order, bounds) = (bessel_order(op), rule.operand(a));
+            let ends = rule.bessel_at_ends(order, &bounds);
+            let value = rule.bessel(order, &bounds, ends);
+            rule.form_chord(a, &bounds, ends, &value, 0.5)
+        }
         Op::Sign | Op::Floor | Op::Ceil | Op::Round | Op::Trunc | Op::Atan2 => {
             rule.bounded(op, operands)
         }

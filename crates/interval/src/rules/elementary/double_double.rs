@@ -27,7 +27,8 @@ pub(crate) struct DoubleDouble<V> {
     pub(crate) tail: Option<V>,
 }
 
-/// Result of a routine: the exact value is `(sum + δ) · 2^exponent`, with |δ| ≤ `error` · |head|.
+/// Result of a routine: the exact value is `(sum + δ) · 2^exponent`, with |δ| ≤ `error` · |head|
+/// unless further errors are given.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Approximation<V> {
     pub(crate) sum: DoubleDouble<V>,
@@ -35,13 +36,15 @@ pub(crate) struct Approximation<V> {
     pub(crate) error: f64,
     /// A further relative error per lane. It is allowed only if the sum has a tail.
     pub(crate) extra: Option<V>,
+    /// A further absolute error per lane.
+    pub(crate) absolute: Option<V>,
     /// The exponent, an integer; `None` stands for 0.
     pub(crate) exponent: Option<V>,
 }
 
 impl<V> Approximation<V> {
     pub(crate) fn new(sum: DoubleDouble<V>, error: f64) -> Self {
-        Self { sum, error, extra: None, exponent: None }
+        Self { sum, error, extra: None, absolute: None, exponent: None }
     }
 }
 
@@ -83,6 +86,26 @@ impl<M: Machine> Approximator<'_, M> {
         let lacking = self.m.sub(b.head, held);
         let tails = self.tails(a.tail, b.tail);
         DoubleDouble { head, tail: self.tails(Some(lacking), tails) }
+    }
+
+    /// Computes a + b to 2⁻¹⁰⁰ of |a| + |b|, in any order.
+    pub(super) fn sum(
+        &mut self,
+        a: DoubleDouble<M::V>,
+        b: DoubleDouble<M::V>,
+    ) -> DoubleDouble<M::V> {
+        let head = self.m.add(a.head, b.head);
+        if !self.has_tails() {
+            return head.into();
+        }
+        // The parts of b and of a that the head contains. What they lack is exact up to rounding of
+        // second order.
+        let b_held = self.m.sub(head, a.head);
+        let a_held = self.m.sub(head, b_held);
+        let (a_rest, b_rest) = (self.m.sub(a.head, a_held), self.m.sub(b.head, b_held));
+        let rest = self.m.add(a_rest, b_rest);
+        let tails = self.tails(a.tail, b.tail);
+        DoubleDouble { head, tail: self.tails(Some(rest), tails) }
     }
 
     /// Computes a + b for a and b ≥ 0, in any order.
@@ -325,7 +348,8 @@ impl<M: Machine> Approximator<'_, M> {
             error = self.m.add(error, extra);
         }
         // The product is rounded up, so it is positive unless the head is 0.
-        self.m.mul(magnitude, error)
+        let slack = self.m.mul(magnitude, error);
+        near.absolute.map_or(slack, |absolute| self.m.add(slack, absolute))
     }
 
     /// Computes value · 2^exponent in two steps, because 2^exponent may be out of range when the

@@ -5,7 +5,10 @@
 pub(crate) mod approximator;
 mod arc;
 mod atan2;
+pub(crate) mod bessel;
+mod centred;
 pub(crate) mod double_double;
+mod erf;
 mod exponential;
 mod hyperbolic;
 pub(crate) mod logarithm;

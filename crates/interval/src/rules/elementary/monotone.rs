@@ -1,7 +1,7 @@
 //! Rules of functions that are monotone, or monotone in the operand's magnitude. Routines evaluate
 //! them at two ends.
 
-use super::approximator::{Approximator, by_halves};
+use super::approximator::{Approximator, at_ends, by_halves};
 use super::double_double::Approximation;
 use super::logarithm::Base;
 use crate::bounds::Interval;
@@ -42,6 +42,22 @@ impl<M: Machine> Rule<'_, M> {
                 [self.m.narrow(lower), self.m.narrow(upper)]
             }
         }
+    }
+
+    /// Bounds of a function at both ends of its operand, each as [−lo, hi].
+    pub(in crate::rules) fn at_both_ends(
+        &mut self,
+        a: &Operand<M::V>,
+        mut f: impl FnMut(&mut Approximator<'_, M>, M::V) -> Approximation<M::V>,
+    ) -> [[M::V; 2]; 2] {
+        let ends = [[self.m.neg(a.value.neg_lo)], [a.value.hi]];
+        let bounds_at = |approx: &mut Approximator<'_, M>, [x]: [M::V; 1]| {
+            let near = f(approx, x);
+            [approx.negated_lower(&near), approx.upper(&near)]
+        };
+        let [neg_first, first, neg_last, last] =
+            at_ends(self.m, self.format, ends, bounds_at, |_, [a, b], [c, d]| [a, b, c, d]);
+        [[neg_first, first], [neg_last, last]]
     }
 
     /// Encloses an increasing function that is defined everywhere.
