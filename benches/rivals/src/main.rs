@@ -13,6 +13,7 @@ mod report;
 mod scaling;
 mod side;
 mod surfaces;
+mod traps;
 mod voxels;
 
 use anyhow::{Context, Result};
@@ -30,6 +31,7 @@ use scaling::Pooled;
 use side::Side;
 use std::collections::{BTreeMap, BTreeSet};
 use surfaces::{SURFACES, Surface};
+use traps::TrapsArguments;
 use voxels::Voxels;
 use zeroset_testkit::machine::{processor, threads};
 use zeroset_trace::{METHODS, Method};
@@ -84,6 +86,8 @@ enum Run {
     Parts(PartsArguments),
     /// Compare zeroset's meshes with fidget's, on one thread
     Meshes(MeshesArguments),
+    /// Compare the shapes of both meshes where samples miss parts of a surface
+    Traps(TrapsArguments),
 }
 
 fn names(names: impl Iterator<Item = &'static str>) -> PossibleValuesParser {
@@ -162,6 +166,7 @@ fn main() -> Result<()> {
     match &arguments.run {
         Some(Run::Parts(arguments)) => return parts::run(arguments),
         Some(Run::Meshes(arguments)) => return meshes::run(arguments),
+        Some(Run::Traps(arguments)) => return traps::run(arguments),
         None => {}
     }
     let threads = arguments.threads as usize;

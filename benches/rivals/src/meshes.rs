@@ -41,14 +41,30 @@ pub struct MeshesArguments {
 
 /// Triangles with their corners in world units.
 #[derive(Default)]
-struct Triangles(Vec<[DVec3; 3]>);
+pub struct Triangles(pub Vec<[DVec3; 3]>);
 
 /// fidget's mesher.
-struct Dual {
+pub struct Dual {
     tree: Tree,
     half: f64,
     depth: u8,
-    mesh: Triangles,
+    /// The mesh, once it is drawn.
+    pub mesh: Triangles,
+}
+
+impl Dual {
+    /// A mesher of a cube around the origin, whose edge is twice `half`.
+    pub fn new(tree: Tree, half: f64, depth: u8) -> Self {
+        Self { tree, half, depth, mesh: Triangles::default() }
+    }
+}
+
+/// The document's first function, as fidget takes it.
+///
+/// # Errors
+/// If fidget lacks an operation.
+pub fn tree_of(document: &Document) -> Result<Tree> {
+    tree(&document.graph, document.surfaces[0].root)
 }
 
 impl Side for Dual {
@@ -81,19 +97,33 @@ impl Side for Dual {
 }
 
 /// zeroset's mesher, with or without the proof of the shape.
-struct Ours<'a> {
-    name: &'static str,
+pub struct Ours<'a> {
     document: &'a Document,
     surface: &'a Surface,
     tolerance: f64,
     is_estimated: bool,
-    mesh: Triangles,
-    unproven: usize,
+    /// The mesh, once it is drawn.
+    pub mesh: Triangles,
+    /// Number of cells without a proof.
+    pub unproven: usize,
+}
+
+impl<'a> Ours<'a> {
+    /// A mesher with this tolerance, without the proof of the shape if `is_estimated`.
+    pub fn new(
+        document: &'a Document,
+        surface: &'a Surface,
+        tolerance: f64,
+        is_estimated: bool,
+    ) -> Self {
+        let mesh = Triangles::default();
+        Self { document, surface, tolerance, is_estimated, mesh, unproven: 0 }
+    }
 }
 
 impl Side for Ours<'_> {
     fn name(&self) -> String {
-        self.name.to_owned()
+        if self.is_estimated { "without proof" } else { "with proof" }.to_owned()
     }
 
     fn size(&self) -> usize {
@@ -210,19 +240,11 @@ pub fn run(arguments: &MeshesArguments) -> Result<()> {
 fn compare(surface: &Surface, depth: u8, arguments: &MeshesArguments) -> Result<[f64; 2]> {
     let document = surface.document()?;
     let program = Program::new(&document, zeroset_mesh::domain(&surface.region()?))?;
-    let tree = tree(&document.graph, document.surfaces[0].root)?;
-    let mut dual = Dual { tree, half: surface.half, depth, mesh: Triangles::default() };
+    let mut dual = Dual::new(tree_of(&document)?, surface.half, depth);
     dual.draw()?;
     let error = largest(&dual.mesh.distances(&program)?);
-    let ours = |tolerance: f64, is_estimated: bool| Ours {
-        name: if is_estimated { "without proof" } else { "with proof" },
-        document: &document,
-        surface,
-        tolerance,
-        is_estimated,
-        mesh: Triangles::default(),
-        unproven: 0,
-    };
+    let ours =
+        |tolerance: f64, is_estimated: bool| Ours::new(&document, surface, tolerance, is_estimated);
     let (mut tolerance, mut near) = (16.0 * error, f64::INFINITY);
     while near > error {
         tolerance *= 0.5_f64.sqrt();

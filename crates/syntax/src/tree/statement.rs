@@ -15,7 +15,7 @@ use crate::tree::derivatives::operator;
 use crate::tree::diagnose::recognise;
 use crate::tree::grammar::{Pair, Rule};
 use crate::tree::raw_statement::{Head, RawStatement, ValueConversion};
-use crate::tree::scope::{NameMeaning, Scope, built_in, coordinate, is_builder};
+use crate::tree::scope::{NameMeaning, Scope, built_in, coordinate, is_builder, numbered};
 use rustc_hash::FxHashSet;
 use zeroset_ir::Axis;
 use zeroset_ops::FormKind;
@@ -133,7 +133,10 @@ pub(crate) fn resolve_heads(
         if line.raw.head.is_some() {
             continue;
         }
-        if line.head.as_ref().is_some_and(|head| !may_define(head) || is_miscounted(head)) {
+        let is_no_definition = |head: &Head| {
+            !may_define(head) || is_miscounted(head) || is_of_sequence(text, head, &line.raw.lexed)
+        };
+        if line.head.as_ref().is_some_and(is_no_definition) {
             line.head = None;
         }
     }
@@ -244,6 +247,16 @@ fn may_define(head: &Head) -> bool {
 /// Returns whether the left side is a valid call of a function of the language.
 fn is_built_in(head: &Head) -> bool {
     accepts(head) == Some(true)
+}
+
+/// Returns whether a line is an equation such as `P_3(x) = z`: its left side names a function of a
+/// sequence, and its right side lacks the parameter, which is a coordinate.
+fn is_of_sequence(text: &str, head: &Head, lexed: &LexedStatement) -> bool {
+    let parameters = head.parameters.as_deref().unwrap_or_default();
+    let [parameter] = parameters else { return false };
+    numbered(&head.name.text).is_some()
+        && coordinate(&parameter.text).is_some()
+        && right_side(lexed).all(|token| text[token.span.range()] != parameter.text)
 }
 
 /// Returns whether the left side calls a function of the language with too few or too many

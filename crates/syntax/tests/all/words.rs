@@ -242,7 +242,7 @@ fn the_fourth_list_is_read_as_meant_with_few_exceptions() {
         writeln!(report, "{}\n{}\n{what}\n", row.place, row.text).unwrap();
     }
     assert!(wrongly.is_empty(), "{wrongly}\n==== refused\n{refused}{as_meant}");
-    assert!(as_meant * 100 >= rows.len() * 85, "{as_meant} of {}:\n\n{refused}", rows.len());
+    assert!(as_meant * 100 >= rows.len() * 88, "{as_meant} of {}:\n\n{refused}", rows.len());
 }
 
 #[test]
