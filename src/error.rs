@@ -3,6 +3,7 @@
 use std::fmt;
 use std::ops::Range;
 use std::path::Path;
+use zeroset_render::limit::Limit;
 use zeroset_scene::view::SceneError;
 use zeroset_syntax::{Errors, Note, Span};
 
@@ -65,6 +66,15 @@ impl Error {
 
     pub(crate) fn argument(message: impl fmt::Display) -> Self {
         Self::new(ErrorKind::Argument, message)
+    }
+
+    /// The error of work that was not done when its limit ended it.
+    pub(crate) fn unfinished(work: &str, limit: &Limit) -> Self {
+        if limit.is_stopped() {
+            return Self::argument(format!("{work} stopped"));
+        }
+        let seconds = limit.budget.unwrap_or_default().as_secs_f64();
+        Self::argument(format!("{work} not done within {seconds} s"))
     }
 
     pub(crate) fn formula(message: impl fmt::Display) -> Self {

@@ -3,10 +3,11 @@
 use crate::error::Error;
 use crate::settings::Domain;
 use std::ops::RangeInclusive;
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 use zeroset_interval::Interval;
 use zeroset_measure::{MeasureError, RELATIVE, measures};
-use zeroset_render::limit::Limit;
+use zeroset_render::limit::{Limit, StopFlag};
 use zeroset_scene::view::Clipping;
 use zeroset_syntax::Document;
 
@@ -22,7 +23,7 @@ use zeroset_syntax::Document;
 pub struct MeasureSettings {
     domain: Domain,
     relative: Option<f64>,
-    budget: Option<Duration>,
+    limit: Limit,
 }
 
 impl MeasureSettings {
@@ -47,7 +48,13 @@ impl MeasureSettings {
 
     /// Limits the time. Measures that are not done in time are an error. Default: no limit.
     pub fn budget(mut self, time: Duration) -> Self {
-        self.budget = Some(time);
+        self.limit.budget = Some(time);
+        self
+    }
+
+    /// Ends the work once the flag is set, with an error. Default: none.
+    pub fn stop(mut self, flag: &'static AtomicBool) -> Self {
+        self.limit.stop = Some(StopFlag(flag));
         self
     }
 }
@@ -85,8 +92,7 @@ pub(crate) fn measured(
     if !(relative > 0.0 && relative.is_finite()) {
         return Err(Error::argument("relative must be a finite number above 0"));
     }
-    let budget = settings.budget;
-    let wanted = Limit { budget, ..Limit::default() }.wanted();
+    let wanted = settings.limit.wanted();
     let found =
         measures(document, settings.domain.choice(), Clipping::default(), relative, &wanted);
     let found = found.map_err(|error| match error {
@@ -97,8 +103,7 @@ pub(crate) fn measured(
         error => Error::formula(error),
     })?;
     let Some(found) = found else {
-        let seconds = budget.unwrap_or_default().as_secs_f64();
-        return Err(Error::argument(format!("the measures were not done within {seconds} s")));
+        return Err(Error::unfinished("the measures were", &settings.limit));
     };
     let range = |bounds: Interval| bounds.lo..=bounds.hi;
     let measures = found.surfaces.into_iter().map(|(name, of)| {

@@ -5,10 +5,11 @@ use crate::settings::Domain;
 use glam::DVec3;
 use std::ops::RangeInclusive;
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 use zeroset_export::{Format, Meshes, Object, Quality, meshes};
 use zeroset_render::atomic_file::AtomicFile;
-use zeroset_render::limit::Limit;
+use zeroset_render::limit::{Limit, StopFlag};
 use zeroset_scene::view::Clipping;
 use zeroset_syntax::Document;
 
@@ -27,7 +28,7 @@ pub struct MeshSettings {
     domain: Domain,
     tolerance: Option<f64>,
     is_estimated: bool,
-    budget: Option<Duration>,
+    limit: Limit,
 }
 
 /// Triangles of a scene's surfaces, and what is proven of them.
@@ -77,24 +78,29 @@ impl MeshSettings {
 
     /// Limits the time. A mesh that is not done in time is an error. Default: no limit.
     pub fn budget(mut self, time: Duration) -> Self {
-        self.budget = Some(time);
+        self.limit.budget = Some(time);
+        self
+    }
+
+    /// Ends the work once the flag is set, with an error. Default: none.
+    pub fn stop(mut self, flag: &'static AtomicBool) -> Self {
+        self.limit.stop = Some(StopFlag(flag));
         self
     }
 }
 
 impl Mesh {
     pub(crate) fn new(document: &Document, settings: &MeshSettings) -> Result<Self, Error> {
-        let &MeshSettings { tolerance, is_estimated, budget, .. } = settings;
+        let &MeshSettings { tolerance, is_estimated, limit, .. } = settings;
         let quality = Quality { tolerance, is_estimated };
         if !tolerance.is_none_or(|tolerance| tolerance > 0.0 && tolerance.is_finite()) {
             return Err(Error::argument("tolerance must be a finite length above 0"));
         }
-        let wanted = Limit { budget, ..Limit::default() }.wanted();
+        let wanted = limit.wanted();
         let found =
             meshes(document, settings.domain.choice(), Clipping::default(), quality, &wanted);
         let Some(Meshes { objects, tolerance, .. }) = found.map_err(Error::scene)? else {
-            let seconds = budget.unwrap_or_default().as_secs_f64();
-            return Err(Error::argument(format!("the mesh was not done within {seconds} s")));
+            return Err(Error::unfinished("the mesh was", &limit));
         };
         Ok(Self { surfaces: objects.iter().map(SurfaceMesh::of).collect(), objects, tolerance })
     }

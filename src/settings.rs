@@ -4,7 +4,9 @@ use crate::error::Error;
 use std::fmt;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
+use zeroset_render::limit::StopFlag;
 use zeroset_render::picture;
 use zeroset_scene::view::{CameraChoice, DomainChoice};
 use zeroset_shade::{LinearRgb, Pattern};
@@ -374,6 +376,9 @@ impl Settings {
         /// and not drawn. The picture then depends on the machine, but its proofs hold. Default: no
         /// limit.
         budget(time: Duration) => picture.limit.budget = Some(time);
+        /// Ends the work once the flag is set. The picture is then as far as with a budget that is
+        /// over. Default: none.
+        stop(flag: &'static AtomicBool) => picture.limit.stop = Some(StopFlag(flag));
     }
 
     pub(crate) fn domain_choice(&self) -> DomainChoice {

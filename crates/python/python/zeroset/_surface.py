@@ -1,0 +1,408 @@
+"""What users call: surfaces, and the results of their methods."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _zeroset
+from ._formula import from_sympy, traced
+from ._zeroset import Error, Mesh, Picture
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+MISS, HIT, UNDECIDED = 0, 1, 2
+
+Floats: TypeAlias = npt.NDArray[np.float64]
+Domain: TypeAlias = "float | str | Sequence[Sequence[float]]"
+
+
+class Interval(NamedTuple):
+    """Two bounds between which a number is proven to lie."""
+
+    lo: float
+    hi: float
+
+    @property
+    def width(self) -> float:
+        return self.hi - self.lo
+
+    @property
+    def middle(self) -> float:
+        return (self.lo + self.hi) / 2
+
+    def __contains__(self, number: object) -> bool:
+        return isinstance(number, (int, float)) and self.lo <= number <= self.hi
+
+
+class Enclosure(NamedTuple):
+    """Bounds of a function over boxes, and facts about it there. True is proven; False claims
+    nothing.
+    """
+
+    lo: Floats
+    """Lower bounds of all values in a box; infinite for an undefined function."""
+    hi: Floats
+    """Upper bounds."""
+    undefined: npt.NDArray[np.bool_]
+    """The function has a value nowhere in the box."""
+    defined: npt.NDArray[np.bool_]
+    """The function has a value everywhere in the box."""
+    continuous: npt.NDArray[np.bool_]
+    """The function is defined and continuous in the whole box."""
+
+    @property
+    def may_vanish(self) -> npt.NDArray[np.bool_]:
+        """Whether a box may hold a zero. False is a proof that it holds none."""
+        found = (self.lo <= 0) & (0 <= self.hi)
+        return np.asarray(found)
+
+
+class Trace(NamedTuple):
+    """What is proven of rays. Distances count in lengths of a ray's direction."""
+
+    t: Floats
+    """Where a picture draws the surface; infinite where it draws none."""
+    status: npt.NDArray[np.uint8]
+    """`MISS` and `HIT` are proven; `UNDECIDED` is neither."""
+    bracket: Floats
+    """Bounds (…, 2) of the first zero of a hit. For an undecided ray, the first number is a
+    distance up to which there is no zero. NaN elsewhere.
+    """
+
+
+@dataclass(frozen=True)
+class Measures:
+    """Measures of a surface. Intervals are proven to hold the exact number."""
+
+    name: str
+    """The formula as it was read."""
+    volume: Interval | None
+    """The volume of a solid."""
+    centroid: tuple[Interval, Interval, Interval] | None
+    moments: tuple[Interval, Interval, Interval] | None
+    """Moments of inertia about the axes through the centroid along x, y and z, for density 1."""
+    corners: tuple[tuple[Interval, ...], tuple[Interval, ...]] | None
+    """The least and the greatest x, y and z."""
+    area: float
+    """The area of a mesh: an estimate."""
+    area_change: float
+    """Difference from the area of a coarser mesh."""
+    genus: tuple[int | None, ...]
+    """The genus of each piece; None for one with a rim."""
+    proven: bool
+    """Whether the surface is proven to have the pieces of the mesh."""
+
+
+class Surface:
+    """The zero set of a formula, or all drawings of a text of several lines.
+
+    `formula` is a text in the language of the program `zeroset`, a SymPy expression or equation, or
+    a Python function of x, y and z that uses NumPy's functions. A function is called once, and
+    recorded. `values` are parameters: names in the formula that get these values.
+
+    Raises `Error` if the formula cannot be read. Its message shows the place.
+
+    >>> torus = Surface("(hypot(x, y) - 2)^2 + z^2 = r^2", r=0.5)
+    >>> torus.parameters
+    {'r': 0.5}
+    >>> torus.set(r=1.0)
+    >>> float(torus(2, 0, 0))
+    -1.0
+    >>> wave = Surface(lambda x, y, z: np.sin(x) * y + z**2)
+    >>> wave.text
+    '((sin(x) * y) + (z ^ (2)))'
+    """
+
+    def __init__(self, formula: str | Callable[..., Any] | Any, /, **values: float) -> None:
+        text = _text(formula, values)
+        missing = dict(values)
+        if values:
+            try:
+                scene = _zeroset.Scene(text)
+            except Error:
+                pass
+            else:
+                for name, _, _ in scene.parameters:
+                    missing.pop(name, None)
+        lines = [f"{name} = {float(value)!r}" for name, value in missing.items()]
+        self._scene = _zeroset.Scene("\n".join([text, *lines]))
+        self.set(**{name: value for name, value in values.items() if name not in missing})
+
+    @property
+    def text(self) -> str:
+        """The text of the formula, with a line for each value that it was given."""
+        return self._scene.text
+
+    @property
+    def surfaces(self) -> list[str]:
+        """The surfaces as they were read, one line each."""
+        return self._scene.surfaces
+
+    @property
+    def notes(self) -> list[str]:
+        """Places where the text could have been meant otherwise."""
+        return self._scene.notes
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """The parameters and their values."""
+        return {name: value for name, value, _ in self._scene.parameters}
+
+    @property
+    def ranges(self) -> dict[str, Interval]:
+        """The ranges that the text gives to parameters."""
+        rows = self._scene.parameters
+        return {name: Interval(*ends) for name, _, ends in rows if ends is not None}
+
+    @property
+    def domain(self) -> tuple[Interval, Interval, Interval]:
+        """The box in which zeros are looked for: that of the text, or else one that is found."""
+        x, y, z = (Interval(*ends) for ends in self._scene.domain())
+        return x, y, z
+
+    def set(self, **values: float) -> None:
+        """Sets parameters. Within the range that the text gives, nothing is compiled.
+
+        Raises `Error` if the text has no such parameter.
+        """
+        for name, value in values.items():
+            self._scene.set(name, float(value))
+
+    def __call__(
+        self,
+        x: npt.ArrayLike,
+        y: npt.ArrayLike | None = None,
+        z: npt.ArrayLike | None = None,
+    ) -> Floats:
+        """Values of f, float64 without an error bound; NaN where f is undefined.
+
+        The arguments are broadcast. A single argument is an array of points (…, 3). An equation
+        a = b has the function a - b.
+        """
+        points, shape = _points(x, y, z)
+        return self._scene.values(points).reshape(shape)
+
+    def gradient(
+        self,
+        x: npt.ArrayLike,
+        y: npt.ArrayLike | None = None,
+        z: npt.ArrayLike | None = None,
+    ) -> Floats:
+        """Gradients of f, float64 (…, 3) without an error bound; NaN where there is none."""
+        points, shape = _points(x, y, z)
+        return self._scene.gradients(points).reshape((*shape, 3))
+
+    def enclose(self, lo: npt.ArrayLike, hi: npt.ArrayLike) -> Enclosure:
+        """Proven bounds of f over boxes, given by their lower and upper corners (…, 3).
+
+        >>> Surface("x^2+y^2+z^2 = 1").enclose([0, 0, 2], [0.5, 0.5, 3]).lo
+        array(3.)
+        """
+        low, high = np.broadcast_arrays(_array(lo), _array(hi))
+        shape = low.shape[:-1]
+        bounds, facts = self._scene.enclosures(_rows(low, "lo"), _rows(high, "hi"))
+        below, above = (bound.reshape(shape) for bound in bounds)
+        undefined, defined, continuous = (
+            (facts >> bit & 1).astype(bool).reshape(shape) for bit in range(3)
+        )
+        return Enclosure(below, above, undefined, defined, continuous)
+
+    def trace(
+        self,
+        origins: npt.ArrayLike,
+        directions: npt.ArrayLike,
+        *,
+        domain: Domain | None = None,
+        method: str | None = None,
+        precision: str | None = None,
+    ) -> Trace:
+        """What is proven of the rays ``origin + t * direction``, t >= 0, within the domain.
+
+        Both arrays are (…, 3) and are broadcast. Neighboring rays are best given in a row.
+
+        >>> Surface("x^2+y^2+z^2 = 1").trace([0, 0, 5], [[0, 0, -1], [0, 0, 1]]).status
+        array([1, 0], dtype=uint8)
+        """
+        start, along = np.broadcast_arrays(_array(origins), _array(directions))
+        shape = start.shape[:-1]
+        (t, near, far), status = self._scene.rays(
+            _rows(start, "origins"),
+            _rows(along, "directions"),
+            region=domain,
+            method=method,
+            precision=precision,
+        )
+        bracket = np.stack((near, far), axis=-1).reshape((*shape, 2))
+        return Trace(t.reshape(shape), status.reshape(shape), bracket)
+
+    def render(
+        self,
+        width: int = 640,
+        height: int = 480,
+        *,
+        domain: Domain | None = None,
+        view: str | None = None,
+        eye: Sequence[float] | None = None,
+        target: Sequence[float] | None = None,
+        up: Sequence[float] | None = None,
+        fov: float | None = None,
+        orthographic: float | None = None,
+        look: str | None = None,
+        background: tuple[int, int, int] | None = None,
+        light: Sequence[float] | None = None,
+        ambient: float | None = None,
+        shadows: bool | None = None,
+        occlusion: bool | None = None,
+        antialias: int | None = None,
+        undecided: str | None = None,
+        axes: bool | None = None,
+        legend: bool | None = None,
+        method: str | None = None,
+        precision: str | None = None,
+        max_depth: int | None = None,
+        steps: int | None = None,
+        tolerance: float | None = None,
+        budget: float | None = None,
+    ) -> Picture:
+        """A picture, with what is proven of each pixel.
+
+        `domain` is half the edge of a cube, ranges of x, y and z, or ``"auto"``. `view` is one of
+        `views()`; `fov` is in degrees; `orthographic` is the height of a parallel projection, in
+        units of the surface. `look` is one of `looks()`, `method` one of `methods()`. `undecided`
+        is the appearance of undecided pixels: ``"shade"``, ``"hatch"``, ``"tint"`` or ``"miss"``.
+        `precision` is ``"auto"``, ``"f32"`` or ``"f64"``; `budget` is in seconds. An interrupt
+        from the keyboard ends the work.
+        """
+        own = {"self", "width", "height"}
+        options = {k: v for k, v in locals().items() if k not in own | {"own"} and v is not None}
+        return self._scene.render(width, height, options)
+
+    def mesh(
+        self,
+        tolerance: float | None = None,
+        *,
+        domain: Domain | None = None,
+        estimate: bool = False,
+        budget: float | None = None,
+    ) -> Mesh:
+        """Triangles no farther than `tolerance` from the surface, by default a thousandth of the
+        domain's diagonal. With `estimate`, nothing is proven, and many are done several times as
+        fast.
+        """
+        return self._scene.mesh(
+            region=domain, tolerance=tolerance, estimate=estimate, budget=budget
+        )
+
+    def measure(
+        self,
+        *,
+        domain: Domain | None = None,
+        relative: float | None = None,
+        budget: float | None = None,
+    ) -> list[Measures]:
+        """Measures of each surface. `relative` is the width of the bounds of a volume, as a share
+        of it: 0.001 by default.
+
+        >>> 4.18879 in Surface("x^2+y^2+z^2 <= 1").measure(relative=0.01)[0].volume
+        True
+        """
+        rows = self._scene.measure(region=domain, relative=relative, budget=budget)
+        return [Measures(**{key: _intervals(value) for key, value in row.items()}) for row in rows]
+
+    def _repr_png_(self) -> bytes:
+        return self.render().png()
+
+    def __repr__(self) -> str:
+        return f"<Surface {'; '.join(self.surfaces)}>"
+
+
+def plot(
+    *formulas: str | Callable[..., Any] | Any, width: int = 640, height: int = 480, **options: Any
+) -> Picture:
+    """A picture of several surfaces. `options` are those of `Surface.render`.
+
+    >>> plot("x^2+y^2+z^2 = 1", "z = x*y {x^2+y^2 < 4}", width=64, height=64)
+    <Picture 64x64: ...>
+    """
+    if not formulas:
+        raise Error("plot needs a formula")
+    texts = [
+        formula.text if isinstance(formula, Surface) else _text(formula, {}) for formula in formulas
+    ]
+    return Surface("\n".join(texts)).render(width, height, **options)
+
+
+def examples() -> dict[str, str]:
+    """Names and texts of the gallery's surfaces."""
+    return dict(_zeroset.gallery())
+
+
+def example(name: str) -> Surface:
+    """A surface of the gallery."""
+    texts = examples()
+    if name not in texts:
+        raise Error(f"the gallery has no surface {name!r}: {', '.join(texts)}")
+    return Surface(texts[name])
+
+
+def methods() -> dict[str, str]:
+    """Names of the methods that find surfaces, each with a line of help."""
+    return dict(_zeroset.methods())
+
+
+def looks() -> dict[str, str]:
+    """Names of the looks, each with a line of help."""
+    return dict(_zeroset.looks())
+
+
+def views() -> list[str]:
+    """Names of the sides from which to look."""
+    return _zeroset.views()
+
+
+def _text(formula: Any, values: Mapping[str, float]) -> str:
+    if isinstance(formula, str):
+        return formula
+    if any(str(kind.__module__).startswith("sympy.") for kind in type(formula).__mro__):
+        return from_sympy(formula)
+    if callable(formula):
+        return traced(formula, dict(values))
+    kind = type(formula).__name__
+    raise Error(f"a formula is a text, a SymPy expression or a function, not a {kind}")
+
+
+def _array(values: npt.ArrayLike) -> Floats:
+    return np.asarray(values, dtype=np.float64)
+
+
+def _rows(points: Floats, name: str) -> Floats:
+    if points.ndim == 0 or points.shape[-1] != 3:
+        raise Error(f"{name} has the shape {points.shape}, not (…, 3)")
+    return np.ascontiguousarray(points).reshape(-1, 3)
+
+
+def _points(
+    x: npt.ArrayLike, y: npt.ArrayLike | None, z: npt.ArrayLike | None
+) -> tuple[Floats, tuple[int, ...]]:
+    if y is None and z is None:
+        points = _array(x)
+        return _rows(points, "points"), points.shape[:-1]
+    if y is None or z is None:
+        raise Error("give x, y and z, or one array of points (…, 3)")
+    axes = np.broadcast_arrays(_array(x), _array(y), _array(z))
+    return np.stack(axes, axis=-1).reshape(-1, 3), axes[0].shape
+
+
+def _intervals(value: Any) -> Any:
+    """Pairs of floats, however deep in lists, as intervals."""
+    if isinstance(value, (list, tuple)):
+        if len(value) == 2 and all(isinstance(end, float) for end in value):
+            return Interval(*value)
+        return tuple(map(_intervals, value))
+    return value

@@ -1,0 +1,171 @@
+//! Pictures and their arrays.
+
+use crate::arguments::{ends, import};
+use crate::error::exception;
+use numpy::ndarray::{Array2, Array3};
+use numpy::{IntoPyArray, PyArray2, PyArray3};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// A finished picture. Its arrays have one entry for each pixel, row by row from the top.
+#[pyclass(frozen, module = "zeroset")]
+pub struct Picture(pub zeroset::Picture);
+
+impl Picture {
+    fn shape(&self) -> (usize, usize) {
+        (self.0.height(), self.0.width())
+    }
+
+    /// An array with a row of numbers for each pixel.
+    fn rows<const N: usize, T: numpy::Element>(
+        &self,
+        rows: impl Iterator<Item = [T; N]>,
+    ) -> Array3<T> {
+        let (height, width) = self.shape();
+        Array3::from_shape_vec((height, width, N), rows.flatten().collect())
+            .expect("one row for each pixel")
+    }
+
+    fn single<T: numpy::Element>(&self, numbers: Vec<T>) -> Array2<T> {
+        Array2::from_shape_vec(self.shape(), numbers).expect("one number for each pixel")
+    }
+}
+
+#[pymethods]
+impl Picture {
+    /// Number of pixels in a row.
+    #[getter]
+    fn width(&self) -> usize {
+        self.0.width()
+    }
+
+    /// Number of rows.
+    #[getter]
+    fn height(&self) -> usize {
+        self.0.height()
+    }
+
+    /// Colors in sRGB: uint8 (H, W, 3).
+    #[getter]
+    fn rgb<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<u8>> {
+        self.rows(self.0.rgb().as_chunks::<3>().0.iter().copied()).into_pyarray(py)
+    }
+
+    /// What is proven of each pixel's ray: uint8 (H, W), with 0 for a miss, 1 for a hit and 2 where
+    /// neither is proven.
+    #[getter]
+    fn status<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<u8>> {
+        let code = |status: &zeroset::Status| match status {
+            zeroset::Status::Miss => 0,
+            zeroset::Status::Hit => 1,
+            _ => 2,
+        };
+        self.single(self.0.status().iter().map(code).collect()).into_pyarray(py)
+    }
+
+    /// Distance of each drawn point along its ray: float64 (H, W), infinite at the background.
+    #[getter]
+    fn depth<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
+        self.single(self.0.depth().to_vec()).into_pyarray(py)
+    }
+
+    /// Bounds of the distance of each hit's first zero: float64 (H, W, 2), NaN elsewhere.
+    #[getter]
+    fn brackets<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f64>> {
+        self.rows(self.0.brackets().iter().copied()).into_pyarray(py)
+    }
+
+    /// Unit normals toward f > 0: float32 (H, W, 3), 0 at the background. They are not proven.
+    #[getter]
+    fn normals<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f32>> {
+        self.rows(self.0.normals().iter().copied()).into_pyarray(py)
+    }
+
+    /// The drawn points: float64 (H, W, 3), NaN at the background.
+    #[getter]
+    fn points<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f64>> {
+        let (height, width) = self.shape();
+        let places = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
+        let points = places.zip(self.0.depth()).map(|((column, row), depth)| {
+            let ray = self.0.ray(column, row).filter(|_| depth.is_finite());
+            ray.map_or([f64::NAN; 3], |zeroset::Ray { origin, direction }| {
+                let length = direction.iter().map(|part| part * part).sum::<f64>().sqrt();
+                std::array::from_fn(|axis| origin[axis] + depth / length * direction[axis])
+            })
+        });
+        self.rows(points).into_pyarray(py)
+    }
+
+    /// Number of the surface drawn in each pixel, in the order of the text: int32 (H, W), −1 at the
+    /// background.
+    #[getter]
+    fn surface<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<i32>> {
+        let (height, width) = self.shape();
+        let places = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
+        let number = |(column, row)| self.0.surface(column, row).map_or(-1, |n| n as i32);
+        self.single(places.map(number).collect()).into_pyarray(py)
+    }
+
+    /// Number of pixels with each status: the keys are miss, hit and undecided.
+    #[getter]
+    fn counts(&self) -> BTreeMap<&'static str, usize> {
+        let counts = self.0.counts();
+        [("miss", counts.miss), ("hit", counts.hit), ("undecided", counts.undecided)].into()
+    }
+
+    /// Number of undecided pixels for each reason.
+    #[getter]
+    fn undecided(&self) -> BTreeMap<String, usize> {
+        self.0.undecided().map(|(reason, count)| (reason.to_string(), count)).collect()
+    }
+
+    /// The box in which the surfaces were looked for: lower and upper end of x, y and z.
+    #[getter]
+    fn domain(&self) -> [[f64; 2]; 3] {
+        self.0.domain().each_ref().map(ends)
+    }
+
+    /// Name of the method that found the surfaces.
+    #[getter]
+    fn method(&self) -> &'static str {
+        self.0.method().name()
+    }
+
+    /// One line about each formula that is constant in the domain.
+    #[getter]
+    fn remarks(&self) -> Vec<String> {
+        self.0.remarks().to_vec()
+    }
+
+    /// The picture as an image of Pillow, which must be installed.
+    #[getter]
+    fn image<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        import(py, "PIL.Image", "Picture.image")?.call_method1("fromarray", (self.rgb(py),))
+    }
+
+    /// The picture as the bytes of a PNG file.
+    fn png<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        let mut bytes = Vec::new();
+        py.detach(|| self.0.write_png(&mut bytes)).map_err(|error| exception(&error))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// Writes the picture to a PNG file, which appears whole or not at all.
+    ///
+    /// Raises Error if the name does not end in .png, OSError if the file cannot be written.
+    fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
+        py.detach(|| self.0.save(path)).map_err(|error| exception(&error))
+    }
+
+    fn _repr_png_<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
+        self.png(py)
+    }
+
+    fn __repr__(&self) -> String {
+        let zeroset::Counts { hit, miss, undecided, .. } = self.0.counts();
+        let (height, width) = self.shape();
+        format!("<Picture {width}x{height}: {hit} hits, {miss} misses, {undecided} undecided>")
+    }
+}

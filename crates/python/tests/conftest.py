@@ -1,0 +1,24 @@
+"""Helps for all tests: the program `zeroset`, and numbers from a seed that is printed."""
+
+import os
+import pathlib
+
+import numpy as np
+import pytest
+
+SEED = 20070020
+
+
+@pytest.fixture
+def random():
+    print(f"seed {SEED}")
+    return np.random.default_rng(SEED)
+
+
+@pytest.fixture(scope="session")
+def program():
+    """The program, as `cargo build` leaves it."""
+    root = pathlib.Path(__file__).parents[3]
+    path = pathlib.Path(os.environ.get("ZEROSET", root / "target" / "debug" / "zeroset"))
+    assert path.is_file(), f"{path}: run `cargo build` first, or set ZEROSET"
+    return path
