@@ -8,7 +8,7 @@ use crate::mesh::Mesh;
 use crate::picture::Picture;
 use crate::work::interruptible;
 use numpy::ndarray::{Array1, Array2};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray2};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::{Arc, OnceLock, PoisonError, RwLock, RwLockReadGuard};
@@ -106,14 +106,20 @@ impl Scene {
         py.detach(set).map_err(|error| exception(&error))
     }
 
-    /// Values at points (N, 3): float64 (N,), NaN where the function is undefined.
+    /// Values at points, given as arrays (N,) of coordinates: float64 (N,), NaN where the function
+    /// is undefined.
     fn values<'py>(
         &self,
         py: Python<'py>,
-        at: PyReadonlyArray2<'py, f64>,
+        x: PyReadonlyArray1<'py, f64>,
+        y: PyReadonlyArray1<'py, f64>,
+        z: PyReadonlyArray1<'py, f64>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
-        let at = points("points", &at)?;
-        let found = self.with_function(py, |function| Ok(function.eval(at)))?;
+        let axes = [x.as_slice()?, y.as_slice()?, z.as_slice()?];
+        let found = self.with_function(py, |function| {
+            let mut values = vec![0.0; axes[0].len()];
+            function.eval_axes(axes, &mut values).map(|()| values)
+        })?;
         Ok(found.into_pyarray(py))
     }
 

@@ -185,8 +185,10 @@ class Surface:
         The arguments are broadcast. A single argument is an array of points (…, 3). An equation
         a = b has the function a - b.
         """
-        points, shape = _points(x, y, z)
-        return self._scene.values(points).reshape(shape)
+        axes, shape = _axes(x, y, z)
+        return self._scene.values(*(np.ascontiguousarray(axis).ravel() for axis in axes)).reshape(
+            shape
+        )
 
     def gradient(
         self,
@@ -195,7 +197,8 @@ class Surface:
         z: npt.ArrayLike | None = None,
     ) -> Floats:
         """Gradients of f, float64 (…, 3) without an error bound; NaN where there is none."""
-        points, shape = _points(x, y, z)
+        axes, shape = _axes(x, y, z)
+        points = np.stack(axes, axis=-1).reshape(-1, 3)
         return self._scene.gradients(points).reshape((*shape, 3))
 
     def enclose(self, lo: npt.ArrayLike, hi: npt.ArrayLike) -> Enclosure:
@@ -387,16 +390,19 @@ def _rows(points: Floats, name: str) -> Floats:
     return np.ascontiguousarray(points).reshape(-1, 3)
 
 
-def _points(
+def _axes(
     x: npt.ArrayLike, y: npt.ArrayLike | None, z: npt.ArrayLike | None
-) -> tuple[Floats, tuple[int, ...]]:
+) -> tuple[tuple[Floats, ...], tuple[int, ...]]:
+    """Coordinates as arrays of one shape, and that shape."""
     if y is None and z is None:
         points = _array(x)
-        return _rows(points, "points"), points.shape[:-1]
+        if points.ndim == 0 or points.shape[-1] != 3:
+            raise Error(f"points has the shape {points.shape}, not (…, 3)")
+        return (points[..., 0], points[..., 1], points[..., 2]), points.shape[:-1]
     if y is None or z is None:
         raise Error("give x, y and z, or one array of points (…, 3)")
     axes = np.broadcast_arrays(_array(x), _array(y), _array(z))
-    return np.stack(axes, axis=-1).reshape(-1, 3), axes[0].shape
+    return tuple(axes), axes[0].shape
 
 
 def _intervals(value: Any) -> Any:

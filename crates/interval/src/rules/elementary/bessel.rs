@@ -162,7 +162,7 @@ impl<M: Machine> Approximator<'_, M> {
 
     fn bessel_near(&mut self, order: usize, x: M::V) -> Approximation<M::V> {
         let place = self.pick(0, 1);
-        let w = self.from_middle(x, reciprocal(4.0 * MIDDLES[place] as f64));
+        let w = self.beside_middle(x, reciprocal(4.0 * MIDDLES[place] as f64));
         let series = self.centred(&SERIES[place][order], w);
         let (x, exponent) = self.enlarged(x, order as i32);
         let half = self.number(0.5);
@@ -212,7 +212,7 @@ impl<M: Machine> Approximator<'_, M> {
         let signed: Vec<f64> = far_terms(order)
             .take(count)
             .enumerate()
-            .map(|(i, term)| if (i + 1) / 2 % 2 == 0 { term } else { -term })
+            .map(|(i, term)| if i.div_ceil(2) % 2 == 0 { term } else { -term })
             .collect();
         let part = |first: usize| signed[first..].iter().step_by(2).copied().collect::<Vec<_>>();
         let one = self.number(1.0);

@@ -50,7 +50,7 @@ impl<M: Machine> Approximator<'_, M> {
         let least = self.m.neg(most);
         let x = self.m.max(x, least);
         let x = self.m.min(x, most);
-        let w = self.from_middle(x, reciprocal(middle as f64));
+        let w = self.beside_middle(x, reciprocal(middle as f64));
         let sum = self.centred(&SERIES[place], w);
         let factor = self.constant(FACTOR);
         let sum = self.times(factor, sum);
@@ -61,7 +61,7 @@ impl<M: Machine> Approximator<'_, M> {
     }
 
     /// Computes x² · `scale` − 1.
-    pub(super) fn from_middle(&mut self, x: M::V, scale: [f64; 2]) -> DoubleDouble<M::V> {
+    pub(super) fn beside_middle(&mut self, x: M::V, scale: [f64; 2]) -> DoubleDouble<M::V> {
         let square = self.times(x, x);
         let scale = self.constant(scale);
         let ratio = self.times(square, scale);
