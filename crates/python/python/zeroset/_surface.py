@@ -30,10 +30,12 @@ class Interval(NamedTuple):
 
     @property
     def width(self) -> float:
+        """The distance between the bounds."""
         return self.hi - self.lo
 
     @property
     def middle(self) -> float:
+        """The number in the middle of the bounds."""
         return (self.lo + self.hi) / 2
 
     def __contains__(self, number: object) -> bool:
