@@ -564,9 +564,8 @@ fn kernels_are_made_for_what_the_picture_asks() {
     }
 }
 
-/// Formulas that would take minutes: a Mandelbulb, and tangents that change sign millions of times
-/// per pixel. How much time compiling takes is the machine's: the budget grows until something is
-/// drawn.
+/// A Mandelbulb, and tangents that change sign millions of times per pixel, would take minutes.
+/// Compiling takes more time on some machines, so the budget grows until something is drawn.
 #[test]
 fn a_budget_of_time_ends_what_is_hopeless_with_the_picture_so_far() {
     let place = Sandbox::new();

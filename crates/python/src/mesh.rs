@@ -57,7 +57,7 @@ impl Mesh {
         numbers.map(|number| SurfaceMesh { mesh: Arc::clone(&self.0), number }).collect()
     }
 
-    /// Whether every mesh is proven to have the shape of its surface.
+    /// True if every mesh is proven to have the shape of its surface.
     #[getter]
     fn proven(&self) -> bool {
         self.0.is_proven()
@@ -126,13 +126,13 @@ impl SurfaceMesh {
         faces([self.get()].into_iter()).into_pyarray(py)
     }
 
-    /// Whether the mesh is proven to have the shape of the surface.
+    /// True if the mesh is proven to have the shape of the surface.
     #[getter]
     fn proven(&self) -> bool {
         self.get().is_proven()
     }
 
-    /// Whether the mesh has no rim.
+    /// True if the mesh has no rim.
     #[getter]
     fn closed(&self) -> bool {
         self.get().is_closed()

@@ -53,8 +53,7 @@ impl Picture {
         self.rows(self.0.rgb().as_chunks::<3>().0.iter().copied()).into_pyarray(py)
     }
 
-    /// What is proven of each pixel's ray: uint8 (H, W), with 0 for a miss, 1 for a hit and 2 where
-    /// neither is proven.
+    /// The status of each pixel's ray: uint8 (H, W). 0 is a proven miss, 1 a proven hit, 2 neither.
     #[getter]
     fn status<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<u8>> {
         let code = |status: &zeroset::Status| match status {

@@ -123,7 +123,7 @@ impl Scene {
         Ok(found.into_pyarray(py))
     }
 
-    /// Gradients at points (N, 3): float64 (N, 3), NaN where there is none.
+    /// Gradients at points (N, 3): float64 (N, 3), NaN where the function has no gradient.
     fn gradients<'py>(
         &self,
         py: Python<'py>,

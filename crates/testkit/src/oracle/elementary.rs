@@ -86,8 +86,8 @@ pub(super) fn erf(a: Span) -> Span {
     a.increasing(|x| Rounded::when(core_math::erf(x), x == 0.0)).within(-1.0, 1.0)
 }
 
-/// Bessel functions of the first kind. No correctly rounded ones are at hand. Those of `libm` err by
-/// a few units in the last place of 1; more is allowed here.
+/// Bessel functions of the first kind. No correctly rounded ones are at hand. Those of `libm` are
+/// wrong by a few units in the last place of 1; more is allowed here.
 pub(super) fn bessel(order: i32, a: Span) -> Span {
     const ERROR: f64 = 16.0 * f64::EPSILON;
     const LARGEST: f64 = 1e6;

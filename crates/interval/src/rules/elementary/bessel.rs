@@ -1,9 +1,9 @@
 //! Bessel functions of the first kind of the orders n = 0 to 3.
 //!
-//! Near 0, Jₙ(x) is (x/2)ⁿ times a power series in x² that [`CentredSeries`] computes. Far from 0 it
-//! is √(2/πx) (P cos χ − Q sin χ) with χ = x − (2n + 1)π/4. P and Q are series in 1/x whose errors
-//! are below the first term left out (NIST Digital Library of Mathematical Functions, 10.17(iii)).
-//! Since √2 cos(x − π/4) = cos x + sin x, and likewise for the others, the angle is x itself.
+//! Near 0, Jₙ(x) is (x/2)ⁿ times a power series in x², a [`CentredSeries`]. Far from 0 it is
+//! √(2/πx) (P cos χ − Q sin χ) with χ = x − (2n + 1)π/4. P and Q are series in 1/x. Each errs by
+//! less than its first omitted term (NIST Digital Library of Mathematical Functions, 10.17(iii)).
+//! Sine and cosine of χ are sums of sin x and cos x over √2. So the angle is x itself.
 //!
 //! |Jₙ″| ≤ ½, since Jₙ(x) is the mean of cos(nθ − x sin θ) over θ, and sin² has the mean ½. So the
 //! values over an interval of width w are within w²/16 of those at its ends, and of those between.
@@ -138,8 +138,7 @@ impl Reach {
 }
 
 impl<M: Machine> Approximator<'_, M> {
-    /// Jₙ(x) for n = `order`. Its absolute error is below 2⁻³² in `f32`, and below 2⁻⁵⁴ and 4 ulps
-    /// of 1/√x in `f64`.
+    /// Jₙ(x) for n = `order`. Its absolute error is below 2⁻³² in `f32` and 2⁻⁵⁴ in `f64`.
     pub(crate) fn bessel(&mut self, order: usize, x: M::V, reach: &Reach) -> Approximation<M::V> {
         let near = self.bessel_near(order, x);
         let Reach::Anywhere(half_pi) = reach else { return near };
@@ -186,8 +185,8 @@ impl<M: Machine> Approximator<'_, M> {
         let [sin, cos] = self.waves(x, half_pi).map(|wave| wave.sum);
         let minus_cos = self.opposite(cos);
         let (above, below) = (self.sum(cos, sin), self.sum(sin, minus_cos));
-        // P and Q stand before √2 cos χ and √2 sin χ. For order 2 both have the opposite sign of
-        // those for order 0, and likewise for 3 and 1.
+        // `above` and `below` are √2 cos χ and √2 sin χ for order 0. For order 1 they are −√2 sin χ
+        // and √2 cos χ. Order 2 negates what order 0 has; order 3 negates what order 1 has.
         let value = if order.is_multiple_of(2) {
             let (p, q) = (self.times(p, above), self.times(q, below));
             let q = self.opposite(q);

@@ -1,8 +1,8 @@
 //! Power series about the middle of a range, for entire functions.
 //!
-//! Let f(u) = Σ (−u)ᵐ aₘ. Then f(U(1 + w)) is a power series in w, and |w| ≤ 1 covers all u from 0 to
-//! 2U. Its terms are smaller than those of f at 2U, which cancel, and fall faster. This file
-//! computes the coefficients as integers in units of 2⁻⁹⁰.
+//! Let f(u) = Σ (−u)ᵐ aₘ. Then f(U(1 + w)) is a power series in w. For |w| ≤ 1 it covers all u from
+//! 0 to 2U. Terms of the series for f cancel near 2U. Terms of this series are smaller, and they
+//! fall faster. Coefficients are computed as integers in units of 2⁻⁹⁰.
 
 use super::approximator::Approximator;
 use super::double_double::DoubleDouble;
@@ -22,10 +22,11 @@ pub(super) struct CentredSeries {
 }
 
 impl CentredSeries {
-    /// The series for Jₙ(x) / (x/2)ⁿ with n = `order`, where (x/2)² = `middle` · (1 + w). It errs by
-    /// at most `error`, including that of [`Approximator::centred`] in `f64`.
+    /// The series for Jₙ(x) / (x/2)ⁿ with n = `order`, where (x/2)² = `middle` · (1 + w). Its error
+    /// is at most `error`, including that of [`Approximator::centred`] in `f64`.
     ///
-    /// Here aₘ = 1/(m! (m + n)!). The coefficient of wᵏ is (−1)ᵏ Σⱼ (−1)ʲ Uᵏ⁺ʲ / (k! j! (k + j + n)!).
+    /// Here aₘ = 1/(m! (m + n)!). The coefficient of wᵏ is
+    /// (−1)ᵏ Σⱼ (−1)ʲ Uᵏ⁺ʲ / (k! j! (k + j + n)!).
     pub(super) fn bessel(order: i128, middle: i128, error: f64) -> Self {
         let mut first = (1..=order).fold(1 << FRACTION, |first, factor| first / factor);
         let coefficient = |k: i128| {
@@ -41,11 +42,12 @@ impl CentredSeries {
         Self::economized((0..TERMS as i128).map(coefficient).collect(), error)
     }
 
-    /// The series for √π/2 · erf(x)/x, where x² = `middle` · (1 + w). It errs by at most `error`,
+    /// The series for √π/2 · erf(x)/x, where x² = `middle` · (1 + w). Its error is at most `error`,
     /// including that of [`Approximator::centred`] in `f64`.
     ///
-    /// Here aₘ = 1/(m! (2m + 1)). The coefficient of wᵏ is (−1)ᵏ Cₖ with Cₖ = Uᵏ/k! · ∫ s²ᵏ exp(−Us²) ds
-    /// from 0 to 1. By parts, (2k + 1) Cₖ = Pₖ + (2k + 2) Cₖ₊₁ with Pₖ = exp(−U) Uᵏ/k!.
+    /// Here aₘ = 1/(m! (2m + 1)). The coefficient of wᵏ is (−1)ᵏ Cₖ. Cₖ is Uᵏ/k! times the integral
+    /// of s²ᵏ exp(−Us²) over s from 0 to 1. By parts, (2k + 1) Cₖ = Pₖ + (2k + 2) Cₖ₊₁, where
+    /// Pₖ = exp(−U) Uᵏ/k!.
     pub(super) fn erf(middle: i128, error: f64) -> Self {
         let powers: Vec<i128> = (1..2 * TERMS as i128)
             .scan(1 << FRACTION, |power, k| {

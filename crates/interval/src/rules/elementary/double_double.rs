@@ -98,8 +98,8 @@ impl<M: Machine> Approximator<'_, M> {
         if !self.has_tails() {
             return head.into();
         }
-        // The parts of b and of a that the head contains. What they lack is exact up to rounding of
-        // second order.
+        // The head contains `b_held` of b and `a_held` of a. The rests of both, which the head
+        // lacks, are exact up to rounding of second order.
         let b_held = self.m.sub(head, a.head);
         let a_held = self.m.sub(head, b_held);
         let (a_rest, b_rest) = (self.m.sub(a.head, a_held), self.m.sub(b.head, b_held));

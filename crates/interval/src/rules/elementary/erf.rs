@@ -8,8 +8,8 @@ use crate::machine::Machine;
 use crate::rules::Rule;
 use std::sync::LazyLock;
 
-/// Middles of the ranges of x², in `f32` and in `f64`. Beyond 2√6 and 6, which end these ranges, 1 −
-/// erf x is below 2⁻³⁷ and 2⁻⁵⁵.
+/// Middles of the ranges of x², in `f32` and in `f64`. The ranges end at x = 2√6 and x = 6. Beyond,
+/// 1 − erf x is below 2⁻³⁷ and 2⁻⁵⁵.
 const MIDDLES: [i128; 2] = [12, 18];
 /// The series are at least 0.147, so their relative errors are below 2⁻³⁵ and 2⁻⁵⁶.
 static SERIES: LazyLock<[CentredSeries; 2]> = LazyLock::new(|| {
