@@ -107,7 +107,7 @@ fn pi() -> BigInt {
             }
             let term: BigInt = &power / (2 * k + 1);
             sum += if k % 2 == 0 { term } else { -term };
-            power = power / (n * n);
+            power /= n * n;
         }
         sum
     };
@@ -191,13 +191,13 @@ fn cases() -> Vec<(Op, ReferenceMethod, Draw)> {
     let above: Draw = |random| around(random, &[0.3, 0.5, 0.75, 1.4, 3.0, 5.6]);
     let from_one: Draw = |random| around(random, &[1.25, 1.414, 2.0, 3.0]);
     // Around the ends of the ranges of series, and anywhere between.
-    let bell: Draw = |random| match random.bool() {
-        true => around(random, &[4.9, -4.9, 6.0, -6.0, 0.01]),
-        false => 6.5 * unit(random),
+    let bell: Draw = |random| {
+        let ends = around(random, &[4.9, -4.9, 6.0, -6.0, 0.01]);
+        if random.bool() { ends } else { 6.5 * unit(random) }
     };
-    let drum: Draw = |random| match random.bool() {
-        true => around(random, &[11.3, -11.3, 22.6, -22.6, 0.01]),
-        false => 40.0 * unit(random),
+    let drum: Draw = |random| {
+        let ends = around(random, &[11.3, -11.3, 22.6, -22.6, 0.01]);
+        if random.bool() { ends } else { 40.0 * unit(random) }
     };
     vec![
         (Op::Erf, Of(erf), bell),
