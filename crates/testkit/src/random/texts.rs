@@ -3,7 +3,9 @@
 
 use super::Rng;
 use super::values::below;
-use zeroset_ops::{BUILDERS, COMPOSED, Differential, FORMS, FormKind, Role, TABLE, VectorFunction};
+use zeroset_ops::{
+    BUILDERS, COMPOSED, Differential, FORMS, FormKind, Role, Sequence, TABLE, VectorFunction,
+};
 
 /// Vectors and a function that every text defines.
 const HEAD: &str = "p = vec3(x, y, z)\nq = vec3(y, 1 - z, x*y)\nf(a) = a^2 - x/2\n";
@@ -53,7 +55,8 @@ impl Text<'_> {
             }
             3 | 4 => {
                 let row = &COMPOSED[below(self.rng, COMPOSED.len())];
-                let degree = self.rng.u32(0..7);
+                let degrees = if let Some(Sequence::Listed(_)) = row.sequence { 4 } else { 7 };
+                let degree = self.rng.u32(0..degrees);
                 let given = row.parameters.iter().map(|parameter| match *parameter {
                     "n" => degree.to_string(),
                     "m" => self.rng.u32(0..=degree).to_string(),

@@ -51,7 +51,7 @@ fn tolerance<T: Adversarial>(op: Op, at: [f64; 3], claim: Claim) -> Option<f64> 
     /// Magnitude of angles, in radians, above which sines lose accuracy.
     const FARTHEST: f64 = 8192.0;
     // Allowed errors. Kernels guarantee no bound, but the rules stay within these. In f32 the
-    // relative error is about five times the unit roundoff. `wave` is an absolute error, for sines
+    // relative error is about five times the unit roundoff. `wave` is an absolute error, for waves
     // near their zeros.
     let (relative, wave) = match T::FORMAT {
         Format::F32 => (3e-7, 1e-7),
@@ -59,7 +59,8 @@ fn tolerance<T: Adversarial>(op: Op, at: [f64; 3], claim: Claim) -> Option<f64> 
     };
     let size = claim.hi.abs().max(claim.lo.abs()).min(T::LARGEST.into());
     let close = size * relative + 2.0 * T::nearest(0.0).next_up().into();
-    let waves = matches!(op, Op::Sin | Op::Cos);
+    let waves =
+        matches!(op, Op::Sin | Op::Cos | Op::BesselJ0 | Op::BesselJ1 | Op::BesselJ2 | Op::BesselJ3);
     match (op.arity(), op) {
         (1, Op::Tan) => None,
         (1, _) if waves && at[0].abs() > FARTHEST => None,

@@ -97,7 +97,8 @@ impl<M: Machine> Rule<'_, M> {
         [first, last]: [[M::V; 2]; 2],
     ) -> Enclosure<M::V> {
         let width = self.m.add(a.value.neg_lo, a.value.hi);
-        let share = self.number(1.0 / 16.0);
+        // A little more than 1/16, for machines that do not round up.
+        let share = self.number((1.0 + 2f64.powi(-16)) / 16.0);
         let scaled = self.m.mul(width, share);
         let bend = self.m.mul(scaled, width);
         // √x |Jₙ(x)| ≤ 0.903 for x > 0; it is greatest at the first extremum for n = 3.

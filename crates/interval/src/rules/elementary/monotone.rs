@@ -55,8 +55,11 @@ impl<M: Machine> Rule<'_, M> {
             let near = f(approx, x);
             [approx.negated_lower(&near), approx.upper(&near)]
         };
-        let [neg_first, first, neg_last, last] =
-            at_ends(self.m, self.format, ends, bounds_at, |_, [a, b], [c, d]| [a, b, c, d]);
+        let format = self.format;
+        let bounds = self
+            .m
+            .unrounded(|m| at_ends(m, format, ends, bounds_at, |_, [a, b], [c, d]| [a, b, c, d]));
+        let [neg_first, first, neg_last, last] = bounds.map(|bound| self.m.outward(bound));
         [[neg_first, first], [neg_last, last]]
     }
 
