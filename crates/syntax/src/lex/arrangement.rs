@@ -4,10 +4,11 @@
 //! Tokens keep their order and their places in the text. A bracket that was not typed has an empty
 //! span. Nothing here knows the meanings of names.
 
+use crate::lex::curve_form::mark_curve;
 use crate::lex::environment::{matrix, scalar_products};
 use crate::lex::lexer::OTHERWISE;
 use crate::lex::scanner::{LexedStatement, scan};
-use crate::lex::spelling::{decimal, is_name_char};
+use crate::lex::spelling::{decimal, is_name_char, typed_setting};
 use crate::lex::token::{Token, outside};
 use crate::lex::token_kind::TokenKind::{self, *};
 use crate::limits::Limits;
@@ -62,6 +63,9 @@ pub(crate) fn arrange(
     if !is_setting {
         trim(text, &mut tokens);
         spreadsheet(text, &mut tokens);
+        mark_curve(text, &mut tokens)?;
+    } else if tokens.len() > 2 && tokens[0].kind == SettingWord {
+        without_pixels(text, &mut tokens);
     }
     let series = tokens.iter().filter(|token| matches!(token.kind, BigSum | BigProduct));
     if let Some(token) = series.clone().nth(limits.depth / 4) {
@@ -129,6 +133,13 @@ fn spreadsheet(text: &str, tokens: &mut Vec<Token>) {
         }
         index += 1;
     }
+}
+
+/// Removes the unit in `width 3px`.
+fn without_pixels(text: &str, tokens: &mut Vec<Token>) {
+    let typed = |token: &Token| &text[token.span.range()];
+    let is_width = typed_setting(typed(&tokens[0])).is_some_and(|row| row.word == "width");
+    tokens.pop_if(|last| is_width && typed(last) == "px");
 }
 
 struct Arranger<'a> {

@@ -115,11 +115,20 @@ fn quoted(rest: &str, mark: char, context: LexContext) -> Option<usize> {
     let begins = match context.last? {
         OpenParen | OpenBracket | OpenBrace | Comma | Equals | Greater | Colon => true,
         TokenKind::Name => mark == '\'' && context.touching.is_none(),
+        // The label of a point ends its line.
+        CloseParen => mark == '"' && ends_line(&rest[1..]),
         _ => false,
     };
     let line = start(&rest[1..], 400);
     let end = line[..line_length(line)].find(mark).filter(|_| begins)?;
     Some(end + 2)
+}
+
+/// Returns whether the text up to a quotation mark ends a statement.
+fn ends_line(rest: &str) -> bool {
+    let line = start(rest, 400);
+    let behind = line[..line_length(line)].split_once('"').map(|(_, behind)| behind.trim_start());
+    behind.is_some_and(|behind| behind.is_empty() || behind.starts_with([';', '#']))
 }
 
 /// Returns whether `rest`, after an optional minus, begins with a divisor: a number, a bracket, or

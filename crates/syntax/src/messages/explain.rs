@@ -63,7 +63,7 @@ impl Error {
             NumberAfterNumber => "a product of two numbers needs an explicit `*`",
             Tuple | Vector => {
                 "a surface is one equation between numbers, in x, y and z; \
-                 there are no parametric forms"
+                 there are no parametric surfaces"
             }
             Calculus => "formulas are computed as they stand, nothing is derived from them",
             Program { .. } => "a formula is read as a whole, not run step by step",
@@ -92,7 +92,8 @@ impl Error {
                 "an equation sets two sides equal; only inequalities form chains"
             }
             UnequalOutsideBraces => "the complement of a surface has no boundary to draw",
-            RestrictionIsEquation => "two surfaces meet in a curve, and curves are not drawn",
+            RestrictionIsEquation => "two surfaces meet in a curve",
+            CurveCoordinate { .. } => "the points come from the parameter, not from coordinates",
             MixedRestriction => {
                 "the boundary would belong to one part of the region and not to the other"
             }
@@ -289,7 +290,8 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
              and restrict a formula in braces: `z = x*y {x < 1}`"
         }
         Tuple => {
-            "write one equation in x, y and z; a product is written with `*`, a vector `vec2(x, y)`"
+            "write one equation in x, y and z; a product is written with `*`, a vector `vec2(x, y)`, \
+             a curve `(cos t, sin t, t) for t in [0, 20]`"
         }
         Vector => "take its `length(…)`, or a component such as `.x`",
         Calculus => "write the integral or the limit out, as a formula",
@@ -328,6 +330,17 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         RestrictionInside => "write a choice there, as in `z = {x > 0: x, 0} + y`",
         WholeQuotient => "write `floor(i/2)`, or `float(i)/2.` for all of it",
         Degree { .. } => "write it in digits, or the polynomial itself",
+        CurveEquations => {
+            "write both with a comma between them: `curve x^2 + y^2 = 1, z = x`; \
+             a curve with a parameter is `(cos t, sin t, t/5) for t in [0, 20]`"
+        }
+        CurveRange => "write `for t in [0, 20]` behind the coordinates",
+        PointSize { .. } => "write `(1, 2, 3)`",
+        CurveCoordinate { .. } => {
+            "write the coordinates in terms of the parameter alone; \
+             where two surfaces meet is `curve x^2 + y^2 = 1, z = x`"
+        }
+        TooManyCurves { .. } => "draw fewer at a time",
         Parametric => {
             "eliminate the parameters: what is a ball for `x = cos u cos v, …` is `x^2 + y^2 + z^2 = 1`"
         }
@@ -338,7 +351,10 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         Remark => "write a remark behind `#`",
         SeriesStep => "leave the step out, or let it be 1 or more",
         TooManyTerms { .. } => "end the range earlier",
-        Complex => "take `abs(…)`, `re(…)`, `im(…)` or `arg(…)` of it, or define `i = 1`",
+        Complex => {
+            "take `abs(…)`, `re(…)`, `im(…)` or `arg(…)` of it, or define `i = 1`; \
+             where it is 0 is a curve: write `curve` before it"
+        }
         NotAVariable { .. } => "differentiate by `x`, `y`, `z`, `t`, a slider or a parameter",
         WhichVariable => "name the variable, as in `diff(x^2*y, x)`",
         DerivativeOrder { .. } => "write the order in digits, as in `diff(x^4, x, 2)`",
@@ -358,7 +374,9 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         MixedChain => "restrict the equation: `x + y = z {z < 1}`",
         UnequalOutsideBraces => "exclude points from an equation: `x*y = 1 {x != 0}`",
         RestrictionNotCondition => "compare it with something, as in `{z > 0}`",
-        RestrictionIsEquation => "use `<`, `<=`, `>`, `>=` or `!=` in braces",
+        RestrictionIsEquation => {
+            "use `<`, `<=`, `>`, `>=` or `!=` in braces, or draw the curve: `curve x^2 + y^2 = 1, z = x`"
+        }
         MixedRestriction => "use `<` and `>` throughout, or `<=` and `>=` throughout",
         DefinitionIsCondition => "define left minus right, `d = x^2 - 1`, and draw `d <= 0`",
         RangeOutsideDefinition => {

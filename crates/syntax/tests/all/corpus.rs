@@ -6,7 +6,7 @@
 use std::fmt::Write as _;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId};
 use zeroset_syntax::{
-    Contours, Document, DomainLine, Limits, MappedColor, Options, ParameterKind, PictureLines,
+    Contours, CurveShape, Document, DomainLine, Limits, MappedColor, Options, ParameterKind, PictureLines,
     SurfaceColor, SurfaceKind, parse, read,
 };
 
@@ -110,6 +110,29 @@ fn describe(row: &Row, document: &Document) -> String {
         out.push('\n');
         if row.graph {
             writeln!(out, "graph: {}", graph_text(&document.graph, surface.root)).unwrap();
+        }
+    }
+    for curve in &document.curves.all {
+        let kind = match curve.shape {
+            CurveShape::Intersection(_) => "curve of equations",
+            CurveShape::Path { .. } => "curve of a parameter",
+            CurveShape::Point { .. } => "point",
+        };
+        write!(out, "{kind}: {}", curve.echo).unwrap();
+        if let Some(SurfaceColor::Plain(color)) = &curve.color {
+            write!(out, "  [color {:?}]", color.rgb).unwrap();
+        }
+        if let Some(width) = curve.width {
+            write!(out, "  [width {width}]").unwrap();
+        }
+        if curve.hidden {
+            out.push_str("  [hidden]");
+        }
+        out.push('\n');
+        if row.graph {
+            for root in curve.shape.roots() {
+                writeln!(out, "graph: {}", graph_text(&document.curves.graph, root)).unwrap();
+            }
         }
     }
     for parameter in &document.parameters {
