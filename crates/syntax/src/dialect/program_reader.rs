@@ -4,7 +4,8 @@ use crate::dialect::blocks::ProgramStep;
 use crate::dialect::formats::foreign_text;
 use crate::dialect::program::PastedProgram;
 use crate::dialect::program_words::{Words, begins_name, is_whole_type, size_of};
-use crate::lex::arrangement::arrange;
+use crate::lex::arrangement::{arrange, trim};
+use crate::lex::curve_form::marked_curve;
 use crate::lex::scanner::scan;
 use crate::lex::token_kind::TokenKind::{Equals, Number, OpenBrace, OpenParen};
 use crate::tree::raw_statement::{Head, RawStatement, ValueConversion};
@@ -153,6 +154,11 @@ impl ProgramReader<'_> {
         let Some(first) = tokens.first().copied() else {
             return Ok(());
         };
+        if frame.function.is_none()
+            && let Some(curve) = self.curve(&tokens)?
+        {
+            return self.plain(curve, frame, false);
+        }
         self.words.apply_signs(&mut tokens);
         if frame.function.is_none() && self.outside_of_formulas(&tokens, frame)? {
             return Ok(());
@@ -250,6 +256,18 @@ impl ProgramReader<'_> {
             return self.lambda(name, parameters, value, frame);
         }
         self.plain(tokens, frame, true)
+    }
+
+    /// The statement of a curve or a point, if `tokens` are one.
+    fn curve(&self, tokens: &[Token]) -> Fallible<Option<Vec<Token>>> {
+        let begins = |word: &str| word == "curve" || word == "point";
+        if tokens[0].kind != OpenParen && !begins(self.words.word(tokens[0])) {
+            return Ok(None);
+        }
+        let mut tokens = tokens.to_vec();
+        trim(self.words.text, &mut tokens);
+        let is_defined = self.arity(tokens[0]).is_some();
+        if is_defined { Ok(None) } else { marked_curve(self.words.text, &tokens) }
     }
 
     /// Reads a plot, a grid, or a statement that only styles the picture. Returns false for any

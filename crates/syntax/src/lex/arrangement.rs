@@ -4,7 +4,6 @@
 //! Tokens keep their order and their places in the text. A bracket that was not typed has an empty
 //! span. Nothing here knows the meanings of names.
 
-use crate::lex::curve_form::mark_curve;
 use crate::lex::environment::{matrix, scalar_products};
 use crate::lex::lexer::OTHERWISE;
 use crate::lex::scanner::{LexedStatement, scan};
@@ -63,7 +62,6 @@ pub(crate) fn arrange(
     if !is_setting {
         trim(text, &mut tokens);
         spreadsheet(text, &mut tokens);
-        mark_curve(text, &mut tokens)?;
     } else if tokens.len() > 2 && tokens[0].kind == SettingWord {
         without_pixels(text, &mut tokens);
     }
@@ -87,7 +85,7 @@ pub(crate) fn arrange(
 }
 
 /// Removes a label, punctuation at the end, and marks of bold text or of a quotation.
-fn trim(text: &str, tokens: &mut Vec<Token>) {
+pub(crate) fn trim(text: &str, tokens: &mut Vec<Token>) {
     let typed = |token: &Token| &text[token.span.range()];
     while tokens.len() > 1
         && tokens.last().is_some_and(|last| {

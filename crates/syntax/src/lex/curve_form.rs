@@ -10,9 +10,9 @@ use crate::lex::token_kind::TokenKind::{self, *};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
 
-/// Marks the tokens of a statement that draws a curve or a point. Leaves other statements as they
-/// are.
-pub(crate) fn mark_curve(text: &str, tokens: &mut Vec<Token>) -> Fallible<()> {
+/// The tokens of a statement that draws a curve or a point, with its word and its range in standard
+/// form. `None` for other statements.
+pub(crate) fn marked_curve(text: &str, tokens: &[Token]) -> Fallible<Option<Vec<Token>>> {
     let typed = |token: &Token| plain_name(&text[token.span.range()]);
     let word = match tokens.first() {
         Some(first) if first.kind == TokenKind::Name => typed(first),
@@ -22,7 +22,7 @@ pub(crate) fn mark_curve(text: &str, tokens: &mut Vec<Token>) -> Fallible<()> {
         "curve" if is_curve(tokens) => &tokens[1..],
         "point" if several(&tokens[1..]).is_some_and(|rest| is_label(text, rest)) => &tokens[1..],
         _ if tuple(tokens).is_some() => &tokens[..],
-        _ => return Ok(()),
+        _ => return Ok(None),
     };
     let (first, is_curve) = (tokens[0].span, word == "curve");
     let first = if rest.len() < tokens.len() { first } else { Span::at(first.start) };
@@ -39,10 +39,9 @@ pub(crate) fn mark_curve(text: &str, tokens: &mut Vec<Token>) -> Fallible<()> {
         marked.push(Token::new(CurveWord, first));
         marked.extend(rest);
     } else {
-        return Ok(());
+        return Ok(None);
     }
-    *tokens = marked;
-    Ok(())
+    Ok(Some(marked))
 }
 
 /// Returns whether the word `curve` at the start of `tokens` is no name of the document.

@@ -197,6 +197,7 @@ fn values_along(
     let graph = &document.curves.graph;
     let mut parameters = parameters(document);
     let none = [(); 3].map(|()| Constant::integer(0));
+    parameters.push(Constant::integer(0));
     match shape {
         CurveShape::Intersection(both) => {
             let at = |point| both.map(|root| value_in(graph, &parameters, root, point));
