@@ -26,6 +26,8 @@ pub struct TracedCurves {
     pub points: Vec<TracedPoint>,
     /// Remarks on curves that are not drawn, or not exactly.
     pub remarks: Vec<String>,
+    /// For each surface, the share of light that it lets through.
+    pub clear: Vec<f64>,
 }
 
 /// A piece of a curve.
@@ -69,6 +71,10 @@ impl TracedCurves {
     }
 }
 
+/// The remark that arrays, meshes and counts leave curves out.
+pub const UNPROVEN: &str =
+    "curves and points are drawn, not proven: arrays, counts and meshes leave them out";
+
 /// Largest number of points with labels of their coordinates. More would cover one another.
 const LABELED_POINTS: usize = 50;
 
@@ -79,6 +85,7 @@ pub fn trace(document: &Document, region: &Region) -> TracedCurves {
     if curves.is_empty() {
         return all;
     }
+    all.clear = document.surfaces.iter().map(|surface| 1.0 - surface.opacity).collect();
     let visible = || curves.all.iter().enumerate().filter(|(_, curve)| !curve.hidden);
     let lines: Vec<(usize, &Curve)> =
         visible().filter(|(_, curve)| !matches!(curve.shape, CurveShape::Point { .. })).collect();

@@ -299,7 +299,7 @@ impl<'a> Marcher<'a> {
                 let chord = next - at;
                 let share = ahead.dot(chord) / chord.length_squared();
                 let off = (ahead - chord * share.clamp(0.0, 1.0)).length();
-                let is_passed = (0.0..=1.0).contains(&share) && off < 0.3 * chord.length();
+                let is_passed = (-0.25..=1.0).contains(&share) && off < 0.3 * chord.length();
                 if is_passed && way.dot(first) > 0.9 {
                     self.pieces[own].push(start);
                     return true;

@@ -260,10 +260,6 @@ impl ProgramReader<'_> {
 
     /// The statement of a curve or a point, if `tokens` are one.
     fn curve(&self, tokens: &[Token]) -> Fallible<Option<Vec<Token>>> {
-        let begins = |word: &str| word == "curve" || word == "point";
-        if tokens[0].kind != OpenParen && !begins(self.words.word(tokens[0])) {
-            return Ok(None);
-        }
         let mut tokens = tokens.to_vec();
         trim(self.words.text, &mut tokens);
         let is_defined = self.arity(tokens[0]).is_some();
@@ -273,6 +269,11 @@ impl ProgramReader<'_> {
     /// Reads a plot, a grid, or a statement that only styles the picture. Returns false for any
     /// other statement.
     fn outside_of_formulas(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
+        if self.arity(tokens[0]).is_none()
+            && let Some(curve) = self.words.curve_command(tokens)?
+        {
+            return self.plain(curve, frame, false).map(|()| true);
+        }
         let plots = self.words.plots(&self.with_rows(tokens.to_vec()))?;
         // The text may define the name of a plot command otherwise.
         if !plots.is_empty() && self.arity(tokens[0]).is_none() {

@@ -21,15 +21,19 @@ pub(crate) fn marked_curve(text: &str, tokens: &[Token]) -> Fallible<Option<Vec<
     let rest = match word.as_str() {
         "curve" if is_curve(tokens) => &tokens[1..],
         "point" if several(&tokens[1..]).is_some_and(|rest| is_label(text, rest)) => &tokens[1..],
-        _ if tuple(tokens).is_some() => &tokens[..],
-        _ => return Ok(None),
+        _ => without_head(tokens),
     };
-    let (first, is_curve) = (tokens[0].span, word == "curve");
-    let first = if rest.len() < tokens.len() { first } else { Span::at(first.start) };
+    if rest.is_empty() {
+        return Ok(None);
+    }
+    let is_curve = word == "curve" && rest.len() < tokens.len();
+    let is_word = is_curve || word == "point" && rest.len() < tokens.len();
+    let first = if is_word { tokens[0].span } else { Span::at(tokens[0].span.start) };
     let mut marked = Vec::with_capacity(tokens.len() + 8);
-    if let Some(behind) = several(rest).filter(|behind| !is_curve && is_label(text, behind)) {
+    let is_point = is_word && !is_curve || tuple(tokens).is_some();
+    if let Some(behind) = several(rest).filter(|behind| is_point && is_label(text, behind)) {
         marked.push(Token::new(PointWord, first));
-        marked.extend(&rest[..rest.len() - behind.len()]);
+        marked.extend(in_parentheses(&rest[..rest.len() - behind.len()]));
         marked.extend(behind.iter().map(|label| Token::new(Label, label.span)));
     } else if let Some((at, range)) = path(text, rest, is_curve)? {
         marked.push(Token::new(CurveWord, first));
@@ -42,6 +46,20 @@ pub(crate) fn marked_curve(text: &str, tokens: &[Token]) -> Fallible<Option<Vec<
         return Ok(None);
     }
     Ok(Some(marked))
+}
+
+/// The tokens behind the left side of `r(t) = (…)` or `(x, y, z) = (…)`. Empty if there are no three
+/// coordinates.
+fn without_head(tokens: &[Token]) -> &[Token] {
+    let equals = tokens.iter().position(|token| token.kind == Equals);
+    let is_head = |at: usize| match &tokens[..at] {
+        [name] => name.kind.is_name(),
+        [name, rest @ ..] if name.kind.is_name() => bracketed(rest).is_some_and(|(_, e)| e.is_empty()),
+        head => tuple(head).is_some_and(<[Token]>::is_empty),
+    };
+    let start = equals.filter(|at| is_head(*at)).map_or(0, |at| at + 1);
+    let rest = &tokens[start..];
+    if tuple(rest).is_some() { rest } else { &[] }
 }
 
 /// Returns whether the word `curve` at the start of `tokens` is no name of the document.
@@ -69,7 +87,19 @@ fn tuple(tokens: &[Token]) -> Option<&[Token]> {
 /// The tokens after several values in brackets with which `tokens` begin.
 fn several(tokens: &[Token]) -> Option<&[Token]> {
     let (inner, rest) = bracketed(tokens)?;
-    (tokens[0].kind == OpenParen && outside(inner, Comma).is_some()).then_some(rest)
+    let is_list = matches!(tokens[0].kind, OpenParen | OpenList);
+    (is_list && outside(inner, Comma).is_some()).then_some(rest)
+}
+
+/// A point whose list has round brackets.
+fn in_parentheses(point: &[Token]) -> Vec<Token> {
+    let mut point = point.to_vec();
+    if let [open, .., close] = point.as_mut_slice()
+        && open.kind == OpenList
+    {
+        (open.kind, close.kind) = (OpenParen, CloseParen);
+    }
+    point
 }
 
 /// Returns whether `rest` is empty, or is the label of a point.
@@ -123,7 +153,7 @@ fn path(text: &str, tokens: &[Token], is_curve: bool) -> Fallible<Option<(Vec<To
     range.push(sign(Comma, high[0].span));
     range.extend(high);
     range.push(Token::new(CloseBracket, Span::at(high[high.len() - 1].span.end)));
-    Ok(Some((point.to_vec(), range)))
+    Ok(Some((in_parentheses(point), range)))
 }
 
 /// Splits several ranges at commas and at the word `for`.
