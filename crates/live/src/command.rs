@@ -214,8 +214,10 @@ fn delete(live: &Live, number: Option<usize>) -> Result<Reply, Refusal> {
         let surfaces = document.surfaces.into_iter().map(|surface| surface.echo);
         surfaces.chain(document.curves.all.into_iter().map(|curve| curve.echo)).collect()
     });
-    let lines: Vec<String> =
-        (1..).zip(&echoes).map(|(number, echo): (usize, &String)| format!("{number}  {echo}")).collect();
+    let lines: Vec<String> = (1..)
+        .zip(&echoes)
+        .map(|(number, echo): (usize, &String)| format!("{number}  {echo}"))
+        .collect();
     say(if lines.is_empty() { "nothing is drawn".to_owned() } else { lines.join("\n") })
 }
 

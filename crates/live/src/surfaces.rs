@@ -170,7 +170,9 @@ fn changed(
                 && percent(one.opacity) == percent(other.opacity)
         };
         let now = StyledDrawing::all(&new, said);
-        now.len() == drawn.len() && now.iter().zip(&drawn).all(alike) && same_curves(&document, said)
+        now.len() == drawn.len()
+            && now.iter().zip(&drawn).all(alike)
+            && same_curves(&document, said)
     };
     let said = zeroset_syntax::read(&new, options).ok().filter(is_said)?;
     Some((new, said))

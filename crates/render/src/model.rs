@@ -13,8 +13,8 @@ pub use strips::Strip;
 use crate::picture::{Normals, Picture, Precision, Settings, Times};
 use glam::DVec3;
 use rayon::prelude::*;
-use std::sync::{Arc, OnceLock};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 use zeroset_eval::{Boxes, KernelFloat, Points, SurfaceKernels};
 use zeroset_interval::Interval;
@@ -186,11 +186,14 @@ impl Model {
         times: Option<Times>,
     ) -> Self {
         let styles = document.surfaces.clone();
+        let curves = Arc::new(curves::trace(document, region));
+        let mut remarks = program.remarks(document);
+        remarks.extend(curves.remarks.iter().cloned());
         Self {
             region: *region,
             setting: DocumentStyle::of(document),
-            remarks: program.remarks(document),
-            curves: Arc::new(curves::trace(document, region)),
+            remarks,
+            curves,
             program,
             precision,
             times,

@@ -39,6 +39,8 @@ pub struct TracedLine {
     pub colors: Vec<[u8; 3]>,
     /// Number of the curve among all curves and points of the document.
     pub number: usize,
+    /// Number of the curve among those that are no points. It selects the default color.
+    pub order: usize,
     /// Width in pixels, if the document sets it.
     pub width: Option<f64>,
 }
@@ -86,11 +88,13 @@ pub fn trace(document: &Document, region: &Region) -> TracedCurves {
         return all;
     }
     all.clear = document.surfaces.iter().map(|surface| 1.0 - surface.opacity).collect();
-    let visible = || curves.all.iter().enumerate().filter(|(_, curve)| !curve.hidden);
-    let lines: Vec<(usize, &Curve)> =
-        visible().filter(|(_, curve)| !matches!(curve.shape, CurveShape::Point { .. })).collect();
-    let traced: Vec<(Vec<TracedLine>, Option<String>)> =
-        lines.into_par_iter().map(|(number, curve)| line(document, region, number, curve)).collect();
+    let lines = curves.all.iter().enumerate();
+    let lines = lines.filter(|(_, curve)| !matches!(curve.shape, CurveShape::Point { .. }));
+    let lines: Vec<_> = lines.enumerate().filter(|(_, (_, curve))| !curve.hidden).collect();
+    let traced: Vec<(Vec<TracedLine>, Option<String>)> = lines
+        .into_par_iter()
+        .map(|(order, (number, curve))| line(document, region, [order, number], curve))
+        .collect();
     for (lines, remark) in traced {
         all.lines.extend(lines);
         all.remarks.extend(remark);
@@ -123,7 +127,7 @@ pub fn trace(document: &Document, region: &Region) -> TracedCurves {
 fn line(
     document: &Document,
     region: &Region,
-    number: usize,
+    [order, number]: [usize; 2],
     curve: &Curve,
 ) -> (Vec<TracedLine>, Option<String>) {
     let size = 2.0 * region.half_extent();
@@ -138,7 +142,7 @@ fn line(
     let pieces = pieces.iter().flat_map(|piece| shaped::clipped(region, piece));
     let colors: Vec<[u8; 3]> = plain(curve).into_iter().collect();
     let lines = pieces
-        .map(|at| TracedLine { at, colors: colors.clone(), number, width: curve.width })
+        .map(|at| TracedLine { at, colors: colors.clone(), number, order, width: curve.width })
         .collect();
     let remark = problem.map(|problem| format!("the curve '{}' {problem}", curve.echo));
     (lines, remark)
@@ -164,10 +168,9 @@ fn color_by_values(document: &Document, lines: &mut [TracedLine]) {
         let finite = || values.iter().copied().filter(|value| value.is_finite());
         let [low, high] = match range {
             Some(range) => range.each_ref().map(nearest),
-            None => [
-                finite().fold(f64::INFINITY, f64::min),
-                finite().fold(f64::NEG_INFINITY, f64::max),
-            ],
+            None => {
+                [finite().fold(f64::INFINITY, f64::min), finite().fold(f64::NEG_INFINITY, f64::max)]
+            }
         };
         let mut colors = values.iter().map(|value| map.bytes((value - low) / (high - low)));
         for line in lines.iter_mut().filter(|line| line.number == number) {
@@ -186,9 +189,7 @@ fn points(document: &Document) -> Vec<(usize, &Curve, Option<DVec3>)> {
     let found: Vec<(usize, [NodeId; 3])> = curves.all.iter().enumerate().filter_map(of).collect();
     let roots: Vec<NodeId> = found.iter().flat_map(|(_, at)| *at).collect();
     let known = match bound(document, &roots) {
-        Some((graph, roots)) => {
-            roots.iter().map(|root| graph.number(*root).map(nearest)).collect()
-        }
+        Some((graph, roots)) => roots.iter().map(|root| graph.number(*root).map(nearest)).collect(),
         None => vec![None; roots.len()],
     };
     let place = |values: &[Option<f64>]| {

@@ -33,6 +33,13 @@ impl Default for Limits {
     /// surfaces, 10,000 curves and points.
     fn default() -> Self {
         let nodes = zeroset_ir::NODE_LIMIT;
-        Self { bytes: 64 << 20, symbols: 8_000_000, depth: 200, nodes, surfaces: 1000, curves: 10_000 }
+        Self {
+            bytes: 64 << 20,
+            symbols: 8_000_000,
+            depth: 200,
+            nodes,
+            surfaces: 1000,
+            curves: 10_000,
+        }
     }
 }

@@ -81,7 +81,11 @@ pub(crate) const SETTINGS: &[SettingRow] = &[
         "write what is the same along a line, how far the lines are apart, or both: \
                `contours z`, `contours 0.5`, `contours z, 0.5`",
     ),
-    plain("width", SettingKind::Width, "write how wide curves are, from 0.1 to 100 pixels: `width 3px`"),
+    plain(
+        "width",
+        SettingKind::Width,
+        "write how wide curves are, from 0.1 to 100 pixels: `width 3px`",
+    ),
 ];
 
 /// The row of the setting whose lines begin with `word`.

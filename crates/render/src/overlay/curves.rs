@@ -25,6 +25,21 @@ const FAR: f64 = 1e5;
 /// Nearest depth of a point that is drawn, as a share of the region's size.
 const NEAREST: f64 = 1e-4;
 
+/// Width of the gap that a tube leaves in a tube behind it, in pixels on each side.
+const GAP: f64 = 1.3;
+
+/// A tube leaves a gap in what is farther by this many of its widths.
+const CUT: f64 = 4.0;
+
+/// Parts of a curve that are nearer than this along it leave no gap in each other, in pixels.
+const NEIGHBORS: i32 = 24;
+
+/// Longest segment whose ends decide whether it is seen, in pixels.
+const SHORT: f64 = 6.0;
+
+/// Room between the positions of two curves, in pixels.
+const ROOM: f64 = 4096.0;
+
 /// Two tubes cross if their depths differ by more than this many of their widths.
 const APART: f64 = 1.5;
 
@@ -44,22 +59,26 @@ struct Cover {
     share: u8,
     color: [u8; 3],
     distance: f32,
+    /// Position along all curves, in pixels of the picture.
+    along: i32,
 }
 
-/// Tubes and balls at each pixel: the nearest, and one behind it.
-struct Layers {
-    width: usize,
-    front: Vec<Cover>,
-    back: Vec<Cover>,
-    /// The rows that are covered.
-    rows: std::ops::Range<usize>,
+/// Tubes and balls over one pixel.
+struct Cell {
+    x: u32,
+    y: u32,
+    /// The nearest, and one behind it.
+    front: Cover,
+    back: Cover,
+    /// Distance beyond which the gap beside a nearer tube leaves tubes out, and the position of that
+    /// tube along the curves.
+    cut: (f32, i32),
 }
 
-impl Layers {
+impl Cell {
     /// Adds a part of a tube of this width in world units.
-    fn add(&mut self, x: usize, y: usize, new: Cover, width: f64) {
-        let place = y * self.width + x;
-        let (front, back) = (&mut self.front[place], &mut self.back[place]);
+    fn add(&mut self, new: Cover, width: f64) {
+        let Self { front, back, .. } = self;
         let apart = (front.distance - new.distance).abs() > (APART * width) as f32;
         if front.share == 0 || !apart {
             // Neighboring segments of a curve cover a pixel once.
@@ -71,21 +90,53 @@ impl Layers {
         } else if new.share > back.share {
             *back = new;
         }
-        self.rows.start = self.rows.start.min(y);
-        self.rows.end = self.rows.end.max(y + 1);
+    }
+
+    /// Leaves out tubes that are farther than a tube of this width beside the pixel.
+    fn cut(&mut self, distance: f64, width: f64, along: i32) {
+        let limit = (distance + CUT * width) as f32;
+        if limit < self.cut.0 {
+            self.cut = (limit, along);
+        }
+    }
+
+    /// Returns whether a tube is behind the gap of another one, or of another part of its curve.
+    fn is_cut(&self, cover: Cover) -> bool {
+        let (limit, along) = self.cut;
+        cover.distance > limit && (cover.along - along).abs() > NEIGHBORS
+    }
+}
+
+/// The pixels over which there are tubes or balls.
+struct Cells {
+    width: usize,
+    /// For each pixel, the number of its cell, counted from 1; 0 without a cell.
+    numbers: Vec<u32>,
+    cells: Vec<Cell>,
+}
+
+impl Cells {
+    fn new(width: usize, height: usize) -> Self {
+        Self { width, numbers: vec![0; width * height], cells: Vec::new() }
+    }
+
+    fn at(&mut self, x: usize, y: usize) -> &mut Cell {
+        let number = &mut self.numbers[y * self.width + x];
+        if *number == 0 {
+            let none = Cover::default();
+            let cut = (f32::INFINITY, 0);
+            self.cells.push(Cell { x: x as u32, y: y as u32, front: none, back: none, cut });
+            *number = self.cells.len() as u32;
+        }
+        &mut self.cells[*number as usize - 1]
     }
 
     fn blend(&self, canvas: &mut Canvas) {
-        for y in self.rows.clone() {
-            for x in 0..self.width {
-                let place = y * self.width + x;
-                if self.front[place].share == 0 {
-                    continue;
-                }
-                for cover in [self.back[place], self.front[place]] {
-                    if cover.share > 0 {
-                        canvas.blend(x as i64, y as i64, rgb(cover.color), u32::from(cover.share));
-                    }
+        for cell in &self.cells {
+            for cover in [cell.back, cell.front] {
+                if cover.share > 0 && !cell.is_cut(cover) {
+                    let (x, y) = (i64::from(cell.x), i64::from(cell.y));
+                    canvas.blend(x, y, rgb(cover.color), u32::from(cover.share));
                 }
             }
         }
@@ -102,29 +153,35 @@ pub fn draw_curves(canvas: &mut Canvas, shown: PictureView<'_>, height: usize) {
         return;
     }
     let projector = Projector::new(shown, canvas.width, height);
-    let pixels = canvas.width * height;
-    let none = vec![Cover::default(); pixels];
-    let mut layers =
-        Layers { width: canvas.width, front: none.clone(), back: none, rows: height..0 };
+    let mut cells = Cells::new(canvas.width, height);
     let scale = canvas.scale as f64;
+    let mut along = 0.0;
     for line in &shown.curves.lines {
-        draw_line(&mut layers, &projector, line, scale);
+        draw_line(&mut cells, &projector, line, scale, &mut along);
+        along += ROOM;
     }
     let mut labels = Vec::new();
     for point in &shown.curves.points {
-        if let Some(at) = draw_point(&mut layers, &projector, point, scale) {
+        if let Some(at) = draw_point(&mut cells, &projector, point, scale) {
             labels.push((at, point));
         }
     }
-    layers.blend(canvas);
+    cells.blend(canvas);
     write_labels(canvas, &labels, shown.ink(), height);
 }
 
-fn draw_line(layers: &mut Layers, projector: &Projector<'_>, line: &TracedLine, scale: f64) {
+/// Draws a polyline. `along` is its position along all curves, which it moves.
+fn draw_line(
+    cells: &mut Cells,
+    projector: &Projector<'_>,
+    line: &TracedLine,
+    scale: f64,
+    along: &mut f64,
+) {
     let radius = line.width.unwrap_or(WIDTH) * scale / 2.0;
     let nearest = NEAREST * projector.shown.region.half_extent();
     let color = |n: usize| match line.colors.as_slice() {
-        [] => COLORS[line.number % COLORS.len()],
+        [] => COLORS[line.order % COLORS.len()],
         [one] => *one,
         all => all[n.min(all.len() - 1)],
     };
@@ -146,45 +203,63 @@ fn draw_line(layers: &mut Layers, projector: &Projector<'_>, line: &TracedLine, 
             Some(Vertex { at: place, distance, depth: projector.depth(at), color })
         };
         if let (Some(from), Some(to)) = (vertex(ends[0], color(n)), vertex(ends[1], color(n + 1))) {
-            draw_segment(layers, projector, [from, to], radius);
+            draw_segment(cells, projector, [from, to], [radius, scale], *along);
+            *along += from.at.distance(to.at).min(FAR);
         }
     }
 }
 
 fn draw_segment(
-    layers: &mut Layers,
+    cells: &mut Cells,
     projector: &Projector<'_>,
     [from, to]: [Vertex; 2],
-    radius: f64,
+    [radius, scale]: [f64; 2],
+    start: f64,
 ) {
     let (width, height) = (projector.rays.width(), projector.rays.height());
     if from.at.abs().max(to.at.abs()).max_element() > FAR {
         return;
     }
     let reach = radius + 0.5;
+    let gap = reach + GAP * scale;
     let range = |a: f64, b: f64, size: usize| {
-        let low = (a.min(b) - reach).floor().clamp(0.0, size as f64);
-        let high = (a.max(b) + reach).ceil().clamp(0.0, size as f64);
+        let low = (a.min(b) - gap).floor().clamp(0.0, size as f64);
+        let high = (a.max(b) + gap).ceil().clamp(0.0, size as f64);
         low as usize..high as usize
     };
     let way = to.at - from.at;
     let square = way.length_squared().max(1e-12);
+    // On a short segment, the ends decide whether all of it is seen.
+    let ends = [from, to].map(|end| seen(projector, end.at, end.distance));
+    let whole = (ends[0] == ends[1] && square < SHORT * SHORT).then_some(ends[0]);
+    if whole == Some(0.0) {
+        return;
+    }
     for y in range(from.at.y, to.at.y, height) {
-        let columns = columns(from.at, way, y, reach, range(from.at.x, to.at.x, width));
+        let columns = columns(from.at, way, y, gap, range(from.at.x, to.at.x, width));
         for x in columns {
             let pixel = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
             let share = ((pixel - from.at).dot(way) / square).clamp(0.0, 1.0);
             let foot = from.at + way * share;
             let off = pixel - foot;
-            let covered = (reach - off.length()).clamp(0.0, 1.0);
-            if covered <= 0.0 {
+            let length = off.length();
+            if length >= gap {
                 continue;
             }
             // Depths are even in the picture as reciprocals.
             let weight = share * from.depth / (share * from.depth + (1.0 - share) * to.depth);
             let distance = from.distance + (to.distance - from.distance) * weight;
             let depth = from.depth + (to.depth - from.depth) * weight;
-            let clear = seen(projector, foot, distance);
+            let clear = whole.unwrap_or_else(|| seen(projector, foot, distance));
+            let along = (start + share * square.sqrt()) as i32;
+            let width = 2.0 * radius * projector.pixel_size(depth);
+            let covered = (reach - length).clamp(0.0, 1.0);
+            if covered <= 0.0 {
+                if clear > 0.0 {
+                    cells.at(x, y).cut(distance, width, along);
+                }
+                continue;
+            }
             let share_of_pixel = (covered * clear * 255.0) as u8;
             if share_of_pixel == 0 {
                 continue;
@@ -194,8 +269,9 @@ fn draw_segment(
                 a + (b - a) * weight
             });
             let color = shaded(color, off / reach);
-            let new = Cover { share: share_of_pixel, color, distance: distance as f32 };
-            layers.add(x, y, new, 2.0 * radius * projector.pixel_size(depth));
+            let distance = distance as f32;
+            let new = Cover { share: share_of_pixel, color, distance, along };
+            cells.at(x, y).add(new, width);
         }
     }
 }
@@ -241,7 +317,7 @@ fn shaded(color: [f64; 3], off: DVec2) -> [u8; 3] {
 
 /// Draws a ball. Returns its place in the picture, if it is seen.
 fn draw_point(
-    layers: &mut Layers,
+    cells: &mut Cells,
     projector: &Projector<'_>,
     point: &TracedPoint,
     scale: f64,
@@ -269,8 +345,9 @@ fn draw_point(
             if share > 0 {
                 // A ball is in front of the curve on which it lies.
                 let distance = (distance - world) as f32;
-                let new = Cover { share, color: shaded(color, off / reach), distance };
-                layers.add(x, y, new, 0.0);
+                let color = shaded(color, off / reach);
+                let new = Cover { share, color, distance, along: i32::MIN / 2 };
+                cells.at(x, y).add(new, 0.0);
             }
         }
     }
@@ -283,12 +360,7 @@ fn ball_radius(point: &TracedPoint, scale: f64) -> f64 {
 
 /// Writes the labels of points that are seen, beside them. A label that would cover another one is
 /// left out.
-fn write_labels(
-    canvas: &mut Canvas,
-    labels: &[(DVec2, &TracedPoint)],
-    ink: Rgb,
-    height: usize,
-) {
+fn write_labels(canvas: &mut Canvas, labels: &[(DVec2, &TracedPoint)], ink: Rgb, height: usize) {
     let letter = DVec2::new(canvas.advance() as f64, canvas.letter_height() as f64);
     let bounds = DVec2::new(canvas.width as f64, height as f64);
     let mut taken: Vec<[DVec2; 2]> = Vec::new();
@@ -311,3 +383,6 @@ fn write_labels(
 
 /// Largest number of labels. Each one is compared with all others.
 const MOST_LABELS: usize = 1000;
+
+#[cfg(test)]
+mod tests;

@@ -9,9 +9,7 @@ use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Graph, Node, NodeId, gradient, simplify};
 use zeroset_jit::Threaded;
 use zeroset_ops::Op;
-use zeroset_syntax::{
-    CurveShape, Document, POINT_NAMES, PointValue, Surface, SurfaceKind,
-};
+use zeroset_syntax::{CurveShape, Document, POINT_NAMES, PointValue, Surface, SurfaceKind};
 
 /// Largest number of nodes of a curve's function.
 const MOST_NODES: usize = 200_000;
@@ -58,7 +56,10 @@ pub fn kernel<Q: Query>(
 }
 
 /// A kernel for values and gradients of a function. `None` if the gradient is too large.
-pub fn gradient_kernel(graph: &Graph, root: NodeId) -> Option<Box<dyn Kernel<SampleGradient, f64>>> {
+pub fn gradient_kernel(
+    graph: &Graph,
+    root: NodeId,
+) -> Option<Box<dyn Kernel<SampleGradient, f64>>> {
     if graph.len() > MOST_NODES {
         return None;
     }

@@ -89,9 +89,8 @@ fn cells(region: &Region, zeros: &[Box<dyn Kernel<FindZeros, f64>>; 2]) -> Optio
         let parts: Vec<Cell> = cells
             .iter()
             .flat_map(|cell| {
-                (0..8_u32).map(|part| {
-                    [0, 1, 2].map(|axis| 2 * cell[axis as usize] + (part >> axis & 1))
-                })
+                (0..8_u32)
+                    .map(|part| [0, 1, 2].map(|axis| 2 * cell[axis as usize] + (part >> axis & 1)))
             })
             .collect();
         let bounds: Vec<[Interval; 3]> = parts.iter().map(|part| grid.bounds(*part)).collect();

@@ -210,8 +210,7 @@ impl<'a> Marcher<'a> {
                     let way = pair[1] - pair[0];
                     let share = (at - pair[0]).dot(way) / way.length_squared();
                     let foot = pair[0].lerp(pair[1], share.clamp(0.0, 1.0));
-                    (at - foot).length() < near
-                        && tangent.dot(way.normalize_or_zero()).abs() > 0.9
+                    (at - foot).length() < near && tangent.dot(way.normalize_or_zero()).abs() > 0.9
                 })
             })
         })
@@ -280,12 +279,14 @@ impl<'a> Marcher<'a> {
         let mut along = direction;
         let mut step = self.longest;
         while self.is_complete() {
-            let next = self.pair.corrected(at + along * step, 0.3 * step).and_then(|(next, way)| {
-                let way = if way.dot(along) < 0.0 { -way } else { way };
-                let chord = (next - at).normalize_or_zero();
-                let is_smooth = way.dot(along) > LEAST_COSINE && chord.dot(along) > LEAST_COSINE;
-                is_smooth.then_some((next, way))
-            });
+            let next =
+                self.pair.corrected(at + along * step, 0.3 * step).and_then(|(next, way)| {
+                    let way = if way.dot(along) < 0.0 { -way } else { way };
+                    let chord = (next - at).normalize_or_zero();
+                    let is_smooth =
+                        way.dot(along) > LEAST_COSINE && chord.dot(along) > LEAST_COSINE;
+                    is_smooth.then_some((next, way))
+                });
             let Some((next, way)) = next else {
                 step /= 2.0;
                 if step < SHORTEST * self.longest {
@@ -299,8 +300,10 @@ impl<'a> Marcher<'a> {
                 let chord = next - at;
                 let share = ahead.dot(chord) / chord.length_squared();
                 let off = (ahead - chord * share.clamp(0.0, 1.0)).length();
-                let is_passed = (-0.25..=1.0).contains(&share) && off < 0.3 * chord.length();
-                if is_passed && way.dot(first) > 0.9 {
+                let is_passed = (0.0..=1.0).contains(&share) && off < 0.3 * chord.length();
+                let near = (2.0 * NEAR * self.side).min(0.5 * step);
+                let is_near = share > 0.0 && next.distance(start) < near;
+                if (is_passed || is_near) && way.dot(first) > 0.9 {
                     self.pieces[own].push(start);
                     return true;
                 }

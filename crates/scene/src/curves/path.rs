@@ -119,7 +119,10 @@ impl Path {
             }
             all = next;
         }
-        (pieces(&all, size, is_complete), (!is_complete).then_some("bends too often to be drawn exactly"))
+        (
+            pieces(&all, size, is_complete),
+            (!is_complete).then_some("bends too often to be drawn exactly"),
+        )
     }
 }
 
@@ -160,7 +163,7 @@ fn pieces(all: &[Sample], size: f64, is_complete: bool) -> Vec<Vec<DVec3>> {
             sample.at.is_finite() && next.at.is_finite() && !jumps
         });
         if !continues && !piece.is_empty() {
-            pieces.push(straightened(&std::mem::take(&mut piece), FLAT * size / 4.0));
+            pieces.push(straightened(&std::mem::take(&mut piece), FLAT * size / 2.0));
         }
     }
     pieces.retain(|piece| piece.len() > 1);

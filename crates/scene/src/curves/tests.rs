@@ -25,7 +25,7 @@ fn a_curve_of_two_equations_is_closed_and_has_no_gap() {
     for (text, pieces, expected) in [
         ("curve x^2+y^2+z^2=1, z=0", 1, circle),
         ("curve x^2+y^2+z^2=1, x+y+z=0.5", 1, circle * (1.0_f64 - 0.25 / 3.0).sqrt()),
-        ("curve (x^2+y^2+z^2+8)^2=36(x^2+y^2), z=1", 2, circle * 6.0),
+        ("curve (x^2+y^2+z^2+8)^2=36(x^2+y^2), z=0.5", 2, circle * 6.0),
         ("curve x^2+y^2=0.01, z=0.1x", 1, circle * 0.1 * 1.002_496_9),
     ] {
         let half = 5.0;
@@ -152,7 +152,8 @@ fn hostile_curves_end_with_a_remark() {
         ("curve sin(100x)=0, sin(100y)=0", ""),
         ("curve sin(1/x)=0, y=0", ""),
         ("(cos t, sin t, t) for t in [0, 1e300]", ""),
-        ("(cos t, sin t, cos(2t)) for t in [0, 1e300]", "bends too often"),
+        ("(cos t, sin t, cos(2t)) for t in [0, 1e300]", ""),
+        ("(cos t, sin t, cos(2t)) for t in [0, 1e9]", "bends too often"),
         ("(sin(1e9t), t, 0) for t in [0, 1]", "bends too often"),
         ("(sqrt(-1), t, 0) for t in [0, 1]", ""),
         ("(exp(exp(t)), t, 0) for t in [-1000, 1000]", ""),

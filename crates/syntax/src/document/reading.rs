@@ -353,7 +353,8 @@ impl<'a> DocumentReader<'a> {
         let limits =
             Limits { nodes: self.options.limits.nodes_for(self.text.len()), ..self.options.limits };
         let values = PointValues::new(names.clone(), points, time, &limits);
-        let mut curves = self.curves(&curves, Lowering::new(names.clone(), time, &limits), points)?;
+        let mut curves =
+            self.curves(&curves, Lowering::new(names.clone(), time, &limits), points)?;
         let mut lowering = Lowering::new(names, time, &limits);
         let mut surfaces = Vec::new();
         let limit = self.options.limits.surfaces;
@@ -383,8 +384,7 @@ impl<'a> DocumentReader<'a> {
         self.notes.append(&mut lowering.notes);
         self.notes.extend(near_integer_notes(&lowering.graph, &surfaces));
         let text = self.text;
-        let document =
-            self.document(text, lowering.graph, surfaces, parameters, settings, picture);
+        let document = self.document(text, lowering.graph, surfaces, parameters, settings, picture);
         Ok(Document { curves, ..document })
     }
 
@@ -453,7 +453,8 @@ pub(crate) fn style<'a>(
     }
     for curve in curves {
         let place = curve.span.start;
-        let typed = setting_for(&settings.colors, place, last).and_then(|(typed, _)| typed.as_ref());
+        let typed =
+            setting_for(&settings.colors, place, last).and_then(|(typed, _)| typed.as_ref());
         curve.color = typed.map(|typed| values.color(typed)).transpose()?;
         curve.width = setting_for(&settings.widths, place, last).copied();
         curve.hidden = setting_for(&settings.hidden, place, last) == Some(&true);

@@ -51,15 +51,24 @@ pub(crate) fn marked_curve(text: &str, tokens: &[Token]) -> Fallible<Option<Vec<
 /// The tokens behind the left side of `r(t) = (…)` or `(x, y, z) = (…)`. Empty if there are no three
 /// coordinates.
 fn without_head(tokens: &[Token]) -> &[Token] {
-    let equals = tokens.iter().position(|token| token.kind == Equals);
-    let is_head = |at: usize| match &tokens[..at] {
-        [name] => name.kind.is_name(),
-        [name, rest @ ..] if name.kind.is_name() => bracketed(rest).is_some_and(|(_, e)| e.is_empty()),
-        head => tuple(head).is_some_and(<[Token]>::is_empty),
-    };
-    let start = equals.filter(|at| is_head(*at)).map_or(0, |at| at + 1);
-    let rest = &tokens[start..];
+    let is_start =
+        |pair: &[Token]| pair[0].kind == Equals && matches!(pair[1].kind, OpenParen | OpenList);
+    let start = tokens.windows(2).position(is_start).filter(|at| is_head(&tokens[..*at]));
+    let rest = &tokens[start.map_or(0, |at| at + 1)..];
     if tuple(rest).is_some() { rest } else { &[] }
+}
+
+/// Returns whether `tokens` may be the left side of a curve. LaTeX writes a bold name in braces.
+fn is_head(tokens: &[Token]) -> bool {
+    let is_call = |rest: &[Token]| bracketed(rest).is_some_and(|(_, rest)| rest.is_empty());
+    match tokens {
+        [name] => name.kind.is_name(),
+        [open, name, close, rest @ ..] if (open.kind, close.kind) == (OpenBrace, CloseBrace) => {
+            name.kind.is_name() && (rest.is_empty() || is_call(rest))
+        }
+        [name, rest @ ..] if name.kind.is_name() => is_call(rest),
+        head => tuple(head).is_some_and(<[Token]>::is_empty),
+    }
 }
 
 /// Returns whether the word `curve` at the start of `tokens` is no name of the document.
@@ -73,7 +82,12 @@ fn is_curve(tokens: &[Token]) -> bool {
             let is_apart = tokens[0].span.end < next.span.start;
             has_comma || is_apart && behind.is_none_or(|sign| sign.kind != Equals)
         }
-        Plus | Minus => has_comma,
+        // `curve -x` has a sign, and `curve - x` is a difference.
+        Plus | Minus => {
+            let is_sign = tokens[0].span.end < next.span.start
+                && tokens.get(2).is_some_and(|after| after.span.start == next.span.end);
+            has_comma || is_sign
+        }
         kind => kind.begins_operand(),
     }
 }
@@ -113,7 +127,11 @@ fn is_label(text: &str, rest: &[Token]) -> bool {
 
 /// The point that moves along a curve, and the range of its parameter, in the form that the grammar
 /// reads. `None` if there is no range.
-fn path(text: &str, tokens: &[Token], is_curve: bool) -> Fallible<Option<(Vec<Token>, Vec<Token>)>> {
+fn path(
+    text: &str,
+    tokens: &[Token],
+    is_curve: bool,
+) -> Fallible<Option<(Vec<Token>, Vec<Token>)>> {
     let word = |token: &Token| {
         let is_name = token.kind == TokenKind::Name;
         if is_name { &text[token.span.range()] } else { "" }
@@ -172,9 +190,7 @@ pub(crate) fn parameter_range(tokens: &[Token]) -> Option<(Token, &[Token], &[To
             let comma = outside(inner, Comma)?;
             Some((*name, &inner[..comma], &inner[comma + 1..]))
         }
-        [name, sign, ends @ ..]
-            if name.kind.is_name() && matches!(sign.kind, Equals | Colon) =>
-        {
+        [name, sign, ends @ ..] if name.kind.is_name() && matches!(sign.kind, Equals | Colon) => {
             let dots = outside(ends, Dots)?;
             Some((*name, &ends[..dots], &ends[dots + 1..]))
         }

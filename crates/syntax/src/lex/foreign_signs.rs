@@ -71,6 +71,13 @@ pub(crate) fn foreign(rest: &str, context: LexContext) -> Option<(TokenKind, usi
             (context.touching == Some(CloseBrace) && rest[1..].starts_with('{'))
                 .then_some((DotProduct, 1))
         }
+        // The scalar product of two lists of LaTeX.
+        '\\' | '·' | '⋅' if context.last == Some(CloseList) => {
+            let sign = [r"\cdot", "·", "⋅"].into_iter().find(|sign| rest.starts_with(sign))?;
+            let behind = rest[sign.len()..].trim_start_matches(' ');
+            (behind.starts_with(r"\langle") || behind.starts_with('⟨'))
+                .then_some((DotProduct, sign.len()))
+        }
         // The imaginary unit of gnuplot, beside an operator.
         '{' if rest.starts_with("{0,1}")
             && (matches!(context.last, Some(Plus | Minus | Star))

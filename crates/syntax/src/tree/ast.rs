@@ -446,7 +446,9 @@ impl Statement {
                 CurveForm::Equations { equations, restrictions } => {
                     equations.iter().chain(restrictions).collect()
                 }
-                CurveForm::Path { at, range, .. } => at.iter().chain([&range.0, &range.1]).collect(),
+                CurveForm::Path { at, range, .. } => {
+                    at.iter().chain([&range.0, &range.1]).collect()
+                }
                 CurveForm::Point { at, .. } => at.iter().collect(),
             },
         }

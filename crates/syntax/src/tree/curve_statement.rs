@@ -24,10 +24,8 @@ pub(crate) fn curve(
     let lexed = &line.raw.lexed;
     let mut builder = Builder::new(text, lexed, scope, &[], limits);
     let parameter = parts.iter().find(|part| part.as_rule() == Rule::name);
-    let parameter = parameter.map(|name| Name {
-        text: plain_name(builder.typed(name)),
-        span: builder.span(name),
-    });
+    let parameter = parameter
+        .map(|name| Name { text: plain_name(builder.typed(name)), span: builder.span(name) });
     let local: Vec<Name> = parameter.iter().cloned().collect();
     let mut inner = Builder::new(text, lexed, scope, &local, limits);
     builder.aliases = line.raw.aliases.clone();

@@ -6,7 +6,8 @@
 use crate::lex::spelling::{is_name_char, token_kind};
 use crate::lex::token_kind::TokenKind;
 use crate::tree::ast::{
-    Chain, ChainSign, CurveForm, Definition, Expr, ExprKind, Function, NamedValue, Relation, Series, Statement,
+    Chain, ChainSign, CurveForm, Definition, Expr, ExprKind, Function, NamedValue, Relation,
+    Series, Statement,
 };
 use std::fmt;
 

@@ -59,7 +59,8 @@ pub(crate) fn lines<'i>(
         match recognise(text, lexed, rule) {
             Ok(pair) => {
                 let typed = || Some(rule).filter(|rule| *rule == Rule::line);
-                let head = raw.head.clone().or_else(|| head(text, lexed, typed().and(Some(&pair))?));
+                let head =
+                    raw.head.clone().or_else(|| head(text, lexed, typed().and(Some(&pair))?));
                 lines.push(ParsedStatement { raw, pair, head });
             }
             Err(error) => errors.push(*error),
@@ -256,6 +257,11 @@ fn may_define(head: &Head) -> bool {
         return head.parameters.is_none();
     }
     let is_operator = operator(name).is_some() || name.contains(['{', '}', '/']);
+    // Programs name the coordinates of a curve so: `xt(t) = cos(t)`.
+    let of_time = head.parameters.as_ref().is_some_and(|all| all.iter().any(|one| one.text == "t"));
+    if of_time && name.len() > 1 {
+        return !is_operator;
+    }
     !is_operator && !name.chars().all(|c| matches!(c, 'x' | 'y' | 'z' | 't'))
 }
 

@@ -96,9 +96,7 @@ fn value_in(
                 }]
                 .clone(),
             ),
-            Node::Parameter(number) => {
-                graph.constant(parameters[*number as usize].clone())
-            }
+            Node::Parameter(number) => graph.constant(parameters[*number as usize].clone()),
             Node::Constant(value) => graph.constant(value.clone()),
             Node::Apply(op, operands) => {
                 let operands: Vec<NodeId> = operands.iter().map(|id| map[id.index()]).collect();
@@ -302,7 +300,7 @@ fn words_are_read_as_meant_or_refused_with_a_way_out() {
 }
 
 /// Rows of the fourth corpus are read as meant, or refused. None is read otherwise. Refused are
-/// curves, and functions without proven bounds.
+/// curves over arrays of numbers, and functions without proven bounds.
 #[test]
 fn the_fourth_list_is_read_as_meant_with_few_exceptions() {
     let points = points();
@@ -319,7 +317,7 @@ fn the_fourth_list_is_read_as_meant_with_few_exceptions() {
         writeln!(report, "{}\n{}\n{what}\n", row.place, row.text).unwrap();
     }
     assert!(wrongly.is_empty(), "{wrongly}\n==== refused\n{refused}{as_meant}");
-    assert!(as_meant * 100 >= rows.len() * 85, "{as_meant} of {}:\n\n{refused}", rows.len());
+    assert!(as_meant * 100 >= rows.len() * 91, "{as_meant} of {}:\n\n{refused}", rows.len());
 }
 
 #[test]
