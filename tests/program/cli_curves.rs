@@ -24,9 +24,8 @@ fn curves_are_drawn_and_arrays_leave_them_out() {
     let plain = render("x^2+y^2+z^2=1", &["--status", "plain.npy", "--eye", "4,-6,3"]);
     let drawn = render(HELIX, &["--status", "drawn.npy", "--eye", "4,-6,3"]);
     assert!(red(&plain.0) == 0 && red(&drawn.0) > 300, "{}", red(&drawn.0));
-    let [one, other] = ["plain.npy", "drawn.npy"].map(|name| {
-        std::fs::read(place.path(name)).expect("written")
-    });
+    let [one, other] =
+        ["plain.npy", "drawn.npy"].map(|name| std::fs::read(place.path(name)).expect("written"));
     assert_eq!(one, other);
     assert!(drawn.1.stderr.contains("drawn, not proven"), "{}", drawn.1.stderr);
     assert!(!plain.1.stderr.contains("drawn, not proven"));

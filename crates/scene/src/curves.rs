@@ -13,9 +13,10 @@ use crate::view::nearest;
 use functions::bound;
 use glam::DVec3;
 use rayon::prelude::*;
+use zeroset_interval::Interval;
 use zeroset_ir::{Constant, NodeId};
 use zeroset_space::Region;
-use zeroset_syntax::{Curve, CurveShape, Document, MappedColor, SurfaceColor};
+use zeroset_syntax::{Curve, CurveShape, Document, MappedColor, ParameterKind, SurfaceColor};
 
 /// Curves and points in a region, ready to be drawn.
 #[derive(Clone, Debug, Default)]
@@ -39,7 +40,7 @@ pub struct TracedLine {
     pub colors: Vec<[u8; 3]>,
     /// Number of the curve among all curves and points of the document.
     pub number: usize,
-    /// Number of the curve among those that are no points. It selects the default color.
+    /// Number of the curve among all curves. It selects the default color.
     pub order: usize,
     /// Width in pixels, if the document sets it.
     pub width: Option<f64>,
@@ -219,9 +220,38 @@ fn values(document: &Document) -> Vec<Constant> {
     document.parameters.iter().map(|parameter| parameter.value.clone()).collect()
 }
 
-/// The corners of a box around all points and all curves with a parameter, hidden ones too. `None`
-/// if there are none. The far parts of a curve that goes to infinity are left out.
+/// The corners of a box around all points and all curves with a parameter, hidden ones too, for all
+/// times in the range of the time. `None` without points and such curves. The far parts of a curve
+/// that goes to infinity are left out.
 pub fn extent(document: &Document) -> Option<[DVec3; 2]> {
+    let boxes = moments(document);
+    let boxes = boxes.iter().flatten().filter_map(extent_now).chain(extent_now(document));
+    boxes.reduce(|[low, high], [other_low, other_high]| [low.min(other_low), high.max(other_high)])
+}
+
+/// The document at times in the range of the time, if a curve depends on the time.
+fn moments(document: &Document) -> Option<Vec<Document>> {
+    let mut parameters = document.parameters.iter();
+    let time = parameters.position(|one| one.kind == ParameterKind::Time)?;
+    let (low, high) = document.parameters[time].range.as_ref()?;
+    if !document.curves.depend_on(document.parameters[time].number) {
+        return None;
+    }
+    let (low, high) = (nearest(low), nearest(high));
+    let at = |n: usize| {
+        let value = low + (high - low) * n as f64 / MOMENTS as f64;
+        let mut document = document.clone();
+        document.parameters[time].value = Interval::point(value).map(Constant::enclosed)?;
+        Some(document)
+    };
+    (0..=MOMENTS).map(at).collect()
+}
+
+/// Number of parts of the range of the time, at whose ends curves are looked at.
+const MOMENTS: usize = 16;
+
+/// The box of [`extent`] at the present time.
+fn extent_now(document: &Document) -> Option<[DVec3; 2]> {
     let mut places: Vec<DVec3> = points(document).into_iter().filter_map(|(.., at)| at).collect();
     for curve in &document.curves.all {
         if let CurveShape::Path { at, ends } = &curve.shape

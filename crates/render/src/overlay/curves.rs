@@ -32,7 +32,7 @@ const GAP: f64 = 1.3;
 const CUT: f64 = 4.0;
 
 /// Parts of a curve that are nearer than this along it leave no gap in each other, in pixels.
-const NEIGHBORS: i32 = 24;
+const NEIGHBORS: u32 = 24;
 
 /// Longest segment whose ends decide whether it is seen, in pixels.
 const SHORT: f64 = 6.0;
@@ -53,7 +53,7 @@ struct Vertex {
     color: [u8; 3],
 }
 
-/// What covers a pixel: the share of the pixel, and the color. Without a share, nothing does.
+/// A tube or a ball over a pixel: the share of the pixel that it covers, and its color.
 #[derive(Clone, Copy, Default)]
 struct Cover {
     share: u8,
@@ -64,7 +64,7 @@ struct Cover {
 }
 
 /// Tubes and balls over one pixel.
-struct Cell {
+struct PixelCover {
     x: u32,
     y: u32,
     /// The nearest, and one behind it.
@@ -75,7 +75,7 @@ struct Cell {
     cut: (f32, i32),
 }
 
-impl Cell {
+impl PixelCover {
     /// Adds a part of a tube of this width in world units.
     fn add(&mut self, new: Cover, width: f64) {
         let Self { front, back, .. } = self;
@@ -103,39 +103,39 @@ impl Cell {
     /// Returns whether a tube is behind the gap of another one, or of another part of its curve.
     fn is_cut(&self, cover: Cover) -> bool {
         let (limit, along) = self.cut;
-        cover.distance > limit && (cover.along - along).abs() > NEIGHBORS
+        cover.distance > limit && cover.along.saturating_sub(along).unsigned_abs() > NEIGHBORS
     }
 }
 
 /// The pixels over which there are tubes or balls.
-struct Cells {
+struct PixelCovers {
     width: usize,
-    /// For each pixel, the number of its cell, counted from 1; 0 without a cell.
+    /// For each pixel, the number of its cover, counted from 1; 0 without one.
     numbers: Vec<u32>,
-    cells: Vec<Cell>,
+    all: Vec<PixelCover>,
 }
 
-impl Cells {
+impl PixelCovers {
     fn new(width: usize, height: usize) -> Self {
-        Self { width, numbers: vec![0; width * height], cells: Vec::new() }
+        Self { width, numbers: vec![0; width * height], all: Vec::new() }
     }
 
-    fn at(&mut self, x: usize, y: usize) -> &mut Cell {
+    fn at(&mut self, x: usize, y: usize) -> &mut PixelCover {
         let number = &mut self.numbers[y * self.width + x];
         if *number == 0 {
             let none = Cover::default();
             let cut = (f32::INFINITY, 0);
-            self.cells.push(Cell { x: x as u32, y: y as u32, front: none, back: none, cut });
-            *number = self.cells.len() as u32;
+            self.all.push(PixelCover { x: x as u32, y: y as u32, front: none, back: none, cut });
+            *number = self.all.len() as u32;
         }
-        &mut self.cells[*number as usize - 1]
+        &mut self.all[*number as usize - 1]
     }
 
     fn blend(&self, canvas: &mut Canvas) {
-        for cell in &self.cells {
-            for cover in [cell.back, cell.front] {
-                if cover.share > 0 && !cell.is_cut(cover) {
-                    let (x, y) = (i64::from(cell.x), i64::from(cell.y));
+        for pixel in &self.all {
+            for cover in [pixel.back, pixel.front] {
+                if cover.share > 0 && !pixel.is_cut(cover) {
+                    let (x, y) = (i64::from(pixel.x), i64::from(pixel.y));
                     canvas.blend(x, y, rgb(cover.color), u32::from(cover.share));
                 }
             }
@@ -153,26 +153,26 @@ pub fn draw_curves(canvas: &mut Canvas, shown: PictureView<'_>, height: usize) {
         return;
     }
     let projector = Projector::new(shown, canvas.width, height);
-    let mut cells = Cells::new(canvas.width, height);
+    let mut covers = PixelCovers::new(canvas.width, height);
     let scale = canvas.scale as f64;
     let mut along = 0.0;
     for line in &shown.curves.lines {
-        draw_line(&mut cells, &projector, line, scale, &mut along);
+        draw_line(&mut covers, &projector, line, scale, &mut along);
         along += ROOM;
     }
     let mut labels = Vec::new();
     for point in &shown.curves.points {
-        if let Some(at) = draw_point(&mut cells, &projector, point, scale) {
+        if let Some(at) = draw_point(&mut covers, &projector, point, scale) {
             labels.push((at, point));
         }
     }
-    cells.blend(canvas);
+    covers.blend(canvas);
     write_labels(canvas, &labels, shown.ink(), height);
 }
 
 /// Draws a polyline. `along` is its position along all curves, which it moves.
 fn draw_line(
-    cells: &mut Cells,
+    covers: &mut PixelCovers,
     projector: &Projector<'_>,
     line: &TracedLine,
     scale: f64,
@@ -203,14 +203,14 @@ fn draw_line(
             Some(Vertex { at: place, distance, depth: projector.depth(at), color })
         };
         if let (Some(from), Some(to)) = (vertex(ends[0], color(n)), vertex(ends[1], color(n + 1))) {
-            draw_segment(cells, projector, [from, to], [radius, scale], *along);
+            draw_segment(covers, projector, [from, to], [radius, scale], *along);
             *along += from.at.distance(to.at).min(FAR);
         }
     }
 }
 
 fn draw_segment(
-    cells: &mut Cells,
+    covers: &mut PixelCovers,
     projector: &Projector<'_>,
     [from, to]: [Vertex; 2],
     [radius, scale]: [f64; 2],
@@ -256,7 +256,7 @@ fn draw_segment(
             let covered = (reach - length).clamp(0.0, 1.0);
             if covered <= 0.0 {
                 if clear > 0.0 {
-                    cells.at(x, y).cut(distance, width, along);
+                    covers.at(x, y).cut(distance, width, along);
                 }
                 continue;
             }
@@ -271,7 +271,7 @@ fn draw_segment(
             let color = shaded(color, off / reach);
             let distance = distance as f32;
             let new = Cover { share: share_of_pixel, color, distance, along };
-            cells.at(x, y).add(new, width);
+            covers.at(x, y).add(new, width);
         }
     }
 }
@@ -317,7 +317,7 @@ fn shaded(color: [f64; 3], off: DVec2) -> [u8; 3] {
 
 /// Draws a ball. Returns its place in the picture, if it is seen.
 fn draw_point(
-    cells: &mut Cells,
+    covers: &mut PixelCovers,
     projector: &Projector<'_>,
     point: &TracedPoint,
     scale: f64,
@@ -347,7 +347,7 @@ fn draw_point(
                 let distance = (distance - world) as f32;
                 let color = shaded(color, off / reach);
                 let new = Cover { share, color, distance, along: i32::MIN / 2 };
-                cells.at(x, y).add(new, 0.0);
+                covers.at(x, y).add(new, 0.0);
             }
         }
     }

@@ -3,7 +3,7 @@
 use super::functions::{bound, gradient_kernel, kernel};
 use super::march::{Marcher, Pair};
 use glam::DVec3;
-use zeroset_eval::{Boxes, FindZeros, Kernel, LANES};
+use zeroset_eval::{Boxes, FindZeros, Kernel, LANES, Zeros};
 use zeroset_interval::Interval;
 use zeroset_ir::NodeId;
 use zeroset_space::Region;
@@ -98,7 +98,7 @@ fn cells(region: &Region, zeros: &[Box<dyn Kernel<FindZeros, f64>>; 2]) -> Optio
         for (batch, parts) in Boxes::<f64>::around(&bounds).iter().zip(parts.chunks(LANES)) {
             let mut possible = u16::MAX;
             for kernel in zeros {
-                let mut found = Default::default();
+                let mut found = Zeros::default();
                 kernel.eval(batch, &mut found);
                 possible &= found.possible;
                 if possible == 0 {

@@ -35,7 +35,7 @@ pub struct Path {
 struct Sample {
     t: f64,
     at: DVec3,
-    /// Whether the interval up to the next sample needs no more samples.
+    /// True if the interval up to the next sample needs no more samples.
     is_settled: bool,
 }
 

@@ -136,6 +136,8 @@ fn a_document_of_curves_has_their_box_as_its_domain() {
     near(domain("curve x^2+y^2=1, z=x"), [[-1.1; 3], [1.1; 3]], 0.2);
     let both = domain("x^2+y^2+z^2=1\n(cos t, sin t, t/5) for t in [0, 20]");
     near(both, [[-1.2, -1.2, -1.1], [1.2, 1.2, 4.2]], 0.05);
+    let moving = domain("t = 0 in [0, 6.2831853]\n(3cos t, 3sin t, 0)");
+    near(moving, [[-3.3, -3.3, -0.3], [3.3, 3.3, 0.3]], 0.02);
     let pole = domain("(t, 1/t, 0) for t in [-1, 1]");
     assert!(pole[1].y < 100.0, "{pole:?}");
 }
@@ -168,7 +170,8 @@ fn hostile_curves_end_with_a_remark() {
         assert!(found.places().all(DVec3::is_finite), "{text}");
         assert!(begun.elapsed().as_secs() < 10, "{text}: {:?}", begun.elapsed());
     }
-    let many: String = (0..9000).map(|n| format!("({n}, {}, 0)\n", n * n)).collect();
+    let many: Vec<String> = (0..9000).map(|n| format!("({n}, {}, 0)", n * n)).collect();
+    let many = many.join("\n");
     let found = trace(&document(&many), &cube(1e9));
     assert_eq!(found.points.len(), 9000);
     assert!(found.points.iter().all(|point| point.label.is_empty()));

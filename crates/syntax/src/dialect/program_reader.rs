@@ -154,11 +154,6 @@ impl ProgramReader<'_> {
         let Some(first) = tokens.first().copied() else {
             return Ok(());
         };
-        if frame.function.is_none()
-            && let Some(curve) = self.curve(&tokens)?
-        {
-            return self.plain(curve, frame, false);
-        }
         self.words.apply_signs(&mut tokens);
         if frame.function.is_none() && self.outside_of_formulas(&tokens, frame)? {
             return Ok(());
@@ -269,9 +264,11 @@ impl ProgramReader<'_> {
     /// Reads a plot, a grid, or a statement that only styles the picture. Returns false for any
     /// other statement.
     fn outside_of_formulas(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
-        if self.arity(tokens[0]).is_none()
-            && let Some(curve) = self.words.curve_command(tokens)?
-        {
+        let curve = match self.curve(tokens)? {
+            None if self.arity(tokens[0]).is_none() => self.words.curve_command(tokens)?,
+            found => found,
+        };
+        if let Some(curve) = curve {
             return self.plain(curve, frame, false).map(|()| true);
         }
         let plots = self.words.plots(&self.with_rows(tokens.to_vec()))?;

@@ -94,7 +94,9 @@ impl CurveShape {
             Self::Path { at, ends } => at.iter_mut().chain(ends).collect(),
             Self::Point { at, .. } => at.iter_mut().collect(),
         };
-        all.into_iter().for_each(|node| *node = nodes.next().unwrap_or(*node));
+        for node in all {
+            *node = nodes.next().unwrap_or(*node);
+        }
     }
 }
 
@@ -128,7 +130,9 @@ impl DocumentReader<'_> {
         let roots: Vec<NodeId> = all.iter().flat_map(|curve| curve.shape.roots()).collect();
         let (graph, roots) = compact(&lowering.graph, &roots);
         let mut roots = roots.into_iter();
-        all.iter_mut().for_each(|curve| curve.shape.replace(&mut roots));
+        for curve in &mut all {
+            curve.shape.replace(&mut roots);
+        }
         self.notes.append(&mut lowering.notes);
         Ok(Curves { graph, all })
     }

@@ -136,14 +136,9 @@ fn path(
         let is_name = token.kind == TokenKind::Name;
         if is_name { &text[token.span.range()] } else { "" }
     };
-    let at = match tuple(tokens) {
-        Some(rest) => tokens.len() - rest.len(),
-        None => {
-            let found = tokens.iter().position(|token| word(token) == "for");
-            let Some(found) = found.filter(|_| is_curve) else { return Ok(None) };
-            found
-        }
-    };
+    let word_for = || tokens.iter().position(|token| word(token) == "for").filter(|_| is_curve);
+    let behind = tuple(tokens).map(|rest| tokens.len() - rest.len());
+    let Some(at) = behind.or_else(word_for) else { return Ok(None) };
     let (point, rest) = tokens.split_at(at);
     let is_lead = |token: &&Token| {
         token.kind == Comma || matches!(word(token), "for" | "where" | "with" | "when")

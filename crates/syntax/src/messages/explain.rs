@@ -228,6 +228,7 @@ impl Error {
             BadColorMap => there_are(&COLOR_MAPS.map(|map| map.name)),
             kind => fixed_advice(kind)
                 .or_else(|| list_advice(kind))
+                .or_else(|| curve_advice(kind))
                 .or_else(|| foreign_advice(kind))?
                 .to_owned(),
         })
@@ -271,6 +272,30 @@ fn foreign_advice(kind: &ErrorKind) -> Option<&'static str> {
         PlotCoordinates => {
             "write the equation with `rho`, `theta` and `phi` (distance from the origin, angle around z, angle from z), \
              or with `r`, `theta` and `z`"
+        }
+        _ => return None,
+    })
+}
+
+/// Advice on curves and points, and on formulas that draw a curve.
+fn curve_advice(kind: &ErrorKind) -> Option<&'static str> {
+    Some(match kind {
+        CurveEquations => {
+            "write both with a comma between them: `curve x^2 + y^2 = 1, z = x`; \
+             a curve with a parameter is `(cos t, sin t, t/5) for t in [0, 20]`"
+        }
+        CurveRange => "write `for t in [0, 20]` behind the coordinates",
+        PointSize { .. } => "write `(1, 2, 3)`",
+        CurveCoordinate { .. } => {
+            "write the coordinates in terms of the parameter alone; \
+             where two surfaces meet is `curve x^2 + y^2 = 1, z = x`"
+        }
+        Complex => {
+            "take `abs(…)`, `re(…)`, `im(…)` or `arg(…)` of it, or define `i = 1`; \
+             where it is 0 is a curve: write `curve` before it"
+        }
+        RestrictionIsEquation => {
+            "use `<`, `<=`, `>`, `>=` or `!=` in braces, or draw the curve: `curve x^2 + y^2 = 1, z = x`"
         }
         _ => return None,
     })
@@ -330,17 +355,6 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         RestrictionInside => "write a choice there, as in `z = {x > 0: x, 0} + y`",
         WholeQuotient => "write `floor(i/2)`, or `float(i)/2.` for all of it",
         Degree { .. } => "write it in digits, or the polynomial itself",
-        CurveEquations => {
-            "write both with a comma between them: `curve x^2 + y^2 = 1, z = x`; \
-             a curve with a parameter is `(cos t, sin t, t/5) for t in [0, 20]`"
-        }
-        CurveRange => "write `for t in [0, 20]` behind the coordinates",
-        PointSize { .. } => "write `(1, 2, 3)`",
-        CurveCoordinate { .. } => {
-            "write the coordinates in terms of the parameter alone; \
-             where two surfaces meet is `curve x^2 + y^2 = 1, z = x`"
-        }
-        TooManyCurves { .. } => "draw fewer at a time",
         Parametric => {
             "eliminate the parameters: what is a ball for `x = cos u cos v, …` is `x^2 + y^2 + z^2 = 1`"
         }
@@ -351,10 +365,6 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         Remark => "write a remark behind `#`",
         SeriesStep => "leave the step out, or let it be 1 or more",
         TooManyTerms { .. } => "end the range earlier",
-        Complex => {
-            "take `abs(…)`, `re(…)`, `im(…)` or `arg(…)` of it, or define `i = 1`; \
-             where it is 0 is a curve: write `curve` before it"
-        }
         NotAVariable { .. } => "differentiate by `x`, `y`, `z`, `t`, a slider or a parameter",
         WhichVariable => "name the variable, as in `diff(x^2*y, x)`",
         DerivativeOrder { .. } => "write the order in digits, as in `diff(x^4, x, 2)`",
@@ -365,7 +375,7 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         ComplexAmongVectors => "take `re(…)` and `im(…)` of it",
         ComplexExponent { .. } => "lower the exponent",
         Reserved { .. } => "choose another name",
-        TooManySurfaces { .. } => "draw fewer at a time",
+        TooManySurfaces { .. } | TooManyCurves { .. } => "draw fewer at a time",
         ZerothRoot => "the second argument of `root(a, n)` says which root to take",
         ConditionAsValue => "compare outside the arithmetic, as in `x + 1 < y`",
         ValueAsCondition { .. } => "compare it with something, as in `x^2 + y^2 < 1`",
@@ -374,9 +384,6 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         MixedChain => "restrict the equation: `x + y = z {z < 1}`",
         UnequalOutsideBraces => "exclude points from an equation: `x*y = 1 {x != 0}`",
         RestrictionNotCondition => "compare it with something, as in `{z > 0}`",
-        RestrictionIsEquation => {
-            "use `<`, `<=`, `>`, `>=` or `!=` in braces, or draw the curve: `curve x^2 + y^2 = 1, z = x`"
-        }
         MixedRestriction => "use `<` and `>` throughout, or `<=` and `>=` throughout",
         DefinitionIsCondition => "define left minus right, `d = x^2 - 1`, and draw `d <= 0`",
         RangeOutsideDefinition => {
