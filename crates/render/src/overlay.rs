@@ -35,6 +35,9 @@ pub struct Overlay {
 }
 
 impl Overlay {
+    /// Curves and points, without axes and legends.
+    pub const CURVES: Self = Self { axes: false, legend: false };
+
     /// An overlay with or without axes. A legend comes with axes unless the document chooses
     /// otherwise.
     pub fn new(axes: bool, document: &Document) -> Self {

@@ -3,6 +3,7 @@
 
 use crate::dialect::plot_arguments::PlotRange;
 use crate::dialect::program_words::Words;
+use crate::lex::curve_form::parameter_range;
 use crate::lex::spelling::{is_name_char, prefix_length};
 use crate::lex::token::{Token, bracketed, closing, span_of, split};
 use crate::lex::token_kind::TokenKind::{self, *};
@@ -67,6 +68,42 @@ impl Words<'_> {
             return Err(Error::new(place, ErrorKind::CurveRange));
         };
         Ok(Some(self.path(place, &parts, name, &range)))
+    }
+
+    /// Joins the equations `x = cos t`, `y = sin t` and `z = t`, and the range of t behind them, to
+    /// the statement of a curve.
+    pub(crate) fn join_coordinates(self, statements: &mut Vec<Vec<Token>>) {
+        let mut at = 0;
+        while at < statements.len() {
+            if let Some((count, curve)) = self.coordinate_equations(&statements[at..]) {
+                statements.splice(at..at + count, [curve]);
+            }
+            at += 1;
+        }
+    }
+
+    /// The curve whose equations begin the first of `statements`, and its number of statements.
+    fn coordinate_equations(self, statements: &[Vec<Token>]) -> Option<(usize, Vec<Token>)> {
+        let place = statements.first()?.first().filter(|first| first.kind == X)?.span;
+        let is_lead = |token: &Token| matches!(self.word(*token), "for" | "where" | "with");
+        let (mut parts, mut count) = (Vec::new(), 0);
+        while parts.len() < 4 && count < 4 {
+            for part in split(statements.get(count)?, Comma) {
+                let pieces = part.split(is_lead).filter(|piece| !piece.is_empty());
+                parts.extend(pieces.map(<[Token]>::to_vec));
+            }
+            count += 1;
+        }
+        let [x, y, z, range] = parts.as_slice() else { return None };
+        let value = |part: &[Token], axis: TokenKind| {
+            let equals = part.iter().position(|token| token.kind == Equals)?;
+            let is_own = part[0].kind == axis && matches!(equals, 1 | 4) && equals + 1 < part.len();
+            is_own.then(|| (None, part[equals + 1..].to_vec()))
+        };
+        let parts = [value(x, X)?, value(y, Y)?, value(z, Z)?];
+        let (name, low, high) = parameter_range(range).filter(|(name, ..)| !name.kind.is_axis())?;
+        let range = PlotRange { name: None, low: low.to_vec(), high: high.to_vec() };
+        Some((count, self.path(place, &parts, name, &range)))
     }
 
     /// The three coordinates, each with its own parameter if it is a function, and the number of

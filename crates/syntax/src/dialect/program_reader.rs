@@ -104,6 +104,7 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
     };
     let words = Words { text };
     words.join_bodies(&mut statements);
+    words.join_coordinates(&mut statements);
     let taken = statements
         .iter()
         .flatten()
