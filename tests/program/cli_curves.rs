@@ -11,7 +11,8 @@ fn red(pixels: &[[u8; 3]]) -> usize {
     pixels.iter().filter(|[red, green, blue]| *red > 120 && *green < 90 && *blue < 90).count()
 }
 
-const HELIX: &str = "x^2+y^2+z^2=1\ncolor red\n(1.2cos t, 1.2sin t, t/6) for t in [-8, 8]";
+const HELIX: &str =
+    "color lightgray\nx^2+y^2+z^2=1\ncolor red\n(1.2cos t, 1.2sin t, t/6) for t in [-8, 8]";
 
 #[test]
 fn curves_are_drawn_and_arrays_leave_them_out() {
@@ -21,7 +22,8 @@ fn curves_are_drawn_and_arrays_leave_them_out() {
         let run = place.run(&[&["render", text][..], &fixed, flags].concat());
         (pixels(&place, "out.png"), run)
     };
-    let plain = render("x^2+y^2+z^2=1", &["--status", "plain.npy", "--eye", "4,-6,3"]);
+    let plain =
+        render("color lightgray\nx^2+y^2+z^2=1", &["--status", "plain.npy", "--eye", "4,-6,3"]);
     let drawn = render(HELIX, &["--status", "drawn.npy", "--eye", "4,-6,3"]);
     assert!(red(&plain.0) == 0 && red(&drawn.0) > 300, "{}", red(&drawn.0));
     let [one, other] =

@@ -3,7 +3,8 @@
 use crate::scene::Scene;
 use image::RgbImage;
 
-const TEXT: &str = "x^2+y^2+z^2=1\ncolor red\n(1.3cos t, 1.3sin t, t/8) for t in [-8, 8]";
+const TEXT: &str =
+    "color lightgray\nx^2+y^2+z^2=1\ncolor red\n(1.3cos t, 1.3sin t, t/8) for t in [-8, 8]";
 
 fn red(picture: &RgbImage) -> usize {
     let is_red = |[red, green, blue]: [u8; 3]| red > 120 && green < 90 && blue < 90;

@@ -125,7 +125,8 @@ fn letters(picture: &Picture, rgb: &[u8]) -> String {
             let [r, g, b] = rgb.map(usize::from);
             let bright = (2 * r + 5 * g + b) / 8;
             let letter = char::from(RAMP[bright * RAMP.len() / 256]);
-            let is_curve = picture.rgb.get(3 * pixel..3 * pixel + 3) != rgb.get(3 * pixel..3 * pixel + 3);
+            let is_curve =
+                picture.rgb.get(3 * pixel..3 * pixel + 3) != rgb.get(3 * pixel..3 * pixel + 3);
             line.push(if is_curve || picture.buffer.is_drawn(pixel) { letter } else { ' ' });
         }
         text.push_str(line.trim_end());

@@ -183,6 +183,7 @@ impl Words<'_> {
         ranges
     }
 
+    /// Returns whether an option gives the range of a second parameter, as in manim.
     fn has_range_of_v(self, arguments: &[Vec<Token>]) -> bool {
         arguments.iter().any(|part| self.word(part[0]) == "v_range")
     }
