@@ -32,7 +32,7 @@ const GAP: f64 = 1.3;
 const CUT: f64 = 4.0;
 
 /// Parts of a curve that are nearer than this along it leave no gap in each other, in pixels.
-const NEIGHBORS: u32 = 24;
+const NEIGHBORS: i32 = 24;
 
 /// Longest segment whose ends decide whether it is seen, in pixels.
 const SHORT: f64 = 6.0;
@@ -61,6 +61,8 @@ struct Cover {
     distance: f32,
     /// Position along all curves, in pixels of the picture.
     along: i32,
+    /// Distance of the pixel from the middle of the tube or ball, in pixels.
+    off: f32,
 }
 
 /// Tubes and balls over one pixel.
@@ -81,8 +83,9 @@ impl PixelCover {
         let Self { front, back, .. } = self;
         let apart = (front.distance - new.distance).abs() > (APART * width) as f32;
         if front.share == 0 || !apart {
-            // Neighboring segments of a curve cover a pixel once.
-            if new.share > front.share {
+            // Neighboring segments of a curve cover a pixel once. The nearer middle gives the shade.
+            let is_nearer = new.share == front.share && new.off < front.off;
+            if new.share > front.share || is_nearer {
                 *front = new;
             }
         } else if new.distance < front.distance {
@@ -101,9 +104,16 @@ impl PixelCover {
     }
 
     /// Returns whether a tube is behind the gap of another one, or of another part of its curve.
-    fn is_cut(&self, cover: Cover) -> bool {
+    /// `loops` are the first and the last position of each closed curve.
+    fn is_cut(&self, cover: Cover, loops: &[[i32; 2]]) -> bool {
         let (limit, along) = self.cut;
-        cover.distance > limit && cover.along.saturating_sub(along).unsigned_abs() > NEIGHBORS
+        if cover.distance <= limit {
+            return false;
+        }
+        let apart = cover.along.saturating_sub(along).saturating_abs();
+        let number = loops.partition_point(|[_, last]| *last < cover.along.max(along));
+        let around = loops.get(number).filter(|[first, _]| *first <= cover.along.min(along));
+        around.map_or(apart, |[first, last]| apart.min(last - first - apart)) > NEIGHBORS
     }
 }
 
@@ -113,11 +123,13 @@ struct PixelCovers {
     /// For each pixel, the number of its cover, counted from 1; 0 without one.
     numbers: Vec<u32>,
     all: Vec<PixelCover>,
+    /// First and last position of each closed curve, in order.
+    loops: Vec<[i32; 2]>,
 }
 
 impl PixelCovers {
     fn new(width: usize, height: usize) -> Self {
-        Self { width, numbers: vec![0; width * height], all: Vec::new() }
+        Self { width, numbers: vec![0; width * height], all: Vec::new(), loops: Vec::new() }
     }
 
     fn at(&mut self, x: usize, y: usize) -> &mut PixelCover {
@@ -134,7 +146,7 @@ impl PixelCovers {
     fn blend(&self, canvas: &mut Canvas) {
         for pixel in &self.all {
             for cover in [pixel.back, pixel.front] {
-                if cover.share > 0 && !pixel.is_cut(cover) {
+                if cover.share > 0 && !pixel.is_cut(cover, &self.loops) {
                     let (x, y) = (i64::from(pixel.x), i64::from(pixel.y));
                     canvas.blend(x, y, rgb(cover.color), u32::from(cover.share));
                 }
@@ -178,6 +190,7 @@ fn draw_line(
     scale: f64,
     along: &mut f64,
 ) {
+    let start = *along;
     let radius = line.width.unwrap_or(WIDTH) * scale / 2.0;
     let nearest = NEAREST * projector.shown.region.half_extent();
     let color = |n: usize| match line.colors.as_slice() {
@@ -206,6 +219,9 @@ fn draw_line(
             draw_segment(covers, projector, [from, to], [radius, scale], *along);
             *along += from.at.distance(to.at).min(FAR);
         }
+    }
+    if line.at.first() == line.at.last() {
+        covers.loops.push([start as i32, *along as i32]);
     }
 }
 
@@ -270,7 +286,8 @@ fn draw_segment(
             });
             let color = shaded(color, off / reach);
             let distance = distance as f32;
-            let new = Cover { share: share_of_pixel, color, distance, along };
+            let off = length as f32;
+            let new = Cover { share: share_of_pixel, color, distance, along, off };
             covers.at(x, y).add(new, width);
         }
     }
@@ -346,7 +363,8 @@ fn draw_point(
                 // A ball is in front of the curve on which it lies.
                 let distance = (distance - world) as f32;
                 let color = shaded(color, off / reach);
-                let new = Cover { share, color, distance, along: i32::MIN / 2 };
+                let off = off.length() as f32;
+                let new = Cover { share, color, distance, along: i32::MIN / 2, off };
                 covers.at(x, y).add(new, 0.0);
             }
         }

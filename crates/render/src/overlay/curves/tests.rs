@@ -219,7 +219,7 @@ fn a_picture_may_be_smaller_than_the_canvas() {
 #[ignore = "measures"]
 fn time_of_a_long_curve() {
     let text = "domain 2\nx^2+y^2+z^2=1\n\
-                ((1.4+0.4cos(40t))cos t, (1.4+0.4cos(40t))sin t, 0.4sin(40t)) for t in [0, 2pi]";
+                ((1.4+0.4cos(14t))cos t, (1.4+0.4cos(14t))sin t, 0.4sin(14t)) for t in [0, 2pi]";
     let document = read(text, &Options::default()).expect("reads");
     let region = view::region(&document, DomainChoice::Document, None).expect("a region").0;
     let settings = Settings { width: 512, height: 512, ..Settings::default() };
