@@ -79,3 +79,17 @@ fn a_large_picture_has_curves_across_its_strips() {
     });
     assert_eq!(last - first + 1, rows, "no row between is without the line");
 }
+
+#[test]
+fn the_prompt_shows_curves_in_letters() {
+    let lines = b"x^2+y^2+z^2=1\n:add (1.5cos t, 1.5sin t, 0) for t in [0, 2pi]\n:delete\n";
+    let run = Sandbox::new().run_with(&["--preview", "curve x^2+y^2=1, z=x"], lines).ok();
+    let text = run.text();
+    let (letters, blanks) = ("@%#*+=-:", ' ');
+    let of_picture = |line: &&str| line.chars().all(|c| c == blanks || letters.contains(c));
+    let rows: Vec<&str> = text.lines().filter(of_picture).collect();
+    let inked = rows.iter().flat_map(|row| row.chars()).filter(|c| *c != blanks).count();
+    let blank = rows.iter().flat_map(|row| row.chars()).filter(|c| *c == blanks).count();
+    assert!(rows.len() > 20 && inked > 100 && blank > inked, "{inked} {blank}:\n{text}");
+    assert!(text.contains("2  (1.5*cos(t), 1.5*sin(t), 0) for t in [0, 2*pi]"), "{text}");
+}

@@ -116,17 +116,17 @@ fn blocks(rgb: &[u8], width: usize) -> String {
 }
 
 /// Draws the picture in letters that stand for brightness, with spaces where nothing is painted.
-fn letters(picture: &Picture, rgb: &[u8]) -> String {
+fn letters(picture: &Picture, shown: &[u8]) -> String {
     const RAMP: &[u8] = b"@%#*+=-:";
     let mut text = String::new();
-    for (row, (upper, _)) in pairs(rgb, picture.buffer.width).enumerate() {
+    for (row, (upper, _)) in pairs(shown, picture.buffer.width).enumerate() {
         let mut line = String::new();
         for (pixel, rgb) in (2 * row * upper.len()..).zip(upper) {
             let [r, g, b] = rgb.map(usize::from);
             let bright = (2 * r + 5 * g + b) / 8;
             let letter = char::from(RAMP[bright * RAMP.len() / 256]);
-            let is_curve =
-                picture.rgb.get(3 * pixel..3 * pixel + 3) != rgb.get(3 * pixel..3 * pixel + 3);
+            let bytes = 3 * pixel..3 * pixel + 3;
+            let is_curve = picture.rgb.get(bytes.clone()) != shown.get(bytes);
             line.push(if is_curve || picture.buffer.is_drawn(pixel) { letter } else { ' ' });
         }
         text.push_str(line.trim_end());

@@ -323,11 +323,11 @@ fn search_while(
     Ok(found.map(|found| ends.map_or(found, |ends| found.with_box(ends))))
 }
 
-/// Returns whether [`search`] gives the same result for two documents. The documents must differ
-/// only in values of parameters, each within its range.
+/// Returns whether [`search`] gives the same result for two documents. Their surfaces must differ only
+/// in values of parameters, each within its range.
 pub fn same_search(one: &Document, other: &Document) -> bool {
     let parameters = one.parameters.iter().zip(&other.parameters);
-    { parameters }.all(|(one, other)| {
+    one.curves.are_alike(&other.curves) && { parameters }.all(|(one, other)| {
         let loops = one.kind == ParameterKind::Time && one.range.is_some();
         loops || one.value == other.value
     })

@@ -30,6 +30,14 @@ impl Curves {
         self.all.is_empty()
     }
 
+    /// Returns whether two documents have the same curves and points, apart from their style.
+    pub fn are_alike(&self, other: &Self) -> bool {
+        let roots = |curves: &Self| -> Vec<Vec<NodeId>> {
+            curves.all.iter().map(|curve| curve.shape.roots()).collect()
+        };
+        self.graph == other.graph && roots(self) == roots(other)
+    }
+
     /// Returns whether any curve or point depends on the parameter with this number.
     pub fn depend_on(&self, parameter: u32) -> bool {
         let roots: Vec<NodeId> = self.all.iter().flat_map(|curve| curve.shape.roots()).collect();
