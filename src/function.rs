@@ -86,6 +86,7 @@ impl Function {
         let wrong = match &text.document.surfaces[..] {
             [surface] if surface.kind == SurfaceKind::Equation => None,
             [_] => Some("an inequality is a solid".to_owned()),
+            [] => Some("these are curves and points".to_owned()),
             several => Some(format!("these are {} formulas", several.len())),
         };
         if let Some(wrong) = wrong {

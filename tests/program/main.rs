@@ -2,6 +2,7 @@
 //! documents for contributors. Tests in a window have a binary of their own.
 
 mod cli_axes;
+mod cli_curves;
 mod cli_errors;
 mod cli_eval;
 mod cli_large;

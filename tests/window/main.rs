@@ -6,6 +6,8 @@
 //! fail instead.
 
 #[cfg(unix)]
+mod curves;
+#[cfg(unix)]
 mod display;
 #[cfg(unix)]
 mod frame;
@@ -80,6 +82,7 @@ const TESTS: &[Group] = &[
             sliders::the_title_names_the_document_and_whether_it_was_changed,
             surfaces::surfaces_are_hidden_seen_through_moved_and_taken_away,
             surfaces::axes_are_there_unless_somebody_wants_none,
+            curves::curves_are_there_while_the_view_turns,
         ],
     },
 ];

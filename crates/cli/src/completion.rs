@@ -65,7 +65,7 @@ impl WordPosition {
 
     fn takes(self, kind: WordKind) -> bool {
         match kind {
-            WordKind::Setting => self.begins,
+            WordKind::Setting | WordKind::Drawing => self.begins,
             WordKind::InSetting => self.in_setting,
             WordKind::Function | WordKind::Value | WordKind::Operator | WordKind::Program => true,
         }
@@ -151,7 +151,7 @@ mod tests {
     /// Returns the start of a line in which a word of this kind may come next.
     fn before(kind: WordKind) -> &'static str {
         match kind {
-            WordKind::Setting | WordKind::Program => "",
+            WordKind::Setting | WordKind::Drawing | WordKind::Program => "",
             WordKind::InSetting => "view ",
             WordKind::Function | WordKind::Value | WordKind::Operator => "x + ",
         }

@@ -16,10 +16,11 @@ use zeroset_jit::intermediate_code;
 use zeroset_render::model::make_kernels;
 use zeroset_render::picture::{Precision, Settings};
 use zeroset_scene::coordinate::coordinate;
+use zeroset_scene::curves;
 use zeroset_scene::program::{ClearedGraph, KernelSource, Program};
 use zeroset_scene::view;
 use zeroset_space::Region;
-use zeroset_syntax::{Format, SurfaceKind, emit};
+use zeroset_syntax::{CurveShape, Format, SurfaceKind, emit};
 use zeroset_trace::{Method, TraceOptions};
 
 pub fn run(arguments: &ExplainArgs) -> Result<ExitCode> {
@@ -140,6 +141,26 @@ fn explain_in<T: KernelFloat>(
         for made in program.made().iter().filter(|made| made.surface == index) {
             writeln!(text, "kernel      {made}")?;
         }
+    }
+    let traced = curves::trace(document, &region);
+    for (index, curve) in document.curves.all.iter().enumerate() {
+        writeln!(text, "\nread as     {}", curve.echo)?;
+        let pieces: Vec<usize> = traced
+            .lines
+            .iter()
+            .filter(|line| line.number == index)
+            .map(|line| line.at.len())
+            .collect();
+        let (vertices, pieces) = (pieces.iter().sum::<usize>(), pieces.len());
+        if !matches!(curve.shape, CurveShape::Point { .. }) {
+            writeln!(
+                text,
+                "traced      pieces: {pieces}, vertices: {vertices}; drawn, not proven"
+            )?;
+        }
+    }
+    for remark in &traced.remarks {
+        writeln!(text, "note        {remark}")?;
     }
     let (before, after) = program.nodes();
     writeln!(text, "\nnodes       {before} as typed, {after} simplified")?;

@@ -13,6 +13,7 @@ use zeroset_interval::Interval;
 use zeroset_live::Rendering;
 use zeroset_measure::{Measured, Measures, RELATIVE, measures};
 use zeroset_render::limit::Limit;
+use zeroset_scene::curves::UNPROVEN;
 use zeroset_scene::view::Clipping;
 
 pub fn run(arguments: &MeasureArgs) -> Result<ExitCode> {
@@ -43,6 +44,9 @@ pub fn run(arguments: &MeasureArgs) -> Result<ExitCode> {
         notes::note(&subject::describe_domain(&searched));
     }
     found.remarks.iter().for_each(|remark| notes::note(remark));
+    if !subject.document.curves.is_empty() {
+        notes::note(UNPROVEN);
+    }
     if arguments.json {
         print(&format!("{}\n", report(&found, subject.parse)))?;
     } else {

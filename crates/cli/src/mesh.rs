@@ -17,6 +17,7 @@ use zeroset_live::Rendering;
 use zeroset_mesh::{Mesh, Unproven};
 use zeroset_render::limit::Limit;
 use zeroset_scene::blank::Blank;
+use zeroset_scene::curves::UNPROVEN;
 use zeroset_scene::view::Clipping;
 use zeroset_syntax::Document;
 
@@ -52,6 +53,9 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
     }
     for remark in remarks(&found, files.format()) {
         notes::note(&remark);
+    }
+    if !subject.document.curves.is_empty() {
+        notes::note(UNPROVEN);
     }
     if arguments.unit.is_some() && !files.format().is_some_and(|format| format.has_unit) {
         notes::note(&format!("--unit changes nothing: only {} have units", listed(|f| f.has_unit)));
@@ -93,7 +97,8 @@ pub fn of_picture(
     file.finish(|out| format.write(&found.objects, None, out))?;
     let remarks = remarks(&found, Some(format)).into_iter().map(|remark| format!("note: {remark}"));
     let saved = std::iter::once(format!("saved '{to}'"));
-    Ok(saved.chain(remarks).chain(lines(&found)).collect::<Vec<_>>().join("\n"))
+    let curves = (!document.curves.is_empty()).then(|| format!("note: {UNPROVEN}"));
+    Ok(saved.chain(remarks).chain(curves).chain(lines(&found)).collect::<Vec<_>>().join("\n"))
 }
 
 /// The files to write, opened before the work starts.
@@ -155,6 +160,7 @@ fn why_empty(found: &Meshes, document: &Document) -> String {
     let cells: usize = found.objects.iter().map(|object| object.mesh.cells).sum();
     let is_estimated = found.objects.iter().any(|object| object.mesh.is_estimated);
     match blank {
+        Blank::NoCurve => "there are curves and points alone".to_owned(),
         Blank::Missed if cells > 0 => format!(
             "the function changes its sign at no sample; {cells} cells may still hold a point \
              of the surface"

@@ -173,6 +173,7 @@ fn formula(request: &Request, surface: usize) -> String {
                 }
                 drawings += 1;
             }
+            Statement::Curve(_) => {}
         }
     }
     for (name, value) in &request.overrides {

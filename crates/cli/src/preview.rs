@@ -8,6 +8,8 @@ use std::fmt::Write as _;
 use std::io::IsTerminal;
 use std::sync::OnceLock;
 use std::time::Duration;
+use zeroset_live::Rendering;
+use zeroset_render::overlay::Overlay;
 use zeroset_render::picture::Picture;
 
 /// Assumed size in characters of a terminal that reports no size.
@@ -81,28 +83,30 @@ pub fn pixel_size() -> (usize, usize) {
     (columns * across, rows * down)
 }
 
-/// Returns the text that shows a picture of the size of [`pixel_size`], with a line below it.
-pub fn text(picture: &Picture, below: &str) -> String {
+/// Returns the text that shows a picture of the size of [`pixel_size`], with its curves, and a line
+/// below it.
+pub fn text(seen: &Rendering) -> String {
+    let (picture, below) = (&seen.picture, seen.summary());
+    let rgb = Overlay::CURVES.over(seen.into());
     let size = (picture.buffer.width, picture.buffer.height);
     // Prefer pixels to characters.
-    let sent = protocol().0.and_then(|one| one.encode(&picture.rgb, size, characters()));
+    let sent = protocol().0.and_then(|one| one.encode(&rgb, size, characters()));
     let text = match sent {
         Some(text) => text + "\n",
-        None if notes::colored_output() => blocks(picture),
-        None => letters(picture),
+        None if notes::colored_output() => blocks(&rgb, size.0),
+        None => letters(picture, &rgb),
     };
-    text + below
+    text + &below
 }
 
-/// Returns pairs of consecutive rows of the picture. An odd last row is left out.
-fn pairs(picture: &Picture) -> impl Iterator<Item = (&[[u8; 3]], &[[u8; 3]])> {
-    let width = picture.buffer.width;
-    picture.rgb.as_chunks().0.chunks_exact(2 * width).map(move |pair| pair.split_at(width))
+/// Returns pairs of consecutive rows of a picture. An odd last row is left out.
+fn pairs(rgb: &[u8], width: usize) -> impl Iterator<Item = (&[[u8; 3]], &[[u8; 3]])> {
+    rgb.as_chunks().0.chunks_exact(2 * width).map(move |pair| pair.split_at(width))
 }
 
-fn blocks(picture: &Picture) -> String {
+fn blocks(rgb: &[u8], width: usize) -> String {
     let mut text = String::new();
-    for (upper, lower) in pairs(picture) {
+    for (upper, lower) in pairs(rgb, width) {
         for ([r, g, b], [s, h, c]) in upper.iter().zip(lower) {
             let _ = write!(text, "\x1b[38;2;{r};{g};{b};48;2;{s};{h};{c}m▀");
         }
@@ -112,16 +116,18 @@ fn blocks(picture: &Picture) -> String {
 }
 
 /// Draws the picture in letters that stand for brightness, with spaces where nothing is painted.
-fn letters(picture: &Picture) -> String {
+fn letters(picture: &Picture, shown: &[u8]) -> String {
     const RAMP: &[u8] = b"@%#*+=-:";
     let mut text = String::new();
-    for (row, (upper, _)) in pairs(picture).enumerate() {
+    for (row, (upper, _)) in pairs(shown, picture.buffer.width).enumerate() {
         let mut line = String::new();
         for (pixel, rgb) in (2 * row * upper.len()..).zip(upper) {
             let [r, g, b] = rgb.map(usize::from);
             let bright = (2 * r + 5 * g + b) / 8;
             let letter = char::from(RAMP[bright * RAMP.len() / 256]);
-            line.push(if picture.buffer.is_drawn(pixel) { letter } else { ' ' });
+            let bytes = 3 * pixel..3 * pixel + 3;
+            let is_curve = picture.rgb.get(bytes.clone()) != shown.get(bytes);
+            line.push(if is_curve || picture.buffer.is_drawn(pixel) { letter } else { ' ' });
         }
         text.push_str(line.trim_end());
         text.push('\n');

@@ -244,7 +244,9 @@ impl Highlighter for PromptHelper {
                 TokenClass::Word(_) if place.len() == 1 => continue,
                 TokenClass::Word(WordKind::Function | WordKind::Value) => "34",
                 TokenClass::Word(WordKind::Setting | WordKind::InSetting) => "35",
-                TokenClass::Word(WordKind::Operator | WordKind::Program) => "33",
+                TokenClass::Word(WordKind::Operator | WordKind::Drawing | WordKind::Program) => {
+                    "33"
+                }
                 TokenClass::Comment => "2",
             };
             text.push_str(&line[end..place.start]);

@@ -22,6 +22,7 @@ use zeroset_render::model::{Model, Strip};
 use zeroset_render::overlay::{Overlay, PictureView};
 use zeroset_render::picture::{Picture, Precision, Settings, UndecidedStatistics};
 use zeroset_scene::blank::Blank;
+use zeroset_scene::curves::UNPROVEN;
 use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::view::{self, Clipping, DomainChoice};
 use zeroset_shade::{LinearRgb, Pattern};
@@ -64,7 +65,12 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         let mut marks = None;
         let mut write = |Strip { top, picture, overview }: Strip<'_>| -> Result<()> {
             let seen = overview.unwrap_or(&*picture);
-            let shown = PictureView { camera: &camera, region: &region, picture: seen };
+            let shown = PictureView {
+                camera: &camera,
+                region: &region,
+                picture: seen,
+                curves: model.curves(),
+            };
             marks.get_or_insert_with(|| around.marks(shown, size)).mix_into(&mut picture.rgb, top);
             files.add(picture)
         };
@@ -83,7 +89,12 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     if is_stopped {
         notes::note("stopped by Ctrl-C: this is the picture so far");
     }
-    remark(&subject, &region, &settings, &picture, searched);
+    let has_curves = !model.curves().is_empty();
+    remark(&subject, &region, &settings, &picture, (searched, has_curves));
+    let has_data = arguments.outputs.json || !arguments.outputs.arrays.0.is_empty();
+    if has_curves && has_data {
+        notes::note(UNPROVEN);
+    }
     if arguments.outputs.json {
         let object = report::object(&subject, &region, searched, &camera, &settings, &picture);
         print(&format!("{object}\n"))?;
@@ -264,7 +275,7 @@ fn remark(
     region: &Region,
     settings: &Settings,
     picture: &Picture,
-    searched: Option<AutoDomain>,
+    (searched, has_curves): (Option<AutoDomain>, bool),
 ) {
     picture.remarks.iter().for_each(|remark| notes::note(remark));
     for note in picture.fallback_notes(settings.method) {
@@ -275,7 +286,7 @@ fn remark(
     }
     let pixels = picture.statistics.pixels;
     let seen = pixels.hit + pixels.undecided;
-    if seen == 0 {
+    if seen == 0 && !has_curves {
         let blank = Blank::find(&subject.document, region, picture.undefined, searched);
         notes::note(&blank.describe(&|ends| format!("--domain {ends}")));
         return;

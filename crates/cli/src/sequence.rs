@@ -317,7 +317,9 @@ impl<'a> FrameRenderer<'a> {
         let model = model.with_context(named)?;
         let camera = sequence.camera(stage, frame).with_context(named)?;
         let mut picture = model.picture(&camera, &settings, &|_, _| {}).with_context(named)?;
-        let shown = PictureView { camera: &camera, region: &stage.region, picture: &picture };
+        let curves = model.curves();
+        let shown =
+            PictureView { camera: &camera, region: &stage.region, picture: &picture, curves };
         picture.rgb = self.around.over(shown);
         self.subject.document = document;
         *last = Some(model);

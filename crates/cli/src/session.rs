@@ -254,7 +254,7 @@ impl Session {
     /// newer request replaces the picture.
     fn show_reloaded(&self, revision: u64) {
         if let Some(seen) = self.live.finished(revision, PATIENCE) {
-            let text = preview::text(&seen.picture, &seen.summary());
+            let text = preview::text(&seen);
             if !lock(&self.printer).as_mut().is_some_and(|print| print(&text)) {
                 // If printing fails, nobody reads the output.
                 let _ = print(&format!("{text}\n"));
@@ -463,7 +463,7 @@ impl Session {
         match (&seen.fault, &seen.rendering) {
             (Some(fault), _) => notes::say(&fault.render(notes::colored())),
             (None, Some(seen)) => {
-                print(&format!("{}\n", preview::text(&seen.picture, &seen.summary())))?;
+                print(&format!("{}\n", preview::text(seen)))?;
             }
             (None, None) => {}
         }

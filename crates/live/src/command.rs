@@ -210,11 +210,14 @@ fn delete(live: &Live, number: Option<usize>) -> Result<Reply, Refusal> {
     if let Some(number) = number {
         return live.delete(number);
     }
-    let surfaces = live.request().read().map(|document| document.surfaces).unwrap_or_default();
-    let line = |(number, surface): (usize, &zeroset_syntax::Surface)| {
-        format!("{number}  {}", surface.echo)
-    };
-    let lines: Vec<String> = (1..).zip(&surfaces).map(line).collect();
+    let echoes = live.request().read().map_or(Vec::new(), |document| {
+        let surfaces = document.surfaces.into_iter().map(|surface| surface.echo);
+        surfaces.chain(document.curves.all.into_iter().map(|curve| curve.echo)).collect()
+    });
+    let lines: Vec<String> = (1..)
+        .zip(&echoes)
+        .map(|(number, echo): (usize, &String)| format!("{number}  {echo}"))
+        .collect();
     say(if lines.is_empty() { "nothing is drawn".to_owned() } else { lines.join("\n") })
 }
 

@@ -47,7 +47,7 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     if let Some(text) = with_value_replaced(base, line, &old, &new) {
         return text;
     }
-    let draws = new.iter().any(|(_, one)| matches!(one, Statement::Draw { .. }));
+    let draws = new.iter().any(|(_, one)| name(one).is_none());
     let replaced = |one: &Statement| match name(one) {
         Some(own) => new.iter().any(|(_, other)| name(other) == Some(own)),
         None => draws && !adding,
@@ -103,11 +103,14 @@ pub(super) fn without_drawing(text: &str, number: usize) -> Result<String, usize
     Ok(kept.trim_start_matches('\n').trim_end().to_owned())
 }
 
-/// The byte ranges of the drawings in a text, in order.
+/// The byte ranges of the drawings in a text: the surfaces in order, then the curves and points.
 fn drawings(text: &str) -> Vec<Range<usize>> {
     let statements = parse(text, &Limits::default()).unwrap_or_default();
-    let draws = |one: &&Statement| matches!(one, Statement::Draw { .. }) && is_typed(one);
-    statements.iter().filter(draws).map(statement_span).collect()
+    let draws = |one: &&Statement| name(one).is_none() && is_typed(one);
+    let drawings = statements.iter().filter(draws);
+    let (curves, surfaces): (Vec<&Statement>, Vec<&Statement>) =
+        drawings.partition(|one| matches!(one, Statement::Curve(_)));
+    surfaces.into_iter().chain(curves).map(statement_span).collect()
 }
 
 /// Returns whether entering a line into a text adds a drawing. The text matters: `x = r` may define
@@ -132,6 +135,7 @@ fn is_typed(statement: &Statement) -> bool {
     let span = match statement {
         Statement::Draw { expr, .. } => expr.span,
         Statement::Define(definition) => definition.name.span,
+        Statement::Curve(curve) => curve.span,
     };
     span.start < span.end
 }
@@ -146,7 +150,7 @@ fn with_value_replaced(
 ) -> Option<String> {
     let value = |(_, one): &Placed<'_>| match one {
         Statement::Define(value) if value.parameters.is_none() => Some(value.name.text.clone()),
-        Statement::Define(_) | Statement::Draw { .. } => None,
+        Statement::Define(_) | Statement::Draw { .. } | Statement::Curve(_) => None,
     };
     let [one] = new else { return None };
     let wanted = value(one)?;
@@ -212,6 +216,7 @@ fn statement_span(statement: &Statement) -> Range<usize> {
             let ends = definition.range.iter().map(|range| range.1.span.end);
             definition.name.span.start..ends.fold(definition.body.span.end, usize::max)
         }
+        Statement::Curve(curve) => curve.span.range(),
     }
 }
 

@@ -102,6 +102,7 @@ fn everything() -> String {
     }
     for (kind, title) in [
         (WordKind::Setting, "Lines about the picture:"),
+        (WordKind::Drawing, "Curves and points:"),
         (WordKind::Operator, "Between conditions and ranges:"),
         (WordKind::Program, "Of programs:"),
     ] {

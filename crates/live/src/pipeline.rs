@@ -132,7 +132,8 @@ pub struct Rendering {
 impl<'a> From<&'a Rendering> for PictureView<'a> {
     fn from(rendering: &'a Rendering) -> Self {
         let (camera, picture) = (&rendering.camera, &rendering.picture);
-        Self { camera, region: rendering.model.region(), picture }
+        let model = &rendering.model;
+        Self { camera, region: model.region(), picture, curves: model.curves() }
     }
 }
 

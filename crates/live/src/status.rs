@@ -28,6 +28,9 @@ pub(super) fn describe(snapshot: &Snapshot) -> String {
     for surface in &rendering.document.surfaces {
         let _ = writeln!(text, "surface     {}", surface.echo);
     }
+    for curve in &rendering.document.curves.all {
+        let _ = writeln!(text, "curve       {}", curve.echo);
+    }
     let (region, statistics) = (rendering.model.region(), &rendering.picture.statistics);
     let [x, y, z] = view::bounds(region).map(|ends| [ends.lo, ends.hi].map(coordinate).join(".."));
     let found = rendering.searched.map_or(String::new(), |found| found.describe());

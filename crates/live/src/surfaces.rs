@@ -170,10 +170,21 @@ fn changed(
                 && percent(one.opacity) == percent(other.opacity)
         };
         let now = StyledDrawing::all(&new, said);
-        now.len() == drawn.len() && now.iter().zip(&drawn).all(alike)
+        now.len() == drawn.len()
+            && now.iter().zip(&drawn).all(alike)
+            && same_curves(&document, said)
     };
     let said = zeroset_syntax::read(&new, options).ok().filter(is_said)?;
     Some((new, said))
+}
+
+/// Returns whether the curves of two documents look alike.
+fn same_curves(one: &Document, other: &Document) -> bool {
+    let style = |curve: &zeroset_syntax::Curve| {
+        (format!("{:?}", curve.color), curve.hidden, curve.echo.clone())
+    };
+    let [one, other] = [one, other].map(|document| document.curves.all.iter().map(style));
+    one.eq(other)
 }
 
 /// The range of a style line. It includes a line break or semicolon right behind the line.

@@ -30,7 +30,7 @@ pub(super) fn place(text: &str, name: &str) -> Option<Place> {
             // Definitions that the parser adds are not in the text.
             (!body.is_empty() && body.end <= text.len()).then_some(Place { body, range })
         }
-        Statement::Define(_) | Statement::Draw { .. } => None,
+        Statement::Define(_) | Statement::Draw { .. } | Statement::Curve(_) => None,
     })
 }
 
@@ -38,7 +38,7 @@ pub(super) fn place(text: &str, name: &str) -> Option<Place> {
 pub(super) fn name(statement: &Statement) -> Option<&str> {
     match statement {
         Statement::Define(definition) => Some(&definition.name.text),
-        Statement::Draw { .. } => None,
+        Statement::Draw { .. } | Statement::Curve(_) => None,
     }
 }
 

@@ -44,6 +44,9 @@ pub enum MeasureError {
     /// There is no surface.
     #[error("nothing to measure: the surface is proven empty up to ±1e12")]
     Empty,
+    /// There is no surface.
+    #[error("nothing to measure: there are curves and points alone")]
+    NoSurface,
     /// No surface is visible.
     #[error("nothing to measure: every surface is hidden")]
     Hidden,
@@ -75,6 +78,9 @@ pub fn measures(
     relative: f64,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Measured>, MeasureError> {
+    if document.surfaces.is_empty() {
+        return Err(MeasureError::NoSurface);
+    }
     if document.surfaces.iter().all(|surface| surface.hidden) {
         return Err(MeasureError::Hidden);
     }

@@ -255,6 +255,7 @@ impl FreeView {
                 Spot { at, radius: SPOT_RADIUS * depth * 2.0 * slope / SIDE as f64 }
             };
             seen.extend(painted.map(spot).filter(|spot| spot.at.is_finite()));
+            seen.extend(model.curves().places().map(|at| Spot { at, radius: 0.0 }));
         }
         Ok(Some(seen))
     }

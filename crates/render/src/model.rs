@@ -13,12 +13,13 @@ pub use strips::Strip;
 use crate::picture::{Normals, Picture, Precision, Settings, Times};
 use glam::DVec3;
 use rayon::prelude::*;
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 use zeroset_eval::{Boxes, KernelFloat, Points, SurfaceKernels};
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Graph};
+use zeroset_scene::curves::{self, TracedCurves};
 use zeroset_scene::kernels::Evaluator;
 use zeroset_scene::program::{Program, ProgramError};
 use zeroset_scene::view;
@@ -36,6 +37,8 @@ pub struct Model {
     styles: Vec<zeroset_syntax::Surface>,
     setting: DocumentStyle,
     remarks: Vec<String>,
+    /// Curves and points in the region, for the present values of the parameters.
+    curves: Arc<TracedCurves>,
     /// Float type of the kernels, unless a picture asks for another.
     precision: Precision,
     /// Times of simplifying and compiling. `None` if the code was reused from another model.
@@ -112,6 +115,7 @@ impl Model {
         let mut model = Self::simplified(document, reach, settings)?;
         model.program.hurry();
         model.region = *region;
+        model.curves = Arc::new(curves::trace(document, region));
         Ok(model.compile(settings, wanted)?.then_some(model))
     }
 
@@ -169,7 +173,9 @@ impl Model {
     #[must_use]
     pub fn interpreted(&self, document: &Document) -> Self {
         let program = self.program.on(Evaluator::Reference);
-        Self::of(program, document, &self.region, self.precision, self.times)
+        let curves = Arc::clone(&self.curves);
+        let model = Self::of(program, document, &self.region, self.precision, self.times);
+        Self { curves, ..model }
     }
 
     fn of(
@@ -180,10 +186,14 @@ impl Model {
         times: Option<Times>,
     ) -> Self {
         let styles = document.surfaces.clone();
+        let curves = Arc::new(curves::trace(document, region));
+        let mut remarks = program.remarks(document);
+        remarks.extend(curves.remarks.iter().cloned());
         Self {
             region: *region,
             setting: DocumentStyle::of(document),
-            remarks: program.remarks(document),
+            remarks,
+            curves,
             program,
             precision,
             times,
@@ -221,6 +231,11 @@ impl Model {
     /// The region that is searched for surfaces.
     pub fn region(&self) -> &Region {
         &self.region
+    }
+
+    /// Curves and points in the region.
+    pub fn curves(&self) -> &TracedCurves {
+        &self.curves
     }
 
     /// The surfaces' functions and their kernels.

@@ -1,15 +1,18 @@
-//! Axes and legends over a picture.
+//! Curves, points, axes and legends over a picture.
 
 mod axes;
 mod canvas;
+mod curves;
 mod legend;
+mod projector;
 mod ticks;
 
-pub use axes::PictureView;
 pub use canvas::{Canvas, Rgb};
 pub use legend::{Legend, round_step};
+pub use projector::PictureView;
 
 use axes::draw_box;
+use curves::draw_curves;
 use ticks::ticks;
 use zeroset_syntax::Document;
 
@@ -32,6 +35,9 @@ pub struct Overlay {
 }
 
 impl Overlay {
+    /// Curves and points, without axes and legends.
+    pub const CURVES: Self = Self { axes: false, legend: false };
+
     /// An overlay with or without axes. A legend comes with axes unless the document chooses
     /// otherwise.
     pub fn new(axes: bool, document: &Document) -> Self {
@@ -49,9 +55,11 @@ impl Overlay {
         Self::new(document.picture.axes == Some(true), document)
     }
 
-    /// Draws axes and legends over a picture in the upper `height` rows of the canvas. Legends
+    /// Draws curves and points, axes and legends over a picture in the upper `height` rows of the
+    /// canvas. Legends
     /// begin at the picture's top. If `to_bottom`, they end at its bottom instead.
     pub fn draw(self, canvas: &mut Canvas, shown: PictureView<'_>, height: usize, to_bottom: bool) {
+        draw_curves(canvas, shown, height);
         if self.axes {
             draw_box(canvas, shown, height);
         }
@@ -60,7 +68,7 @@ impl Overlay {
         }
     }
 
-    /// Records axes and legends for a picture of this size, to be mixed into its rows. `shown` may
+    /// Records curves, axes and legends for a picture of this size, to be mixed into its rows. `shown` may
     /// be a smaller picture of the same view.
     pub fn marks(self, shown: PictureView<'_>, [width, height]: [usize; 2]) -> Canvas {
         let scale = ((height + ROWS / 2) / ROWS).max(1);
@@ -71,7 +79,7 @@ impl Overlay {
         canvas
     }
 
-    /// The picture's colors with axes and legends, as sRGB bytes.
+    /// The picture's colors with curves, axes and legends, as sRGB bytes.
     pub fn over(self, shown: PictureView<'_>) -> Vec<u8> {
         let (buffer, mut rgb) = (&shown.picture.buffer, shown.picture.rgb.clone());
         self.marks(shown, [buffer.width, buffer.height]).mix_into(&mut rgb, 0);
@@ -141,6 +149,7 @@ mod tests {
     use crate::model::Model;
     use crate::picture::{Picture, Settings};
     use glam::DVec3;
+    use zeroset_scene::curves::TracedCurves;
     use zeroset_space::Region;
     use zeroset_trace::{Camera, Projection};
 
@@ -165,7 +174,9 @@ mod tests {
     #[test]
     fn axes_are_drawn_over_the_picture_and_faint_behind_it() {
         let (picture, camera, region) = picture("x^2+y^2+z^2 = 1");
-        let shown = PictureView { camera: &camera, region: &region, picture: &picture };
+        let curves = TracedCurves::default();
+        let shown =
+            PictureView { camera: &camera, region: &region, picture: &picture, curves: &curves };
         assert_eq!(
             Overlay { axes: false, legend: true }.over(shown),
             picture.rgb,
@@ -195,7 +206,9 @@ mod tests {
         let [legend] = &picture.legends[..] else { panic!("{:?}", picture.legends) };
         assert!(legend.value == "z" && legend.low > -1.01 && legend.low < -0.8, "{legend:?}");
         assert!((0.95..1.01).contains(&legend.high), "{legend:?}");
-        let shown = PictureView { camera: &camera, region: &region, picture: &picture };
+        let curves = TracedCurves::default();
+        let shown =
+            PictureView { camera: &camera, region: &region, picture: &picture, curves: &curves };
         let after = Overlay { axes: false, legend: true }.over(shown);
         let pixels = after.as_chunks::<3>().0;
         for end in [0.0, 1.0] {

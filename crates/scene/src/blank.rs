@@ -12,8 +12,10 @@ use zeroset_syntax::Document;
 /// The reason why a picture shows nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Blank {
-    /// The document hides every surface.
+    /// The document hides every surface and every curve.
     Hidden,
+    /// The document has no surface, and no curve is in the region.
+    NoCurve,
     /// The function has no value anywhere in the domain.
     Undefined,
     /// The region lies within ±[`REACH`], where the surface is proven to have no point.
@@ -34,8 +36,12 @@ impl Blank {
         undefined: bool,
         searched: Option<AutoDomain>,
     ) -> Self {
-        if document.surfaces.iter().all(|surface| surface.hidden) {
+        let mut curves = document.curves.all.iter();
+        if document.surfaces.iter().all(|surface| surface.hidden) && curves.all(|one| one.hidden) {
             return Self::Hidden;
+        }
+        if document.surfaces.is_empty() {
+            return Self::NoCurve;
         }
         if undefined {
             return Self::Undefined;
@@ -55,6 +61,7 @@ impl Blank {
     pub fn describe(&self, domain: &dyn Fn(&str) -> String) -> String {
         match self {
             Self::Hidden => "nothing is seen: every surface is hidden".to_owned(),
+            Self::NoCurve => "nothing is seen: no curve and no point is in the domain".to_owned(),
             Self::Undefined => {
                 "nothing is seen: the function has no value anywhere in the domain".to_owned()
             }

@@ -78,6 +78,33 @@ pub struct AutoDomain {
 }
 
 impl AutoDomain {
+    /// The domain of curves and points alone: the box `ends`.
+    pub(crate) fn of_box([low, high]: [glam::DVec3; 2]) -> Self {
+        let cut = [[false; 2]; 3];
+        let (low, high) = (low.to_array(), high.to_array());
+        Self { low, high, finding: Finding::Traced, cut, work: 0 }
+    }
+
+    /// This domain, extended to hold the box of curves and points too.
+    pub(crate) fn with_box(self, ends: [glam::DVec3; 2]) -> Self {
+        let [low, high] = ends.map(|end| end.to_array());
+        let is_within = (0..3).all(|k| self.low[k] <= low[k] && high[k] <= self.high[k]);
+        if is_within {
+            return self;
+        }
+        let [low, high] = crate::curves::with_margin(ends).map(|end| end.to_array());
+        if self.finding.is_empty() {
+            return Self { low, high, finding: Finding::Traced, ..self };
+        }
+        let finding = match self.finding {
+            // The ball would cut the curves.
+            Finding::UnboundedInBall => Finding::Unbounded,
+            other => other,
+        };
+        let low = [0, 1, 2].map(|k| self.low[k].min(low[k]));
+        let high = [0, 1, 2].map(|k| self.high[k].max(high[k]));
+        Self { low, high, finding, ..self }
+    }
     /// One phrase that describes the finding, and where the domain cuts a graph.
     pub fn describe(&self) -> String {
         let mut phrase = self.finding.describe().to_owned();
@@ -104,6 +131,8 @@ pub enum Finding {
     Empty,
     /// The surface is proven to have no point within ±[`REACH`].
     EmptyNear,
+    /// There are curves and points alone. The domain is a box around them.
+    Traced,
     /// The whole surface is proven to lie in the domain.
     Bounded,
     /// The part of the surface within ±[`REACH`] is proven to lie in the domain.
@@ -119,6 +148,7 @@ impl Finding {
     /// One phrase that describes the finding.
     pub fn describe(self) -> &'static str {
         match self {
+            Self::Traced => "the box of the curves and points",
             Self::Bounded => "bounded: proven",
             Self::BoundedNear => "bounded: proven up to ±1e12",
             Self::Unbounded => "unbounded, clipped to a box",

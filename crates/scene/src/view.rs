@@ -1,6 +1,7 @@
 //! The domain and the camera of a document. The caller's choice comes first, then the document's,
 //! then a default.
 
+use crate::curves;
 use crate::domain::{self, AutoDomain, Finding};
 use crate::program::{Program, ProgramError};
 use glam::DVec3;
@@ -283,8 +284,9 @@ pub fn clipped(
     clip.map_or(Ok(whole), |clip| whole.with_clip(clip))
 }
 
-/// Searches for the surface with intervals, and ignores the document's domain. Parameters have
-/// their present values; time covers its whole loop.
+/// Searches for the surfaces with intervals, and ignores the document's domain. Parameters have
+/// their present values; time covers its whole loop. The domain also holds points and curves with a
+/// parameter. Curves of two equations count if there is no surface.
 ///
 /// # Errors
 /// If there is no surface, or a kernel cannot be compiled.
@@ -302,6 +304,12 @@ fn search_while(
     document: &Document,
     wanted: &dyn Fn() -> bool,
 ) -> Result<Option<AutoDomain>, ProgramError> {
+    let ends = curves::extent(document);
+    let proxy = document.surfaces.is_empty().then(|| curves::as_surfaces(document));
+    let Some(document) = proxy.as_ref().map_or(Some(document), Option::as_ref) else {
+        let ends = ends.map_or([DVec3::NEG_ONE, DVec3::ONE], curves::with_margin);
+        return Ok(Some(AutoDomain::of_box(ends)));
+    };
     let again = search.take().and_then(|before| before.rebound(document)?.ok());
     let program = search.insert(if let Some(program) = again {
         program
@@ -311,14 +319,15 @@ fn search_while(
         program.hurry();
         program
     });
-    domain::find_while(&program.over_time(document), wanted)
+    let found = domain::find_while(&program.over_time(document), wanted)?;
+    Ok(found.map(|found| ends.map_or(found, |ends| found.with_box(ends))))
 }
 
-/// Returns whether [`search`] gives the same result for two documents. The documents must differ
-/// only in values of parameters, each within its range.
+/// Returns whether [`search`] gives the same result for two documents. Their surfaces must differ only
+/// in values of parameters, each within its range.
 pub fn same_search(one: &Document, other: &Document) -> bool {
     let parameters = one.parameters.iter().zip(&other.parameters);
-    { parameters }.all(|(one, other)| {
+    one.curves.are_alike(&other.curves) && { parameters }.all(|(one, other)| {
         let loops = one.kind == ParameterKind::Time && one.range.is_some();
         loops || one.value == other.value
     })
@@ -409,13 +418,15 @@ pub fn is_idle(document: &Document, parameter: &Parameter) -> bool {
     let needed = document.graph.reachable(&roots);
     let node = Node::Parameter(parameter.number);
     let is_drawn = document.graph.iter().any(|(id, other)| needed[id.index()] && *other == node);
-    let colors = document.surfaces.iter().filter_map(|surface| match &surface.color {
+    let surfaces = document.surfaces.iter().map(|surface| &surface.color);
+    let colors = surfaces.chain(document.curves.all.iter().map(|curve| &curve.color));
+    let colors = colors.filter_map(|color| match color {
         Some(SurfaceColor::Mapped(mapped)) => Some(&mapped.value),
         Some(SurfaceColor::Plain(_)) | None => None,
     });
     let lines = document.picture.contours.iter().filter_map(|lines| lines.value.as_ref());
     let paints = |value: &PointValue| value.graph.iter().any(|(_, other)| *other == node);
-    !is_drawn && !colors.chain(lines).any(paints)
+    !is_drawn && !document.curves.depend_on(parameter.number) && !colors.chain(lines).any(paints)
 }
 
 /// Returns whether anything that `document` draws depends on the time `t`.

@@ -15,6 +15,8 @@ pub struct Limits {
     pub nodes: usize,
     /// Number of surfaces. Each surface is compiled separately.
     pub surfaces: usize,
+    /// Number of curves and points.
+    pub curves: usize,
 }
 
 impl Limits {
@@ -28,9 +30,16 @@ impl Limits {
 
 impl Default for Limits {
     /// 64 mebibytes, eight million tokens, a nesting depth of 200, three million nodes, 1,000
-    /// surfaces.
+    /// surfaces, 10,000 curves and points.
     fn default() -> Self {
         let nodes = zeroset_ir::NODE_LIMIT;
-        Self { bytes: 64 << 20, symbols: 8_000_000, depth: 200, nodes, surfaces: 1000 }
+        Self {
+            bytes: 64 << 20,
+            symbols: 8_000_000,
+            depth: 200,
+            nodes,
+            surfaces: 1000,
+            curves: 10_000,
+        }
     }
 }

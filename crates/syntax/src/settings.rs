@@ -25,6 +25,7 @@ pub(crate) enum SettingKind {
     Axes,
     Legend,
     Contours,
+    Width,
 }
 
 const fn plain(word: &'static str, kind: SettingKind, hint: &'static str) -> SettingRow {
@@ -79,6 +80,11 @@ pub(crate) const SETTINGS: &[SettingRow] = &[
         SettingKind::Contours,
         "write what is the same along a line, how far the lines are apart, or both: \
                `contours z`, `contours 0.5`, `contours z, 0.5`",
+    ),
+    plain(
+        "width",
+        SettingKind::Width,
+        "write how wide curves are, from 0.1 to 100 pixels: `width 3px`",
     ),
 ];
 

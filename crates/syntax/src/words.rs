@@ -16,6 +16,8 @@ pub enum WordKind {
     Value,
     /// A word that joins conditions, or the word before a range.
     Operator,
+    /// A word that begins a curve or a point.
+    Drawing,
     /// A word that begins a line about the picture.
     Setting,
     /// A word that stands inside a line about the picture.
@@ -35,6 +37,10 @@ const PROGRAM: &[(&str, &str)] = &[
     ("def", "def f(x, y, z): return x + y"),
     ("lambda", "f = lambda x, y, z: x + y"),
 ];
+
+/// Words of the kind [`WordKind::Drawing`], each with an example that contains it.
+const DRAWINGS: &[(&str, &str)] =
+    &[("curve", "curve x^2 + y^2 = 1, z = x"), ("point", "point (1, 2, 3)")];
 
 /// Words of the kind [`WordKind::Operator`], each with an example that contains it.
 const OPERATORS: &[(&str, &str)] = &[
@@ -71,6 +77,7 @@ pub fn words() -> impl Iterator<Item = (&'static str, WordKind)> {
         .map(|word| (word, Function))
         .chain(values.map(|word| (word, Value)))
         .chain(OPERATORS.iter().map(first).map(|word| (word, Operator)))
+        .chain(DRAWINGS.iter().map(first).map(|word| (word, Drawing)))
         .chain(SETTINGS.iter().map(|setting| (setting.word, Setting)))
         .chain(within.map(|word| (word, InSetting)))
         .chain(PROGRAM.iter().map(first).map(|word| (word, Program)))
@@ -105,7 +112,7 @@ pub fn word_help(word: &str) -> Option<String> {
     if let Some(constant) = NamedConstant::ALL.iter().find(|constant| constant.name() == word) {
         return Some(meaning(*constant).unwrap_or("a constant").to_owned());
     }
-    if let Some(text) = found(OPERATORS) {
+    if let Some(text) = found(OPERATORS).or_else(|| found(DRAWINGS)) {
         return Some(format!("as in {text}"));
     }
     if let Some(text) = found(PROGRAM) {
@@ -128,7 +135,7 @@ mod tests {
 
     #[test]
     fn examples_read_and_hold_their_words() {
-        for (word, text) in PROGRAM.iter().chain(OPERATORS) {
+        for (word, text) in PROGRAM.iter().chain(OPERATORS).chain(DRAWINGS) {
             let text = if *word == "in" { format!("{text}\nx = r") } else { (*text).to_owned() };
             let read = parse(&text, &Limits::default());
             assert!(read.is_ok(), "{}", read.unwrap_err().render(None, &text, false));

@@ -160,11 +160,13 @@ fn wrong(fault: &Fault) -> String {
     }
 }
 
-/// Returns the first surface's formula as it was read, and the number of further surfaces.
+/// Returns the first surface's or curve's formula as it was read, and the number of further ones.
 fn echo(rendering: &Rendering) -> String {
-    let surfaces = &rendering.document.surfaces;
-    let echo = surfaces.first().map_or("", |surface| surface.echo.as_str());
-    match surfaces.len() {
+    let document = &rendering.document;
+    let surfaces = document.surfaces.iter().map(|surface| &surface.echo);
+    let mut echoes = surfaces.chain(document.curves.all.iter().map(|curve| &curve.echo));
+    let echo = echoes.next().map_or("", |echo| echo.as_str());
+    match document.surfaces.len() + document.curves.all.len() {
         0 | 1 => echo.to_owned(),
         more => format!("{echo}  and {} more", more - 1),
     }

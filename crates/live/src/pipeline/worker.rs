@@ -87,7 +87,7 @@ impl JobContext<'_> {
         let Self { job, parse, .. } = *self;
         let AnchoredModel { ref model, searched, view_anchor, .. } = *self.made;
         let pixels = picture.statistics.pixels;
-        let is_blank = !coarse && pixels.hit + pixels.undecided == 0;
+        let is_blank = !coarse && pixels.hit + pixels.undecided == 0 && model.curves().is_empty();
         let undefined = picture.undefined;
         let blank =
             is_blank.then(|| Blank::find(self.document, model.region(), undefined, searched));

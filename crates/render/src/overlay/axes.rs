@@ -1,15 +1,11 @@
 //! The region's box over a picture, with labeled ticks. Lines behind the surface are faint.
 
 use super::canvas::{Canvas, Rgb};
+use super::projector::{PictureView, Projector};
 use super::ticks::ticks;
-use crate::picture::Picture;
 use glam::{DVec2, DVec3};
 use zeroset_scene::view::corners;
-use zeroset_space::Region;
-use zeroset_trace::{Camera, Projection};
 
-/// Colors of lines and letters, for light and dark backgrounds.
-const INKS: [Rgb; 2] = [0x0030_3038, 0x00d8_d8e0];
 const SEEN: u32 = 190;
 const HIDDEN: u32 = 36;
 
@@ -19,70 +15,7 @@ const WIDTH: f64 = 1.1;
 /// Number of pieces into which an edge is divided for tests of visibility.
 const PIECES: usize = 256;
 
-/// A picture with its camera and region.
-#[derive(Clone, Copy)]
-pub struct PictureView<'a> {
-    /// Camera of the picture.
-    pub camera: &'a Camera,
-    /// Region of the picture.
-    pub region: &'a Region,
-    /// The picture.
-    pub picture: &'a Picture,
-}
-
-impl PictureView<'_> {
-    /// The color for lines and letters, which contrasts with the background.
-    pub fn ink(&self) -> Rgb {
-        let ground =
-            (0..self.picture.buffer.drawn.len()).find(|&n| !self.picture.buffer.is_drawn(n));
-        let pixel = ground.and_then(|n| self.picture.rgb.as_chunks::<3>().0.get(n));
-        let is_dark =
-            pixel.is_some_and(|rgb| rgb.iter().map(|part| u32::from(*part)).sum::<u32>() < 300);
-        INKS[usize::from(is_dark)]
-    }
-}
-
-/// Projects points into a picture of a given size.
-struct Projector<'a> {
-    shown: PictureView<'a>,
-    rays: zeroset_trace::RayGrid,
-}
-
 impl Projector<'_> {
-    /// Position of a point in pixels, and its distance from the ray's origin. `None` behind the
-    /// eye.
-    fn project(&self, point: DVec3) -> Option<(DVec2, f64)> {
-        let rays = &self.rays;
-        let way = point - rays.eye();
-        let depth = way.dot(rays.forward());
-        let (reach, distance) = match self.shown.camera.projection() {
-            Projection::Perspective { fov } => {
-                ((fov.to_radians() / 2.0).tan() * depth, way.length())
-            }
-            Projection::Orthographic { height } => (height / 2.0, depth),
-        };
-        if depth <= 1e-6 * way.length() || reach <= 0.0 {
-            return None;
-        }
-        let half = rays.height() as f64 / 2.0;
-        let across = rays.width() as f64 / 2.0 + way.dot(rays.right()) / reach * half;
-        let down = half - way.dot(rays.up()) / reach * half;
-        Some((DVec2::new(across, down), distance))
-    }
-
-    /// Returns whether nothing is painted in front of a point at this position and distance.
-    fn is_seen(&self, at: DVec2, distance: f64) -> bool {
-        let buffer = &self.shown.picture.buffer;
-        let scaled = |at: f64, size: usize, of: usize| {
-            let place = (at * of as f64 / size as f64).max(0.0) as usize;
-            place.min(of - 1)
-        };
-        let x = scaled(at.x, self.rays.width(), buffer.width);
-        let y = scaled(at.y, self.rays.height(), buffer.height);
-        // The margin keeps a surface that touches the box from hiding it.
-        buffer.drawn[y * buffer.width + x] > distance * (1.0 - 2e-3)
-    }
-
     fn line(&self, cover: &mut Cover, from: DVec3, to: DVec3) {
         // Start, end and opacity of a part of the edge with the same visibility throughout.
         let mut part: Option<(DVec2, DVec2, Option<u32>)> = None;
@@ -199,7 +132,7 @@ impl Label {
 /// Returns the labels.
 pub fn draw_box(canvas: &mut Canvas, shown: PictureView<'_>, height: usize) -> Vec<Label> {
     let mut labels = Vec::new();
-    let projector = Projector { shown, rays: shown.camera.rays(canvas.width, height) };
+    let projector = Projector::new(shown, canvas.width, height);
     let (region, mut cover) = (shown.region, Cover::new(canvas));
     let corners = corners(region);
     let centre = projector.project(region.centre()).map(|(at, _)| at);
@@ -303,6 +236,7 @@ mod tests {
     use crate::framing;
     use crate::model::Model;
     use crate::picture::Settings;
+    use zeroset_scene::curves::TracedCurves;
     use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 
     /// Returns the labels of a picture of this size, for the region from -2 to 2 on each axis.
@@ -317,7 +251,9 @@ mod tests {
         let near = framing::camera(&model, &document, &choice, &settings, false);
         let camera = if fitted { whole } else { near }.expect("a camera");
         let picture = model.picture(&camera, &settings, &|_, _| {}).expect("a picture");
-        let shown = PictureView { camera: &camera, region: &region, picture: &picture };
+        let curves = TracedCurves::default();
+        let shown =
+            PictureView { camera: &camera, region: &region, picture: &picture, curves: &curves };
         let pixels = vec![0x00ff_ffff; width * height];
         draw_box(&mut Canvas::new(width, height, pixels, scale), shown, height)
     }

@@ -11,6 +11,7 @@ pub(crate) mod assignment;
 pub(crate) mod blocks;
 pub(crate) mod branch_merge;
 pub(crate) mod control_flow;
+pub(crate) mod curve_commands;
 pub(crate) mod formats;
 pub(crate) mod functions;
 pub(crate) mod grids;

@@ -4,7 +4,8 @@ use crate::dialect::blocks::ProgramStep;
 use crate::dialect::formats::foreign_text;
 use crate::dialect::program::PastedProgram;
 use crate::dialect::program_words::{Words, begins_name, is_whole_type, size_of};
-use crate::lex::arrangement::arrange;
+use crate::lex::arrangement::{arrange, trim};
+use crate::lex::curve_form::marked_curve;
 use crate::lex::scanner::scan;
 use crate::lex::token_kind::TokenKind::{Equals, Number, OpenBrace, OpenParen};
 use crate::tree::raw_statement::{Head, RawStatement, ValueConversion};
@@ -103,6 +104,7 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
     };
     let words = Words { text };
     words.join_bodies(&mut statements);
+    words.join_coordinates(&mut statements);
     let taken = statements
         .iter()
         .flatten()
@@ -252,9 +254,24 @@ impl ProgramReader<'_> {
         self.plain(tokens, frame, true)
     }
 
+    /// The statement of a curve or a point, if `tokens` are one.
+    fn curve(&self, tokens: &[Token]) -> Fallible<Option<Vec<Token>>> {
+        let mut tokens = tokens.to_vec();
+        trim(self.words.text, &mut tokens);
+        let is_defined = self.arity(tokens[0]).is_some();
+        if is_defined { Ok(None) } else { marked_curve(self.words.text, &tokens) }
+    }
+
     /// Reads a plot, a grid, or a statement that only styles the picture. Returns false for any
     /// other statement.
     fn outside_of_formulas(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
+        let curve = match self.curve(tokens)? {
+            None if self.arity(tokens[0]).is_none() => self.words.curve_command(tokens)?,
+            found => found,
+        };
+        if let Some(curve) = curve {
+            return self.plain(curve, frame, false).map(|()| true);
+        }
         let plots = self.words.plots(&self.with_rows(tokens.to_vec()))?;
         // The text may define the name of a plot command otherwise.
         if !plots.is_empty() && self.arity(tokens[0]).is_none() {

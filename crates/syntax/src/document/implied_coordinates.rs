@@ -33,7 +33,7 @@ type Uses = FxHashMap<&'static str, Vec<(usize, Span)>>;
 /// Leaves out defined names, parameters, and variables of a program.
 fn uses(text: &str, lines: &[ParsedStatement<'_>], scope: &Scope) -> Uses {
     let mut uses = Uses::default();
-    for (index, line) in lines.iter().enumerate() {
+    for (index, line) in lines.iter().enumerate().filter(|(_, line)| !line.is_located()) {
         let raw = line.raw;
         let own = line.head.as_ref().filter(|_| raw.head.is_none()).map(|head| head.name.span);
         let parameters = line.head.iter().filter_map(|head| head.parameters.as_ref()).flatten();

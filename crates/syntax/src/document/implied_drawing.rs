@@ -47,7 +47,7 @@ pub(crate) fn drawn_by_program(
     program: &PastedProgram,
     built: &[BuiltStatement],
 ) -> Option<(BuiltStatement, Note)> {
-    if built.iter().any(|built| matches!(built.statement, Statement::Draw { .. })) {
+    if built.iter().any(|built| !matches!(built.statement, Statement::Define(_))) {
         return None;
     }
     let (name, kind) = if let Some(name) = &program.last_function {

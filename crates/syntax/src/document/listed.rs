@@ -75,7 +75,7 @@ impl DocumentReader<'_> {
             opacity: 1.0,
             hidden: false,
         }];
-        style(&mut surfaces, &settings, &values)?;
+        style(&mut surfaces, &mut [], &settings, &values)?;
         let picture = picture(&settings, &values)?;
         self.notes.push(Note { span, kind: NoteKind::ExpressionList { name } });
         Ok(self.document(text, graph, surfaces.into(), parameters, settings, picture))

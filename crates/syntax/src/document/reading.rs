@@ -1,6 +1,7 @@
 //! Reads a whole text: its surfaces in one graph, parameters, domain, view and notes.
 
 use crate::dialect::program_reader::program;
+use crate::document::curves::{Curve, Curves};
 use crate::document::foreign_definitions::foreign_definitions;
 use crate::document::heading::heading;
 use crate::document::implied_coordinates;
@@ -20,6 +21,7 @@ use crate::picture::scene::{DomainLine, SrgbColor, ViewLine};
 use crate::span::Span;
 use crate::tree::ast::{Definition, Expr, Name, Statement};
 use crate::tree::built_statement::BuiltStatement;
+use crate::tree::curve_statement::curve;
 use crate::tree::grammar::Rule;
 use crate::tree::print::Drawing;
 use crate::tree::scope::{NameMeaning, Scope};
@@ -44,8 +46,10 @@ pub struct Options<'a> {
 pub struct Document {
     /// Functions of all surfaces in one graph, exactly as typed: nothing is simplified.
     pub graph: Graph,
-    /// The surfaces, in the order of the text; at least one.
+    /// The surfaces, in the order of the text; at least one, unless there are curves or points.
     pub surfaces: Vec<Surface>,
+    /// The curves and points.
+    pub curves: Curves,
     /// Sliders and time, by ascending parameter number.
     pub parameters: Vec<Parameter>,
     /// Contents of the `domain` line, if there is one.
@@ -141,7 +145,7 @@ impl Document {
     /// The line that begins with `word` and applies to surface number `surface`, if there is one.
     pub fn line_for(&self, word: &str, surface: usize) -> Option<&SettingLine> {
         let place = self.surfaces.get(surface)?.span.start;
-        let last = self.surfaces.last()?.span.start;
+        let last = last_drawing(&self.surfaces, &self.curves.all);
         let lines = self.lines.iter().filter(|line| line.word == word);
         let lines: Vec<_> = lines.map(|line| (line.span.start, line)).collect();
         setting_for(&lines, place, last).copied()
@@ -244,6 +248,8 @@ impl<'a> DocumentReader<'a> {
         for line in lines {
             let result = if line.pair.as_rule() == Rule::line {
                 build(self.text, line, &scope, &self.options.limits).map(|b| built.push(b))
+            } else if line.is_curve() {
+                curve(self.text, line, &scope, &self.options.limits).map(|b| built.push(b))
             } else {
                 self.settings.read(self.text, line, &scope, &self.options.limits)
             };
@@ -306,11 +312,13 @@ impl<'a> DocumentReader<'a> {
         let (built, scope) = self.statements()?;
         let mut definitions: Vec<(&Definition, &BuiltStatement)> = Vec::new();
         let mut drawings: Vec<&BuiltStatement> = Vec::new();
+        let mut curves: Vec<&BuiltStatement> = Vec::new();
         for one in &built {
             self.notes.extend(one.notes.iter().cloned());
             match &one.statement {
                 Statement::Define(definition) => definitions.push((definition, one)),
                 Statement::Draw { .. } => drawings.push(one),
+                Statement::Curve(_) => curves.push(one),
             }
         }
         // Only the last definition of a name counts, even for statements above that definition.
@@ -329,7 +337,8 @@ impl<'a> DocumentReader<'a> {
         let settings = std::mem::take(&mut self.settings);
         let used: FxHashSet<&str> =
             built.iter().flat_map(|b| &b.used).chain(&settings.used).map(String::as_str).collect();
-        if !drawings.is_empty() {
+        let drawn: Vec<&BuiltStatement> = drawings.iter().chain(&curves).copied().collect();
+        if !drawn.is_empty() {
             let unused = definitions.iter().filter(|(d, _)| !used.contains(d.name.text.as_str()));
             // Each note compares its name with all known names, so there is a limit on such notes.
             let notes = unused.take(MAX_ERRORS).map(|(d, _)| unused_note(d, &scope));
@@ -337,13 +346,15 @@ impl<'a> DocumentReader<'a> {
         }
         let overrides = self.overrides(&definitions, &used);
         let is_timed = settings.used.contains("t");
-        let (names, parameters) = self.parameters(&definitions, &overrides, &drawings, is_timed);
+        let (names, parameters) = self.parameters(&definitions, &overrides, &drawn, is_timed);
         self.check()?;
         let time = parameters.iter().find(|p| p.kind == ParameterKind::Time).map(|p| p.number);
         let points = parameters.len() as u32;
         let limits =
             Limits { nodes: self.options.limits.nodes_for(self.text.len()), ..self.options.limits };
         let values = PointValues::new(names.clone(), points, time, &limits);
+        let mut curves =
+            self.curves(&curves, Lowering::new(names.clone(), time, &limits), points)?;
         let mut lowering = Lowering::new(names, time, &limits);
         let mut surfaces = Vec::new();
         let limit = self.options.limits.surfaces;
@@ -356,7 +367,7 @@ impl<'a> DocumentReader<'a> {
         }
         self.check()?;
         let implied;
-        if surfaces.is_empty() {
+        if drawn.is_empty() {
             let (statement, note) = implied_drawing(&definitions)?;
             self.notes.push(note);
             implied = statement;
@@ -368,12 +379,13 @@ impl<'a> DocumentReader<'a> {
             lowering.graph = graph;
             surfaces.iter_mut().zip(roots).for_each(|(surface, root)| surface.root = root);
         }
-        style(&mut surfaces, &settings, &values)?;
+        style(&mut surfaces, &mut curves.all, &settings, &values)?;
         let picture = picture(&settings, &values)?;
         self.notes.append(&mut lowering.notes);
         self.notes.extend(near_integer_notes(&lowering.graph, &surfaces));
         let text = self.text;
-        Ok(self.document(text, lowering.graph, surfaces, parameters, settings, picture))
+        let document = self.document(text, lowering.graph, surfaces, parameters, settings, picture);
+        Ok(Document { curves, ..document })
     }
 
     /// The document of these surfaces. `text` has its title. The notes are sorted.
@@ -391,6 +403,7 @@ impl<'a> DocumentReader<'a> {
         Document {
             graph,
             surfaces,
+            curves: Curves::default(),
             parameters,
             domain: settings.domain,
             view: settings.view,
@@ -419,13 +432,15 @@ pub(crate) fn picture<'a>(
     Ok(picture)
 }
 
-/// Sets the color, opacity and visibility of each surface from the lines that apply to it.
+/// Sets the color, opacity and visibility of each surface, and the color, width and visibility of
+/// each curve, from the lines that apply to it.
 pub(crate) fn style<'a>(
     surfaces: &mut [Surface],
+    curves: &mut [Curve],
     settings: &'a CollectedLines,
     values: &PointValues<'a>,
 ) -> Fallible<()> {
-    let last = surfaces.last().map_or(0, |surface| surface.span.start);
+    let last = last_drawing(surfaces, curves);
     for surface in surfaces {
         let place = surface.span.start;
         let color = setting_for(&settings.colors, place, last);
@@ -436,7 +451,21 @@ pub(crate) fn style<'a>(
         surface.opacity = opacity.unwrap_or(1.0);
         surface.hidden = setting_for(&settings.hidden, place, last) == Some(&true);
     }
+    for curve in curves {
+        let place = curve.span.start;
+        let typed =
+            setting_for(&settings.colors, place, last).and_then(|(typed, _)| typed.as_ref());
+        curve.color = typed.map(|typed| values.color(typed)).transpose()?;
+        curve.width = setting_for(&settings.widths, place, last).copied();
+        curve.hidden = setting_for(&settings.hidden, place, last) == Some(&true);
+    }
     Ok(())
+}
+
+/// Start of the last drawing in the text.
+fn last_drawing(surfaces: &[Surface], curves: &[Curve]) -> usize {
+    let surfaces = surfaces.iter().map(|surface| surface.span.start);
+    surfaces.chain(curves.iter().map(|curve| curve.span.start)).max().unwrap_or(0)
 }
 
 /// Drops each generated definition that no other statement needs, directly or through definitions.

@@ -50,7 +50,7 @@ impl Format {
 /// The reason why a document cannot be written.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum EmitError {
-    /// The format has no notation for an operation or a number.
+    /// The format has no notation for an operation, a number or a curve.
     #[error("`{}` cannot hold {what}", .format.name())]
     Missing {
         /// The format.
@@ -80,7 +80,7 @@ impl EmitError {
 /// the document's own text. The other formats hold neither.
 ///
 /// # Errors
-/// If the format cannot hold an operation, a number or several surfaces.
+/// If the format cannot hold an operation, a number or several surfaces, or if there is a curve.
 ///
 /// ```
 /// use zeroset_syntax::{Format, Options, emit, read};
@@ -91,6 +91,9 @@ impl EmitError {
 /// # Ok::<(), zeroset_syntax::Errors>(())
 /// ```
 pub fn emit(document: &Document, text: &str, format: Format) -> Result<String, EmitError> {
+    if !document.curves.is_empty() {
+        return Err(EmitError::missing(format, "a curve or a point"));
+    }
     let count = document.surfaces.len();
     if count != 1 && !format.holds_kinds() {
         return Err(EmitError::SeveralSurfaces { format, count });

@@ -7,7 +7,7 @@
 use crate::lex::environment::{matrix, scalar_products};
 use crate::lex::lexer::OTHERWISE;
 use crate::lex::scanner::{LexedStatement, scan};
-use crate::lex::spelling::{decimal, is_name_char};
+use crate::lex::spelling::{decimal, is_name_char, typed_setting};
 use crate::lex::token::{Token, outside};
 use crate::lex::token_kind::TokenKind::{self, *};
 use crate::limits::Limits;
@@ -62,6 +62,8 @@ pub(crate) fn arrange(
     if !is_setting {
         trim(text, &mut tokens);
         spreadsheet(text, &mut tokens);
+    } else if tokens.len() > 2 && tokens[0].kind == SettingWord {
+        without_pixels(text, &mut tokens);
     }
     let series = tokens.iter().filter(|token| matches!(token.kind, BigSum | BigProduct));
     if let Some(token) = series.clone().nth(limits.depth / 4) {
@@ -83,7 +85,7 @@ pub(crate) fn arrange(
 }
 
 /// Removes a label, punctuation at the end, and marks of bold text or of a quotation.
-fn trim(text: &str, tokens: &mut Vec<Token>) {
+pub(crate) fn trim(text: &str, tokens: &mut Vec<Token>) {
     let typed = |token: &Token| &text[token.span.range()];
     while tokens.len() > 1
         && tokens.last().is_some_and(|last| {
@@ -129,6 +131,13 @@ fn spreadsheet(text: &str, tokens: &mut Vec<Token>) {
         }
         index += 1;
     }
+}
+
+/// Removes the unit in `width 3px`.
+fn without_pixels(text: &str, tokens: &mut Vec<Token>) {
+    let typed = |token: &Token| &text[token.span.range()];
+    let is_width = typed_setting(typed(&tokens[0])).is_some_and(|row| row.word == "width");
+    tokens.pop_if(|last| is_width && typed(last) == "px");
 }
 
 struct Arranger<'a> {

@@ -71,6 +71,17 @@ pub(crate) fn foreign(rest: &str, context: LexContext) -> Option<(TokenKind, usi
             (context.touching == Some(CloseBrace) && rest[1..].starts_with('{'))
                 .then_some((DotProduct, 1))
         }
+        // All elements of an array in MATLAB, as in `R(:)`.
+        '(' if rest.starts_with("(:)") && context.touching == Some(TokenKind::Name) => {
+            Some((Blank, 3))
+        }
+        // The scalar product of two lists of LaTeX.
+        '\\' | '·' | '⋅' if context.last == Some(CloseList) => {
+            let sign = [r"\cdot", "·", "⋅"].into_iter().find(|sign| rest.starts_with(sign))?;
+            let behind = rest[sign.len()..].trim_start_matches(' ');
+            (behind.starts_with(r"\langle") || behind.starts_with('⟨'))
+                .then_some((DotProduct, sign.len()))
+        }
         // The imaginary unit of gnuplot, beside an operator.
         '{' if rest.starts_with("{0,1}")
             && (matches!(context.last, Some(Plus | Minus | Star))
@@ -115,11 +126,20 @@ fn quoted(rest: &str, mark: char, context: LexContext) -> Option<usize> {
     let begins = match context.last? {
         OpenParen | OpenBracket | OpenBrace | Comma | Equals | Greater | Colon => true,
         TokenKind::Name => mark == '\'' && context.touching.is_none(),
+        // The label of a point ends its line.
+        CloseParen => mark == '"' && ends_line(&rest[1..]),
         _ => false,
     };
     let line = start(&rest[1..], 400);
     let end = line[..line_length(line)].find(mark).filter(|_| begins)?;
     Some(end + 2)
+}
+
+/// Returns whether the text up to a quotation mark ends a statement.
+fn ends_line(rest: &str) -> bool {
+    let line = start(rest, 400);
+    let behind = line[..line_length(line)].split_once('"').map(|(_, behind)| behind.trim_start());
+    behind.is_some_and(|behind| behind.is_empty() || behind.starts_with([';', '#']))
 }
 
 /// Returns whether `rest`, after an optional minus, begins with a divisor: a number, a bracket, or

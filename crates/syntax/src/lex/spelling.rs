@@ -57,6 +57,8 @@ pub(crate) fn token_kind(spelling: &str) -> Option<TokenKind> {
         "]" => CloseBracket,
         "{" | r"\{" | r"\lbrace" => OpenBrace,
         "}" | r"\}" | r"\rbrace" => CloseBrace,
+        "⟨" | r"\langle" => OpenList,
+        "⟩" | r"\rangle" => CloseList,
         "⌊" | r"\lfloor" => OpenFloor,
         "⌋" | r"\rfloor" => CloseFloor,
         "⌈" | r"\lceil" => OpenCeiling,

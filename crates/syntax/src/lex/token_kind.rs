@@ -92,6 +92,9 @@ token_kinds! {
     /// A word before a vector, such as `eye`, and a word before a number, such as `fov`.
     VectorKey = 'k', NumberKey = 'n',
 
+    // The words `curve` and `point` at the start of a statement, typed or implied, and a label.
+    CurveWord = 'q', PointWord = 'o', Label = '§',
+
     // All other kinds. `Blank` is space, comments and markup.
     Blank = ' ', LineEnd = '\n', At = '@',
     /// A character without a meaning in this language.

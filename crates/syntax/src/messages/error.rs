@@ -213,6 +213,16 @@ pub enum ErrorKind {
     NumberInSequence { name: &'static str, limit: i64 },
     #[error("there are no parametric surfaces")]
     Parametric,
+    #[error("a curve takes two equations")]
+    CurveEquations,
+    #[error("the curve's parameter has no range")]
+    CurveRange,
+    #[error("a point of space has three coordinates, not {given}")]
+    PointSize { given: usize },
+    #[error("`{name}` has no value here")]
+    CurveCoordinate { name: &'static str },
+    #[error("the text draws more than {limit} curves and points")]
+    TooManyCurves { limit: usize },
     #[error("this plots in coordinates of its own")]
     PlotCoordinates,
     #[error("the option `{name}` changes the surface, and is not read")]

@@ -63,7 +63,7 @@ impl Error {
             NumberAfterNumber => "a product of two numbers needs an explicit `*`",
             Tuple | Vector => {
                 "a surface is one equation between numbers, in x, y and z; \
-                 there are no parametric forms"
+                 there are no parametric surfaces"
             }
             Calculus => "formulas are computed as they stand, nothing is derived from them",
             Program { .. } => "a formula is read as a whole, not run step by step",
@@ -92,7 +92,8 @@ impl Error {
                 "an equation sets two sides equal; only inequalities form chains"
             }
             UnequalOutsideBraces => "the complement of a surface has no boundary to draw",
-            RestrictionIsEquation => "two surfaces meet in a curve, and curves are not drawn",
+            RestrictionIsEquation => "two surfaces meet in a curve",
+            CurveCoordinate { .. } => "the points come from the parameter, not from coordinates",
             MixedRestriction => {
                 "the boundary would belong to one part of the region and not to the other"
             }
@@ -212,6 +213,7 @@ impl Error {
             BadColorMap => there_are(&COLOR_MAPS.map(|map| map.name)),
             kind => fixed_advice(kind)
                 .or_else(|| list_advice(kind))
+                .or_else(|| curve_advice(kind))
                 .or_else(|| foreign_advice(kind))?
                 .to_owned(),
         })
@@ -260,6 +262,30 @@ fn foreign_advice(kind: &ErrorKind) -> Option<&'static str> {
     })
 }
 
+/// Advice on curves and points, and on formulas that draw a curve.
+fn curve_advice(kind: &ErrorKind) -> Option<&'static str> {
+    Some(match kind {
+        CurveEquations => {
+            "write both with a comma between them: `curve x^2 + y^2 = 1, z = x`; \
+             a curve with a parameter is `(cos t, sin t, t/5) for t in [0, 20]`"
+        }
+        CurveRange => "write `for t in [0, 20]` behind the coordinates",
+        PointSize { .. } => "write `(1, 2, 3)`",
+        CurveCoordinate { .. } => {
+            "write the coordinates in terms of the parameter alone; \
+             where two surfaces meet is `curve x^2 + y^2 = 1, z = x`"
+        }
+        Complex => {
+            "take `abs(…)`, `re(…)`, `im(…)` or `arg(…)` of it, or define `i = 1`; \
+             where it is 0 is a curve: write `curve` before it"
+        }
+        RestrictionIsEquation => {
+            "use `<`, `<=`, `>`, `>=` or `!=` in braces, or draw the curve: `curve x^2 + y^2 = 1, z = x`"
+        }
+        _ => return None,
+    })
+}
+
 /// Advice that depends only on the kind of the error.
 fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
     Some(match kind {
@@ -274,7 +300,8 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
              and restrict a formula in braces: `z = x*y {x < 1}`"
         }
         Tuple => {
-            "write one equation in x, y and z; a product is written with `*`, a vector `vec2(x, y)`"
+            "write one equation in x, y and z; a product is written with `*`, a vector `vec2(x, y)`, \
+             a curve `(cos t, sin t, t) for t in [0, 20]`"
         }
         Vector => "take its `length(…)`, or a component such as `.x`",
         Calculus => "write the integral or the limit out, as a formula",
@@ -323,7 +350,6 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         Remark => "write a remark behind `#`",
         SeriesStep => "leave the step out, or let it be 1 or more",
         TooManyTerms { .. } => "end the range earlier",
-        Complex => "take `abs(…)`, `re(…)`, `im(…)` or `arg(…)` of it, or define `i = 1`",
         NotAVariable { .. } => "differentiate by `x`, `y`, `z`, `t`, a slider or a parameter",
         WhichVariable => "name the variable, as in `diff(x^2*y, x)`",
         DerivativeOrder { .. } => "write the order in digits, as in `diff(x^4, x, 2)`",
@@ -334,7 +360,7 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         ComplexAmongVectors => "take `re(…)` and `im(…)` of it",
         ComplexExponent { .. } => "lower the exponent",
         Reserved { .. } => "choose another name",
-        TooManySurfaces { .. } => "draw fewer at a time",
+        TooManySurfaces { .. } | TooManyCurves { .. } => "draw fewer at a time",
         ZerothRoot => "the second argument of `root(a, n)` says which root to take",
         ConditionAsValue => "compare outside the arithmetic, as in `x + 1 < y`",
         ValueAsCondition { .. } => "compare it with something, as in `x^2 + y^2 < 1`",
@@ -343,7 +369,6 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         MixedChain => "restrict the equation: `x + y = z {z < 1}`",
         UnequalOutsideBraces => "exclude points from an equation: `x*y = 1 {x != 0}`",
         RestrictionNotCondition => "compare it with something, as in `{z > 0}`",
-        RestrictionIsEquation => "use `<`, `<=`, `>`, `>=` or `!=` in braces",
         MixedRestriction => "use `<` and `>` throughout, or `<=` and `>=` throughout",
         DefinitionIsCondition => "define left minus right, `d = x^2 - 1`, and draw `d <= 0`",
         RangeOutsideDefinition => {

@@ -18,7 +18,11 @@ use crate::tree::grammar::{Pair, Rule, parts};
 use crate::tree::scope::{Scope, nearest};
 use crate::tree::statement::ParsedStatement;
 use rustc_hash::FxHashSet;
+use zeroset_interval::Interval;
 use zeroset_ir::Constant;
+
+/// Largest width of a curve, in pixels.
+const MAX_WIDTH: f64 = 100.0;
 
 /// Settings without a field of their own in the document. A setting is `None` if no line sets it.
 #[derive(Clone, Debug, Default)]
@@ -60,6 +64,8 @@ pub(crate) struct CollectedLines {
     pub colors: Vec<(usize, (ParsedColor, Option<f64>))>,
     pub opacities: Vec<(usize, f64)>,
     pub hidden: Vec<(usize, bool)>,
+    /// All `width` lines: byte offset of the line, and width in pixels.
+    pub widths: Vec<(usize, f64)>,
     /// Places of all lines about the picture, in order.
     pub lines: Vec<SettingLine>,
     pub contours: Option<Contours<Expr>>,
@@ -119,6 +125,7 @@ impl CollectedLines {
             SettingKind::Shadows => self.picture.shadows = Some(builder.switch(pair, word)?),
             SettingKind::Axes => self.picture.axes = Some(builder.switch(pair, word)?),
             SettingKind::Legend => self.picture.legend = Some(builder.switch(pair, word)?),
+            SettingKind::Width => self.widths.push((at, builder.width(pair)?)),
             SettingKind::Contours => self.contours = Some(builder.contours(pair)?),
         }
         self.used.extend(builder.used);
@@ -162,6 +169,23 @@ impl Builder<'_> {
             numbers.push(evaluate(&number, self.limits)?);
         }
         <[Constant; COUNT]>::try_from(numbers).map_err(|_| bad_setting(word, self.lexed.span))
+    }
+
+    /// Reads the width of curves, in pixels.
+    fn width(&mut self, line: Pair<'_>) -> Fallible<f64> {
+        let span = self.lexed.span;
+        let amounts = |part: &Pair<'_>| part.as_rule() == Rule::opacity;
+        let width = match &parts(line)[..] {
+            [amount] if amounts(amount) => match &parts(amount.clone())[..] {
+                [number] => self.term(&mut number.clone().into_inner())?,
+                _ => return Err(bad_setting("width", span)),
+            },
+            [value] if value.as_rule() == Rule::expression => self.value(value.clone())?,
+            _ => return Err(bad_setting("width", span)),
+        };
+        let Interval { lo, hi } = evaluate(&width, self.limits)?.bounds();
+        let width = lo.midpoint(hi);
+        if (0.1..=MAX_WIDTH).contains(&width) { Ok(width) } else { Err(bad_setting("width", span)) }
     }
 
     /// Reads expressions from a line that begins with `word`.

@@ -387,6 +387,51 @@ pub enum Statement {
     },
     /// `name = body`, or `name(parameters) = body`.
     Define(Definition),
+    /// A curve or a point to draw.
+    Curve(CurveStatement),
+}
+
+/// A curve or a point to draw. Comparisons ignore the place.
+#[derive(Clone, Debug)]
+pub struct CurveStatement {
+    /// The form of the curve, with its expressions.
+    pub form: CurveForm,
+    /// Place of the statement in the text.
+    pub span: Span,
+}
+
+impl PartialEq for CurveStatement {
+    fn eq(&self, other: &Self) -> bool {
+        self.form == other.form
+    }
+}
+
+/// The forms of curves and points.
+#[derive(Clone, Debug, PartialEq)]
+pub enum CurveForm {
+    /// The points at which two equations hold, or one equation of complex numbers.
+    Equations {
+        /// One or two equations. A number has an implied `= 0`.
+        equations: Vec<Expr>,
+        /// Conditions in braces. Each one restricts where the equations are defined.
+        restrictions: Vec<Expr>,
+    },
+    /// The points that the values of a parameter give.
+    Path {
+        /// Three coordinates, or one vector.
+        at: Vec<Expr>,
+        /// The parameter. It is visible only in `at`.
+        parameter: Name,
+        /// First and last value of the parameter.
+        range: Box<(Expr, Expr)>,
+    },
+    /// A point.
+    Point {
+        /// The three coordinates.
+        at: Vec<Expr>,
+        /// The label, without quotation marks.
+        label: Option<String>,
+    },
 }
 
 impl Statement {
@@ -397,6 +442,15 @@ impl Statement {
                 std::iter::once(expr).chain(restrictions).collect()
             }
             Self::Define(definition) => vec![&definition.body],
+            Self::Curve(curve) => match &curve.form {
+                CurveForm::Equations { equations, restrictions } => {
+                    equations.iter().chain(restrictions).collect()
+                }
+                CurveForm::Path { at, range, .. } => {
+                    at.iter().chain([&range.0, &range.1]).collect()
+                }
+                CurveForm::Point { at, .. } => at.iter().collect(),
+            },
         }
     }
 }

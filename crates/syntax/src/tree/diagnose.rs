@@ -61,6 +61,9 @@ fn diagnose(text: &str, lexed: &LexedStatement, rule: Rule, next: usize) -> Box<
     let both = if before.is_some() { place.to(here) } else { here };
     let typed = |span: Span| text[span.range()].to_owned();
     let opens = |kind: TokenKind| kind.closer().is_some() || kind == OpenBar;
+    if rule == Rule::curve_line && found.is_some_and(|token| token.kind == Comma) {
+        return Error::new(here, ErrorKind::CurveEquations);
+    }
     match (before.map_or(Blank, |token| token.kind), found.map_or(Blank, |token| token.kind)) {
         (Blank, sign) if sign.is_operator() => {
             Error::new(here, ErrorKind::MissingBefore { sign: typed(here) })

@@ -19,6 +19,8 @@ pub(crate) enum ForeignFunction {
     Boole,
     /// The remainder as in C, with the sign of the dividend.
     Remainder,
+    /// The first argument. The others give an array its shape.
+    Reshape,
 }
 
 /// The foreign function called `name`. `square` is true if its arguments are in square brackets.
@@ -32,6 +34,7 @@ pub(crate) fn foreign_function(name: &str, square: bool) -> Option<ForeignFuncti
         "Total" => ForeignFunction::Total,
         "Boole" => ForeignFunction::Boole,
         "fmod" => ForeignFunction::Remainder,
+        "reshape" => ForeignFunction::Reshape,
         _ => return None,
     })
 }
@@ -49,9 +52,15 @@ impl Builder<'_> {
         if let (ForeignFunction::Boole, [only]) = (kind, parts.as_slice()) {
             return Ok(self.condition_of(only.clone())?.indicator(place));
         }
+        if let (ForeignFunction::Reshape, [first, ..]) = (kind, parts.as_slice()) {
+            return self.argument(first.clone());
+        }
         let count = match kind {
             ForeignFunction::Chain(_, ChainSign::Direct) => parts.len().max(1),
-            ForeignFunction::Minus | ForeignFunction::Total | ForeignFunction::Boole => 1,
+            ForeignFunction::Minus
+            | ForeignFunction::Total
+            | ForeignFunction::Boole
+            | ForeignFunction::Reshape => 1,
             ForeignFunction::Chain(_, ChainSign::Inverse) | ForeignFunction::Remainder => 2,
         };
         if parts.len() != count {
@@ -77,7 +86,7 @@ impl Builder<'_> {
                 let function = Function::OfVectors(VectorFunction::Dot);
                 Expr::new(ExprKind::Call(function, vec![first, one]), place)
             }
-            ForeignFunction::Boole => first,
+            ForeignFunction::Boole | ForeignFunction::Reshape => first,
             ForeignFunction::Remainder => remainder(first, values.next(), place)?,
         };
         Ok(Expr::new(expr.kind, place))

@@ -11,6 +11,7 @@ pub(crate) mod application;
 pub mod ast;
 pub(crate) mod builder;
 pub(crate) mod built_statement;
+pub(crate) mod curve_statement;
 pub(crate) mod delimited;
 pub(crate) mod derivatives;
 pub(crate) mod diagnose;

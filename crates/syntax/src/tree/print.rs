@@ -6,7 +6,8 @@
 use crate::lex::spelling::{is_name_char, token_kind};
 use crate::lex::token_kind::TokenKind;
 use crate::tree::ast::{
-    Chain, ChainSign, Definition, Expr, ExprKind, Function, NamedValue, Relation, Series, Statement,
+    Chain, ChainSign, CurveForm, Definition, Expr, ExprKind, Function, NamedValue, Relation,
+    Series, Statement,
 };
 use std::fmt;
 
@@ -193,6 +194,35 @@ impl fmt::Display for Statement {
                     write_drawn(f, expr)?;
                 }
                 write_restrictions(f, restrictions)
+            }
+            Self::Curve(curve) => curve.form.fmt(f),
+        }
+    }
+}
+
+impl fmt::Display for CurveForm {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let point = |f: &mut fmt::Formatter<'_>, at: &[Expr]| {
+            f.write_str("(")?;
+            list(f, at, ", ", Tightness::Or)?;
+            f.write_str(")")
+        };
+        match self {
+            Self::Equations { equations, restrictions } => {
+                f.write_str("curve ")?;
+                list(f, equations, ", ", Tightness::Compare)?;
+                write_restrictions(f, restrictions)
+            }
+            Self::Path { at, parameter, range } => {
+                match at.as_slice() {
+                    [vector] => write!(f, "curve {vector}")?,
+                    at => point(f, at)?,
+                }
+                write!(f, " for {} in [{}, {}]", parameter.text, range.0, range.1)
+            }
+            Self::Point { at, label } => {
+                point(f, at)?;
+                label.iter().try_for_each(|label| write!(f, " \"{label}\""))
             }
         }
     }

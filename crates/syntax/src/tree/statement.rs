@@ -2,7 +2,7 @@
 
 use crate::lex::scanner::LexedStatement;
 use crate::lex::spelling::{is_definable, plain_name};
-use crate::lex::token::Token;
+use crate::lex::token::{Token, outside};
 use crate::lex::token_kind::TokenKind::*;
 use crate::limits::Limits;
 use crate::messages::error::{Error, ErrorKind, Errors, Fallible, MAX_ERRORS};
@@ -31,6 +31,18 @@ pub(crate) struct ParsedStatement<'i> {
     pub head: Option<Head>,
 }
 
+impl ParsedStatement<'_> {
+    /// Returns whether the statement draws a curve or a point.
+    pub(crate) fn is_curve(&self) -> bool {
+        matches!(self.pair.as_rule(), Rule::curve_line | Rule::path_line | Rule::point_line)
+    }
+
+    /// Returns whether the statement has no coordinates: a point, or a curve with a parameter.
+    pub(crate) fn is_located(&self) -> bool {
+        matches!(self.pair.as_rule(), Rule::path_line | Rule::point_line)
+    }
+}
+
 /// Parses each of `statements`, whose text is `text`.
 pub(crate) fn lines<'i>(
     text: &str,
@@ -46,7 +58,9 @@ pub(crate) fn lines<'i>(
         let rule = if raw.head.is_some() { Rule::line } else { rule(lexed) };
         match recognise(text, lexed, rule) {
             Ok(pair) => {
-                let head = raw.head.clone().or_else(|| head(text, lexed, &pair));
+                let typed = || Some(rule).filter(|rule| *rule == Rule::line);
+                let head =
+                    raw.head.clone().or_else(|| head(text, lexed, typed().and(Some(&pair))?));
                 lines.push(ParsedStatement { raw, pair, head });
             }
             Err(error) => errors.push(*error),
@@ -69,6 +83,11 @@ fn rule(lexed: &LexedStatement) -> Rule {
         Some(LookWord) => Rule::look_line,
         Some(BackgroundWord) => Rule::background_line,
         Some(SettingWord) => Rule::setting_line,
+        Some(PointWord) => return Rule::point_line,
+        Some(CurveWord) => {
+            let has_range = outside(&lexed.tokens, For).is_some();
+            return if has_range { Rule::path_line } else { Rule::curve_line };
+        }
         _ => return Rule::line,
     };
     let in_point = |kind| matches!(kind, Number | Comma | Minus | Plus | CloseParen);
@@ -241,6 +260,11 @@ fn may_define(head: &Head) -> bool {
         return head.parameters.is_none();
     }
     let is_operator = operator(name).is_some() || name.contains(['{', '}', '/']);
+    // Programs name the coordinates of a curve so: `xt(t) = cos(t)`.
+    let of_time = head.parameters.as_ref().is_some_and(|all| all.iter().any(|one| one.text == "t"));
+    if of_time && name.len() > 1 {
+        return !is_operator;
+    }
     !is_operator && !name.chars().all(|c| matches!(c, 'x' | 'y' | 'z' | 't'))
 }
 
@@ -324,13 +348,7 @@ pub(crate) fn build(
             }
             Rule::restriction => {
                 braces = Some(span);
-                for condition in part.into_inner() {
-                    let condition = builder.expression(condition)?;
-                    if !condition.is_condition() {
-                        return Err(Error::new(condition.span, ErrorKind::RestrictionNotCondition));
-                    }
-                    restrictions.push(condition);
-                }
+                restrictions.extend(builder.restrictions(part)?);
             }
             _ => {}
         }

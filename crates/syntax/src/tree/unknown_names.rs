@@ -1,6 +1,7 @@
 //! Builds errors about names without a meaning, with suggestions.
 
 use crate::lex::spelling::{short_name, start, token_kind};
+use crate::lex::token::Token;
 use crate::lex::token_kind::TokenKind::{self, *};
 use crate::messages::error::{Error, ErrorKind};
 use crate::settings::SETTINGS;
@@ -108,6 +109,15 @@ impl Builder<'_> {
             return Error::new(span, kind).suggest(left, meant);
         }
         let is_parameter = matches!(name, "u" | "v" | "s");
+        if is_parameter && self.lexed.tokens[0].kind == PointWord {
+            let other = |token: &Token| {
+                let typed = &self.text[token.span.range()];
+                matches!(typed, "u" | "v" | "s") && typed != name
+            };
+            let is_surface = self.lexed.tokens.iter().any(other);
+            let kind = if is_surface { ErrorKind::Parametric } else { ErrorKind::CurveRange };
+            return Error::new(span, kind);
+        }
         if is_parameter && ["x", "y", "z"].iter().all(|axis| assigns(self.text, axis)) {
             return Error::new(span, ErrorKind::Parametric);
         }

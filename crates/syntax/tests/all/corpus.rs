@@ -6,8 +6,8 @@
 use std::fmt::Write as _;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId};
 use zeroset_syntax::{
-    Contours, Document, DomainLine, Limits, MappedColor, Options, ParameterKind, PictureLines,
-    SurfaceColor, SurfaceKind, parse, read,
+    Contours, CurveShape, Document, DomainLine, Limits, MappedColor, Options, ParameterKind,
+    PictureLines, SurfaceColor, SurfaceKind, parse, read,
 };
 
 const CORPUS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/language.txt");
@@ -76,6 +76,32 @@ fn describe_picture(out: &mut String, picture: &PictureLines) {
     }
 }
 
+fn describe_curves(out: &mut String, row: &Row, document: &Document) {
+    for curve in &document.curves.all {
+        let kind = match curve.shape {
+            CurveShape::Intersection(_) => "curve of equations",
+            CurveShape::Path { .. } => "curve of a parameter",
+            CurveShape::Point { .. } => "point",
+        };
+        write!(out, "{kind}: {}", curve.echo).unwrap();
+        if let Some(SurfaceColor::Plain(color)) = &curve.color {
+            write!(out, "  [color {:?}]", color.rgb).unwrap();
+        }
+        if let Some(width) = curve.width {
+            write!(out, "  [width {width}]").unwrap();
+        }
+        if curve.hidden {
+            out.push_str("  [hidden]");
+        }
+        out.push('\n');
+        if row.graph {
+            for root in curve.shape.roots() {
+                writeln!(out, "graph: {}", graph_text(&document.curves.graph, root)).unwrap();
+            }
+        }
+    }
+}
+
 fn describe(row: &Row, document: &Document) -> String {
     let mut out = String::new();
     if let Some(title) = &document.title {
@@ -112,6 +138,7 @@ fn describe(row: &Row, document: &Document) -> String {
             writeln!(out, "graph: {}", graph_text(&document.graph, surface.root)).unwrap();
         }
     }
+    describe_curves(&mut out, row, document);
     for parameter in &document.parameters {
         let kind = match parameter.kind {
             ParameterKind::Slider => "slider",

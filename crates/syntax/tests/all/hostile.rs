@@ -328,6 +328,54 @@ fn programs_are_bounded() {
     accepted("r == theta + rho + phi\n".repeat(900));
 }
 
+#[test]
+fn curves_and_points_are_bounded() {
+    assert!(matches!(error("(1, 2, 3)\n".repeat(10_001)), ErrorKind::TooManyCurves { .. }));
+    assert_eq!(accepted("(1, 2, 3) \"A\"\n".repeat(9_000)), 0);
+    accepted("curve x = 0, y = 0\n".repeat(900));
+    let long = |part: &str| part.repeat(20_000);
+    let texts = [
+        format!("curve {}x", long("x + ")),
+        format!("curve {}", long("x, ")),
+        format!("({}1)", long("1, ")),
+        format!("(1, 2, 3) for t in [0, {}1]", long("1 + ")),
+        format!("(1, 2, 3) {}", long("for t in [0, 1] ")),
+        format!("(1, 2, 3) \"{}\"", long("A")),
+        format!("ParametricPlot3D[{{{}1}}, {{t, 0, 1}}]", long("t, ")),
+        format!("fplot3({}@(t) t)", long("@(t) t, ")),
+        long("curve "),
+        long("point ("),
+        "curve".to_owned(),
+        "curve (".to_owned(),
+        "curve ,".to_owned(),
+        "point".to_owned(),
+        "point ()".to_owned(),
+        "(,,)".to_owned(),
+        "(1, 2, 3) for".to_owned(),
+        "(1, 2, 3) for t".to_owned(),
+        "(1, 2, 3) for t in []".to_owned(),
+        "(1, 2, 3) for t in [,]".to_owned(),
+        "(1, 2, 3) for t = ..".to_owned(),
+        "(1, 2, 3) for < t <".to_owned(),
+        "⟨1, 2, 3⟩ for 0 < t < 1".to_owned(),
+        "Curve()".to_owned(),
+        "Curve(,,,)".to_owned(),
+        "spacecurve([t, t, t], t=)".to_owned(),
+        "fplot3(@(t) t, @(t) t, @(t) t, [])".to_owned(),
+        "ParametricFunction(lambda t: , t_range=[0, 1])".to_owned(),
+        "width".to_owned(),
+        "width px".to_owned(),
+        "width -3\n(1, 2, 3)".to_owned(),
+    ];
+    for text in texts {
+        on_a_small_stack(move || {
+            if let Err(errors) = read(&text, &Options::default()) {
+                errors.render(None, &text, false);
+            }
+        });
+    }
+}
+
 /// Texts of other systems that are long, or end early. Each must be read or refused within a
 /// second.
 #[test]

@@ -7,7 +7,8 @@ use proptest::test_runner::RngSeed;
 use zeroset_ir::{Axis, NamedConstant};
 use zeroset_ops::{COMPOSED, Notation, TABLE, VectorFunction};
 use zeroset_syntax::ast::{
-    Chain, ChainSign, Expr, ExprKind, Function, Name, NamedValue, Relation, Series, Statement,
+    Chain, ChainSign, CurveForm, CurveStatement, Expr, ExprKind, Function, Name, NamedValue,
+    Relation, Series, Statement,
 };
 use zeroset_syntax::{Limits, Options, Span, parse, read, read_bytes};
 
@@ -170,11 +171,31 @@ fn statement() -> impl Strategy<Value = Statement> {
         .prop_map(|(expr, restrictions)| Statement::Draw { expr, restrictions })
 }
 
+fn curve() -> impl Strategy<Value = Statement> {
+    let equation = (number(), number()).prop_map(|(left, right)| {
+        expr(ExprKind::Compare(Box::new(left), vec![(Relation::Equal, right)]))
+    });
+    let equations = vec(prop_oneof![number(), equation], 1..3);
+    let equations = (equations, vec(condition(), 0..3))
+        .prop_map(|(equations, restrictions)| CurveForm::Equations { equations, restrictions });
+    let ends = (number(), number()).prop_map(Box::new);
+    let path = (vec(number(), 3), prop::sample::select(vec!["s", "foo"]), ends);
+    let path = path.prop_map(|(at, name, range)| {
+        let parameter = Name { text: name.to_owned(), span: Span::default() };
+        CurveForm::Path { at, parameter, range }
+    });
+    let label = prop::sample::select(vec![None, Some("A".to_owned()), Some("a, (b".to_owned())]);
+    let point = (vec(number(), 3), label).prop_map(|(at, label)| CurveForm::Point { at, label });
+    let span = Span::default();
+    prop_oneof![equations, path, point]
+        .prop_map(move |form| Statement::Curve(CurveStatement { form, span }))
+}
+
 proptest! {
     #![proptest_config(config(2000))]
 
     #[test]
-    fn what_is_printed_is_read_as_it_was(statement in statement()) {
+    fn what_is_printed_is_read_as_it_was(statement in prop_oneof![4 => statement(), 1 => curve()]) {
         let printed = statement.to_string();
         match parse(&printed, &Limits::default()) {
             Ok(parsed) => prop_assert_eq!(&parsed, &[statement], "{}", printed),
@@ -187,7 +208,7 @@ proptest! {
 fn survives(text: &str) -> Result<(), TestCaseError> {
     match read(text, &Options::default()) {
         Ok(document) => {
-            prop_assert!(!document.surfaces.is_empty());
+            prop_assert!(!document.surfaces.is_empty() || !document.curves.is_empty());
             for note in &document.notes {
                 prop_assert!(text.get(note.span.range()).is_some(), "{:?}", note);
                 note.render(None, text, true);
@@ -220,6 +241,11 @@ fn survives(text: &str) -> Result<(), TestCaseError> {
 
 /// Fragments of the language. Texts are random sequences of fragments.
 const PIECES: &[&str] = &[
+    "curve ",
+    "point ",
+    "(x, y, z)",
+    " for t in [0, 1]",
+    "\"A\"",
     "x",
     "y",
     "z",

@@ -7,7 +7,8 @@
 use std::fmt::Write as _;
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, simplify};
-use zeroset_syntax::{Document, Limits, Options, SurfaceKind, parse, read};
+use zeroset_ops::Op;
+use zeroset_syntax::{CurveShape, Document, Limits, Options, SurfaceKind, parse, read};
 
 /// The corpus used in developing the language, and two corpora that were not used for it.
 const CORPORA: [&str; 3] = ["words.txt", "words_held_out.txt", "words_third.txt"];
@@ -70,9 +71,22 @@ fn rows(corpus: &str) -> Vec<Row> {
 
 /// The value of a function at a point, or `None` where it is undefined.
 pub(crate) fn value(document: &Document, root: NodeId, point: &[Constant; 3]) -> Option<Constant> {
+    value_in(&document.graph, &parameters(document), root, point)
+}
+
+fn parameters(document: &Document) -> Vec<Constant> {
+    document.parameters.iter().map(|parameter| parameter.value.clone()).collect()
+}
+
+fn value_in(
+    given: &Graph,
+    parameters: &[Constant],
+    root: NodeId,
+    point: &[Constant; 3],
+) -> Option<Constant> {
     let mut graph = Graph::new();
     let mut map: Vec<NodeId> = Vec::new();
-    for (_, node) in document.graph.iter() {
+    for (_, node) in given.iter() {
         map.push(match node {
             Node::Variable(axis) => graph.constant(
                 point[match axis {
@@ -82,9 +96,7 @@ pub(crate) fn value(document: &Document, root: NodeId, point: &[Constant; 3]) ->
                 }]
                 .clone(),
             ),
-            Node::Parameter(number) => {
-                graph.constant(document.parameters[*number as usize].value.clone())
-            }
+            Node::Parameter(number) => graph.constant(parameters[*number as usize].clone()),
             Node::Constant(value) => graph.constant(value.clone()),
             Node::Apply(op, operands) => {
                 let operands: Vec<NodeId> = operands.iter().map(|id| map[id.index()]).collect();
@@ -153,6 +165,65 @@ fn wrong_domain(row: &Row, document: &Document) -> Option<String> {
     (document.domain != meant).then(|| format!("domain {:?}", document.domain))
 }
 
+/// Describes how the curves and points of a text differ from those of a plain text.
+fn wrong_curves(own: &Document, meant: &Document, points: &[[Constant; 3]]) -> Option<String> {
+    let (curves, others) = (&own.curves, &meant.curves);
+    if curves.all.len() != others.all.len() {
+        return Some(format!("{} curves", curves.all.len()));
+    }
+    for (one, other) in curves.all.iter().zip(&others.all) {
+        let places: Vec<Vec<Option<Constant>>> = [(own, one), (meant, other)]
+            .into_iter()
+            .map(|(document, curve)| values_along(document, &curve.shape, points))
+            .collect();
+        let [read, plain] = &places[..] else { panic!("two") };
+        let agrees = |(a, b): (&Option<Constant>, &Option<Constant>)| agree(a.as_ref(), b.as_ref());
+        if read.len() != plain.len() || !read.iter().zip(plain).all(agrees) {
+            return Some(format!("read as {}\n{read:?}\nnot {plain:?}", one.echo));
+        }
+    }
+    None
+}
+
+/// The coordinates of a point, those of a curve's points from end to end, or the values of the
+/// functions of a curve.
+fn values_along(
+    document: &Document,
+    shape: &CurveShape,
+    points: &[[Constant; 3]],
+) -> Vec<Option<Constant>> {
+    let graph = &document.curves.graph;
+    let mut parameters = parameters(document);
+    let none = [(); 3].map(|()| Constant::integer(0));
+    parameters.push(Constant::integer(0));
+    match shape {
+        CurveShape::Intersection(both) => {
+            let at = |point| both.map(|root| value_in(graph, &parameters, root, point));
+            points.iter().flat_map(at).collect()
+        }
+        CurveShape::Point { at, .. } => {
+            at.iter().map(|root| value_in(graph, &parameters, *root, &none)).collect()
+        }
+        CurveShape::Path { at, ends } => {
+            let ends = ends.map(|end| value_in(graph, &parameters, end, &none).expect("an end"));
+            let mut all = Vec::new();
+            for step in 0..=7 {
+                let mut sum = Graph::new();
+                let share = sum.constant(Constant::ratio(step, 7).expect("not zero"));
+                let [low, high] = ends.clone().map(|end| sum.constant(end));
+                let extent = sum.apply(Op::Sub, &[high, low]);
+                let along = sum.apply(Op::Mul, &[extent, share]);
+                let place = sum.apply(Op::Add, &[low, along]);
+                let place = value_in(&sum, &[], place, &none).expect("a number");
+                parameters.truncate(document.parameters.len());
+                parameters.push(place);
+                all.extend(at.iter().map(|root| value_in(graph, &parameters, *root, &none)));
+            }
+            all
+        }
+    }
+}
+
 /// Describes how the reading of a row differs from what the row requires, if it does.
 fn wrong(row: &Row, points: &[[Constant; 3]]) -> Option<String> {
     let document = read(&row.text, &Options::default());
@@ -164,7 +235,8 @@ fn wrong(row: &Row, points: &[[Constant; 3]]) -> Option<String> {
             return (!is_meant).then(|| format!("refused otherwise:\n{rendered}"));
         }
         (Ok(document), Some(_)) => {
-            return Some(format!("read as {}", document.surfaces[0].echo));
+            let mut echoes = document.surfaces.iter().map(|surface| &surface.echo);
+            return Some(format!("read as {}", echoes.next().map_or("a curve", |echo| echo)));
         }
         (Err(errors), None) => return Some(errors.render(None, &row.text, false)),
         (Ok(document), None) => document,
@@ -184,6 +256,9 @@ fn wrong(row: &Row, points: &[[Constant; 3]]) -> Option<String> {
     };
     if meant.surfaces.len() != document.surfaces.len() {
         return Some(format!("{} surfaces", document.surfaces.len()));
+    }
+    if let Some(what) = wrong_curves(&document, &meant, points) {
+        return Some(what);
     }
     for (own, other) in document.surfaces.iter().zip(&meant.surfaces) {
         if own.kind != other.kind {
@@ -225,7 +300,7 @@ fn words_are_read_as_meant_or_refused_with_a_way_out() {
 }
 
 /// Rows of the fourth corpus are read as meant, or refused. None is read otherwise. Refused are
-/// curves, and functions without proven bounds.
+/// curves over arrays of numbers, and functions without proven bounds.
 #[test]
 fn the_fourth_list_is_read_as_meant_with_few_exceptions() {
     let points = points();
@@ -242,7 +317,7 @@ fn the_fourth_list_is_read_as_meant_with_few_exceptions() {
         writeln!(report, "{}\n{}\n{what}\n", row.place, row.text).unwrap();
     }
     assert!(wrongly.is_empty(), "{wrongly}\n==== refused\n{refused}{as_meant}");
-    assert!(as_meant * 100 >= rows.len() * 88, "{as_meant} of {}:\n\n{refused}", rows.len());
+    assert!(as_meant * 100 >= rows.len() * 95, "{as_meant} of {}:\n\n{refused}", rows.len());
 }
 
 #[test]

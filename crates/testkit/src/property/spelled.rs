@@ -11,7 +11,7 @@ use zeroset_syntax::{Limits, Options, read};
 const DEEPEST: u32 = 3;
 /// Small limits, so that compiling costs a fuzzer little time.
 const LIMITS: Limits =
-    Limits { bytes: 1 << 14, symbols: 5000, depth: 200, nodes: 300, surfaces: 10 };
+    Limits { bytes: 1 << 14, symbols: 5000, depth: 200, nodes: 300, surfaces: 10, curves: 10 };
 
 /// Checks a text drawn from bytes. It must read back as printed, and its function must be
 /// simplified, compiled and enclosed correctly. Texts with too many operations are skipped.

@@ -1,0 +1,116 @@
+//! A picture with its camera, and the projection of points into it.
+
+use super::canvas::Rgb;
+use crate::picture::Picture;
+use glam::{DVec2, DVec3};
+use zeroset_scene::curves::TracedCurves;
+use zeroset_space::Region;
+use zeroset_trace::{Camera, Projection, RayGrid};
+
+/// Colors of lines and letters, for light and dark backgrounds.
+const INKS: [Rgb; 2] = [0x0030_3038, 0x00d8_d8e0];
+
+/// A picture with its camera and region.
+#[derive(Clone, Copy)]
+pub struct PictureView<'a> {
+    /// Camera of the picture.
+    pub camera: &'a Camera,
+    /// Region of the picture.
+    pub region: &'a Region,
+    /// The picture.
+    pub picture: &'a Picture,
+    /// Curves and points that are drawn over the picture.
+    pub curves: &'a TracedCurves,
+}
+
+impl PictureView<'_> {
+    /// The color for lines and letters, which contrasts with the background.
+    pub fn ink(&self) -> Rgb {
+        let ground =
+            (0..self.picture.buffer.drawn.len()).find(|&n| !self.picture.buffer.is_drawn(n));
+        let pixel = ground.and_then(|n| self.picture.rgb.as_chunks::<3>().0.get(n));
+        let is_dark =
+            pixel.is_some_and(|rgb| rgb.iter().map(|part| u32::from(*part)).sum::<u32>() < 300);
+        INKS[usize::from(is_dark)]
+    }
+}
+
+/// Projects points into a picture of a given size.
+pub struct Projector<'a> {
+    pub shown: PictureView<'a>,
+    pub rays: RayGrid,
+}
+
+impl<'a> Projector<'a> {
+    /// A projector for a picture of this size. The shown picture may be smaller.
+    pub fn new(shown: PictureView<'a>, width: usize, height: usize) -> Self {
+        Self { shown, rays: shown.camera.rays(width, height) }
+    }
+
+    /// Position of a point in pixels, and its distance from the ray's origin. `None` behind the
+    /// eye.
+    pub fn project(&self, point: DVec3) -> Option<(DVec2, f64)> {
+        let rays = &self.rays;
+        let way = point - rays.eye();
+        let depth = way.dot(rays.forward());
+        let (reach, distance) = match self.shown.camera.projection() {
+            Projection::Perspective { fov } => {
+                ((fov.to_radians() / 2.0).tan() * depth, way.length())
+            }
+            Projection::Orthographic { height } => (height / 2.0, depth),
+        };
+        if depth <= 1e-6 * way.length() || reach <= 0.0 {
+            return None;
+        }
+        let half = rays.height() as f64 / 2.0;
+        let across = rays.width() as f64 / 2.0 + way.dot(rays.right()) / reach * half;
+        let down = half - way.dot(rays.up()) / reach * half;
+        Some((DVec2::new(across, down), distance))
+    }
+
+    /// Returns whether nothing is painted in front of a point at this position and distance.
+    pub fn is_seen(&self, at: DVec2, distance: f64) -> bool {
+        let buffer = &self.shown.picture.buffer;
+        let scaled = |at: f64, size: usize, of: usize| {
+            let place = (at * of as f64 / size as f64).max(0.0) as usize;
+            place.min(of - 1)
+        };
+        let x = scaled(at.x, self.rays.width(), buffer.width);
+        let y = scaled(at.y, self.rays.height(), buffer.height);
+        // The margin keeps a surface that touches the box from hiding it.
+        buffer.drawn[y * buffer.width + x] > distance * (1.0 - 2e-3)
+    }
+
+    /// World length of a pixel at a point, given by its depth along the view.
+    pub fn pixel_size(&self, depth: f64) -> f64 {
+        let reach = match self.shown.camera.projection() {
+            Projection::Perspective { fov } => (fov.to_radians() / 2.0).tan() * depth,
+            Projection::Orthographic { height } => height / 2.0,
+        };
+        2.0 * reach / self.rays.height() as f64
+    }
+
+    /// Distance of a point from the eye's plane.
+    pub fn depth(&self, point: DVec3) -> f64 {
+        (point - self.rays.eye()).dot(self.rays.forward())
+    }
+
+    /// Number of the shown picture's pixel at a position, and whether a surface there, or in a
+    /// neighboring pixel, lets a point at this distance be seen. So a curve that lies on a surface
+    /// is seen, however steep the surface is.
+    pub fn is_seen_nearby(&self, at: DVec2, distance: f64) -> (usize, bool) {
+        let buffer = &self.shown.picture.buffer;
+        let scaled = |at: f64, size: usize, of: usize| {
+            let place = (at * of as f64 / size as f64).max(0.0) as usize;
+            place.min(of - 1)
+        };
+        let x = scaled(at.x, self.rays.width(), buffer.width);
+        let y = scaled(at.y, self.rays.height(), buffer.height);
+        let around = |at: usize, size: usize| at.saturating_sub(1)..=(at + 1).min(size - 1);
+        let is_seen = around(y, buffer.height).any(|y| {
+            let row = y * buffer.width;
+            around(x, buffer.width).any(|x| buffer.drawn[row + x] > distance * (1.0 - 1e-3))
+        });
+        (y * buffer.width + x, is_seen)
+    }
+}
