@@ -7,15 +7,21 @@ import pytest
 
 import zeroset as zs
 
-MANUAL = pathlib.Path(__file__).parents[3] / "docs" / "python.md"
+ROOT = pathlib.Path(__file__).parents[3]
 
 
-def test_lines_of_the_manual_run(tmp_path, monkeypatch):
+@pytest.mark.parametrize(
+    ("name", "files"),
+    [
+        ("docs/python.md", {"hyperboloid.png", "part.stl"}),
+        ("README.md", {"hyperboloid.png", "hyperboloid.stl"}),
+    ],
+)
+def test_lines_of_the_manual_run(name, files, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    blocks = re.findall(r"```python\n(.*?)```", MANUAL.read_text(), re.DOTALL)
-    assert len(blocks) >= 4
+    blocks = re.findall(r"```python\n(.*?)```", (ROOT / name).read_text(), re.DOTALL)
     exec("\n".join(blocks), {})
-    assert {path.name for path in tmp_path.iterdir()} == {"hyperboloid.png", "part.stl"}
+    assert {path.name for path in tmp_path.iterdir()} == files
 
 
 def public():
