@@ -68,8 +68,8 @@ impl Overlay {
         }
     }
 
-    /// Records curves, axes and legends for a picture of this size, to be mixed into its rows. `shown` may
-    /// be a smaller picture of the same view.
+    /// Records curves, axes and legends for a picture of this size, to be mixed into its rows.
+    /// `shown` may be a smaller picture of the same view.
     pub fn marks(self, shown: PictureView<'_>, [width, height]: [usize; 2]) -> Canvas {
         let scale = ((height + ROWS / 2) / ROWS).max(1);
         let mut canvas = Canvas::new(width, height, Vec::new(), scale);

@@ -2,8 +2,8 @@
 //!
 //! A [`program::Program`] is a document simplified over a domain, with values bound to its
 //! parameters. Its kernels are compiled when a method first requests them. [`domain`] finds a
-//! domain if none is given. [`curves`] traces curves and points. [`view`] derives region and camera from the document and the caller's
-//! choices. Nothing here knows pixels, files or terminals.
+//! domain if none is given. [`curves`] traces curves and points. [`view`] derives region and camera
+//! from the document and the caller's choices. Nothing here knows pixels, files or terminals.
 
 pub mod blank;
 mod box_tree;

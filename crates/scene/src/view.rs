@@ -323,8 +323,8 @@ fn search_while(
     Ok(found.map(|found| ends.map_or(found, |ends| found.with_box(ends))))
 }
 
-/// Returns whether [`search`] gives the same result for two documents. Their surfaces must differ only
-/// in values of parameters, each within its range.
+/// Returns whether [`search`] gives the same result for two documents. Their surfaces must differ
+/// only in values of parameters, each within its range.
 pub fn same_search(one: &Document, other: &Document) -> bool {
     let parameters = one.parameters.iter().zip(&other.parameters);
     one.curves.are_alike(&other.curves) && { parameters }.all(|(one, other)| {

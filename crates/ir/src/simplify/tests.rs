@@ -347,8 +347,8 @@ fn enclosures_do_not_widen() {
                 || !enclosure(&graph, root, &wider, &values).1.has(old_facts);
             let slack = 1e-9 * (1.0 + old.magnitude().min(f64::MAX));
             narrower += u32::from(old.lo < new.lo - slack || old.hi > new.hi + slack);
-            // Rounding in another order may move an operand to the other side of a jump. A part that
-            // is defined nowhere in the box, and so has any bounds, may have some in a larger box.
+            // Rounding in another order may move an operand to the other side of a jump. A part
+            // that is defined nowhere in the box has any bounds; in a larger box it may have some.
             let (old, old_facts) = if jumps(&graph) {
                 let out = |end: f64, sign: f64| end + sign * 1e-12 * (1.0 + end.abs());
                 let larger =

@@ -72,8 +72,8 @@ struct PixelCover {
     /// The nearest, and one behind it.
     front: Cover,
     back: Cover,
-    /// Distance beyond which the gap beside a nearer tube leaves tubes out, and the position of that
-    /// tube along the curves.
+    /// A nearer tube has a gap beside it, in which tubes beyond this distance are left out. The
+    /// second number is the nearer tube's position along the curves.
     cut: (f32, i32),
 }
 
@@ -83,7 +83,8 @@ impl PixelCover {
         let Self { front, back, .. } = self;
         let apart = (front.distance - new.distance).abs() > (APART * width) as f32;
         if front.share == 0 || !apart {
-            // Neighboring segments of a curve cover a pixel once. The nearer middle gives the shade.
+            // Neighboring segments of a curve cover a pixel once. The nearer middle gives the
+            // shade.
             let is_nearer = new.share == front.share && new.off < front.off;
             if new.share > front.share || is_nearer {
                 *front = new;

@@ -125,8 +125,8 @@ impl Pair {
         Local::of(&self.outputs(&Points::near(&[at.to_array()])[0]), 0)
     }
 
-    /// The curve's point near `at`, and the curve's direction there. `None` if no point of the curve
-    /// is found within `reach`.
+    /// The curve's point near `at`, and the curve's direction there. `None` if no point of the
+    /// curve is found within `reach`.
     fn corrected(&self, at: DVec3, reach: f64) -> Option<(DVec3, DVec3)> {
         let mut now = at;
         for _ in 0..STEPS {

@@ -42,7 +42,7 @@ pub(crate) fn implied_drawing(
 }
 
 /// Returns the drawing of a program that draws nothing itself: its last function of a point of
-/// space or, if there is none, the value that the program assigns last.
+/// space, or else the value that the program assigns last.
 pub(crate) fn drawn_by_program(
     program: &PastedProgram,
     built: &[BuiltStatement],

@@ -48,8 +48,8 @@ pub(crate) fn marked_curve(text: &str, tokens: &[Token]) -> Fallible<Option<Vec<
     Ok(Some(marked))
 }
 
-/// The tokens behind the left side of `r(t) = (…)` or `(x, y, z) = (…)`. Empty if there are no three
-/// coordinates.
+/// The tokens behind the left side of `r(t) = (…)` or `(x, y, z) = (…)`. Empty if there are no
+/// three coordinates.
 fn without_head(tokens: &[Token]) -> &[Token] {
     let is_start =
         |pair: &[Token]| pair[0].kind == Equals && matches!(pair[1].kind, OpenParen | OpenList);

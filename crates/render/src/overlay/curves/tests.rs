@@ -1,7 +1,7 @@
 use super::*;
 use crate::model::Model;
 use crate::picture::{Picture, Settings};
-use zeroset_scene::view::{self, CameraChoice, DomainChoice};
+use zeroset_scene::view::{self, DomainChoice};
 use zeroset_space::Region;
 use zeroset_syntax::{Document, Options, read};
 use zeroset_trace::{Camera, Projection};
@@ -212,32 +212,4 @@ fn a_picture_may_be_smaller_than_the_canvas() {
     };
     assert!(shows(DVec3::new(0.0, -1.3, 0.0)) && shows(DVec3::new(1.3, 0.0, 0.0)));
     assert!(!shows(DVec3::new(0.0, 1.3, 0.0)) && !shows(DVec3::new(0.3, 1.265, 0.0)));
-}
-
-/// Prints how long a curve of some two thousand segments takes.
-#[test]
-#[ignore = "measures"]
-fn time_of_a_long_curve() {
-    let text = "domain 2\nx^2+y^2+z^2=1\n\
-                ((1.4+0.4cos(14t))cos t, (1.4+0.4cos(14t))sin t, 0.4sin(14t)) for t in [0, 2pi]";
-    let document = read(text, &Options::default()).expect("reads");
-    let region = view::region(&document, DomainChoice::Document, None).expect("a region").0;
-    let settings = Settings { width: 512, height: 512, ..Settings::default() };
-    let model = Model::new(&document, &region, &settings).expect("a model");
-    let choice = CameraChoice::default();
-    let camera = crate::framing::camera(&model, &document, &choice, &settings, false);
-    let camera = camera.expect("a camera");
-    let picture = model.picture(&camera, &settings, &|_, _| {}).expect("a picture");
-    let shown =
-        PictureView { camera: &camera, region: &region, picture: &picture, curves: model.curves() };
-    let segments: usize = model.curves().lines.iter().map(|line| line.at.len() - 1).sum();
-    let mut canvas = Canvas::new(512, 512, vec![0x00ff_ffff; 512 * 512], 1);
-    let begun = std::time::Instant::now();
-    for _ in 0..100 {
-        draw_curves(&mut canvas, shown, 512);
-    }
-    println!("{segments} segments: {:?} each", begun.elapsed() / 100);
-    let begun = std::time::Instant::now();
-    let traced = zeroset_scene::curves::trace(&document, &region);
-    println!("traced in {:?}: {} pieces", begun.elapsed(), traced.lines.len());
 }
