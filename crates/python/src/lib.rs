@@ -4,12 +4,6 @@
 //! Arrays are NumPy's, row by row. Kernels run on other threads while the interpreter's lock is
 //! released, and an interrupt from the keyboard ends them.
 
-#![allow(
-    clippy::needless_pass_by_value,
-    clippy::doc_markdown,
-    reason = "arguments are the interpreter's, and so are most comments: Python shows them as help"
-)]
-
 mod arguments;
 mod error;
 mod mesh;
