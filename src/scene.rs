@@ -103,12 +103,7 @@ impl Scene {
         let size = [settings.width, settings.height];
         let mut add = |Strip { top, picture, overview }: Strip<'_>| -> Result<(), ProgramError> {
             let seen = overview.unwrap_or(&*picture);
-            let shown = PictureView {
-                camera: &camera,
-                region: &region,
-                picture: seen,
-                curves: model.curves(),
-            };
+            let shown = PictureView::of(&model, &camera, seen);
             marks.get_or_insert_with(|| around.marks(shown, size)).mix_into(&mut picture.rgb, top);
             rows.add(picture);
             Ok(())

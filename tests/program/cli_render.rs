@@ -564,6 +564,9 @@ fn kernels_are_made_for_what_the_picture_asks() {
     }
 }
 
+/// Seconds that a picture gets, until something is drawn.
+const BUDGETS: [&str; 6] = ["1", "2", "4", "8", "16", "32"];
+
 /// A Mandelbulb, and tangents that change sign millions of times per pixel, would take minutes.
 /// Compiling takes more time on some machines, so the budget grows until something is drawn.
 #[test]
@@ -580,7 +583,7 @@ fn a_budget_of_time_ends_what_is_hopeless_with_the_picture_so_far() {
             let fixed = ["render", formula, "--size", "700", "-o", "p.png", "--json"];
             place.run(&[&fixed[..], &["--budget", budget], domain, more].concat())
         };
-        let (budget, run, unreached) = ["1", "2", "4", "8", "16", "32"]
+        let (budget, run, unreached) = BUDGETS
             .into_iter()
             .find_map(|budget| {
                 let run = render(budget, &[]).ok();
@@ -630,8 +633,7 @@ fn a_budget_of_time_is_no_other_for_the_view() {
         frames.map(|frame| unreached(&frame)).collect::<Vec<_>>()
     };
     let drawn = |frame: &u64| *frame < 700 * 700;
-    let some =
-        ["1", "2", "4", "8", "16", "32"].into_iter().map(frames).find(|all| all.iter().all(drawn));
+    let some = BUDGETS.into_iter().map(frames).find(|all| all.iter().all(drawn));
     let some = some.expect("a part of every frame");
     assert_eq!(some.len(), 3);
     assert!(some.iter().all(|unreached| 0 < *unreached), "{some:?}");

@@ -65,12 +65,7 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         let mut marks = None;
         let mut write = |Strip { top, picture, overview }: Strip<'_>| -> Result<()> {
             let seen = overview.unwrap_or(&*picture);
-            let shown = PictureView {
-                camera: &camera,
-                region: &region,
-                picture: seen,
-                curves: model.curves(),
-            };
+            let shown = PictureView::of(&model, &camera, seen);
             marks.get_or_insert_with(|| around.marks(shown, size)).mix_into(&mut picture.rgb, top);
             files.add(picture)
         };

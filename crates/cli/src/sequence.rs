@@ -317,10 +317,7 @@ impl<'a> FrameRenderer<'a> {
         let model = model.with_context(named)?;
         let camera = sequence.camera(stage, frame).with_context(named)?;
         let mut picture = model.picture(&camera, &settings, &|_, _| {}).with_context(named)?;
-        let curves = model.curves();
-        let shown =
-            PictureView { camera: &camera, region: &stage.region, picture: &picture, curves };
-        picture.rgb = self.around.over(shown);
+        picture.rgb = self.around.over(PictureView::of(&model, &camera, &picture));
         self.subject.document = document;
         *last = Some(model);
         Ok((camera, picture))

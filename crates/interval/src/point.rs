@@ -6,9 +6,7 @@
 use crate::bounds::Interval;
 use crate::enclosure::Exponent;
 use crate::machine::{Format, Machine};
-use crate::rules::{
-    Approximation, Approximator, Base, HalfPi, Reach, Rule, bessel_order, by_halves,
-};
+use crate::rules::{Approximation, Approximator, Base, HalfPi, Reach, Rule, by_halves};
 use zeroset_ops::Op;
 
 /// Evaluates `op` at points, given as lanes of operands in `format`. `exponent` is the last
@@ -68,7 +66,7 @@ pub fn evaluate<M: Machine>(
         Op::Atanh => rule.within_one_at(a, false, |approx, a| approx.atanh(a)),
         Op::Erf => rule.near_at(a, |approx, a| approx.erf(a)),
         Op::BesselJ0 | Op::BesselJ1 | Op::BesselJ2 | Op::BesselJ3 => {
-            rule.bessel_at(a, bessel_order(op))
+            rule.bessel_at(a, op.bessel_order())
         }
         Op::Add => rule.m.add(a, operands[1]),
         Op::Sub => rule.m.sub(a, operands[1]),

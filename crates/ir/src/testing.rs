@@ -307,8 +307,7 @@ fn point(op: Op, v: &[(f64, f64)], integer: bool) -> Option<(f64, f64)> {
         }
         Op::Erf => (libm::erf(a), 1.13 * ea),
         Op::BesselJ0 | Op::BesselJ1 | Op::BesselJ2 | Op::BesselJ3 => {
-            let order = op as i32 - Op::BesselJ0 as i32;
-            (libm::jn(order, a), ea + f64::EPSILON)
+            (libm::jn(op.bessel_order() as i32, a), ea + f64::EPSILON)
         }
         Op::Add => (a + b, ea + eb),
         Op::Sub => (a - b, ea + eb),

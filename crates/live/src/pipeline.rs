@@ -131,9 +131,7 @@ pub struct Rendering {
 
 impl<'a> From<&'a Rendering> for PictureView<'a> {
     fn from(rendering: &'a Rendering) -> Self {
-        let (camera, picture) = (&rendering.camera, &rendering.picture);
-        let model = &rendering.model;
-        Self { camera, region: model.region(), picture, curves: model.curves() }
+        Self::of(&rendering.model, &rendering.camera, &rendering.picture)
     }
 }
 

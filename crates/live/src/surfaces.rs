@@ -181,7 +181,7 @@ fn changed(
 /// Returns whether the curves of two documents look alike.
 fn same_curves(one: &Document, other: &Document) -> bool {
     let style = |curve: &zeroset_syntax::Curve| {
-        (format!("{:?}", curve.color), curve.hidden, curve.echo.clone())
+        (format!("{:?}", curve.color), curve.width, curve.hidden, curve.echo.clone())
     };
     let [one, other] = [one, other].map(|document| document.curves.all.iter().map(style));
     one.eq(other)

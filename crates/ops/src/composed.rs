@@ -34,7 +34,7 @@ pub enum Sequence<T> {
 }
 
 impl<T> Sequence<T> {
-    /// The sequence whose formulas are those that `change` returns.
+    /// Applies `change` to every formula.
     pub fn map<U>(self, change: impl FnMut(T) -> U) -> Sequence<U> {
         match self {
             Self::Recurrence(all) => Sequence::Recurrence(all.map(change)),

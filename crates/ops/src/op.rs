@@ -64,6 +64,11 @@ impl Op {
         &crate::TABLE[self as usize]
     }
 
+    /// The order of a Bessel function. Other operations give a number without meaning.
+    pub fn bessel_order(self) -> usize {
+        (self as usize).wrapping_sub(Self::BesselJ0 as usize)
+    }
+
     /// Number of operands: 1, 2 or 3.
     pub fn arity(self) -> usize {
         usize::from(self.row().arity)

@@ -82,6 +82,13 @@ impl DocumentStyle {
     }
 }
 
+/// Simplifies all surfaces of `document` in `region`. Returns the time that it took, too.
+fn simplified(document: &Document, region: &Region) -> Result<(Program, Times), ProgramError> {
+    let watch = Instant::now();
+    let program = Program::new(document, view::bounds(region))?;
+    Ok((program, Times { simplify: watch.elapsed(), ..Times::default() }))
+}
+
 impl Model {
     /// Simplifies all surfaces of `document` in `region`, and compiles the kernels that a picture
     /// with these settings needs.
@@ -112,10 +119,11 @@ impl Model {
         settings: &Settings,
         wanted: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Self>, ProgramError> {
-        let mut model = Self::simplified(document, reach, settings)?;
-        model.program.hurry();
-        model.region = *region;
-        model.curves = Arc::new(curves::trace(document, region));
+        let (program, times) = simplified(document, reach)?;
+        program.hurry();
+        let curves = curves::trace(document, region);
+        let precision = settings.options.precision;
+        let mut model = Self::of(program, document, region, curves.into(), precision, Some(times));
         Ok(model.compile(settings, wanted)?.then_some(model))
     }
 
@@ -129,10 +137,10 @@ impl Model {
         region: &Region,
         settings: &Settings,
     ) -> Result<Self, ProgramError> {
-        let watch = Instant::now();
-        let program = Program::new(document, view::bounds(region))?;
-        let times = Times { simplify: watch.elapsed(), ..Times::default() };
-        Ok(Self::of(program, document, region, settings.options.precision, Some(times)))
+        let (program, times) = simplified(document, region)?;
+        let curves = curves::trace(document, region);
+        let precision = settings.options.precision;
+        Ok(Self::of(program, document, region, curves.into(), precision, Some(times)))
     }
 
     /// Optimizes the kernels of [`Model::new_while`], in parallel. It checks `wanted` between
@@ -174,19 +182,18 @@ impl Model {
     pub fn interpreted(&self, document: &Document) -> Self {
         let program = self.program.on(Evaluator::Reference);
         let curves = Arc::clone(&self.curves);
-        let model = Self::of(program, document, &self.region, self.precision, self.times);
-        Self { curves, ..model }
+        Self::of(program, document, &self.region, curves, self.precision, self.times)
     }
 
     fn of(
         program: Program,
         document: &Document,
         region: &Region,
+        curves: Arc<TracedCurves>,
         precision: Precision,
         times: Option<Times>,
     ) -> Self {
         let styles = document.surfaces.clone();
-        let curves = Arc::new(curves::trace(document, region));
         let mut remarks = program.remarks(document);
         remarks.extend(curves.remarks.iter().cloned());
         Self {
@@ -220,7 +227,10 @@ impl Model {
             return None;
         }
         let program = self.program.rebound(document)?;
-        Some(program.map(|program| Self::of(program, document, region, self.precision, None)))
+        Some(program.map(|program| {
+            let curves = curves::trace(document, region);
+            Self::of(program, document, region, curves.into(), self.precision, None)
+        }))
     }
 
     /// Returns whether the code was compiled for another model.

@@ -56,8 +56,7 @@ impl Overlay {
     }
 
     /// Draws curves and points, axes and legends over a picture in the upper `height` rows of the
-    /// canvas. Legends
-    /// begin at the picture's top. If `to_bottom`, they end at its bottom instead.
+    /// canvas. Legends begin at the picture's top. If `to_bottom`, they end at its bottom instead.
     pub fn draw(self, canvas: &mut Canvas, shown: PictureView<'_>, height: usize, to_bottom: bool) {
         draw_curves(canvas, shown, height);
         if self.axes {

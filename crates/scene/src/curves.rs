@@ -215,11 +215,6 @@ fn coordinates_text(at: DVec3) -> String {
     format!("({x}, {y}, {z})")
 }
 
-/// The values of the document's parameters.
-fn values(document: &Document) -> Vec<Constant> {
-    document.parameters.iter().map(|parameter| parameter.value.clone()).collect()
-}
-
 /// The corners of a box around all points and all curves with a parameter, hidden ones too, for all
 /// times in the range of the time. `None` without points and such curves. The far parts of a curve
 /// that goes to infinity are left out.

@@ -69,7 +69,7 @@ pub struct AutoDomain {
     pub low: [f64; 3],
     /// The corner with the largest coordinates.
     pub high: [f64; 3],
-    /// Whether the surface is proven empty or bounded.
+    /// A proof that the surface is empty or bounded, or the lack of one.
     pub finding: Finding,
     /// Per axis, whether the surface is a graph that continues beyond the lower and the upper end.
     pub cut: [[bool; 2]; 3],
@@ -123,8 +123,8 @@ impl AutoDomain {
     }
 }
 
-/// Whether a surface is proven empty or bounded. The finding for several surfaces is the greatest
-/// of their findings.
+/// A proof that a surface is empty or bounded, or the lack of one. The finding for several surfaces
+/// is the greatest of their findings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Finding {
     /// The surface is proven to have no point.

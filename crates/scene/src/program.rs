@@ -360,9 +360,12 @@ impl Program {
 /// All surfaces as typed, with parameters in exponents replaced by their values.
 fn typed(document: &Document) -> (Graph, Vec<NodeId>) {
     let surfaces: Vec<NodeId> = document.surfaces.iter().map(|surface| surface.root).collect();
-    let values: Vec<Constant> =
-        document.parameters.iter().map(|parameter| parameter.value.clone()).collect();
-    fix_exponents(&document.graph, &surfaces, &values)
+    fix_exponents(&document.graph, &surfaces, &constants(document))
+}
+
+/// The values of the document's parameters.
+pub(crate) fn constants(document: &Document) -> Vec<Constant> {
+    document.parameters.iter().map(|parameter| parameter.value.clone()).collect()
 }
 
 fn holds_zeros(document: &Document) -> Vec<Option<bool>> {

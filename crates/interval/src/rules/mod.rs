@@ -98,7 +98,7 @@ impl<M: Machine> Rule<'_, M> {
                 rule.erf(a, ends)
             }
             Op::BesselJ0 | Op::BesselJ1 | Op::BesselJ2 | Op::BesselJ3 => {
-                let order = bessel_order(op);
+                let order = op.bessel_order();
                 let ends = rule.bessel_at_ends(order, a);
                 rule.bessel(order, a, ends)
             }
@@ -122,11 +122,6 @@ impl<M: Machine> Rule<'_, M> {
             Op::WhereDefined => rule.with_facts_of(a, &operands[1]),
         }
     }
-}
-
-/// The order of a Bessel function.
-pub(crate) fn bessel_order(op: Op) -> usize {
-    op as usize - Op::BesselJ0 as usize
 }
 
 /// Encloses `op` and its [twin](zeroset_ops::OpRow::twin) over the same operand. Returns `None` if

@@ -54,10 +54,12 @@ _SYMPY_SAME = {
 _DEEPEST = 20
 
 
-class Expression:
+class Expression(np.lib.mixins.NDArrayOperatorsMixin):
     """A value that a traced function computes. It takes part in arithmetic, comparisons, NumPy's
     ufuncs, ``numpy.where`` and ``numpy.clip``. It has no number yet, so ``if`` cannot test it.
     """
+
+    # The mixin makes a ufunc of every operator.
 
     __slots__ = ("_form", "_parts")
     __hash__ = object.__hash__
@@ -104,84 +106,6 @@ class Expression:
 
     def __iter__(self) -> Any:
         raise Error("a formula has no elements")
-
-    def __add__(self, other: Any) -> Expression:
-        return _infix("+", self, other)
-
-    def __radd__(self, other: Any) -> Expression:
-        return _infix("+", other, self)
-
-    def __sub__(self, other: Any) -> Expression:
-        return _infix("-", self, other)
-
-    def __rsub__(self, other: Any) -> Expression:
-        return _infix("-", other, self)
-
-    def __mul__(self, other: Any) -> Expression:
-        return _infix("*", self, other)
-
-    def __rmul__(self, other: Any) -> Expression:
-        return _infix("*", other, self)
-
-    def __truediv__(self, other: Any) -> Expression:
-        return _infix("/", self, other)
-
-    def __rtruediv__(self, other: Any) -> Expression:
-        return _infix("/", other, self)
-
-    def __floordiv__(self, other: Any) -> Expression:
-        return call("floor", _infix("/", self, other))
-
-    def __rfloordiv__(self, other: Any) -> Expression:
-        return call("floor", _infix("/", other, self))
-
-    def __mod__(self, other: Any) -> Expression:
-        return call("mod", self, other)
-
-    def __rmod__(self, other: Any) -> Expression:
-        return call("mod", other, self)
-
-    def __pow__(self, other: Any) -> Expression:
-        return _infix("^", self, other)
-
-    def __rpow__(self, other: Any) -> Expression:
-        return _infix("^", other, self)
-
-    def __neg__(self) -> Expression:
-        return Expression("(-{})", self)
-
-    def __pos__(self) -> Expression:
-        return self
-
-    def __abs__(self) -> Expression:
-        return call("abs", self)
-
-    def __lt__(self, other: Any) -> Expression:
-        return _infix("<", self, other)
-
-    def __le__(self, other: Any) -> Expression:
-        return _infix("<=", self, other)
-
-    def __gt__(self, other: Any) -> Expression:
-        return _infix(">", self, other)
-
-    def __ge__(self, other: Any) -> Expression:
-        return _infix(">=", self, other)
-
-    def __eq__(self, other: Any) -> Expression:  # type: ignore[override]
-        return _infix("=", self, other)
-
-    def __ne__(self, other: Any) -> Expression:  # type: ignore[override]
-        return _infix("!=", self, other)
-
-    def __and__(self, other: Any) -> Expression:
-        return _infix("and", self, other)
-
-    def __or__(self, other: Any) -> Expression:
-        return _infix("or", self, other)
-
-    def __invert__(self) -> Expression:
-        return Expression("(not {})", self)
 
     def __repr__(self) -> str:
         return f"<Expression {text_of(self)}>"

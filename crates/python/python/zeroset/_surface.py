@@ -123,18 +123,19 @@ class Surface:
 
     def __init__(self, formula: str | Callable[..., Any] | Any, /, **values: float) -> None:
         text = _text(formula, values)
-        missing = dict(values)
-        if values:
-            try:
-                scene = _zeroset.Scene(text)
-            except Error:
-                pass
-            else:
-                for name, _, _ in scene.parameters:
-                    missing.pop(name, None)
-        lines = [f"{name} = {float(value)!r}" for name, value in missing.items()]
-        self._scene = _zeroset.Scene("\n".join([text, *lines]))
-        self.set(**{name: value for name, value in values.items() if name not in missing})
+        scene, known = None, set()
+        try:
+            scene = _zeroset.Scene(text)
+            known = {name for name, _, _ in scene.parameters}
+        except Error:
+            # A text that lacks a value cannot be read yet.
+            if not values:
+                raise
+        lines = [f"{name} = {float(values[name])!r}" for name in values if name not in known]
+        if scene is None or lines:
+            scene = _zeroset.Scene("\n".join([text, *lines]))
+        self._scene = scene
+        self.set(**{name: value for name, value in values.items() if name in known})
 
     @property
     def text(self) -> str:

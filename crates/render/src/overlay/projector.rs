@@ -1,6 +1,7 @@
 //! A picture with its camera, and the projection of points into it.
 
 use super::canvas::Rgb;
+use crate::model::Model;
 use crate::picture::Picture;
 use glam::{DVec2, DVec3};
 use zeroset_scene::curves::TracedCurves;
@@ -23,7 +24,12 @@ pub struct PictureView<'a> {
     pub curves: &'a TracedCurves,
 }
 
-impl PictureView<'_> {
+impl<'a> PictureView<'a> {
+    /// A picture of a model. It may be a smaller one of the same view.
+    pub fn of(model: &'a Model, camera: &'a Camera, picture: &'a Picture) -> Self {
+        Self { camera, region: model.region(), picture, curves: model.curves() }
+    }
+
     /// The color for lines and letters, which contrasts with the background.
     pub fn ink(&self) -> Rgb {
         let ground =
@@ -68,15 +74,21 @@ impl<'a> Projector<'a> {
         Some((DVec2::new(across, down), distance))
     }
 
-    /// Returns whether nothing is painted in front of a point at this position and distance.
-    pub fn is_seen(&self, at: DVec2, distance: f64) -> bool {
+    /// Column and row of the shown picture's pixel at a position.
+    fn pixel(&self, at: DVec2) -> [usize; 2] {
         let buffer = &self.shown.picture.buffer;
         let scaled = |at: f64, size: usize, of: usize| {
             let place = (at * of as f64 / size as f64).max(0.0) as usize;
             place.min(of - 1)
         };
-        let x = scaled(at.x, self.rays.width(), buffer.width);
-        let y = scaled(at.y, self.rays.height(), buffer.height);
+        let (width, height) = (self.rays.width(), self.rays.height());
+        [scaled(at.x, width, buffer.width), scaled(at.y, height, buffer.height)]
+    }
+
+    /// Returns whether nothing is painted in front of a point at this position and distance.
+    pub fn is_seen(&self, at: DVec2, distance: f64) -> bool {
+        let buffer = &self.shown.picture.buffer;
+        let [x, y] = self.pixel(at);
         // The margin keeps a surface that touches the box from hiding it.
         buffer.drawn[y * buffer.width + x] > distance * (1.0 - 2e-3)
     }
@@ -100,12 +112,7 @@ impl<'a> Projector<'a> {
     /// is seen, however steep the surface is.
     pub fn is_seen_nearby(&self, at: DVec2, distance: f64) -> (usize, bool) {
         let buffer = &self.shown.picture.buffer;
-        let scaled = |at: f64, size: usize, of: usize| {
-            let place = (at * of as f64 / size as f64).max(0.0) as usize;
-            place.min(of - 1)
-        };
-        let x = scaled(at.x, self.rays.width(), buffer.width);
-        let y = scaled(at.y, self.rays.height(), buffer.height);
+        let [x, y] = self.pixel(at);
         let around = |at: usize, size: usize| at.saturating_sub(1)..=(at + 1).min(size - 1);
         let is_seen = around(y, buffer.height).any(|y| {
             let row = y * buffer.width;

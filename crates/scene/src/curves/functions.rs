@@ -1,7 +1,7 @@
 //! Functions of curves, with the parameters' values in place of parameters, and their kernels.
 
-use super::values;
 use crate::point_value::{Place, PointValues};
+use crate::program::constants;
 use crate::view::nearest;
 use glam::DVec3;
 use zeroset_eval::{Assumptions, Binding, Kernel, Points, Query, Reference, SampleGradient, Tape};
@@ -18,7 +18,7 @@ const MOST_NODES: usize = 200_000;
 /// The curves' own parameter becomes the variable x. `None` if the functions are too large.
 pub fn bound(document: &Document, roots: &[NodeId]) -> Option<(Graph, Vec<NodeId>)> {
     let graph = &document.curves.graph;
-    let values = values(document);
+    let values = constants(document);
     let needed = graph.reachable(roots);
     let mut copy = Graph::new();
     let mut places: Vec<Option<NodeId>> = vec![None; graph.len()];
@@ -90,7 +90,7 @@ pub fn points_at(kernel: &dyn Kernel<SampleGradient, f64>, parameters: &[f64]) -
 
 /// A value at each of these places, with the normal and the depth 0. NaN where it is undefined.
 pub fn values_at(document: &Document, value: &PointValue, places: &[DVec3]) -> Vec<f64> {
-    let parameters: Vec<f64> = values(document).iter().map(nearest).collect();
+    let parameters: Vec<f64> = constants(document).iter().map(nearest).collect();
     let value = PointValues::new(value, &parameters);
     let mut room = value.room();
     let place = |at: &DVec3| Place { at: at.to_array(), own: [0.0; POINT_NAMES.len()] };

@@ -68,9 +68,8 @@ pub fn pieces(
     let seeds: Vec<DVec3> = cells.iter().map(|cell| grid.centre(*cell)).collect();
     let mut marcher = Marcher::new(&pair, region, grid.step);
     let found = seeds.chunks(LANES).flat_map(|seeds| pair.nearest_zeros(seeds, grid.step));
-    let found: Vec<DVec3> = found.flatten().collect();
-    for seed in &found {
-        marcher.follow(*seed);
+    for seed in found.flatten() {
+        marcher.follow(seed);
     }
     let problem = match (marcher.pieces.is_empty(), cells.is_empty(), marcher.is_complete()) {
         (true, false, _) => Some("has no part here along which it can be followed"),

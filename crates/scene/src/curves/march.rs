@@ -241,21 +241,13 @@ impl<'a> Marcher<'a> {
     fn turn(&mut self, own: usize) {
         self.pieces[own].reverse();
         let last = self.pieces[own].len() - 1;
-        for at in self.pieces[own].clone() {
-            let key = self.key(at);
-            for vertex in self.vertices.entry(key).or_default() {
-                // Each vertex is turned once: those turned have the piece's number plus a mark.
-                if vertex.piece == own {
-                    *vertex = Vertex { piece: usize::MAX, index: last - vertex.index };
-                }
-            }
-        }
-        for at in self.pieces[own].clone() {
-            let key = self.key(at);
-            for vertex in self.vertices.entry(key).or_default() {
-                if vertex.piece == usize::MAX {
-                    vertex.piece = own;
-                }
+        let mut keys: Vec<[i64; 3]> = self.pieces[own].iter().map(|at| self.key(*at)).collect();
+        keys.sort_unstable();
+        keys.dedup();
+        for key in keys {
+            let all = self.vertices.entry(key).or_default().iter_mut();
+            for vertex in all.filter(|vertex| vertex.piece == own) {
+                vertex.index = last - vertex.index;
             }
         }
     }

@@ -52,7 +52,7 @@ fn vertices_are_on_both_surfaces() {
     assert!(found.remarks.is_empty(), "{:?}", found.remarks);
     let worst = found.places().map(viviani).fold(0.0, f64::max);
     assert!(worst < 6e-6, "{worst}");
-    // The curve is 4·√2·E(1/2) · … long: integrated with another program.
+    // The curve's length is the integral of √(1 + cos²(t/2)) over t from 0 to 4π.
     let all: f64 = found.lines.iter().map(|line| length(&line.at)).sum();
     assert!((all - 15.280_8).abs() < 0.05, "{all} in {} pieces", found.lines.len());
     // No gap: the curve passes near each of these points of its parametrization.
@@ -142,7 +142,7 @@ fn a_document_of_curves_has_their_box_as_its_domain() {
     assert!(pole[1].y < 100.0, "{pole:?}");
 }
 
-/// Texts that could take for ever, or have no curve.
+/// Texts that could take for ever, or have no curve. Limits of cells, steps and vertices end them.
 #[test]
 fn hostile_curves_end_with_a_remark() {
     for (text, remark) in [
@@ -163,12 +163,11 @@ fn hostile_curves_end_with_a_remark() {
         ("n = -1\n(t, t, t) for t in [0, n]", "has no range"),
         ("(1/0, 1, 2)", "has no value"),
     ] {
-        let begun = std::time::Instant::now();
         let found = traced(text, 2.0);
         let remarks = found.remarks.join("; ");
         assert!(remarks.contains(remark), "{text}: {remarks:?}");
         assert!(found.places().all(DVec3::is_finite), "{text}");
-        assert!(begun.elapsed().as_secs() < 10, "{text}: {:?}", begun.elapsed());
+        assert!(found.places().count() < 1 << 18, "{text}: {}", found.places().count());
     }
     let many: Vec<String> = (0..9000).map(|n| format!("({n}, {}, 0)", n * n)).collect();
     let many = many.join("\n");

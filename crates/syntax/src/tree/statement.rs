@@ -58,9 +58,8 @@ pub(crate) fn lines<'i>(
         let rule = if raw.head.is_some() { Rule::line } else { rule(lexed) };
         match recognise(text, lexed, rule) {
             Ok(pair) => {
-                let typed = || Some(rule).filter(|rule| *rule == Rule::line);
-                let head =
-                    raw.head.clone().or_else(|| head(text, lexed, typed().and(Some(&pair))?));
+                let typed = || (rule == Rule::line).then(|| head(text, lexed, &pair)).flatten();
+                let head = raw.head.clone().or_else(typed);
                 lines.push(ParsedStatement { raw, pair, head });
             }
             Err(error) => errors.push(*error),

@@ -51,7 +51,7 @@ pub(super) fn apply(op: Op, operands: [Claim; 3], exponent: Exponent) -> Claim {
         ),
         Op::Erf => everywhere(elementary::erf(a)),
         Op::BesselJ0 | Op::BesselJ1 | Op::BesselJ2 | Op::BesselJ3 => {
-            everywhere(elementary::bessel(op as i32 - Op::BesselJ0 as i32, a))
+            everywhere(elementary::bessel(op.bessel_order() as i32, a))
         }
         Op::Add => everywhere(a.add(b)),
         Op::Sub => everywhere(a.sub(b)),

@@ -17,7 +17,7 @@ mod waves;
 use crate::bounds::Interval;
 use crate::enclosure::{Claims, Enclosure, Exponent, Operand, Term};
 use crate::machine::{Format, Machine};
-use crate::rules::{Rule, bessel_order, enclose};
+use crate::rules::{Rule, enclose};
 use crate::software::{Software, Vector128};
 use std::f64::consts::{LOG2_E, LOG10_E};
 use zeroset_ops::{Class, Op};
@@ -234,7 +234,7 @@ pub fn linearise<M: Machine, const N: usize>(
             rule.form_chord(a, &bounds, ends, &value, 0.968_75)
         }
         Op::BesselJ0 | Op::BesselJ1 | Op::BesselJ2 | Op::BesselJ3 => {
-            let (order, bounds) = (bessel_order(op), rule.operand(a));
+            let (order, bounds) = (op.bessel_order(), rule.operand(a));
             let ends = rule.bessel_at_ends(order, &bounds);
             let value = rule.bessel(order, &bounds, ends);
             rule.form_chord(a, &bounds, ends, &value, 0.5)

@@ -17,7 +17,7 @@ const F64: Format = Format::F64;
 const UPPER_HALF: u64 = !((1 << 27) - 1);
 /// For |x| below this limit, a function with f(x) = x + O(x³) equals x within any claimed relative
 /// error. Routines that approximate such functions would underflow there.
-const TINY: f64 = f64::from_bits((1023 - 400) << 52); // 2^-400
+pub(super) const TINY: f64 = f64::from_bits((1023 - 400) << 52); // 2^-400
 
 /// A number as the sum of head and tail.
 #[derive(Clone, Copy, Debug)]

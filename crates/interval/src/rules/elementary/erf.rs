@@ -2,7 +2,7 @@
 
 use super::approximator::Approximator;
 use super::centred::CentredSeries;
-use super::double_double::{Approximation, DoubleDouble};
+use super::double_double::{Approximation, DoubleDouble, TINY};
 use crate::enclosure::{Enclosure, Operand};
 use crate::machine::Machine;
 use crate::rules::Rule;
@@ -18,8 +18,7 @@ static SERIES: LazyLock<[CentredSeries; 2]> = LazyLock::new(|| {
 });
 /// 2/√π as head and tail.
 const FACTOR: [f64; 2] = [std::f64::consts::FRAC_2_SQRT_PI, 1.533_545_961_316_588e-17];
-/// Smaller operands are scaled by 2^[`SCALE`], so that no product underflows.
-const TINY: f64 = f64::from_bits((1023 - 400) << 52); // 2^-400
+/// Operands below [`TINY`] are scaled by two to this power, so that no product underflows.
 const SCALE: i32 = 600;
 
 impl<M: Machine> Rule<'_, M> {

@@ -2,7 +2,6 @@ use super::*;
 use crate::model::Model;
 use crate::picture::{Picture, Settings};
 use zeroset_scene::view::{self, DomainChoice};
-use zeroset_space::Region;
 use zeroset_syntax::{Document, Options, read};
 use zeroset_trace::{Camera, Projection};
 
@@ -10,7 +9,6 @@ const SIZE: usize = 256;
 
 struct Scene {
     model: Model,
-    region: Region,
     camera: Camera,
     picture: Picture,
 }
@@ -23,12 +21,12 @@ impl Scene {
         let model = Model::new(&document, &region, &settings).expect("a model");
         let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("a camera");
         let picture = model.picture(&camera, &settings, &|_, _| {}).expect("a picture");
-        Self { model, region, camera, picture }
+        Self { model, camera, picture }
     }
 
     fn shown(&self) -> PictureView<'_> {
-        let Self { model, region, camera, picture } = self;
-        PictureView { camera, region, picture, curves: model.curves() }
+        let Self { model, camera, picture } = self;
+        PictureView::of(model, camera, picture)
     }
 
     /// The picture with its curves, as bytes.
