@@ -122,7 +122,7 @@ pub use function::{Enclosure, Function};
 pub use gallery::{Example, gallery};
 pub use measure::{MeasureSettings, Measures};
 pub use mesh::{Mesh, MeshSettings, SurfaceMesh};
-pub use picture::{Counts, Picture, Status};
+pub use picture::{Counts, Picture, Status, Viewpoint};
 pub use ray::{Ray, RayResult, Reason};
 pub use scene::Scene;
 pub use settings::{

@@ -13,7 +13,7 @@ use zeroset_render::picture;
 use zeroset_render::png_file::{check_png, write_png};
 use zeroset_scene::view::bounds;
 use zeroset_space::Region;
-use zeroset_trace::{PixelCounts, RayGrid, UndecidedReason};
+use zeroset_trace::{PixelCounts, Projection, RayGrid, UndecidedReason};
 
 /// A claim about the ray through a pixel's center, with its proof.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -39,6 +39,34 @@ pub struct Counts {
     pub undecided: usize,
 }
 
+/// The view from which a picture was taken. Coordinates are in world units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Viewpoint {
+    /// Position of the eye.
+    pub eye: [f64; 3],
+    /// The point in the middle of the picture.
+    pub target: [f64; 3],
+    /// A direction that points up in the picture. It need not be perpendicular to the view.
+    pub up: [f64; 3],
+    /// The angle of view from the lowest to the highest edge, in degrees. `None` for a parallel
+    /// projection.
+    pub fov: Option<f64>,
+    /// The height of the picture, for a parallel projection only.
+    pub orthographic: Option<f64>,
+}
+
+impl From<zeroset_trace::Camera> for Viewpoint {
+    fn from(camera: zeroset_trace::Camera) -> Self {
+        let (fov, orthographic) = match camera.projection() {
+            Projection::Perspective { fov } => (Some(fov), None),
+            Projection::Orthographic { height } => (None, Some(height)),
+        };
+        let [eye, target, up] = [camera.eye(), camera.target(), camera.up()].map(Into::into);
+        Self { eye, target, up, fov, orthographic }
+    }
+}
+
 /// A finished picture.
 ///
 /// Arrays have one value per pixel, row by row from the top. The pixel in column `i` of row `j` is
@@ -56,6 +84,7 @@ pub struct Counts {
 /// ```
 #[derive(Clone)]
 pub struct Picture {
+    camera: zeroset_trace::Camera,
     rays: RayGrid,
     domain: [Interval; 3],
     rows: PictureArrays,
@@ -100,12 +129,13 @@ impl PictureArrays {
 impl Picture {
     /// Makes a picture from its finished rows. Statistics, method and remarks are those of `whole`.
     pub(crate) fn new(
+        camera: zeroset_trace::Camera,
         rays: RayGrid,
         region: &Region,
         rows: PictureArrays,
         whole: picture::Picture,
     ) -> Self {
-        Self { rays, domain: bounds(region), rows, whole }
+        Self { camera, rays, domain: bounds(region), rows, whole }
     }
 
     /// Returns the number of pixels in a row.
@@ -158,6 +188,11 @@ impl Picture {
     pub fn surface(&self, column: usize, row: usize) -> Option<usize> {
         let pixel = self.pixel(column, row)?;
         self.rows.depth[pixel].is_finite().then(|| self.rows.surface[pixel].into())
+    }
+
+    /// Returns the view from which the picture was taken.
+    pub fn viewpoint(&self) -> Viewpoint {
+        self.camera.into()
     }
 
     /// Returns the ray through a pixel's center. Its direction may have any length. `None` if the

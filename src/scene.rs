@@ -110,7 +110,7 @@ impl Scene {
         };
         let whole = model.strips(&camera, &settings, &|_, _| {}, &mut add);
         let rays = camera.rays(settings.width, settings.height);
-        Ok(Picture::new(rays, &region, rows, whole.map_err(Error::formula)?))
+        Ok(Picture::new(camera, rays, &region, rows, whole.map_err(Error::formula)?))
     }
 
     /// Makes triangles of all surfaces that are not hidden, in the domain, as a ball or a clip

@@ -5,7 +5,7 @@ use crate::error::exception;
 use numpy::ndarray::{Array2, Array3};
 use numpy::{IntoPyArray, PyArray2, PyArray3};
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
+use pyo3::types::{PyBytes, PyDict};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -118,6 +118,23 @@ impl Picture {
     #[getter]
     fn undecided(&self) -> BTreeMap<String, usize> {
         self.0.undecided().map(|(reason, count)| (reason.to_string(), count)).collect()
+    }
+
+    /// The view from which the picture was taken, as options of `render`: eye, target, up, and fov
+    /// or orthographic.
+    #[getter]
+    fn camera<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let view = self.0.viewpoint();
+        let options = PyDict::new(py);
+        options.set_item("eye", view.eye)?;
+        options.set_item("target", view.target)?;
+        options.set_item("up", view.up)?;
+        for (name, number) in [("fov", view.fov), ("orthographic", view.orthographic)] {
+            if let Some(number) = number {
+                options.set_item(name, number)?;
+            }
+        }
+        Ok(options)
     }
 
     /// The box in which the surfaces were looked for: lower and upper end of x, y and z.

@@ -6,7 +6,7 @@ use crate::arguments::{
 use crate::error::{exception, wrong};
 use crate::mesh::Mesh;
 use crate::picture::Picture;
-use crate::work::interruptible;
+use crate::work::{Running, interruptible};
 use numpy::ndarray::{Array1, Array2};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -20,6 +20,7 @@ use zeroset::{Camera, Function, MeasureSettings, MeshSettings, Ray, RayResult, S
 pub struct Scene {
     text: String,
     state: RwLock<State>,
+    running: Running,
 }
 
 /// The two forms in which the library takes the text, with the same values of parameters.
@@ -64,7 +65,8 @@ impl Scene {
     #[new]
     fn new(py: Python<'_>, text: String) -> PyResult<Self> {
         let scene = py.detach(|| zeroset::Scene::read(&text)).map_err(|error| exception(&error))?;
-        Ok(Self { text, state: RwLock::new(State { scene, function: OnceLock::new() }) })
+        let state = RwLock::new(State { scene, function: OnceLock::new() });
+        Ok(Self { text, state, running: Running::default() })
     }
 
     /// The text as it was given.
@@ -262,9 +264,16 @@ impl Scene {
             };
         }
         let options = options.camera(camera);
-        let found =
-            interruptible(py, |stop| self.state().scene.render(&options.clone().stop(stop)))?;
+        let found = interruptible(py, &self.running, |stop| {
+            self.state().scene.render(&options.clone().stop(stop))
+        })?;
         found.map(Picture).map_err(|error| exception(&error))
+    }
+
+    /// Ends pictures, meshes and measures that other threads are making: pictures are returned
+    /// unfinished, meshes and measures raise an exception.
+    fn cancel(&self) {
+        self.running.cancel();
     }
 
     /// Makes triangles of all surfaces.
@@ -287,8 +296,9 @@ impl Scene {
         if let Some(budget) = budget {
             settings = settings.budget(seconds(budget)?);
         }
-        let found =
-            interruptible(py, |stop| self.state().scene.mesh(&settings.clone().stop(stop)))?;
+        let found = interruptible(py, &self.running, |stop| {
+            self.state().scene.mesh(&settings.clone().stop(stop))
+        })?;
         found.map(|mesh| Mesh(Arc::new(mesh))).map_err(|error| exception(&error))
     }
 
@@ -308,8 +318,9 @@ impl Scene {
         if let Some(budget) = budget {
             settings = settings.budget(seconds(budget)?);
         }
-        let found =
-            interruptible(py, |stop| self.state().scene.measure(&settings.clone().stop(stop)))?;
+        let found = interruptible(py, &self.running, |stop| {
+            self.state().scene.measure(&settings.clone().stop(stop))
+        })?;
         let found = found.map_err(|error| exception(&error))?;
         let row = |one: zeroset::Measures| {
             let row = PyDict::new(py);

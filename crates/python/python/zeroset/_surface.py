@@ -16,6 +16,8 @@ from ._zeroset import Error, Mesh, Picture
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from ._explorer import Explorer
+
 MISS, HIT, UNDECIDED = 0, 1, 2
 
 Floats: TypeAlias = npt.NDArray[np.float64]
@@ -321,11 +323,36 @@ class Surface:
         rows = self._scene.measure(region=domain, relative=relative, budget=budget)
         return [Measures(**{key: _intervals(value) for key, value in row.items()}) for row in rows]
 
+    def explore(self, width: int = 512, height: int = 512, **options: Any) -> Explorer:
+        """A widget in which the surface is turned, typed anew, and moved by sliders. `options` are
+        those of `render`. Needs anywidget.
+        """
+        try:
+            from ._explorer import Explorer
+        except ImportError as error:
+            raise ImportError("explore needs anywidget: pip install anywidget") from error
+        return Explorer(self, width, height, **options)
+
     def _repr_png_(self) -> bytes:
         return self.render().png()
 
     def __repr__(self) -> str:
         return f"<Surface {'; '.join(self.surfaces)}>"
+
+
+def explore(
+    formula: str | Callable[..., Any] | Any,
+    /,
+    width: int = 512,
+    height: int = 512,
+    *,
+    options: Mapping[str, Any] | None = None,
+    **values: float,
+) -> Explorer:
+    """A widget for a formula; see `Surface` and `Surface.explore`. `values` are parameters, which
+    have sliders; `options` are those of `Surface.render`.
+    """
+    return Surface(formula, **values).explore(width, height, **(options or {}))
 
 
 def plot(
