@@ -73,7 +73,7 @@ fn check(picture: &Picture) {
     assert_eq!([picture.depth().len(), picture.brackets().len()], [pixels; 2]);
     let mut counts = [0; 3];
     let mut undecided = 0;
-    for (pixel, status) in picture.status().iter().enumerate() {
+    for ((pixel, status), point) in picture.status().iter().enumerate().zip(picture.points()) {
         let (column, row) = (pixel % width, pixel / width);
         let (depth, [near, far]) = (picture.depth()[pixel], picture.brackets()[pixel]);
         match status {
@@ -81,7 +81,6 @@ fn check(picture: &Picture) {
             Status::Hit => assert!(near <= depth && depth <= far, "{near} {depth} {far}"),
             _ => assert!(near.is_nan()),
         }
-        let point = picture.points().nth(pixel).expect("one for each pixel");
         assert_eq!(point.map(f64::is_finite), [depth.is_finite(); 3]);
         counts[*status as usize] += 1;
         assert_eq!(picture.reason(column, row).is_some(), *status == Status::Undecided);
