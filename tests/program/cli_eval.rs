@@ -348,7 +348,11 @@ fn arrays_of_points_give_arrays_of_values() {
     assert_eq!(shape, [7, 9]);
     assert!(values.iter().filter(|value| !value.is_nan()).count() > 10);
     assert!(values.iter().all(|value| value.is_nan() || value.abs() < 0.3), "{values:?}");
-    // Standard input and output serve as well.
+    // The formula may come from standard input, too.
+    let run = place.run_with(&["eval", "-", "--at", "c.npy", "-o", "v.npy"], b"x + 1").ok();
+    assert!(run.stdout.is_empty());
+    assert_eq!(floats::<f32>(&place, "v.npy").1[50], 1.0);
+    // Standard input and output serve for arrays.
     let bytes = std::fs::read(place.path("c.npy")).expect("written");
     let run = place.run_with(&["eval", "x", "--at", "-", "-o", "-"], &bytes).ok();
     let array = npyz::NpyFile::new(&run.stdout[..]).expect("an array");

@@ -54,11 +54,9 @@ pub fn run(arguments: &EvalArgs) -> Result<ExitCode> {
         };
         let is_twice = argument == "-" && points == Path::new("-");
         ensure!(!is_twice, "formula and points cannot both come from standard input");
-        ensure!(
-            !holds_lines(argument)?,
-            "'{}' has lines of JSON; --at needs a formula",
-            argument.display()
-        );
+        // With --at, a pipe can only have a formula.
+        let has_lines = Path::new(argument).is_file() && holds_lines(argument)?;
+        ensure!(!has_lines, "'{}' has lines of JSON; --at needs a formula", argument.display());
         let program = functions.read_text(&source::find(argument)?)?;
         return arrays(arguments, &program, points);
     }
@@ -101,8 +99,8 @@ fn arrays(arguments: &EvalArgs, program: &Program, points: &Path) -> Result<Exit
     Ok(ExitCode::SUCCESS)
 }
 
-/// Whether the argument is a file with lines of JSON. A pipe has lines, too: it cannot be looked
-/// into and read again.
+/// Returns whether the argument is a file with lines of JSON. A pipe counts as one: it cannot be
+/// looked into and read again.
 fn holds_lines(argument: &OsStr) -> Result<bool> {
     let path = Path::new(argument);
     let Ok(metadata) = path.metadata() else { return Ok(false) };

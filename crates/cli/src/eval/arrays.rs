@@ -61,7 +61,7 @@ impl Arrays {
             let out = kernel.eval_all(&Points::near(points)).swap_remove(0);
             let is_finite = |point: &[f64; 3]| point.iter().all(|part| part.is_finite());
             // Rounding can give a number where the function has no value, for example atan(1/x) at
-            // 0. An enclosure around the exact point can prove that there is none.
+            // 0. An enclosure around the exact point can prove that it has none.
             let place = |point: &[f64; 3]| if is_finite(point) { *point } else { [0.0; 3] };
             let place = |point| place(point).map(|part| Interval { lo: part, hi: part });
             let boxes: Vec<_> = points.iter().map(place).collect();
