@@ -163,6 +163,12 @@ impl Picture {
         &self.rows.depth
     }
 
+    /// Returns each pixel's drawn point; NaN if the pixel shows the background. It lies on the
+    /// pixel's [ray](Self::ray), at the distance in [`depth`](Self::depth).
+    pub fn points(&self) -> impl Iterator<Item = [f64; 3]> {
+        self.rays.drawn_points(&self.rows.depth)
+    }
+
     /// Returns the unit normal of the surface drawn in each pixel, toward f > 0. It is 0 if the
     /// pixel shows the background. Normals serve for shading and are not proven.
     pub fn normals(&self) -> &[[f32; 3]] {

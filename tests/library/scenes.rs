@@ -33,8 +33,8 @@ fn decoded(png: &[u8]) -> (u32, u32, Vec<u8>) {
 fn pictures_and_arrays_are_those_of_the_command_line() {
     for text in TEXTS {
         let place = Sandbox::new();
-        let outputs =
-            ["-o", "a.png", "--status", "s.npy", "--bracket", "b.npy", "--normal", "n.npy"];
+        let outputs = ["-o", "a.png", "--status", "s.npy", "--bracket", "b.npy"];
+        let outputs = [&outputs[..], &["--normal", "n.npy", "--points", "p.npy"]].concat();
         let size = ["--size", "70x50", "--undecided", "tint"];
         run(&place, &[&["render", text][..], &outputs, &size].concat());
         let settings = Settings::new(70, 50).undecided(UndecidedStyle::Tint);
@@ -57,6 +57,9 @@ fn pictures_and_arrays_are_those_of_the_command_line() {
         let bits = |all: &[f64]| all.iter().map(|one| one.to_bits()).collect::<Vec<_>>();
         let bracket = npy::read_f64(open("b.npy")).expect("an array").data;
         assert_eq!(bits(picture.brackets().as_flattened()), bits(&bracket), "{text}");
+        let points: Vec<f64> = picture.points().flatten().collect();
+        let written = npy::read_f64(open("p.npy")).expect("an array").data;
+        assert_eq!(bits(&points), bits(&written), "{text}");
         let normal = npy::read_f32(open("n.npy")).expect("an array").data;
         assert_eq!(picture.normals().as_flattened(), normal, "{text}");
         check(&picture);
@@ -70,7 +73,7 @@ fn check(picture: &Picture) {
     assert_eq!([picture.depth().len(), picture.brackets().len()], [pixels; 2]);
     let mut counts = [0; 3];
     let mut undecided = 0;
-    for (pixel, status) in picture.status().iter().enumerate() {
+    for ((pixel, status), point) in picture.status().iter().enumerate().zip(picture.points()) {
         let (column, row) = (pixel % width, pixel / width);
         let (depth, [near, far]) = (picture.depth()[pixel], picture.brackets()[pixel]);
         match status {
@@ -78,6 +81,7 @@ fn check(picture: &Picture) {
             Status::Hit => assert!(near <= depth && depth <= far, "{near} {depth} {far}"),
             _ => assert!(near.is_nan()),
         }
+        assert_eq!(point.map(f64::is_finite), [depth.is_finite(); 3]);
         counts[*status as usize] += 1;
         assert_eq!(picture.reason(column, row).is_some(), *status == Status::Undecided);
         assert_eq!(picture.surface(column, row).is_some(), depth.is_finite());

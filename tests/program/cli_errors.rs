@@ -136,8 +136,8 @@ fn files_that_cannot_be_read() {
     std::fs::create_dir(place.path("folder.zset")).expect("made");
     let run = place.run(&["render", "folder.zset", "-o", PICTURE]);
     assert_refused(&place, &run, "is a directory", "a directory");
-    let run = place.run(&["eval", "missing"]);
-    assert_refused(&place, &run, "cannot read 'missing'", "a missing file of lines");
+    let run = place.run(&["eval", "missing.jsonl"]);
+    assert_refused(&place, &run, "there is no file 'missing.jsonl'", "a missing file of lines");
     #[cfg(unix)]
     {
         std::os::unix::fs::symlink("nowhere", place.path("x")).expect("made");

@@ -18,7 +18,7 @@ fn a_large_picture_is_written_in_strips() {
         let run = place.run(&[&fixed[..], more].concat()).ok();
         run.json()
     };
-    let arrays = ["--status", "status.npy", "--normal", "normal.npy"];
+    let arrays = ["--status", "status.npy", "--normal", "normal.npy", "--points", "points.npy"];
     let large = render("large.png", "1680x2560", &arrays);
     let small = render("small.png", "420x640", &[]);
     assert_eq!(large["camera"], small["camera"]);
@@ -32,6 +32,14 @@ fn a_large_picture_is_written_in_strips() {
     }
     let bytes = std::fs::read(place.path("normal.npy")).expect("written");
     assert_eq!(npyz::NpyFile::new(&bytes[..]).expect("an array").shape(), [2560, 1680, 3]);
+    let bytes = std::fs::read(place.path("points.npy")).expect("written");
+    let points = npyz::NpyFile::new(&bytes[..]).expect("an array");
+    let points: Vec<f64> = points.into_vec().expect("numbers");
+    // Rays of another strip would put the points elsewhere.
+    for (point, status) in points.as_chunks::<3>().0.iter().zip(&status) {
+        let radius = point.iter().map(|part| part * part).sum::<f64>().sqrt();
+        assert!(*status != 1 || (radius - 1.0).abs() < 0.01, "{point:?}");
+    }
     // Scaled down, the large picture equals the small one. Surface, legend and axes are in their
     // places, and no strip is displaced.
     let (large, small) = (picture(&place, "large.png"), picture(&place, "small.png"));

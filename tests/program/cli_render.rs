@@ -1,6 +1,7 @@
 //! End-to-end tests of `zeroset render`, `gallery` and `explain`.
 
 use crate::cli_support::Sandbox;
+use glam::DVec3;
 use serde_json::Value;
 
 const SPHERE: &str = "x^2+y^2+z^2 = 1";
@@ -152,6 +153,55 @@ fn arrays_hold_what_the_picture_shows() {
     assert!(near <= exact && exact <= far, "{exact} is not from {near} to {far}");
     // At the hit, x and y are about 4 · 0.1 · s, which gives the normal's third component.
     assert!((normal[3 * (4 * 20 + 10) + 2] - 0.978).abs() < 0.005);
+}
+
+/// The formula is that of docs/command-line.md.
+#[test]
+fn points_follow_from_distances_as_the_manual_says() {
+    let place = Sandbox::new();
+    let perspective = ["--eye", "3,-4,2", "--target", "0.1,0.2,-0.1", "--up", "0.2,0,1"];
+    for camera in [&[&perspective[..], &["--fov", "30"]].concat(), &[][..], &["--ortho", "3"]] {
+        let files = ["--distance", "d.npy", "--points", "p.npy", "--status", "s.npy"];
+        let fixed = ["render", "x^2+y^2+z^2 = 1", "--size", "37x20", "--json"];
+        let report = place.run(&[&fixed[..], &files, camera].concat()).ok().json();
+        let (shape, points) = array::<f64>(&place, "p.npy");
+        assert_eq!(shape, [20, 37, 3]);
+        let (_, distance) = array::<f64>(&place, "d.npy");
+        let (_, status) = array::<u8>(&place, "s.npy");
+        let vector = |key: &str| {
+            let numbers = report["camera"][key].as_array().expect("a vector");
+            DVec3::from([0, 1, 2].map(|axis| numbers[axis].as_f64().expect("a number")))
+        };
+        let eye = vector("eye");
+        let forward = (vector("target") - eye).normalize();
+        let right = forward.cross(vector("up")).normalize();
+        let up = right.cross(forward);
+        let fov = report["camera"]["fov"].as_f64();
+        let scale = match fov {
+            Some(fov) => (fov.to_radians() / 2.0).tan(),
+            None => report["camera"]["ortho"].as_f64().expect("a height") / 2.0,
+        };
+        let mut hits = 0;
+        for (pixel, point) in points.as_chunks::<3>().0.iter().enumerate() {
+            assert_eq!(status[pixel] == 0, point[0].is_nan(), "{pixel}");
+            if status[pixel] != 1 {
+                continue;
+            }
+            let (i, j) = ((pixel % 37) as f64, (pixel / 37) as f64);
+            let a = (2.0 * i + 1.0 - 37.0) / 20.0 * scale;
+            let b = (20.0 - 1.0 - 2.0 * j) / 20.0 * scale;
+            let aside = a * right + b * up;
+            let (origin, direction) =
+                if fov.is_some() { (eye, forward + aside) } else { (eye + aside, forward) };
+            let expected = origin + distance[pixel] * direction.normalize();
+            let off = (expected - DVec3::from(*point)).length();
+            assert!(off < 1e-14, "{pixel} of {camera:?}: {expected} and {point:?}");
+            // A hit is drawn within half a pixel of the sphere.
+            assert!((DVec3::from(*point).length() - 1.0).abs() < 0.1, "{pixel}: {point:?}");
+            hits += 1;
+        }
+        assert!(hits > 50, "{hits} hits");
+    }
 }
 
 #[test]
@@ -464,7 +514,7 @@ fn shadows_central_normals_and_parallel_rays() {
 
 #[test]
 fn every_thread_count_gives_the_same_picture_and_arrays() {
-    const ARRAYS: [&str; 5] = ["status", "distance", "bracket", "normal", "surface-id"];
+    const ARRAYS: [&str; 6] = ["status", "distance", "points", "bracket", "normal", "surface-id"];
 
     let place = Sandbox::new();
     place.write("behind.zset", "domain 1.5\nopacity 40%\nx^2+y^2+z^2 = 1\nz = x*y\nx < -1\n");

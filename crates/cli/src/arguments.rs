@@ -52,7 +52,7 @@ pub enum Command {
     /// Render a formula, a file, or a gallery surface to a picture.
     #[command(after_help = MORE, after_long_help = "")]
     Render(Box<RenderArgs>),
-    /// Evaluate formulas at points or over boxes: JSON lines in, JSON lines out.
+    /// Evaluate formulas at points or over boxes: JSON lines or an array in, and out.
     #[command(after_help = EVAL_FORMAT)]
     Eval(EvalArgs),
     /// Show how a formula is read, simplified and compiled.
@@ -133,13 +133,7 @@ impl ValueArgs {
     /// # Errors
     /// If one is not of the form `name=value`.
     pub fn overrides(&self) -> Result<Vec<(String, String)>> {
-        let split = |define: &String| {
-            let (name, value) = define
-                .split_once('=')
-                .with_context(|| format!("-D '{define}' is not of the form name=value"))?;
-            Ok((name.trim().to_owned(), value.trim().to_owned()))
-        };
-        self.define.iter().map(split).collect()
+        overrides(&self.define)
     }
 
     /// Returns the value of `--time`, if it was given.
@@ -147,15 +141,31 @@ impl ValueArgs {
     /// # Errors
     /// If it is not a finite number.
     pub fn time(&self) -> Result<Option<f64>> {
-        let number = |text: &String| {
-            view::number(text).with_context(|| format!("--time '{text}' is not a finite number"))
-        };
-        self.time.as_ref().map(number).transpose()
+        time(self.time.as_deref())
     }
 
     pub fn domain(&self) -> DomainChoice {
         self.domain.unwrap_or_default()
     }
+}
+
+/// Returns the name and the value of each `-D`.
+fn overrides(defined: &[String]) -> Result<Vec<(String, String)>> {
+    let split = |define: &String| {
+        let (name, value) = define
+            .split_once('=')
+            .with_context(|| format!("-D '{define}' is not of the form name=value"))?;
+        Ok((name.trim().to_owned(), value.trim().to_owned()))
+    };
+    defined.iter().map(split).collect()
+}
+
+/// Returns the value of `--time`, if it was given.
+fn time(text: Option<&str>) -> Result<Option<f64>> {
+    let number = |text| {
+        view::number(text).with_context(|| format!("--time '{text}' is not a finite number"))
+    };
+    text.map(number).transpose()
 }
 
 #[derive(Debug, Args)]
@@ -473,7 +483,7 @@ fn side() -> impl TypedValueParser<Value = &'static StandardView> {
 }
 
 /// Description of the JSON lines, shown below the options by `eval --help`.
-const EVAL_FORMAT: &str = r#"One line in, one line out; both are JSON objects.
+const EVAL_FORMAT: &str = r#"Without --at: one line in, one line out; both are JSON objects.
 
 At a point:
   {"f": "sin(x)*y", "at": [1, 2, 0]}
@@ -488,21 +498,68 @@ All values lie between lo and hi. "empty" is true where f is proven to have no v
 where it is proven to be continuous too. At a point where f is proven to have no value,
 "value" and "grad" are "nan"; where nothing is proven they are what the arithmetic of floats
 yields. Numbers may be texts: hexadecimal floats, "inf" and "-inf". "f" may hold several
-lines, as a file does. A line that cannot be answered gives {"error": "..."}."#;
+lines, as a file does, or be a name from `zeroset gallery --list`. If the argument is a formula,
+lines on standard input may leave "f" out. A line that cannot be answered gives {"error": "..."};
+then the exit code is 2.
+
+With --at, points come from an array of NumPy of shape (N, 3), in float32 or float64:
+  zeroset eval 'x^2+y^2-z' --at points.npy -o values.npy --precision f64
+Values have the type of --precision: float32, or float64 for f64. They are NaN where f is proven
+to have no value, and where a coordinate is not finite. Without -o and --gradient, one JSON
+object per point is printed."#;
 
 #[derive(Debug, Args)]
 pub struct EvalArgs {
-    /// Read JSON lines from this file, or from standard input for -
-    #[arg(value_name = "FILE|-", default_value = "-")]
-    pub source: PathBuf,
+    /// Read a formula, or a file or name as `render` does; or JSON lines from a file, or from
+    /// standard input for - or nothing
+    #[arg(value_name = "FORMULA|FILE|NAME|-", allow_hyphen_values = true)]
+    pub source: Option<OsString>,
 
-    /// Set the precision of lines that do not name one
+    /// Evaluate the formula at the points of this array, or of standard input for -
+    #[arg(long, value_name = "FILE.npy")]
+    pub at: Option<PathBuf>,
+
+    /// Write the values at the points of --at to this file
+    #[arg(short, long, value_name = "FILE.npy", requires = "at")]
+    pub output: Option<PathBuf>,
+
+    /// Write the gradients at the points of --at to this file
+    #[arg(long, value_name = "FILE.npy", requires = "at")]
+    pub gradient: Option<PathBuf>,
+
+    /// Set a parameter of the formula (may be repeated)
+    #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", allow_hyphen_values = true)]
+    define: Vec<String>,
+
+    /// Set the time t
+    #[arg(long, value_name = "T", allow_hyphen_values = true)]
+    time: Option<String>,
+
+    /// Set the precision of values, and of lines that do not name one
     #[arg(long, value_parser = floats(), default_value = "f32")]
     pub precision: Precision,
 
     /// Use the reference evaluator instead of compiled code
     #[arg(long)]
     pub reference: bool,
+}
+
+impl EvalArgs {
+    /// As [`ValueArgs::overrides`].
+    ///
+    /// # Errors
+    /// If one is not of the form `name=value`.
+    pub fn overrides(&self) -> Result<Vec<(String, String)>> {
+        overrides(&self.define)
+    }
+
+    /// As [`ValueArgs::time`].
+    ///
+    /// # Errors
+    /// If it is not a finite number.
+    pub fn time(&self) -> Result<Option<f64>> {
+        time(self.time.as_deref())
+    }
 }
 
 #[derive(Debug, Args)]

@@ -5,7 +5,7 @@ use npyz::{AutoSerialize, NpyWriter, WriterBuilder};
 use std::io::{self, Write};
 use std::path::PathBuf;
 use zeroset_render::picture::{Picture, Precision};
-use zeroset_trace::GBuffer;
+use zeroset_trace::{GBuffer, RayGrid};
 
 /// A kind of array that `render` can write to a file.
 #[derive(Debug)]
@@ -27,11 +27,11 @@ pub type NewRowWriter = io::Result<Box<dyn RowWriter>>;
 
 /// A file that is written row by row.
 pub trait RowWriter {
-    /// Writes the next rows of a picture.
+    /// Writes the next rows of a picture, which have these rays.
     ///
     /// # Errors
     /// If the sink fails.
-    fn add(&mut self, picture: &Picture) -> io::Result<()>;
+    fn add(&mut self, picture: &Picture, rays: &RayGrid) -> io::Result<()>;
 
     /// Finishes the file after the last row.
     ///
@@ -60,12 +60,25 @@ pub const ARRAYS: &[ArrayRow] = &[
         needs_brackets: false,
         begin: |out, [rows, columns], precision| match precision {
             // Kernels of this precision compute in `f32`, which is also enough for distances.
-            Precision::F32 => array(out, &[rows, columns], |picture, array| {
+            Precision::F32 => array(out, &[rows, columns], |picture, _, array| {
                 array.extend(distances(&picture.buffer).map(|distance| distance as f32))
             }),
-            Precision::Auto | Precision::F64 => array(out, &[rows, columns], |picture, array| {
-                array.extend(distances(&picture.buffer))
-            }),
+            Precision::Auto | Precision::F64 => {
+                array(out, &[rows, columns], |picture, _, array| {
+                    array.extend(distances(&picture.buffer))
+                })
+            }
+        },
+    },
+    ArrayRow {
+        flag: "points",
+        help: "The points that are drawn as a float64 array of x, y and z, NaN where nothing is drawn",
+        needs_normals: false,
+        needs_brackets: false,
+        begin: |out, [rows, columns], _| {
+            array(out, &[rows, columns, 3], |picture, rays, array| {
+                array.extend(rays.drawn_points(&picture.buffer.drawn).flatten())
+            })
         },
     },
     ArrayRow {
@@ -74,7 +87,7 @@ pub const ARRAYS: &[ArrayRow] = &[
         needs_normals: false,
         needs_brackets: true,
         begin: |out, [rows, columns], _| {
-            array(out, &[rows, columns, 2], |picture, array| {
+            array(out, &[rows, columns, 2], |picture, _, array| {
                 array.extend(picture.buffer.bracket.iter().flatten().copied())
             })
         },
@@ -85,7 +98,7 @@ pub const ARRAYS: &[ArrayRow] = &[
         needs_normals: false,
         needs_brackets: false,
         begin: |out, [rows, columns], _| {
-            array(out, &[rows, columns], |picture, array| {
+            array(out, &[rows, columns], |picture, _, array| {
                 array.extend(picture.buffer.status.iter().map(|&status| status as u8))
             })
         },
@@ -96,7 +109,9 @@ pub const ARRAYS: &[ArrayRow] = &[
         needs_normals: true,
         needs_brackets: false,
         begin: |out, [rows, columns], _| {
-            array(out, &[rows, columns, 3], |picture, array| array.extend(normals(&picture.buffer)))
+            array(out, &[rows, columns, 3], |picture, _, array| {
+                array.extend(normals(&picture.buffer))
+            })
         },
     },
     ArrayRow {
@@ -105,7 +120,7 @@ pub const ARRAYS: &[ArrayRow] = &[
         needs_normals: false,
         needs_brackets: false,
         begin: |out, [rows, columns], _| {
-            array(out, &[rows, columns], |picture, array| {
+            array(out, &[rows, columns], |picture, _, array| {
                 let buffer = &picture.buffer;
                 let drawn = |pixel: usize| buffer.is_drawn(pixel).then_some(buffer.surface[pixel]);
                 // A surface's number fits an `i16`, since a text has at most a thousand surfaces.
@@ -153,7 +168,7 @@ type Writer<T> = NpyWriter<T, Box<dyn Write>>;
 fn array<T, F>(out: Box<dyn Write>, shape: &[usize], add: F) -> NewRowWriter
 where
     T: AutoSerialize + Copy + 'static,
-    F: FnMut(&Picture, &mut Writer<T>) -> io::Result<()> + 'static,
+    F: FnMut(&Picture, &RayGrid, &mut Writer<T>) -> io::Result<()> + 'static,
 {
     let shape: Vec<u64> = shape.iter().map(|&side| side as u64).collect();
     let options = npyz::WriteOptions::<T>::new().default_dtype().shape(&shape);
@@ -168,10 +183,10 @@ struct Array<T: AutoSerialize, F> {
 impl<T, F> RowWriter for Array<T, F>
 where
     T: AutoSerialize,
-    F: FnMut(&Picture, &mut Writer<T>) -> io::Result<()>,
+    F: FnMut(&Picture, &RayGrid, &mut Writer<T>) -> io::Result<()>,
 {
-    fn add(&mut self, picture: &Picture) -> io::Result<()> {
-        (self.add)(picture, &mut self.writer)
+    fn add(&mut self, picture: &Picture, rays: &RayGrid) -> io::Result<()> {
+        (self.add)(picture, rays, &mut self.writer)
     }
 
     fn end(self: Box<Self>) -> io::Result<()> {

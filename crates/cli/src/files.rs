@@ -12,6 +12,7 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use zeroset_render::picture::{Picture, Precision};
 use zeroset_render::png_file::{check_png, png_encoder};
+use zeroset_trace::RayGrid;
 
 impl OutputArgs {
     fn paths(&self) -> impl Iterator<Item = &PathBuf> {
@@ -61,14 +62,14 @@ impl Files {
         Ok(Self(rows.zip(outputs).collect()))
     }
 
-    /// Writes a whole picture.
+    /// Writes a whole picture of these rays.
     ///
     /// # Errors
     /// If a file cannot be written.
-    pub fn finish(self, picture: &Picture, origin: &PictureOrigin) -> Result<()> {
+    pub fn finish(self, picture: &Picture, rays: &RayGrid, origin: &PictureOrigin) -> Result<()> {
         let size = [picture.buffer.width, picture.buffer.height];
         let mut files = self.begin(size, picture.precision, origin)?;
-        files.add(picture)?;
+        files.add(picture, rays)?;
         files.finish()
     }
 
@@ -103,13 +104,13 @@ impl Files {
 pub struct OpenFiles(Vec<(SharedOutput, Box<dyn RowWriter>)>);
 
 impl OpenFiles {
-    /// Writes the next rows.
+    /// Writes the next rows of a picture, which have these rays.
     ///
     /// # Errors
     /// If a file cannot be written.
-    pub fn add(&mut self, picture: &Picture) -> Result<()> {
+    pub fn add(&mut self, picture: &Picture, rays: &RayGrid) -> Result<()> {
         for (file, rows) in &mut self.0 {
-            rows.add(picture).map_err(|error| file.failed(error))?;
+            rows.add(picture, rays).map_err(|error| file.failed(error))?;
         }
         Ok(())
     }
@@ -152,7 +153,7 @@ impl Write for SharedOutput {
 struct Png(StreamWriter<'static, Box<dyn Write>>);
 
 impl RowWriter for Png {
-    fn add(&mut self, picture: &Picture) -> io::Result<()> {
+    fn add(&mut self, picture: &Picture, _: &RayGrid) -> io::Result<()> {
         self.0.write_all(&picture.rgb)
     }
 

@@ -29,6 +29,7 @@ mod output;
 #[cfg(feature = "window")]
 mod pick;
 mod png_file;
+mod point_array;
 mod preview;
 mod progress;
 mod prompt;
@@ -113,7 +114,8 @@ fn split_attached_value(argument: OsString) -> Vec<OsString> {
         let attached = |flag: &str| text.strip_prefix(flag).filter(|value| !value.is_empty());
         let is_file = |value: &&str| {
             let path = Path::new(value);
-            zeroset_export::Format::of(path).is_ok() || path.extension().is_some_and(|e| e == "png")
+            zeroset_export::Format::of(path).is_ok()
+                || path.extension().is_some_and(|e| e == "png" || e == "npy")
         };
         let is_definition = |value: &&str| {
             let name = value.split_once('=').map(|(name, _)| name);

@@ -7,9 +7,10 @@ use zeroset_interval::Interval;
 use zeroset_live::{Rendering, Request, quote};
 use zeroset_render::model::{Located, true_digits};
 use zeroset_render::picture::Precision;
+use zeroset_scene::view::nearest;
 use zeroset_space::Ray;
 use zeroset_syntax::ast::Statement;
-use zeroset_syntax::{Limits, parse};
+use zeroset_syntax::{Document, Limits, Parameter, ParameterKind, parse};
 use zeroset_trace::{DEPTH, Proves, Status, UndecidedReason};
 
 /// A pixel of a rendering, and the surface point that is visible in it.
@@ -131,7 +132,7 @@ impl<'a> Pick<'a> {
         let [u, v, w] = gradient.map(show);
         let _ = write!(text, "\n  f = {}  gradient {u}, {v}, {w}", show(value));
         let _ = write!(text, "\n  normal {a:.4}, {b:.4}, {c:.4}");
-        let formula = formula(&self.rendering.request, surface);
+        let formula = formula(&self.rendering.request, document, surface);
         let (point, precision) = match precision {
             Precision::F32 => (json!(p.as_vec3().to_array()), Precision::F32),
             Precision::Auto | Precision::F64 => (json!(p.to_array()), Precision::F64),
@@ -150,7 +151,7 @@ fn digits(reach: f64) -> usize {
 }
 
 /// Returns a document's definitions and the formula of one surface, as a text.
-fn formula(request: &Request, surface: usize) -> String {
+fn formula(request: &Request, document: &Document, surface: usize) -> String {
     let text = &request.text;
     let statements = parse(text, &Limits::default()).unwrap_or_default();
     let mut lines = Vec::new();
@@ -179,7 +180,10 @@ fn formula(request: &Request, surface: usize) -> String {
     for (name, value) in &request.overrides {
         lines.push(format!("{name} = {value}"));
     }
-    if let Some(time) = request.time {
+    // Unlike a picture, `eval` takes no time for granted.
+    let is_unset = |one: &&Parameter| one.kind == ParameterKind::Time && one.span.is_none();
+    let start = || Some(nearest(&document.parameters.iter().find(is_unset)?.value));
+    if let Some(time) = request.time.or_else(start) {
         lines.push(format!("t = {time}"));
     }
     lines.join("\n")
@@ -188,6 +192,24 @@ fn formula(request: &Request, surface: usize) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zeroset_syntax::Options;
+
+    #[test]
+    fn a_formula_of_the_time_is_written_with_its_time() {
+        let written = |text: &str, time, overrides: &[(&str, &str)]| {
+            let owned = |(name, value): &(&str, &str)| ((*name).to_owned(), (*value).to_owned());
+            let overrides: Vec<_> = overrides.iter().map(owned).collect();
+            let options = Options { overrides: &overrides, time, ..Options::default() };
+            let document = zeroset_syntax::read(text, &options).expect(text);
+            let request = Request { text: text.into(), time, overrides, ..Request::default() };
+            formula(&request, &document, 0)
+        };
+        assert_eq!(written("x = t", None, &[]), "x = t\nt = 0");
+        assert_eq!(written("x = t", Some(0.5), &[]), "x = t\nt = 0.5");
+        assert_eq!(written("t = 2 in [0, 3]\nx = t", None, &[]), "t = 2 in [0, 3]\nx = t");
+        assert_eq!(written("x = t", None, &[("t", "3")]), "x = t\nt = 3\nt = 3");
+        assert_eq!(written("x = 1", None, &[]), "x = 1");
+    }
 
     #[test]
     fn places_have_the_digits_that_are_known_of_them() {

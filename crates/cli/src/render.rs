@@ -62,12 +62,14 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         let origin = PictureOrigin::typed(&subject.source.text);
         let size = [settings.width, settings.height];
         let mut files = files.begin(size, settings.options.precision, &origin)?;
+        let rays = camera.rays(settings.width, settings.height);
         let mut marks = None;
         let mut write = |Strip { top, picture, overview }: Strip<'_>| -> Result<()> {
             let seen = overview.unwrap_or(&*picture);
             let shown = PictureView::of(&model, &camera, seen);
             marks.get_or_insert_with(|| around.marks(shown, size)).mix_into(&mut picture.rgb, top);
-            files.add(picture)
+            let rows = top..top + picture.buffer.height;
+            files.add(picture, &rays.part(0..settings.width, rows))
         };
         let picture = model.strips(&camera, &settings, &advance, &mut write)?;
         let is_stopped = settings.limit.is_stopped();

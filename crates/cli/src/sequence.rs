@@ -365,7 +365,8 @@ impl<'a> FrameRenderer<'a> {
             let opened = Files::create(&files)?;
             let (camera, picture) = self.render_frame(frame, &mut last)?;
             let held = interrupt::hold();
-            opened.finish(&picture, &origin)?;
+            let rays = camera.rays(picture.buffer.width, picture.buffer.height);
+            opened.finish(&picture, &rays, &origin)?;
             if wanted.json {
                 let Stage { region, searched, .. } = &self.stage;
                 let settings = self.settings;

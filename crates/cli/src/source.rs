@@ -76,7 +76,7 @@ pub fn find(argument: &OsStr) -> Result<Source> {
 
 /// Returns the gallery name that a word probably means: one that begins with the word, or else the
 /// most similar one. `None` if the word is a formula.
-fn misspelt(text: &str) -> Option<&'static str> {
+pub fn misspelt(text: &str) -> Option<&'static str> {
     const SHORTEST: usize = 4;
     let text = text.trim();
     let is_word = text.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_');

@@ -85,16 +85,7 @@ impl Picture {
     /// The drawn points: float64 (H, W, 3), NaN at the background.
     #[getter]
     fn points<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f64>> {
-        let (height, width) = self.shape();
-        let places = (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
-        let points = places.zip(self.0.depth()).map(|((column, row), depth)| {
-            let ray = self.0.ray(column, row).filter(|_| depth.is_finite());
-            ray.map_or([f64::NAN; 3], |zeroset::Ray { origin, direction }| {
-                let length = direction.iter().map(|part| part * part).sum::<f64>().sqrt();
-                std::array::from_fn(|axis| origin[axis] + depth / length * direction[axis])
-            })
-        });
-        self.rows(points).into_pyarray(py)
+        self.rows(self.0.points()).into_pyarray(py)
     }
 
     /// Number of the surface drawn in each pixel, in the order of the text: int32 (H, W), −1 at the

@@ -58,8 +58,12 @@ impl<T: WholeFloat> TreeNode<T> {
         node
     }
 
-    /// Divides the box. A part that needs nearly all steps is left out.
+    /// Divides the box. A part that needs nearly all steps is left out. A box without end has no
+    /// middle, and stays whole: `eval` takes points from everywhere.
     fn divided(&self) -> Vec<Self> {
+        if self.bounds.iter().any(|range| !range.lo.is_finite() || !range.hi.is_finite()) {
+            return Vec::new();
+        }
         let longest = (0..3)
             .max_by(|&a, &b| self.bounds[a].width().total_cmp(&self.bounds[b].width()))
             .unwrap_or_default();

@@ -263,6 +263,17 @@ impl RayGrid {
         self.ray(index % self.width, index / self.width)
     }
 
+    /// The points at `distances` from the rays' origins, in world units: one for each pixel, row by
+    /// row from the top. NaN where a distance is infinite.
+    pub fn drawn_points(&self, distances: &[f64]) -> impl Iterator<Item = [f64; 3]> {
+        let point = move |(pixel, distance): (usize, &f64)| {
+            let ray = self.ray_of(pixel);
+            let is_drawn = distance.is_finite();
+            if is_drawn { ray.at(ray.parameter(*distance)).into() } else { [f64::NAN; 3] }
+        };
+        distances.iter().enumerate().map(point)
+    }
+
     /// Columns and rows of a window's pixels in the picture, relative to the window's first pixel.
     #[inline(always)]
     fn places(&self, window: PixelWindow) -> [Lanes<f32>; 2] {
