@@ -167,7 +167,7 @@ impl Scene {
 
     /// Follows rays, given by origins and directions (N, 3). Returns t where the surface is drawn,
     /// lower and upper ends of brackets, and statuses: 0 miss, 1 hit, 2 undecided.
-    #[pyo3(signature = (origins, directions, *, region=None, method=None, precision=None))]
+    #[pyo3(signature = (origins, directions, *, region=None, method=None, precision=None, accuracy=None))]
     fn rays<'py>(
         &self,
         py: Python<'py>,
@@ -176,6 +176,7 @@ impl Scene {
         region: Option<DomainArgument>,
         method: Option<&str>,
         precision: Option<&str>,
+        accuracy: Option<f64>,
     ) -> PyResult<(Arrays<'py, 3>, Bound<'py, PyArray1<u8>>)> {
         let origins = points("origins", &origins)?;
         let directions = points("directions", &directions)?;
@@ -189,6 +190,9 @@ impl Scene {
         }
         if let Some(precision) = precision {
             settings = settings.precision(chosen("precision", precision, &PRECISIONS)?);
+        }
+        if let Some(accuracy) = accuracy {
+            settings = settings.accuracy(accuracy);
         }
         let found = self.with_function(py, |function| {
             let pairs = origins.iter().zip(directions);

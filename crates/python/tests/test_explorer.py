@@ -26,6 +26,7 @@ CELLS = [
 
 if CHROMIUM is None:
     pytest.skip("there is no Chromium", allow_module_level=True)
+psutil = pytest.importorskip("psutil")
 sync_api = pytest.importorskip("playwright.sync_api")
 
 
@@ -35,6 +36,13 @@ def until(holds, seconds=60):
     while not holds():
         assert time.monotonic() < end, "it took too long"
         time.sleep(0.1)
+
+
+def listeners(process):
+    """Addresses on which a process and its children listen."""
+    family = [psutil.Process(process), *psutil.Process(process).children(recursive=True)]
+    every = [one for member in family for one in member.net_connections(kind="inet")]
+    return sorted(one.laddr for one in every if one.status == psutil.CONN_LISTEN)
 
 
 def asked(address, token, what):
@@ -48,7 +56,7 @@ def asked(address, token, what):
 
 @pytest.fixture(scope="module")
 def server(tmp_path_factory):
-    """A Jupyter server on the loopback: its address, its token and its process."""
+    """A Jupyter server on the loopback: its address, token, folder and process."""
     folder = tmp_path_factory.mktemp("notebooks")
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
@@ -78,7 +86,7 @@ def server(tmp_path_factory):
         try:
             until(lambda: process.poll() is not None or asked(address, token, "") is not None)
             assert process.poll() is None, (folder / "log").read_text()
-            yield address, token, folder
+            yield address, token, folder, process.pid
         finally:
             process.terminate()
             process.wait(20)
@@ -134,7 +142,7 @@ class Widget:
 
 @pytest.mark.parametrize("place", ["lab/tree", "notebooks"])
 def test_widget_is_driven_in_a_browser(server, browser, place):
-    address, token, folder = server
+    address, token, folder, process = server
     name = f"{place.replace('/', '-')}.ipynb"
     notebook(folder / name)
     page = browser.new_page(viewport={"width": 1280, "height": 1000})
@@ -150,6 +158,7 @@ def test_widget_is_driven_in_a_browser(server, browser, place):
             for one in asked(address, token, "sessions")
         )
     )
+    quiet = listeners(process)
     page.locator(".jp-Cell").first.click()
     page.keyboard.press("Shift+Enter")
     page.locator(".zeroset canvas").wait_for(timeout=60_000)
@@ -203,6 +212,9 @@ def test_widget_is_driven_in_a_browser(server, browser, place):
     page.keyboard.press("Control+Enter")
     output = page.locator(".jp-OutputArea-output").last
     sync_api.expect(output).to_contain_text("z = b*x*y", timeout=30_000)
+    # Frames come over the connection that Jupyter has: nothing else listens.
+    assert listeners(process) == quiet
+    assert {at.ip for at in quiet} == {"127.0.0.1"}
     page.screenshot(path=str(folder / f"{name}.png"))
     if keep := os.environ.get("ZEROSET_SCREENSHOTS"):
         shutil.copy(folder / f"{name}.png", keep)

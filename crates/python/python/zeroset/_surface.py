@@ -229,10 +229,13 @@ class Surface:
         domain: Domain | None = None,
         method: str | None = None,
         precision: str | None = None,
+        accuracy: float | None = None,
     ) -> Trace:
         """What is proven of the rays ``origin + t * direction``, t >= 0, within the domain.
 
         Both arrays are (…, 3) and are broadcast. Neighboring rays are best given in a row.
+        `accuracy` is the largest distance of a drawn point from the zero, by default a millionth
+        of the domain's largest extent.
 
         >>> Surface("x^2+y^2+z^2 = 1").trace([0, 0, 5], [[0, 0, -1], [0, 0, 1]]).status
         array([1, 0], dtype=uint8)
@@ -245,6 +248,7 @@ class Surface:
             region=domain,
             method=method,
             precision=precision,
+            accuracy=accuracy,
         )
         bracket = np.stack((near, far), axis=-1).reshape((*shape, 2))
         return Trace(t.reshape(shape), status.reshape(shape), bracket)
