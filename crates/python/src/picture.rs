@@ -88,6 +88,19 @@ impl Picture {
         self.rows(self.0.points()).into_pyarray(py)
     }
 
+    /// The rays through the centers of the pixels: origins and unit directions, float64 (H, W, 3).
+    #[getter]
+    fn rays<'py>(&self, py: Python<'py>) -> [Bound<'py, PyArray3<f64>>; 2] {
+        let (height, width) = self.shape();
+        let places = || (0..height).flat_map(|row| (0..width).map(move |column| (column, row)));
+        let ray = |(column, row)| self.0.ray(column, row).expect("a pixel of the picture");
+        let length = |v: [f64; 3]| v.iter().map(|part| part * part).sum::<f64>().sqrt();
+        let unit = |v: [f64; 3]| v.map(|part| part / length(v));
+        let origins = self.rows(places().map(|at| ray(at).origin));
+        let directions = self.rows(places().map(|at| unit(ray(at).direction)));
+        [origins, directions].map(|array| array.into_pyarray(py))
+    }
+
     /// Number of the surface drawn in each pixel, in the order of the text: int32 (H, W), −1 at the
     /// background.
     #[getter]

@@ -11,8 +11,13 @@ SEED = 20070020
 
 @pytest.fixture
 def random():
-    print(f"seed {SEED}")
+    print(f"seed {SEED}; ZEROSET_CASES sets the number of cases")
     return np.random.default_rng(SEED)
+
+
+def cases(usual):
+    """How many random cases a test takes: `usual`, unless ZEROSET_CASES is set."""
+    return int(os.environ.get("ZEROSET_CASES", usual))
 
 
 @pytest.fixture(scope="session")

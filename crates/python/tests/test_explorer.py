@@ -17,8 +17,10 @@ import urllib.request
 
 import pytest
 
+import zeroset as zs
+
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-PACKAGE = pathlib.Path(__file__).parents[1] / "python"
+PACKAGE = pathlib.Path(zs.__file__).parents[1]
 CELLS = [
     "import zeroset as zs\nw = zs.explore('x^2+y^2+z^2 = 1 + a*x', a=0.5)\nw",
     "print('surface', w.surface, w.camera['eye'])",

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 import sympy as sp
+from conftest import SEED
 
 import zeroset as zs
 
@@ -48,6 +49,58 @@ def test_functions_mean_what_they_mean_in_numpy(number, random):
     points = random.uniform(-2, 2, (200, 3))
     expected = function(*points.T)
     np.testing.assert_allclose(zs.Surface(function)(points), expected, rtol=1e-12, atol=1e-12)
+
+
+# Functions that are defined for all numbers, under NumPy's names and SymPy's.
+UNARY = [("sin", "sin"), ("cos", "cos"), ("tanh", "tanh"), ("arctan", "atan"), ("abs", "Abs")]
+UNARY += [("sinh", "sinh"), ("arcsinh", "asinh"), ("exp", "exp"), ("sign", "sign")]
+
+
+def tree(random, depth):
+    """A random formula, as nested tuples."""
+    kind = random.integers(0, 8) if depth > 0 else 8
+    if kind < 3:
+        return (int(random.integers(0, len(UNARY))), tree(random, depth - 1))
+    if kind < 7:
+        return ("+-*/"[kind - 3], tree(random, depth - 1), tree(random, depth - 1))
+    if kind == 7:
+        return ("**", tree(random, depth - 1), int(random.integers(2, 4)))
+    return (
+        "xyz"[random.integers(0, 3)] if random.random() < 0.7 else round(random.uniform(-2, 2), 2)
+    )
+
+
+def value(of, names, module, column):
+    """The value of a tree, by the functions of a module: `column` tells where UNARY has them."""
+    if not isinstance(of, tuple):
+        return names.get(of, of)
+    head, *rest = of
+    parts = [value(part, names, module, column) for part in rest]
+    if isinstance(head, int):
+        # Large arguments would make large numbers, of which few digits are equal.
+        return getattr(module, UNARY[head][column])(parts[0] / 4)
+    a, b = parts
+    return {
+        "+": lambda: a + b,
+        "-": lambda: a - b,
+        "*": lambda: a * b,
+        "/": lambda: a / (b * b + 1),
+        "**": lambda: a**b,
+    }[head]()
+
+
+@pytest.mark.parametrize("number", range(25))
+def test_random_formulas_mean_the_same(number):
+    random = np.random.default_rng([SEED, number])
+    formula = ("+", tree(random, 5), ("*", "x", tree(random, 4)))
+    points = random.uniform(-2, 2, (100, 3))
+    expected = value(formula, dict(zip("xyz", points.T)), np, 0) + 0 * points[:, 0]
+    limits = {"rtol": 1e-11, "atol": 1e-11 * max(1, np.abs(expected).max())}
+    traced = zs.Surface(lambda x, y, z: value(formula, {"x": x, "y": y, "z": z}, np, 0))
+    np.testing.assert_allclose(traced(points), expected, **limits)
+    symbols = dict(zip("xyz", sp.symbols("x y z", real=True)))
+    expression = sp.sympify(value(formula, symbols, sp, 1))
+    np.testing.assert_allclose(zs.Surface(expression)(points), expected, **limits)
 
 
 def test_a_function_may_have_parameters():

@@ -4,6 +4,8 @@ import pathlib
 
 import pytest
 
+import zeroset as zs
+
 nbformat = pytest.importorskip("nbformat")
 nbclient = pytest.importorskip("nbclient")
 
@@ -17,8 +19,7 @@ def test_there_are_five():
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_notebook_runs(path, tmp_path, monkeypatch):
-    package = str(ROOT / "crates" / "python" / "python")
-    monkeypatch.setenv("PYTHONPATH", package)
+    monkeypatch.setenv("PYTHONPATH", str(pathlib.Path(zs.__file__).parents[1]))
     monkeypatch.setenv("IPYTHONDIR", str(tmp_path))
     notebook = nbformat.read(path, as_version=4)
     assert not any(cell.get("outputs") for cell in notebook.cells), "outputs are not kept"

@@ -1,6 +1,7 @@
 """Pictures and meshes: equal to those of the program, and right by other libraries."""
 
 import json
+import pickle
 import subprocess
 import sys
 import threading
@@ -9,6 +10,7 @@ import time
 import numpy as np
 import pytest
 import trimesh
+from conftest import cases
 from PIL import Image
 
 import zeroset as zs
@@ -197,6 +199,14 @@ def test_an_interrupt_ends_the_work():
     assert s.render(8, 8, domain=1, budget=0.5).width == 8
 
 
+def test_a_surface_is_sent_to_other_processes():
+    s = zs.Surface("x^2 + y^2 + z^2 = r^2", r=1)
+    s.set(r=1.5)
+    again = pickle.loads(pickle.dumps(s))
+    assert again.parameters == {"r": 1.5}
+    assert again.render(32, 32).png() == s.render(32, 32).png()
+
+
 def test_threads_give_equal_results():
     texts = DOCUMENTS[:8]
     alone = [zs.Surface(text).render(64, 64).png() for text in texts]
@@ -238,6 +248,7 @@ def test_one_surface_in_many_threads():
         ("PIL.Image", lambda s: s.render(8, 8).image),
         ("trimesh", lambda s: s.mesh(0.3).to_trimesh()),
         ("pyvista", lambda s: s.mesh(0.3).to_pyvista()),
+        ("anywidget", lambda s: s.explore()),
     ],
 )
 def test_packages_that_lack_are_named(module, use, monkeypatch):
@@ -264,5 +275,5 @@ def test_memory_stays_flat():
 
     work(2000)
     before = memory()
-    work(10_000)
+    work(cases(10_000))
     assert memory() - before < 20e6

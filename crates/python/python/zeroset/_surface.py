@@ -340,8 +340,18 @@ class Surface:
     def _repr_png_(self) -> bytes:
         return self.render().png()
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        # Other processes compile it anew.
+        return _again, (self.text, self.parameters)
+
     def __repr__(self) -> str:
         return f"<Surface {'; '.join(self.surfaces)}>"
+
+
+def _again(text: str, values: dict[str, float]) -> Surface:
+    surface = Surface(text)
+    surface.set(**values)
+    return surface
 
 
 def explore(
