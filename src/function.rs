@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use std::fmt;
 use std::ops::RangeInclusive;
 use std::sync::{Arc, Mutex, PoisonError};
-use zeroset_eval::{Boxes, Enclosures, Kernel, LANES, Points, Query, Values};
+use zeroset_eval::{Boxes, Enclosures, Kernel, LANES, Lanes, Points, Query, Values};
 use zeroset_interval::{Facts, Interval};
 use zeroset_scene::program::Program;
 use zeroset_scene::view::{ClipChoice, ClipShape, Clipping, bounds, region};
@@ -18,6 +18,17 @@ use zeroset_trace::TraceOptions;
 
 /// Least number of batches that a thread takes: some microseconds of work.
 const BATCHES: usize = 32;
+
+/// Returns whether all numbers are finite. Sums in lanes, so that the compiler uses vectors.
+fn are_finite(numbers: &[f64]) -> bool {
+    let (batches, rest) = numbers.as_chunks::<LANES>();
+    let mut sums = [0.0; LANES];
+    for batch in batches {
+        // The product is NaN unless the number is finite.
+        sums.iter_mut().zip(batch).for_each(|(sum, number)| *sum += number * 0.0);
+    }
+    !sums.iter().any(|sum| sum.is_nan()) && rest.iter().all(|number| number.is_finite())
+}
 
 /// A real function of x, y and z, compiled.
 ///
@@ -180,22 +191,23 @@ impl Function {
         let kernel = self.typed.kernels::<f64>(0).values().expect("compiled with the function");
         let work = |(number, values): (usize, &mut [f64])| {
             let axes = axes.map(|axis| &axis[number * BATCHES * LANES..][..values.len()]);
-            let (mut batch, mut out) = (Points::<f64>::default(), Values::<f64>::default());
-            for (number, values) in values.chunks_mut(LANES).enumerate() {
-                batch.count = values.len() as u32;
-                for (lanes, axis) in batch.at.iter_mut().zip(axes) {
-                    lanes[..values.len()].copy_from_slice(&axis[number * LANES..][..values.len()]);
+            let is_plain = self.is_total && axes.into_iter().all(are_finite);
+            let whole = if is_plain { values.len() / LANES } else { 0 };
+            let (batches, rest) = values.split_at_mut(whole * LANES);
+            let lanes = axes.map(|axis| axis.as_chunks::<LANES>().0);
+            let mut batch = Points::<f64> { count: LANES as u32, ..Points::default() };
+            let mut out = Values::<f64>::default();
+            for (number, values) in batches.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
+                for (coordinate, lanes) in batch.at.iter_mut().zip(&lanes) {
+                    *coordinate = Lanes(lanes[number]);
                 }
-                // Lanes that are not in use have coordinates of the batch before.
-                let is_finite = batch.at.iter().all(|lanes| lanes.iter().all(|c| c.is_finite()));
-                if self.is_total && is_finite {
-                    kernel.eval(&batch, &mut out);
-                    values.copy_from_slice(&out.value[..values.len()]);
-                } else {
-                    let point = |lane: usize| batch.at.each_ref().map(|lanes| lanes[lane]);
-                    let points: Vec<_> = (0..values.len()).map(point).collect();
-                    values.copy_from_slice(&self.eval(&points));
-                }
+                kernel.eval(&batch, &mut out);
+                *values = out.value.0;
+            }
+            if !rest.is_empty() {
+                let point = |n: usize| axes.map(|axis| axis[n]);
+                let points: Vec<_> = (whole * LANES..axes[0].len()).map(point).collect();
+                rest.copy_from_slice(&self.eval(&points));
             }
         };
         values.par_chunks_mut(BATCHES * LANES).enumerate().for_each(work);

@@ -24,4 +24,6 @@ mod _zeroset {
     use super::picture::Picture;
     #[pymodule_export]
     use super::scene::{Scene, gallery, looks, methods, views};
+    #[pymodule_export]
+    use super::work::Stop;
 }

@@ -6,7 +6,7 @@ use crate::arguments::{
 use crate::error::{exception, wrong};
 use crate::mesh::Mesh;
 use crate::picture::Picture;
-use crate::work::{Running, interruptible};
+use crate::work::{Stop, interruptible};
 use numpy::ndarray::{Array1, Array2};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -20,7 +20,6 @@ use zeroset::{Camera, Function, MeasureSettings, MeshSettings, Ray, RayResult, S
 pub struct Scene {
     text: String,
     state: RwLock<State>,
-    running: Running,
 }
 
 /// The two forms in which the library takes the text, with the same values of parameters.
@@ -66,7 +65,7 @@ impl Scene {
     fn new(py: Python<'_>, text: String) -> PyResult<Self> {
         let scene = py.detach(|| zeroset::Scene::read(&text)).map_err(|error| exception(&error))?;
         let state = RwLock::new(State { scene, function: OnceLock::new() });
-        Ok(Self { text, state, running: Running::default() })
+        Ok(Self { text, state })
     }
 
     /// The text as it was given.
@@ -219,13 +218,15 @@ impl Scene {
         self.with_function(py, |function| Ok(function.domain()?.each_ref().map(ends)))
     }
 
-    /// Renders a picture; `settings` has the options of `Surface.render`.
+    /// Renders a picture; `settings` has the options of `Surface.render`. `stop` ends it.
+    #[pyo3(signature = (width, height, settings, stop=None))]
     fn render(
         &self,
         py: Python<'_>,
         width: usize,
         height: usize,
         settings: &Bound<'_, PyDict>,
+        stop: Option<PyRef<'_, Stop>>,
     ) -> PyResult<Picture> {
         let mut options = Settings::new(width, height);
         let mut camera = Camera::new();
@@ -268,16 +269,11 @@ impl Scene {
             };
         }
         let options = options.camera(camera);
-        let found = interruptible(py, &self.running, |stop| {
+        let (own, given) = (Stop::new(), stop.as_deref());
+        let found = interruptible(py, given.unwrap_or(&own), |stop| {
             self.state().scene.render(&options.clone().stop(stop))
         })?;
         found.map(Picture).map_err(|error| exception(&error))
-    }
-
-    /// Ends pictures, meshes and measures that other threads are making: pictures are returned
-    /// unfinished, meshes and measures raise an exception.
-    fn cancel(&self) {
-        self.running.cancel();
     }
 
     /// Makes triangles of all surfaces.
@@ -300,7 +296,7 @@ impl Scene {
         if let Some(budget) = budget {
             settings = settings.budget(seconds(budget)?);
         }
-        let found = interruptible(py, &self.running, |stop| {
+        let found = interruptible(py, &Stop::new(), |stop| {
             self.state().scene.mesh(&settings.clone().stop(stop))
         })?;
         found.map(|mesh| Mesh(Arc::new(mesh))).map_err(|error| exception(&error))
@@ -322,7 +318,7 @@ impl Scene {
         if let Some(budget) = budget {
             settings = settings.budget(seconds(budget)?);
         }
-        let found = interruptible(py, &self.running, |stop| {
+        let found = interruptible(py, &Stop::new(), |stop| {
             self.state().scene.measure(&settings.clone().stop(stop))
         })?;
         let found = found.map_err(|error| exception(&error))?;

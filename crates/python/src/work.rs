@@ -13,41 +13,50 @@ const PAUSE: Duration = Duration::from_millis(20);
 /// Flags that no work uses. Flags live forever, so they are used again.
 static FREE: Mutex<Vec<&'static AtomicBool>> = Mutex::new(Vec::new());
 
-/// Flags of work that is going on, so that it can be cancelled.
-#[derive(Default)]
-pub struct Running(Mutex<Vec<&'static AtomicBool>>);
+fn free() -> MutexGuard<'static, Vec<&'static AtomicBool>> {
+    FREE.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
-impl Running {
-    fn flags(&self) -> MutexGuard<'_, Vec<&'static AtomicBool>> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+/// A flag that ends work, also work that has not begun.
+#[pyclass(frozen, module = "zeroset")]
+pub struct Stop(&'static AtomicBool);
+
+#[pymethods]
+impl Stop {
+    #[new]
+    pub fn new() -> Self {
+        Self(free().pop().unwrap_or_else(|| Box::leak(Box::default())))
     }
 
-    /// Ends all work that is going on.
-    pub fn cancel(&self) {
-        // The lock keeps a flag from being used again in the meantime.
-        self.flags().iter().for_each(|flag| flag.store(true, Ordering::Relaxed));
+    /// Ends the work that has this flag. A picture is returned unfinished.
+    pub fn set(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
+impl Drop for Stop {
+    fn drop(&mut self) {
+        self.0.store(false, Ordering::Relaxed);
+        free().push(self.0);
     }
 }
 
 /// Runs `work` on a thread of its own, without the interpreter's lock. An interrupt sets the flag
-/// that `work` gets, and its exception is raised once `work` has ended. [`Running::cancel`] sets the
-/// flag, too, without an exception.
+/// `stop`, which `work` gets, and its exception is raised once `work` has ended.
 ///
 /// # Panics
 /// If `work` panics.
 pub fn interruptible<T: Send>(
     py: Python<'_>,
-    running: &Running,
+    stop: &Stop,
     work: impl FnOnce(&'static AtomicBool) -> T + Send,
 ) -> PyResult<T> {
-    let free = || FREE.lock().unwrap_or_else(PoisonError::into_inner);
-    let stop = free().pop().unwrap_or_else(|| Box::leak(Box::default()));
-    running.flags().push(stop);
-    let found = py.detach(|| {
+    let flag = stop.0;
+    py.detach(|| {
         thread::scope(|scope| {
             let (done, ended) = channel();
             let worker = scope.spawn(move || {
-                let found = work(stop);
+                let found = work(flag);
                 // Nobody waits if the interpreter ends.
                 let _ = done.send(());
                 found
@@ -57,16 +66,12 @@ pub fn interruptible<T: Send>(
                 if interrupt.is_ok() {
                     interrupt = Python::attach(|py| py.check_signals());
                     if interrupt.is_err() {
-                        stop.store(true, Ordering::Relaxed);
+                        stop.set();
                     }
                 }
             }
             let found = worker.join().expect("kernels and tracers do not panic");
             interrupt.map(|()| found)
         })
-    });
-    running.flags().retain(|flag| !std::ptr::eq(*flag, stop));
-    stop.store(false, Ordering::Relaxed);
-    free().push(stop);
-    found
+    })
 }

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import anywidget
 import traitlets
 
-from ._zeroset import Error
+from ._zeroset import Error, Stop
 
 if TYPE_CHECKING:
     from ._surface import Surface
@@ -54,9 +54,8 @@ class Explorer(anywidget.AnyWidget):
         **options: Any,
     ) -> None:
         self._lock = threading.Lock()
-        # The newest request of each view in a browser, and the view that is drawn now.
-        self._wanted: dict[str, dict[str, Any]] = {}
-        self._drawn: str | None = None
+        # The newest request of each view in a browser, and the flag that ends its picture.
+        self._wanted: dict[str, tuple[dict[str, Any], Stop]] = {}
         self._options = options
         self._surface = surface
         self._typed = surface.parameters
@@ -104,8 +103,7 @@ class Explorer(anywidget.AnyWidget):
         typed, moved = surface.parameters, self._surface.parameters
         kept = {n: moved[n] for n, v in typed.items() if n in moved and self._typed.get(n) == v}
         surface.set(**kept)
-        before, self._surface, self._typed = self._surface, surface, typed
-        before._scene.cancel()
+        self._surface, self._typed = surface, typed
         with self.hold_sync():
             self.values = surface.parameters
             self.sliders = _sliders(surface)
@@ -119,23 +117,28 @@ class Explorer(anywidget.AnyWidget):
 
     def _receive(self, _: Any, request: dict[str, Any], __: Any) -> None:
         """Takes a request for a picture. It replaces an older one of the same view."""
+        wanted = request, Stop()
         with self._lock:
-            self._wanted[request["view"]] = request
-            # The browser asks before it has the answer only if that is no longer of use.
-            if self._drawn == request["view"]:
-                self._surface._scene.cancel()
-        self._painter.submit(self._draw, request)
+            _, before = self._wanted.get(request["view"], wanted)
+            self._wanted[request["view"]] = wanted
+        # The browser asks before it has the answer only if that is no longer of use.
+        if before is not wanted[1]:
+            before.set()
+        self._painter.submit(self._draw, *wanted)
 
-    def _draw(self, request: dict[str, Any]) -> None:
+    def _draw(self, request: dict[str, Any], stop: Stop) -> None:
         """Draws a picture and sends it, unless a newer one is wanted."""
-        with self._lock:
-            if self._wanted.get(request["view"]) is not request:
-                return
-            self._drawn = request["view"]
+
+        def is_wanted() -> bool:
+            with self._lock:
+                return self._wanted[request["view"]][1] is stop
+
+        if not is_wanted():
+            return
         answer = {key: request[key] for key in ("view", "number")}
         png: list[bytes] = []
         try:
-            picture = self._render(request)
+            picture = self._render(request, stop)
             png.append(picture.png())
             answer |= {
                 "camera": picture.camera,
@@ -146,34 +149,26 @@ class Explorer(anywidget.AnyWidget):
         except Exception as error:
             # Nobody else would see it.
             answer["error"] = str(error)
-        with self._lock:
-            self._drawn = None
-            if self._wanted.get(request["view"]) is not request:
-                return
+        if not is_wanted():
+            return
+        if png:
+            self._camera = {**picture.camera, "domain": picture.domain}
+            if request["final"]:
+                self._picture = picture
         self.send(answer, png)
 
-    def _render(self, request: dict[str, Any]) -> Picture:
-        is_final = bool(request["final"])
+    def _render(self, request: dict[str, Any], stop: Stop) -> Picture:
         options: dict[str, Any] = {"axes": self.axes, **self._options}
-        if not is_final:
+        if not request["final"]:
             options["antialias"] = 1
         options |= request["camera"] or {}
         if request["domain"] is not None:
             options["domain"] = request["domain"]
+        surface = self._surface
+        known = surface.parameters
+        surface.set(**{n: v for n, v in request["values"].items() if known.get(n, v) != v})
         size = int(request["width"]), int(request["height"])
-        while True:
-            surface = self._surface
-            known = surface.parameters
-            moved = {n: v for n, v in request["values"].items() if known.get(n, v) != v}
-            surface.set(**moved)
-            picture = surface.render(*size, **options)
-            # A picture of an older text is unfinished.
-            if surface is self._surface:
-                break
-        self._camera = {**picture.camera, "domain": picture.domain}
-        if is_final:
-            self._picture = picture
-        return picture
+        return surface._scene.render(*size, options, stop)
 
     def _repr_mimebundle_(self, **options: Any) -> Any:
         """The widget, and a picture for readers that show no widgets."""
