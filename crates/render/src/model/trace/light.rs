@@ -83,8 +83,9 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             } else {
                 let mut tracers = Vec::new();
                 if is_translucent {
-                    tracers = self.tracers(|options| options)?;
+                    tracers = self.tracers(rays, |options| options)?;
                 }
+                let tracers: Vec<_> = tracers.iter().collect();
                 let layered = Layered {
                     rays,
                     picture: buffer,

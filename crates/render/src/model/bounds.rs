@@ -1,0 +1,63 @@
+//! Where surfaces may be: a box around each, and the pixels that may show it.
+//!
+//! If a document has several surfaces, each is traced only there. A ray that misses the box misses
+//! the surface, so no proof is lost. This module knows no method.
+
+use super::Model;
+use super::trace::RenderPass;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::cell::Cell as Counter;
+use zeroset_eval::KernelFloat;
+use zeroset_scene::program::ProgramError;
+use zeroset_space::{Cell, CellSearch};
+use zeroset_trace::{NO_TILES, RayGrid, Window};
+
+/// Largest number of evaluations in the search for a box. The search takes a tenth of a
+/// millisecond.
+const WORK: u64 = 4096;
+/// Number of halvings of a box.
+const DEPTH: u32 = 6;
+
+impl Model {
+    /// A box that is proven to hold all zeros of a surface in the region. `None` if there are none.
+    fn bounds(&self, surface: usize) -> Option<Cell> {
+        *self.bounds[surface].get_or_init(|| {
+            let [low, high] = [self.region.low(), self.region.high()].map(|end| end.to_array());
+            let whole = Cell { low, high };
+            let kernels = self.program.kernels::<f64>(surface);
+            // The parts of a large formula are left out where they have no zeros, in any case.
+            if kernels.has_parts() {
+                return Some(whole);
+            }
+            let Ok(zeros) = kernels.zeros() else { return Some(whole) };
+            let (surfaces, work) = (vec![zeros], Counter::new(WORK));
+            let search = CellSearch { surfaces, forms: Vec::new(), wanted: &|| true, work };
+            search.tight(whole, DEPTH)
+        })
+    }
+}
+
+impl<T: KernelFloat> RenderPass<'_, T> {
+    /// For each visible surface, the pixels that may show it. Only tiles leave out parts of a
+    /// picture, and a single surface needs no box.
+    pub fn windows(&self, rays: &RayGrid) -> Result<Vec<Window>, ProgramError> {
+        let Self { model, settings, .. } = *self;
+        let surfaces: Vec<usize> = model.visible_surfaces().collect();
+        let is_divided = settings.method.reads.contains(&NO_TILES) && settings.options.tiles;
+        if surfaces.len() == 1 || !is_divided {
+            return Ok(vec![rays.everywhere(); surfaces.len()]);
+        }
+        let window = |&surface: &usize| {
+            // Caps are not zeros, so they may lie anywhere.
+            if self.caps(surface)?.is_some() {
+                return Ok(rays.everywhere());
+            }
+            Ok(match model.bounds(surface) {
+                Some(Cell { low, high }) => rays.window(DVec3::from(low), DVec3::from(high)),
+                None => Window { columns: 0..0, rows: 0..0, ..rays.everywhere() },
+            })
+        };
+        surfaces.par_iter().map(window).collect()
+    }
+}
