@@ -12,7 +12,7 @@ use crate::squares::RAYS;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::cell::Cell;
-use zeroset_space::Ray;
+use zeroset_space::{Ray, Region};
 
 /// Number of rows in a band, which is the unit of a thread's work and of cancellation. It is also
 /// the side of the largest tiles, in pixels.
@@ -107,7 +107,8 @@ impl Driver<'_> {
 
     /// Sets `buffer.shadow` of painted points that the light does not reach. `towards` gets a
     /// pixel's column and row, and its painted point. It returns the unit vector to the light and
-    /// the light's distance. Points already in shadow are skipped.
+    /// the light's distance. Points already in shadow are skipped, and points from which the light
+    /// is seen past `bounds`, which must hold the surface.
     ///
     /// A shadow ray starts `offset` away from the painted point, in world units. A zero on the
     /// shadow ray counts only behind a segment that is proven empty. Otherwise a surface would
@@ -117,10 +118,9 @@ impl Driver<'_> {
         buffer: &mut GBuffer,
         towards: impl Fn([usize; 2], DVec3) -> (DVec3, f64) + Sync,
         offset: f64,
+        bounds: &Region,
     ) -> KernelStats {
         buffer.shadow.resize(buffer.status.len(), 0);
-        let is_lit = |pixel: &usize| buffer.is_drawn(*pixel) && buffer.shadow[*pixel] == 0;
-        let painted: Vec<usize> = (0..buffer.drawn.len()).filter(is_lit).collect();
         let width = self.rays.width();
         let segment = |pixel: usize| {
             let [column, row] = [pixel % width, pixel / width];
@@ -136,7 +136,11 @@ impl Driver<'_> {
                 pixel: [f64::INFINITY, 0.0],
             }
         };
-        self.follow(&painted, segment, Start::OnSurface, |pixel, found| {
+        let is_lit = |pixel: &usize| buffer.is_drawn(*pixel) && buffer.shadow[*pixel] == 0;
+        let is_wanted = |pixel: &usize| is_lit(pixel) && segment(*pixel).within(bounds).is_some();
+        let pixels = (0..buffer.drawn.len()).into_par_iter();
+        let wanted: Vec<usize> = pixels.filter(is_wanted).collect();
+        self.follow(&wanted, segment, Start::OnSurface, |pixel, found| {
             if found.drawn.is_finite() {
                 buffer.shadow[pixel] = u8::MAX;
             }

@@ -64,14 +64,13 @@ pub struct Window {
     pub columns: Range<usize>,
     /// Rows of pixels.
     pub rows: Range<usize>,
-    /// Range of t in which rays may meet the box.
-    pub between: [f64; 2],
 }
 
 impl Window {
-    /// Returns whether there is no pixel.
-    pub fn is_empty(&self) -> bool {
-        self.columns.is_empty() || self.rows.is_empty()
+    /// Returns whether the window has pixels of these columns and rows.
+    pub fn shows(&self, columns: &Range<usize>, rows: &Range<usize>) -> bool {
+        let overlap = |a: &Range<usize>, b: &Range<usize>| a.start.max(b.start) < a.end.min(b.end);
+        overlap(&self.columns, columns) && overlap(&self.rows, rows)
     }
 
     /// Returns whether the window has the pixel in this column and row.
@@ -88,7 +87,7 @@ impl Window {
             first..range.end.next_multiple_of(BAND_ROWS).min(size)
         };
         let (columns, rows) = (whole(&self.columns, rays.width), whole(&self.rows, rays.height));
-        Self { columns, rows, ..*self }
+        Self { columns, rows }
     }
 }
 
@@ -125,17 +124,16 @@ impl RayGrid {
 
     /// The window of the whole picture or part.
     pub fn everywhere(&self) -> Window {
-        let between = [f64::NEG_INFINITY, f64::INFINITY];
-        Window { columns: 0..self.width, rows: 0..self.height, between }
+        Window { columns: 0..self.width, rows: 0..self.height }
     }
 
     /// The window in which the box with the corners `low` and `high` may be visible. Not for
     /// patches.
     pub fn window(&self, low: DVec3, high: DVec3) -> Window {
         let Basis { forward, right, up } = self.basis;
-        let mut between = [f64::INFINITY, f64::NEG_INFINITY];
-        // Screen coordinates of the box.
-        let mut screen = [between; 2];
+        // Range of the box's screen coordinates, and its least depth.
+        let mut screen = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+        let mut nearest = f64::INFINITY;
         for corner in 0..8 {
             let pick = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
             let corner = DVec3::new(pick(0), pick(1), pick(2));
@@ -143,7 +141,7 @@ impl RayGrid {
             // Far above the rounding errors of these numbers, of the basis and of rays.
             let error = PROJECTION_ERROR * (off.length() + corner.length() + self.eye.length());
             let depth = off.dot(forward);
-            between = [between[0].min(depth - error), between[1].max(depth + error)];
+            nearest = nearest.min(depth - error);
             for (screen, axis) in screen.iter_mut().zip([right, up]) {
                 let (mut at, mut error) = (off.dot(axis), error);
                 if !self.parallel {
@@ -154,14 +152,13 @@ impl RayGrid {
             }
         }
         // The corners' hull is that of the box only if the box lies in front of the eye.
-        let is_in_front = self.parallel || between[0] > 0.0;
+        let is_in_front = self.parallel || nearest > 0.0;
         if !is_in_front || !screen.as_flattened().iter().all(|end| end.is_finite()) {
             return self.everywhere();
         }
         let [across, upward] = self.first.map(|first| first as f64);
-        let [columns, rows] = [screen[0], screen[1].map(|end| -end)].map(|[one, other]| {
-            [one.min(other) / self.unit, one.max(other) / self.unit]
-        });
+        let [columns, rows] = [screen[0], screen[1].map(|end| -end)]
+            .map(|[one, other]| [one.min(other) / self.unit, one.max(other) / self.unit]);
         let range = |[first, last]: [f64; 2], size: usize| {
             // A margin of a pixel, since rays pass anywhere through a pixel. Casts saturate.
             let first = (first / 2.0).floor() - 1.0;
@@ -170,7 +167,7 @@ impl RayGrid {
         };
         let columns = range(columns.map(|end| end - across), self.width);
         let rows = range(rows.map(|end| end + upward), self.height);
-        Window { columns, rows, between }
+        Window { columns, rows }
     }
 
     /// The rays of this picture or part, with each pixel divided into `times` columns and rows.

@@ -14,7 +14,7 @@ use zeroset_scene::program::ProgramError;
 use zeroset_shade::{
     Pattern, UndecidedStyle, edges, hand_back_colors, is_creased, is_smooth, slope,
 };
-use zeroset_trace::{BAND_ROWS, GBuffer, Patch, RayGrid, Status, TraceOptions, Window};
+use zeroset_trace::{BAND_ROWS, GBuffer, Patch, RayGrid, Status, TraceOptions};
 
 /// Number of pixels that are antialiased together, small enough for the inner caches.
 const PART: usize = 64;
@@ -118,18 +118,25 @@ impl<T: KernelFloat> Edges<'_, T> {
             only = self.pattern.rays().repeat(pixels.len());
         }
         let mut is_smooth = vec![false; pixels.len()];
+        let places =
+            pixels.iter().map(|pixel| [pixel % self.rays.width(), pixel / self.rays.width()]);
+        let places: Vec<[usize; 2]> = places.collect();
+        let ends = [0, 1].map(|axis| {
+            let along = || places.iter().map(|place| place[axis]);
+            along().min().unwrap_or(0)..along().max().map_or(0, |last| last + 1)
+        });
         let mut near = Vec::new();
         for prepared in self.tracers {
             let PreparedSurface { surface, tracer, window } = prepared;
-            let shows = |&pixel: &usize| self.may_show(window, pixel);
-            if !pixels.iter().any(shows) {
+            let shows = |&[column, row]: &[usize; 2]| window.contains(column, row);
+            if !window.shows(&ends[0], &ends[1]) || !places.iter().any(shows) {
                 continue;
             }
             let mut own = Cow::Borrowed(&only);
-            if !pixels.iter().all(shows) {
+            if !places.iter().all(shows) {
                 let rays = self.pattern.rays();
-                let asked = |pixel| rays.iter().map(move |asked| *asked && shows(pixel));
-                own = Cow::Owned(pixels.iter().flat_map(asked).collect());
+                let asked = |place| rays.iter().map(move |asked| *asked && shows(place));
+                own = Cow::Owned(places.iter().flat_map(asked).collect());
             }
             let target = if near.is_empty() { &mut *all } else { &mut *layer };
             target.reset(rays.width(), rays.height(), 0);
@@ -171,12 +178,6 @@ impl<T: KernelFloat> Edges<'_, T> {
         let found = lit.map(|((pixel, samples), _)| (*pixel, self.pattern.mean(samples))).collect();
         hand_back_colors(bytes);
         Ok(found)
-    }
-
-    /// Returns whether a pixel's finer rays may meet a surface with this window.
-    fn may_show(&self, window: &Window, pixel: usize) -> bool {
-        let width = self.rays.width();
-        window.contains(pixel % width, pixel / width)
     }
 
     /// Finds the pixels that need no antialiasing, since all their rays meet the same smooth part

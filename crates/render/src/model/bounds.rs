@@ -3,6 +3,9 @@
 //! If a document has several surfaces, each is traced only there. A ray that misses the box misses
 //! the surface, so no proof is lost. This module knows no method.
 
+#[cfg(test)]
+mod tests;
+
 use super::Model;
 use super::trace::RenderPass;
 use glam::DVec3;
@@ -10,7 +13,7 @@ use rayon::prelude::*;
 use std::cell::Cell as Counter;
 use zeroset_eval::KernelFloat;
 use zeroset_scene::program::ProgramError;
-use zeroset_space::{Cell, CellSearch};
+use zeroset_space::{Cell, CellSearch, Region};
 use zeroset_trace::{NO_TILES, RayGrid, Window};
 
 /// Largest number of evaluations in the search for a box. The search takes a tenth of a
@@ -39,13 +42,29 @@ impl Model {
 }
 
 impl<T: KernelFloat> RenderPass<'_, T> {
-    /// For each visible surface, the pixels that may show it. Only tiles leave out parts of a
-    /// picture, and a single surface needs no box.
-    pub fn windows(&self, rays: &RayGrid) -> Result<Vec<Window>, ProgramError> {
+    /// Returns whether surfaces are looked for in boxes around them. Only tiles leave out parts of
+    /// a picture, and a single surface needs no box.
+    fn has_bounds(&self) -> bool {
         let Self { model, settings, .. } = *self;
-        let surfaces: Vec<usize> = model.visible_surfaces().collect();
         let is_divided = settings.method.reads.contains(&NO_TILES) && settings.options.tiles;
-        if surfaces.len() == 1 || !is_divided {
+        is_divided && !self.whole && model.visible_surfaces().nth(1).is_some()
+    }
+
+    /// A region that holds all zeros of a surface in the model's region. `None` if there are none.
+    pub fn zeros_within(&self, surface: usize) -> Option<Region> {
+        let region = self.model.region;
+        if !self.has_bounds() {
+            return Some(region);
+        }
+        let Cell { low, high } = self.model.bounds(surface)?;
+        Some(Region::new(DVec3::from(low), DVec3::from(high)).unwrap_or(region))
+    }
+
+    /// For each visible surface, the pixels that may show it.
+    pub fn windows(&self, rays: &RayGrid) -> Result<Vec<Window>, ProgramError> {
+        let Self { model, .. } = *self;
+        let surfaces: Vec<usize> = model.visible_surfaces().collect();
+        if !self.has_bounds() {
             return Ok(vec![rays.everywhere(); surfaces.len()]);
         }
         let window = |&surface: &usize| {
@@ -55,7 +74,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             }
             Ok(match model.bounds(surface) {
                 Some(Cell { low, high }) => rays.window(DVec3::from(low), DVec3::from(high)),
-                None => Window { columns: 0..0, rows: 0..0, ..rays.everywhere() },
+                None => Window { columns: 0..0, rows: 0..0 },
             })
         };
         surfaces.par_iter().map(window).collect()

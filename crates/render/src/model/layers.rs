@@ -116,7 +116,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         let wanted = |_| (self.advance)(0);
         for &&PreparedSurface { surface, ref tracer, ref window } in all.tracers {
             let known = block.known(all.rays);
-            if !all.rays.is_patched() && !known.meets(window) {
+            if !all.rays.is_patched() && !window.shows(&known.columns, &known.rows) {
                 continue;
             }
             let rays = &known.rays(all.rays);

@@ -154,13 +154,16 @@ pub(super) struct RenderPass<'a, T> {
     pub own: Option<Range<usize>>,
     /// Limits of the memory for translucent surfaces.
     pub block: BlockLimits,
+    /// Whether each surface is looked for in the whole picture, even if there are several.
+    pub whole: bool,
     floats: PhantomData<fn() -> T>,
 }
 
 impl<'a, T: KernelFloat> RenderPass<'a, T> {
     pub fn new(model: &'a Model, settings: &'a Settings, advance: Advance<'a>) -> Self {
         let block = BlockLimits::default();
-        Self { model, settings, advance, overview: None, own: None, block, floats: PhantomData }
+        let (overview, own, whole) = (None, None, false);
+        Self { model, settings, advance, overview, own, block, whole, floats: PhantomData }
     }
 
     /// Prepares the method for a surface, with options changed by `change`.
@@ -308,7 +311,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         let counted = Mutex::new(PixelCounts::default());
         let mut rgb = shader.map(|_| unset_colors(width * height));
         let windows = self.windows(rays)?;
-        let last = model.visible_surfaces().last();
+        let (last, is_one) = (model.visible_surfaces().last(), windows.len() == 1);
         for (surface, window) in model.visible_surfaces().zip(windows) {
             let tracer = self.tracer(surface, |options| options)?;
             fallbacks.extend(tracer.fallback(rays).map(|fallback| (surface, fallback)));
@@ -347,7 +350,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             let kept = Kept {
                 normals: settings.keeps_normals || needs_normals,
                 // Layers of several surfaces are merged by their brackets.
-                brackets: settings.brackets || model.visible_surfaces().count() > 1,
+                brackets: settings.brackets || !is_one,
                 caps: caps.is_some(),
             };
             // The rays of all other pixels are proven misses.
@@ -393,7 +396,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             buffer.bracket.clear();
         }
         // With several surfaces or cropped rows, these counts would be wrong.
-        let is_counted = self.own.is_none() && model.visible_surfaces().count() == 1;
+        let is_counted = self.own.is_none() && is_one;
         let counts =
             is_counted.then(|| counted.into_inner().unwrap_or_else(PoisonError::into_inner));
         Ok(Traced { buffer, counts, work, rgb, fallbacks })

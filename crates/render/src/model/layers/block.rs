@@ -3,7 +3,7 @@
 //! Colors and edges depend on the pixels beside, so the pixels around a block are traced, too.
 
 use std::ops::Range;
-use zeroset_trace::{BAND_ROWS, RayGrid, Window};
+use zeroset_trace::{BAND_ROWS, RayGrid};
 
 /// A rectangle of pixels. It begins and ends at multiples of [`BAND_ROWS`] or at the picture's
 /// border, so that tracers form the same tiles as in the whole picture.
@@ -56,12 +56,6 @@ impl Block {
             columns: around(&self.columns, rays.width()),
             rows: around(&self.rows, rays.height()),
         }
-    }
-
-    /// Returns whether the block has pixels of a window.
-    pub fn meets(&self, window: &Window) -> bool {
-        let overlap = |a: &Range<usize>, b: &Range<usize>| a.start.max(b.start) < a.end.min(b.end);
-        overlap(&self.columns, &window.columns) && overlap(&self.rows, &window.rows)
     }
 
     /// The block's part of the rays.
