@@ -50,9 +50,9 @@ pub struct Model {
     /// For each surface, whether the region may cut it, if it is a solid: found by kernels in
     /// `f32`, and in `f64`.
     cut: Vec<[OnceLock<bool>; 2]>,
-    /// For each surface, a box that holds its zeros in the region. Computed for the first picture
-    /// of several surfaces.
-    bounds: Vec<OnceLock<Option<Cell>>>,
+    /// For each surface, a box that holds its zeros in the region, and a box that holds all of a
+    /// solid there. Computed for the first picture of several surfaces.
+    bounds: Vec<[OnceLock<Option<Cell>>; 2]>,
 }
 
 /// Picture settings of a document.
@@ -210,7 +210,7 @@ impl Model {
             times,
             turned: vec![OnceLock::new(); styles.len()],
             cut: vec![[const { OnceLock::new() }; 2]; styles.len()],
-            bounds: vec![OnceLock::new(); styles.len()],
+            bounds: vec![[const { OnceLock::new() }; 2]; styles.len()],
             styles,
         }
     }

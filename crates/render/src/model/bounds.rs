@@ -11,7 +11,8 @@ use super::trace::RenderPass;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::cell::Cell as Counter;
-use zeroset_eval::KernelFloat;
+use zeroset_eval::{Boxes, Enclose, Enclosures, FindZeros, Kernel, KernelFloat, Zeros};
+use zeroset_interval::Facts;
 use zeroset_scene::program::ProgramError;
 use zeroset_space::{Cell, CellSearch, Region};
 use zeroset_trace::{NO_TILES, RayGrid, Window};
@@ -23,9 +24,10 @@ const WORK: u64 = 4096;
 const DEPTH: u32 = 6;
 
 impl Model {
-    /// A box that is proven to hold all zeros of a surface in the region. `None` if there are none.
-    fn bounds(&self, surface: usize) -> Option<Cell> {
-        *self.bounds[surface].get_or_init(|| {
+    /// A box that is proven to hold all zeros of a surface in the region. If the region may cut the
+    /// surface, a solid, the box also holds all of the solid there. `None` if there is nothing.
+    fn bounds(&self, surface: usize, is_cut: bool) -> Option<Cell> {
+        *self.bounds[surface][usize::from(is_cut)].get_or_init(|| {
             let [low, high] = [self.region.low(), self.region.high()].map(|end| end.to_array());
             let whole = Cell { low, high };
             let kernels = self.program.kernels::<f64>(surface);
@@ -33,11 +35,34 @@ impl Model {
             if kernels.has_parts() {
                 return Some(whole);
             }
-            let Ok(zeros) = kernels.zeros() else { return Some(whole) };
-            let (surfaces, work) = (vec![zeros], Counter::new(WORK));
-            let search = CellSearch { surfaces, forms: Vec::new(), wanted: &|| true, work };
-            search.tight(whole, DEPTH)
+            let search = |kernel: &dyn Kernel<FindZeros, f64>| {
+                let (surfaces, work) = (vec![kernel], Counter::new(WORK));
+                let search = CellSearch { surfaces, forms: Vec::new(), wanted: &|| true, work };
+                search.tight(whole, DEPTH)
+            };
+            if is_cut {
+                return kernels.bounds().map_or(Some(whole), |bounds| search(&FindSolid(bounds)));
+            }
+            kernels.zeros().map_or(Some(whole), search)
         })
+    }
+}
+
+/// Tells which boxes may hold a part of a solid, its boundary included.
+struct FindSolid<'a>(&'a dyn Kernel<Enclose, f64>);
+
+impl Kernel<FindZeros, f64> for FindSolid<'_> {
+    fn eval(&self, boxes: &Boxes<f64>, zeros: &mut Zeros) {
+        let mut bounds = Enclosures::default();
+        self.0.eval(boxes, &mut bounds);
+        let is_outside =
+            |lane: usize| bounds.facts(lane).has(Facts::NOWHERE) || bounds.neg_lo[lane] < 0.0;
+        let lanes = (0..boxes.count as usize).filter(|lane| !is_outside(*lane));
+        *zeros = Zeros {
+            possible: lanes.map(|lane| 1 << lane).sum(),
+            unbounded: u16::MAX,
+            jumping: u16::MAX,
+        };
     }
 }
 
@@ -56,7 +81,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         if !self.has_bounds() {
             return Some(region);
         }
-        let Cell { low, high } = self.model.bounds(surface)?;
+        let Cell { low, high } = self.model.bounds(surface, false)?;
         Some(Region::new(DVec3::from(low), DVec3::from(high)).unwrap_or(region))
     }
 
@@ -68,11 +93,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             return Ok(vec![rays.everywhere(); surfaces.len()]);
         }
         let window = |&surface: &usize| {
-            // Caps are not zeros, so they may lie anywhere.
-            if self.caps(surface)?.is_some() {
-                return Ok(rays.everywhere());
-            }
-            Ok(match model.bounds(surface) {
+            let is_cut = self.caps(surface)?.is_some();
+            Ok(match model.bounds(surface, is_cut) {
                 Some(Cell { low, high }) => rays.window(DVec3::from(low), DVec3::from(high)),
                 None => Window { columns: 0..0, rows: 0..0 },
             })
