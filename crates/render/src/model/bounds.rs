@@ -1,7 +1,7 @@
-//! Where surfaces may be: a box around each, and the pixels that may show it.
+//! Boxes around surfaces, and the pixels that may show them.
 //!
-//! If a document has several surfaces, each is traced only there. A ray that misses the box misses
-//! the surface, so no proof is lost. This module knows no method.
+//! If a document has several surfaces, each is traced only in its box. A ray that misses the box
+//! misses the surface, so no proof is lost. This module knows no method.
 
 #[cfg(test)]
 mod tests;
@@ -75,7 +75,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         is_divided && !self.whole && model.visible_surfaces().nth(1).is_some()
     }
 
-    /// A region that holds all zeros of a surface in the model's region. `None` if there are none.
+    /// A region that holds all zeros of a surface in the model's region. `None` if the surface is
+    /// proven to have none.
     pub fn zeros_within(&self, surface: usize) -> Option<Region> {
         let region = self.model.region;
         if !self.has_bounds() {
