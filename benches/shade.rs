@@ -144,12 +144,13 @@ fn frame(rays: &RayGrid, known: Option<&GBuffer>, shader: Option<&Shader<'_>>) {
     let mut colors = unset_colors(SIZE * SIZE);
     let parts = colors.chunks_mut(3 * BAND_ROWS * SIZE).collect();
     let source = NormalSource::<f32>::Gradient(&CopyPoints);
-    let (buffer, _) = driver.new_picture(0, Kept::default(), &[], None, parts, |rows, bytes| {
-        let canvas = shader.map(|shader| shader.canvas(bytes));
-        canvas.map_or_else(KernelStats::default, |canvas| {
-            source.compute_normals(rows, rays, 1e-3, Some(canvas))
-        })
-    });
+    let (buffer, _) =
+        driver.new_picture(0, Kept::default(), &[], (&[], &[]), parts, |rows, bytes| {
+            let canvas = shader.map(|shader| shader.canvas(bytes));
+            canvas.map_or_else(KernelStats::default, |canvas| {
+                source.compute_normals(rows, rays, 1e-3, Some(canvas))
+            })
+        });
     black_box(&buffer);
     buffer.hand_back();
     hand_back_colors(colors);

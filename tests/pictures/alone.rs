@@ -101,6 +101,7 @@ fn what_is_dark_already_is_followed_to_the_light_no_more() {
                 buffer,
                 |pixel, point| lights[turn(pixel)].towards(point),
                 0.02,
+                &region,
             )
         };
         let alone = [0, 1].map(|surface| {

@@ -158,6 +158,7 @@ fn random_solids_are_the_same() {
             drawn += u64::from(counts.hit - before > 60);
         }
     }
+    println!("{counts:?}");
     let [parts, whole] = counts.undecided;
     assert!(counts.hit > 60 * drawn as usize && parts <= whole + whole / 4 + 50, "{counts:?}");
 }

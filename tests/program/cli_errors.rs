@@ -66,7 +66,7 @@ fn each_limit_says_which_it_is() {
         ),
         ("x+".repeat(4_000_001), "more than 8000000 numbers, names and signs"),
         ("(".repeat(201) + "x" + &")".repeat(201), "nested more than 200 levels deep"),
-        ("x = 1\n".repeat(1001), "the text draws more than 1000 surfaces"),
+        ("x = 1\n".repeat(10_001), "the text draws more than 10000 surfaces"),
         (format!("g0(a) = a+x\n{}\ng39(y)", doubled.join("\n")), "more than 262144 operations"),
     ] {
         let place = Sandbox::new();

@@ -50,7 +50,7 @@ const DEPTH_LIMIT: usize = 16;
 pub fn algebraic_angles(graph: &mut Graph, root: NodeId) -> NodeId {
     let mut angles = Angles::default();
     let mut known: FxHashMap<NodeId, NodeId> = FxHashMap::default();
-    for id in graph.needed_by(root) {
+    for id in graph.needed(&[root]) {
         let Node::Apply(op, operands) = *graph.node(id) else { continue };
         let operands: Vec<NodeId> =
             operands.iter().map(|operand| *known.get(operand).unwrap_or(operand)).collect();

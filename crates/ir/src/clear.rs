@@ -166,7 +166,7 @@ pub fn without_gaps(graph: &mut Graph, root: NodeId, parameters: &[Interval]) ->
     let mut cancellation = Cancellation::total();
     let mut replaced: FxHashMap<NodeId, NodeId> = FxHashMap::default();
     let mut fractions: FxHashMap<NodeId, Fraction> = FxHashMap::default();
-    for id in graph.needed_by(root) {
+    for id in graph.needed(&[root]) {
         let Node::Apply(op, operands) = graph.node(id).clone() else { continue };
         let operands: Vec<NodeId> =
             operands.iter().map(|id| *replaced.get(id).unwrap_or(id)).collect();
@@ -214,7 +214,7 @@ fn fraction(graph: &mut Graph, root: NodeId, cancellation: &mut Cancellation) ->
     let mut fractions: Vec<Option<Fraction>> = vec![None; root.index() + 1];
     let varies =
         |id: NodeId| variabilities.get(id.index()).is_none_or(|rank| *rank == Variability::Varying);
-    for id in graph.needed_by(root) {
+    for id in graph.needed(&[root]) {
         let Node::Apply(op, operands) = graph.node(id).clone() else {
             continue;
         };

@@ -1,6 +1,10 @@
 //! Copying the nodes that some roots need into a new graph.
 
 use crate::graph::{Graph, Node, NodeId};
+use rustc_hash::FxHashMap;
+
+/// Copies of less than one node in this many are found by hashing.
+const SPARSE: usize = 64;
 
 /// Returns a graph that holds only the nodes that `roots` need, in the same order, and the ids of
 /// the roots in that graph.
@@ -17,10 +21,24 @@ pub(crate) fn replaced(
     roots: &[NodeId],
     mut replacement: impl FnMut(&mut Graph, NodeId, &Node) -> Option<NodeId>,
 ) -> (Graph, Vec<NodeId>) {
-    let needed = graph.reachable(roots);
-    let mut copy = Graph::with_capacity(needed.iter().filter(|needed| **needed).count());
+    let needed = graph.needed(roots);
+    let mut copy = Graph::with_capacity(needed.len());
+    if needed.len() * SPARSE < graph.len() {
+        // One of many surfaces. Room for all nodes would take longer to clear than the copy.
+        let mut places: FxHashMap<NodeId, NodeId> = FxHashMap::default();
+        for id in needed {
+            let node = graph.node(id);
+            let other = replacement(&mut copy, id, node);
+            places.insert(
+                id,
+                other.unwrap_or_else(|| copy_node(&mut copy, node, |operand| places[&operand])),
+            );
+        }
+        return (copy, roots.iter().map(|root| places[root]).collect());
+    }
     let mut places: Vec<Option<NodeId>> = vec![None; graph.len()];
-    for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
+    for id in needed {
+        let node = graph.node(id);
         places[id.index()] = Some(match replacement(&mut copy, id, node) {
             Some(other) => other,
             None => copy_node(&mut copy, node, |operand| place(&places, operand)),

@@ -234,6 +234,11 @@ impl Graph {
         let mut open = roots.to_vec();
         let mut needed: FxHashSet<NodeId> = open.iter().copied().collect();
         while let Some(id) = open.pop() {
+            if needed.len() * SCANNED > self.len() {
+                // To look at all nodes is faster.
+                let needed = self.reachable(roots);
+                return self.iter().map(|(id, _)| id).filter(|id| needed[id.index()]).collect();
+            }
             if let Node::Apply(_, operands) = self.node(id) {
                 open.extend(operands.iter().filter(|operand| needed.insert(**operand)));
             }
@@ -241,12 +246,6 @@ impl Graph {
         let mut needed: Vec<NodeId> = needed.into_iter().collect();
         needed.sort_unstable();
         needed
-    }
-
-    /// As [`Self::needed`] for one root, faster where it needs most of the graph.
-    pub(crate) fn needed_by(&self, root: NodeId) -> Vec<NodeId> {
-        let needed = self.reachable(&[root]);
-        self.iter().map(|(id, _)| id).filter(|id| needed[id.index()]).collect()
     }
 
     /// For each node, by index, whether the node is a root or some root depends on it.
@@ -263,6 +262,9 @@ impl Graph {
         needed
     }
 }
+
+/// Collecting a node takes as long as looking at this many nodes, at least.
+const SCANNED: usize = 16;
 
 /// The lower half of a node's hash: the best bits of this hasher.
 fn half_hash(node: &Node) -> u32 {

@@ -29,7 +29,7 @@ use zeroset_ops::Op;
 /// ```
 pub fn bounded_logarithms(graph: &mut Graph, root: NodeId) -> NodeId {
     let mut replaced: FxHashMap<NodeId, NodeId> = FxHashMap::default();
-    for id in graph.needed_by(root) {
+    for id in graph.needed(&[root]) {
         let Node::Apply(op, operands) = *graph.node(id) else { continue };
         let operands: Vec<NodeId> =
             operands.iter().map(|operand| *replaced.get(operand).unwrap_or(operand)).collect();

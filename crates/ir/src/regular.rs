@@ -101,7 +101,7 @@ fn is_defined(
 ) -> bool {
     let unknown = Decorated::from((Interval::ENTIRE, Facts::NONE));
     let mut known: Vec<Decorated> = vec![unknown; root.index() + 1];
-    for id in graph.needed_by(root) {
+    for id in graph.needed(&[root]) {
         known[id.index()] = match graph.node(id) {
             Node::Variable(axis) => (domain[*axis as usize], Facts::TOTAL).into(),
             Node::Parameter(number) => (parameters[*number as usize], Facts::TOTAL).into(),

@@ -21,7 +21,7 @@ const WHERE: [Op; 4] = [Op::WhereNonneg, Op::WherePositive, Op::WhereNonzero, Op
 /// corners become maxima where only their sign matters. The function is added to `graph`. It is
 /// `root` itself if there is nothing to replace.
 pub fn same_sign(graph: &mut Graph, root: NodeId) -> NodeId {
-    let needed = graph.needed_by(root);
+    let needed = graph.needed(&[root]);
     let mut signs: Vec<NodeId> = Vec::with_capacity(root.index() + 1);
     let mut has_corner = false;
     for id in needed {

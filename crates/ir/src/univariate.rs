@@ -45,7 +45,7 @@ pub(crate) fn squarefree(graph: &mut Graph, root: NodeId, work: &mut u64) -> Opt
 /// The axis and the coefficients of `root`, if it is a polynomial in one variable of degree 2 or
 /// more.
 fn expanded(graph: &Graph, root: NodeId, work: &mut u64) -> Option<(Axis, Coefficients)> {
-    let ids = graph.needed_by(root);
+    let ids = graph.needed(&[root]);
     if ids.len() > NODE_LIMIT {
         return None;
     }

@@ -1,6 +1,7 @@
 //! The compiled surfaces of a document over one region. They can be drawn from any camera.
 
 mod antialias;
+mod bounds;
 mod layers;
 mod locate;
 mod paint;
@@ -23,7 +24,7 @@ use zeroset_scene::curves::{self, TracedCurves};
 use zeroset_scene::kernels::Evaluator;
 use zeroset_scene::program::{Program, ProgramError};
 use zeroset_scene::view;
-use zeroset_space::Region;
+use zeroset_space::{Cell, Region};
 use zeroset_style::Look;
 use zeroset_syntax::{Document, PictureLines, PointValue, SrgbColor, SurfaceKind};
 use zeroset_trace::{Camera, TraceOptions};
@@ -49,6 +50,9 @@ pub struct Model {
     /// For each surface, whether the region may cut it, if it is a solid: found by kernels in
     /// `f32`, and in `f64`.
     cut: Vec<[OnceLock<bool>; 2]>,
+    /// For each surface, a box that holds its zeros in the region, and a box that holds all of a
+    /// solid there. Computed for the first picture of several surfaces.
+    bounds: Vec<[OnceLock<Option<Cell>>; 2]>,
 }
 
 /// Picture settings of a document.
@@ -206,6 +210,7 @@ impl Model {
             times,
             turned: vec![OnceLock::new(); styles.len()],
             cut: vec![[const { OnceLock::new() }; 2]; styles.len()],
+            bounds: vec![[const { OnceLock::new() }; 2]; styles.len()],
             styles,
         }
     }

@@ -226,8 +226,7 @@ impl CodeStore {
         let compiled = |root: &NodeId| {
             let is_compiled = nodes < COMPILED_NODES;
             if is_compiled {
-                let needed = simplified.graph.reachable(&[*root]);
-                nodes += needed.into_iter().filter(|needed| *needed).count();
+                nodes += simplified.graph.needed(&[*root]).len();
             }
             is_compiled
         };

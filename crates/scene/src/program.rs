@@ -7,8 +7,8 @@ use std::sync::{Arc, OnceLock};
 use zeroset_eval::{Assumptions, KernelFloat, Kernels, SurfaceKernels, Tape};
 use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{
-    Constant, Graph, NodeId, Variability, algebraic_angles, bounded_logarithms, fix_exponents,
-    radical, regularize, rewrite, same_sign, simplify, variabilities, without_gaps,
+    Constant, Graph, Node, NodeId, algebraic_angles, bounded_logarithms, fix_exponents, radical,
+    regularize, rewrite, same_sign, simplify, without_gaps,
 };
 use zeroset_syntax::{Document, Parameter, ParameterKind, SurfaceKind};
 
@@ -234,8 +234,9 @@ impl Program {
     /// The value of a surface's function if it is constant on the domain.
     fn constant(&self, surface: usize) -> Option<Interval> {
         let root = self.roots()[surface];
-        let varies = variabilities(self.graph())[root.index()] == Variability::Varying
-            || self.is_undefined(surface);
+        let is_coordinate = |id: &NodeId| matches!(self.graph().node(*id), Node::Variable(_));
+        let varies =
+            self.is_undefined(surface) || self.graph().needed(&[root]).iter().any(is_coordinate);
         (!varies).then(|| self.enclosures[surface].0)
     }
 

@@ -13,7 +13,7 @@ pub struct Limits {
     /// Number of nodes in the expression graph, with definitions expanded. A short text has a lower
     /// limit: see [`Limits::nodes_for`].
     pub nodes: usize,
-    /// Number of surfaces. Each surface is compiled separately.
+    /// Number of surfaces.
     pub surfaces: usize,
     /// Number of curves and points.
     pub curves: usize,
@@ -29,7 +29,7 @@ impl Limits {
 }
 
 impl Default for Limits {
-    /// 64 mebibytes, eight million tokens, a nesting depth of 200, three million nodes, 1,000
+    /// 64 mebibytes, eight million tokens, a nesting depth of 200, three million nodes, 10,000
     /// surfaces, 10,000 curves and points.
     fn default() -> Self {
         let nodes = zeroset_ir::NODE_LIMIT;
@@ -38,7 +38,7 @@ impl Default for Limits {
             symbols: 8_000_000,
             depth: 200,
             nodes,
-            surfaces: 1000,
+            surfaces: 10_000,
             curves: 10_000,
         }
     }

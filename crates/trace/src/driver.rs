@@ -6,13 +6,13 @@ use crate::gbuffer::{GBuffer, Kept};
 use crate::grid::RayGrid;
 use crate::kernel_stats::KernelStats;
 use crate::method::{Segment, Start, Tracer};
-use crate::ray_result::RayResult;
+use crate::ray_result::{RayResult, Status};
 use crate::rows::{Rows, for_each_part};
 use crate::squares::RAYS;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::cell::Cell;
-use zeroset_space::Ray;
+use zeroset_space::{Ray, Region};
 
 /// Number of rows in a band, which is the unit of a thread's work and of cancellation. It is also
 /// the side of the largest tiles, in pixels.
@@ -50,12 +50,13 @@ impl Driver<'_> {
     pub fn picture_where(&self, only: &[bool], buffer: &mut GBuffer) -> KernelStats {
         assert_eq!((buffer.width, buffer.height), (self.rays.width(), self.rays.height()));
         assert!(only.is_empty() || only.len() == buffer.status.len(), "one for each pixel");
-        for_each_part(buffer.rows(BAND_ROWS), |mut rows| self.rows(&mut rows, only, None))
+        for_each_part(buffer.rows(BAND_ROWS), |mut rows| self.rows(&mut rows, only, (&[], &[])))
     }
 
     /// Traces a new picture of the surface with id `surface`. `kept` selects the buffer's optional
-    /// quantities. `only` selects pixels as in [`Driver::picture_where`]. `before` holds the
-    /// results of other surfaces; zeros behind their hits need not be found. After each
+    /// quantities. `only` selects pixels as in [`Driver::picture_where`]. `before` holds each
+    /// pixel's result of other surfaces: the status, and the distance of the painted point. Zeros
+    /// behind their hits need not be found. Without other surfaces its slices are empty. After each
     /// [`BAND_ROWS`] rows, calls `finish` with these rows and their element of `parts`, while the
     /// rows are still in the caches.
     ///
@@ -67,7 +68,7 @@ impl Driver<'_> {
         surface: u16,
         kept: Kept,
         only: &[bool],
-        before: Option<&GBuffer>,
+        before: (&[Status], &[f64]),
         parts: Vec<E>,
         finish: impl Fn(&mut Rows<'_>, E) -> KernelStats + Sync,
     ) -> (GBuffer, KernelStats) {
@@ -75,7 +76,8 @@ impl Driver<'_> {
         let mut buffer = GBuffer::unset(width, height, surface, kept);
         assert!(only.is_empty() || only.len() == buffer.status.len(), "one for each pixel");
         assert!(parts.len() >= height.div_ceil(BAND_ROWS), "a part for each band");
-        assert!(before.is_none_or(|before| (before.width, before.height) == (width, height)));
+        let is_whole = |count: usize| count == 0 || count == width * height;
+        assert!(is_whole(before.0.len()) && before.0.len() == before.1.len(), "one for each pixel");
         let make = |(mut rows, part): (Rows<'_>, E)| {
             rows.clear();
             let mut work = self.rows(&mut rows, only, before);
@@ -86,7 +88,7 @@ impl Driver<'_> {
         (buffer, work)
     }
 
-    fn rows(&self, rows: &mut Rows<'_>, only: &[bool], before: Option<&GBuffer>) -> KernelStats {
+    fn rows(&self, rows: &mut Rows<'_>, only: &[bool], before: (&[Status], &[f64])) -> KernelStats {
         let (mut work, told) = (KernelStats::default(), Cell::new(0));
         let advance = |found: usize| {
             told.set(told.get() + found);
@@ -105,7 +107,8 @@ impl Driver<'_> {
 
     /// Sets `buffer.shadow` of painted points that the light does not reach. `towards` gets a
     /// pixel's column and row, and its painted point. It returns the unit vector to the light and
-    /// the light's distance. Points already in shadow are skipped.
+    /// the light's distance. Points already in shadow are skipped, and points from which the light
+    /// is seen past `bounds`, which must hold the surface.
     ///
     /// A shadow ray starts `offset` away from the painted point, in world units. A zero on the
     /// shadow ray counts only behind a segment that is proven empty. Otherwise a surface would
@@ -115,10 +118,9 @@ impl Driver<'_> {
         buffer: &mut GBuffer,
         towards: impl Fn([usize; 2], DVec3) -> (DVec3, f64) + Sync,
         offset: f64,
+        bounds: &Region,
     ) -> KernelStats {
         buffer.shadow.resize(buffer.status.len(), 0);
-        let is_lit = |pixel: &usize| buffer.is_drawn(*pixel) && buffer.shadow[*pixel] == 0;
-        let painted: Vec<usize> = (0..buffer.drawn.len()).filter(is_lit).collect();
         let width = self.rays.width();
         let segment = |pixel: usize| {
             let [column, row] = [pixel % width, pixel / width];
@@ -134,7 +136,11 @@ impl Driver<'_> {
                 pixel: [f64::INFINITY, 0.0],
             }
         };
-        self.follow(&painted, segment, Start::OnSurface, |pixel, found| {
+        let is_lit = |pixel: &usize| buffer.is_drawn(*pixel) && buffer.shadow[*pixel] == 0;
+        let is_wanted = |pixel: &usize| is_lit(pixel) && segment(*pixel).within(bounds).is_some();
+        let pixels = (0..buffer.drawn.len()).into_par_iter();
+        let wanted: Vec<usize> = pixels.filter(is_wanted).collect();
+        self.follow(&wanted, segment, Start::OnSurface, |pixel, found| {
             if found.drawn.is_finite() {
                 buffer.shadow[pixel] = u8::MAX;
             }

@@ -305,6 +305,21 @@ impl GBuffer {
         keep(&mut self.occlusion, pixels);
     }
 
+    /// Status and distance of the painted point of each pixel in a part of the picture.
+    ///
+    /// # Panics
+    /// If the part exceeds the picture.
+    pub fn seen_in(&self, columns: &Range<usize>, rows: &Range<usize>) -> (Vec<Status>, Vec<f64>) {
+        let pixels = columns.len() * rows.len();
+        let (mut status, mut drawn) = (Vec::with_capacity(pixels), Vec::with_capacity(pixels));
+        for row in rows.clone() {
+            let some = row * self.width + columns.start..row * self.width + columns.end;
+            status.extend_from_slice(&self.status[some.clone()]);
+            drawn.extend_from_slice(&self.drawn[some]);
+        }
+        (status, drawn)
+    }
+
     /// Sets every pixel to undecided from the eye on, for lack of time: a surface was not traced.
     /// Painted points stay.
     pub fn give_up(&mut self) {
@@ -324,35 +339,53 @@ impl GBuffer {
     /// If the pictures differ in size.
     pub fn merge(&mut self, other: &Self) {
         assert_eq!((self.width, self.height), (other.width, other.height), "sizes differ");
+        self.merge_at(other, [0, 0]);
+    }
+
+    /// As [`GBuffer::merge`], for a surface that was traced in a part of the picture. The part
+    /// begins in column `left` and row `top`. The surface's other pixels are misses.
+    ///
+    /// # Panics
+    /// If the part exceeds the picture.
+    pub fn merge_at(&mut self, other: &Self, [left, top]: [usize; 2]) {
+        let (right, bottom) = (left + other.width, top + other.height);
+        assert!(right <= self.width && bottom <= self.height, "a part of the picture");
         self.keep_as(other);
-        for pixel in 0..self.status.len() {
-            let (mine, theirs) = (self.distance(pixel), other.distance(pixel));
-            // A hit's zero may be anywhere in its bracket.
-            let begins = |buffer: &Self| match buffer.status[pixel] {
-                Status::Hit => buffer.bracket_of(pixel)[0],
-                _ => f64::NAN,
+        for row in 0..other.height {
+            let first = (top + row) * self.width + left;
+            for column in 0..other.width {
+                self.merge_pixel(first + column, other, row * other.width + column);
+            }
+        }
+    }
+
+    /// Adds the pixel `own` of `other` to a pixel.
+    fn merge_pixel(&mut self, pixel: usize, other: &Self, own: usize) {
+        let (mine, theirs) = (self.distance(pixel), other.distance(own));
+        // A hit's zero may be anywhere in its bracket.
+        let begins = |buffer: &Self, pixel: usize| match buffer.status[pixel] {
+            Status::Hit => buffer.bracket_of(pixel)[0],
+            _ => f64::NAN,
+        };
+        let begins = begins(self, pixel).min(begins(other, own));
+        let is_nearer = theirs < mine || (theirs == mine && other.status[own] == Status::Undecided);
+        if is_nearer {
+            self.take_proven(pixel, other, own);
+        }
+        if self.status[pixel] == Status::Undecided {
+            self.open_from[pixel] = self.open_from[pixel].min(begins);
+        }
+        if let Some(bracket) = self.bracket.get_mut(pixel) {
+            let [mine, theirs] = [*bracket, other.bracket_of(own)];
+            *bracket = if self.status[pixel] == Status::Hit {
+                // If both are hits, either bracket may hold the first zero. `min` ignores NaN.
+                [mine[0].min(theirs[0]), mine[1].min(theirs[1])]
+            } else {
+                [f64::NAN; 2]
             };
-            let begins = begins(self).min(begins(other));
-            let is_nearer =
-                theirs < mine || (theirs == mine && other.status[pixel] == Status::Undecided);
-            if is_nearer {
-                self.take_proven(other, pixel);
-            }
-            if self.status[pixel] == Status::Undecided {
-                self.open_from[pixel] = self.open_from[pixel].min(begins);
-            }
-            if let Some(bracket) = self.bracket.get_mut(pixel) {
-                let [mine, theirs] = [*bracket, other.bracket_of(pixel)];
-                *bracket = if self.status[pixel] == Status::Hit {
-                    // If both are hits, either bracket may hold the first zero. `min` ignores NaN.
-                    [mine[0].min(theirs[0]), mine[1].min(theirs[1])]
-                } else {
-                    [f64::NAN; 2]
-                };
-            }
-            if other.drawn[pixel] < self.drawn[pixel] {
-                self.take_painted(other, pixel);
-            }
+        }
+        if other.drawn[own] < self.drawn[pixel] {
+            self.take_painted(pixel, other, own);
         }
     }
 
@@ -361,27 +394,27 @@ impl GBuffer {
         self.bracket.get(pixel).copied().unwrap_or([f64::NAN; 2])
     }
 
-    /// Copies a pixel's status, reason and undecided start from `other`, but not the bracket.
-    fn take_proven(&mut self, other: &Self, pixel: usize) {
-        self.status[pixel] = other.status[pixel];
-        self.reason[pixel] = other.reason[pixel];
-        self.open_from[pixel] = other.open_from[pixel];
+    /// Copies status, reason and undecided start from pixel `own` of `other`, but not the bracket.
+    fn take_proven(&mut self, pixel: usize, other: &Self, own: usize) {
+        self.status[pixel] = other.status[own];
+        self.reason[pixel] = other.reason[own];
+        self.open_from[pixel] = other.open_from[own];
     }
 
-    /// Copies a pixel's painted point, with its surface and light, from `other`.
-    fn take_painted(&mut self, other: &Self, pixel: usize) {
-        fn take<T: Copy + Default>(all: &mut [T], others: &[T], pixel: usize) {
-            if let Some(mine) = all.get_mut(pixel) {
-                *mine = others.get(pixel).copied().unwrap_or_default();
+    /// Copies the painted point, with its surface and light, from pixel `own` of `other`.
+    fn take_painted(&mut self, pixel: usize, other: &Self, own: usize) {
+        fn take<T: Copy + Default>(mine: Option<&mut T>, theirs: Option<&T>) {
+            if let Some(mine) = mine {
+                *mine = theirs.copied().unwrap_or_default();
             }
         }
-        self.drawn[pixel] = other.drawn[pixel];
-        self.uneven[pixel] = other.uneven[pixel];
-        self.surface.set(pixel, other.surface[pixel], self.status.len());
-        take(&mut self.normal, &other.normal, pixel);
-        take(&mut self.cap, &other.cap, pixel);
-        take(&mut self.shadow, &other.shadow, pixel);
-        take(&mut self.occlusion, &other.occlusion, pixel);
+        self.drawn[pixel] = other.drawn[own];
+        self.uneven[pixel] = other.uneven[own];
+        self.surface.set(pixel, other.surface[own], self.status.len());
+        take(self.normal.get_mut(pixel), other.normal.get(own));
+        take(self.cap.get_mut(pixel), other.cap.get(own));
+        take(self.shadow.get_mut(pixel), other.shadow.get(own));
+        take(self.occlusion.get_mut(pixel), other.occlusion.get(own));
     }
 
     /// Adds arrays for caps, shadow and occlusion if `other` has them.
@@ -406,8 +439,8 @@ impl GBuffer {
         assert_eq!(only.len(), self.status.len(), "one for each pixel");
         self.keep_as(other);
         for pixel in (0..only.len()).filter(|pixel| only[*pixel]) {
-            self.take_proven(other, pixel);
-            self.take_painted(other, pixel);
+            self.take_proven(pixel, other, pixel);
+            self.take_painted(pixel, other, pixel);
             if let Some(bracket) = self.bracket.get_mut(pixel) {
                 *bracket = other.bracket_of(pixel);
             }

@@ -1,6 +1,7 @@
 //! The grid of rays of one picture: a camera together with a size in pixels.
 
 use crate::camera::{Basis, Camera, Projection};
+use crate::driver::BAND_ROWS;
 use crate::painted::PixelWindow;
 use crate::scalar::Scalar;
 use fearless_simd::{f32x16, f64x8, prelude::*};
@@ -12,6 +13,9 @@ use zeroset_space::Ray;
 
 /// Number of pixels on the side of a [`Patch`].
 pub const SIDE: usize = LANES.isqrt();
+
+/// Relative error of the projection of a point onto the screen.
+const PROJECTION_ERROR: f64 = 1e-14;
 
 /// A square of 4×4 pixels of a picture, which is traced on its own.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,6 +56,41 @@ pub struct RayGrid {
     patches: Option<Arc<[Patch]>>,
 }
 
+/// The pixels of a picture in which a box may be visible.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Window {
+    /// Columns of pixels. Rays through pixels outside of these columns and rows, and through the
+    /// edges of these pixels, do not meet the box.
+    pub columns: Range<usize>,
+    /// Rows of pixels.
+    pub rows: Range<usize>,
+}
+
+impl Window {
+    /// Returns whether the window has pixels of these columns and rows.
+    pub fn shows(&self, columns: &Range<usize>, rows: &Range<usize>) -> bool {
+        let overlap = |a: &Range<usize>, b: &Range<usize>| a.start.max(b.start) < a.end.min(b.end);
+        overlap(&self.columns, columns) && overlap(&self.rows, rows)
+    }
+
+    /// Returns whether the window has the pixel in this column and row.
+    pub fn contains(&self, column: usize, row: usize) -> bool {
+        self.columns.contains(&column) && self.rows.contains(&row)
+    }
+
+    /// The window, enlarged to whole tiles of the largest size. So rays of its part of the picture
+    /// form the same tiles as in the whole picture.
+    #[must_use]
+    pub fn with_whole_tiles(&self, rays: &RayGrid) -> Self {
+        let whole = |range: &Range<usize>, size: usize| {
+            let first = range.start / BAND_ROWS * BAND_ROWS;
+            first..range.end.next_multiple_of(BAND_ROWS).min(size)
+        };
+        let (columns, rows) = (whole(&self.columns, rays.width), whole(&self.rows, rays.height));
+        Self { columns, rows }
+    }
+}
+
 impl Camera {
     /// The rays of a picture of `width` × `height` pixels.
     pub fn rays(&self, width: usize, height: usize) -> RayGrid {
@@ -81,6 +120,54 @@ impl RayGrid {
         let first = [across + 2 * columns.start as i64, upward - 2 * rows.start as i64];
         let corner = [self.corner[0] + columns.start, self.corner[1] + rows.start];
         Self { width: columns.len(), height: rows.len(), first, corner, ..self.clone() }
+    }
+
+    /// The window of the whole picture or part.
+    pub fn everywhere(&self) -> Window {
+        Window { columns: 0..self.width, rows: 0..self.height }
+    }
+
+    /// The window in which the box with the corners `low` and `high` may be visible. Not for
+    /// patches.
+    pub fn window(&self, low: DVec3, high: DVec3) -> Window {
+        let Basis { forward, right, up } = self.basis;
+        // Range of the box's screen coordinates, and its least depth.
+        let mut screen = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+        let mut nearest = f64::INFINITY;
+        for corner in 0..8 {
+            let pick = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
+            let corner = DVec3::new(pick(0), pick(1), pick(2));
+            let off = corner - self.eye;
+            // Far above the rounding errors of these numbers, of the basis and of rays.
+            let error = PROJECTION_ERROR * (off.length() + corner.length() + self.eye.length());
+            let depth = off.dot(forward);
+            nearest = nearest.min(depth - error);
+            for (screen, axis) in screen.iter_mut().zip([right, up]) {
+                let (mut at, mut error) = (off.dot(axis), error);
+                if !self.parallel {
+                    at /= depth;
+                    error *= (1.0 + at.abs()) / (depth - error);
+                }
+                *screen = [screen[0].min(at - error), screen[1].max(at + error)];
+            }
+        }
+        // The corners' hull is that of the box only if the box lies in front of the eye.
+        let is_in_front = self.parallel || nearest > 0.0;
+        if !is_in_front || !screen.as_flattened().iter().all(|end| end.is_finite()) {
+            return self.everywhere();
+        }
+        let [across, upward] = self.first.map(|first| first as f64);
+        let [columns, rows] = [screen[0], screen[1].map(|end| -end)]
+            .map(|[one, other]| [one.min(other) / self.unit, one.max(other) / self.unit]);
+        let range = |[first, last]: [f64; 2], size: usize| {
+            // A margin of a pixel, since rays pass anywhere through a pixel. Casts saturate.
+            let first = (first / 2.0).floor() - 1.0;
+            let end = (last / 2.0).ceil() + 2.0;
+            (first.max(0.0) as usize).min(size)..(end.max(0.0) as usize).min(size)
+        };
+        let columns = range(columns.map(|end| end - across), self.width);
+        let rows = range(rows.map(|end| end + upward), self.height);
+        Window { columns, rows }
     }
 
     /// The rays of this picture or part, with each pixel divided into `times` columns and rows.

@@ -29,7 +29,7 @@ pub use band::Band;
 pub use camera::{Camera, CameraError, Projection};
 pub use driver::{BAND_ROWS, Driver};
 pub use gbuffer::{GBuffer, Kept, PixelCounts};
-pub use grid::{Patch, RayDirections, RayGrid, SIDE};
+pub use grid::{Patch, RayDirections, RayGrid, SIDE, Window};
 pub use kernel_stats::{Count, KernelStats};
 pub use method::{Fallback, Method, Proves, Segment, Start, Tracer};
 pub use methods::{METHODS, MOST_STEPS};

@@ -231,18 +231,19 @@ impl Rows<'_> {
     }
 
     /// The band of these rows, which a tracer writes results to. `only` selects pixels of the
-    /// picture; if empty, all. `before` holds the results of other surfaces. `advance` is
+    /// picture; if empty, all. `before` holds the picture's results of other surfaces. `advance` is
     /// [`Driver::advance`](crate::Driver::advance).
     pub(crate) fn band<'a>(
         &'a mut self,
         only: &'a [bool],
-        before: Option<&'a GBuffer>,
+        before: (&'a [Status], &'a [f64]),
         advance: &'a dyn Fn(usize) -> bool,
     ) -> Band<'a> {
         let only = if only.is_empty() { only } else { &only[self.pixels()] };
-        let before = before.map_or((&[][..], &[][..]), |before| {
-            (&before.status[self.pixels()], &before.drawn[self.pixels()])
-        });
+        let before = match before {
+            ([], _) => before,
+            (status, drawn) => (&status[self.pixels()], &drawn[self.pixels()]),
+        };
         Band {
             top: self.first,
             width: self.width,

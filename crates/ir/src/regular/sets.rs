@@ -153,7 +153,7 @@ pub(super) struct Sets<'a> {
 impl<'a> Sets<'a> {
     pub fn new(graph: &'a Graph, root: NodeId, parameters: &'a [Interval]) -> Self {
         let mut chooses = vec![false; graph.len()];
-        for id in graph.needed_by(root) {
+        for id in graph.needed(&[root]) {
             if let Node::Apply(op, operands) = graph.node(id) {
                 let own = [Op::Min, Op::Max, Op::Abs].contains(op);
                 chooses[id.index()] = own || operands.iter().any(|id| chooses[id.index()]);

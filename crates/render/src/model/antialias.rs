@@ -4,16 +4,17 @@
 use super::PREVIEWED;
 use super::layers::Layered;
 use super::paint::Coloring;
-use super::trace::{RenderPass, Tracers};
+use super::trace::{PreparedSurface, RenderPass};
 use crate::picture::Settings;
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::ops::Range;
 use zeroset_eval::{KernelFloat, LANES};
 use zeroset_scene::program::ProgramError;
 use zeroset_shade::{
     Pattern, UndecidedStyle, edges, hand_back_colors, is_creased, is_smooth, slope,
 };
-use zeroset_trace::{GBuffer, Patch, RayGrid, Status, TraceOptions};
+use zeroset_trace::{BAND_ROWS, GBuffer, Patch, RayGrid, Status, TraceOptions};
 
 /// Number of pixels that are antialiased together, small enough for the inner caches.
 const PART: usize = 64;
@@ -53,9 +54,16 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         };
         let wanted =
             (0..wanted.len()).filter(|&pixel| wanted[pixel] && is_own(pixel) && !is_marked(pixel));
-        let wanted: Vec<usize> = wanted.collect();
+        let mut wanted: Vec<usize> = wanted.collect();
         let tracers =
-            self.tracers(|options| TraceOptions { tolerance, least: PREVIEWED, ..options })?;
+            self.tracers(rays, |options| TraceOptions { tolerance, least: PREVIEWED, ..options })?;
+        if tracers.len() > 1 {
+            // Few surfaces are near all pixels that are antialiased together.
+            let tile = |pixel: usize| {
+                [pixel / rays.width(), pixel % rays.width()].map(|place| place / BAND_ROWS)
+            };
+            wanted.sort_by_key(|pixel| tile(*pixel));
+        }
         let edge = Edges {
             pass: self,
             tracers: &tracers,
@@ -81,7 +89,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
 
 struct Edges<'a, T> {
     pass: &'a RenderPass<'a, T>,
-    tracers: &'a Tracers<'a>,
+    tracers: &'a [PreparedSurface<'a>],
     rays: &'a RayGrid,
     finer: RayGrid,
     picture: &'a GBuffer,
@@ -103,24 +111,47 @@ impl<T: KernelFloat> Edges<'_, T> {
         if !(self.pass.advance)(0) {
             return Ok(Vec::new());
         }
-        let rays =
-            self.finer.patches(pixels.iter().flat_map(|pixel| self.patches(*pixel)).collect());
+        let patches = pixels.iter().flat_map(|pixel| self.patches(*pixel)).collect();
+        let rays = self.finer.patches(patches);
         let mut only = Vec::new();
         if !self.pattern.is_full() {
             only = self.pattern.rays().repeat(pixels.len());
         }
         let mut is_smooth = vec![false; pixels.len()];
-        for (place, &(surface, ref tracer)) in self.tracers.iter().enumerate() {
-            let target = if place == 0 { &mut *all } else { &mut *layer };
+        let places =
+            pixels.iter().map(|pixel| [pixel % self.rays.width(), pixel / self.rays.width()]);
+        let places: Vec<[usize; 2]> = places.collect();
+        let ends = [0, 1].map(|axis| {
+            let along = || places.iter().map(|place| place[axis]);
+            along().min().unwrap_or(0)..along().max().map_or(0, |last| last + 1)
+        });
+        let mut near = Vec::new();
+        for prepared in self.tracers {
+            let PreparedSurface { surface, tracer, window } = prepared;
+            let shows = |&[column, row]: &[usize; 2]| window.contains(column, row);
+            if !window.shows(&ends[0], &ends[1]) || !places.iter().any(shows) {
+                continue;
+            }
+            let mut own = Cow::Borrowed(&only);
+            if !places.iter().all(shows) {
+                let rays = self.pattern.rays();
+                let asked = |place| rays.iter().map(move |asked| *asked && shows(place));
+                own = Cow::Owned(places.iter().flat_map(asked).collect());
+            }
+            let target = if near.is_empty() { &mut *all } else { &mut *layer };
             target.reset(rays.width(), rays.height(), 0);
-            self.pass.find(surface, &**tracer, &rays, &only, target, &|_| true)?;
+            self.pass.find(*surface, &**tracer, &rays, &own, target, &|_| true)?;
             if self.has_one && self.pattern.is_full() {
                 is_smooth = self.reset_smooth(pixels, &rays, target);
             }
-            self.pass.compute_normals(surface, &rays, target)?;
-            if place > 0 {
+            self.pass.compute_normals(*surface, &rays, target)?;
+            if !near.is_empty() {
                 all.merge(layer);
             }
+            near.push(prepared);
+        }
+        if near.is_empty() {
+            all.reset(rays.width(), rays.height(), 0);
         }
         let places = self.pattern.side * self.pattern.side;
         if self.is_hidden {
@@ -133,7 +164,7 @@ impl<T: KernelFloat> Edges<'_, T> {
             rays: &rays,
             picture: all,
             only: &only,
-            tracers: self.tracers,
+            tracers: &near,
             finish: self.finish,
             side: self.pattern.side,
         };

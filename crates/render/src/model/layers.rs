@@ -7,7 +7,7 @@ mod block;
 mod tests;
 
 use super::paint::Coloring;
-use super::trace::{RenderPass, Tracers};
+use super::trace::{PreparedSurface, RenderPass};
 use block::Block;
 use rayon::prelude::*;
 use zeroset_eval::KernelFloat;
@@ -49,7 +49,7 @@ pub(super) struct Layered<'a> {
     pub picture: &'a GBuffer,
     /// The rays that are followed. Empty for all.
     pub only: &'a [bool],
-    pub tracers: &'a Tracers<'a>,
+    pub tracers: &'a [&'a PreparedSurface<'a>],
     pub finish: &'a Coloring<'a>,
     /// A pixel of the final picture is this many of these pixels wide and high.
     pub side: usize,
@@ -114,8 +114,11 @@ impl<T: KernelFloat> RenderPass<'_, T> {
     ) -> Result<Vec<Layer>, ProgramError> {
         let mut layers: Vec<Layer> = Vec::new();
         let wanted = |_| (self.advance)(0);
-        for &(surface, ref tracer) in all.tracers {
+        for &&PreparedSurface { surface, ref tracer, ref window } in all.tracers {
             let known = block.known(all.rays);
+            if !all.rays.is_patched() && !window.shows(&known.columns, &known.rows) {
+                continue;
+            }
             let rays = &known.rays(all.rays);
             let only = known.part(all.only, all.rays.width());
             let new = || GBuffer::new(rays.width(), rays.height(), 0).with_brackets();

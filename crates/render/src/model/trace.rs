@@ -9,6 +9,7 @@ use super::{Model, Stopwatch, options};
 use crate::picture::{
     Normals, Picture, Precision, Settings, Statistics, Times, UndecidedStatistics,
 };
+use std::borrow::Cow;
 use std::marker::PhantomData;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -20,7 +21,7 @@ use zeroset_shade::{NormalSource, Pattern, Shader, normals, unset_colors};
 use zeroset_syntax::SurfaceKind;
 use zeroset_trace::{
     BAND_ROWS, Camera, Driver, Fallback, GBuffer, Kept, KernelStats, PixelCounts, RayGrid, Rows,
-    TraceOptions, Tracer, cap, cap_rows, may_cut,
+    TraceOptions, Tracer, Window, cap, cap_rows, may_cut,
 };
 
 /// Callback with the number of pixels finished since the last call. The work ends if it returns
@@ -121,8 +122,14 @@ impl Model {
     }
 }
 
-/// Prepared tracers, each with the number of its surface.
-pub(super) type Tracers<'a> = Vec<(usize, Box<dyn Tracer + 'a>)>;
+/// A surface that is ready to be traced.
+pub(super) struct PreparedSurface<'a> {
+    /// The surface's number.
+    pub surface: usize,
+    pub tracer: Box<dyn Tracer + 'a>,
+    /// The pixels that may show the surface.
+    pub window: Window,
+}
 
 /// Result of tracing surfaces along some rays.
 struct Traced {
@@ -147,13 +154,16 @@ pub(super) struct RenderPass<'a, T> {
     pub own: Option<Range<usize>>,
     /// Limits of the memory for translucent surfaces.
     pub block: BlockLimits,
+    /// Whether each surface is looked for in the whole picture, even if there are several.
+    pub whole: bool,
     floats: PhantomData<fn() -> T>,
 }
 
 impl<'a, T: KernelFloat> RenderPass<'a, T> {
     pub fn new(model: &'a Model, settings: &'a Settings, advance: Advance<'a>) -> Self {
         let block = BlockLimits::default();
-        Self { model, settings, advance, overview: None, own: None, block, floats: PhantomData }
+        let (overview, own, whole) = (None, None, false);
+        Self { model, settings, advance, overview, own, block, whole, floats: PhantomData }
     }
 
     /// Prepares the method for a surface, with options changed by `change`.
@@ -187,7 +197,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
 
     /// The kernel that finds caps. `None` if the surface is no solid, or the region does not cut
     /// it.
-    fn caps(&self, surface: usize) -> Result<Option<&'a dyn Kernel<Enclose, T>>, ProgramError> {
+    pub fn caps(&self, surface: usize) -> Result<Option<&'a dyn Kernel<Enclose, T>>, ProgramError> {
         let model = self.model;
         if model.styles[surface].kind != SurfaceKind::Solid {
             return Ok(None);
@@ -300,22 +310,28 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         let mut picture: Option<GBuffer> = None;
         let counted = Mutex::new(PixelCounts::default());
         let mut rgb = shader.map(|_| unset_colors(width * height));
-        let last = model.visible_surfaces().last();
-        for surface in model.visible_surfaces() {
+        let windows = self.windows(rays)?;
+        let (last, is_one) = (model.visible_surfaces().last(), windows.len() == 1);
+        for (surface, window) in model.visible_surfaces().zip(windows) {
             let tracer = self.tracer(surface, |options| options)?;
             fallbacks.extend(tracer.fallback(rays).map(|fallback| (surface, fallback)));
             let source = self.normals_of(surface)?;
             let caps = self.caps(surface)?;
+            let Window { columns, rows, .. } = &window.with_whole_tiles(rays);
+            let is_whole = columns.len() * rows.len() == width * height;
+            let part = (!is_whole).then(|| rays.part(columns.clone(), rows.clone()));
+            let own = part.as_ref().unwrap_or(rays);
+            let only = &*part_of(only, width, columns, rows);
             let shading = AtomicU64::new(0);
             let finish = |rows: &mut Rows<'_>, bytes: &mut [u8]| {
                 let mut work = KernelStats::default();
                 if let Some(kernel) = caps {
-                    work += cap_rows(rows, rays, &model.region, kernel, only);
+                    work += cap_rows(rows, own, &model.region, kernel, only);
                 }
                 let mut watch = Stopwatch::start();
                 if let Some(source) = &source {
                     let canvas = shader.map(|shader| shader.canvas(bytes));
-                    work += source.compute_normals(rows, rays, self.extent() * STEP, canvas);
+                    work += source.compute_normals(rows, own, self.extent() * STEP, canvas);
                 }
                 shading.fetch_add(watch.lap().as_nanos() as u64, Ordering::Relaxed);
                 // Count before taking the lock, so that other threads wait less.
@@ -327,18 +343,32 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             let mut parts: Vec<&mut [u8]> =
                 bytes.chunks_mut((3 * BAND_ROWS * width).max(1)).collect();
             parts.resize_with(height.div_ceil(BAND_ROWS), Default::default);
-            let driver = Driver { rays, tracer: &*tracer, advance };
+            let driver = Driver { rays: own, tracer: &*tracer, advance };
             // Normals are kept for shading after tracing, for caps, and to find edges.
             let needs_normals =
                 shader.is_none() || caps.is_some() || settings.antialias != Pattern::ONE;
             let kept = Kept {
                 normals: settings.keeps_normals || needs_normals,
                 // Layers of several surfaces are merged by their brackets.
-                brackets: settings.brackets || model.visible_surfaces().count() > 1,
+                brackets: settings.brackets || !is_one,
                 caps: caps.is_some(),
             };
+            // The rays of all other pixels are proven misses.
+            advance(width * height - columns.len() * rows.len());
+            if !is_whole && picture.is_none() {
+                let blank = GBuffer::new(width, height, surface as u16);
+                picture = Some(if kept.brackets { blank.with_brackets() } else { blank });
+            }
+            let seen = match &picture {
+                Some(picture) if !is_whole => picture.seen_in(columns, rows),
+                _ => (Vec::new(), Vec::new()),
+            };
+            let before = match &picture {
+                Some(picture) if is_whole => (&*picture.status, &*picture.drawn),
+                _ => (&*seen.0, &*seen.1),
+            };
             let (layer, found) =
-                driver.new_picture(surface as u16, kept, only, picture.as_ref(), parts, finish);
+                driver.new_picture(surface as u16, kept, only, before, parts, finish);
             work += found;
             // The time of shading is summed over all threads, so divide it by their number.
             let shading = shading.into_inner() / rayon::current_num_threads() as u64;
@@ -349,7 +379,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             match &mut picture {
                 None => picture = Some(layer),
                 Some(picture) => {
-                    picture.merge(&layer);
+                    picture.merge_at(&layer, [columns.start, rows.start]);
                     layer.hand_back();
                 }
             }
@@ -366,7 +396,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             buffer.bracket.clear();
         }
         // With several surfaces or cropped rows, these counts would be wrong.
-        let is_counted = self.own.is_none() && model.visible_surfaces().count() == 1;
+        let is_counted = self.own.is_none() && is_one;
         let counts =
             is_counted.then(|| counted.into_inner().unwrap_or_else(PoisonError::into_inner));
         Ok(Traced { buffer, counts, work, rgb, fallbacks })
@@ -424,12 +454,30 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         })
     }
 
-    /// Prepares the method for each visible surface, and adds the surface's number.
+    /// Prepares the method for each visible surface, for pictures along `rays`.
     pub fn tracers(
         &self,
+        rays: &RayGrid,
         change: impl Fn(TraceOptions) -> TraceOptions,
-    ) -> Result<Tracers<'a>, ProgramError> {
-        let one = |surface| Ok((surface, self.tracer(surface, &change)?));
-        self.model.visible_surfaces().map(one).collect()
+    ) -> Result<Vec<PreparedSurface<'a>>, ProgramError> {
+        let windows = self.windows(rays)?;
+        let one = |(surface, window)| {
+            Ok(PreparedSurface { surface, tracer: self.tracer(surface, &change)?, window })
+        };
+        self.model.visible_surfaces().zip(windows).map(one).collect()
     }
+}
+
+/// The elements of a part of a picture. `all` has one for each of the picture's pixels, or is empty.
+fn part_of<'a>(
+    all: &'a [bool],
+    width: usize,
+    columns: &Range<usize>,
+    rows: &Range<usize>,
+) -> Cow<'a, [bool]> {
+    if columns.len() * rows.len() == all.len() || all.is_empty() {
+        return Cow::Borrowed(all);
+    }
+    let row = |row: usize| &all[row * width + columns.start..row * width + columns.end];
+    Cow::Owned(rows.clone().flat_map(row).copied().collect())
 }

@@ -5,6 +5,7 @@ use crate::camera::CameraError;
 use fearless_simd::{Level, dispatch};
 use num_bigint::BigInt;
 use num_rational::BigRational;
+use zeroset_testkit::Adversarial;
 
 type Exact = [BigRational; 3];
 
@@ -379,4 +380,45 @@ fn neighbours_are_in_the_picture_and_in_the_patch() {
     assert_eq!(patches.beside(16), [None, Some(17), None, Some(20)]);
     assert_eq!(patches.beside(31), [Some(30), None, Some(27), None]);
     assert_eq!(patches.beside(21), [Some(20), Some(22), Some(17), Some(25)]);
+}
+
+#[test]
+fn a_window_has_all_pixels_whose_rays_may_meet_the_box_and_few_others() {
+    let mut rng = zeroset_testkit::Rng::with_seed(0x5eed_0b07);
+    let (mut met, mut tight) = (0, 0);
+    for case in 0..400 {
+        let mut place =
+            |size: f64| DVec3::from([(); 3].map(|()| size * (2.0 * f64::uniform(&mut rng) - 1.0)));
+        let (eye, target, up, low) = (place(3.0), place(0.5), place(1.0), place(1.0));
+        let high = low + place(0.3).abs() + 1e-6;
+        let projection = match case % 3 {
+            0 => Projection::Orthographic { height: 3.0 },
+            1 => Projection::Perspective { fov: 100.0 },
+            _ => Projection::Perspective { fov: 30.0 },
+        };
+        let rays = Camera::new(eye, target, up, projection).expect("a camera").rays(64, 48);
+        // A part of a picture has its part of the window.
+        let rays = if case % 2 == 0 { rays } else { rays.part(16..64, 16..48) };
+        let region = zeroset_space::Region::new(low, high).expect("a box");
+        let window = rays.window(low, high);
+        let mut seen = Window { columns: rays.width()..0, rows: rays.height()..0 };
+        for pixel in 0..rays.width() * rays.height() {
+            let [column, row] = [pixel % rays.width(), pixel / rays.width()];
+            let around = rays.rays_within(pixel);
+            if around.iter().chain([&rays.ray_of(pixel)]).any(|ray| region.span(ray).is_some()) {
+                assert!(window.contains(column, row), "case {case}: pixel {column}, {row}");
+                met += 1;
+                let add = |range: &mut Range<usize>, at: usize| {
+                    *range = range.start.min(at)..range.end.max(at + 1);
+                };
+                add(&mut seen.columns, column);
+                add(&mut seen.rows, row);
+            }
+        }
+        let is_near = |own: &Range<usize>, seen: &Range<usize>| own.len() <= seen.len() + 6;
+        tight += usize::from(
+            is_near(&window.columns, &seen.columns) && is_near(&window.rows, &seen.rows),
+        );
+    }
+    assert!(met > 3_000 && tight > 300, "{met} pixels, {tight} windows");
 }

@@ -83,8 +83,9 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             } else {
                 let mut tracers = Vec::new();
                 if is_translucent {
-                    tracers = self.tracers(|options| options)?;
+                    tracers = self.tracers(rays, |options| options)?;
                 }
+                let tracers: Vec<_> = tracers.iter().collect();
                 let layered = Layered {
                     rays,
                     picture: buffer,
@@ -170,10 +171,11 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         // Shadow rays do not count as progress.
         let wanted = |_| (self.advance)(0);
         for surface in self.model.visible_surfaces() {
+            let Some(bounds) = self.zeros_within(surface) else { continue };
             let tracer = self.tracer(surface, |options| TraceOptions { depth, ..options })?;
             let driver = Driver { rays, tracer: &*tracer, advance: &wanted };
-            work +=
-                driver.shadows(buffer, |pixel, point| lights[turn(pixel)].towards(point), offset);
+            let towards = |pixel, point| lights[turn(pixel)].towards(point);
+            work += driver.shadows(buffer, towards, offset, &bounds);
             if !(self.advance)(0) {
                 break;
             }
