@@ -8,7 +8,9 @@ use crate::mesh::Mesh;
 use crate::picture::Picture;
 use crate::work::{Stop, interruptible};
 use numpy::ndarray::{Array1, Array2};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2};
+use numpy::{
+    IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1,
+};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::{Arc, OnceLock, PoisonError, RwLock, RwLockReadGuard};
@@ -107,21 +109,19 @@ impl Scene {
         py.detach(set).map_err(|error| exception(&error))
     }
 
-    /// Values at points, given as arrays (N,) of coordinates: float64 (N,), NaN where the function
-    /// is undefined.
+    /// Writes values at points, given as arrays (N,) of coordinates, to `out` (N,): NaN where the
+    /// function is undefined. NumPy allocates `out` in large pages, which are there sooner.
     fn values<'py>(
         &self,
         py: Python<'py>,
         x: PyReadonlyArray1<'py, f64>,
         y: PyReadonlyArray1<'py, f64>,
         z: PyReadonlyArray1<'py, f64>,
-    ) -> PyResult<Bound<'py, PyArray1<f64>>> {
+        mut out: PyReadwriteArray1<'py, f64>,
+    ) -> PyResult<()> {
         let axes = [x.as_slice()?, y.as_slice()?, z.as_slice()?];
-        let found = self.with_function(py, |function| {
-            let mut values = vec![0.0; axes[0].len()];
-            function.eval_axes(axes, &mut values).map(|()| values)
-        })?;
-        Ok(found.into_pyarray(py))
+        let out = out.as_slice_mut()?;
+        self.with_function(py, |function| function.eval_axes(axes, out))
     }
 
     /// Gradients at points (N, 3): float64 (N, 3), NaN where the function has no gradient.

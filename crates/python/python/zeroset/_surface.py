@@ -191,9 +191,10 @@ class Surface:
         a = b has the function a - b.
         """
         axes, shape = _axes(x, y, z)
-        return self._scene.values(*(np.ascontiguousarray(axis).ravel() for axis in axes)).reshape(
-            shape
-        )
+        flat = [np.ascontiguousarray(axis).ravel() for axis in axes]
+        values = np.empty(flat[0].shape)
+        self._scene.values(*flat, values)
+        return values.reshape(shape)
 
     def gradient(
         self,

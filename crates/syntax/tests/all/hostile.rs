@@ -251,8 +251,8 @@ fn remarks_on_one_long_line_are_bounded() {
 #[test]
 fn surfaces_are_counted() {
     let lines = |count: usize| "x = 1\n".repeat(count);
-    assert_eq!(accepted(lines(1000)), 3);
-    assert!(matches!(error(lines(1001)), ErrorKind::TooManySurfaces { limit: 1000 }));
+    assert_eq!(accepted(lines(10_000)), 3);
+    assert!(matches!(error(lines(10_001)), ErrorKind::TooManySurfaces { limit: 10_000 }));
 }
 
 #[test]
