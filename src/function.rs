@@ -189,19 +189,21 @@ impl Function {
             return Err(Error::argument(wrong));
         }
         let kernel = self.typed.kernels::<f64>(0).values().expect("compiled with the function");
-        let work = |(number, values): (usize, &mut [f64])| {
+        let work = |batches: &mut [Points<f64>], (number, values): (usize, &mut [f64])| {
             let axes = axes.map(|axis| &axis[number * BATCHES * LANES..][..values.len()]);
             let is_plain = self.is_total && axes.into_iter().all(are_finite);
             let whole = if is_plain { values.len() / LANES } else { 0 };
-            let (batches, rest) = values.split_at_mut(whole * LANES);
-            let lanes = axes.map(|axis| axis.as_chunks::<LANES>().0);
-            let mut batch = Points::<f64> { count: LANES as u32, ..Points::default() };
-            let mut out = Values::<f64>::default();
-            for (number, values) in batches.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
-                for (coordinate, lanes) in batch.at.iter_mut().zip(&lanes) {
-                    *coordinate = Lanes(lanes[number]);
+            let (values, rest) = values.split_at_mut(whole * LANES);
+            // All batches are filled before the first one is read: a wide load waits for narrow
+            // stores to the same place.
+            for (axis, numbers) in axes.iter().enumerate() {
+                for (batch, lanes) in batches.iter_mut().zip(numbers.as_chunks::<LANES>().0) {
+                    batch.at[axis] = Lanes(*lanes);
                 }
-                kernel.eval(&batch, &mut out);
+            }
+            let mut out = Values::<f64>::default();
+            for (batch, values) in batches.iter().zip(values.as_chunks_mut::<LANES>().0) {
+                kernel.eval(batch, &mut out);
                 *values = out.value.0;
             }
             if !rest.is_empty() {
@@ -210,7 +212,10 @@ impl Function {
                 rest.copy_from_slice(&self.eval(&points));
             }
         };
-        values.par_chunks_mut(BATCHES * LANES).enumerate().for_each(work);
+        let all = || Points::<f64> { count: LANES as u32, ..Points::default() };
+        let chunks = values.par_chunks_mut(BATCHES * LANES).enumerate();
+        let scratch = || std::array::from_fn::<_, BATCHES, _>(|_| all());
+        chunks.for_each_init(scratch, |batches, chunk| work(batches, chunk));
         Ok(())
     }
 

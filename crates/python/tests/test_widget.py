@@ -110,6 +110,15 @@ def test_a_newer_request_ends_an_older_one():
     assert answer["number"] == 2 and browser.answers.empty()
 
 
+def test_pictures_that_move_are_all_drawn_in_turn():
+    w = zs.explore("x^2 + y^2 + z^2 = r^2", r=1)
+    browser = Browser(w)
+    for step in range(5):
+        browser.ask(final=False, values={"r": 1 + step / 10})
+    found = [browser.answer()[0]["number"] for _ in range(5)]
+    assert found == [1, 2, 3, 4, 5]
+
+
 def test_readers_without_widgets_see_a_picture():
     import base64
 

@@ -116,22 +116,22 @@ class Explorer(anywidget.AnyWidget):
         self._surface.set(**{name: v for name, v in change.new.items() if known.get(name) != v})
 
     def _receive(self, _: Any, request: dict[str, Any], __: Any) -> None:
-        """Takes a request for a picture. It replaces an older one of the same view."""
-        wanted = request, Stop()
+        """Takes a request for a picture."""
+        stop = Stop()
         with self._lock:
-            _, before = self._wanted.get(request["view"], wanted)
-            self._wanted[request["view"]] = wanted
-        # The browser asks before it has the answer only if that is no longer of use.
-        if before is not wanted[1]:
-            before.set()
-        self._painter.submit(self._draw, *wanted)
+            before = self._wanted.get(request["view"])
+            self._wanted[request["view"]] = request, stop
+        # A picture at rest is of no use once something moves. Pictures that move are drawn in turn.
+        if before is not None and before[0]["final"]:
+            before[1].set()
+        self._painter.submit(self._draw, request, stop)
 
     def _draw(self, request: dict[str, Any], stop: Stop) -> None:
         """Draws a picture and sends it, unless a newer one is wanted."""
 
         def is_wanted() -> bool:
             with self._lock:
-                return self._wanted[request["view"]][1] is stop
+                return not request["final"] or self._wanted[request["view"]][1] is stop
 
         if not is_wanted():
             return

@@ -1,9 +1,11 @@
-// The browser's half of the widget. It keeps the view and asks the kernel for one picture after
-// another. So there are as many as the connection allows. While something moves, pictures become
-// coarser if they take long; at rest, one is drawn in full.
+// The browser's half of the widget. It keeps the view and asks the kernel for pictures, each once
+// an earlier one has come. So there are as many as the connection allows. While something moves,
+// pictures become coarser if they take long; at rest, one is drawn in full.
 
 /** Time of a picture, in milliseconds, above which the next one is coarser, or finer below. */
 const SLOW = 66, FAST = 22;
+/** Most pictures that are on their way at once: while one is sent, another is drawn. */
+const ON_THE_WAY = 3;
 /** Most pixels of the screen along the side of a pixel of a picture that moves. */
 const COARSEST = 4;
 /** Time without a change after which the picture is drawn in full, and the text is read. */
@@ -84,8 +86,11 @@ class View {
     this.model = model;
     this.id = Array.from(crypto.getRandomValues(new Uint32Array(2))).join("-");
     this.number = 0;
-    /** The request without an answer, with the time at which it was sent. */
-    this.asked = null;
+    /** Requests without an answer, by number: whether for a picture at rest, and when sent. */
+    this.asked = new Map();
+    /** Number of the picture that is shown, and when it came. */
+    this.shown = 0;
+    this.came = 0;
     /** Whether something changed since the last request. */
     this.changed = false;
     this.scale = 1;
@@ -243,8 +248,8 @@ class View {
         this.playing = false;
         return;
       }
-      // A picture at a time: while one is drawn, the clock waits to be shown.
-      if (!this.asked) {
+      // While pictures are on their way, the clock waits.
+      if (this.asked.size < ON_THE_WAY) {
         const next = this.values[name] + (now - last) / 1000;
         last = now;
         set(low + (next - low) % (high - low));
@@ -330,7 +335,9 @@ class View {
     this.changed = true;
     this.isMoving = isMoving;
     // A picture at rest may take long, and is given up. Others are waited for.
-    if (!this.asked || this.asked.final) this.ask(!isMoving);
+    const atRest = [...this.asked].filter(([, { final }]) => final);
+    for (const [number] of atRest) this.asked.delete(number);
+    if (this.asked.size < ON_THE_WAY) this.ask(!isMoving);
   }
 
   ask(final) {
@@ -340,7 +347,7 @@ class View {
     const pixel = final ? window.devicePixelRatio || 1 : 1 / this.scale;
     const side = name => Math.max(1, Math.round(this.model.get(name) * pixel));
     const [width, height] = [side("width"), side("height")];
-    this.asked = { final, sent: performance.now() };
+    this.asked.set(this.number, { final, sent: performance.now() });
     // At rest, the surface may have outgrown the domain.
     const domain = final ? null : this.domain;
     const camera = this.orbit && this.orbit.camera();
@@ -354,19 +361,21 @@ class View {
   }
 
   async receive(answer, buffers) {
-    if (answer.view !== this.id || answer.number !== this.number) return;
-    const { final, sent } = this.asked;
+    const asked = answer.view === this.id && this.asked.get(answer.number);
+    if (!asked) return;
     if (answer.error !== undefined) this.showError(answer.error);
-    else {
-      await this.show(answer, buffers[0]);
-      if (answer.number !== this.number) return;
-    }
-    const time = performance.now() - sent;
-    this.asked = null;
-    if (!final) this.pace(time);
+    else await this.show(answer, buffers[0]);
+    if (!this.asked.delete(answer.number)) return;
+    const now = performance.now();
+    // A hand that moves slowly makes pictures rare, and a slow connection makes them late. Only
+    // if they are both, drawing takes long.
+    if (!asked.final) this.pace(Math.min(now - asked.sent, now - this.came));
+    this.came = now;
     if (this.changed) this.ask(!this.isMoving);
-    else if (!final) this.later("rest", REST, () => this.ask(true));
-    else this.root.dataset.state = "rest";
+    else if (this.asked.size === 0) {
+      if (!asked.final) this.later("rest", REST, () => this.ask(true));
+      else this.root.dataset.state = "rest";
+    }
   }
 
   /** Chooses the size of the next picture that moves. */
@@ -375,10 +384,11 @@ class View {
     else if (time < FAST) this.scale = Math.max(1, this.scale / 2);
   }
 
-  async show({ camera, domain, counts, size }, png) {
-    const number = this.number;
+  async show({ number, camera, domain, counts, size }, png) {
     const image = await createImageBitmap(new Blob([png], { type: "image/png" }));
-    if (number !== this.number) return;
+    // Given up meanwhile, or overtaken.
+    if (!this.asked.has(number) || number < this.shown) return;
+    this.shown = number;
     const [width, height] = ["width", "height"].map(name => this.model.get(name));
     const ratio = Math.max(size[0] / width, window.devicePixelRatio || 1);
     // Changing the size clears the canvas, also to the same size.
