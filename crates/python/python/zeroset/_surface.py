@@ -191,9 +191,9 @@ class Surface:
         a = b has the function a - b.
         """
         axes, shape = _axes(x, y, z)
-        flat = [np.ascontiguousarray(axis).ravel() for axis in axes]
-        values = np.empty(flat[0].shape)
-        self._scene.values(*flat, values)
+        flat_x, flat_y, flat_z = (np.ascontiguousarray(axis).ravel() for axis in axes)
+        values = np.empty(flat_x.shape)
+        self._scene.values(flat_x, flat_y, flat_z, values)
         return values.reshape(shape)
 
     def gradient(
