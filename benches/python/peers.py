@@ -50,9 +50,7 @@ class Scene:
 
 
 def ours(scene):
-    picture = zs.Surface(scene.text).render(
-        scene.size, scene.size, antialias=1, **scene.view
-    )
+    picture = zs.Surface(scene.text).render(scene.size, scene.size, antialias=1, **scene.view)
     return picture.depth.ravel()
 
 
@@ -69,9 +67,7 @@ def by_isoray(scene):
     bounds = isoray.GradientInclusion(sampled, lipschitz=lipschitz)
     found = isoray.bisect_trace(origins, directions, *inside, bounds, sampled)
     between = {"t_lo": found.t_lo, "t_hi": found.t_hi}
-    t = isoray.newton_refine(
-        found.t, origins, directions, found.hit, sampled, **between
-    )
+    t = isoray.newton_refine(found.t, origins, directions, found.hit, sampled, **between)
     return np.where(found.hit, t, np.inf)
 
 
@@ -134,9 +130,7 @@ def row(name, scene, rounds, limit):
             print(f"| {name} | {way} | over {limit} s | | | |", flush=True)
             continue
         except (ValueError, MemoryError, RuntimeError, FloatingPointError) as error:
-            print(
-                f"| {name} | {way} | cannot: {type(error).__name__} | | | |", flush=True
-            )
+            print(f"| {name} | {way} | cannot: {type(error).__name__} | | | |", flush=True)
             continue
         missed, invented, error = scene.judge(t)
         took = 1e3 * statistics.median(times)
@@ -156,9 +150,7 @@ def is_plain(text):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument(
-        "names", nargs="*", help="surfaces of the gallery; all by default"
-    )
+    parser.add_argument("names", nargs="*", help="surfaces of the gallery; all by default")
     parser.add_argument("--size", type=int, default=512)
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--limit", type=int, default=60, help="seconds for a picture")

@@ -61,9 +61,7 @@ def main():
         )
         ways = {
             "zeroset": lambda surface=surface: surface(x, y, z),
-            "numexpr": lambda formula=formula: numexpr.evaluate(
-                formula, {"x": x, "y": y, "z": z}
-            ),
+            "numexpr": lambda formula=formula: numexpr.evaluate(formula, {"x": x, "y": y, "z": z}),
             "numba": lambda loop=loop: loop(x, y, z),
         }
         first, *others = [way() for way in ways.values()]
