@@ -468,7 +468,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
     }
 }
 
-/// The elements of a part of a picture. `all` has one for each of the picture's pixels, or is empty.
+/// The elements of a part of a picture. `all` has one for each of its pixels, or is empty.
 fn part_of<'a>(
     all: &'a [bool],
     width: usize,
