@@ -123,7 +123,7 @@ pub const ARRAYS: &[ArrayRow] = &[
             array(out, &[rows, columns], |picture, _, array| {
                 let buffer = &picture.buffer;
                 let drawn = |pixel: usize| buffer.is_drawn(pixel).then_some(buffer.surface[pixel]);
-                // A surface's number fits an `i16`, since a text has at most a thousand surfaces.
+                // A surface's number fits an `i16`, since a text has at most 10,000 surfaces.
                 let number = |pixel| drawn(pixel).map_or(-1, |surface| surface as i16);
                 array.extend((0..buffer.status.len()).map(number))
             })

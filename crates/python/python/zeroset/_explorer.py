@@ -1,7 +1,7 @@
 """A widget for notebooks in which one turns a surface, types formulas and moves sliders.
 
-The browser asks for pictures, one at a time: see ``explorer.js``. A thread of the kernel draws
-them, so that cells can run meanwhile.
+The browser asks for pictures, a few ahead: see ``explorer.js``. A thread of the kernel draws them
+in turn, so that cells can run at the same time.
 """
 
 from __future__ import annotations
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from ._zeroset import Picture
 
 _HERE = pathlib.Path(__file__).parent
+# Seconds that the picture may take that stands in for the widget.
+STILL = 1.0
 
 
 class Explorer(anywidget.AnyWidget):
@@ -127,7 +129,7 @@ class Explorer(anywidget.AnyWidget):
         self._painter.submit(self._draw, request, stop)
 
     def _draw(self, request: dict[str, Any], stop: Stop) -> None:
-        """Draws a picture and sends it, unless a newer one is wanted."""
+        """Draws a picture and sends it. One at rest is left out if a newer one is wanted."""
 
         def is_wanted() -> bool:
             with self._lock:
@@ -174,8 +176,9 @@ class Explorer(anywidget.AnyWidget):
         """The widget, and a picture for readers that show no widgets."""
         bundle = super()._repr_mimebundle_(**options)
         if bundle is not None:
-            camera = self._camera
-            still = self._surface.render(self.width, self.height, **{**self._options, **camera})
+            # The cell waits for this picture, and most readers never see it.
+            options = {"budget": STILL, **self._options, **self._camera}
+            still = self._surface.render(self.width, self.height, **options)
             bundle[0]["image/png"] = base64.b64encode(still.png()).decode()
         return bundle
 
