@@ -24,6 +24,7 @@ pub(crate) enum SettingKind {
     Shadows,
     Axes,
     Legend,
+    Aspect,
     Contours,
     Width,
 }
@@ -75,6 +76,7 @@ pub(crate) const SETTINGS: &[SettingRow] = &[
     plain("shadows", SettingKind::Shadows, "write `shadows on` or `shadows off`"),
     plain("axes", SettingKind::Axes, "write `axes on` or `axes off`"),
     plain("legend", SettingKind::Legend, "write `legend on` or `legend off`"),
+    plain("aspect", SettingKind::Aspect, "write `aspect auto` or `aspect equal`"),
     plain(
         "contours",
         SettingKind::Contours,

@@ -12,7 +12,7 @@ use block::Block;
 use rayon::prelude::*;
 use zeroset_eval::KernelFloat;
 use zeroset_scene::program::ProgramError;
-use zeroset_shade::{LinearRgb, UndecidedStyle, edges, hand_back_colors, shade};
+use zeroset_shade::{Displayed, LinearRgb, UndecidedStyle, edges, hand_back_colors, shade};
 use zeroset_trace::{Driver, GBuffer, RayGrid, Start, Status};
 
 /// Largest number of points of one surface along a ray.
@@ -75,7 +75,8 @@ impl Layered<'_> {
     fn shaded(&self, buffer: &GBuffer, rays: &RayGrid) -> Vec<u8> {
         let Coloring { appearance, painter } = self.finish;
         let paint = painter.as_ref().map(|painter| painter.paint(buffer, rays, self.side));
-        shade(buffer, rays, appearance, &paint.unwrap_or_default())
+        let seen = Displayed::new(buffer, rays);
+        shade(&seen.buffer, &seen.rays, appearance, &paint.unwrap_or_default())
     }
 }
 
@@ -128,7 +129,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 self.compute_normals(surface, rays, &mut layer)?;
                 if !edge.is_empty() {
                     // Edges behind a translucent surface are visible.
-                    known.mark(&edges(&layer, rays), edge, all.rays.width());
+                    let seen = Displayed::new(&layer, rays);
+                    known.mark(&edges(&seen.buffer, &seen.rays), edge, all.rays.width());
                 }
                 let starts = self.starts(rays, &layer);
                 layers.push(self.points(all, block, &known, &layer, rays));

@@ -35,6 +35,8 @@ pub struct PictureLines {
     pub shadows: Option<bool>,
     /// Whether the domain's box and axes are drawn.
     pub axes: Option<bool>,
+    /// Whether lengths along all axes are displayed alike, whatever the extents of a graph.
+    pub is_equal: bool,
     /// Whether a legend shows the color of each value.
     pub legend: Option<bool>,
     /// Contour lines on the surfaces.
@@ -125,6 +127,9 @@ impl CollectedLines {
             SettingKind::Shadows => self.picture.shadows = Some(builder.switch(pair, word)?),
             SettingKind::Axes => self.picture.axes = Some(builder.switch(pair, word)?),
             SettingKind::Legend => self.picture.legend = Some(builder.switch(pair, word)?),
+            SettingKind::Aspect => {
+                self.picture.is_equal = builder.one_of(pair, word, ["auto", "equal"], 1)? == 1;
+            }
             SettingKind::Width => self.widths.push((at, builder.width(pair)?)),
             SettingKind::Contours => self.contours = Some(builder.contours(pair)?),
         }
@@ -203,18 +208,26 @@ impl Builder<'_> {
 
     /// Reads `on` or `off`. A line without either means `on`.
     fn switch(&mut self, line: Pair<'_>, word: &'static str) -> Fallible<bool> {
+        Ok(self.one_of(line, word, ["on", "off"], 0)? == 0)
+    }
+
+    /// Reads one of `words`, and returns its index. A line without a word means word `usual`.
+    fn one_of<const COUNT: usize>(
+        &mut self,
+        line: Pair<'_>,
+        word: &'static str,
+        words: [&str; COUNT],
+        usual: usize,
+    ) -> Fallible<usize> {
         match &parts(line)[..] {
-            [] => Ok(true),
+            [] => Ok(usual),
             [part] => {
                 let place = self.span(part);
-                match self.word(part).as_str() {
-                    "on" => Ok(true),
-                    "off" => Ok(false),
-                    typed => {
-                        let meant = nearest(typed, ["on", "off"].into_iter());
-                        Err(bad_setting(word, place).suggest_optional(place, meant))
-                    }
-                }
+                let typed = self.word(part);
+                words.iter().position(|word| *word == typed).ok_or_else(|| {
+                    let meant = nearest(&typed, words.into_iter());
+                    bad_setting(word, place).suggest_optional(place, meant)
+                })
             }
             _ => Err(bad_setting(word, self.lexed.span)),
         }

@@ -11,7 +11,7 @@ use zeroset_eval::{KernelFloat, Points};
 use zeroset_scene::program::ProgramError;
 use zeroset_scene::view;
 use zeroset_shade::{
-    AmbientOcclusion, Appearance, Light, LinearRgb, Pattern, SurfaceColors, borrow_occlusion, turn,
+    AmbientOcclusion, Appearance, Displayed, Light, LinearRgb, Pattern, SurfaceColors, borrow_occlusion, turn,
 };
 use zeroset_space::Ball;
 use zeroset_syntax::{SurfaceColor, SurfaceKind};
@@ -38,12 +38,12 @@ pub(super) struct Lit {
 }
 
 impl<T: KernelFloat> RenderPass<'_, T> {
-    /// The light that casts shadows.
+    /// The light that casts shadows, in the displayed space.
     pub(super) fn key_light(&self, rays: &RayGrid) -> Light {
         let typed = self.model.setting.lines.light.as_ref();
         let typed = typed.map(|place| place.each_ref().map(view::nearest).into());
         match self.settings.light.or(typed) {
-            Some(place) => Light::Positional(place),
+            Some(place) => Light::Positional(place * rays.stretch()),
             None => Light::above_left(rays),
         }
     }
@@ -139,19 +139,34 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         if !occludes && shadow_depth.is_none() || !advance(0) {
             return Ok(work);
         }
-        let near = || AmbientOcclusion::new(buffer, rays, model.region.centre());
+        let seen = Displayed::new(buffer, rays);
+        let box_seen = model.region.displayed();
+        let near = || AmbientOcclusion::new(&seen.buffer, &seen.rays, box_seen.centre());
         let overview = self.overview.filter(|_| occludes);
         let smooths = shadow_depth.is_some() && self.settings.normals.is_some();
         let near = (smooths || occludes && overview.is_none()).then(near);
+        let (mut shadow, mut occlusion) = (None, None);
         if let Some(near) = near.as_ref().filter(|_| smooths) {
+            let mut mean = buffer.shadow.clone();
             // Average twice, since beside an edge the square for the mean is incomplete.
-            (0..2).for_each(|_| near.mean(&mut buffer.shadow));
+            (0..2).for_each(|_| near.mean(&mut mean));
+            shadow = Some(mean);
         }
         if let Some(whole) = overview {
-            borrow_occlusion(buffer, rays, &whole.picture.buffer, &whole.rays);
+            let whole = Displayed::new(&whole.picture.buffer, &whole.rays);
+            occlusion =
+                Some(borrow_occlusion(&seen.buffer, &seen.rays, &whole.buffer, &whole.rays));
         } else if let Some(near) = near.filter(|_| occludes) {
-            near.occlusion(buffer, NEAR * self.extent(), &|| advance(0));
-            near.mean(&mut buffer.occlusion);
+            let reach = NEAR * 2.0 * box_seen.half_extent();
+            let mut hidden = near.occlusion(&seen.buffer, reach, &|| advance(0));
+            near.mean(&mut hidden);
+            occlusion = Some(hidden);
+        }
+        if let Some(shadow) = shadow {
+            buffer.shadow = shadow;
+        }
+        if let Some(occlusion) = occlusion {
+            buffer.occlusion = occlusion;
         }
         Ok(work)
     }
@@ -165,7 +180,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
     ) -> Result<KernelStats, ProgramError> {
         // The surface may lie anywhere in the slab that contains it.
         let offset = self.extent() * SHADOW_OFFSET_SLABS * 0.5_f64.powi(depth as i32);
-        let lights = light.widened(self.model.region.centre());
+        let (lights, stretch) =
+            (light.widened(self.model.region.displayed().centre()), rays.stretch());
         let mut work = KernelStats::default();
         buffer.shadow.clear();
         // Shadow rays do not count as progress.
@@ -174,7 +190,11 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             let Some(bounds) = self.zeros_within(surface) else { continue };
             let tracer = self.tracer(surface, |options| TraceOptions { depth, ..options })?;
             let driver = Driver { rays, tracer: &*tracer, advance: &wanted };
-            let towards = |pixel, point| lights[turn(pixel)].towards(point);
+            let towards = |pixel, point: DVec3| {
+                let (way, distance) = lights[turn(pixel)].towards(point * stretch);
+                let way = way / stretch;
+                (way.normalize_or_zero(), distance * way.length())
+            };
             work += driver.shadows(buffer, towards, offset, &bounds);
             if !(self.advance)(0) {
                 break;
