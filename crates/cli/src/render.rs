@@ -209,6 +209,7 @@ pub fn method_settings(method: &TracingArgs, Size { width, height }: Size) -> Re
         width,
         height,
         shadow_depth: method.shadows.then_some(shadow_depth),
+        ground: method.ground.then_some(true),
         normals: Some(method.normals),
         ..settings
     })

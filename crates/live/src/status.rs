@@ -197,6 +197,9 @@ impl Rendering {
         if let Some(look) = settings.look {
             let _ = write!(command, " --look {}", look.name);
         }
+        if settings.ground == Some(true) {
+            command.push_str(" --ground");
+        }
         if settings.shadow_depth.is_some() {
             command.push_str(" --shadows");
         }

@@ -171,7 +171,13 @@ impl<T: KernelFloat> Edges<'_, T> {
             finish: self.finish,
             side: self.pattern.side,
         };
-        let bytes = self.pass.colored(&layered, &mut [])?;
+        let mut bytes = self.pass.colored(&layered, &mut [])?;
+        for (n, color) in bytes.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+            let ground = self.finish.ground.get(pixels[n / places]).copied().flatten();
+            if let Some(ground) = ground.filter(|_| !all.is_drawn(n)) {
+                *color = ground;
+            }
+        }
         if !(self.pass.advance)(0) {
             // Some of these colors may be missing.
             return Ok(Vec::new());

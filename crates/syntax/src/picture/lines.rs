@@ -20,6 +20,7 @@ use crate::tree::statement::ParsedStatement;
 use rustc_hash::FxHashSet;
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
+use zeroset_style::{MATERIALS, Material};
 
 /// Largest width of a curve, in pixels.
 const MAX_WIDTH: f64 = 100.0;
@@ -33,6 +34,8 @@ pub struct PictureLines {
     pub light: Option<[Constant; 3]>,
     /// Whether shadows are drawn.
     pub shadows: Option<bool>,
+    /// Whether surfaces stand on a ground.
+    pub ground: Option<bool>,
     /// Whether the domain's box and axes are drawn.
     pub axes: Option<bool>,
     /// Whether lengths along all axes are displayed alike, whatever the extents of a graph.
@@ -66,6 +69,7 @@ pub(crate) struct CollectedLines {
     pub colors: Vec<(usize, (ParsedColor, Option<f64>))>,
     pub opacities: Vec<(usize, f64)>,
     pub hidden: Vec<(usize, bool)>,
+    pub materials: Vec<(usize, &'static Material)>,
     /// All `width` lines: byte offset of the line, and width in pixels.
     pub widths: Vec<(usize, f64)>,
     /// Places of all lines about the picture, in order.
@@ -123,8 +127,14 @@ impl CollectedLines {
                 let share = share.ok_or_else(|| bad_setting("opacity", span))?;
                 self.opacities.push((at, builder.opacity(share)?));
             }
+            SettingKind::Material => {
+                let names = MATERIALS.each_ref().map(|row| row.name);
+                let row = builder.one_of(pair, word, names, 0)?;
+                self.materials.push((at, &MATERIALS[row]));
+            }
             SettingKind::Hidden => self.hidden.push((at, builder.switch(pair, word)?)),
             SettingKind::Shadows => self.picture.shadows = Some(builder.switch(pair, word)?),
+            SettingKind::Ground => self.picture.ground = Some(builder.switch(pair, word)?),
             SettingKind::Axes => self.picture.axes = Some(builder.switch(pair, word)?),
             SettingKind::Legend => self.picture.legend = Some(builder.switch(pair, word)?),
             SettingKind::Aspect => {
