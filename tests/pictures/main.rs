@@ -13,6 +13,7 @@ mod counts;
 mod domains;
 mod folds;
 mod framing;
+mod grounds;
 mod models;
 mod normals;
 mod overlap;

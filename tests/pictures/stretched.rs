@@ -41,7 +41,10 @@ fn a_stretched_graph_looks_like_the_graph_of_stretched_heights() {
     ] {
         let heights = |by: f64| 2048.0 / by;
         let text = |formula: &str, high: f64| {
-            format!("domain x in [{domain}], y in [{domain}], z in [{}, {high}]\nz = {formula}", -high)
+            format!(
+                "domain x in [{domain}], y in [{domain}], z in [{}, {high}]\nz = {formula}",
+                -high
+            )
         };
         let (region, camera, stretched) = drawn(&text(tall, heights(1.0)));
         assert_eq!(region.stretch(), DVec3::new(1.0, 1.0, 1.0 / by), "{tall}");

@@ -24,7 +24,7 @@ use zeroset_ir::{Axis, Graph};
 use zeroset_scene::curves::{self, TracedCurves};
 use zeroset_scene::kernels::Evaluator;
 use zeroset_scene::program::{Program, ProgramError};
-use zeroset_scene::view;
+use zeroset_scene::{proportions, view};
 use zeroset_space::{Cell, Region};
 use zeroset_style::Look;
 use zeroset_syntax::{Document, PictureLines, PointValue, SrgbColor, SurfaceKind};
@@ -61,9 +61,10 @@ struct DocumentStyle {
     look: Option<&'static Look>,
     background: Option<SrgbColor>,
     lines: PictureLines,
-    /// The value z, for contour lines whose value the document does not name. `None` without
-    /// contour lines.
-    height: Option<PointValue>,
+    /// The values x, y and z, for lines whose values the document does not name.
+    coordinates: [PointValue; 3],
+    /// The coordinates that are the same along lines of a mesh.
+    mesh: &'static [usize],
     /// Values of the parameters, indexed by parameter number.
     parameters: Vec<f64>,
 }
@@ -71,17 +72,23 @@ struct DocumentStyle {
 impl DocumentStyle {
     fn of(document: &Document) -> Self {
         let lines = &document.picture;
-        let height = || {
+        let coordinate = |(axis, name): (Axis, &str)| {
             let mut graph = Graph::new();
-            let root = graph.variable(Axis::Z);
-            PointValue { graph, root, echo: "z".to_owned() }
+            let root = graph.variable(axis);
+            PointValue { graph, root, echo: name.to_owned() }
+        };
+        let mesh: &[usize] = match lines.mesh {
+            Some(true) if proportions::are_graphs(document) => &[0, 1],
+            Some(true) => &[0, 1, 2],
+            Some(false) | None => &[],
         };
         let values = document.parameters.iter().map(|parameter| view::nearest(&parameter.value));
         Self {
             look: document.look,
             background: document.background,
             lines: lines.clone(),
-            height: lines.contours.is_some().then(height),
+            coordinates: [(Axis::X, "x"), (Axis::Y, "y"), (Axis::Z, "z")].map(coordinate),
+            mesh,
             parameters: values.collect(),
         }
     }

@@ -17,12 +17,16 @@ const SURFACES: usize = 16;
 
 /// Returns whether `document` consists of graphs z = f(x, y), and does not ask for equal axes.
 pub fn may_stretch(document: &Document) -> bool {
+    !document.picture.is_equal && are_graphs(document)
+}
+
+/// Returns whether `document` consists of graphs z = f(x, y).
+pub fn are_graphs(document: &Document) -> bool {
     let is_graph = |surface: &zeroset_syntax::Surface| {
         let shape = || GraphShape::of(&document.graph, surface.root, &[]);
         surface.kind == SurfaceKind::Equation && shape().is_over_ground()
     };
-    !document.picture.is_equal
-        && (1..=SURFACES).contains(&document.surfaces.len())
+    (1..=SURFACES).contains(&document.surfaces.len())
         && document.curves.all.is_empty()
         && document.surfaces.iter().all(is_graph)
 }
@@ -69,7 +73,8 @@ pub fn description(region: &Region) -> Option<String> {
         }
     };
     let all: Vec<String> = names.filter_map(times).collect();
-    let phrase = || format!("{} for display: `aspect equal` shows true proportions", all.join(", "));
+    let phrase =
+        || format!("{} for display: `aspect equal` shows true proportions", all.join(", "));
     (!all.is_empty()).then(phrase)
 }
 

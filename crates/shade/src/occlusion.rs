@@ -46,10 +46,20 @@ struct ShadedPoint {
     surface: u16,
 }
 
-/// Ambient occlusion in screen space: the painted points of a picture. Each quantity has its own
-/// array: the allocator would return one large array for all to the system.
+/// Pictures with at least this many rows are sampled at every second pixel of every second row.
+const COARSE_ROWS: usize = 256;
+
+/// Ambient occlusion in screen space: the painted points of a picture, or of every second pixel of
+/// every second row. Each quantity has its own array: the allocator would return one large array
+/// for all to the system.
 pub struct AmbientOcclusion<'a> {
     rays: &'a RayGrid,
+    buffer: &'a GBuffer,
+    centre: DVec3,
+    /// Distance between sampled pixels, in pixels.
+    step: usize,
+    /// Columns and rows of sampled pixels.
+    size: [usize; 2],
     at: Vec<Vec3>,
     normal: Vec<Vec3>,
     surface: SurfaceIds,
@@ -59,17 +69,29 @@ pub struct AmbientOcclusion<'a> {
 }
 
 impl<'a> AmbientOcclusion<'a> {
-    /// The painted points of a buffer that has normals. Positions are relative to `centre`.
-    pub fn new(buffer: &GBuffer, rays: &'a RayGrid, centre: DVec3) -> Self {
-        let [mut at, mut normal] = [(); 2].map(|()| vec![Vec3::ZERO; buffer.drawn.len()]);
-        let places = at.par_iter_mut().zip(&mut normal).enumerate().with_min_len(4096);
-        places.for_each(|(pixel, (at, facing))| {
-            let (drawn, normal) = (buffer.drawn[pixel], Vec3::from_array(buffer.normal[pixel]));
-            if drawn.is_finite() {
-                let ray = rays.ray_of(pixel);
-                let is_behind = normal.dot(ray.direction.as_vec3()) > 0.0;
-                *at = (ray.at(ray.parameter(drawn)) - centre).as_vec3();
-                *facing = if is_behind { -normal } else { normal };
+    /// All painted points of a buffer that has normals. Positions are relative to `centre`.
+    pub fn new(buffer: &'a GBuffer, rays: &'a RayGrid, centre: DVec3) -> Self {
+        Self::sampled(buffer, rays, centre, 1)
+    }
+
+    /// As [`AmbientOcclusion::new`]. In a large picture, only some points are used, so that
+    /// [`AmbientOcclusion::occlusion`] is faster.
+    pub fn coarse(buffer: &'a GBuffer, rays: &'a RayGrid, centre: DVec3) -> Self {
+        let step = if rays.height() >= COARSE_ROWS { 2 } else { 1 };
+        Self::sampled(buffer, rays, centre, step)
+    }
+
+    fn sampled(buffer: &'a GBuffer, rays: &'a RayGrid, centre: DVec3, step: usize) -> Self {
+        let size = [rays.width(), rays.height()].map(|size| size.div_ceil(step));
+        let [mut at, mut normal] = [(); 2].map(|()| vec![Vec3::ZERO; size[0] * size[1]]);
+        let width = size[0].max(1);
+        let rows = at.par_chunks_mut(width).zip(normal.par_chunks_mut(width)).enumerate();
+        rows.with_min_len(8).for_each(|(row, (at, normal))| {
+            for (column, (at, normal)) in at.iter_mut().zip(normal).enumerate() {
+                let pixel = row * step * rays.width() + column * step;
+                if let Some(point) = point(buffer, rays, centre, pixel) {
+                    (*at, *normal) = (point.at, point.normal);
+                }
             }
         });
         let surface = buffer.surface.clone();
@@ -80,48 +102,93 @@ impl<'a> AmbientOcclusion<'a> {
                 radius * Vec2::from_angle(first + GOLDEN * look as f32)
             })
         });
-        Self { rays, at, normal, surface, looks }
+        Self { rays, buffer, centre, step, size, at, normal, surface, looks }
+    }
+
+    /// The index in the picture of the sampled pixel with this index.
+    #[inline]
+    fn in_picture(&self, sample: usize) -> usize {
+        let (column, row) = (sample % self.size[0], sample / self.size[0]);
+        (row * self.rays.width() + column) * self.step
     }
 
     #[inline]
-    fn place(&self, pixel: usize) -> ShadedPoint {
-        ShadedPoint { at: self.at[pixel], normal: self.normal[pixel], surface: self.surface[pixel] }
+    fn place(&self, sample: usize) -> ShadedPoint {
+        let pixel = if self.step == 1 { sample } else { self.in_picture(sample) };
+        ShadedPoint {
+            at: self.at[sample],
+            normal: self.normal[sample],
+            surface: self.surface[pixel],
+        }
     }
 
     #[inline]
     fn pixel(&self, column: isize, row: isize) -> Option<ShadedPoint> {
-        let (width, height) = (self.rays.width() as isize, self.rays.height() as isize);
+        let [width, height] = self.size.map(|size| size as isize);
         let is_inside = (0..width).contains(&column) && (0..height).contains(&row);
         is_inside.then(|| self.place((row * width + column) as usize))
     }
 
     /// The share of each painted point's surroundings that is hidden by points within `reach`, in
-    /// world units. `buffer` is that of [`AmbientOcclusion::new`]. Once `wanted` returns false,
-    /// nothing hides the points of further rows.
-    pub fn occlusion(
-        &self,
-        buffer: &GBuffer,
-        reach: f64,
-        wanted: &(dyn Fn() -> bool + Sync),
-    ) -> Vec<u8> {
-        let rays = self.rays;
+    /// world units. It is averaged over neighbors. Once `wanted` returns false, nothing hides the
+    /// points of further rows.
+    pub fn occlusion(&self, reach: f64, wanted: &(dyn Fn() -> bool + Sync)) -> Vec<u8> {
+        let Self { rays, buffer, step, .. } = *self;
         let widest = WIDEST * rays.height() as f64;
         let row = |(row, hidden): (usize, &mut [u8])| {
             if !wanted() {
                 return;
             }
             for (column, hidden) in hidden.iter_mut().enumerate() {
-                let pixel = row * rays.width() + column;
+                let pixel = (row * rays.width() + column) * step;
                 if buffer.drawn[pixel].is_finite() {
                     let pixels = (reach / rays.footprint(buffer.drawn[pixel])).min(widest);
-                    let share = self.hidden([column, row], pixels as f32, reach as f32);
+                    let share =
+                        self.hidden([column, row], pixels as f32 / step as f32, reach as f32);
                     *hidden = (share * 255.0).round() as u8;
                 }
             }
         };
-        let mut occlusion = vec![0; buffer.status.len()];
-        occlusion.par_chunks_mut(rays.width().max(1)).enumerate().for_each(row);
-        occlusion
+        let mut occlusion = vec![0; self.at.len()];
+        occlusion.par_chunks_mut(self.size[0].max(1)).enumerate().for_each(row);
+        self.mean(&mut occlusion);
+        if step == 1 { occlusion } else { self.for_all_pixels(&occlusion) }
+    }
+
+    /// The values of all pixels, from those of sampled pixels: means over the nearest sampled
+    /// pixels on the same part of the same surface.
+    fn for_all_pixels(&self, sampled: &[u8]) -> Vec<u8> {
+        let Self { rays, buffer, centre, step, size: [width, height], .. } = *self;
+        let mut all = vec![0; buffer.drawn.len()];
+        let row = |(row, all): (usize, &mut [u8])| {
+            let above = row / step;
+            let below = row.div_ceil(step).min(height - 1);
+            for (column, value) in all.iter_mut().enumerate() {
+                let (left, right) = (column / step, column.div_ceil(step).min(width - 1));
+                let near = [[left, above], [right, above], [left, below], [right, below]]
+                    .map(|[column, row]| row * width + column);
+                let values = near.map(|sample| sampled[sample]);
+                *value = values[0];
+                if values == [values[0]; 4] {
+                    continue;
+                }
+                let pixel = row * rays.width() + column;
+                let Some(here) = point(buffer, rays, centre, pixel) else { continue };
+                let [mut near_sum, mut far_sum] = [[0_u32; 2]; 2];
+                for (sample, value) in near.into_iter().zip(values) {
+                    let there = self.place(sample);
+                    let sums = if here.is_beside(&there) { &mut near_sum } else { &mut far_sum };
+                    if there.normal != Vec3::ZERO {
+                        *sums = [sums[0] + u32::from(value), sums[1] + 1];
+                    }
+                }
+                // A part that no sampled pixel shows has the mean of its surroundings.
+                let [sum, count] = if near_sum[1] > 0 { near_sum } else { far_sum };
+                *value = (sum + count / 2).checked_div(count).unwrap_or(0) as u8;
+            }
+        };
+        all.par_chunks_mut(rays.width().max(1)).enumerate().for_each(row);
+        all
     }
 
     /// The share of a point's surroundings that is hidden by points within `pixels` of it in the
@@ -150,10 +217,10 @@ impl<'a> AmbientOcclusion<'a> {
         (STRENGTH * sum / LOOKS as f32).min(1.0)
     }
 
-    /// Replaces each value by a mean over the square of [`TURNS`] pixels around it. The mean is
-    /// over the pixels on the same part of the same surface.
+    /// Replaces the value of each sampled pixel by a mean over the square of [`TURNS`] sampled
+    /// pixels around it. The mean is over the pixels on the same part of the same surface.
     pub fn mean(&self, hidden: &mut [u8]) {
-        let width = self.rays.width();
+        let width = self.size[0];
         let before = hidden.to_vec();
         let row = |(row, hidden): (usize, &mut [u8])| {
             for (column, hidden) in hidden.iter_mut().enumerate() {
@@ -177,6 +244,19 @@ impl<'a> AmbientOcclusion<'a> {
         };
         hidden.par_chunks_mut(width.max(1)).enumerate().for_each(row);
     }
+}
+
+/// The painted point of a pixel. `None` if nothing is painted.
+#[inline]
+fn point(buffer: &GBuffer, rays: &RayGrid, centre: DVec3, pixel: usize) -> Option<ShadedPoint> {
+    let (drawn, normal) = (buffer.drawn[pixel], Vec3::from_array(buffer.normal[pixel]));
+    drawn.is_finite().then(|| {
+        let ray = rays.ray_of(pixel);
+        let is_behind = normal.dot(ray.direction.as_vec3()) > 0.0;
+        let at = (ray.at(ray.parameter(drawn)) - centre).as_vec3();
+        let normal = if is_behind { -normal } else { normal };
+        ShadedPoint { at, normal, surface: buffer.surface[pixel] }
+    })
 }
 
 /// Returns whether the whole square around a pixel has the same value; `false` near the picture's
@@ -230,8 +310,8 @@ mod tests {
         for inward in [true, false] {
             let (mut buffer, rays) = corner(inward);
             let near = AmbientOcclusion::new(&buffer, &rays, DVec3::ZERO);
-            buffer.occlusion = near.occlusion(&buffer, 0.8, &|| true);
-            near.mean(&mut buffer.occlusion);
+            let occlusion = near.occlusion(0.8, &|| true);
+            buffer.occlusion = occlusion;
             let column = |column: usize| {
                 let rows = 24..40;
                 let sum: u32 = rows.map(|row| u32::from(buffer.occlusion[row * 64 + column])).sum();
@@ -247,18 +327,32 @@ mod tests {
     }
 
     #[test]
+    fn a_coarse_picture_has_nearly_the_same_occlusion() {
+        for inward in [true, false] {
+            let (buffer, rays) = corner(inward);
+            let [fine, coarse] = [1, 2].map(|step| {
+                let near = AmbientOcclusion::sampled(&buffer, &rays, DVec3::ZERO, step);
+                near.occlusion(0.8, &|| true)
+            });
+            let differ = fine.iter().zip(&coarse).filter(|(a, b)| a.abs_diff(**b) > 24).count();
+            assert!(differ * 50 < fine.len(), "{differ} pixels differ");
+        }
+    }
+
+    #[test]
     fn a_mean_does_not_reach_across_an_edge() {
-        let (mut buffer, rays) = corner(false);
+        let (buffer, rays) = corner(false);
         let near = AmbientOcclusion::new(&buffer, &rays, DVec3::ZERO);
-        buffer.shadow = (0..64 * 64).map(|pixel| if pixel % 64 < 32 { 200 } else { 0 }).collect();
-        let before = buffer.shadow.clone();
-        near.mean(&mut buffer.shadow);
-        assert_eq!(buffer.shadow, before);
+        let halves = |pixel: usize| if pixel % 64 < 32 { 200 } else { 0 };
+        let mut shadow: Vec<u8> = (0..64 * 64).map(halves).collect();
+        let before = shadow.clone();
+        near.mean(&mut shadow);
+        assert_eq!(shadow, before);
         // Each of the pixels compared has the mean over all sixteen patterns.
-        let shadow = |pixel: usize| (16 * turn([pixel % 64, pixel / 64])) as u8;
-        buffer.shadow = (0..64 * 64).map(shadow).collect();
-        near.mean(&mut buffer.shadow);
-        assert!((8..24).all(|column| buffer.shadow[30 * 64 + column] == 120));
+        let of_turn = |pixel: usize| (16 * turn([pixel % 64, pixel / 64])) as u8;
+        let mut shadow: Vec<u8> = (0..64 * 64).map(of_turn).collect();
+        near.mean(&mut shadow);
+        assert!((8..24).all(|column| shadow[30 * 64 + column] == 120));
     }
 
     #[test]

@@ -128,11 +128,11 @@ impl Appearance {
 }
 
 const DEFAULT_PAIRS: [[[u8; 3]; 2]; 5] = [
-    [[230, 159, 0], [112, 163, 212]],   // orange, pale blue
-    [[0, 135, 105], [226, 176, 190]],   // bluish green, pale pink
-    [[186, 92, 150], [196, 206, 148]],  // reddish purple, pale olive
-    [[0, 104, 170], [232, 204, 148]],   // blue, sand
-    [[205, 85, 10], [150, 200, 190]],   // vermilion, pale teal
+    [[230, 159, 0], [112, 163, 212]],  // orange, pale blue
+    [[0, 135, 105], [226, 176, 190]],  // bluish green, pale pink
+    [[186, 92, 150], [196, 206, 148]], // reddish purple, pale olive
+    [[0, 104, 170], [232, 204, 148]],  // blue, sand
+    [[205, 85, 10], [150, 200, 190]],  // vermilion, pale teal
 ];
 
 /// The picture as sRGB bytes: red, green, blue, row by row from the top left.

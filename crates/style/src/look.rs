@@ -30,7 +30,7 @@ pub struct Look {
 }
 
 /// All looks; the first is the default.
-pub const LOOKS: [Look; 4] = [
+pub const LOOKS: [Look; 5] = [
     Look {
         name: "studio",
         help: "a key light above on the left, a fill light, a rim light, soft corners",
@@ -72,6 +72,20 @@ pub const LOOKS: [Look; 4] = [
         surroundings: 1.0,
         outline: 0.75,
         occlusion: true,
+    },
+    Look {
+        name: "textbook",
+        help: "white and bright, with outlines and without highlights: for figures in a text",
+        background: [255, 255, 255],
+        ambient: 0.7,
+        ground: 0.85,
+        key: 1.15,
+        fill: 0.35,
+        rim: 0.0,
+        highlight: 0.0,
+        surroundings: 0.6,
+        outline: 0.9,
+        occlusion: false,
     },
     Look {
         name: "night",

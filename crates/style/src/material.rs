@@ -73,7 +73,7 @@ pub const MATERIALS: [Material; 5] = [
         is_sharp: true,
         reflection: 0.08,
         is_metal: false,
-        opacity: 0.25,
+        opacity: 0.18,
     },
 ];
 

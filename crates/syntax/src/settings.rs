@@ -26,6 +26,7 @@ pub(crate) enum SettingKind {
     Ground,
     Axes,
     Legend,
+    Mesh,
     Aspect,
     Contours,
     Width,
@@ -83,6 +84,7 @@ pub(crate) const SETTINGS: &[SettingRow] = &[
     plain("shadows", SettingKind::Shadows, "write `shadows on` or `shadows off`"),
     plain("ground", SettingKind::Ground, "write `ground on` or `ground off`"),
     plain("axes", SettingKind::Axes, "write `axes on` or `axes off`"),
+    plain("mesh", SettingKind::Mesh, "write `mesh on` or `mesh off`"),
     plain("legend", SettingKind::Legend, "write `legend on` or `legend off`"),
     plain("aspect", SettingKind::Aspect, "write `aspect auto` or `aspect equal`"),
     plain(

@@ -163,18 +163,19 @@ impl<T: KernelFloat> Edges<'_, T> {
                 self.copy_hidden_light(all, n * places..(n + 1) * places, pixel);
             }
         }
+        let ground = |n: usize| self.finish.ground_at(pixels[n / places]);
         let layered = Layered {
             rays: &rays,
             picture: all,
             only: &only,
             tracers: &near,
             finish: self.finish,
+            ground: &ground,
             side: self.pattern.side,
         };
         let mut bytes = self.pass.colored(&layered, &mut [])?;
         for (n, color) in bytes.as_chunks_mut::<3>().0.iter_mut().enumerate() {
-            let ground = self.finish.ground.get(pixels[n / places]).copied().flatten();
-            if let Some(ground) = ground.filter(|_| !all.is_drawn(n)) {
+            if let Some(ground) = ground(n).filter(|_| !all.is_drawn(n)) {
                 *color = ground;
             }
         }

@@ -9,7 +9,7 @@ use std::cell::Cell as Counter;
 use zeroset_eval::KernelFloat;
 use zeroset_scene::program::ProgramError;
 use zeroset_shade::{AmbientOcclusion, Appearance, Displayed, Light, LinearRgb, TURNS};
-use zeroset_space::{CellSearch, Cell};
+use zeroset_space::{Cell, CellSearch};
 use zeroset_trace::{GBuffer, KernelStats, RayGrid};
 
 /// Limits of the search for the lowest point of a surface: evaluations, and halvings of a box.
@@ -62,9 +62,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             let surface = usize::from(picture.surface[pixel]);
             !picture.is_drawn(pixel) || self.model.styles[surface].opacity < 1.0
         };
-        let is_near = |pixel: usize| {
-            is_open(pixel) || rays.beside(pixel).into_iter().flatten().any(is_open)
-        };
+        let is_near =
+            |pixel: usize| is_open(pixel) || rays.beside(pixel).into_iter().flatten().any(is_open);
         let mut plane = GBuffer::new(width, rays.height(), 0);
         let mut shares = vec![0.0_f32; plane.drawn.len()];
         for (pixel, share) in shares.iter_mut().enumerate() {
@@ -123,7 +122,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         hidden.resize(plane.drawn.len(), 0);
         let clear = self.model.visible_surfaces().map(opacity).filter(|part| *part < 1.0);
         if let Some(opacity) = clear.reduce(f64::max) {
-            work += self.shadows(rays, lights, depth, &|n| self.model.styles[n].opacity < 1.0, plane)?;
+            work +=
+                self.shadows(rays, lights, depth, &|n| self.model.styles[n].opacity < 1.0, plane)?;
             // A ray crosses most surfaces twice.
             let part = (255.0 * (1.0 - (1.0 - opacity).powi(2))).round() as u8;
             for (hidden, shadow) in hidden.iter_mut().zip(std::mem::take(&mut plane.shadow)) {

@@ -55,6 +55,8 @@ pub(super) struct Layered<'a> {
     pub only: &'a [bool],
     pub tracers: &'a [&'a PreparedSurface<'a>],
     pub finish: &'a Coloring<'a>,
+    /// The color of the ground at a pixel, if it is seen there.
+    pub ground: &'a (dyn Fn(usize) -> Option<[u8; 3]> + Sync),
     /// A pixel of the final picture is this many of these pixels wide and high.
     pub side: usize,
 }
@@ -258,8 +260,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 light.iter_mut().zip(color(own)).for_each(|(light, own)| *light += share * own);
                 left -= share;
             }
-            let ground = if all.side == 1 { finish.ground.get(pixel) } else { None };
-            let behind = ground.copied().flatten().map_or(finish.appearance.background.0, color);
+            let behind = (all.ground)(pixel).map_or(finish.appearance.background.0, color);
             light.iter_mut().zip(behind).for_each(|(light, behind)| *light += left * behind);
             LinearRgb(light).to_srgb()
         };

@@ -7,6 +7,7 @@ use super::ground::GroundColors;
 use super::trace::Advance;
 use crate::overlay::{Legend, round_step};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use zeroset_scene::point_value::{Place, PointValues};
 use zeroset_scene::view::nearest;
@@ -38,6 +39,13 @@ pub(super) struct Coloring<'a> {
     pub ground: GroundColors,
 }
 
+impl Coloring<'_> {
+    /// The color of the ground at a pixel, if it is seen there.
+    pub fn ground_at(&self, pixel: usize) -> Option<[u8; 3]> {
+        self.ground.get(pixel).copied().flatten()
+    }
+}
+
 /// Color maps and contour lines on the surfaces.
 pub(super) struct Painter<'a> {
     model: &'a Model,
@@ -48,6 +56,8 @@ pub(super) struct Painter<'a> {
     scales: Vec<Option<ValueScale<'a>>>,
     /// Value and step of the contour lines on each surface.
     contours: Vec<Option<(&'a PointValue, f64)>>,
+    /// Value and step of the lines of a mesh, on all surfaces.
+    mesh: Vec<(&'a PointValue, f64)>,
 }
 
 /// A color map, and the range of a value that is mapped to its colors.
@@ -63,7 +73,10 @@ impl<'a> Painter<'a> {
     /// Returns whether there are color maps or contour lines.
     pub fn is_wanted(model: &Model) -> bool {
         let is_mapped = |surface| Self::mapped(model, surface).is_some();
-        model.setting.lines.contours.is_some() || (0..model.surfaces()).any(is_mapped)
+        let lines = &model.setting;
+        lines.lines.contours.is_some()
+            || !lines.mesh.is_empty()
+            || (0..model.surfaces()).any(is_mapped)
     }
 
     /// The color map of a surface. `None` without a map, or if the surface is hidden.
@@ -88,7 +101,14 @@ impl<'a> Painter<'a> {
             return None;
         }
         let is_cut = AtomicBool::new(false);
-        let blank = Self { model, advance, is_cut, scales: Vec::new(), contours: Vec::new() };
+        let blank = Self {
+            model,
+            advance,
+            is_cut,
+            scales: Vec::new(),
+            contours: Vec::new(),
+            mesh: Vec::new(),
+        };
         let range = |value: &PointValue, shown: &dyn Fn(usize) -> bool| {
             let points = points(picture, |pixel| shown(usize::from(picture.surface[pixel])));
             let values = blank.values(value, &points, picture, rays, 0.0);
@@ -126,7 +146,7 @@ impl<'a> Painter<'a> {
             let setting = model.setting.lines.contours.as_ref()?;
             let scale = scales[surface];
             let value = setting.value.as_ref().or(scale.map(|scale| scale.value));
-            let value = value.or(model.setting.height.as_ref())?;
+            let value = value.unwrap_or(&model.setting.coordinates[2]);
             let [low, high] = match scale {
                 _ if setting.step.is_some() => [0.0; 2],
                 Some(scale) if setting.value.is_none() => [scale.low, scale.high],
@@ -137,7 +157,13 @@ impl<'a> Painter<'a> {
             (step > 0.0 && step.is_finite()).then_some((value, step))
         });
         let contours = contours.collect();
-        Some(Self { scales, contours, ..blank })
+        let size = model.region.high() - model.region.low();
+        let line = |&axis: &usize| {
+            let step = round_step(size[axis] / LINES);
+            (step > 0.0 && step.is_finite()).then_some((&model.setting.coordinates[axis], step))
+        };
+        let mesh = model.setting.mesh.iter().filter_map(line).collect();
+        Some(Self { scales, contours, mesh, ..blank })
     }
 
     /// Returns whether some values were not computed, since `advance` returned `false`.
@@ -180,16 +206,18 @@ impl<'a> Painter<'a> {
                 }
                 known = Some((&value.echo, values));
             }
-            let Some((value, step)) = contours else { continue };
-            let values = match known {
-                Some((echo, values)) if echo == value.echo => values,
-                _ => self.values(value, &points, picture, rays, 0.0),
-            };
-            let lines = Lines { step: *step, side: side as f64 };
-            let mut field = vec![f64::NAN; picture.drawn.len()];
-            points.iter().zip(&values).for_each(|(&pixel, value)| field[pixel] = *value);
-            for &pixel in &points {
-                paint[pixel].ink = lines.ink(&field, pixel, rays.beside(pixel)) as f32;
+            for (value, step) in contours.iter().chain(&self.mesh) {
+                let values = match &known {
+                    Some((echo, values)) if *echo == value.echo => Cow::Borrowed(values),
+                    _ => Cow::Owned(self.values(value, &points, picture, rays, 0.0)),
+                };
+                let lines = Lines { step: *step, side: side as f64 };
+                let mut field = vec![f64::NAN; picture.drawn.len()];
+                points.iter().zip(&*values).for_each(|(&pixel, value)| field[pixel] = *value);
+                for &pixel in &points {
+                    let ink = lines.ink(&field, pixel, rays.beside(pixel)) as f32;
+                    paint[pixel].ink = paint[pixel].ink.max(ink);
+                }
             }
         }
         paint

@@ -195,9 +195,8 @@ pub fn shown(
 ) -> Option<ShownHeights> {
     let more = tops.iter().chain(further).copied().filter(|height| height.is_finite());
     let [lowest, highest] = ends(grid.ends()?.into_iter().chain(more));
-    let is_little = |ends: &[f64; 2]| {
-        is_stretched && grid.has_pole == [false; 2] && grid.share(*ends) < LITTLE
-    };
+    let is_little =
+        |ends: &[f64; 2]| is_stretched && grid.has_pole == [false; 2] && grid.share(*ends) < LITTLE;
     let all = || whole(f64::INFINITY, [lowest, highest], proven);
     let some = || part(grid, tops).map(|ends| all().filter(|_| is_little(&ends)).unwrap_or(ends));
     let ends = whole(grid.half, [lowest, highest], proven).or_else(some)?;

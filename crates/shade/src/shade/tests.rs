@@ -2,7 +2,7 @@
 
 use super::*;
 use glam::DVec3;
-use zeroset_style::LOOKS;
+use zeroset_style::{LOOKS, MATERIALS};
 use zeroset_testkit::simd::{is_fused, levels};
 use zeroset_trace::{Camera, Projection, Status};
 
@@ -111,6 +111,7 @@ fn plain(buffer: &GBuffer, rays: &RayGrid, look: &Appearance, pixel: usize) -> [
     let halfway = (to_light + to_eye).normalize_or_zero();
     let [lit, open] = [&buffer.shadow, &buffer.occlusion]
         .map(|hidden| 1.0 - f64::from(hidden.get(pixel).copied().unwrap_or_default()) / 255.0);
+    let open = open * (0.7 + 0.3 * lit);
     let [ground, key, fill, rim, highlight, outline] = {
         let Look { ground, key, fill, rim, highlight, outline, .. } = look.look;
         [ground, key, fill, rim, highlight, outline].map(f64::from)
@@ -125,13 +126,39 @@ fn plain(buffer: &GBuffer, rays: &RayGrid, look: &Appearance, pixel: usize) -> [
     let ambient_light = ambient * open * around * (1.0 - 0.4 * grazing);
     let factor = ambient_light + (1.0 - ambient) * (key * direct + fill * open * aside);
     let factor = factor * (1.0 - outline * grazing.powi(4));
-    let highlight_power = highlight * direct.sqrt() * normal.dot(halfway).max(0.0).powi(40);
+    let material = colors.material;
+    let power = if material.is_sharp { 160 } else { 40 };
+    let highlight = highlight * f64::from(material.highlight);
+    let highlight_power = highlight * direct.sqrt() * normal.dot(halfway).max(0.0).powi(power);
     let white = highlight_power + rim * grazing * grazing * behind;
+    let mirrored = 2.0 * normal.dot(to_eye) * normal - to_eye;
+    let step = |value: f64, low: f64, high: f64| {
+        let share = ((value - low) / (high - low)).clamp(0.0, 1.0);
+        share * share * (3.0 - 2.0 * share)
+    };
+    let surroundings = 0.2
+        + 0.62 * step(mirrored.dot(up), -0.25, 0.55)
+        + 1.6 * step(mirrored.dot(to_light), 0.80, 0.93)
+        + 0.7 * step(mirrored.dot((-forward + 1.1 * right - 0.2 * up).normalize()), 0.86, 0.95);
+    let surroundings = f64::from(look.look.surroundings) * open * surroundings;
+    let more = grazing.powi(5);
+    let [diffuse, reflection] = [material.diffuse, material.reflection].map(f64::from);
+    let light = |base: f64| {
+        let share = reflection + (1.0 - reflection) * more;
+        if reflection == 0.0 {
+            base * factor + white
+        } else if material.is_metal {
+            let tint = base + (1.0 - base) * more;
+            diffuse * base * factor + white + reflection * tint * surroundings
+        } else {
+            diffuse * (1.0 - share) * base * factor + white + share * surroundings
+        }
+    };
     let tone_map = |amount: f64| {
         let above = (amount - 0.7).max(0.0) / 0.3;
         amount.min(0.7) + 0.3 * above * (1.0 + above / 4.0) / (1.0 + above)
     };
-    let amounts = base.0.map(|part| tone_map(f64::from(part) * factor + white) as f32);
+    let amounts = base.0.map(|part| tone_map(light(f64::from(part))) as f32);
     LinearRgb(amounts).to_srgb()
 }
 
@@ -165,7 +192,11 @@ fn every_pixel_is_lit_as_if_it_were_alone() {
         buffer.shadow[pixel] = if random(3) == 0 { random(256) as u8 } else { 0 };
         buffer.occlusion[pixel] = random(256) as u8;
     }
-    let surfaces: Vec<_> = (0..3).map(SurfaceColors::default_for).collect();
+    let of_material = |(n, material): (usize, &'static Material)| SurfaceColors {
+        material,
+        ..SurfaceColors::default_for(n)
+    };
+    let surfaces: Vec<_> = MATERIALS.iter().enumerate().map(of_material).collect();
     for light in [Light::above_left(&rays), Light::Positional(DVec3::new(1.0, -2.0, 1.0))] {
         for look in &LOOKS {
             let look = Appearance { surfaces: surfaces.clone(), ..Appearance::new(look, light) };

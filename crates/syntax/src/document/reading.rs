@@ -452,7 +452,8 @@ pub(crate) fn style<'a>(
         surface.color = typed.map(|typed| values.color(typed)).transpose()?;
         let own = color.and_then(|(_, opacity)| *opacity);
         let opacity = own.or_else(|| setting_for(&settings.opacities, place, last).copied());
-        surface.material = setting_for(&settings.materials, place, last).copied().unwrap_or_default();
+        surface.material =
+            setting_for(&settings.materials, place, last).copied().unwrap_or_default();
         surface.opacity = opacity.unwrap_or(surface.material.opacity);
         surface.hidden = setting_for(&settings.hidden, place, last) == Some(&true);
     }

@@ -42,6 +42,9 @@ pub struct PictureLines {
     pub is_equal: bool,
     /// Whether a legend shows the color of each value.
     pub legend: Option<bool>,
+    /// Whether lines of equal x, y and z are drawn on the surfaces. On a graph z = f(x, y), only
+    /// those of equal x and y.
+    pub mesh: Option<bool>,
     /// Contour lines on the surfaces.
     pub contours: Option<Contours>,
 }
@@ -135,6 +138,7 @@ impl CollectedLines {
             SettingKind::Hidden => self.hidden.push((at, builder.switch(pair, word)?)),
             SettingKind::Shadows => self.picture.shadows = Some(builder.switch(pair, word)?),
             SettingKind::Ground => self.picture.ground = Some(builder.switch(pair, word)?),
+            SettingKind::Mesh => self.picture.mesh = Some(builder.switch(pair, word)?),
             SettingKind::Axes => self.picture.axes = Some(builder.switch(pair, word)?),
             SettingKind::Legend => self.picture.legend = Some(builder.switch(pair, word)?),
             SettingKind::Aspect => {

@@ -11,7 +11,8 @@ use zeroset_eval::{KernelFloat, Points};
 use zeroset_scene::program::ProgramError;
 use zeroset_scene::view;
 use zeroset_shade::{
-    AmbientOcclusion, Appearance, Displayed, Light, LinearRgb, Pattern, SurfaceColors, TURNS, borrow_occlusion, turn,
+    AmbientOcclusion, Appearance, Displayed, Light, LinearRgb, Pattern, SurfaceColors, TURNS,
+    borrow_occlusion, turn,
 };
 use zeroset_space::Ball;
 use zeroset_syntax::{SurfaceColor, SurfaceKind};
@@ -98,13 +99,14 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                     only: &[],
                     tracers: &tracers,
                     finish: &finish,
+                    ground: &|pixel| finish.ground_at(pixel),
                     side: 1,
                 };
                 self.colored(&layered, &mut behind)?
             };
-            for (pixel, color) in finish.ground.iter().enumerate() {
-                if let Some(color) = color.filter(|_| !buffer.is_drawn(pixel)) {
-                    rgb.as_chunks_mut::<3>().0[pixel] = color;
+            for (pixel, color) in rgb.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+                if let Some(ground) = finish.ground_at(pixel).filter(|_| !buffer.is_drawn(pixel)) {
+                    *color = ground;
                 }
             }
             if finish.painter.as_ref().is_some_and(Painter::is_cut) {
@@ -153,12 +155,11 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         }
         let seen = Displayed::new(buffer, rays);
         let box_seen = model.region.displayed();
-        let near = || AmbientOcclusion::new(&seen.buffer, &seen.rays, box_seen.centre());
         let overview = self.overview.filter(|_| occludes);
         let smooths = shadow_depth.is_some() && self.settings.normals.is_some();
-        let near = (smooths || occludes && overview.is_none()).then(near);
         let (mut shadow, mut occlusion) = (None, None);
-        if let Some(near) = near.as_ref().filter(|_| smooths) {
+        if smooths {
+            let near = AmbientOcclusion::new(&seen.buffer, &seen.rays, box_seen.centre());
             let mut mean = buffer.shadow.clone();
             // Average twice, since beside an edge the square for the mean is incomplete.
             (0..2).for_each(|_| near.mean(&mut mean));
@@ -168,11 +169,10 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             let whole = Displayed::new(&whole.picture.buffer, &whole.rays);
             occlusion =
                 Some(borrow_occlusion(&seen.buffer, &seen.rays, &whole.buffer, &whole.rays));
-        } else if let Some(near) = near.filter(|_| occludes) {
+        } else if occludes {
+            let near = AmbientOcclusion::coarse(&seen.buffer, &seen.rays, box_seen.centre());
             let reach = NEAR * 2.0 * box_seen.half_extent();
-            let mut hidden = near.occlusion(&seen.buffer, reach, &|| advance(0));
-            near.mean(&mut hidden);
-            occlusion = Some(hidden);
+            occlusion = Some(near.occlusion(reach, &|| advance(0)));
         }
         if let Some(shadow) = shadow {
             buffer.shadow = shadow;

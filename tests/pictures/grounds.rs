@@ -1,0 +1,90 @@
+//! Materials and the ground change colors only.
+
+use zeroset_render::framing;
+use zeroset_render::model::Model;
+use zeroset_render::picture::{Picture, Settings};
+use zeroset_scene::view::{CameraChoice, DomainChoice, region};
+use zeroset_style::MATERIALS;
+use zeroset_syntax::{Options, read};
+use zeroset_trace::Camera;
+
+/// Columns and rows of the pictures.
+const SIDE: usize = 96;
+
+fn drawn(text: &str) -> (Camera, Picture) {
+    let document = read(text, &Options::default()).expect(text);
+    let (region, _) = region(&document, DomainChoice::Document, None).expect(text);
+    let settings = Settings { width: SIDE, height: SIDE, brackets: true, ..Settings::default() };
+    let model = Model::new(&document, &region, &settings).expect(text);
+    let camera = framing::camera(&model, &document, &CameraChoice::default(), &settings, false);
+    let camera = camera.expect(text);
+    let picture = model.trace(&camera, &settings, &|_| true).expect(text);
+    (camera, picture)
+}
+
+const TORUS: &str = "(sqrt(x^2+y^2)-1)^2+z^2=0.16";
+
+/// Sum of a pixel's red, green and blue.
+fn brightness(picture: &Picture, [column, row]: [usize; 2]) -> u32 {
+    let color = picture.rgb.as_chunks::<3>().0[row * SIDE + column];
+    color.iter().map(|part| u32::from(*part)).sum()
+}
+
+#[test]
+fn statuses_and_brackets_know_no_ground_and_no_material() {
+    let (camera, plain) = drawn(TORUS);
+    let mut pictures = Vec::new();
+    for head in MATERIALS.iter().map(|row| format!("material {}", row.name)) {
+        pictures.push(head);
+    }
+    pictures.push("ground".to_owned());
+    let mut seen = vec![plain.rgb.clone()];
+    for head in pictures {
+        let (own, picture) = drawn(&format!("{head}\n{TORUS}"));
+        assert_eq!(own, camera, "{head}");
+        assert_eq!(picture.buffer.status, plain.buffer.status, "{head}");
+        let brackets = |picture: &Picture| format!("{:?}", picture.buffer.bracket);
+        assert!(brackets(&picture) == brackets(&plain), "{head}");
+        let is_usual = head == "material satin";
+        assert_eq!(seen.contains(&picture.rgb), is_usual, "{head} looks like another");
+        seen.push(picture.rgb);
+    }
+}
+
+#[test]
+fn the_ground_is_dark_below_a_surface_and_fades_into_the_background() {
+    let (_, picture) = drawn(&format!("ground\n{TORUS}"));
+    let (_, plain) = drawn(TORUS);
+    let background = brightness(&plain, [0, 0]);
+    // Inside the ring, and just below it.
+    let hole = (30..60)
+        .map(|row| [48, row])
+        .filter(|[column, row]| !plain.buffer.is_drawn(row * SIDE + column) && *row < 56);
+    let darkest = hole.map(|at| brightness(&picture, at)).min().expect("a hole");
+    assert!(darkest * 4 < background * 3, "{darkest} of {background}");
+    for corner in [[0, 0], [SIDE - 1, 0]] {
+        assert!(brightness(&picture, corner).abs_diff(background) <= 24, "{corner:?}");
+    }
+    // From below, the ground is not seen.
+    let below = "ground\nview eye (0.1, 0.2, -6)\n";
+    let above = "view eye (0.1, 0.2, -6)\n";
+    assert_eq!(drawn(&format!("{below}{TORUS}")).1.rgb, drawn(&format!("{above}{TORUS}")).1.rgb);
+}
+
+#[test]
+fn glass_is_denser_toward_its_outline_and_shows_the_ground() {
+    let text = "color black\nmaterial glass\nx^2+y^2+z^2=1";
+    let (_, picture) = drawn(text);
+    let row = SIDE / 2;
+    let is_drawn = |column: &usize| picture.buffer.is_drawn(row * SIDE + column);
+    let left = (0..SIDE).find(is_drawn).expect("a sphere");
+    let [edge, middle] = [left + 3, SIDE / 2].map(|column| brightness(&picture, [column, row]));
+    assert!(edge < middle, "{edge} at the outline, {middle} in the middle");
+    let (_, on_ground) = drawn(&format!("ground\n{text}"));
+    let differ = (0..SIDE * SIDE).filter(|pixel| {
+        let place = [pixel % SIDE, pixel / SIDE];
+        picture.buffer.is_drawn(*pixel)
+            && brightness(&picture, place) > brightness(&on_ground, place) + 6
+    });
+    assert!(differ.count() > 50, "the shadow is not seen through the glass");
+}
