@@ -12,12 +12,12 @@ pub fn shift_drag_moves_as_the_right_button_does() {
     let scene = Scene::start(CUBE);
     let (from, to) = ((200, 160), (240, 140));
     let right = scene.changes("right", || scene.drag("3", from, to));
-    scene.changes("back", || scene.key("r"));
+    scene.changes("back", || scene.key("ctrl+0"));
     scene.display.tool(&["keydown", "Shift_L"]);
     let shift = scene.changes("shift", || scene.drag("1", from, to));
     scene.display.tool(&["keyup", "Shift_L"]);
     assert!(shift == right, "a drag with shift is another");
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
@@ -50,7 +50,7 @@ pub fn the_picture_fills_a_window_that_grows_or_shrinks() {
         scene.key("Escape");
         until("there is no help", || scene.picture() == picture);
     }
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
@@ -58,10 +58,11 @@ pub fn letters_are_as_large_as_they_are_asked_to_be() {
     let scene = Scene::start(&["x^2+y^2+z^2 = 1", "--size", "700x480", "--ui-scale", "2"]);
     let picture = scene.picture();
     let dark = |y: u32| picture.get_pixel(1, y).0.iter().all(|c| *c < 80);
-    assert!(dark(480 - status(2) + 1) && !dark(480 - status(2) - 2));
-    scene.changes("large without axes", || scene.key("x"));
+    // The hint where to type is above the status line.
+    assert!(dark(480 - 2 * status(2) + 1) && !dark(480 - 2 * status(2) - 2));
+    scene.changes("large without axes", || scene.key("F3"));
     scene.changes("large help", || scene.key("F1"));
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
@@ -69,8 +70,8 @@ pub fn letters_are_as_large_as_they_are_asked_to_be() {
 pub fn the_overlay_is_drawn_around_the_picture() {
     let scene = Scene::start(&["barth-sextic-suse-95", "--size", "800x620"]);
     let axes = scene.rest();
-    let plain = scene.changes("no axes", || scene.key("x"));
-    scene.changes("axes", || scene.key("x"));
+    let plain = scene.changes("no axes", || scene.key("F3"));
+    scene.changes("axes", || scene.key("F3"));
     scene.point(400, 260);
     std::thread::sleep(std::time::Duration::from_millis(300));
     scene.display.keep(&scene.window, "window");
@@ -79,7 +80,7 @@ pub fn the_overlay_is_drawn_around_the_picture() {
         picture.pixels().filter(|pixel| pixel.0.iter().all(|c| (30..120).contains(c))).count()
     };
     assert!(dark(&axes) > dark(&plain) + 500, "{} and {}", dark(&axes), dark(&plain));
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
@@ -123,7 +124,7 @@ pub fn a_saved_file_is_seen_at_once() {
             .any(|(x, y)| picture.get_pixel(x, y) != whole.get_pixel(x, y))
     });
     scene.display.keep(&scene.window, "gone");
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 

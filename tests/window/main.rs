@@ -29,6 +29,8 @@ mod surfaces;
 #[path = "../terminal_support/mod.rs"]
 #[allow(dead_code, reason = "the prompt's tests use the rest")]
 mod terminal_support;
+#[cfg(unix)]
+mod typing;
 
 #[cfg(unix)]
 use harness::{Group, Program};
@@ -53,6 +55,14 @@ const TESTS: &[Group] = &[
     Group {
         programs: &[Program::SETSID],
         tests: tests![frame::a_terminal_that_goes_away_with_a_signal_ends_the_program,],
+    },
+    Group {
+        programs: &[Program::XVFB, Program::XDOTOOL, Program::IMPORT, Program::XCLIP],
+        tests: tests![
+            typing::fifty_formulas_typed_blind_are_drawn,
+            typing::a_line_is_selected_copied_cut_pasted_and_undone,
+            typing::other_programs_texts_are_pasted,
+        ],
     },
     Group {
         programs: &[Program::XVFB, Program::XDOTOOL, Program::IMPORT],

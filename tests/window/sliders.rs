@@ -59,7 +59,7 @@ pub fn a_slider_that_is_dragged_changes_picture_and_document_and_is_taken_back()
         scene.key("Right");
     });
     listed(&mut scene, "r = 1.02 in [0, 2]");
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
@@ -70,7 +70,7 @@ pub fn a_slider_that_is_held_while_the_gallery_opens_is_let_go() {
     wait(100);
     scene.display.tool(&["mousedown", "1"]);
     wait(100);
-    scene.key("g");
+    scene.key("ctrl+o");
     wait(300);
     scene.display.tool(&["mouseup", "1"]);
     wait(100);
@@ -81,7 +81,7 @@ pub fn a_slider_that_is_held_while_the_gallery_opens_is_let_go() {
     scene.changes("turned", || scene.key("Right"));
     listed(&mut scene, "r = 1 in [0, 2]");
     assert!(!scene.terminal.shown().contains("r = 1.02"), "the slider was moved");
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
@@ -113,20 +113,20 @@ pub fn a_surface_that_outgrows_the_view_is_fitted_when_the_slider_is_let_go() {
     until("it is fitted", || fits(width()));
     scene.rest();
     assert!(fits(width()), "{} columns, and {before} before", width());
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
 pub fn time_is_played_paused_and_scrubbed() {
     let mut scene = Scene::start(BALL);
     let start = scene.rest();
-    scene.key("t");
+    scene.key("F5");
     let mut last = scene.middle();
     for _ in 0..3 {
         until("time goes on", || scene.middle() != last);
         last = scene.middle();
     }
-    scene.key("t");
+    scene.key("F5");
     let paused = scene.rest();
     assert!(paused != start, "time stands still");
     listed(&mut scene, " in [0, 2pi]");
@@ -135,20 +135,20 @@ pub fn time_is_played_paused_and_scrubbed() {
         scene.drag("1", (TRACK.0, ROWS[1]), (TRACK.0 + 20, ROWS[1]));
     });
     listed(&mut scene, "t = 0.79 in [0, 2pi]");
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
 pub fn what_faces_the_eye_is_cut_open_and_the_cut_is_moved() {
     let scene = Scene::start(CUBE);
     let whole = scene.rest();
-    let cut = scene.changes("cut", || scene.key("k"));
+    let cut = scene.changes("cut", || scene.key("F7"));
     let moved = scene.changes("moved cut", || {
         scene.display.tool(&["keydown", "ctrl", "click", "5", "click", "5", "keyup", "ctrl"]);
     });
     assert!(whole != cut && cut != moved);
-    assert!(scene.changes("whole again", || scene.key("k")) == whole);
-    scene.key("q");
+    assert!(scene.changes("whole again", || scene.key("F7")) == whole);
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
@@ -167,14 +167,13 @@ pub fn clicks_however_short_are_seen_and_each_once() {
     scene.display.tool(&["mouseup", "1"]);
     wait(300);
     assert_eq!(said(), 11);
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
 pub fn what_is_typed_in_the_window_prints_nothing_in_the_terminal() {
     let mut scene = Scene::start(CUBE);
     let before = scene.terminal.shown();
-    scene.key("slash");
     for part in ["x^2+", "y^2 = (", "q*z", ")"] {
         scene.display.tool(&["type", "--delay", "30", part]);
         wait(500);
@@ -186,7 +185,7 @@ pub fn what_is_typed_in_the_window_prints_nothing_in_the_terminal() {
     wait(500);
     listed(&mut scene, "q = 1");
     assert!(!scene.terminal.shown().contains("error"), "{}", scene.terminal.shown());
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
@@ -200,6 +199,6 @@ pub fn the_title_names_the_document_and_whether_it_was_changed() {
     until("it was changed", || title(&scene) == "gyroid* - zeroset");
     scene.terminal.type_in(":save mine.zset\r");
     until("it is a file", || title(&scene) == "mine.zset - zeroset");
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }

@@ -50,8 +50,8 @@ pub fn surfaces_are_hidden_seen_through_moved_and_taken_away() {
     scene.terminal.type_in(":status\r");
     scene.terminal.shows("not compiled again");
     assert!(scene.changes("shown", || click(&scene, SWATCH, ROWS[1])) == start);
-    // The key 2 hides the second surface, like a click on its swatch. Undo shows it again.
-    assert!(scene.changes("by key", || scene.key("2")) == hidden);
+    // Ctrl-2 hides the second surface, like a click on its swatch. Undo shows it again.
+    assert!(scene.changes("by key", || scene.key("ctrl+2")) == hidden);
     assert!(scene.changes("undo hiding", || scene.key("ctrl+z")) == start);
     // Drag to the middle of the track. The drag is one undo step.
     scene.changes("half", || {
@@ -80,12 +80,12 @@ pub fn surfaces_are_hidden_seen_through_moved_and_taken_away() {
     assert_eq!(colored(&scene.picture())[0], 0);
     assert!(scene.changes("undo deletion", || scene.key("ctrl+z")) == start);
     // Without the list, a drag at the same place turns the view.
-    let without = scene.changes("no list", || scene.key("l"));
+    let without = scene.changes("no list", || scene.key("F4"));
     scene.changes("turned", || scene.drag("1", (FORMULA, ROWS[0]), (FORMULA + 40, ROWS[0])));
     scene.point(30, 250);
-    assert!(scene.changes("reset", || scene.key("r")) == without);
-    assert!(scene.changes("list", || scene.key("l")) == start);
-    scene.key("q");
+    assert!(scene.changes("reset", || scene.key("ctrl+0")) == without);
+    assert!(scene.changes("list", || scene.key("F4")) == start);
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
@@ -98,12 +98,12 @@ pub fn axes_are_there_unless_somebody_wants_none() {
     };
     let start = scene.rest();
     assert!(dark(&start) > 500, "{}", dark(&start));
-    let without = scene.changes("without axes", || scene.key("x"));
+    let without = scene.changes("without axes", || scene.key("F3"));
     assert!(8 * dark(&without) < dark(&start), "{} of {}", dark(&without), dark(&start));
-    assert!(scene.changes("with axes", || scene.key("x")) == start);
+    assert!(scene.changes("with axes", || scene.key("F3")) == start);
     scene.terminal.type_in("axes off\r");
     until("there are none", || scene.middle() == without);
-    assert!(scene.changes("axes all the same", || scene.key("x")) == start);
-    scene.key("q");
+    assert!(scene.changes("axes all the same", || scene.key("F3")) == start);
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }

@@ -77,6 +77,10 @@ pub struct InteractiveArgs {
     #[arg(value_name = "FORMULA|FILE|NAME", allow_hyphen_values = true)]
     pub source: Option<OsString>,
 
+    /// Show the last document that was not saved
+    #[arg(long, conflicts_with = "source")]
+    pub last: bool,
+
     #[command(flatten)]
     pub values: ValueArgs,
 

@@ -1,43 +1,38 @@
 //! The window's help: its keys and their actions, laid out to fit the window.
 
 use super::theme::{GROUND, INK};
+use super::window::keys::SHORTCUTS;
 use std::fmt::Write as _;
 use zeroset_render::overlay::Canvas;
 
-/// Rows of the help: a key or an action of the mouse, and its effect.
-const ROWS: &[(&str, &str)] = &[
+/// What the mouse and the keys of the typed line do. The commands on other keys follow.
+const MOUSE_AND_LINE: &[(&str, &str)] = &[
     ("drag", "turn"),
     ("right drag", "move"),
     ("wheel", "zoom"),
     ("click", "show point"),
-    ("/ or Enter", "type"),
+    ("Ctrl wheel", "move cut"),
+    ("any letter", "type"),
+    ("Enter", "replace"),
+    ("Ctrl-Enter", "add"),
     ("Tab", "complete"),
     ("Up, Down", "history"),
     ("Esc", "close"),
-    ("Ctrl Z, Y", "undo, redo"),
-    ("F1", "next help"),
-    ("G", "gallery"),
     ("arrows", "turn"),
-    ("+ -", "zoom"),
-    ("R", "reset view"),
-    ("F", "fit"),
-    ("P", "projection"),
-    ("X", "axes"),
-    ("L", "surfaces"),
-    ("1 to 9", "hide, show"),
-    ("K", "cut open"),
-    ("Ctrl wheel", "move cut"),
-    ("T", "play time"),
-    ("U", "undecided"),
-    ("S, M", "PNG, mesh"),
-    ("Q", "quit"),
 ];
+
+/// Rows of the help: a key or an action of the mouse, and its effect.
+fn rows() -> Vec<(&'static str, &'static str)> {
+    let commands = SHORTCUTS.iter().map(|row| (row.name, row.help));
+    MOUSE_AND_LINE.iter().copied().chain(commands).collect()
+}
 
 /// Lays out all rows of the table in this many aligned columns.
 fn layout(columns: usize) -> Vec<String> {
-    let height = ROWS.len().div_ceil(columns);
+    let rows = rows();
+    let height = rows.len().div_ceil(columns);
     let mut lines = vec![String::new(); height];
-    for (index, column) in ROWS.chunks(height).enumerate() {
+    for (index, column) in rows.chunks(height).enumerate() {
         let keys = column.iter().map(|(key, _)| key.len()).max().unwrap_or(0);
         let width = lines.iter().map(String::len).max().unwrap_or(0);
         for (line, (key, action)) in lines.iter_mut().zip(column) {
@@ -52,7 +47,7 @@ fn layout(columns: usize) -> Vec<String> {
 /// Lays out all rows of the table like words of a text, wrapped at this many letters.
 fn flow(letters: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
-    for (key, action) in ROWS {
+    for (key, action) in rows() {
         let (row, last) = (format!("{key}: {action}"), lines.len() - 1);
         let line = &mut lines[last];
         if line.is_empty() {
@@ -128,6 +123,6 @@ mod tests {
             assert!(line.len() * canvas.advance() + 2 * LITTLE_PAD <= canvas.width, "{line}");
         }
         let text = lines.join("\n");
-        assert!(ROWS.iter().all(|(key, action)| text.contains(&format!("{key}: {action}"))));
+        assert!(rows().iter().all(|(key, action)| text.contains(&format!("{key}: {action}"))));
     }
 }

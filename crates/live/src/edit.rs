@@ -61,6 +61,14 @@ impl Live {
         Ok(unused.map_or(Reply::Done, |note| Reply::Say(format!("noted; {}", note.kind))))
     }
 
+    /// Gives a name a value, even if nothing uses the name yet.
+    ///
+    /// # Errors
+    /// If the document would have errors.
+    pub fn define(&self, name: char, value: &str) -> Result<(), Refusal> {
+        self.commit(&format!("{name} = {value}"), false).map(drop)
+    }
+
     /// Sets a value in the document. A slider's range is kept, widened to hold the value.
     pub(super) fn set(&self, name: &str, value: &str) -> Result<Reply, Refusal> {
         let document = self.edit(None, |request, readable| {

@@ -2,6 +2,7 @@
 
 use super::Window;
 use super::enlarge::enlarge;
+use super::tasks::LineGoal;
 use super::thumbnails::{SIDE, Thumbnails};
 use crate::theme::{CHOSEN, DIM, INK};
 use minifb::Key;
@@ -220,7 +221,7 @@ impl Window {
         let browser = &self.browser;
         let Some(thumbnails) = &browser.thumbnails else { return };
         let Some(&place) = browser.matches().get(browser.chosen) else { return };
-        self.send(format!(":load {}", thumbnails.examples()[place].slug));
+        self.send(format!(":load {}", thumbnails.examples()[place].slug), LineGoal::Replace);
         self.active = Instant::now();
         self.toggle_gallery();
     }

@@ -4,11 +4,13 @@
 use super::enlarge::enlarge;
 use super::page::Page;
 use super::panel::Panel;
+use super::tasks::LineGoal;
 use super::{MESSAGE_TIME, PAUSE, Window, browser, list};
 use crate::help;
 use crate::theme::{GROUND, INK};
 use anyhow::{Context, Result};
 use minifb::MouseMode;
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 use zeroset_live::{Fault, Rendering, Slider, Snapshot};
@@ -16,8 +18,13 @@ use zeroset_render::overlay::{Canvas, Overlay, Rgb};
 
 const PAPER: Rgb = 0x00f4_f4f6;
 const DIM: Rgb = 0x00b0_b0bc;
+const LINE_GROUND: Rgb = 0x0010_1014;
+const SELECTED: Rgb = 0x0030_5890;
 const WRONG: Rgb = 0x00d0_3030;
 const WRONG_TEXT: Rgb = 0x00ff_9090;
+
+/// Says where to type.
+const PLACEHOLDER: &str = "type a formula, such as x^2 + y^2 = z";
 
 /// The picture at the window's size, with its axes. It is kept while only the overlays change.
 #[derive(Default)]
@@ -36,8 +43,12 @@ pub struct Content {
     rendering: Option<*const Rendering>,
     fault: Option<String>,
     wrong: bool,
+    /// What the worker does, if a picture is late.
+    stage: Option<&'static str>,
     hover: Option<String>,
-    line: Option<(String, usize)>,
+    line: Option<LineContent>,
+    /// What the line's Enter does, or where to type if no line is open.
+    hint: Option<String>,
     candidates: Option<String>,
     message: Option<String>,
     sliders: Option<(Panel, Vec<Slider>, Option<usize>)>,
@@ -47,13 +58,22 @@ pub struct Content {
     page: Option<Page>,
 }
 
+/// The typed line: its text, and the cursor and the selection in bytes.
+#[derive(Clone, PartialEq)]
+struct LineContent {
+    text: String,
+    cursor: usize,
+    selection: Range<usize>,
+}
+
 impl Content {
     /// Returns the message that is shown above the status line and the typed line, with its color.
     fn message_above(&self) -> Option<(&str, Rgb)> {
         let candidates = self.candidates.as_deref().map(|text| (text, DIM));
         let fault = self.fault.as_deref().map(|text| (text, WRONG_TEXT));
         let message = self.message.as_deref().map(|text| (text, INK));
-        candidates.or(fault).or(message)
+        let hint = self.hint.as_deref().filter(|_| self.line.is_some()).map(|text| (text, DIM));
+        candidates.or(fault).or(message).or(hint)
     }
 }
 
@@ -101,8 +121,14 @@ impl Window {
             rendering: seen.rendering.as_ref().map(Arc::as_ptr),
             fault: fault.filter(|_| rested).map(wrong),
             wrong: fault.is_some(),
+            stage: seen.working,
             hover: pick.and_then(|pick| pick.coordinates()),
-            line: self.line.as_ref().map(|line| (line.text().to_owned(), line.column())),
+            line: self.line.as_ref().map(|line| LineContent {
+                text: line.text().to_owned(),
+                cursor: line.cursor(),
+                selection: line.selection(),
+            }),
+            hint: self.hint(),
             candidates: (!self.candidates.is_empty()).then(|| self.candidates.join("  ")),
             message: self.message.as_ref().map(|(text, _)| text.clone()),
             sliders: self.sliders.shown(),
@@ -111,6 +137,31 @@ impl Window {
             help: self.help,
             page: self.page.clone(),
         }
+    }
+
+    /// Says what Enter does with the typed line. Without a line, says where to type, until
+    /// something was entered.
+    fn hint(&self) -> Option<String> {
+        let Some(line) = &self.line else {
+            return (!self.has_typed).then(|| PLACEHOLDER.to_owned());
+        };
+        let is_command = line.text().trim_start().starts_with(':');
+        let count = self.surfaces.count();
+        Some(match self.goal {
+            _ if is_command => "Enter: do it   Esc: close".to_owned(),
+            LineGoal::Replace if count > 1 => {
+                format!(
+                    "Enter: replace all {count} formulas   Ctrl-Enter: add to them   Esc: close"
+                )
+            }
+            LineGoal::Replace => {
+                "Enter: replace the formula   Ctrl-Enter: add one   Esc: close".to_owned()
+            }
+            LineGoal::Add => "Enter: add the formula   Esc: close".to_owned(),
+            LineGoal::Edit(index) => {
+                format!("Enter: change formula {}   Ctrl-Enter: add one   Esc: close", index + 1)
+            }
+        })
     }
 
     fn compose(&self, content: &Content) -> Canvas {
@@ -183,15 +234,16 @@ fn draw_status(
     canvas.fill(0, bottom, canvas.width, row, GROUND, 255);
     let status = match rendering {
         Some(rendering) => rendering.in_words(),
-        None => "no picture yet: type / and a formula".to_owned(),
+        None => content.stage.map_or_else(|| "no picture yet".to_owned(), str::to_owned),
     };
     let hover = content.hover.clone().unwrap_or_else(|| "F1 help".to_owned());
-    let taken = hover.chars().count() * canvas.advance();
+    let taken = canvas.text_width(&hover);
     let text_y = bottom + 2 * canvas.scale as i64;
     let right = (canvas.width as i64 - margin as i64 - taken as i64).max(0);
-    if room >= status.chars().count() * canvas.advance() + taken + 2 * margin {
+    if room >= canvas.text_width(&status) + taken + 2 * margin {
         canvas.write(&hover, right, text_y, DIM);
-    } else if content.line.is_none() && content.message_above().is_none() {
+    } else if content.line.is_none() && content.hint.is_none() && content.message_above().is_none()
+    {
         // Both texts do not fit in one line, so the right one gets a line of its own.
         canvas.label(&hover, right, bottom - row as i64, DIM);
     }
@@ -202,23 +254,43 @@ fn draw_status(
 /// Draws the line that is being typed, and a message above it.
 fn draw_texts(canvas: &mut Canvas, layout: &Layout, content: &Content) {
     let Layout { margin, room, row, bottom } = *layout;
-    let (width, dot) = (canvas.width, canvas.scale);
     let mut above = bottom - row as i64;
-    if let Some((text, column)) = &content.line {
-        canvas.fill(0, above, width, row, 0x0010_1014, 240);
-        // A long line is scrolled so that its cursor is visible.
-        let letters = (room / canvas.advance()).saturating_sub(3).max(1);
-        let skip = column.saturating_sub(letters);
-        let part: String = text.chars().skip(skip).take(letters + 1).collect();
-        canvas.write(&format!("> {part}"), margin as i64, above + 2 * dot as i64, INK);
-        let at = margin + (2 + column - skip) * canvas.advance();
-        canvas.fill(at as i64, above + 2 * dot as i64, 2 * dot, 16 * dot, INK, 255);
+    if let Some(line) = &content.line {
+        draw_line(canvas, layout, line, above);
+        above -= row as i64;
+    } else if let Some(hint) = &content.hint {
+        canvas.fill(0, above, canvas.width, row, LINE_GROUND, 240);
+        let hint = canvas.fitting(hint, room);
+        canvas.write(&hint, margin as i64, above + 2 * canvas.scale as i64, DIM);
         above -= row as i64;
     }
     if let Some((text, color)) = content.message_above() {
         let text = canvas.fitting(text, room);
         canvas.label(&text, 0, above, color);
     }
+}
+
+/// Draws the typed line with its cursor and its selection. A long line is scrolled so that its
+/// cursor is visible.
+fn draw_line(canvas: &mut Canvas, layout: &Layout, line: &LineContent, top: i64) {
+    let Layout { margin, room, row, .. } = *layout;
+    let (dot, y) = (canvas.scale, top + 2 * canvas.scale as i64);
+    canvas.fill(0, top, canvas.width, row, LINE_GROUND, 240);
+    let begin = margin + canvas.text_width("> ");
+    let free = room.saturating_sub(begin);
+    let place = |at: usize| canvas.text_width(&line.text[..at]);
+    let cursor = place(line.cursor);
+    let hidden = cursor.saturating_sub(free);
+    // Skip whole letters.
+    let starts = line.text.char_indices().map(|(at, _)| at).chain([line.text.len()]);
+    let skip = { starts }.find(|at| place(*at) >= hidden).unwrap_or(0);
+    let left = |at: usize| (begin + place(at.max(skip)) - place(skip)) as i64;
+    let (from, to) = (left(line.selection.start), left(line.selection.end));
+    let at = left(line.cursor);
+    canvas.fill(from, y, (to - from) as usize, canvas.letter_height(), SELECTED, 255);
+    canvas.write("> ", margin as i64, y, DIM);
+    canvas.write(&line.text[skip..], begin as i64, y, INK);
+    canvas.fill(at, y, 2 * dot, canvas.letter_height(), INK, 255);
 }
 
 impl Backdrop {

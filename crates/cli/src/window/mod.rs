@@ -3,10 +3,11 @@
 
 mod browser;
 mod clicks;
+mod clipboard;
 mod draw;
 mod enlarge;
 mod input;
-mod keys;
+pub mod keys;
 mod list;
 mod mouse;
 mod page;
@@ -25,6 +26,7 @@ use super::vector::Size;
 use anyhow::Result;
 use browser::Browser;
 use clicks::Clicks;
+use clipboard::LazyClipboard;
 use draw::{Backdrop, Content};
 use input::{InputQueue, Keyboard};
 use minifb::{Key, MouseMode, ScaleMode, WindowOptions};
@@ -36,7 +38,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::{JoinHandle, sleep, spawn};
 use std::time::{Duration, Instant};
 use surfaces::Surfaces;
-use tasks::{TaskOutcome, enter_all};
+use tasks::{LineGoal, Task, TaskOutcome, do_all};
 use zeroset_live::{Rendering, Snapshot};
 use zeroset_render::overlay::Canvas;
 
@@ -65,13 +67,16 @@ const LARGE_TEXT_HEIGHT: usize = 1400;
 pub struct Window {
     native: minifb::Window,
     session: Arc<Session>,
-    /// Lines to be entered, in order.
-    lines: Sender<LineEdit>,
+    /// Changes of the document, in order.
+    tasks: Sender<Task>,
     outcomes: Receiver<TaskOutcome>,
     /// Channel for the outcomes of tasks. Each task's thread gets a clone.
     tell: Sender<TaskOutcome>,
     threads: Vec<JoinHandle<()>>,
     typed_keys: InputQueue,
+    /// Whether the window had the keyboard when it was last asked.
+    was_active: bool,
+    clipboard: LazyClipboard,
     scale: Option<usize>,
     mouse: Mouse,
     clicks: Clicks,
@@ -81,6 +86,9 @@ pub struct Window {
     surfaces: Surfaces,
     browser: Browser,
     line: Option<LineEdit>,
+    goal: LineGoal,
+    /// Whether something was entered or pasted. Until then, the window says where to type.
+    has_typed: bool,
     /// Possible completions of the line's last word.
     candidates: Vec<String>,
     typed: Instant,
@@ -119,24 +127,25 @@ impl Window {
         // The loop in `run` sleeps by itself, since it polls more often than it draws.
         window.set_target_fps(0);
         let typed_keys = InputQueue::default();
-        let keyboard = Keyboard { typed: typed_keys.clone(), controls: [false; 2] };
-        window.set_input_callback(Box::new(keyboard));
-        let (lines, entered) = channel();
+        window.set_input_callback(Box::new(Keyboard(typed_keys.clone())));
+        let (tasks, given) = channel();
         let (tell, outcomes) = channel();
         let thread = {
             let (session, tell) = (Arc::clone(session), tell.clone());
-            spawn(move || enter_all(&session, &entered, &tell))
+            spawn(move || do_all(&session, &given, &tell))
         };
         let now = Instant::now();
         Ok(Self {
             clicks: Clicks::of(&window),
             native: window,
             session: Arc::clone(session),
-            lines,
+            tasks,
             outcomes,
             tell,
             threads: vec![thread],
             typed_keys,
+            was_active: false,
+            clipboard: LazyClipboard::default(),
             scale,
             mouse: Mouse::default(),
             rendering: None,
@@ -144,6 +153,8 @@ impl Window {
             surfaces: Surfaces::default(),
             browser: Browser::default(),
             line: None,
+            goal: LineGoal::default(),
+            has_typed: false,
             candidates: Vec::new(),
             typed: now,
             message: None,
@@ -188,14 +199,14 @@ impl Window {
         self.browser.stop();
         // Lines that were already sent are still executed, but without waiting for pictures.
         self.session.end();
-        drop(self.lines);
+        drop(self.tasks);
         for thread in self.threads {
             // The thread's panic has already been reported on standard error.
             let _ = thread.join();
         }
         while let Ok(outcome) = self.outcomes.try_recv() {
-            if let TaskOutcome::Entered(_, Err(wrong)) = outcome {
-                self.session.say(&wrong.full);
+            if let TaskOutcome::Refused(.., why) = outcome {
+                self.session.say(&why.full);
             }
         }
         Ok(())
@@ -217,9 +228,9 @@ impl Window {
     }
 
     /// Enters a line on another thread.
-    fn send(&self, line: impl Into<LineEdit>) {
+    fn send(&self, line: impl Into<LineEdit>, goal: LineGoal) {
         // The receiver lives as long as the window.
-        let _ = self.lines.send(line.into());
+        let _ = self.tasks.send(Task::Enter(line.into(), goal));
     }
 
     fn size(&self) -> (usize, usize) {
@@ -272,7 +283,7 @@ impl Window {
         while let Ok(outcome) = self.outcomes.try_recv() {
             self.active = Instant::now();
             match outcome {
-                TaskOutcome::Entered(_, Ok(said)) => {
+                TaskOutcome::Entered(said) => {
                     self.sliders.pause();
                     match said {
                         Some(text) if text.contains('\n') => self.page = Some(Page::new(&text)),
@@ -282,11 +293,13 @@ impl Window {
                     // The line that is being typed may use a definition in the entered line.
                     self.follow_line();
                 }
-                TaskOutcome::Entered(line, Err(wrong)) => {
-                    self.session.say(&wrong.full);
-                    self.say(&wrong.summary);
+                TaskOutcome::Refused(line, goal, why) => {
+                    self.session.say(&why.full);
+                    self.say(&why.summary);
                     // Offer the refused line for correction, unless another line is being typed.
-                    self.line.get_or_insert(line);
+                    if self.line.is_none() {
+                        (self.line, self.goal) = (Some(line), goal);
+                    }
                 }
                 TaskOutcome::Saved(Ok(())) => {
                     self.say("saved; the terminal shows the command that reproduces it");

@@ -18,6 +18,8 @@ pub struct Mouse {
     /// Last position of the pointer, and whether a button was held there.
     last: Option<((f64, f64), bool)>,
     wheel: Wheel,
+    /// Whether the middle button was held at the last poll.
+    middle: bool,
 }
 
 /// A press of a button, and the movement since.
@@ -59,6 +61,11 @@ impl Window {
         let left = self.native.get_mouse_down(MouseButton::Left);
         let right = self.native.get_mouse_down(MouseButton::Right);
         let held = left || right;
+        let middle = self.native.get_mouse_down(MouseButton::Middle);
+        if middle && !std::mem::replace(&mut self.mouse.middle, middle) && !self.browser.is_open() {
+            self.paste(true);
+        }
+        self.mouse.middle = middle;
         let has_changed = self.mouse.last.replace((at, held)) != Some((at, held));
         if has_changed {
             self.active = Instant::now();

@@ -3,6 +3,7 @@
 use super::Window;
 use super::list::{List, ListContent, ListPart};
 use super::sliders::is_next_due;
+use super::tasks::LineGoal;
 use minifb::Key;
 use std::time::Instant;
 use zeroset_live::{Snapshot, SurfaceEntry};
@@ -45,6 +46,11 @@ impl Surfaces {
         };
         let (list, surfaces, hovered) = (self.list?, self.all.clone(), self.hovered);
         Some(ListContent { list, surfaces, hovered, dragged })
+    }
+
+    /// Number of surfaces.
+    pub fn count(&self) -> usize {
+        self.all.len()
     }
 
     /// Adopts the surfaces of a new picture.
@@ -146,7 +152,7 @@ impl Window {
 
     /// Deletes a surface on another thread, since checking the remaining formulas takes time.
     fn delete_surface(&mut self, index: usize) {
-        self.send(format!(":delete {}", index + 1));
+        self.send(format!(":delete {}", index + 1), LineGoal::Replace);
     }
 
     /// Handles a key for the surface under the pointer, and returns whether it had an effect.

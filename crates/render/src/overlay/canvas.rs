@@ -70,6 +70,11 @@ impl Canvas {
         get_raster_width(WEIGHT, HEIGHT) * self.scale
     }
 
+    /// Width of a line of text in pixels.
+    pub fn text_width(&self, text: &str) -> usize {
+        text.chars().count() * self.advance()
+    }
+
     /// Height of a letter in pixels.
     pub fn letter_height(&self) -> usize {
         HEIGHT.val() * self.scale
