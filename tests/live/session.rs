@@ -242,7 +242,9 @@ fn commands_are_answered() {
     assert!(say(":depth 12").starts_with("depth 12 of at most 20: slabs of at most "));
     assert_eq!(live.settings().options.depth, 12);
     let coarse = settled(&live);
-    assert!(coarse.command("out.png", false).contains(" --method knoll --precision f32 --max-depth 12"));
+    assert!(
+        coarse.command("out.png", false).contains(" --method knoll --precision f32 --max-depth 12")
+    );
     assert!(say(":status").contains("undecided   this method proves misses"));
     // `f64` allows a greater depth than `f32`. Back in `f32`, the depth is reduced.
     assert!(say(":precision").starts_with("precision f32"));
@@ -317,7 +319,11 @@ fn ideas_that_are_left_out_are_told_and_repeated() {
         Live::new(Request { text: "x^2+y^2+z^2 = 1".into(), settings, ..Request::default() });
     let alone = settled(&live);
     assert!(alone.summary().contains(" · affine auto no-tiles · "), "{}", alone.summary());
-    assert!(alone.command("a.png", false).contains(" --no-tiles -o"), "{}", alone.command("a.png", false));
+    assert!(
+        alone.command("a.png", false).contains(" --no-tiles -o"),
+        "{}",
+        alone.command("a.png", false)
+    );
     // The method `knoll` reads none of the options that were set.
     live.enter(":method knoll").expect("a method");
     assert!(!settled(&live).command("a.png", false).contains("--no-"));

@@ -1,5 +1,6 @@
 //! A real window: its size, letters and watched file, and the ways to close window and terminal.
 
+use crate::display::Display;
 use crate::scene::{CUBE, Scene, painted};
 use crate::terminal_support::{Terminal, until};
 
@@ -66,6 +67,31 @@ pub fn letters_are_as_large_as_they_are_asked_to_be() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
+/// Windows and letters are larger on a display with more than the usual 96 dots per inch.
+pub fn a_display_s_scale_is_followed() {
+    let display = Display::start();
+    let resources = ["-root", "-f", "RESOURCE_MANAGER", "8s", "-set", "RESOURCE_MANAGER"];
+    let set = std::process::Command::new("xprop")
+        .env("DISPLAY", &display.name)
+        .args(resources)
+        .arg("Xft.dpi:\t115.2\n")
+        .status();
+    assert!(set.expect("xprop runs").success());
+    let terminal = Terminal::start(&["x^2+y^2+z^2 = 1"], Some(&display.name));
+    let window = display.window();
+    let scene = Scene { terminal, display, window };
+    scene.rest();
+    // 800x640 pixels, times 1.2.
+    assert_eq!(scene.picture().dimensions(), (960, 768));
+    let picture = scene.picture();
+    let dark = |y: u32| picture.get_pixel(1, y).0.iter().all(|c| *c < 80);
+    // The status line and the hint have 24 rows each.
+    assert!(dark(768 - 47) && !dark(768 - 50));
+    scene.point(200, 160);
+    scene.key("ctrl+q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
 /// Also takes the window's picture for the README.
 pub fn the_overlay_is_drawn_around_the_picture() {
     let scene = Scene::start(&["barth-sextic-suse-95", "--size", "800x620"]);
@@ -112,14 +138,14 @@ pub fn a_saved_file_is_seen_at_once() {
     scene.changes("mended", || {
         save("domain 2\nmax(abs(x),abs(y),abs(z)) = 3/2\nview eye (4, -6, 3)");
     });
-    // A deleted file is reported over the picture, above the status line.
+    // A deleted file is reported over the picture, above the status line and the hint.
     scene.rest();
     let whole = scene.picture();
     std::fs::remove_file(&path).expect("removed");
     scene.terminal.shows("the last version is still shown");
     until("the window says so", || {
         let picture = scene.picture();
-        let rows = 320 - 2 * status(1)..320 - status(1);
+        let rows = 320 - 3 * status(1)..320 - 2 * status(1);
         rows.flat_map(|y| (0..200).map(move |x| (x, y)))
             .any(|(x, y)| picture.get_pixel(x, y) != whole.get_pixel(x, y))
     });

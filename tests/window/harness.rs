@@ -21,6 +21,7 @@ impl Program {
     pub const IMPORT: Self = Self { name: "import", packages: "imagemagick" };
     /// Puts texts on the clipboard, and reads them from there.
     pub const XCLIP: Self = Self { name: "xclip", packages: "xclip" };
+    pub const XPROP: Self = Self { name: "xprop", packages: "x11-utils" };
     pub const SETSID: Self = Self { name: "setsid", packages: "util-linux" };
 
     fn is_missing(&self) -> bool {

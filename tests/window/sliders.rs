@@ -5,12 +5,11 @@ use crate::terminal_support::until;
 use std::time::Duration;
 
 const BALL: &[&str] =
-    &["domain 3\nr = 1 in [0, 2]\nx^2+y^2+z^2 = r^2 + 0.3*sin(5*t)", "--size", "400x320"];
+    &["domain 3\nr = 1 in [0, 2]\nx^2+y^2+z^2 = r^2 + 0.3*sin(5*t)", "--size", "640x320"];
 
-/// Columns at the ends of the first slider's track, and rows of the first two sliders. Each name
-/// has one letter, which is 8 pixels wide.
-const TRACK: (i32, i32) = (20, 180);
-const ROWS: [i32; 2] = [36, 56];
+/// Columns at the ends of the first slider's track, and rows of the first two sliders.
+const TRACK: (i32, i32) = (18, 178);
+const ROWS: [i32; 2] = [16, 36];
 
 /// Asserts that `:list` shows `expected` in the terminal.
 fn listed(scene: &mut Scene, expected: &str) {
@@ -87,7 +86,7 @@ pub fn a_slider_that_is_held_while_the_gallery_opens_is_let_go() {
 
 /// While a slider is dragged, the surface grows in the view. Then the view fits it again.
 pub fn a_surface_that_outgrows_the_view_is_fitted_when_the_slider_is_let_go() {
-    let ball = ["r = 1 in [0.5, 8]\nx^2+y^2+z^2 = r^2", "--size", "400x320"];
+    let ball = ["r = 1 in [0.5, 8]\nx^2+y^2+z^2 = r^2", "--size", "640x320"];
     let scene = Scene::start(&ball);
     // Number of columns with orange pixels below the slider.
     let width = || {
@@ -96,7 +95,7 @@ pub fn a_surface_that_outgrows_the_view_is_fitted_when_the_slider_is_let_go() {
             let [r, _, b] = picture.get_pixel(x, y).0.map(i32::from);
             r - b > 60
         };
-        (0..400).filter(|x| (60..270).any(|y| is_orange(*x, y))).count()
+        (0..640).filter(|x| (60..270).any(|y| is_orange(*x, y))).count()
     };
     let before = width();
     scene.point(TRACK.0 + 11, ROWS[0]);

@@ -7,12 +7,12 @@ use image::RgbImage;
 const TWO: &[&str] =
     &["domain 2\ncolor red\nx^2+y^2+z^2 = 1\ncolor blue\nz = 1.2", "--size", "400x320"];
 
-/// Columns of the parts of a row in the list, and two rows. Letters are 8 pixels wide and 20 high.
+/// Columns of the parts of a row in the list, and two rows.
 const SWATCH: i32 = 194;
 const FORMULA: i32 = 250;
-const TRACK: (i32, i32) = (336, 376);
-const DELETE: i32 = 388;
-const ROWS: [i32; 2] = [36, 56];
+const TRACK: (i32, i32) = (334, 374);
+const DELETE: i32 = 386;
+const ROWS: [i32; 2] = [16, 36];
 
 fn click(scene: &Scene, x: i32, y: i32) {
     scene.point(x, y);
@@ -86,6 +86,38 @@ pub fn surfaces_are_hidden_seen_through_moved_and_taken_away() {
     assert!(scene.changes("reset", || scene.key("ctrl+0")) == without);
     assert!(scene.changes("list", || scene.key("F4")) == start);
     scene.key("ctrl+q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
+/// The first formula is edited, and one more is added, by clicks on the list.
+pub fn formulas_are_edited_and_added_in_the_list() {
+    let mut scene = Scene::start(TWO);
+    click(&scene, FORMULA, ROWS[0]);
+    scene.display.keep(&scene.window, "editing");
+    scene.changes("larger", || scene.type_text("+x^2"));
+    scene.key("Return");
+    scene.rest();
+    listed(&mut scene, "color red\r\nx^2+y^2+z^2 = 1+x^2\r\ncolor blue\r\nz = 1.2");
+    click(&scene, FORMULA, ROWS[1] + 20);
+    scene.type_text("z = -1");
+    scene.key("Return");
+    scene.rest();
+    listed(&mut scene, "z = 1.2\r\nz = -1");
+    // Ctrl-Enter adds, too. Enter replaces all, and undo brings them back.
+    scene.type_text("y = 1");
+    scene.key("ctrl+Return");
+    scene.rest();
+    listed(&mut scene, "z = -1\r\ny = 1");
+    scene.display.keep(&scene.window, "four");
+    scene.type_text("x = 1");
+    scene.key("Return");
+    scene.rest();
+    scene.key("ctrl+z");
+    scene.key("ctrl+q");
+    let kept = scene.terminal.place().join("data/zeroset/last.zset");
+    until("the window has ended", || {
+        std::fs::read_to_string(&kept).is_ok_and(|text| text.contains("y = 1"))
+    });
     assert_eq!(scene.terminal.ends(), 0);
 }
 

@@ -1,8 +1,7 @@
 //! The window's help: its keys and their actions, laid out to fit the window.
 
-use super::theme::{GROUND, INK};
+use super::theme::{CHOSEN as KEY, GROUND, INK};
 use super::window::keys::SHORTCUTS;
-use std::fmt::Write as _;
 use zeroset_render::overlay::Canvas;
 
 /// What the mouse and the keys of the typed line do. The commands on other keys follow.
@@ -27,76 +26,62 @@ fn rows() -> Vec<(&'static str, &'static str)> {
     MOUSE_AND_LINE.iter().copied().chain(commands).collect()
 }
 
-/// Lays out all rows of the table in this many aligned columns.
-fn layout(columns: usize) -> Vec<String> {
+/// Space around the help and between its columns, in dots of a letter.
+const PAD: usize = 12;
+/// Space between a key and its effect, in dots of a letter.
+const GAP: usize = 8;
+/// Scales of the letters that are tried, in units of the window's scale.
+const SHRINK: [f64; 4] = [1.0, 0.85, 0.7, 0.6];
+/// Largest number of columns.
+const MOST_COLUMNS: usize = 4;
+
+/// A cell of the help: its text and its upper left corner, in pixels from the help's corner.
+type Cell = (&'static str, usize, usize);
+
+/// Lays out all rows of the table in this many columns. Returns the cells, and the help's width and
+/// height in pixels.
+fn layout(columns: usize, canvas: &Canvas) -> (Vec<Cell>, usize, usize) {
     let rows = rows();
     let height = rows.len().div_ceil(columns);
-    let mut lines = vec![String::new(); height];
-    for (index, column) in rows.chunks(height).enumerate() {
-        let keys = column.iter().map(|(key, _)| key.len()).max().unwrap_or(0);
-        let width = lines.iter().map(String::len).max().unwrap_or(0);
-        for (line, (key, action)) in lines.iter_mut().zip(column) {
-            let gap = if index == 0 { 0 } else { width + 2 - line.len() };
-            // Writing to a string cannot fail.
-            let _ = write!(line, "{:gap$}{key:keys$}  {action}", "");
+    let [pad, gap] = [PAD, GAP].map(|dots| canvas.dots(dots));
+    let mut cells = Vec::new();
+    let mut left = pad;
+    for column in rows.chunks(height) {
+        let widest = |texts: &mut dyn Iterator<Item = &'static str>| {
+            texts.map(|text| canvas.text_width(text)).max().unwrap_or(0)
+        };
+        let keys = widest(&mut column.iter().map(|row| row.0));
+        let effects = widest(&mut column.iter().map(|row| row.1));
+        for (n, (key, effect)) in column.iter().enumerate() {
+            let top = pad + n * canvas.line_height();
+            cells.extend([(*key, left, top), (*effect, left + keys + gap, top)]);
         }
+        left += keys + gap + effects + 2 * pad;
     }
-    lines
+    (cells, left - pad, 2 * pad + height * canvas.line_height())
 }
 
-/// Lays out all rows of the table like words of a text, wrapped at this many letters.
-fn flow(letters: usize) -> Vec<String> {
-    let mut lines = vec![String::new()];
-    for (key, action) in rows() {
-        let (row, last) = (format!("{key}: {action}"), lines.len() - 1);
-        let line = &mut lines[last];
-        if line.is_empty() {
-            *line = row;
-        } else if line.len() + 2 + row.len() <= letters {
-            line.push_str("  ");
-            line.push_str(&row);
-        } else {
-            lines.push(row);
-        }
-    }
-    lines
-}
-
-/// Padding around the help, in font pixels.
-const PAD: usize = 10;
-/// Padding in a small window, in font pixels.
-const LITTLE_PAD: usize = 3;
-
-/// Draws the help in the middle of the window. Prefers large letters, then two columns. If even one
-/// column of small letters does not fit, the rows are wrapped like text and may be cut off.
+/// Draws the help in the middle of the window, in the largest letters that fit.
 pub fn draw(canvas: &mut Canvas) {
-    let size = |lines: &[String], canvas: &Canvas| {
-        let pad = PAD * canvas.scale;
-        let longest = lines.iter().map(String::len).max().unwrap_or(0);
-        (longest * canvas.advance() + 2 * pad, lines.len() * canvas.line_height() + 2 * pad)
-    };
     let scale = canvas.scale;
-    let fitting = (1..=scale).rev().find_map(|scale| {
-        canvas.scale = scale;
-        [2, 1].into_iter().map(layout).find(|lines| {
-            let (width, height) = size(lines, canvas);
-            width <= canvas.width && height <= canvas.height
-        })
-    });
-    let is_small = fitting.is_none();
-    let lines = fitting.unwrap_or_else(|| {
-        canvas.scale = 1;
-        flow(canvas.width.saturating_sub(2 * LITTLE_PAD) / canvas.advance())
-    });
-    let (width, height) =
-        if is_small { (canvas.width, canvas.height) } else { size(&lines, canvas) };
-    let pad = (if is_small { LITTLE_PAD } else { PAD } * canvas.scale) as i64;
-    let centred = |room: usize, size: usize| ((room as i64 - size as i64) / 2).max(0);
+    let tries = SHRINK.iter().flat_map(|shrink| (1..=MOST_COLUMNS).map(move |n| (*shrink, n)));
+    let mut found = None;
+    for (shrink, columns) in tries {
+        canvas.scale = shrink * scale;
+        let shown = layout(columns, canvas);
+        let fits = shown.1 <= canvas.width && shown.2 <= canvas.height;
+        found = Some(shown);
+        if fits {
+            break;
+        }
+    }
+    let Some((cells, width, height)) = found else { return };
+    let centred = |room: usize, size: usize| room.saturating_sub(size) as i64 / 2;
     let (left, top) = (centred(canvas.width, width), centred(canvas.height, height));
-    canvas.fill(left, top, width, height, GROUND, 232);
-    for (index, line) in (0_i64..).zip(&lines) {
-        let y = top + pad + index * canvas.line_height() as i64;
-        canvas.write(line, left + pad, y, INK);
+    canvas.fill(left, top, width, height, GROUND, 236);
+    for (n, (text, x, y)) in cells.into_iter().enumerate() {
+        let ink = if n % 2 == 0 { KEY } else { INK };
+        canvas.write(text, left + x as i64, top + y as i64, ink);
     }
     canvas.scale = scale;
 }
@@ -106,23 +91,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn two_columns_fit_a_small_window() {
-        let lines = layout(2);
-        assert_eq!(lines.len(), 13);
-        assert_eq!(lines[0], "drag        turn        R           reset view", "{lines:#?}");
-        assert!(lines.iter().all(|line| line.len() <= 47), "{lines:#?}");
-        assert_eq!(layout(1)[24], "Q           quit");
+    fn every_key_is_there_in_a_window_400_by_300_pixels() {
+        let canvas = Canvas::new(400, 300, Vec::new(), SHRINK[SHRINK.len() - 1]);
+        let fits = |columns: &usize| {
+            let (cells, width, height) = layout(*columns, &canvas);
+            cells.len() == 2 * rows().len() && width <= 400 && height <= 300
+        };
+        assert!((1..=MOST_COLUMNS).any(|columns| fits(&columns)));
     }
 
     #[test]
-    fn every_key_is_there_in_a_window_300_pixels_wide() {
-        let canvas = Canvas::new(300, 220, vec![0; 300 * 220], 1);
-        let lines = flow((canvas.width - 2 * LITTLE_PAD) / canvas.advance());
-        assert!(lines.len() * canvas.line_height() + 2 * LITTLE_PAD <= canvas.height, "{lines:#?}");
-        for line in &lines {
-            assert!(line.len() * canvas.advance() + 2 * LITTLE_PAD <= canvas.width, "{line}");
+    fn effects_begin_below_one_another() {
+        let canvas = Canvas::new(800, 600, Vec::new(), 1.0);
+        let (cells, ..) = layout(2, &canvas);
+        let effects: Vec<usize> = cells.iter().skip(1).step_by(2).map(|cell| cell.1).collect();
+        let half = effects.len().div_ceil(2);
+        for column in [&effects[..half], &effects[half..]] {
+            assert!(column.iter().all(|left| *left == column[0]), "{effects:?}");
         }
-        let text = lines.join("\n");
-        assert!(rows().iter().all(|(key, action)| text.contains(&format!("{key}: {action}"))));
     }
 }

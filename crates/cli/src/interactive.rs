@@ -62,7 +62,7 @@ fn open(
     arguments: &InteractiveArgs,
     session: &Arc<Session>,
 ) -> Result<super::window::Window, String> {
-    super::window::Window::open(arguments.size, arguments.ui_scale.map(usize::from), session)
+    super::window::Window::open(arguments.size, arguments.ui_scale, session)
 }
 
 #[cfg(not(feature = "window"))]

@@ -1,7 +1,7 @@
 //! A session: the live picture, its document's watched file, and the history of prompt and window.
 
-use super::arguments::InteractiveArgs;
-use super::data::{data_directory, store_text};
+use super::arguments::{InteractiveArgs, USUAL_SIZE};
+use super::data::{data_directory, note_file, store_text};
 use super::gallery::listed;
 use super::history::History;
 use super::output::{OutputFile, print};
@@ -106,7 +106,8 @@ pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl Session {
     pub fn new(arguments: &InteractiveArgs) -> Result<Self> {
-        arguments.size.held_whole()?;
+        let size = arguments.size.unwrap_or(USUAL_SIZE);
+        size.held_whole()?;
         let settings = kernel_settings(&arguments.kernels)?;
         let given = arguments.source.as_deref();
         let source = match given {
@@ -115,7 +116,10 @@ impl Session {
             None => example(DEFAULT_SURFACE).context("the gallery has it")?.into(),
         };
         let Source { from, text } = source;
-        let (mut width, mut height) = (arguments.size.width, arguments.size.height);
+        if let DocumentSource::File(path) = &from {
+            note_file(path);
+        }
+        let (mut width, mut height) = (size.width, size.height);
         if arguments.preview {
             // Start at the terminal's size, since a picture at the window's size would be wasted.
             (width, height) = preview::pixel_size();
@@ -414,6 +418,9 @@ impl Session {
             "there is no file or gallery surface named '{from}'"
         );
         let Source { from, text } = found;
+        if let DocumentSource::File(path) = &from {
+            note_file(path);
+        }
         self.live.load(from, &text, false);
         self.watch(Some(&text));
         Ok(())
@@ -441,6 +448,7 @@ impl Session {
         OutputFile::create(&path)?.finish(|out| writeln!(out, "{}", text.trim_end()))?;
         *lock(&self.refused_overwrite) = None;
         self.live.saved(&path, &text);
+        note_file(&path);
         self.follow();
         self.say(&format!("saved '{}'", path.display()));
         Ok(())

@@ -3,6 +3,7 @@
 use super::Window;
 use super::input::{InputEvent, Modifiers};
 use super::page::Page;
+use super::screen;
 use super::tasks::{LineGoal, Task, save};
 use crate::line_edit::{LineEdit, Motion};
 use crate::session::unused_name;
@@ -84,8 +85,12 @@ pub const SHORTCUTS: &[Shortcut] = &[
         run: |window, _| window.toggle_cut() },
     Shortcut { name: "F8", help: "mark undecided", held: Held::Nothing, keys: &[Key::F8],
         run: |window, _| window.session.live.toggle_undecided() },
+    Shortcut { name: "F11", help: "full screen", held: Held::Nothing, keys: &[Key::F11],
+        run: |window, _| window.toggle_full_screen() },
     Shortcut { name: "Ctrl-O", help: "gallery", held: Held::Control, keys: &[Key::O],
         run: |window, _| window.toggle_gallery() },
+    Shortcut { name: "Ctrl-R", help: "recent files", held: Held::Control, keys: &[Key::R],
+        run: |window, _| window.toggle_recent() },
     Shortcut { name: "Ctrl-S", help: "save the document", held: Held::Control, keys: &[Key::S],
         run: |window, _| window.begin_save() },
     Shortcut { name: "Ctrl-P", help: "save the picture", held: Held::Control, keys: &[Key::P],
@@ -140,6 +145,7 @@ impl Window {
     }
 
     fn type_letter(&mut self, letter: char) {
+        self.recent = None;
         self.open_line().insert(letter);
         self.follow_typing();
     }
@@ -157,9 +163,16 @@ impl Window {
         if self.browser.is_open() {
             return match key {
                 Key::Escape => self.toggle_gallery(),
+                Key::R if held.control => {
+                    self.toggle_gallery();
+                    self.toggle_recent();
+                }
                 Key::O | Key::Q if held.control => self.run_shortcut(key, held),
                 _ => self.browse(key),
             };
+        }
+        if self.recent.is_some() {
+            return self.choose_recent(key);
         }
         match key {
             Key::Escape => self.escape(),
@@ -377,6 +390,12 @@ impl Window {
     pub(super) fn put_line_away(&mut self) {
         if let Some(line) = self.line.take().filter(|line| !line.text().trim().is_empty()) {
             self.session.recall([line.text().trim().to_owned()]);
+        }
+    }
+
+    fn toggle_full_screen(&mut self) {
+        if !screen::toggle_full_screen(&self.native) {
+            self.say("nothing here makes windows as large as the screen");
         }
     }
 

@@ -12,13 +12,16 @@ mod list;
 mod mouse;
 mod page;
 mod panel;
+mod recent;
 mod rows;
+mod screen;
 mod sliders;
 mod surfaces;
 mod tasks;
 mod thumbnails;
 mod wheel;
 
+use super::arguments::USUAL_SIZE;
 use super::line_edit::LineEdit;
 use super::session::Session;
 use super::tips;
@@ -32,6 +35,7 @@ use input::{InputQueue, Keyboard};
 use minifb::{Key, MouseMode, ScaleMode, WindowOptions};
 use mouse::Mouse;
 use page::Page;
+use recent::RecentMenu;
 use sliders::Sliders;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -40,7 +44,7 @@ use std::time::{Duration, Instant};
 use surfaces::Surfaces;
 use tasks::{LineGoal, Task, TaskOutcome, do_all};
 use zeroset_live::{Rendering, Snapshot};
-use zeroset_render::overlay::Canvas;
+use zeroset_render::overlay::{Canvas, Overlay};
 
 const MESSAGE_TIME: Duration = Duration::from_secs(8);
 /// A fault is shown after a pause in typing of this length.
@@ -60,7 +64,7 @@ const IDLE_FRAME: Duration = Duration::from_millis(100);
 /// Time before the first tip, and between tips.
 const TIP_INTERVAL: Duration = Duration::from_secs(20);
 
-/// Windows at least this high have letters of twice the size by default.
+/// Windows at least this high have letters of twice the size, on a display without a scale.
 const LARGE_TEXT_HEIGHT: usize = 1400;
 
 /// An open window.
@@ -77,7 +81,7 @@ pub struct Window {
     /// Whether the window had the keyboard when it was last asked.
     was_active: bool,
     clipboard: LazyClipboard,
-    scale: Option<usize>,
+    scale: Option<f64>,
     mouse: Mouse,
     clicks: Clicks,
     /// The rendering whose sliders and surfaces are shown.
@@ -85,6 +89,7 @@ pub struct Window {
     sliders: Sliders,
     surfaces: Surfaces,
     browser: Browser,
+    recent: Option<RecentMenu>,
     line: Option<LineEdit>,
     goal: LineGoal,
     /// Whether something was entered or pasted. Until then, the window says where to type.
@@ -108,15 +113,24 @@ pub struct Window {
 }
 
 impl Window {
-    /// Opens a window.
+    /// Opens a window. Without a `size` it has the usual size times the display's scale, and
+    /// without a `scale` its letters have the display's scale.
     ///
     /// # Errors
     /// A phrase that says why the window cannot be opened.
-    pub fn open(size: Size, scale: Option<usize>, session: &Arc<Session>) -> Result<Self, String> {
+    pub fn open(
+        size: Option<Size>,
+        scale: Option<f64>,
+        session: &Arc<Session>,
+    ) -> Result<Self, String> {
         #[cfg(all(unix, not(target_os = "macos")))]
         if std::env::var_os("DISPLAY").is_none_or(|display| display.is_empty()) {
             return Err("there is no display (DISPLAY is not set)".to_owned());
         }
+        let display = screen::scale();
+        let pixels = |length: usize| (length as f64 * display.unwrap_or(1.0)).round() as usize;
+        let size = size
+            .unwrap_or(Size { width: pixels(USUAL_SIZE.width), height: pixels(USUAL_SIZE.height) });
         let options = WindowOptions {
             resize: true,
             scale_mode: ScaleMode::UpperLeft,
@@ -146,12 +160,13 @@ impl Window {
             typed_keys,
             was_active: false,
             clipboard: LazyClipboard::default(),
-            scale,
+            scale: scale.or(display),
             mouse: Mouse::default(),
             rendering: None,
             sliders: Sliders::default(),
             surfaces: Surfaces::default(),
             browser: Browser::default(),
+            recent: None,
             line: None,
             goal: LineGoal::default(),
             has_typed: false,
@@ -219,12 +234,20 @@ impl Window {
             self.active = Instant::now();
             self.rendering = rendering.cloned();
             self.sliders.follow(rendering.map(|seen| seen.sliders()).unwrap_or_default());
-            self.surfaces.follow(rendering.map(|seen| seen.surfaces()).unwrap_or_default());
+            let (surfaces, curves) =
+                rendering.map(|seen| (seen.surfaces(), seen.curves())).unwrap_or_default();
+            self.surfaces.follow(surfaces, curves);
         }
-        let size = self.picture_size();
-        let letters = Canvas::new(size.0, size.1, Vec::new(), self.scale_at(self.size().1));
-        self.sliders.lay_out(size, &letters);
-        self.surfaces.lay_out(self.sliders.width(), size, &letters);
+        let (width, height) = self.picture_size();
+        let letters = Canvas::new(width, height, Vec::new(), self.scale_at(self.size().1));
+        // The typed line and a message above it take two rows.
+        let height = height.saturating_sub(2 * letters.line_height());
+        let half = if self.surfaces.is_wanted() { width / 2 } else { width };
+        self.sliders.lay_out((half, height), &letters);
+        let legends = rendering.map_or(0, |seen| seen.picture.legends.len());
+        let below = if legends > 0 { Overlay::legend_height(height) } else { 0 };
+        let height = height.saturating_sub(below);
+        self.surfaces.lay_out(self.sliders.width(), (width, height), &letters);
     }
 
     /// Enters a line on another thread.
@@ -245,9 +268,9 @@ impl Window {
         (width, height.saturating_sub(status).max(1))
     }
 
-    /// Side of a font pixel, in pixels, for a window of this height.
-    fn scale_at(&self, height: usize) -> usize {
-        self.scale.unwrap_or(if height >= LARGE_TEXT_HEIGHT { 2 } else { 1 })
+    /// Scale of the letters, for a window of this height.
+    fn scale_at(&self, height: usize) -> f64 {
+        self.scale.unwrap_or(if height >= LARGE_TEXT_HEIGHT { 2.0 } else { 1.0 })
     }
 
     fn pointer(&self, mode: MouseMode) -> Option<(f64, f64)> {
