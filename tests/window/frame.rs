@@ -92,6 +92,28 @@ pub fn a_display_s_scale_is_followed() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
+pub fn f11_takes_the_whole_screen_and_gives_it_back() {
+    let display = Display::start();
+    let manager = std::process::Command::new("openbox").env("DISPLAY", &display.name).spawn();
+    let mut manager = manager.expect("openbox runs");
+    let terminal = Terminal::start(CUBE, Some(&display.name));
+    let window = display.window();
+    let scene = Scene { terminal, display, window };
+    scene.rest();
+    // Until the manager is there, nobody answers.
+    until("the screen is filled", || {
+        scene.key("F11");
+        std::thread::sleep(std::time::Duration::from_millis(500));
+        scene.picture().dimensions() == (1000, 800)
+    });
+    scene.key("F11");
+    until("the window has its size", || scene.picture().dimensions() == (400, 320));
+    scene.key("ctrl+q");
+    assert_eq!(scene.terminal.ends(), 0);
+    let _ = manager.kill();
+    let _ = manager.wait();
+}
+
 /// Also takes the window's picture for the README.
 pub fn the_overlay_is_drawn_around_the_picture() {
     let scene = Scene::start(&["barth-sextic-suse-95", "--size", "800x620"]);

@@ -57,6 +57,10 @@ const TESTS: &[Group] = &[
         tests: tests![frame::a_terminal_that_goes_away_with_a_signal_ends_the_program,],
     },
     Group {
+        programs: &[Program::XVFB, Program::XDOTOOL, Program::IMPORT, Program::OPENBOX],
+        tests: tests![frame::f11_takes_the_whole_screen_and_gives_it_back,],
+    },
+    Group {
         programs: &[Program::XVFB, Program::XDOTOOL, Program::IMPORT, Program::XPROP],
         tests: tests![frame::a_display_s_scale_is_followed,],
     },

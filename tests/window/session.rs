@@ -156,11 +156,15 @@ pub fn saving_a_slow_picture_does_not_hold_the_window() {
     let terms = (1..80).map(|k| format!("sin({k}*x+y)*cos({k}*y-z)"));
     let formula = format!("{} = 5", terms.collect::<Vec<_>>().join("+"));
     let fine = ["--size", "900x700", "--precision", "f64", "--max-depth", "20", "--domain", "1"];
-    let scene = Scene::start(&[&[formula.as_str()][..], &fine[..]].concat());
+    let mut scene = Scene::start(&[&[formula.as_str()][..], &fine[..]].concat());
     scene.key("ctrl+p");
     scene.changes("help", || scene.key("F1"));
     scene.changes("no help", || scene.key("Escape"));
     assert!(!scene.terminal.place().join("zeroset-1.png").exists(), "that was no slow picture");
+    // Ctrl-C in the terminal gives up the picture, and not the program.
+    scene.terminal.type_in("\u{3}");
+    scene.terminal.shows("the picture was given up");
+    scene.changes("help again", || scene.key("F1"));
     scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }

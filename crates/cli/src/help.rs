@@ -61,21 +61,29 @@ fn layout(columns: usize, canvas: &Canvas) -> (Vec<Cell>, usize, usize) {
     (cells, left - pad, 2 * pad + height * canvas.line_height())
 }
 
-/// Draws the help in the middle of the window, in the largest letters that fit.
+/// The help as a text, for windows in which it has to be scrolled.
+pub fn text() -> String {
+    let lines = rows().into_iter().map(|(key, effect)| format!("{key}  {effect}"));
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+/// The largest scale of the letters, and the number of columns, with which the help fits a window
+/// of this size. `None` if it has to be scrolled.
+pub fn fitting((width, height): (usize, usize), scale: f64) -> Option<(f64, usize)> {
+    let tries = SHRINK.iter().flat_map(|shrink| (1..=MOST_COLUMNS).map(move |n| (*shrink, n)));
+    let tries = tries.map(|(shrink, columns)| (shrink * scale, columns));
+    { tries }.find(|(scale, columns)| {
+        let shown = layout(*columns, &Canvas::new(width, height, Vec::new(), *scale));
+        shown.1 <= width && shown.2 <= height
+    })
+}
+
+/// Draws the help in the middle of the window, if it fits.
 pub fn draw(canvas: &mut Canvas) {
     let scale = canvas.scale;
-    let tries = SHRINK.iter().flat_map(|shrink| (1..=MOST_COLUMNS).map(move |n| (*shrink, n)));
-    let mut found = None;
-    for (shrink, columns) in tries {
-        canvas.scale = shrink * scale;
-        let shown = layout(columns, canvas);
-        let fits = shown.1 <= canvas.width && shown.2 <= canvas.height;
-        found = Some(shown);
-        if fits {
-            break;
-        }
-    }
-    let Some((cells, width, height)) = found else { return };
+    let Some((shrunk, columns)) = fitting((canvas.width, canvas.height), scale) else { return };
+    canvas.scale = shrunk;
+    let (cells, width, height) = layout(columns, canvas);
     let centred = |room: usize, size: usize| room.saturating_sub(size) as i64 / 2;
     let (left, top) = (centred(canvas.width, width), centred(canvas.height, height));
     canvas.fill(left, top, width, height, GROUND, 236);
@@ -92,12 +100,10 @@ mod tests {
 
     #[test]
     fn every_key_is_there_in_a_window_400_by_300_pixels() {
-        let canvas = Canvas::new(400, 300, Vec::new(), SHRINK[SHRINK.len() - 1]);
-        let fits = |columns: &usize| {
-            let (cells, width, height) = layout(*columns, &canvas);
-            cells.len() == 2 * rows().len() && width <= 400 && height <= 300
-        };
-        assert!((1..=MOST_COLUMNS).any(|columns| fits(&columns)));
+        assert!(fitting((400, 300), 1.0).is_some() && fitting((800, 600), 2.0).is_some());
+        assert_eq!(fitting((3000, 2000), 1.0), Some((1.0, 1)));
+        assert_eq!(fitting((120, 90), 1.0), None);
+        assert!(rows().iter().all(|(key, effect)| text().contains(&format!("{key}  {effect}"))));
     }
 
     #[test]

@@ -27,6 +27,9 @@ const TALL: f64 = 0.42;
 /// Greatest width of a legend's title, in dots.
 const LONGEST: usize = 190;
 
+/// Space around a legend, in dots.
+const SPACE: usize = 10;
+
 /// The choice of axes and legends over a picture.
 #[derive(Clone, Copy)]
 pub struct Overlay {
@@ -75,9 +78,9 @@ impl Overlay {
         }
     }
 
-    /// Height that all legends together take of a picture, with some space around them.
-    pub fn legend_height(height: usize) -> usize {
-        ((TALL + 0.08) * height as f64) as usize
+    /// Height of this many legends in a picture of this height, with letters of this scale.
+    pub fn legends_height(count: usize, height: usize, scale: f64) -> usize {
+        count * legend_height(count, height, scale)
     }
 
     /// Records curves, axes and legends for a picture of this size, to be mixed into its rows.
@@ -99,13 +102,20 @@ impl Overlay {
     }
 }
 
+/// Height of each of `count` legends in a picture of this height, with its title and the space
+/// around it.
+fn legend_height(count: usize, height: usize, scale: f64) -> usize {
+    let tall = (TALL * height as f64) as usize / count.max(1);
+    tall + Canvas::line_height_at(scale) + Canvas::dots_at(SPACE, scale)
+}
+
 /// Draws legends one below another at the right edge of a picture in the upper `height` rows of the
 /// canvas. They begin at the picture's top, or end at the row `bottom`.
 fn draw_legends(canvas: &mut Canvas, shown: PictureView<'_>, height: usize, bottom: Option<usize>) {
     let legends = &shown.picture.legends;
-    let (ink, space) = (shown.ink(), canvas.dots(10));
-    let tall = (TALL * height as f64) as usize / legends.len().max(1);
-    let each = tall + canvas.line_height() + space;
+    let (ink, space) = (shown.ink(), canvas.dots(SPACE));
+    let each = legend_height(legends.len(), height, canvas.scale);
+    let tall = each - canvas.line_height() - space;
     let first = bottom.map_or(space, |bottom| bottom.saturating_sub(legends.len() * each));
     for (n, legend) in legends.iter().enumerate() {
         let top = first + n * each;
@@ -114,7 +124,7 @@ fn draw_legends(canvas: &mut Canvas, shown: PictureView<'_>, height: usize, bott
 }
 
 fn draw_legend(canvas: &mut Canvas, legend: &Legend, top: usize, tall: usize, ink: u32) {
-    let [thin, mark, gap, space, broad] = [1, 4, 8, 10, 14].map(|dots| canvas.dots(dots));
+    let [thin, mark, gap, space, broad] = [1, 4, 8, SPACE, 14].map(|dots| canvas.dots(dots));
     let extent = legend.high - legend.low;
     let marks = if extent > 0.0 {
         ticks(legend.low, legend.high).0

@@ -39,11 +39,12 @@ impl Window {
         let (text, what) = match &mut self.line {
             None => (self.session.live.text(), "the document"),
             Some(line) => {
-                if line.selection().is_empty() {
-                    line.select_all();
-                }
-                let text = line.selected().to_owned();
+                let is_whole = line.selection().is_empty();
+                let text = if is_whole { line.text() } else { line.selected() }.to_owned();
                 if cut {
+                    if is_whole {
+                        line.select_all();
+                    }
                     line.delete();
                     self.follow_typing();
                 }

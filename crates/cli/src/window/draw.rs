@@ -14,7 +14,7 @@ use minifb::MouseMode;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
-use zeroset_live::{Fault, Rendering, Slider, Snapshot};
+use zeroset_live::{Fault, Rendering, Slider, Snapshot, defined};
 use zeroset_render::overlay::{Canvas, Overlay, Rgb, with_minus};
 
 const PAPER: Rgb = 0x00f4_f4f6;
@@ -177,6 +177,9 @@ impl Window {
         let count = self.surfaces.count();
         Some(match self.goal {
             _ if is_command => "Enter: do it   Esc: close".to_owned(),
+            LineGoal::Replace if let [name] = &defined(line.text())[..] => {
+                format!("Enter: set {name}   Esc: close")
+            }
             LineGoal::Replace if count > 1 => {
                 format!(
                     "Enter: replace all {count} formulas   Ctrl-Enter: add to them   Esc: close"

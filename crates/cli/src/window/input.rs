@@ -123,7 +123,9 @@ mod tests {
     /// Presses keys in order, types a letter, and returns the events.
     fn pressed(keys: &[Key], letter: char) -> Vec<String> {
         let mut keyboard = Keyboard(InputQueue::default());
-        keys.iter().for_each(|key| keyboard.set_key_state(*key, true));
+        for key in keys {
+            keyboard.set_key_state(*key, true);
+        }
         keyboard.add_char(letter.into());
         let name = |event: InputEvent| match event {
             InputEvent::Letter(letter) => letter.to_string(),

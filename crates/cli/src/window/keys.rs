@@ -5,6 +5,7 @@ use super::input::{InputEvent, Modifiers};
 use super::page::Page;
 use super::screen;
 use super::tasks::{LineGoal, Task, save};
+use crate::help;
 use crate::line_edit::{LineEdit, Motion};
 use crate::session::unused_name;
 use minifb::Key;
@@ -214,9 +215,17 @@ impl Window {
     /// Switches from no help to the list of keys, then to the explanation of the status line, then
     /// to no help.
     fn next_help(&mut self) {
+        let keys = Page::new(&help::text());
+        let size = self.size();
+        let is_small = help::fitting(size, self.scale_at(size.1)).is_none();
+        let is_first = self.help || self.page.as_ref().is_some_and(|page| page.is_like(&keys));
         let was_closed = !self.help && self.page.is_none();
-        self.page = self.help.then(|| Page::new(&status_words()));
-        self.help = was_closed;
+        self.page = match (is_first, was_closed) {
+            (true, _) => Some(Page::new(&status_words())),
+            (false, true) if is_small => Some(keys),
+            (false, _) => None,
+        };
+        self.help = was_closed && !is_small;
     }
 
     /// Scrolls the page by this many lines.

@@ -241,13 +241,14 @@ impl Window {
         let (width, height) = self.picture_size();
         let letters = Canvas::new(width, height, Vec::new(), self.scale_at(self.size().1));
         // The typed line and a message above it take two rows.
-        let height = height.saturating_sub(2 * letters.line_height());
+        let row = letters.line_height();
+        let free = height.saturating_sub(2 * row);
         let half = if self.surfaces.is_wanted() { width / 2 } else { width };
-        self.sliders.lay_out((half, height), &letters);
-        let legends = rendering.map_or(0, |seen| seen.picture.legends.len());
-        let below = if legends > 0 { Overlay::legend_height(height) } else { 0 };
-        let height = height.saturating_sub(below);
-        self.surfaces.lay_out(self.sliders.width(), (width, height), &letters);
+        self.sliders.lay_out((half, free), &letters);
+        let count = rendering.map_or(0, |seen| seen.picture.legends.len());
+        let legends = Overlay::legends_height(count, height, letters.scale);
+        let above = height.saturating_sub(row + legends).min(free);
+        self.surfaces.lay_out(self.sliders.width(), (width, above), &letters);
     }
 
     /// Enters a line on another thread.

@@ -23,6 +23,11 @@ impl Page {
         Self { text: text.trim_end().to_owned(), scroll: 0 }
     }
 
+    /// Whether both pages have the same text.
+    pub fn is_like(&self, other: &Self) -> bool {
+        self.text == other.text
+    }
+
     /// Scrolls down by this many lines, or up if negative. `size` is the window's size in pixels.
     /// `scale` is the scale of the letters.
     pub fn scroll(&mut self, lines: isize, size: (usize, usize), scale: f64) {

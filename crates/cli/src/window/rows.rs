@@ -29,7 +29,9 @@ impl RowLayout {
         let height = canvas.line_height();
         let top = canvas.dots(SPACE);
         let room = bottom.saturating_sub(top) / height;
-        let shown = count.min(SHOWN).min(if count > SHOWN { room.saturating_sub(1) } else { room });
+        // Rows that scroll leave a row free, which says which of them are visible.
+        let is_whole = count <= SHOWN.min(room);
+        let shown = if is_whole { count } else { SHOWN.min(room.saturating_sub(1)) };
         let first = scroll.min(count - shown);
         (shown > 0).then_some(Self { top, height, first, shown, count })
     }

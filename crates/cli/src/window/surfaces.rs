@@ -18,7 +18,7 @@ pub struct Surfaces {
     /// The surfaces, then the curves and points.
     all: Vec<SurfaceEntry>,
     /// Number of the surfaces.
-    surfaces: usize,
+    surface_count: usize,
     list: Option<List>,
     /// Whether the user does not want the list.
     unwanted: bool,
@@ -48,7 +48,7 @@ impl Surfaces {
             Some(ListDrag::Opacity(_)) | None => None,
         };
         let (list, formulas, hovered) = (self.list?, self.all.clone(), self.hovered);
-        let surfaces = self.surfaces;
+        let surfaces = self.surface_count;
         Some(ListContent { list, formulas, surfaces, hovered, edited, dragged })
     }
 
@@ -64,7 +64,7 @@ impl Surfaces {
 
     /// Adopts the surfaces and the curves of a new picture.
     pub fn follow(&mut self, mut all: Vec<SurfaceEntry>, curves: Vec<SurfaceEntry>) {
-        self.surfaces = all.len();
+        self.surface_count = all.len();
         all.extend(curves);
         if all.len() != self.all.len() {
             (self.held, self.hovered, self.opacity) = (None, None, None);
@@ -109,7 +109,7 @@ impl Window {
         let Some((index, part)) = self.surfaces.list.and_then(|list| list.at(at)) else {
             return false;
         };
-        let is_curve = index >= self.surfaces.surfaces;
+        let is_curve = index >= self.surfaces.surface_count;
         match part {
             ListPart::New => self.begin_formula(),
             ListPart::Swatch | ListPart::Opacity(_) if is_curve => {
@@ -135,11 +135,10 @@ impl Window {
                 let index = *index;
                 surfaces.want(index, list.opacity(at.0));
             }
-            Some(ListDrag::Row(from, to)) if *from < surfaces.surfaces => {
-                *to = list.rows.nearest(at.1).min(surfaces.surfaces - 1);
+            Some(ListDrag::Row(from, to)) if *from < surfaces.surface_count => {
+                *to = list.rows.nearest(at.1).min(surfaces.surface_count - 1);
             }
-            Some(ListDrag::Row(..)) => {}
-            None => {}
+            Some(ListDrag::Row(..)) | None => {}
         }
     }
 
@@ -176,7 +175,7 @@ impl Window {
 
     /// Hides or shows the surface with this index.
     pub(super) fn toggle_surface(&mut self, index: usize) {
-        if index >= self.surfaces.surfaces {
+        if index >= self.surfaces.surface_count {
             return self.say(&format!("there is no surface {}", index + 1));
         }
         let Some(surface) = self.surfaces.all.get(index) else { return };
@@ -198,7 +197,7 @@ impl Window {
     pub(super) fn change_surface(&mut self, key: Key) -> bool {
         let Some((index, _)) = self.surfaces.hovered else { return false };
         let Some(surface) = self.surfaces.all.get(index) else { return false };
-        let (opacity, last) = (surface.opacity, self.surfaces.surfaces.saturating_sub(1));
+        let (opacity, last) = (surface.opacity, self.surfaces.surface_count.saturating_sub(1));
         match key {
             _ if index > last && key != Key::Delete => return false,
             Key::Left => self.surfaces.want(index, opacity - STEP),

@@ -1,4 +1,4 @@
-//! Letters of DejaVu Sans at any size, from the crate `dejavu`. The license of the font is in
+//! Letters at any size. The font is that of the crate `dejavu`, and its license is in the file
 //! `LICENSE-DEJAVU`.
 
 use ab_glyph::{Font, FontRef, PxScale, point};
