@@ -153,7 +153,7 @@ impl LineEdit {
             0 => String::new(),
             back => history[history.len() - back].clone(),
         };
-        self.step(Motion::End, false);
+        (self.cursor, self.anchor) = (self.text.len(), self.text.len());
     }
 
     /// Completes the word at the cursor up to the first letter in which the candidates differ.

@@ -258,7 +258,9 @@ impl ListContent {
 
 #[cfg(test)]
 mod tests {
+    use super::super::panel::Panel;
     use super::*;
+    use zeroset_live::Slider;
 
     fn canvas(scale: f64) -> Canvas {
         Canvas::new(0, 0, Vec::new(), scale)
@@ -294,6 +296,31 @@ mod tests {
             assert_eq!(list.at((half as f64, 3.0)), None);
             assert_eq!((list.opacity(0.0), list.opacity(1e9)), (0.0, 1.0));
             assert_eq!([0.0, y, 1e9].map(|y| list.rows.nearest(y)), [0, 1, 3]);
+        }
+    }
+
+    #[test]
+    fn sliders_and_list_leave_each_other_room() {
+        let slider = |n: usize| Slider {
+            name: ["r", "height", "a_rather_long_name"][n % 3].to_owned(),
+            value: 1.0,
+            low: 0.0,
+            high: 2.0,
+            is_time: false,
+        };
+        for (width, height, scale) in [(400, 300, 1.0), (500, 300, 1.0), (1600, 1200, 3.0)] {
+            for count in 1..12 {
+                let sliders: Vec<Slider> = (0..count).map(slider).collect();
+                let (canvas, free) = (canvas(scale), height - Canvas::dots_at(60, scale));
+                let panel = Panel::new(&sliders, 0, (width / 2, free), &canvas).expect("room");
+                let list = List::new(&formulas(count), 0, panel.width, (width, free), &canvas);
+                let list = list.expect("room");
+                assert!(panel.width <= list.left && list.has_formulas(), "{panel:?} {list:?}");
+                for rows in [panel.rows, list.rows] {
+                    let shown = rows.shown + usize::from(rows.scrolls());
+                    assert!(rows.top + shown * rows.height <= free, "{rows:?}");
+                }
+            }
         }
     }
 

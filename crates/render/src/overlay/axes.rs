@@ -14,7 +14,7 @@ const HIDDEN: u32 = 36;
 const WIDTH: f64 = 1.1;
 
 /// Least space between labels, in dots of a letter.
-const SPACE: f64 = 8.0;
+const SPACE: f64 = 5.0;
 
 /// Number of pieces into which an edge is divided for tests of visibility.
 const PIECES: usize = 256;
@@ -268,13 +268,13 @@ mod tests {
         for (width, height) in [(800, 600), (640, 460), (300, 200), (1600, 1180)] {
             for (scale, fitted) in [(1.0, false), (1.0, true), (1.5, true), (2.0, true)] {
                 let labels = labels(width, height, scale, fitted);
-                let letter = 8.0;
+                let space = SPACE * scale;
                 for (index, one) in labels.iter().enumerate() {
                     let end = one.place + one.size;
                     assert!(one.place.min_element() >= 0.0, "{one:?}");
                     assert!(end.x <= width as f64 && end.y <= height as f64, "{one:?}");
                     for other in &labels[..index] {
-                        assert!(!one.touches(other, letter), "{one:?} and {other:?}");
+                        assert!(!one.touches(other, space), "{one:?} and {other:?}");
                     }
                 }
                 assert!(labels.len() > 5, "{width}x{height}: {labels:?}");
