@@ -96,16 +96,15 @@ pub fn f11_takes_the_whole_screen_and_gives_it_back() {
     let display = Display::start();
     let manager = std::process::Command::new("openbox").env("DISPLAY", &display.name).spawn();
     let mut manager = manager.expect("openbox runs");
+    // Without a manager xdotool counts one desktop. This manager has four.
+    until("there is a manager", || display.tool(&["get_num_desktops"]) == "4");
     let terminal = Terminal::start(CUBE, Some(&display.name));
     let window = display.window();
     let scene = Scene { terminal, display, window };
     scene.rest();
-    // Until the manager is there, nobody answers.
-    until("the screen is filled", || {
-        scene.key("F11");
-        std::thread::sleep(std::time::Duration::from_millis(500));
-        scene.picture().dimensions() == (1000, 800)
-    });
+    until("it has the keyboard", || scene.display.tool(&["getactivewindow"]) == scene.window);
+    scene.key("F11");
+    until("the screen is filled", || scene.picture().dimensions() == (1000, 800));
     scene.key("F11");
     until("the window has its size", || scene.picture().dimensions() == (400, 320));
     scene.key("ctrl+q");

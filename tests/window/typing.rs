@@ -141,6 +141,14 @@ pub fn a_line_is_selected_copied_cut_pasted_and_undone() {
     scene.is_document("y = 1");
     scene.key("ctrl+z");
     scene.is_document("z = x^2 + sin(y^3)");
+    // A refused line comes back, and typing replaces it.
+    scene.type_text("z = x + foo");
+    scene.key("Return");
+    scene.terminal.shows("`foo` is not defined");
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    scene.type_text("z = 7");
+    scene.key("Return");
+    scene.is_document("z = 7");
     // Select all, and type over it.
     scene.type_text("nonsense(");
     scene.key("ctrl+a");

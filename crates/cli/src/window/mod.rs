@@ -317,10 +317,12 @@ impl Window {
                     // The line that is being typed may use a definition in the entered line.
                     self.follow_line();
                 }
-                TaskOutcome::Refused(line, goal, why) => {
+                TaskOutcome::Refused(mut line, goal, why) => {
                     self.session.say(&why.full);
                     self.say(&why.summary);
                     // Offer the refused line for correction, unless another line is being typed.
+                    // It is selected, so that another formula can be typed at once.
+                    line.select_all();
                     if self.line.is_none() {
                         (self.line, self.goal) = (Some(line), goal);
                     }
