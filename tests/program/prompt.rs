@@ -93,6 +93,51 @@ fn without_a_window_the_gallery_is_a_list() {
     terminal.leaves();
 }
 
+/// Ctrl-C while a picture is traced is a signal, since the prompt reads no keys then.
+#[test]
+fn an_interrupt_gives_up_the_picture_and_not_the_program() {
+    // The fine picture takes minutes.
+    let terms = (1..200).map(|k| format!("sin({k}*x+y)*cos({k}*y-z)"));
+    let slow = format!("{} = 5", terms.collect::<Vec<_>>().join("+"));
+    let fine = ["--precision", "f64", "--max-depth", "30", "--domain", "1"];
+    let mut terminal =
+        Terminal::controlling(&[&["--preview", slow.as_str()][..], &fine].concat(), None);
+    terminal.shows("Type a formula to replace this one");
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    terminal.send(b"\x03");
+    terminal.shows("the picture was given up");
+    terminal.type_in("z = x\r");
+    terminal.shows("undecided");
+    // Without work, Ctrl-C on an empty line ends the program. The document was not saved.
+    terminal.type_in("\u{3}");
+    terminal.shows("`zeroset --last` or `:load last` opens it again");
+    assert_eq!(terminal.ends(), 0);
+}
+
+#[test]
+fn what_was_not_saved_comes_back() {
+    let mut terminal = Terminal::start(&["--preview", "x+y+z"], None);
+    terminal.type_in("z = x^3\r");
+    terminal.type_in(":load gyroid\r");
+    terminal.type_in(":load last\r");
+    terminal.type_in(":list\r");
+    terminal.shows("\nz = x^3");
+    let mut later = std::process::Command::new(env!("CARGO_BIN_EXE_zeroset"))
+        .args(["--preview", "--last"])
+        .env("XDG_DATA_HOME", terminal.place().join("data"))
+        .stdin(std::process::Stdio::piped())
+        .stdout(std::process::Stdio::null())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .expect("it starts");
+    std::io::Write::write_all(&mut later.stdin.take().expect("piped"), b":list\n")
+        .expect("written");
+    let output = later.wait_with_output().expect("it ends");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("z = x^3"), "{said}");
+    terminal.leaves();
+}
+
 #[test]
 fn what_is_wrong_is_said_after_a_pause_and_the_line_goes_on() {
     let mut terminal = Terminal::start(&["--preview", "x+y+z"], None);

@@ -17,5 +17,5 @@ pub fn curves_are_there_while_the_view_turns() {
     let turned = scene.changes("turning", || scene.key("Right"));
     assert!(red(&turned) > 300);
     // Without axes, the picture is fitted to the surface and the curve.
-    assert!(red(&scene.changes("no axes", || scene.key("x"))) > 300);
+    assert!(red(&scene.changes("no axes", || scene.key("F3"))) > 300);
 }

@@ -1,5 +1,6 @@
 //! A real window: its size, letters and watched file, and the ways to close window and terminal.
 
+use crate::display::Display;
 use crate::scene::{CUBE, Scene, painted};
 use crate::terminal_support::{Terminal, until};
 
@@ -12,12 +13,12 @@ pub fn shift_drag_moves_as_the_right_button_does() {
     let scene = Scene::start(CUBE);
     let (from, to) = ((200, 160), (240, 140));
     let right = scene.changes("right", || scene.drag("3", from, to));
-    scene.changes("back", || scene.key("r"));
+    scene.changes("back", || scene.key("ctrl+0"));
     scene.display.tool(&["keydown", "Shift_L"]);
     let shift = scene.changes("shift", || scene.drag("1", from, to));
     scene.display.tool(&["keyup", "Shift_L"]);
     assert!(shift == right, "a drag with shift is another");
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
@@ -50,7 +51,7 @@ pub fn the_picture_fills_a_window_that_grows_or_shrinks() {
         scene.key("Escape");
         until("there is no help", || scene.picture() == picture);
     }
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
@@ -58,19 +59,66 @@ pub fn letters_are_as_large_as_they_are_asked_to_be() {
     let scene = Scene::start(&["x^2+y^2+z^2 = 1", "--size", "700x480", "--ui-scale", "2"]);
     let picture = scene.picture();
     let dark = |y: u32| picture.get_pixel(1, y).0.iter().all(|c| *c < 80);
-    assert!(dark(480 - status(2) + 1) && !dark(480 - status(2) - 2));
-    scene.changes("large without axes", || scene.key("x"));
+    // The hint where to type is above the status line.
+    assert!(dark(480 - 2 * status(2) + 1) && !dark(480 - 2 * status(2) - 2));
+    scene.changes("large without axes", || scene.key("F3"));
     scene.changes("large help", || scene.key("F1"));
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
+}
+
+/// Windows and letters are larger on a display with more than the usual 96 dots per inch.
+pub fn a_display_s_scale_is_followed() {
+    let display = Display::start();
+    let resources = ["-root", "-f", "RESOURCE_MANAGER", "8s", "-set", "RESOURCE_MANAGER"];
+    let set = std::process::Command::new("xprop")
+        .env("DISPLAY", &display.name)
+        .args(resources)
+        .arg("Xft.dpi:\t115.2\n")
+        .status();
+    assert!(set.expect("xprop runs").success());
+    let terminal = Terminal::start(&["x^2+y^2+z^2 = 1"], Some(&display.name));
+    let window = display.window();
+    let scene = Scene { terminal, display, window };
+    scene.rest();
+    // 800x640 pixels, times 1.2.
+    assert_eq!(scene.picture().dimensions(), (960, 768));
+    let picture = scene.picture();
+    let dark = |y: u32| picture.get_pixel(1, y).0.iter().all(|c| *c < 80);
+    // The status line and the hint have 24 rows each.
+    assert!(dark(768 - 47) && !dark(768 - 50));
+    scene.point(200, 160);
+    scene.key("ctrl+q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
+pub fn f11_takes_the_whole_screen_and_gives_it_back() {
+    let display = Display::start();
+    let manager = std::process::Command::new("openbox").env("DISPLAY", &display.name).spawn();
+    let mut manager = manager.expect("openbox runs");
+    // Without a manager xdotool counts one desktop. This manager has four.
+    until("there is a manager", || display.tool(&["get_num_desktops"]) == "4");
+    let terminal = Terminal::start(CUBE, Some(&display.name));
+    let window = display.window();
+    let scene = Scene { terminal, display, window };
+    scene.rest();
+    until("it has the keyboard", || scene.display.tool(&["getactivewindow"]) == scene.window);
+    scene.key("F11");
+    until("the screen is filled", || scene.picture().dimensions() == (1000, 800));
+    scene.key("F11");
+    until("the window has its size", || scene.picture().dimensions() == (400, 320));
+    scene.key("ctrl+q");
+    assert_eq!(scene.terminal.ends(), 0);
+    let _ = manager.kill();
+    let _ = manager.wait();
 }
 
 /// Also takes the window's picture for the README.
 pub fn the_overlay_is_drawn_around_the_picture() {
     let scene = Scene::start(&["barth-sextic-suse-95", "--size", "800x620"]);
     let axes = scene.rest();
-    let plain = scene.changes("no axes", || scene.key("x"));
-    scene.changes("axes", || scene.key("x"));
+    let plain = scene.changes("no axes", || scene.key("F3"));
+    scene.changes("axes", || scene.key("F3"));
     scene.point(400, 260);
     std::thread::sleep(std::time::Duration::from_millis(300));
     scene.display.keep(&scene.window, "window");
@@ -79,7 +127,7 @@ pub fn the_overlay_is_drawn_around_the_picture() {
         picture.pixels().filter(|pixel| pixel.0.iter().all(|c| (30..120).contains(c))).count()
     };
     assert!(dark(&axes) > dark(&plain) + 500, "{} and {}", dark(&axes), dark(&plain));
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
@@ -111,19 +159,19 @@ pub fn a_saved_file_is_seen_at_once() {
     scene.changes("mended", || {
         save("domain 2\nmax(abs(x),abs(y),abs(z)) = 3/2\nview eye (4, -6, 3)");
     });
-    // A deleted file is reported over the picture, above the status line.
+    // A deleted file is reported over the picture, above the status line and the hint.
     scene.rest();
     let whole = scene.picture();
     std::fs::remove_file(&path).expect("removed");
     scene.terminal.shows("the last version is still shown");
     until("the window says so", || {
         let picture = scene.picture();
-        let rows = 320 - 2 * status(1)..320 - status(1);
+        let rows = 320 - 3 * status(1)..320 - 2 * status(1);
         rows.flat_map(|y| (0..200).map(move |x| (x, y)))
             .any(|(x, y)| picture.get_pixel(x, y) != whole.get_pixel(x, y))
     });
     scene.display.keep(&scene.window, "gone");
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 

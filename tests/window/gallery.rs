@@ -28,14 +28,14 @@ pub fn a_surface_is_chosen_by_its_picture() {
     let start = scene.rest();
     let threads = scene.terminal.threads();
     let title = |scene: &Scene| scene.display.tool(&["getwindowname", &scene.window]);
-    scene.key("g");
+    scene.key("ctrl+o");
     until("there are pictures", || has_pictures(&scene));
     scene.display.keep(&scene.window, "gallery");
     scene.key("Escape");
     until("it is closed", || scene.middle() == start);
     until("nothing is made any more", || scene.terminal.threads() == threads);
     // The gallery keeps finished pictures.
-    scene.key("g");
+    scene.key("ctrl+o");
     until("they are there again", || has_pictures(&scene));
     // Choose by typing a name.
     scene.display.tool(&["type", "--delay", "30", "heart"]);
@@ -50,7 +50,7 @@ pub fn a_surface_is_chosen_by_its_picture() {
     until("another is there", || title(&scene) == "barth-decic - zeroset");
     scene.rest();
     // Choose by the mouse; the click does not reach the view.
-    scene.key("g");
+    scene.key("ctrl+o");
     until("it is open once more", || has_pictures(&scene));
     scene.point(60, 200);
     let known = scene.terminal.shown().matches("| zeroset eval").count();
@@ -61,7 +61,7 @@ pub fn a_surface_is_chosen_by_its_picture() {
     until("a third is there", || !shown(&scene).starts_with("barth-decic"));
     scene.rest();
     assert_eq!(scene.terminal.shown().matches("| zeroset eval").count(), known);
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
@@ -74,13 +74,12 @@ pub fn help_is_read_in_the_window() {
     let below = scene.changes("words below", || scene.key("Down"));
     assert!(scene.changes("words again", || scene.key("Up")) == words && below != words);
     assert!(scene.changes("closed", || scene.key("F1")) == start);
-    scene.key("slash");
     scene.changes("coming", || {
         scene.display.tool(&["type", "--delay", "30", ":help coming"]);
         scene.key("Return");
     });
     scene.terminal.shows("Mathematica");
     assert!(scene.changes("read", || scene.key("Escape")) == start);
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }

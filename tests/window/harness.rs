@@ -19,6 +19,11 @@ impl Program {
     pub const XDOTOOL: Self = Self { name: "xdotool", packages: "xdotool" };
     /// The program of `ImageMagick` for screenshots.
     pub const IMPORT: Self = Self { name: "import", packages: "imagemagick" };
+    /// Puts texts on the clipboard, and reads them from there.
+    pub const XCLIP: Self = Self { name: "xclip", packages: "xclip" };
+    /// A window manager.
+    pub const OPENBOX: Self = Self { name: "openbox", packages: "openbox" };
+    pub const XPROP: Self = Self { name: "xprop", packages: "x11-utils" };
     pub const SETSID: Self = Self { name: "setsid", packages: "util-linux" };
 
     fn is_missing(&self) -> bool {

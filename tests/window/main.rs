@@ -29,6 +29,8 @@ mod surfaces;
 #[path = "../terminal_support/mod.rs"]
 #[allow(dead_code, reason = "the prompt's tests use the rest")]
 mod terminal_support;
+#[cfg(unix)]
+mod typing;
 
 #[cfg(unix)]
 use harness::{Group, Program};
@@ -53,6 +55,22 @@ const TESTS: &[Group] = &[
     Group {
         programs: &[Program::SETSID],
         tests: tests![frame::a_terminal_that_goes_away_with_a_signal_ends_the_program,],
+    },
+    Group {
+        programs: &[Program::XVFB, Program::XDOTOOL, Program::IMPORT, Program::OPENBOX],
+        tests: tests![frame::f11_takes_the_whole_screen_and_gives_it_back,],
+    },
+    Group {
+        programs: &[Program::XVFB, Program::XDOTOOL, Program::IMPORT, Program::XPROP],
+        tests: tests![frame::a_display_s_scale_is_followed,],
+    },
+    Group {
+        programs: &[Program::XVFB, Program::XDOTOOL, Program::IMPORT, Program::XCLIP],
+        tests: tests![
+            typing::fifty_formulas_typed_blind_are_drawn,
+            typing::a_line_is_selected_copied_cut_pasted_and_undone,
+            typing::other_programs_texts_are_pasted,
+        ],
     },
     Group {
         programs: &[Program::XVFB, Program::XDOTOOL, Program::IMPORT],
@@ -81,6 +99,7 @@ const TESTS: &[Group] = &[
             sliders::what_is_typed_in_the_window_prints_nothing_in_the_terminal,
             sliders::the_title_names_the_document_and_whether_it_was_changed,
             surfaces::surfaces_are_hidden_seen_through_moved_and_taken_away,
+            surfaces::formulas_are_edited_and_added_in_the_list,
             surfaces::axes_are_there_unless_somebody_wants_none,
             curves::curves_are_there_while_the_view_turns,
         ],

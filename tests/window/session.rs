@@ -17,18 +17,18 @@ pub fn the_picture_is_centred_and_follows_mouse_and_keys() {
         scene.display.tool(&["click", "4"]);
     });
     scene.changes("arrow", || scene.key("Left"));
-    scene.changes("plus", || scene.key("plus"));
-    scene.changes("fit", || scene.key("f"));
-    assert!(scene.changes("reset", || scene.key("r")) == start, "not as at the start");
-    scene.changes("parallel", || scene.key("p"));
-    assert!(scene.changes("reset again", || scene.key("r")) == start);
-    scene.changes("undecided", || scene.key("u"));
-    assert!(scene.changes("decided", || scene.key("u")) == start);
-    scene.changes("no axes", || scene.key("x"));
-    assert!(scene.changes("axes", || scene.key("x")) == start);
+    scene.changes("plus", || scene.key("ctrl+plus"));
+    scene.changes("fit", || scene.key("ctrl+f"));
+    assert!(scene.changes("reset", || scene.key("ctrl+0")) == start, "not as at the start");
+    scene.changes("parallel", || scene.key("F6"));
+    assert!(scene.changes("reset again", || scene.key("ctrl+0")) == start);
+    scene.changes("undecided", || scene.key("F8"));
+    assert!(scene.changes("decided", || scene.key("F8")) == start);
+    scene.changes("no axes", || scene.key("F3"));
+    assert!(scene.changes("axes", || scene.key("F3")) == start);
     scene.changes("help", || scene.key("F1"));
     assert!(scene.changes("no help", || scene.key("Escape")) == start);
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
@@ -38,8 +38,8 @@ pub fn one_step_of_the_wheel_zooms_as_far_as_a_key() {
     // The middle of the picture, above a status line of 20 pixels.
     scene.point(200, 150);
     let start = scene.rest();
-    let zoomed = scene.changes("plus", || scene.key("plus"));
-    let back = || assert!(scene.changes("reset", || scene.key("r")) == start);
+    let zoomed = scene.changes("plus", || scene.key("ctrl+plus"));
+    let back = || assert!(scene.changes("reset", || scene.key("ctrl+0")) == start);
     back();
     let step = scene.changes("a step", || {
         scene.display.tool(&["click", "4"]);
@@ -54,13 +54,13 @@ pub fn one_step_of_the_wheel_zooms_as_far_as_a_key() {
     });
     assert!(slow == zoomed, "a slow step is another");
     back();
-    let far = scene.changes("minus", || scene.key("minus"));
+    let far = scene.changes("minus", || scene.key("ctrl+minus"));
     back();
     let step = scene.changes("a step back", || {
         scene.display.tool(&["click", "5"]);
     });
     assert!(step == far, "a step back is no step of the key");
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
@@ -70,7 +70,6 @@ pub fn a_line_is_typed_corrected_and_entered_in_the_window() {
         scene.display.tool(&["type", "--delay", "30", text]);
     };
     let start = scene.rest();
-    scene.key("slash");
     scene.changes("typing", || type_in(&scene, "z = x^2"));
     // After an error the picture stays. The border and one line show the error.
     type_in(&scene, " + q(");
@@ -93,8 +92,7 @@ pub fn a_line_is_typed_corrected_and_entered_in_the_window() {
     let history = std::fs::read_to_string(history).expect("kept");
     let lines: Vec<&str> = history.lines().filter(|line| !line.starts_with('#')).collect();
     assert_eq!(lines, ["z = x^3", ":list"]);
-    // Letters are shortcuts again.
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
@@ -107,7 +105,7 @@ pub fn a_click_and_a_saved_picture_can_be_repeated_from_the_terminal() {
     std::thread::sleep(std::time::Duration::from_millis(60));
     scene.display.tool(&["mouseup", "1"]);
     scene.terminal.shows("| zeroset eval");
-    scene.key("s");
+    scene.key("ctrl+p");
     scene.terminal.shows("-o zeroset-1.png");
     let shown = scene.terminal.shown().replace("\r\n", "\n");
     let line = |with: &str| {
@@ -141,7 +139,7 @@ pub fn a_click_and_a_saved_picture_can_be_repeated_from_the_terminal() {
 pub fn a_key_and_enter_save_a_mesh() {
     let mut scene = Scene::start(CUBE);
     scene.rest();
-    scene.display.tool(&["key", "--delay", "300", "m", "Return"]);
+    scene.display.tool(&["key", "--delay", "300", "ctrl+e", "Return"]);
     let file = scene.terminal.place().join("zeroset-1.stl");
     let triangles = || {
         let bytes = std::fs::read(&file).unwrap_or_default();
@@ -158,11 +156,15 @@ pub fn saving_a_slow_picture_does_not_hold_the_window() {
     let terms = (1..80).map(|k| format!("sin({k}*x+y)*cos({k}*y-z)"));
     let formula = format!("{} = 5", terms.collect::<Vec<_>>().join("+"));
     let fine = ["--size", "900x700", "--precision", "f64", "--max-depth", "20", "--domain", "1"];
-    let scene = Scene::start(&[&[formula.as_str()][..], &fine[..]].concat());
-    scene.key("s");
+    let mut scene = Scene::start(&[&[formula.as_str()][..], &fine[..]].concat());
+    scene.key("ctrl+p");
     scene.changes("help", || scene.key("F1"));
     scene.changes("no help", || scene.key("Escape"));
     assert!(!scene.terminal.place().join("zeroset-1.png").exists(), "that was no slow picture");
-    scene.key("q");
+    // Ctrl-C in the terminal gives up the picture, and not the program.
+    scene.terminal.type_in("\u{3}");
+    scene.terminal.shows("the picture was given up");
+    scene.changes("help again", || scene.key("F1"));
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }

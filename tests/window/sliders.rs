@@ -5,12 +5,11 @@ use crate::terminal_support::until;
 use std::time::Duration;
 
 const BALL: &[&str] =
-    &["domain 3\nr = 1 in [0, 2]\nx^2+y^2+z^2 = r^2 + 0.3*sin(5*t)", "--size", "400x320"];
+    &["domain 3\nr = 1 in [0, 2]\nx^2+y^2+z^2 = r^2 + 0.3*sin(5*t)", "--size", "640x320"];
 
-/// Columns at the ends of the first slider's track, and rows of the first two sliders. Each name
-/// has one letter, which is 8 pixels wide.
-const TRACK: (i32, i32) = (20, 180);
-const ROWS: [i32; 2] = [36, 56];
+/// Columns at the ends of the first slider's track, and rows of the first two sliders.
+const TRACK: (i32, i32) = (18, 178);
+const ROWS: [i32; 2] = [16, 36];
 
 /// Asserts that `:list` shows `expected` in the terminal.
 fn listed(scene: &mut Scene, expected: &str) {
@@ -59,7 +58,7 @@ pub fn a_slider_that_is_dragged_changes_picture_and_document_and_is_taken_back()
         scene.key("Right");
     });
     listed(&mut scene, "r = 1.02 in [0, 2]");
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
@@ -70,7 +69,7 @@ pub fn a_slider_that_is_held_while_the_gallery_opens_is_let_go() {
     wait(100);
     scene.display.tool(&["mousedown", "1"]);
     wait(100);
-    scene.key("g");
+    scene.key("ctrl+o");
     wait(300);
     scene.display.tool(&["mouseup", "1"]);
     wait(100);
@@ -81,13 +80,13 @@ pub fn a_slider_that_is_held_while_the_gallery_opens_is_let_go() {
     scene.changes("turned", || scene.key("Right"));
     listed(&mut scene, "r = 1 in [0, 2]");
     assert!(!scene.terminal.shown().contains("r = 1.02"), "the slider was moved");
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
 /// While a slider is dragged, the surface grows in the view. Then the view fits it again.
 pub fn a_surface_that_outgrows_the_view_is_fitted_when_the_slider_is_let_go() {
-    let ball = ["r = 1 in [0.5, 8]\nx^2+y^2+z^2 = r^2", "--size", "400x320"];
+    let ball = ["r = 1 in [0.5, 8]\nx^2+y^2+z^2 = r^2", "--size", "640x320"];
     let scene = Scene::start(&ball);
     // Number of columns with orange pixels below the slider.
     let width = || {
@@ -96,7 +95,7 @@ pub fn a_surface_that_outgrows_the_view_is_fitted_when_the_slider_is_let_go() {
             let [r, _, b] = picture.get_pixel(x, y).0.map(i32::from);
             r - b > 60
         };
-        (0..400).filter(|x| (60..270).any(|y| is_orange(*x, y))).count()
+        (0..640).filter(|x| (60..270).any(|y| is_orange(*x, y))).count()
     };
     let before = width();
     scene.point(TRACK.0 + 11, ROWS[0]);
@@ -113,20 +112,20 @@ pub fn a_surface_that_outgrows_the_view_is_fitted_when_the_slider_is_let_go() {
     until("it is fitted", || fits(width()));
     scene.rest();
     assert!(fits(width()), "{} columns, and {before} before", width());
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
 pub fn time_is_played_paused_and_scrubbed() {
     let mut scene = Scene::start(BALL);
     let start = scene.rest();
-    scene.key("t");
+    scene.key("F5");
     let mut last = scene.middle();
     for _ in 0..3 {
         until("time goes on", || scene.middle() != last);
         last = scene.middle();
     }
-    scene.key("t");
+    scene.key("F5");
     let paused = scene.rest();
     assert!(paused != start, "time stands still");
     listed(&mut scene, " in [0, 2pi]");
@@ -135,20 +134,20 @@ pub fn time_is_played_paused_and_scrubbed() {
         scene.drag("1", (TRACK.0, ROWS[1]), (TRACK.0 + 20, ROWS[1]));
     });
     listed(&mut scene, "t = 0.79 in [0, 2pi]");
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
 pub fn what_faces_the_eye_is_cut_open_and_the_cut_is_moved() {
     let scene = Scene::start(CUBE);
     let whole = scene.rest();
-    let cut = scene.changes("cut", || scene.key("k"));
+    let cut = scene.changes("cut", || scene.key("F7"));
     let moved = scene.changes("moved cut", || {
         scene.display.tool(&["keydown", "ctrl", "click", "5", "click", "5", "keyup", "ctrl"]);
     });
     assert!(whole != cut && cut != moved);
-    assert!(scene.changes("whole again", || scene.key("k")) == whole);
-    scene.key("q");
+    assert!(scene.changes("whole again", || scene.key("F7")) == whole);
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
@@ -167,14 +166,13 @@ pub fn clicks_however_short_are_seen_and_each_once() {
     scene.display.tool(&["mouseup", "1"]);
     wait(300);
     assert_eq!(said(), 11);
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
 pub fn what_is_typed_in_the_window_prints_nothing_in_the_terminal() {
     let mut scene = Scene::start(CUBE);
     let before = scene.terminal.shown();
-    scene.key("slash");
     for part in ["x^2+", "y^2 = (", "q*z", ")"] {
         scene.display.tool(&["type", "--delay", "30", part]);
         wait(500);
@@ -185,8 +183,9 @@ pub fn what_is_typed_in_the_window_prints_nothing_in_the_terminal() {
     scene.key("Return");
     wait(500);
     listed(&mut scene, "q = 1");
-    assert!(!scene.terminal.shown().contains("error"), "{}", scene.terminal.shown());
-    scene.key("q");
+    let shown = scene.terminal.shown();
+    assert!(!shown.contains("error") && !shown.contains("never used"), "{shown}");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 
@@ -200,6 +199,6 @@ pub fn the_title_names_the_document_and_whether_it_was_changed() {
     until("it was changed", || title(&scene) == "gyroid* - zeroset");
     scene.terminal.type_in(":save mine.zset\r");
     until("it is a file", || title(&scene) == "mine.zset - zeroset");
-    scene.key("q");
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }

@@ -7,12 +7,12 @@ use image::RgbImage;
 const TWO: &[&str] =
     &["domain 2\ncolor red\nx^2+y^2+z^2 = 1\ncolor blue\nz = 1.2", "--size", "400x320"];
 
-/// Columns of the parts of a row in the list, and two rows. Letters are 8 pixels wide and 20 high.
+/// Columns of the parts of a row in the list, and two rows.
 const SWATCH: i32 = 194;
 const FORMULA: i32 = 250;
-const TRACK: (i32, i32) = (336, 376);
-const DELETE: i32 = 388;
-const ROWS: [i32; 2] = [36, 56];
+const TRACK: (i32, i32) = (334, 374);
+const DELETE: i32 = 386;
+const ROWS: [i32; 2] = [16, 36];
 
 fn click(scene: &Scene, x: i32, y: i32) {
     scene.point(x, y);
@@ -50,8 +50,8 @@ pub fn surfaces_are_hidden_seen_through_moved_and_taken_away() {
     scene.terminal.type_in(":status\r");
     scene.terminal.shows("not compiled again");
     assert!(scene.changes("shown", || click(&scene, SWATCH, ROWS[1])) == start);
-    // The key 2 hides the second surface, like a click on its swatch. Undo shows it again.
-    assert!(scene.changes("by key", || scene.key("2")) == hidden);
+    // Ctrl-2 hides the second surface, like a click on its swatch. Undo shows it again.
+    assert!(scene.changes("by key", || scene.key("ctrl+2")) == hidden);
     assert!(scene.changes("undo hiding", || scene.key("ctrl+z")) == start);
     // Drag to the middle of the track. The drag is one undo step.
     scene.changes("half", || {
@@ -80,30 +80,63 @@ pub fn surfaces_are_hidden_seen_through_moved_and_taken_away() {
     assert_eq!(colored(&scene.picture())[0], 0);
     assert!(scene.changes("undo deletion", || scene.key("ctrl+z")) == start);
     // Without the list, a drag at the same place turns the view.
-    let without = scene.changes("no list", || scene.key("l"));
+    let without = scene.changes("no list", || scene.key("F4"));
     scene.changes("turned", || scene.drag("1", (FORMULA, ROWS[0]), (FORMULA + 40, ROWS[0])));
     scene.point(30, 250);
-    assert!(scene.changes("reset", || scene.key("r")) == without);
-    assert!(scene.changes("list", || scene.key("l")) == start);
-    scene.key("q");
+    assert!(scene.changes("reset", || scene.key("ctrl+0")) == without);
+    assert!(scene.changes("list", || scene.key("F4")) == start);
+    scene.key("ctrl+q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
+/// The first formula is edited, and one more is added, by clicks on the list.
+pub fn formulas_are_edited_and_added_in_the_list() {
+    let mut scene = Scene::start(TWO);
+    click(&scene, FORMULA, ROWS[0]);
+    scene.display.keep(&scene.window, "editing");
+    scene.changes("larger", || scene.type_text("+x^2"));
+    scene.key("Return");
+    scene.rest();
+    listed(&mut scene, "color red\r\nx^2+y^2+z^2 = 1+x^2\r\ncolor blue\r\nz = 1.2");
+    click(&scene, FORMULA, ROWS[1] + 20);
+    scene.type_text("z = -1");
+    scene.key("Return");
+    scene.rest();
+    listed(&mut scene, "z = 1.2\r\nz = -1");
+    // Ctrl-Enter adds, too. Enter replaces all, and undo brings them back.
+    scene.type_text("y = 1");
+    scene.key("ctrl+Return");
+    scene.rest();
+    listed(&mut scene, "z = -1\r\ny = 1");
+    scene.display.keep(&scene.window, "four");
+    scene.type_text("x = 1");
+    scene.key("Return");
+    scene.rest();
+    scene.key("ctrl+z");
+    scene.key("ctrl+q");
+    let kept = scene.terminal.place().join("data/zeroset/last.zset");
+    until("the window has ended", || {
+        std::fs::read_to_string(&kept).is_ok_and(|text| text.contains("y = 1"))
+    });
     assert_eq!(scene.terminal.ends(), 0);
 }
 
 pub fn axes_are_there_unless_somebody_wants_none() {
     let mut scene = Scene::start(&["domain 2\nx^2+y^2+z^2 = 1", "--size", "400x320"]);
     scene.point(30, 250);
-    // Only lines and letters are dark.
+    // Below the list only lines and letters are dark.
     let dark = |picture: &RgbImage| {
-        picture.pixels().filter(|pixel| pixel.0.iter().all(|c| (30..120).contains(c))).count()
+        let below = image::imageops::crop_imm(picture, 0, 40, 400, 180).to_image();
+        below.pixels().filter(|pixel| pixel.0.iter().all(|c| (30..120).contains(c))).count()
     };
     let start = scene.rest();
-    assert!(dark(&start) > 500, "{}", dark(&start));
-    let without = scene.changes("without axes", || scene.key("x"));
+    assert!(dark(&start) > 300, "{}", dark(&start));
+    let without = scene.changes("without axes", || scene.key("F3"));
     assert!(8 * dark(&without) < dark(&start), "{} of {}", dark(&without), dark(&start));
-    assert!(scene.changes("with axes", || scene.key("x")) == start);
+    assert!(scene.changes("with axes", || scene.key("F3")) == start);
     scene.terminal.type_in("axes off\r");
     until("there are none", || scene.middle() == without);
-    assert!(scene.changes("axes all the same", || scene.key("x")) == start);
-    scene.key("q");
+    assert!(scene.changes("axes all the same", || scene.key("F3")) == start);
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }

@@ -70,12 +70,24 @@ pub enum Command {
     },
 }
 
+/// Size of a window, and of a picture in it, unless another one is chosen.
+pub const USUAL_SIZE: Size = Size { width: 800, height: 640 };
+
+fn ui_scale(text: &str) -> Result<f64, String> {
+    let scale = text.parse().ok().filter(|scale| (0.5..=6.0).contains(scale));
+    scale.ok_or_else(|| "it must be a number from 0.5 to 6".to_owned())
+}
+
 /// Arguments of `zeroset` without a subcommand.
 #[derive(Debug, Args)]
 pub struct InteractiveArgs {
     /// Show a formula, a file (watched for changes), or a name from `zeroset gallery --list`
     #[arg(value_name = "FORMULA|FILE|NAME", allow_hyphen_values = true)]
     pub source: Option<OsString>,
+
+    /// Show the last document that was not saved
+    #[arg(long, conflicts_with = "source")]
+    pub last: bool,
 
     #[command(flatten)]
     pub values: ValueArgs,
@@ -86,13 +98,13 @@ pub struct InteractiveArgs {
     #[command(flatten)]
     pub kernels: KernelArgs,
 
-    /// Set the window's width and height in pixels
-    #[arg(long, value_name = "N|WxH", default_value = "800x640", allow_hyphen_values = true)]
-    pub size: Size,
+    /// Set the window's width and height in pixels [default: 800x640, times the display's scale]
+    #[arg(long, value_name = "N|WxH", allow_hyphen_values = true)]
+    pub size: Option<Size>,
 
-    /// Set the size of the window's letters: 1, 2 or 3 [default: by the window's height]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..=3))]
-    pub ui_scale: Option<u8>,
+    /// Set the size of the window's letters, from 0.5 to 6 [default: the display's scale]
+    #[arg(long, value_name = "SCALE", value_parser = ui_scale)]
+    pub ui_scale: Option<f64>,
 
     /// Show pictures in the terminal and open no window
     #[arg(long)]

@@ -1,107 +1,95 @@
 //! The window's help: its keys and their actions, laid out to fit the window.
 
-use super::theme::{GROUND, INK};
-use std::fmt::Write as _;
+use super::theme::{CHOSEN as KEY, GROUND, INK};
+use super::window::keys::SHORTCUTS;
 use zeroset_render::overlay::Canvas;
 
-/// Rows of the help: a key or an action of the mouse, and its effect.
-const ROWS: &[(&str, &str)] = &[
+/// What the mouse and the keys of the typed line do. The commands on other keys follow.
+const MOUSE_AND_LINE: &[(&str, &str)] = &[
     ("drag", "turn"),
     ("right drag", "move"),
     ("wheel", "zoom"),
     ("click", "show point"),
-    ("/ or Enter", "type"),
+    ("Ctrl wheel", "move cut"),
+    ("any letter", "type"),
+    ("Enter", "replace"),
+    ("Ctrl-Enter", "add"),
     ("Tab", "complete"),
     ("Up, Down", "history"),
     ("Esc", "close"),
-    ("Ctrl Z, Y", "undo, redo"),
-    ("F1", "next help"),
-    ("G", "gallery"),
     ("arrows", "turn"),
-    ("+ -", "zoom"),
-    ("R", "reset view"),
-    ("F", "fit"),
-    ("P", "projection"),
-    ("X", "axes"),
-    ("L", "surfaces"),
-    ("1 to 9", "hide, show"),
-    ("K", "cut open"),
-    ("Ctrl wheel", "move cut"),
-    ("T", "play time"),
-    ("U", "undecided"),
-    ("S, M", "PNG, mesh"),
-    ("Q", "quit"),
 ];
 
-/// Lays out all rows of the table in this many aligned columns.
-fn layout(columns: usize) -> Vec<String> {
-    let height = ROWS.len().div_ceil(columns);
-    let mut lines = vec![String::new(); height];
-    for (index, column) in ROWS.chunks(height).enumerate() {
-        let keys = column.iter().map(|(key, _)| key.len()).max().unwrap_or(0);
-        let width = lines.iter().map(String::len).max().unwrap_or(0);
-        for (line, (key, action)) in lines.iter_mut().zip(column) {
-            let gap = if index == 0 { 0 } else { width + 2 - line.len() };
-            // Writing to a string cannot fail.
-            let _ = write!(line, "{:gap$}{key:keys$}  {action}", "");
-        }
-    }
-    lines
+/// Rows of the help: a key or an action of the mouse, and its effect.
+fn rows() -> Vec<(&'static str, &'static str)> {
+    let commands = SHORTCUTS.iter().map(|row| (row.name, row.help));
+    MOUSE_AND_LINE.iter().copied().chain(commands).collect()
 }
 
-/// Lays out all rows of the table like words of a text, wrapped at this many letters.
-fn flow(letters: usize) -> Vec<String> {
-    let mut lines = vec![String::new()];
-    for (key, action) in ROWS {
-        let (row, last) = (format!("{key}: {action}"), lines.len() - 1);
-        let line = &mut lines[last];
-        if line.is_empty() {
-            *line = row;
-        } else if line.len() + 2 + row.len() <= letters {
-            line.push_str("  ");
-            line.push_str(&row);
-        } else {
-            lines.push(row);
+/// Space around the help and between its columns, in dots of a letter.
+const PAD: usize = 12;
+/// Space between a key and its effect, in dots of a letter.
+const GAP: usize = 8;
+/// Scales of the letters that are tried, in units of the window's scale.
+const SHRINK: [f64; 4] = [1.0, 0.85, 0.7, 0.6];
+/// Largest number of columns.
+const MOST_COLUMNS: usize = 4;
+
+/// A cell of the help: its text and its upper left corner, in pixels from the help's corner.
+type Cell = (&'static str, usize, usize);
+
+/// Lays out all rows of the table in this many columns. Returns the cells, and the help's width and
+/// height in pixels.
+fn layout(columns: usize, canvas: &Canvas) -> (Vec<Cell>, usize, usize) {
+    let rows = rows();
+    let height = rows.len().div_ceil(columns);
+    let [pad, gap] = [PAD, GAP].map(|dots| canvas.dots(dots));
+    let mut cells = Vec::new();
+    let mut left = pad;
+    for column in rows.chunks(height) {
+        let widest = |texts: &mut dyn Iterator<Item = &'static str>| {
+            texts.map(|text| canvas.text_width(text)).max().unwrap_or(0)
+        };
+        let keys = widest(&mut column.iter().map(|row| row.0));
+        let effects = widest(&mut column.iter().map(|row| row.1));
+        for (n, (key, effect)) in column.iter().enumerate() {
+            let top = pad + n * canvas.line_height();
+            cells.extend([(*key, left, top), (*effect, left + keys + gap, top)]);
         }
+        left += keys + gap + effects + 2 * pad;
     }
-    lines
+    (cells, left - pad, 2 * pad + height * canvas.line_height())
 }
 
-/// Padding around the help, in font pixels.
-const PAD: usize = 10;
-/// Padding in a small window, in font pixels.
-const LITTLE_PAD: usize = 3;
+/// The help as a text, for windows in which it has to be scrolled.
+pub fn text() -> String {
+    let lines = rows().into_iter().map(|(key, effect)| format!("{key}  {effect}"));
+    lines.collect::<Vec<_>>().join("\n")
+}
 
-/// Draws the help in the middle of the window. Prefers large letters, then two columns. If even one
-/// column of small letters does not fit, the rows are wrapped like text and may be cut off.
+/// The largest scale of the letters, and the number of columns, with which the help fits a window
+/// of this size. `None` if it has to be scrolled.
+pub fn fitting((width, height): (usize, usize), scale: f64) -> Option<(f64, usize)> {
+    let tries = SHRINK.iter().flat_map(|shrink| (1..=MOST_COLUMNS).map(move |n| (*shrink, n)));
+    let tries = tries.map(|(shrink, columns)| (shrink * scale, columns));
+    { tries }.find(|(scale, columns)| {
+        let shown = layout(*columns, &Canvas::new(width, height, Vec::new(), *scale));
+        shown.1 <= width && shown.2 <= height
+    })
+}
+
+/// Draws the help in the middle of the window, if it fits.
 pub fn draw(canvas: &mut Canvas) {
-    let size = |lines: &[String], canvas: &Canvas| {
-        let pad = PAD * canvas.scale;
-        let longest = lines.iter().map(String::len).max().unwrap_or(0);
-        (longest * canvas.advance() + 2 * pad, lines.len() * canvas.line_height() + 2 * pad)
-    };
     let scale = canvas.scale;
-    let fitting = (1..=scale).rev().find_map(|scale| {
-        canvas.scale = scale;
-        [2, 1].into_iter().map(layout).find(|lines| {
-            let (width, height) = size(lines, canvas);
-            width <= canvas.width && height <= canvas.height
-        })
-    });
-    let is_small = fitting.is_none();
-    let lines = fitting.unwrap_or_else(|| {
-        canvas.scale = 1;
-        flow(canvas.width.saturating_sub(2 * LITTLE_PAD) / canvas.advance())
-    });
-    let (width, height) =
-        if is_small { (canvas.width, canvas.height) } else { size(&lines, canvas) };
-    let pad = (if is_small { LITTLE_PAD } else { PAD } * canvas.scale) as i64;
-    let centred = |room: usize, size: usize| ((room as i64 - size as i64) / 2).max(0);
+    let Some((shrunk, columns)) = fitting((canvas.width, canvas.height), scale) else { return };
+    canvas.scale = shrunk;
+    let (cells, width, height) = layout(columns, canvas);
+    let centred = |room: usize, size: usize| room.saturating_sub(size) as i64 / 2;
     let (left, top) = (centred(canvas.width, width), centred(canvas.height, height));
-    canvas.fill(left, top, width, height, GROUND, 232);
-    for (index, line) in (0_i64..).zip(&lines) {
-        let y = top + pad + index * canvas.line_height() as i64;
-        canvas.write(line, left + pad, y, INK);
+    canvas.fill(left, top, width, height, GROUND, 236);
+    for (n, (text, x, y)) in cells.into_iter().enumerate() {
+        let ink = if n % 2 == 0 { KEY } else { INK };
+        canvas.write(text, left + x as i64, top + y as i64, ink);
     }
     canvas.scale = scale;
 }
@@ -111,23 +99,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn two_columns_fit_a_small_window() {
-        let lines = layout(2);
-        assert_eq!(lines.len(), 13);
-        assert_eq!(lines[0], "drag        turn        R           reset view", "{lines:#?}");
-        assert!(lines.iter().all(|line| line.len() <= 47), "{lines:#?}");
-        assert_eq!(layout(1)[24], "Q           quit");
+    fn every_key_is_there_in_a_window_400_by_300_pixels() {
+        assert!(fitting((400, 300), 1.0).is_some() && fitting((800, 600), 2.0).is_some());
+        assert_eq!(fitting((3000, 2000), 1.0), Some((1.0, 1)));
+        assert_eq!(fitting((120, 90), 1.0), None);
+        assert!(rows().iter().all(|(key, effect)| text().contains(&format!("{key}  {effect}"))));
     }
 
     #[test]
-    fn every_key_is_there_in_a_window_300_pixels_wide() {
-        let canvas = Canvas::new(300, 220, vec![0; 300 * 220], 1);
-        let lines = flow((canvas.width - 2 * LITTLE_PAD) / canvas.advance());
-        assert!(lines.len() * canvas.line_height() + 2 * LITTLE_PAD <= canvas.height, "{lines:#?}");
-        for line in &lines {
-            assert!(line.len() * canvas.advance() + 2 * LITTLE_PAD <= canvas.width, "{line}");
+    fn effects_begin_below_one_another() {
+        let canvas = Canvas::new(800, 600, Vec::new(), 1.0);
+        let (cells, ..) = layout(2, &canvas);
+        let effects: Vec<usize> = cells.iter().skip(1).step_by(2).map(|cell| cell.1).collect();
+        let half = effects.len().div_ceil(2);
+        for column in [&effects[..half], &effects[half..]] {
+            assert!(column.iter().all(|left| *left == column[0]), "{effects:?}");
         }
-        let text = lines.join("\n");
-        assert!(ROWS.iter().all(|(key, action)| text.contains(&format!("{key}: {action}"))));
     }
 }

@@ -3,13 +3,19 @@
 
 use super::arguments::InteractiveArgs;
 use super::session::Session;
-use super::{notes, prompt};
+use super::{INTERRUPTED, interrupt, notes, prompt};
 use anyhow::Result;
 use std::process::ExitCode;
 use std::sync::Arc;
+use std::time::Duration;
+
+/// Time that Ctrl-C leaves for an orderly end.
+const PATIENCE: Duration = Duration::from_secs(2);
 
 pub fn run(arguments: &InteractiveArgs) -> Result<ExitCode> {
     let session = Arc::new(Session::new(arguments)?);
+    let working = Arc::clone(&session);
+    interrupt::listen_with(move || answer_interrupt(&working))?;
     let window =
         if arguments.preview { Err("--preview".to_owned()) } else { open(arguments, &session) };
     match window {
@@ -36,7 +42,19 @@ pub fn run(arguments: &InteractiveArgs) -> Result<ExitCode> {
             prompt::run(&session, true)?;
         }
     }
+    session.say_what_is_kept();
     Ok(ExitCode::SUCCESS)
+}
+
+/// Gives up what the program works on. Without work, ends the session and then the program, which
+/// may wait for input that never comes.
+fn answer_interrupt(session: &Session) {
+    if session.has_ended() || !session.give_up() {
+        session.end();
+        std::thread::sleep(PATIENCE);
+        session.say_what_is_kept();
+        std::process::exit(INTERRUPTED.into());
+    }
 }
 
 #[cfg(feature = "window")]
@@ -44,7 +62,7 @@ fn open(
     arguments: &InteractiveArgs,
     session: &Arc<Session>,
 ) -> Result<super::window::Window, String> {
-    super::window::Window::open(arguments.size, arguments.ui_scale.map(usize::from), session)
+    super::window::Window::open(arguments.size, arguments.ui_scale, session)
 }
 
 #[cfg(not(feature = "window"))]

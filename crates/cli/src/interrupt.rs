@@ -35,6 +35,14 @@ struct State {
 /// If the system does not allow it.
 pub fn listen(remark: &str) -> Result<()> {
     leaves(remark);
+    listen_with(answer)
+}
+
+/// Calls `answer` at every Ctrl-C that the prompt does not read, on a thread of its own.
+///
+/// # Errors
+/// If the system does not allow it.
+pub fn listen_with(answer: impl FnMut() + Send + 'static) -> Result<()> {
     match ctrlc::try_set_handler(answer) {
         Ok(()) | Err(ctrlc::Error::MultipleHandlers) => Ok(()),
         Err(error) => Err(error).context("cannot listen for Ctrl-C"),

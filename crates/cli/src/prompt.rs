@@ -85,11 +85,13 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
                 forget_line(&typing);
                 line
             }
-            // As in a shell, Ctrl-C drops the typed line. On an empty line it ends the session.
+            // As in a shell, Ctrl-C drops the typed line. On an empty line it gives up the running
+            // picture, and without one it ends the session.
             Err(ReadlineError::Interrupted) if forget_line(&typing) => {
                 session.live.type_line("");
                 continue;
             }
+            Err(ReadlineError::Interrupted) if session.give_up() => continue,
             Err(ReadlineError::Eof | ReadlineError::Interrupted) => {
                 // A window stays open when piped input ends.
                 if interactive || preview {

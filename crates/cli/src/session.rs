@@ -1,7 +1,7 @@
 //! A session: the live picture, its document's watched file, and the history of prompt and window.
 
-use super::arguments::InteractiveArgs;
-use super::data::store_text;
+use super::arguments::{InteractiveArgs, USUAL_SIZE};
+use super::data::{data_directory, note_file, store_text};
 use super::gallery::listed;
 use super::history::History;
 use super::output::{OutputFile, print};
@@ -14,7 +14,7 @@ use super::{explain, measure, mesh, notes, preview, tips};
 use anyhow::{Context, Result};
 use std::ffi::OsStr;
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -26,6 +26,11 @@ use zeroset_scene::gallery::{example, examples, models};
 
 /// The gallery surface that is shown if no document is given.
 const DEFAULT_SURFACE: &str = "gyroid";
+
+/// File in the data directory with the last document that had unsaved changes.
+const LAST: &str = "last.zset";
+/// Name of that document for `:load`.
+const LAST_NAME: &str = "last";
 
 /// A terminal picture is saved at the default size if it is smaller than a square of this side.
 const MIN_SAVED_SIDE: usize = 128;
@@ -81,6 +86,12 @@ pub struct Session {
     /// Whether the gallery was requested since the window last checked.
     gallery: AtomicBool,
     ended: AtomicBool,
+    /// Number of times that Ctrl-C was pressed while the program worked.
+    interrupts: AtomicU64,
+    /// Number of commands at work that Ctrl-C gives up.
+    works: AtomicU64,
+    /// Whether [`Session::say_what_is_kept`] has spoken.
+    has_parted: AtomicBool,
     /// Faults in requests up to this revision are shown in the window only.
     reported_in_window: AtomicU64,
     /// The first message that is shown.
@@ -95,15 +106,20 @@ pub fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl Session {
     pub fn new(arguments: &InteractiveArgs) -> Result<Self> {
-        arguments.size.held_whole()?;
+        let size = arguments.size.unwrap_or(USUAL_SIZE);
+        size.held_whole()?;
         let settings = kernel_settings(&arguments.kernels)?;
         let given = arguments.source.as_deref();
         let source = match given {
+            None if arguments.last => Source { from: DocumentSource::Typed, text: last()? },
             Some(given) => source::find(given)?,
             None => example(DEFAULT_SURFACE).context("the gallery has it")?.into(),
         };
         let Source { from, text } = source;
-        let (mut width, mut height) = (arguments.size.width, arguments.size.height);
+        if let DocumentSource::File(path) = &from {
+            note_file(path);
+        }
+        let (mut width, mut height) = (size.width, size.height);
         if arguments.preview {
             // Start at the terminal's size, since a picture at the window's size would be wasted.
             (width, height) = preview::pixel_size();
@@ -124,6 +140,9 @@ impl Session {
             note_time(request.time, &document);
         }
         let welcome = match given {
+            None if arguments.last => {
+                "This is the last unsaved document. Type a formula, or :help for more.".to_owned()
+            }
             None => format!(
                 "This is the {DEFAULT_SURFACE}. Type a formula such as x^2+y^2+z^2 = 1, or :help for more."
             ),
@@ -145,13 +164,16 @@ impl Session {
             in_terminal: AtomicBool::new(arguments.preview),
             gallery: AtomicBool::new(false),
             ended: AtomicBool::new(false),
+            interrupts: AtomicU64::new(0),
+            works: AtomicU64::new(0),
+            has_parted: AtomicBool::new(false),
             reported_in_window: AtomicU64::new(0),
             welcome,
         })
     }
 
     /// Returns the path of the file that the document came from, if it came from one.
-    fn path(&self) -> Option<PathBuf> {
+    pub fn path(&self) -> Option<PathBuf> {
         match self.live.request().source {
             DocumentSource::File(path) => Some(path),
             _ => None,
@@ -232,6 +254,17 @@ impl Session {
     pub fn end(&self) {
         self.ended.store(true, Ordering::Relaxed);
         self.live.refresh();
+    }
+
+    /// Gives up what the program works on: the running picture, or else a command. Returns false if
+    /// there is no work.
+    pub fn give_up(&self) -> bool {
+        self.interrupts.fetch_add(1, Ordering::Relaxed);
+        if self.live.give_up() {
+            self.say("the picture was given up; Ctrl-C once more ends the program");
+            return true;
+        }
+        self.works.load(Ordering::Relaxed) > 0
     }
 
     pub fn has_ended(&self) -> bool {
@@ -323,8 +356,49 @@ impl Session {
             LineError { full: summary.clone(), summary }
         })?;
         self.follow();
-        store_text("last.zset", &self.live.text());
+        self.keep();
         Ok(said)
+    }
+
+    /// Gives a letter the value 1.
+    ///
+    /// # Errors
+    /// If the document would have errors.
+    #[cfg(feature = "window")]
+    pub fn define(self: &Arc<Self>, letter: char) -> Result<(), LineError> {
+        self.live.define(letter, "1")?;
+        self.keep();
+        Ok(())
+    }
+
+    /// Replaces the document by a pasted text.
+    #[cfg(feature = "window")]
+    pub fn paste(self: &Arc<Self>, text: &str) {
+        self.live.load(DocumentSource::Typed, text, false);
+        self.follow();
+        self.keep();
+    }
+
+    /// Keeps a document that has unsaved changes in the data directory.
+    pub fn keep(&self) {
+        if self.live.is_changed() {
+            store_text(LAST, &self.live.text());
+        }
+    }
+
+    /// Says where the document is kept, if it has unsaved changes. Keeps it there.
+    pub fn say_what_is_kept(&self) {
+        self.keep();
+        if self.live.is_changed()
+            && !self.has_parted.swap(true, Ordering::Relaxed)
+            && let Some(directory) = data_directory()
+        {
+            notes::note(&format!(
+                "the document was not saved; it is kept in '{}', and `zeroset --last` or `:load \
+                 {LAST_NAME}` opens it again",
+                directory.join(LAST).display()
+            ));
+        }
     }
 
     /// Whether the gallery was requested since the last call.
@@ -334,12 +408,19 @@ impl Session {
     }
 
     fn load(self: &Arc<Self>, from: &str) -> Result<()> {
+        if from == LAST_NAME && !Path::new(from).exists() {
+            self.live.load(DocumentSource::Typed, &last()?, false);
+            return Ok(());
+        }
         let found = source::find(OsStr::new(from))?;
         anyhow::ensure!(
             found.from != DocumentSource::Typed,
             "there is no file or gallery surface named '{from}'"
         );
         let Source { from, text } = found;
+        if let DocumentSource::File(path) = &from {
+            note_file(path);
+        }
         self.live.load(from, &text, false);
         self.watch(Some(&text));
         Ok(())
@@ -367,6 +448,7 @@ impl Session {
         OutputFile::create(&path)?.finish(|out| writeln!(out, "{}", text.trim_end()))?;
         *lock(&self.refused_overwrite) = None;
         self.live.saved(&path, &text);
+        note_file(&path);
         self.follow();
         self.say(&format!("saved '{}'", path.display()));
         Ok(())
@@ -402,9 +484,16 @@ impl Session {
         let picture = finished
             .context("not saved: the picture was changed before it was finished, or never was")?;
         let buffer = &picture.picture.buffer;
-        let rgb = Overlay::said(&picture.document).over((&*picture).into());
+        let document = &picture.document;
+        // A terminal shows no axes for lack of room, but a file has room for them.
+        let overlay = if self.in_terminal.load(Ordering::Relaxed) {
+            Overlay::said(document)
+        } else {
+            Overlay::new(picture.request.axes.are_shown(document), document)
+        };
+        let rgb = overlay.over((&*picture).into());
         let name = path.display().to_string();
-        let command = picture.command(&name);
+        let command = picture.command(&name, overlay.axes);
         let size = [buffer.width, buffer.height];
         output
             .finish(|out| write_png(out, &rgb, size, &PictureOrigin::command(&command).chunks))?;
@@ -420,7 +509,12 @@ impl Session {
     ) -> Result<()> {
         let seen = self.live.finished(self.live.revision(), PATIENCE);
         let seen = seen.context("there is no picture yet, or it was changed")?;
-        let text = find_out(&seen, &|| !self.has_ended())?;
+        let before = self.interrupts.load(Ordering::Relaxed);
+        let wanted = || !self.has_ended() && self.interrupts.load(Ordering::Relaxed) == before;
+        self.works.fetch_add(1, Ordering::Relaxed);
+        let found = find_out(&seen, &wanted);
+        self.works.fetch_sub(1, Ordering::Relaxed);
+        let text = found?;
         self.say(text.trim_end());
         Ok(())
     }
@@ -460,6 +554,13 @@ impl Session {
             return Ok(());
         }
         let seen = self.live.snapshot();
+        let revision = self.live.revision();
+        if seen.rendering.as_ref().is_some_and(|seen| seen.revision < revision)
+            && seen.fault.is_none()
+        {
+            // The picture was given up. The last one would be mistaken for it.
+            return Ok(());
+        }
         match (&seen.fault, &seen.rendering) {
             (Some(fault), _) => notes::say(&fault.render(notes::colored())),
             (None, Some(seen)) => {
@@ -469,6 +570,15 @@ impl Session {
         }
         Ok(())
     }
+}
+
+/// The last document with unsaved changes, in this session or an earlier one.
+fn last() -> Result<String> {
+    let directory = data_directory().context("there is no directory for data")?;
+    let path = directory.join(LAST);
+    std::fs::read_to_string(&path).with_context(|| {
+        format!("there is no document with unsaved changes in '{}'", directory.display())
+    })
 }
 
 /// A name in the current directory that no file has.

@@ -52,9 +52,9 @@ impl ContactSheet {
 
     fn write(&mut self, text: &str, left: u32, top: u32) {
         let [width, height] = [self.image.width(), self.image.height()].map(|side| side as usize);
-        let mut canvas = Canvas::new(width, height, Vec::new(), 1);
+        let mut canvas = Canvas::new(width, height, Vec::new(), 1.0);
         let shown = canvas.fitting(text, SIDE as usize);
-        let indent = (SIDE as usize - shown.chars().count() * canvas.advance()) / 2;
+        let indent = (SIDE as usize).saturating_sub(canvas.text_width(&shown)) / 2;
         canvas.write(&shown, i64::from(left) + indent as i64, i64::from(top), INK);
         canvas.mix_into(&mut self.image, 0);
     }

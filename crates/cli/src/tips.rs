@@ -6,11 +6,11 @@ use super::data::store_text;
 
 /// The tips, one line each, the most useful first.
 pub const TIPS: &[&str] = &[
-    "Tip: type / and a formula such as x^2+y^2 = z; the picture follows every key (:tips off ends tips)",
+    "Tip: type a formula such as x^2+y^2 = z; the picture follows every key (:tips off ends tips)",
     "Tip: `r = 1 in [0, 5]` makes a slider: drag it, with Shift for fine steps; a double click puts it back",
-    "Tip: K cuts open what faces you, and Ctrl with the wheel moves the cut",
-    "Tip: use t in a formula, and the key T plays it; G shows a gallery to choose from",
-    "Tip: Ctrl-Z takes back whatever you did; click a point to have its coordinates in the terminal",
+    "Tip: F7 cuts open what faces you, and Ctrl with the wheel moves the cut",
+    "Tip: use t in a formula, and F5 plays it; Ctrl-O shows a gallery to choose from",
+    "Tip: Ctrl-Z takes back whatever you did, and Ctrl-P saves the picture; click a point to have its coordinates in the terminal",
 ];
 
 const COUNT_FILE: &str = "tips";

@@ -1,6 +1,7 @@
 //! The table of commands, and the parsing of entered lines. Help, completion and suggestions are
 //! derived from the table. Reading and writing files is left to the caller.
 
+use super::edit::LineGoal;
 use super::help::help;
 use super::pipeline::Request;
 use super::reply::{Refusal, Reply, refused, say};
@@ -39,6 +40,9 @@ pub struct CommandRow {
 /// Name of the command that adds a surface.
 const ADD: &str = "add";
 
+/// Name of the command that replaces one formula.
+const EDIT: &str = "edit";
+
 /// Name of the command that chooses the method. Commands of method options follow in [`COMMANDS`].
 const METHOD: &str = "method";
 
@@ -65,7 +69,9 @@ const ROWS: &[CommandRow] = &[
     CommandRow { name: "list", arguments: "", doc: "show the document",
         run: |live, rest| rest.is_empty().then(|| say(live.text())) },
     CommandRow { name: ADD, arguments: "FORMULA", doc: "draw one more surface beside the others",
-        run: |live, formula| Some(live.commit(&given(formula)?, true)) },
+        run: |live, formula| Some(live.commit(&given(formula)?, LineGoal::Add)) },
+    CommandRow { name: EDIT, arguments: "N FORMULA", doc: "replace the N-th formula",
+        run: |live, rest| { let (number, formula) = numbered(rest)?; Some(live.commit(formula, LineGoal::Edit(number))) } },
     CommandRow { name: "delete", arguments: "[N]", doc: "delete the N-th surface; without a number, list them",
         run: |live, number| Some(delete(live, optional(number, |number| number.parse().ok())?)) },
     CommandRow { name: "hide", arguments: "N", doc: "hide the N-th surface",
@@ -134,14 +140,22 @@ fn mesh(line: &str) -> Option<Reply> {
 
 impl Live {
     /// Previews a line that is being typed: draws the document as it would be after entering
-    /// `line`. Commands other than `:add` are not previewed.
+    /// `line`. Commands other than `:add` and `:edit` are not previewed.
     pub fn type_line(&self, line: &str) {
         match read(line) {
-            Ok(Line::Text(formula)) => self.show_typed(Some(formula), false),
+            Ok(Line::Text(formula)) => self.show_typed(Some(formula), LineGoal::Replace),
             Ok(Line::Command(row, formula)) if row.name == ADD && !formula.is_empty() => {
-                self.show_typed(Some(formula), true);
+                self.show_typed(Some(formula), LineGoal::Add);
             }
-            Ok(Line::Empty | Line::Command(..)) | Err(_) => self.show_typed(None, false),
+            Ok(Line::Command(row, rest))
+                if row.name == EDIT
+                    && let Some((number, formula)) = numbered(rest) =>
+            {
+                self.show_typed(Some(formula), LineGoal::Edit(number));
+            }
+            Ok(Line::Empty | Line::Command(..)) | Err(_) => {
+                self.show_typed(None, LineGoal::Replace);
+            }
         }
     }
 
@@ -155,7 +169,7 @@ impl Live {
                 self.refresh();
                 Ok(Reply::Done)
             }
-            Line::Text(line) => self.commit(line, false),
+            Line::Text(line) => self.commit(line, LineGoal::Replace),
             Line::Command(row, arguments) => {
                 if let Some(row) = OPTIONS.iter().find(|option| option.command == row.name) {
                     return option(self, row, arguments);
@@ -178,6 +192,12 @@ fn opacity(text: &str) -> Option<f64> {
         None => view::number(text)?,
     };
     (0.0..=1.0).contains(&share).then_some(share)
+}
+
+/// A number and the text after it.
+fn numbered(text: &str) -> Option<(usize, &str)> {
+    let (number, rest) = text.split_once(' ')?;
+    Some((number.parse().ok()?, rest.trim())).filter(|(_, rest)| !rest.is_empty())
 }
 
 /// Returns the text, or `None` if it is empty.

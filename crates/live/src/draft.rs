@@ -103,6 +103,25 @@ pub(super) fn without_drawing(text: &str, number: usize) -> Result<String, usize
     Ok(kept.trim_start_matches('\n').trim_end().to_owned())
 }
 
+/// The text with `line` in place of its `number`-th drawing, counted from 1.
+///
+/// # Errors
+/// If there is no such drawing: the number of drawings, or 0 if the text has errors.
+pub(super) fn with_drawing(text: &str, number: usize, line: &str) -> Result<String, usize> {
+    let drawings = drawings(text);
+    let Some(span) = number.checked_sub(1).and_then(|index| drawings.get(index)) else {
+        return Err(drawings.len());
+    };
+    let mut changed = text.to_owned();
+    changed.replace_range(span.clone(), line);
+    Ok(changed)
+}
+
+/// The `number`-th drawing of a text, counted from 1, as typed.
+pub(super) fn drawing(text: &str, number: usize) -> Option<&str> {
+    text.get(drawings(text).get(number.checked_sub(1)?)?.clone())
+}
+
 /// The byte ranges of the drawings in a text: the surfaces in order, then the curves and points.
 fn drawings(text: &str) -> Vec<Range<usize>> {
     let statements = parse(text, &Limits::default()).unwrap_or_default();
@@ -344,6 +363,18 @@ mod tests {
         );
         assert_eq!(without_drawing(text, 4), Err(3));
         assert_eq!(without_drawing(text, 0), Err(3));
+    }
+
+    #[test]
+    fn a_drawing_is_changed_where_it_stands() {
+        let text = "# Two\nx = 1\ncolor red\ny = r; r = 2 # last";
+        assert_eq!(drawing(text, 2), Some("y = r"));
+        assert_eq!(
+            with_drawing(text, 2, "z = r").as_deref(),
+            Ok("# Two\nx = 1\ncolor red\nz = r; r = 2 # last")
+        );
+        assert_eq!(with_drawing(text, 3, "z"), Err(2));
+        assert_eq!((drawing(text, 0), drawing(text, 3)), (None, None));
     }
 
     #[test]

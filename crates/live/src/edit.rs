@@ -1,11 +1,12 @@
 //! Edits of the document: entering lines, setting values, deleting surfaces. An edit that would
 //! cause an error is refused and changes nothing. Knows no commands.
 
-use super::draft::{completes, draws, entered, without_scenery};
+use super::draft::{completes, drawing, draws, entered, with_drawing, without_scenery};
 use super::pipeline::Request;
 use super::reply::{Refusal, Reply, refused};
 use super::session::Live;
 use super::source::DocumentSource;
+use super::surfaces::no_surface;
 use super::undo::{Checkpoint, Gesture};
 use super::values::{self, TIME, defined};
 use std::borrow::Cow;
@@ -15,6 +16,17 @@ use zeroset_scene::program::Program;
 use zeroset_scene::view::is_idle;
 use zeroset_syntax::ast::Statement;
 use zeroset_syntax::{Document, ErrorKind, Limits, Note, NoteKind, parse};
+
+/// What a typed line does to the formulas of the document.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum LineGoal {
+    /// A formula replaces all others.
+    Replace,
+    /// A formula is drawn beside the others.
+    Add,
+    /// The line replaces the formula with this number, counted from 1.
+    Edit(usize),
+}
 
 pub(super) struct Edit {
     text: Arc<str>,
@@ -29,10 +41,10 @@ pub(super) struct Edit {
 impl Live {
     /// Draws the document as it would be after entering `line`, which is still being typed. Without
     /// a line, draws the document itself.
-    pub(super) fn show_typed(&self, line: Option<&str>, adding: bool) {
+    pub(super) fn show_typed(&self, line: Option<&str>, goal: LineGoal) {
         let shown = |Checkpoint { request, readable, .. }: &Checkpoint| {
             Ok(match line {
-                Some(line) => (with_line(request, readable, line, adding).0.into(), defined(line)),
+                Some(line) => (with_line(request, readable, line, goal).0.into(), defined(line)),
                 None => (Arc::clone(&request.text), Vec::new()),
             })
         };
@@ -45,9 +57,13 @@ impl Live {
     }
 
     /// Enters a line into the document.
-    pub(super) fn commit(&self, line: &str, adding: bool) -> Result<Reply, Refusal> {
+    pub(super) fn commit(&self, line: &str, goal: LineGoal) -> Result<Reply, Refusal> {
         let document = self.edit(None, |request, readable| {
-            let (text, is_another) = with_line(request, readable, line, adding);
+            if let LineGoal::Edit(number) = goal {
+                with_drawing(&base(request, readable, line), number, line)
+                    .map_err(|count| no_surface(number, count))?;
+            }
+            let (text, is_another) = with_line(request, readable, line, goal);
             let edit = Edit::checked(request, text, defined(line))?;
             Ok(Edit { source: is_another.then_some(DocumentSource::Typed), ..edit })
         })?;
@@ -59,6 +75,20 @@ impl Live {
         };
         let unused = document.notes.iter().find(is_given);
         Ok(unused.map_or(Reply::Done, |note| Reply::Say(format!("noted; {}", note.kind))))
+    }
+
+    /// The formula with this number, counted from 1, as it was typed. Curves and points come after
+    /// the surfaces.
+    pub fn formula(&self, number: usize) -> Option<String> {
+        drawing(&self.text(), number).map(str::to_owned)
+    }
+
+    /// Gives a name a value, even if nothing uses the name yet.
+    ///
+    /// # Errors
+    /// If the document would have errors.
+    pub fn define(&self, name: char, value: &str) -> Result<(), Refusal> {
+        self.commit(&format!("{name} = {value}"), LineGoal::Replace).map(drop)
     }
 
     /// Sets a value in the document. A slider's range is kept, widened to hold the value.
@@ -143,9 +173,15 @@ impl Edit {
 
 /// The text with `line` entered, and whether the text is a new document. A formula that replaces a
 /// gallery surface begins a new document, without the gallery's domain, view and comments.
-fn with_line(request: &Request, readable: &str, line: &str, adding: bool) -> (String, bool) {
+///
+/// A line that replaces a missing formula changes nothing.
+fn with_line(request: &Request, readable: &str, line: &str, goal: LineGoal) -> (String, bool) {
     let base = base(request, readable, line);
+    let adding = goal == LineGoal::Add;
     match request.source {
+        _ if let LineGoal::Edit(number) = goal => {
+            (with_drawing(&base, number, line).unwrap_or_else(|_| base.into_owned()), false)
+        }
         DocumentSource::Gallery(came) if !adding && draws(&base, line) => {
             (entered(&without_scenery(&base, came.text), line, adding), true)
         }

@@ -49,3 +49,4 @@ pub use source::DocumentSource;
 pub use status::{FLAT, quote};
 pub use status_words::status_words;
 pub use surfaces::SurfaceEntry;
+pub use values::defined;

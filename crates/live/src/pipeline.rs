@@ -209,7 +209,12 @@ pub struct Snapshot {
     pub fault: Option<Arc<Fault>>,
     /// Revision of the latest finished request.
     pub settled: u64,
+    /// The stage of the latest request, if its picture is late.
+    pub working: Option<&'static str>,
 }
+
+/// A picture is late after this time. Without an earlier picture it is late at once.
+const LATE: Duration = Duration::from_millis(400);
 
 /// The worker thread and the state shared with it.
 pub(super) struct Pipeline {
@@ -227,6 +232,10 @@ struct PipelineState {
     revision: u64,
     requested: Instant,
     snapshot: Snapshot,
+    /// The worker's present stage.
+    stage: &'static str,
+    /// Revision of the last request that was given up before its picture was finished.
+    given_up: u64,
     /// Set while the user or the clock moves values. Meanwhile an automatic view holds still.
     moving: bool,
     /// The next change of an automatic view.
@@ -260,6 +269,8 @@ impl Pipeline {
             revision: 0,
             requested: Instant::now(),
             snapshot: Snapshot::default(),
+            stage: "",
+            given_up: 0,
             moving: false,
             next_view: NextView::Immediate,
             stop: false,
@@ -292,7 +303,21 @@ impl Pipeline {
 
     /// The current results.
     pub fn snapshot(&self) -> Snapshot {
-        self.shared.lock().snapshot.clone()
+        let state = self.shared.lock();
+        let is_late = state.snapshot.rendering.is_none() || state.requested.elapsed() > LATE;
+        let is_working = is_late && state.snapshot.settled < state.revision;
+        Snapshot { working: is_working.then_some(state.stage), ..state.snapshot.clone() }
+    }
+
+    /// Gives up the latest request. Returns false if it is finished.
+    pub fn give_up(&self) -> bool {
+        let mut state = self.shared.lock();
+        let is_working = state.snapshot.settled < state.revision;
+        if is_working {
+            state.given_up = state.revision;
+            self.shared.changed.notify_all();
+        }
+        is_working
     }
 
     /// Waits until `done` returns true for the results and the latest revision. Returns false on

@@ -130,12 +130,18 @@ impl Live {
     /// The picture and the error to show. Both are `None` while the document is empty.
     pub fn snapshot(&self) -> Snapshot {
         let cleared_at = self.lock().cleared_at;
-        let Snapshot { rendering, fault, settled } = self.pipeline.snapshot();
+        let Snapshot { rendering, fault, settled, working } = self.pipeline.snapshot();
         Snapshot {
             rendering: rendering.filter(|seen| seen.revision > cleared_at),
             fault: fault.filter(|fault| fault.revision > cleared_at),
             settled,
+            working,
         }
+    }
+
+    /// Gives up the picture of the latest request. Returns false if it is finished.
+    pub fn give_up(&self) -> bool {
+        self.pipeline.give_up()
     }
 
     /// Waits until the latest request has its fine picture or an error. Returns false on timeout.
@@ -254,7 +260,7 @@ impl Live {
 
     /// Replaces the document by `text`. With `again`, `text` is a newer version of the same
     /// document. Then the view stays. Dragged values stay, too, if their definitions have not
-    /// changed.
+    /// changed. A text that was typed or pasted is saved nowhere, and so counts as a change.
     pub fn load(&self, source: DocumentSource, text: &str, again: bool) {
         let is_readable = parse(text, &Limits::default()).is_ok();
         let given: Arc<str> = text.into();
@@ -273,7 +279,9 @@ impl Live {
         };
         let _never_refused = self.change_after(merged, |state, (text, dragged)| {
             let before = state.checkpoint();
-            state.kept = Arc::clone(&given);
+            if source != DocumentSource::Typed || given.is_empty() {
+                state.kept = Arc::clone(&given);
+            }
             state.dragged = dragged;
             let Some(text) = text else { return };
             if is_readable || !again {

@@ -135,12 +135,17 @@ impl Rendering {
         )
     }
 
-    /// The shell command that writes this picture, at its full size, to the file `output`.
-    pub fn command(&self, output: &str) -> String {
+    /// The shell command that writes this picture, at its full size, to the file `output`. With
+    /// `axes`, it also draws axes.
+    pub fn command(&self, output: &str, axes: bool) -> String {
         let request = &self.request;
         let settings = &request.settings;
         let point = |p: DVec3| format!("{},{},{}", p.x, p.y, p.z);
-        let mut command = format!("zeroset render {}", quote(&request.text));
+        let says_axes = self.document.picture.axes == Some(true);
+        // No option takes away axes that the document asks for.
+        let against = if says_axes && !axes { "\naxes off" } else { "" };
+        let mut command =
+            format!("zeroset render {}", quote(&format!("{}{against}", request.text)));
         for (name, value) in &request.overrides {
             let _ = write!(command, " -D {}", quote(&format!("{name}={value}")));
         }
@@ -202,6 +207,9 @@ impl Rendering {
         }
         if settings.shadow_depth.is_some() {
             command.push_str(" --shadows");
+        }
+        if axes && !says_axes {
+            command.push_str(" --axes");
         }
         let _ = write!(command, " -o {}", quote(output));
         command

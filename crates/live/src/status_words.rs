@@ -14,7 +14,7 @@ const WORDS: [(&str, &str); 12] = [
     ("every pixel proven", "each pixel's ray is proven to meet the surface, or to miss it"),
     (
         "3 pixels undecided",
-        "for these neither is proven; what is most likely is drawn, and U marks them",
+        "for these neither is proven; what is most likely is drawn, and F8 marks them",
     ),
     ("touching", "f comes as close to 0 there as can be computed, and no change of sign is proven"),
     ("perhaps undefined", "f may have no value there, as beyond the edge of sqrt(x)"),

@@ -18,7 +18,10 @@ const STYLE_WORDS: [&str; 4] = ["color", "opacity", "material", "hidden"];
 /// Number of sample colors in a list for a surface with a color map.
 const SWATCH: usize = 6;
 
-/// A surface's row in a list.
+/// Color of a list's row for a curve without a color of its own.
+const CURVE: [u8; 3] = [60, 60, 68];
+
+/// A surface's or curve's row in a list.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SurfaceEntry {
     /// The formula as it was read.
@@ -36,23 +39,36 @@ impl Rendering {
     pub fn surfaces(&self) -> Vec<SurfaceEntry> {
         let surfaces = self.document.surfaces.iter().enumerate();
         let listed = |(number, surface): (usize, &zeroset_syntax::Surface)| {
-            let own = || {
-                // List the colors of both sides, since either side may be visible.
-                let SurfaceColors { positive, negative, .. } = SurfaceColors::default_for(number);
-                vec![positive.to_srgb(), negative.to_srgb()]
-            };
-            let colors = match &surface.color {
-                Some(SurfaceColor::Plain(color)) => vec![LinearRgb::from_srgb(color.rgb).to_srgb()],
-                Some(SurfaceColor::Mapped(mapped)) => {
-                    let share = |n: usize| n as f64 / (SWATCH - 1) as f64;
-                    (0..SWATCH).map(|n| mapped.map.bytes(share(n))).collect()
-                }
-                None => own(),
-            };
+            // List the colors of both sides, since either side may be visible.
+            let SurfaceColors { positive, negative, .. } = SurfaceColors::default_for(number);
+            let own = [positive.to_srgb(), negative.to_srgb()];
+            let colors = samples(surface.color.as_ref(), &own);
             let (echo, opacity, hidden) = (surface.echo.clone(), surface.opacity, surface.hidden);
             SurfaceEntry { echo, colors, opacity, hidden }
         };
         surfaces.map(listed).collect()
+    }
+
+    /// The curves and points, in document order.
+    pub fn curves(&self) -> Vec<SurfaceEntry> {
+        let curves = self.document.curves.all.iter();
+        let listed = |curve: &zeroset_syntax::Curve| {
+            let colors = samples(curve.color.as_ref(), &[CURVE]);
+            SurfaceEntry { echo: curve.echo.clone(), colors, opacity: 1.0, hidden: curve.hidden }
+        };
+        curves.map(listed).collect()
+    }
+}
+
+/// Sample colors of a drawing, which has its `own` ones unless the document sets a color.
+fn samples(color: Option<&SurfaceColor>, own: &[[u8; 3]]) -> Vec<[u8; 3]> {
+    match color {
+        Some(SurfaceColor::Plain(color)) => vec![LinearRgb::from_srgb(color.rgb).to_srgb()],
+        Some(SurfaceColor::Mapped(mapped)) => {
+            let share = |n: usize| n as f64 / (SWATCH - 1) as f64;
+            (0..SWATCH).map(|n| mapped.map.bytes(share(n))).collect()
+        }
+        None => own.to_vec(),
     }
 }
 

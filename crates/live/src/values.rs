@@ -42,8 +42,8 @@ pub(super) fn name(statement: &Statement) -> Option<&str> {
     }
 }
 
-/// The names that a line defines.
-pub(super) fn defined(line: &str) -> Vec<String> {
+/// The names that a line defines. Empty for a formula, and for a line with errors.
+pub fn defined(line: &str) -> Vec<String> {
     let statements = parse(line, &Limits::default()).unwrap_or_default();
     statements.iter().filter_map(name).map(str::to_owned).collect()
 }

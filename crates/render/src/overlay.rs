@@ -4,11 +4,13 @@ mod axes;
 mod canvas;
 mod curves;
 mod legend;
+mod letters;
 mod projector;
 mod ticks;
 
 pub use canvas::{Canvas, Rgb};
 pub use legend::{Legend, round_step};
+pub use letters::with_minus;
 pub use projector::PictureView;
 
 use axes::draw_box;
@@ -16,14 +18,17 @@ use curves::draw_curves;
 use ticks::ticks;
 use zeroset_syntax::Document;
 
-/// Number of picture rows per unit of letter size. The letter size is rounded.
-const ROWS: usize = 640;
+/// Number of picture rows per unit of letter size. Smaller pictures have letters of that size, too.
+const ROWS: f64 = 640.0;
 
 /// Height of all legends together, as a share of the picture's height.
 const TALL: f64 = 0.42;
 
-/// Largest number of letters in a legend's title.
-const LONGEST: usize = 24;
+/// Greatest width of a legend's title, in dots.
+const LONGEST: usize = 190;
+
+/// Space around a legend, in dots.
+const SPACE: usize = 10;
 
 /// The choice of axes and legends over a picture.
 #[derive(Clone, Copy)]
@@ -56,24 +61,35 @@ impl Overlay {
     }
 
     /// Draws curves and points, axes and legends over a picture in the upper `height` rows of the
-    /// canvas. Legends begin at the picture's top. If `to_bottom`, they end at its bottom instead.
-    pub fn draw(self, canvas: &mut Canvas, shown: PictureView<'_>, height: usize, to_bottom: bool) {
+    /// canvas. Legends begin at the picture's top, or end at the row `bottom`.
+    pub fn draw(
+        self,
+        canvas: &mut Canvas,
+        shown: PictureView<'_>,
+        height: usize,
+        bottom: Option<usize>,
+    ) {
         draw_curves(canvas, shown, height);
         if self.axes {
             draw_box(canvas, shown, height);
         }
         if self.legend {
-            draw_legends(canvas, shown, height, to_bottom);
+            draw_legends(canvas, shown, height, bottom);
         }
+    }
+
+    /// Height of this many legends in a picture of this height, with letters of this scale.
+    pub fn legends_height(count: usize, height: usize, scale: f64) -> usize {
+        count * legend_height(count, height, scale)
     }
 
     /// Records curves, axes and legends for a picture of this size, to be mixed into its rows.
     /// `shown` may be a smaller picture of the same view.
     pub fn marks(self, shown: PictureView<'_>, [width, height]: [usize; 2]) -> Canvas {
-        let scale = ((height + ROWS / 2) / ROWS).max(1);
+        let scale = (height as f64 / ROWS).max(1.0);
         let mut canvas = Canvas::new(width, height, Vec::new(), scale);
         if !shown.picture.rgb.is_empty() {
-            self.draw(&mut canvas, shown, height, false);
+            self.draw(&mut canvas, shown, height, None);
         }
         canvas
     }
@@ -86,14 +102,21 @@ impl Overlay {
     }
 }
 
+/// Height of each of `count` legends in a picture of this height, with its title and the space
+/// around it.
+fn legend_height(count: usize, height: usize, scale: f64) -> usize {
+    let tall = (TALL * height as f64) as usize / count.max(1);
+    tall + Canvas::line_height_at(scale) + Canvas::dots_at(SPACE, scale)
+}
+
 /// Draws legends one below another at the right edge of a picture in the upper `height` rows of the
-/// canvas. They begin at the picture's top. If `to_bottom`, they end at its bottom instead.
-fn draw_legends(canvas: &mut Canvas, shown: PictureView<'_>, height: usize, to_bottom: bool) {
+/// canvas. They begin at the picture's top, or end at the row `bottom`.
+fn draw_legends(canvas: &mut Canvas, shown: PictureView<'_>, height: usize, bottom: Option<usize>) {
     let legends = &shown.picture.legends;
-    let (ink, space) = (shown.ink(), 10 * canvas.scale);
-    let tall = (TALL * height as f64) as usize / legends.len().max(1);
-    let each = tall + canvas.line_height() + space;
-    let first = if to_bottom { height.saturating_sub(legends.len() * each) } else { space };
+    let (ink, space) = (shown.ink(), canvas.dots(SPACE));
+    let each = legend_height(legends.len(), height, canvas.scale);
+    let tall = each - canvas.line_height() - space;
+    let first = bottom.map_or(space, |bottom| bottom.saturating_sub(legends.len() * each));
     for (n, legend) in legends.iter().enumerate() {
         let top = first + n * each;
         draw_legend(canvas, legend, top, tall, ink);
@@ -101,8 +124,7 @@ fn draw_legends(canvas: &mut Canvas, shown: PictureView<'_>, height: usize, to_b
 }
 
 fn draw_legend(canvas: &mut Canvas, legend: &Legend, top: usize, tall: usize, ink: u32) {
-    let (scale, letter) = (canvas.scale, canvas.letter_height());
-    let (space, broad) = (10 * scale, 14 * scale);
+    let [thin, mark, gap, space, broad] = [1, 4, 8, SPACE, 14].map(|dots| canvas.dots(dots));
     let extent = legend.high - legend.low;
     let marks = if extent > 0.0 {
         ticks(legend.low, legend.high).0
@@ -111,11 +133,13 @@ fn draw_legend(canvas: &mut Canvas, legend: &Legend, top: usize, tall: usize, in
         let value = format!("{:.3e}", legend.low).parse().unwrap_or(legend.low);
         vec![(legend.low, f64::to_string(&value))]
     };
-    let longest = marks.iter().map(|(_, text)| text.chars().count()).max().unwrap_or(0);
-    let title = canvas.fitting(&legend.value, LONGEST * canvas.advance());
+    let marks: Vec<(f64, String)> =
+        marks.into_iter().map(|(value, text)| (value, with_minus(&text))).collect();
+    let longest = marks.iter().map(|(_, text)| canvas.text_width(text)).max().unwrap_or(0);
+    let title = canvas.fitting(&with_minus(&legend.value), canvas.dots(LONGEST));
     let right = canvas.width.saturating_sub(space);
-    let left = right.saturating_sub(longest * canvas.advance() + 8 * scale + broad);
-    let begin = right.saturating_sub(title.chars().count() * canvas.advance()).min(left);
+    let left = right.saturating_sub(longest + gap + broad);
+    let begin = right.saturating_sub(canvas.text_width(&title)).min(left);
     canvas.write(&title, begin as i64, top as i64, ink);
     let bar = top + canvas.line_height();
     for row in 0..tall {
@@ -131,14 +155,14 @@ fn draw_legend(canvas: &mut Canvas, legend: &Legend, top: usize, tall: usize, in
     if let Some(step) = legend.step.filter(|step| extent / step < tall as f64 / 4.0) {
         let first = (legend.low / step).ceil() as i64;
         for line in (first..).map(|line| line as f64 * step).take_while(|v| *v <= legend.high) {
-            canvas.fill(left as i64, place(line) as i64, broad, scale, 0, 200);
+            canvas.fill(left as i64, place(line) as i64, broad, thin, 0, 200);
         }
     }
     for (value, text) in marks {
         let row = place(value);
-        canvas.fill((left + broad) as i64, row as i64, 4 * scale, scale, ink, 200);
-        let y = row.round() as i64 - letter as i64 / 2;
-        canvas.write(&text, (left + broad + 8 * scale) as i64, y, ink);
+        canvas.fill((left + broad) as i64, row as i64, mark, thin, ink, 200);
+        let y = row.round() as i64 - canvas.letter_height() as i64 / 2;
+        canvas.write(&text, (left + broad + gap) as i64, y, ink);
     }
 }
 

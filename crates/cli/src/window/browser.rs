@@ -2,6 +2,7 @@
 
 use super::Window;
 use super::enlarge::enlarge;
+use super::tasks::LineGoal;
 use super::thumbnails::{SIDE, Thumbnails};
 use crate::theme::{CHOSEN, DIM, INK};
 use minifb::Key;
@@ -12,7 +13,7 @@ use zeroset_render::overlay::{Canvas, Rgb};
 const GROUND: Rgb = 0x0018_1820;
 const CELL: Rgb = 0x0028_2832;
 
-/// Gap between pictures, in font pixels.
+/// Gap between pictures, in dots of a letter.
 const GAP: usize = 8;
 
 /// State of the gallery.
@@ -55,8 +56,9 @@ struct GalleryLayout {
 impl GalleryLayout {
     /// Lays out the gallery in a window of this size, with letters of this scale. Scrolls so that
     /// the `chosen` picture is visible.
-    fn new((width, height): (usize, usize), scale: usize, scroll: usize, chosen: usize) -> Self {
-        let (side, gap, line) = (SIDE * scale, GAP * scale, Canvas::line_height_at(scale));
+    fn new((width, height): (usize, usize), scale: f64, scroll: usize, chosen: usize) -> Self {
+        let [side, gap] = [SIDE, GAP].map(|dots| Canvas::dots_at(dots, scale));
+        let line = Canvas::line_height_at(scale);
         let columns = (width.saturating_sub(gap) / (side + gap)).max(1);
         let top = line + gap;
         let rows = (height.saturating_sub(top + line) / (side + line + gap)).max(1);
@@ -220,7 +222,7 @@ impl Window {
         let browser = &self.browser;
         let Some(thumbnails) = &browser.thumbnails else { return };
         let Some(&place) = browser.matches().get(browser.chosen) else { return };
-        self.send(format!(":load {}", thumbnails.examples()[place].slug));
+        self.send(format!(":load {}", thumbnails.examples()[place].slug), LineGoal::Replace);
         self.active = Instant::now();
         self.toggle_gallery();
     }
@@ -228,7 +230,7 @@ impl Window {
     pub(super) fn draw_gallery(&self, canvas: &mut Canvas, shown: &GalleryContent) {
         let Some(thumbnails) = &self.browser.thumbnails else { return };
         let GalleryContent { filter, matches, chosen, grid, .. } = shown;
-        let (width, height, dot) = (canvas.width, canvas.height, canvas.scale);
+        let (width, height, pad) = (canvas.width, canvas.height, canvas.dots(2));
         canvas.fill(0, 0, width, height, GROUND, 255);
         let examples = thumbnails.examples();
         for number in grid.shown(matches.len()) {
@@ -236,7 +238,7 @@ impl Window {
             let (x, y, below) = (left as i64, top as i64, (top + grid.side) as i64);
             let example = &examples[matches[number]];
             if number == *chosen {
-                let (frame, wide) = (2 * dot as i64, grid.side + 4 * dot);
+                let (frame, wide) = (pad as i64, grid.side + 2 * pad);
                 canvas.fill(x - frame, y - frame, wide, wide + grid.line, CHOSEN, 255);
                 canvas.fill(x, below, grid.side, grid.line, GROUND, 255);
             }
@@ -248,15 +250,17 @@ impl Window {
             }
             let name = canvas.fitting(example.slug, grid.side);
             let ink = if number == *chosen { INK } else { DIM };
-            canvas.write(&name, x, below + 2 * dot as i64, ink);
+            canvas.write(&name, x, below + pad as i64, ink);
         }
         let room = width.saturating_sub(2 * grid.gap);
         let found = match (matches.len(), filter.is_empty()) {
-            (count, true) => format!("{count} surfaces: type to find one, Enter opens, Esc closes"),
+            (count, true) => {
+                format!("{count} surfaces: type to find one, Enter opens, Ctrl-R: recent files")
+            }
             (0, false) => format!("> {filter}_   none"),
             (count, false) => format!("> {filter}_   {count}"),
         };
-        let text_y = 2 * dot as i64 + grid.gap as i64 / 2;
+        let text_y = pad as i64 + grid.gap as i64 / 2;
         canvas.write(&canvas.fitting(&found, room), grid.gap as i64, text_y, INK);
         let bottom = height as i64 - grid.line as i64;
         canvas.fill(0, bottom, width, grid.line, 0x0020_2028, 255);
@@ -264,7 +268,7 @@ impl Window {
             let example = &examples[place];
             let text = format!("{}: {}", example.title(), example.summary());
             let text = canvas.fitting(&text, room);
-            canvas.write(&text, grid.gap as i64, bottom + 2 * dot as i64, DIM);
+            canvas.write(&text, grid.gap as i64, bottom + pad as i64, DIM);
         }
     }
 }
@@ -275,7 +279,9 @@ mod tests {
 
     #[test]
     fn every_picture_is_found_where_it_is_shown() {
-        for (size, scale) in [((800, 620), 1), ((300, 220), 1), ((1600, 1200), 2), ((90, 60), 1)] {
+        for (size, scale) in
+            [((800, 620), 1.0), ((300, 220), 1.0), ((1600, 1200), 2.25), ((90, 60), 1.0)]
+        {
             for chosen in [0, 30, 64] {
                 let grid = GalleryLayout::new(size, scale, 0, chosen);
                 assert!(grid.shown(65).contains(&chosen), "{grid:?}");
@@ -291,7 +297,7 @@ mod tests {
 
     #[test]
     fn letters_choose_by_name_and_title() {
-        let thumbnails = Some(Thumbnails::new(1));
+        let thumbnails = Some(Thumbnails::new(1.0));
         let mut browser = Browser { thumbnails, ..Browser::default() };
         assert!(browser.matches().len() >= 65);
         browser.filter = "Bar sex".to_owned();

@@ -4,27 +4,37 @@
 use super::enlarge::enlarge;
 use super::page::Page;
 use super::panel::Panel;
+use super::recent::RecentMenu;
+use super::tasks::LineGoal;
 use super::{MESSAGE_TIME, PAUSE, Window, browser, list};
 use crate::help;
 use crate::theme::{GROUND, INK};
 use anyhow::{Context, Result};
 use minifb::MouseMode;
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
-use zeroset_live::{Fault, Rendering, Slider, Snapshot};
-use zeroset_render::overlay::{Canvas, Overlay, Rgb};
+use zeroset_live::{Fault, Rendering, Slider, Snapshot, defined};
+use zeroset_render::overlay::{Canvas, Overlay, Rgb, with_minus};
 
 const PAPER: Rgb = 0x00f4_f4f6;
 const DIM: Rgb = 0x00b0_b0bc;
+const LINE_GROUND: Rgb = 0x0010_1014;
+const SELECTED: Rgb = 0x0030_5890;
 const WRONG: Rgb = 0x00d0_3030;
 const WRONG_TEXT: Rgb = 0x00ff_9090;
+
+/// Space at the left and right of lines of text, in dots of a letter.
+const MARGIN: usize = 6;
+/// Says where to type.
+const PLACEHOLDER: &str = "type a formula, such as x^2 + y^2 = z";
 
 /// The picture at the window's size, with its axes. It is kept while only the overlays change.
 #[derive(Default)]
 pub struct Backdrop {
     rendering: Option<Arc<Rendering>>,
     size: (usize, usize),
-    scale: usize,
+    scale: f64,
     pixels: Vec<Rgb>,
 }
 
@@ -36,15 +46,28 @@ pub struct Content {
     rendering: Option<*const Rendering>,
     fault: Option<String>,
     wrong: bool,
+    /// What the worker does, if a picture is late.
+    stage: Option<&'static str>,
     hover: Option<String>,
-    line: Option<(String, usize)>,
+    line: Option<LineContent>,
+    /// What the line's Enter does, or where to type if no line is open.
+    hint: Option<String>,
     candidates: Option<String>,
     message: Option<String>,
     sliders: Option<(Panel, Vec<Slider>, Option<usize>)>,
     surfaces: Option<list::ListContent>,
     gallery: Option<browser::GalleryContent>,
+    recent: Option<RecentMenu>,
     help: bool,
     page: Option<Page>,
+}
+
+/// The typed line: its text, and the cursor and the selection in bytes.
+#[derive(Clone, PartialEq)]
+struct LineContent {
+    text: String,
+    cursor: usize,
+    selection: Range<usize>,
 }
 
 impl Content {
@@ -53,7 +76,8 @@ impl Content {
         let candidates = self.candidates.as_deref().map(|text| (text, DIM));
         let fault = self.fault.as_deref().map(|text| (text, WRONG_TEXT));
         let message = self.message.as_deref().map(|text| (text, INK));
-        candidates.or(fault).or(message)
+        let hint = self.hint.as_deref().filter(|_| self.line.is_some()).map(|text| (text, DIM));
+        candidates.or(fault).or(message).or(hint)
     }
 }
 
@@ -94,6 +118,12 @@ impl Window {
     fn content(&mut self, seen: &Snapshot) -> Content {
         let gallery = self.gallery_content();
         let pick = self.pointer(MouseMode::Discard).and_then(|at| self.pick(at, seen));
+        let edited = match self.goal {
+            LineGoal::Edit(index) if self.line.is_some() => Some(index),
+            _ => None,
+        };
+        let surfaces = self.surfaces.shown(edited);
+        let tip = surfaces.as_ref().and_then(list::ListContent::tip);
         let rested = self.typed.elapsed() > PAUSE;
         let fault = self.fault(seen);
         Content {
@@ -101,16 +131,68 @@ impl Window {
             rendering: seen.rendering.as_ref().map(Arc::as_ptr),
             fault: fault.filter(|_| rested).map(wrong),
             wrong: fault.is_some(),
-            hover: pick.and_then(|pick| pick.coordinates()),
-            line: self.line.as_ref().map(|line| (line.text().to_owned(), line.column())),
+            stage: seen.working,
+            hover: tip.or_else(|| Some(with_minus(&pick?.coordinates()?))),
+            line: self.line.as_ref().map(|line| LineContent {
+                text: line.text().to_owned(),
+                cursor: line.cursor(),
+                selection: line.selection(),
+            }),
+            hint: self.hint(),
             candidates: (!self.candidates.is_empty()).then(|| self.candidates.join("  ")),
             message: self.message.as_ref().map(|(text, _)| text.clone()),
             sliders: self.sliders.shown(),
-            surfaces: self.surfaces.shown(),
+            surfaces,
             gallery,
+            recent: self.recent.clone(),
             help: self.help,
             page: self.page.clone(),
         }
+    }
+
+    /// The position in the typed line, in bytes, at a position in the window. `None` beside the row
+    /// of the line. Without a line, the row exists while it says where to type.
+    pub(super) fn line_position(&self, (x, y): (f64, f64)) -> Option<usize> {
+        let (width, height) = self.picture_size();
+        let canvas = Canvas::new(width, height, Vec::new(), self.scale_at(self.size().1));
+        let top = height.saturating_sub(canvas.line_height()) as f64;
+        if y < top || y >= height as f64 || self.line.is_none() && self.has_typed {
+            return None;
+        }
+        let Some(line) = &self.line else { return Some(0) };
+        let margin = canvas.dots(MARGIN);
+        let room = width.saturating_sub(2 * margin);
+        let (begin, skip) = line_start(&canvas, line.text(), line.cursor(), margin, room);
+        let across = (x - begin as f64).max(0.0) as usize + canvas.dots(3);
+        Some(skip + canvas.fitting_bytes(&line.text()[skip..], across))
+    }
+
+    /// Says what Enter does with the typed line. Without a line, says where to type, until
+    /// something was entered.
+    fn hint(&self) -> Option<String> {
+        let Some(line) = &self.line else {
+            return (!self.has_typed).then(|| PLACEHOLDER.to_owned());
+        };
+        let is_command = line.text().trim_start().starts_with(':');
+        let count = self.surfaces.count();
+        Some(match self.goal {
+            _ if is_command => "Enter: do it   Esc: close".to_owned(),
+            LineGoal::Replace if let [name] = &defined(line.text())[..] => {
+                format!("Enter: set {name}   Esc: close")
+            }
+            LineGoal::Replace if count > 1 => {
+                format!(
+                    "Enter: replace all {count} formulas   Ctrl-Enter: add to them   Esc: close"
+                )
+            }
+            LineGoal::Replace => {
+                "Enter: replace the formula   Ctrl-Enter: add one   Esc: close".to_owned()
+            }
+            LineGoal::Add => "Enter: add the formula   Esc: close".to_owned(),
+            LineGoal::Edit(index) => {
+                format!("Enter: change formula {}   Ctrl-Enter: add one   Esc: close", index + 1)
+            }
+        })
     }
 
     fn compose(&self, content: &Content) -> Canvas {
@@ -123,14 +205,14 @@ impl Window {
         }
         let rendering = self.backdrop.rendering.as_ref();
         if content.wrong {
-            canvas.border(2 * scale, WRONG);
+            canvas.border(canvas.dots(2), WRONG);
         }
-        let (row, margin) = (canvas.line_height(), 6 * scale);
+        let (row, margin) = (canvas.line_height(), canvas.dots(MARGIN));
         let room = width.saturating_sub(2 * margin);
         let layout = Layout { margin, room, row, bottom: height as i64 - row as i64 };
         let listed = content.surfaces.as_ref();
         let are_listed = listed.is_some_and(|shown| shown.list.has_formulas());
-        if let Some(rendering) = rendering.filter(|_| !are_listed) {
+        if let Some(rendering) = rendering.filter(|_| !are_listed && content.sliders.is_none()) {
             canvas.label(&canvas.fitting(&echo(rendering), room), 0, 0, INK);
         }
         if let Some((panel, sliders, hovered)) = &content.sliders {
@@ -146,6 +228,9 @@ impl Window {
         }
         if let Some(page) = &content.page {
             page.draw(&mut canvas);
+        }
+        if let Some(recent) = &content.recent {
+            recent.draw(&mut canvas);
         }
         canvas
     }
@@ -181,17 +266,20 @@ fn draw_status(
 ) {
     let Layout { margin, room, row, bottom } = *layout;
     canvas.fill(0, bottom, canvas.width, row, GROUND, 255);
-    let status = match rendering {
-        Some(rendering) => rendering.in_words(),
-        None => "no picture yet: type / and a formula".to_owned(),
+    let status = match (rendering, content.stage) {
+        (Some(rendering), None) => rendering.in_words(),
+        (Some(rendering), Some(stage)) => format!("{stage} · {}", rendering.in_words()),
+        (None, Some(stage)) => stage.to_owned(),
+        (None, None) => "nothing is drawn".to_owned(),
     };
     let hover = content.hover.clone().unwrap_or_else(|| "F1 help".to_owned());
-    let taken = hover.chars().count() * canvas.advance();
-    let text_y = bottom + 2 * canvas.scale as i64;
+    let taken = canvas.text_width(&hover);
+    let text_y = bottom + canvas.dots(2) as i64;
     let right = (canvas.width as i64 - margin as i64 - taken as i64).max(0);
-    if room >= status.chars().count() * canvas.advance() + taken + 2 * margin {
+    if room >= canvas.text_width(&status) + taken + 2 * margin {
         canvas.write(&hover, right, text_y, DIM);
-    } else if content.line.is_none() && content.message_above().is_none() {
+    } else if content.line.is_none() && content.hint.is_none() && content.message_above().is_none()
+    {
         // Both texts do not fit in one line, so the right one gets a line of its own.
         canvas.label(&hover, right, bottom - row as i64, DIM);
     }
@@ -202,23 +290,55 @@ fn draw_status(
 /// Draws the line that is being typed, and a message above it.
 fn draw_texts(canvas: &mut Canvas, layout: &Layout, content: &Content) {
     let Layout { margin, room, row, bottom } = *layout;
-    let (width, dot) = (canvas.width, canvas.scale);
     let mut above = bottom - row as i64;
-    if let Some((text, column)) = &content.line {
-        canvas.fill(0, above, width, row, 0x0010_1014, 240);
-        // A long line is scrolled so that its cursor is visible.
-        let letters = (room / canvas.advance()).saturating_sub(3).max(1);
-        let skip = column.saturating_sub(letters);
-        let part: String = text.chars().skip(skip).take(letters + 1).collect();
-        canvas.write(&format!("> {part}"), margin as i64, above + 2 * dot as i64, INK);
-        let at = margin + (2 + column - skip) * canvas.advance();
-        canvas.fill(at as i64, above + 2 * dot as i64, 2 * dot, 16 * dot, INK, 255);
+    if let Some(line) = &content.line {
+        draw_line(canvas, layout, line, above);
+        above -= row as i64;
+    } else if let Some(hint) = &content.hint {
+        canvas.fill(0, above, canvas.width, row, LINE_GROUND, 240);
+        let hint = canvas.fitting(hint, room);
+        canvas.write(&hint, margin as i64, above + canvas.dots(2) as i64, DIM);
         above -= row as i64;
     }
     if let Some((text, color)) = content.message_above() {
         let text = canvas.fitting(text, room);
         canvas.label(&text, 0, above, color);
     }
+}
+
+/// Where the typed line begins: the column of its first visible letter, and that letter's position
+/// in bytes.
+fn line_start(
+    canvas: &Canvas,
+    text: &str,
+    cursor: usize,
+    margin: usize,
+    room: usize,
+) -> (usize, usize) {
+    let begin = margin + canvas.text_width("> ");
+    let place = |at: usize| canvas.text_width(&text[..at]);
+    let hidden = place(cursor).saturating_sub(room.saturating_sub(begin));
+    // Skip whole letters.
+    let starts = text.char_indices().map(|(at, _)| at).chain([text.len()]);
+    let skip = { starts }.find(|at| place(*at) >= hidden).unwrap_or(0);
+    (begin, skip)
+}
+
+/// Draws the typed line with its cursor and its selection. A long line is scrolled so that its
+/// cursor is visible.
+fn draw_line(canvas: &mut Canvas, layout: &Layout, line: &LineContent, top: i64) {
+    let Layout { margin, room, row, .. } = *layout;
+    let y = top + canvas.dots(2) as i64;
+    canvas.fill(0, top, canvas.width, row, LINE_GROUND, 240);
+    let (begin, skip) = line_start(canvas, &line.text, line.cursor, margin, room);
+    let place = |at: usize| canvas.text_width(&line.text[..at]);
+    let left = |at: usize| (begin + place(at.max(skip)) - place(skip)) as i64;
+    let (from, to) = (left(line.selection.start), left(line.selection.end));
+    let at = left(line.cursor);
+    canvas.fill(from, y, (to - from) as usize, canvas.letter_height(), SELECTED, 255);
+    canvas.write("> ", margin as i64, y, DIM);
+    canvas.write(&line.text[skip..], begin as i64, y, INK);
+    canvas.fill(at, y, canvas.dots(2), canvas.letter_height(), INK, 255);
 }
 
 impl Backdrop {
@@ -229,7 +349,7 @@ impl Backdrop {
         rendering: Option<&Arc<Rendering>>,
         picture: (usize, usize),
         window: (usize, usize),
-        scale: usize,
+        scale: f64,
     ) {
         let is_same = self.rendering.as_ref().map(Arc::as_ptr) == rendering.map(Arc::as_ptr);
         if is_same && (self.size, self.scale) == (window, scale) && !self.pixels.is_empty() {
@@ -246,9 +366,11 @@ impl Backdrop {
         let axes = rendering.request.axes.are_shown(&rendering.document);
         let pixels = std::mem::take(&mut self.pixels);
         let mut canvas = Canvas::new(window.0, window.1, pixels, scale);
-        // Legends are at the bottom, since the lists are at the top.
+        // Legends are at the bottom, since the lists are at the top. The row of the typed line is
+        // free of them.
+        let bottom = picture.1.saturating_sub(canvas.line_height());
         let around = Overlay::new(axes, &rendering.document);
-        around.draw(&mut canvas, (&**rendering).into(), picture.1, true);
+        around.draw(&mut canvas, (&**rendering).into(), picture.1, Some(bottom));
         self.pixels = canvas.pixels;
     }
 }

@@ -1,10 +1,12 @@
-//! Handles the window's keys, and edits the line that is typed in the window.
+//! The window's keys: a table of commands, and the keys that edit the typed line.
 
 use super::Window;
-use super::input::InputEvent;
+use super::input::{InputEvent, Modifiers};
 use super::page::Page;
-use super::tasks::save;
-use crate::line_edit::LineEdit;
+use super::screen;
+use super::tasks::{LineGoal, Task, save};
+use crate::help;
+use crate::line_edit::{LineEdit, Motion};
 use crate::session::unused_name;
 use minifb::Key;
 use std::sync::Arc;
@@ -16,41 +18,181 @@ use zeroset_live::{Axes, status_words};
 /// high.
 const ARROW: f64 = 20.0;
 const ARROW_HEIGHT: usize = 400;
-/// Scale factor of one step of the wheel, or of a press of + or -.
+/// Scale factor of one step of the wheel, or of a press of Ctrl and + or -.
 pub const ZOOM: f64 = 0.85;
+
+/// A command of the window. Every printable key types, so commands are on other keys.
+pub struct Shortcut {
+    /// The keys, as help writes them.
+    pub name: &'static str,
+    /// Two or three words on what the command does.
+    pub help: &'static str,
+    held: Held,
+    keys: &'static [Key],
+    run: fn(&mut Window, Key),
+}
+
+/// The keys that are held for a command.
+#[derive(Clone, Copy, PartialEq)]
+enum Held {
+    Nothing,
+    Shift,
+    Control,
+    ControlShift,
+    /// Ctrl, and Shift or not, as the key's sign may need it.
+    ControlOrBoth,
+}
+
+impl Held {
+    fn fits(self, Modifiers { control, shift }: Modifiers) -> bool {
+        match self {
+            Self::Nothing => !control && !shift,
+            Self::Shift => !control && shift,
+            Self::Control => control && !shift,
+            Self::ControlShift => control && shift,
+            Self::ControlOrBoth => control,
+        }
+    }
+}
+
+const DIGITS: [Key; 9] = [
+    Key::Key1,
+    Key::Key2,
+    Key::Key3,
+    Key::Key4,
+    Key::Key5,
+    Key::Key6,
+    Key::Key7,
+    Key::Key8,
+    Key::Key9,
+];
+
+/// All commands, in the order of the help.
+#[rustfmt::skip]
+pub const SHORTCUTS: &[Shortcut] = &[
+    Shortcut { name: "F1", help: "help, next help", held: Held::Nothing, keys: &[Key::F1],
+        run: |window, _| window.next_help() },
+    Shortcut { name: "F2", help: "give a name a value", held: Held::Nothing, keys: &[Key::F2],
+        run: |window, _| window.define_letter() },
+    Shortcut { name: "F3", help: "axes", held: Held::Nothing, keys: &[Key::F3],
+        run: |window, _| window.toggle_axes() },
+    Shortcut { name: "F4", help: "formulas", held: Held::Nothing, keys: &[Key::F4],
+        run: |window, _| window.toggle_list() },
+    Shortcut { name: "F5", help: "play time", held: Held::Nothing, keys: &[Key::F5],
+        run: |window, _| window.toggle_play() },
+    Shortcut { name: "F6", help: "perspective", held: Held::Nothing, keys: &[Key::F6],
+        run: |window, _| window.session.live.turn(|orbit| orbit.toggle_projection()) },
+    Shortcut { name: "F7", help: "cut open", held: Held::Nothing, keys: &[Key::F7],
+        run: |window, _| window.toggle_cut() },
+    Shortcut { name: "F8", help: "mark undecided", held: Held::Nothing, keys: &[Key::F8],
+        run: |window, _| window.session.live.toggle_undecided() },
+    Shortcut { name: "F11", help: "full screen", held: Held::Nothing, keys: &[Key::F11],
+        run: |window, _| window.toggle_full_screen() },
+    Shortcut { name: "Ctrl-O", help: "gallery", held: Held::Control, keys: &[Key::O],
+        run: |window, _| window.toggle_gallery() },
+    Shortcut { name: "Ctrl-R", help: "recent files", held: Held::Control, keys: &[Key::R],
+        run: |window, _| window.toggle_recent() },
+    Shortcut { name: "Ctrl-S", help: "save the document", held: Held::Control, keys: &[Key::S],
+        run: |window, _| window.begin_save() },
+    Shortcut { name: "Ctrl-P", help: "save the picture", held: Held::Control, keys: &[Key::P],
+        run: |window, _| window.save_picture() },
+    Shortcut { name: "Ctrl-E", help: "save a mesh", held: Held::Control, keys: &[Key::E],
+        run: |window, _| window.begin_mesh() },
+    Shortcut { name: "Ctrl-Z", help: "undo", held: Held::Control, keys: &[Key::Z],
+        run: |window, _| window.step_back(true) },
+    Shortcut { name: "Ctrl-Y", help: "redo", held: Held::Control, keys: &[Key::Y],
+        run: |window, _| window.step_back(false) },
+    Shortcut { name: "Ctrl-Shift-Z", help: "redo", held: Held::ControlShift, keys: &[Key::Z],
+        run: |window, _| window.step_back(false) },
+    Shortcut { name: "Ctrl-C", help: "copy", held: Held::Control, keys: &[Key::C],
+        run: |window, _| window.copy(false) },
+    Shortcut { name: "Ctrl-X", help: "cut", held: Held::Control, keys: &[Key::X],
+        run: |window, _| window.copy(true) },
+    Shortcut { name: "Ctrl-V", help: "paste", held: Held::Control, keys: &[Key::V],
+        run: |window, _| window.paste(false) },
+    Shortcut { name: "Shift-Insert", help: "paste", held: Held::Shift, keys: &[Key::Insert],
+        run: |window, _| window.paste(false) },
+    Shortcut { name: "Ctrl-A", help: "select all", held: Held::Control, keys: &[Key::A],
+        run: |window, _| window.select_all() },
+    Shortcut { name: "Ctrl-0", help: "first view", held: Held::Control, keys: &[Key::Key0, Key::NumPad0],
+        run: |window, _| window.session.live.reset_view() },
+    Shortcut { name: "Ctrl-F", help: "fit the domain", held: Held::Control, keys: &[Key::F],
+        run: |window, _| window.session.live.fit() },
+    Shortcut { name: "Ctrl-+", help: "zoom in", held: Held::ControlOrBoth, keys: &[Key::Equal, Key::NumPadPlus],
+        run: |window, _| window.zoom(ZOOM) },
+    Shortcut { name: "Ctrl--", help: "zoom out", held: Held::ControlOrBoth, keys: &[Key::Minus, Key::NumPadMinus],
+        run: |window, _| window.zoom(1.0 / ZOOM) },
+    Shortcut { name: "Ctrl-1 to 9", help: "hide, show", held: Held::Control, keys: &DIGITS,
+        run: |window, key| window.toggle_surface(DIGITS.iter().position(|one| *one == key).unwrap_or(0)) },
+    Shortcut { name: "Ctrl-Q", help: "quit", held: Held::Control, keys: &[Key::Q],
+        run: |window, _| window.session.end() },
+];
 
 impl Window {
     pub(super) fn keys(&mut self) {
+        let is_active = self.native.is_active();
+        if self.was_active && !is_active {
+            self.typed_keys.let_go();
+        }
+        self.was_active = is_active;
         for typed in self.typed_keys.take() {
             self.active = Instant::now();
-            if self.browser.is_open() {
-                match typed {
-                    InputEvent::Letter(letter) => self.filter_gallery(letter),
-                    InputEvent::Key(Key::Escape) => self.toggle_gallery(),
-                    InputEvent::Key(key) => self.browse(key),
-                    InputEvent::Control(_) => {}
-                }
-                continue;
+            match typed {
+                InputEvent::Letter(letter) if self.browser.is_open() => self.filter_gallery(letter),
+                InputEvent::Letter(letter) => self.type_letter(letter),
+                InputEvent::Key(key, held) => self.press(key, held),
             }
-            match (typed, &mut self.line) {
-                (InputEvent::Letter(letter), Some(line)) => {
-                    line.insert(letter);
-                    self.follow_typing();
+        }
+    }
+
+    fn type_letter(&mut self, letter: char) {
+        self.recent = None;
+        self.open_line().insert(letter);
+        self.follow_typing();
+    }
+
+    /// Returns the line that is being typed, opened if necessary.
+    pub(super) fn open_line(&mut self) -> &mut LineEdit {
+        if self.line.is_none() {
+            (self.help, self.page) = (false, None);
+            self.goal = LineGoal::default();
+        }
+        self.line.get_or_insert_default()
+    }
+
+    fn press(&mut self, key: Key, held: Modifiers) {
+        if self.browser.is_open() {
+            return match key {
+                Key::Escape => self.toggle_gallery(),
+                Key::R if held.control => {
+                    self.toggle_gallery();
+                    self.toggle_recent();
                 }
-                (InputEvent::Letter(letter), None) => self.shortcut(letter),
-                (InputEvent::Control(Key::Z), None) => self.step_back(true),
-                (InputEvent::Control(Key::Y), None) => self.step_back(false),
-                (InputEvent::Control(_), None) => {}
-                (InputEvent::Key(Key::F1), _) => self.next_help(),
-                (InputEvent::Key(Key::F2), _) => self.define_letter(),
-                (InputEvent::Key(Key::Escape), _) => self.escape(),
-                (InputEvent::Key(Key::Enter | Key::NumPadEnter), _) => match self.line.take() {
-                    None => self.line = Some(LineEdit::default()),
-                    Some(line) => self.enter(line),
-                },
-                (InputEvent::Key(key) | InputEvent::Control(key), Some(_)) => self.edit(key),
-                (InputEvent::Key(key), None) => self.arrow(key),
+                Key::O | Key::Q if held.control => self.run_shortcut(key, held),
+                _ => self.browse(key),
+            };
+        }
+        if self.recent.is_some() {
+            return self.choose_recent(key);
+        }
+        match key {
+            Key::Escape => self.escape(),
+            Key::Enter | Key::NumPadEnter => match self.line.take() {
+                None => drop(self.open_line()),
+                Some(line) => self.enter(line, held.control || held.shift),
+            },
+            _ if self.line.is_some() && self.edit(key, held) => {}
+            _ if SHORTCUTS.iter().any(|row| row.is_meant(key, held)) => {
+                self.run_shortcut(key, held);
             }
+            _ if self.line.is_none() && !held.control => self.arrow(key),
+            _ => {}
+        }
+    }
+
+    fn run_shortcut(&mut self, key: Key, held: Modifiers) {
+        if let Some(row) = SHORTCUTS.iter().find(|row| row.is_meant(key, held)) {
+            (row.run)(self, key);
         }
     }
 
@@ -73,9 +215,17 @@ impl Window {
     /// Switches from no help to the list of keys, then to the explanation of the status line, then
     /// to no help.
     fn next_help(&mut self) {
+        let keys = Page::new(&help::text());
+        let size = self.size();
+        let is_small = help::fitting(size, self.scale_at(size.1)).is_none();
+        let is_first = self.help || self.page.as_ref().is_some_and(|page| page.is_like(&keys));
         let was_closed = !self.help && self.page.is_none();
-        self.page = self.help.then(|| Page::new(&status_words()));
-        self.help = was_closed;
+        self.page = match (is_first, was_closed) {
+            (true, _) => Some(Page::new(&status_words())),
+            (false, true) if is_small => Some(keys),
+            (false, _) => None,
+        };
+        self.help = was_closed && !is_small;
     }
 
     /// Scrolls the page by this many lines.
@@ -87,19 +237,29 @@ impl Window {
         }
     }
 
-    fn enter(&mut self, line: LineEdit) {
+    /// Enters a line. With `adding`, a formula is drawn beside the others.
+    fn enter(&mut self, line: LineEdit, adding: bool) {
         self.candidates.clear();
         self.message = None;
         let text = line.text().trim().to_owned();
         if text.is_empty() {
             return self.session.live.type_line("");
         }
+        self.has_typed = true;
         self.session.recall([text]);
-        self.send(line);
+        let goal = if adding { LineGoal::Add } else { self.goal };
+        self.send(line, goal);
     }
 
-    /// Undoes the last step, or redoes it.
+    /// Undoes the last step of the typed line, or else of the document. Or redoes it.
     fn step_back(&mut self, back: bool) {
+        if let Some(line) = &mut self.line {
+            if if back { line.undo() } else { line.redo() } {
+                return self.follow_typing();
+            }
+            let word = if back { "undo" } else { "redo" };
+            return self.say(&format!("there is nothing to {word} in this line; Esc closes it"));
+        }
         self.sliders.pause();
         let live = &self.session.live;
         let is_done = if back { live.undo() } else { live.redo() };
@@ -115,29 +275,44 @@ impl Window {
     /// Defines the undefined letter as 1, if that letter is the only error.
     fn define_letter(&mut self) {
         let fault = self.session.live.snapshot().fault;
-        let Some(letter) = fault.and_then(|fault| fault.missing_letter()) else { return };
-        self.send(format!("{letter} = 1"));
+        match fault.and_then(|fault| fault.missing_letter()) {
+            // The receiver lives as long as the window.
+            Some(letter) => drop(self.tasks.send(Task::Define(letter))),
+            None => self.say("every name has a value"),
+        }
     }
 
-    fn edit(&mut self, key: Key) {
-        let Some(line) = &mut self.line else { return };
+    /// Edits the typed line. Returns whether the key has a meaning there.
+    fn edit(&mut self, key: Key, Modifiers { control, shift }: Modifiers) -> bool {
+        let Some(line) = &mut self.line else { return false };
         let mut candidates = Vec::new();
-        match key {
-            Key::Backspace => line.backspace(),
-            Key::Delete => line.delete(),
-            Key::Left => line.left(),
-            Key::Right => line.right(),
-            Key::Home => line.home(),
-            Key::End => line.end(),
-            Key::Tab => candidates = line.complete(),
-            Key::Up | Key::Down => line.recall(&self.session.history_since(&mut 0), key == Key::Up),
-            _ => return,
+        let motion = match (key, control) {
+            (Key::Left, false) => Some(Motion::Left),
+            (Key::Right, false) => Some(Motion::Right),
+            (Key::Left, true) => Some(Motion::WordLeft),
+            (Key::Right, true) => Some(Motion::WordRight),
+            (Key::Home, _) => Some(Motion::Home),
+            (Key::End, _) => Some(Motion::End),
+            _ => None,
+        };
+        match (key, control) {
+            _ if motion.is_some() => motion.into_iter().for_each(|to| line.step(to, shift)),
+            (Key::Backspace, false) => line.backspace(),
+            (Key::Backspace, true) => line.remove(Motion::WordLeft),
+            (Key::Delete, false) if !shift => line.delete(),
+            (Key::Delete, true) => line.remove(Motion::WordRight),
+            (Key::Tab, false) => candidates = line.complete(),
+            (Key::Up | Key::Down, false) => {
+                line.recall(&self.session.history_since(&mut 0), key == Key::Up);
+            }
+            _ => return false,
         }
         self.follow_typing();
         self.candidates = candidates;
+        true
     }
 
-    fn follow_typing(&mut self) {
+    pub(super) fn follow_typing(&mut self) {
         self.typed = Instant::now();
         self.candidates.clear();
         self.message = None;
@@ -147,8 +322,14 @@ impl Window {
     /// Updates the picture from the line that is being typed, if there is one.
     pub(super) fn follow_line(&mut self) {
         if let Some(line) = &self.line {
-            self.session.live.type_line(line.text());
+            self.session.live.type_line(&self.goal.command(line.text()));
             self.session.report_in_window();
+        }
+    }
+
+    fn select_all(&mut self) {
+        if let Some(line) = &mut self.line {
+            line.select_all();
         }
     }
 
@@ -179,49 +360,61 @@ impl Window {
         self.session.live.turn(|orbit| orbit.turn(across, down, ARROW_HEIGHT));
     }
 
-    fn shortcut(&mut self, letter: char) {
-        let live = &self.session.live;
+    fn zoom(&mut self, factor: f64) {
         let height = self.picture_size().1;
-        match letter.to_ascii_lowercase() {
-            '/' | ':' => {
-                let begun = if letter == ':' { ":" } else { "" };
-                self.line = Some(begun.to_owned().into());
-                (self.help, self.page) = (false, None);
+        self.session.live.turn(|orbit| orbit.zoom(factor, 0.0, 0.0, height));
+    }
+
+    /// Saves the picture on another thread, once it is finished.
+    fn save_picture(&mut self) {
+        let (session, tell) = (Arc::clone(&self.session), self.tell.clone());
+        let revision = session.live.revision();
+        self.threads.push(spawn(move || save(&session, None, revision, &tell)));
+        self.say("saving the picture once it is finished");
+    }
+
+    /// Opens a line that saves the document to its own file, or else to a new one.
+    fn begin_save(&mut self) {
+        let name = self.session.path().map_or_else(|| unused_name("zset"), Ok);
+        self.begin_command("save", name);
+    }
+
+    fn begin_mesh(&mut self) {
+        self.begin_command("mesh", unused_name("stl"));
+    }
+
+    /// Opens a line with a command and a file's name. What was typed before is kept in the history.
+    fn begin_command(&mut self, command: &str, name: anyhow::Result<std::path::PathBuf>) {
+        match name {
+            Ok(name) => {
+                self.put_line_away();
+                *self.open_line() = format!(":{command} {}", name.display()).into();
+                self.follow_typing();
             }
-            '+' | '=' => live.turn(|orbit| orbit.zoom(ZOOM, 0.0, 0.0, height)),
-            '-' => live.turn(|orbit| orbit.zoom(1.0 / ZOOM, 0.0, 0.0, height)),
-            'r' => live.reset_view(),
-            'f' => live.fit(),
-            'p' => live.turn(|orbit| orbit.toggle_projection()),
-            'u' => live.toggle_undecided(),
-            'x' => self.toggle_axes(),
-            't' => self.toggle_play(),
-            'k' => self.toggle_cut(),
-            'g' => self.toggle_gallery(),
-            'l' => self.toggle_list(),
-            '1'..='9' => self.toggle_surface(letter as usize - '1' as usize),
-            's' => {
-                let (session, tell) = (Arc::clone(&self.session), self.tell.clone());
-                let revision = live.revision();
-                self.threads.push(spawn(move || save(&session, None, revision, &tell)));
-                self.say("saving the picture once it is finished");
-            }
-            'm' => match unused_name("stl") {
-                Ok(name) => self.line = Some(format!(":mesh {}", name.display()).into()),
-                Err(error) => self.say(&error.to_string()),
-            },
-            'q' => self.session.end(),
-            _ => {}
+            Err(error) => self.say(&error.to_string()),
+        }
+    }
+
+    /// Closes the typed line, and keeps it in the history.
+    pub(super) fn put_line_away(&mut self) {
+        if let Some(line) = self.line.take().filter(|line| !line.text().trim().is_empty()) {
+            self.session.recall([line.text().trim().to_owned()]);
+        }
+    }
+
+    fn toggle_full_screen(&mut self) {
+        if !screen::toggle_full_screen(&self.native) {
+            self.say("nothing here makes windows as large as the screen");
         }
     }
 
     fn toggle_cut(&mut self) {
         if self.session.live.toggle_cut() {
-            self.say("cut open: Ctrl with the wheel moves the cut, K takes it away");
+            self.say("cut open: Ctrl with the wheel moves the cut, F7 takes it away");
         }
     }
 
-    fn toggle_axes(&self) {
+    fn toggle_axes(&mut self) {
         let live = &self.session.live;
         let Some(seen) = live.snapshot().rendering else { return };
         let are_shown = live.request().axes.are_shown(&seen.document);
@@ -232,5 +425,37 @@ impl Window {
             // By default the axes are already in the desired state.
             (true, false) | (false, true) => Axes::Usual,
         });
+    }
+}
+
+impl Shortcut {
+    fn is_meant(&self, key: Key, held: Modifiers) -> bool {
+        self.keys.contains(&key) && self.held.fits(held)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_manual_has_every_command() {
+        let manual = include_str!("../../../../docs/window.md");
+        let rows = SHORTCUTS.iter().map(|row| format!("| {} | {} |", row.name, row.help));
+        let rows = rows.collect::<Vec<_>>().join("\n");
+        assert!(manual.contains(&format!("| key | command |\n|---|---|\n{rows}\n\n")), "{rows}");
+    }
+
+    #[test]
+    fn every_key_has_one_command() {
+        let modifiers = [(false, false), (false, true), (true, false), (true, true)]
+            .map(|(control, shift)| Modifiers { control, shift });
+        for key in SHORTCUTS.iter().flat_map(|row| row.keys) {
+            for held in modifiers {
+                let meant = SHORTCUTS.iter().filter(|row| row.is_meant(*key, held));
+                let names: Vec<&str> = meant.map(|row| row.name).collect();
+                assert!(names.len() <= 1, "{names:?}");
+            }
+        }
     }
 }

@@ -3,21 +3,25 @@
 
 mod browser;
 mod clicks;
+mod clipboard;
 mod draw;
 mod enlarge;
 mod input;
-mod keys;
+pub mod keys;
 mod list;
 mod mouse;
 mod page;
 mod panel;
+mod recent;
 mod rows;
+mod screen;
 mod sliders;
 mod surfaces;
 mod tasks;
 mod thumbnails;
 mod wheel;
 
+use super::arguments::USUAL_SIZE;
 use super::line_edit::LineEdit;
 use super::session::Session;
 use super::tips;
@@ -25,20 +29,22 @@ use super::vector::Size;
 use anyhow::Result;
 use browser::Browser;
 use clicks::Clicks;
+use clipboard::LazyClipboard;
 use draw::{Backdrop, Content};
 use input::{InputQueue, Keyboard};
 use minifb::{Key, MouseMode, ScaleMode, WindowOptions};
 use mouse::Mouse;
 use page::Page;
+use recent::RecentMenu;
 use sliders::Sliders;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::{JoinHandle, sleep, spawn};
 use std::time::{Duration, Instant};
 use surfaces::Surfaces;
-use tasks::{TaskOutcome, enter_all};
+use tasks::{LineGoal, Task, TaskOutcome, do_all};
 use zeroset_live::{Rendering, Snapshot};
-use zeroset_render::overlay::Canvas;
+use zeroset_render::overlay::{Canvas, Overlay};
 
 const MESSAGE_TIME: Duration = Duration::from_secs(8);
 /// A fault is shown after a pause in typing of this length.
@@ -58,21 +64,24 @@ const IDLE_FRAME: Duration = Duration::from_millis(100);
 /// Time before the first tip, and between tips.
 const TIP_INTERVAL: Duration = Duration::from_secs(20);
 
-/// Windows at least this high have letters of twice the size by default.
+/// Windows at least this high have letters of twice the size, on a display without a scale.
 const LARGE_TEXT_HEIGHT: usize = 1400;
 
 /// An open window.
 pub struct Window {
     native: minifb::Window,
     session: Arc<Session>,
-    /// Lines to be entered, in order.
-    lines: Sender<LineEdit>,
+    /// Changes of the document, in order.
+    tasks: Sender<Task>,
     outcomes: Receiver<TaskOutcome>,
     /// Channel for the outcomes of tasks. Each task's thread gets a clone.
     tell: Sender<TaskOutcome>,
     threads: Vec<JoinHandle<()>>,
     typed_keys: InputQueue,
-    scale: Option<usize>,
+    /// Whether the window had the keyboard when it was last asked.
+    was_active: bool,
+    clipboard: LazyClipboard,
+    scale: Option<f64>,
     mouse: Mouse,
     clicks: Clicks,
     /// The rendering whose sliders and surfaces are shown.
@@ -80,7 +89,11 @@ pub struct Window {
     sliders: Sliders,
     surfaces: Surfaces,
     browser: Browser,
+    recent: Option<RecentMenu>,
     line: Option<LineEdit>,
+    goal: LineGoal,
+    /// Whether something was entered or pasted. Until then, the window says where to type.
+    has_typed: bool,
     /// Possible completions of the line's last word.
     candidates: Vec<String>,
     typed: Instant,
@@ -100,15 +113,24 @@ pub struct Window {
 }
 
 impl Window {
-    /// Opens a window.
+    /// Opens a window. Without a `size` it has the usual size times the display's scale, and
+    /// without a `scale` its letters have the display's scale.
     ///
     /// # Errors
     /// A phrase that says why the window cannot be opened.
-    pub fn open(size: Size, scale: Option<usize>, session: &Arc<Session>) -> Result<Self, String> {
+    pub fn open(
+        size: Option<Size>,
+        scale: Option<f64>,
+        session: &Arc<Session>,
+    ) -> Result<Self, String> {
         #[cfg(all(unix, not(target_os = "macos")))]
         if std::env::var_os("DISPLAY").is_none_or(|display| display.is_empty()) {
             return Err("there is no display (DISPLAY is not set)".to_owned());
         }
+        let display = screen::scale();
+        let pixels = |length: usize| (length as f64 * display.unwrap_or(1.0)).round() as usize;
+        let size = size
+            .unwrap_or(Size { width: pixels(USUAL_SIZE.width), height: pixels(USUAL_SIZE.height) });
         let options = WindowOptions {
             resize: true,
             scale_mode: ScaleMode::UpperLeft,
@@ -119,31 +141,35 @@ impl Window {
         // The loop in `run` sleeps by itself, since it polls more often than it draws.
         window.set_target_fps(0);
         let typed_keys = InputQueue::default();
-        let keyboard = Keyboard { typed: typed_keys.clone(), controls: [false; 2] };
-        window.set_input_callback(Box::new(keyboard));
-        let (lines, entered) = channel();
+        window.set_input_callback(Box::new(Keyboard(typed_keys.clone())));
+        let (tasks, given) = channel();
         let (tell, outcomes) = channel();
         let thread = {
             let (session, tell) = (Arc::clone(session), tell.clone());
-            spawn(move || enter_all(&session, &entered, &tell))
+            spawn(move || do_all(&session, &given, &tell))
         };
         let now = Instant::now();
         Ok(Self {
             clicks: Clicks::of(&window),
             native: window,
             session: Arc::clone(session),
-            lines,
+            tasks,
             outcomes,
             tell,
             threads: vec![thread],
             typed_keys,
-            scale,
+            was_active: false,
+            clipboard: LazyClipboard::default(),
+            scale: scale.or(display),
             mouse: Mouse::default(),
             rendering: None,
             sliders: Sliders::default(),
             surfaces: Surfaces::default(),
             browser: Browser::default(),
+            recent: None,
             line: None,
+            goal: LineGoal::default(),
+            has_typed: false,
             candidates: Vec::new(),
             typed: now,
             message: None,
@@ -188,14 +214,14 @@ impl Window {
         self.browser.stop();
         // Lines that were already sent are still executed, but without waiting for pictures.
         self.session.end();
-        drop(self.lines);
+        drop(self.tasks);
         for thread in self.threads {
             // The thread's panic has already been reported on standard error.
             let _ = thread.join();
         }
         while let Ok(outcome) = self.outcomes.try_recv() {
-            if let TaskOutcome::Entered(_, Err(wrong)) = outcome {
-                self.session.say(&wrong.full);
+            if let TaskOutcome::Refused(.., why) = outcome {
+                self.session.say(&why.full);
             }
         }
         Ok(())
@@ -208,18 +234,27 @@ impl Window {
             self.active = Instant::now();
             self.rendering = rendering.cloned();
             self.sliders.follow(rendering.map(|seen| seen.sliders()).unwrap_or_default());
-            self.surfaces.follow(rendering.map(|seen| seen.surfaces()).unwrap_or_default());
+            let (surfaces, curves) =
+                rendering.map(|seen| (seen.surfaces(), seen.curves())).unwrap_or_default();
+            self.surfaces.follow(surfaces, curves);
         }
-        let size = self.picture_size();
-        let letters = Canvas::new(size.0, size.1, Vec::new(), self.scale_at(self.size().1));
-        self.sliders.lay_out(size, &letters);
-        self.surfaces.lay_out(self.sliders.width(), size, &letters);
+        let (width, height) = self.picture_size();
+        let letters = Canvas::new(width, height, Vec::new(), self.scale_at(self.size().1));
+        // The typed line and a message above it take two rows.
+        let row = letters.line_height();
+        let free = height.saturating_sub(2 * row);
+        let half = if self.surfaces.is_wanted() { width / 2 } else { width };
+        self.sliders.lay_out((half, free), &letters);
+        let count = rendering.map_or(0, |seen| seen.picture.legends.len());
+        let legends = Overlay::legends_height(count, height, letters.scale);
+        let above = height.saturating_sub(row + legends).min(free);
+        self.surfaces.lay_out(self.sliders.width(), (width, above), &letters);
     }
 
     /// Enters a line on another thread.
-    fn send(&self, line: impl Into<LineEdit>) {
+    fn send(&self, line: impl Into<LineEdit>, goal: LineGoal) {
         // The receiver lives as long as the window.
-        let _ = self.lines.send(line.into());
+        let _ = self.tasks.send(Task::Enter(line.into(), goal));
     }
 
     fn size(&self) -> (usize, usize) {
@@ -234,9 +269,9 @@ impl Window {
         (width, height.saturating_sub(status).max(1))
     }
 
-    /// Side of a font pixel, in pixels, for a window of this height.
-    fn scale_at(&self, height: usize) -> usize {
-        self.scale.unwrap_or(if height >= LARGE_TEXT_HEIGHT { 2 } else { 1 })
+    /// Scale of the letters, for a window of this height.
+    fn scale_at(&self, height: usize) -> f64 {
+        self.scale.unwrap_or(if height >= LARGE_TEXT_HEIGHT { 2.0 } else { 1.0 })
     }
 
     fn pointer(&self, mode: MouseMode) -> Option<(f64, f64)> {
@@ -272,7 +307,7 @@ impl Window {
         while let Ok(outcome) = self.outcomes.try_recv() {
             self.active = Instant::now();
             match outcome {
-                TaskOutcome::Entered(_, Ok(said)) => {
+                TaskOutcome::Entered(said) => {
                     self.sliders.pause();
                     match said {
                         Some(text) if text.contains('\n') => self.page = Some(Page::new(&text)),
@@ -282,11 +317,15 @@ impl Window {
                     // The line that is being typed may use a definition in the entered line.
                     self.follow_line();
                 }
-                TaskOutcome::Entered(line, Err(wrong)) => {
-                    self.session.say(&wrong.full);
-                    self.say(&wrong.summary);
+                TaskOutcome::Refused(mut line, goal, why) => {
+                    self.session.say(&why.full);
+                    self.say(&why.summary);
                     // Offer the refused line for correction, unless another line is being typed.
-                    self.line.get_or_insert(line);
+                    // It is selected, so that another formula can be typed at once.
+                    line.select_all();
+                    if self.line.is_none() {
+                        (self.line, self.goal) = (Some(line), goal);
+                    }
                 }
                 TaskOutcome::Saved(Ok(())) => {
                     self.say("saved; the terminal shows the command that reproduces it");

@@ -18,6 +18,8 @@ pub struct Mouse {
     /// Last position of the pointer, and whether a button was held there.
     last: Option<((f64, f64), bool)>,
     wheel: Wheel,
+    /// Whether the middle button was held at the last poll.
+    middle: bool,
 }
 
 /// A press of a button, and the movement since.
@@ -35,6 +37,8 @@ enum DragTarget {
     Turn,
     Pan,
     Slider,
+    /// Selects in the typed line.
+    Line,
     /// Changes an opacity or moves a row in the list of surfaces.
     Surface,
 }
@@ -59,15 +63,20 @@ impl Window {
         let left = self.native.get_mouse_down(MouseButton::Left);
         let right = self.native.get_mouse_down(MouseButton::Right);
         let held = left || right;
+        let middle = self.native.get_mouse_down(MouseButton::Middle);
+        if middle && !std::mem::replace(&mut self.mouse.middle, middle) && !self.browser.is_open() {
+            self.paste(true);
+        }
+        self.mouse.middle = middle;
         let has_changed = self.mouse.last.replace((at, held)) != Some((at, held));
         if has_changed {
             self.active = Instant::now();
         }
-        if self.browser.is_open() {
+        if self.browser.is_open() || self.recent.is_some() {
             let clicked = self.clicks.was_missed(held);
             let pressed = clicked || left && self.mouse.drag.is_none();
             if left {
-                // A press that begins in the gallery has no effect outside it.
+                // A press that begins in the gallery or the menu has no effect outside it.
                 let (start, last, what) = (at, at, DragTarget::Turn);
                 let drag = Drag { start, last, moves: true, what, cancelled: true };
                 self.mouse.drag.get_or_insert(drag);
@@ -76,7 +85,11 @@ impl Window {
                 self.mouse.cancel();
                 self.let_go(seen);
             }
-            return self.point_gallery(at, has_changed, pressed);
+            return if self.browser.is_open() {
+                self.point_gallery(at, has_changed, pressed);
+            } else {
+                self.point_recent(at, has_changed, pressed);
+            };
         }
         if self.clicks.was_missed(held) && inside && self.mouse.drag.is_none() {
             self.active = Instant::now();
@@ -85,7 +98,9 @@ impl Window {
         match &mut self.mouse.drag {
             None if held && inside => {
                 self.session.live.hold(true);
-                let what = if left && self.press_slider(at) {
+                let what = if left && self.press_line(at, false) {
+                    DragTarget::Line
+                } else if left && self.press_slider(at) {
                     DragTarget::Slider
                 } else if left && self.press_surface(at) {
                     DragTarget::Surface
@@ -108,6 +123,7 @@ impl Window {
                     match drag.what {
                         DragTarget::Pan => live.turn(|orbit| orbit.pan(across, down, height)),
                         DragTarget::Turn => live.turn(|orbit| orbit.turn(across, down, height)),
+                        DragTarget::Line => drop(self.press_line(at, true)),
                         DragTarget::Slider => self.drag_slider(across),
                         DragTarget::Surface => self.drag_surface(at),
                     }
@@ -123,7 +139,7 @@ impl Window {
             self.release_slider();
         }
         if drag.what == DragTarget::Surface {
-            self.release_surface(drag.cancelled);
+            self.release_surface(drag.cancelled, drag.moves);
         }
         self.session.live.hold(false);
         if !drag.moves && drag.what == DragTarget::Turn && !drag.cancelled {
@@ -133,14 +149,24 @@ impl Window {
 
     /// Handles a click of the left button that began and ended between two polls.
     fn click(&mut self, at: (f64, f64), seen: &Snapshot) {
-        if self.press_slider(at) {
+        if self.press_line(at, false) {
+            // The cursor is where it was clicked.
+        } else if self.press_slider(at) {
             self.release_slider();
             self.session.live.hold(false);
         } else if self.press_surface(at) {
-            self.release_surface(false);
+            self.release_surface(false, false);
         } else {
             self.tell_point(at, seen);
         }
+    }
+
+    /// Puts the cursor of the typed line where the pointer is, if it is there. With `select`, the
+    /// text in between is selected.
+    fn press_line(&mut self, at: (f64, f64), select: bool) -> bool {
+        let Some(position) = self.line_position(at) else { return false };
+        self.open_line().step_to(position, select);
+        true
     }
 
     /// Returns the surface point visible at a position.

@@ -4,12 +4,12 @@
 use super::rows::{RowLayout, SPACE};
 use crate::theme::{CHOSEN, DIM, INK, TRACK};
 use zeroset_live::Slider;
-use zeroset_render::overlay::Canvas;
+use zeroset_render::overlay::{Canvas, with_minus};
 
-/// Largest number of letters shown of a name, and of a value.
-const NAME: usize = 8;
-const VALUE: usize = 9;
-/// Longest and shortest track, in font pixels.
+/// Greatest width of a name, and width of a value, in dots of a letter.
+const NAME: usize = 64;
+const VALUE: usize = 72;
+/// Longest and shortest track, in dots of a letter.
 const LONGEST: usize = 160;
 const SHORTEST: usize = 40;
 
@@ -19,11 +19,11 @@ pub struct Panel {
     pub rows: RowLayout,
     pub width: usize,
     track: (usize, usize),
-    scale: usize,
+    scale: f64,
 }
 
 impl Panel {
-    /// Lays out the panel at the left of a picture of this size in pixels, below its first line.
+    /// Lays out the panel at the left of a picture, in an area of this width and height in pixels.
     /// Uses the letters of `canvas`. The first `scroll` sliders are scrolled out of view. Returns
     /// `None` without a slider or enough space.
     pub fn new(
@@ -33,16 +33,16 @@ impl Panel {
         canvas: &Canvas,
     ) -> Option<Self> {
         let rows = RowLayout::new(sliders.len(), scroll, height, canvas)?;
-        let (scale, letter) = (canvas.scale, canvas.advance());
-        let longest = sliders.iter().map(|one| one.name.chars().count()).max()?.min(NAME);
-        let space = SPACE * scale;
-        let letters = (longest + VALUE) * letter + 4 * space;
-        let track = (LONGEST * scale).min(width.saturating_sub(letters));
-        if track < SHORTEST * scale {
+        let [space, most, value] = [SPACE, NAME, VALUE].map(|dots| canvas.dots(dots));
+        let longest = sliders.iter().map(|one| canvas.text_width(&one.name)).max()?.min(most);
+        let rest = longest + value + 4 * space;
+        let track = canvas.dots(LONGEST).min(width.saturating_sub(rest));
+        if track < canvas.dots(SHORTEST) {
             return None;
         }
-        let left = 2 * space + longest * letter;
-        Some(Self { rows, width: letters + track, track: (left, left + track), scale })
+        let left = 2 * space + longest;
+        let scale = canvas.scale;
+        Some(Self { rows, width: rest + track, track: (left, left + track), scale })
     }
 
     /// Returns the index of the slider at a position.
@@ -63,7 +63,7 @@ impl Panel {
 
     /// Whether a horizontal position is on or near the handle.
     pub fn is_on_handle(&self, slider: &Slider, x: f64) -> bool {
-        (x - self.handle(slider)).abs() <= (SPACE * self.scale) as f64
+        (x - self.handle(slider)).abs() <= SPACE as f64 * self.scale
     }
 
     fn handle(&self, slider: &Slider) -> f64 {
@@ -75,23 +75,25 @@ impl Panel {
 
     /// Draws the sliders. The one under the pointer is brighter.
     pub fn draw(&self, canvas: &mut Canvas, sliders: &[Slider], hovered: Option<usize>) {
-        let dot = self.scale as i64;
-        let space = SPACE as i64 * dot;
+        let [dot, pad, space] = [1, 2, SPACE].map(|dots| canvas.dots(dots) as i64);
+        let [thin, wide, high] = [2, 6, 14].map(|dots| canvas.dots(dots));
+        let name_width = self.track.0 - 2 * space as usize;
         self.rows.draw_ground(canvas, 0, self.width);
         for (index, top) in self.rows.each() {
             let slider = &sliders[index];
             let ink = if hovered == Some(index) { 0x00ff_ffff } else { INK };
-            let name: String = slider.name.chars().take(NAME).collect();
-            canvas.write(&name, space, top + 2 * dot, ink);
+            let name = canvas.fitting(&slider.name, name_width);
+            canvas.write(&name, space, top + pad, ink);
             let (left, right) = (self.track.0 as i64, self.track.1 as i64);
-            let (middle, thin) = (top + self.rows.height as i64 / 2 - dot, 2 * self.scale);
+            let middle = top + self.rows.height as i64 / 2 - dot;
             let handle = self.handle(slider).round() as i64;
             canvas.fill(left, middle, (right - left) as usize, thin, TRACK, 255);
             canvas.fill(left, middle, (handle - left).max(0) as usize, thin, CHOSEN, 255);
-            let (wide, high) = (6 * self.scale, 14 * self.scale);
-            canvas.fill(handle - 3 * dot, top + 3 * dot, wide, high, ink, 255);
-            let value: String = slider.shown(self.step(slider)).chars().take(VALUE).collect();
-            canvas.write(&value, right + space + 2 * dot, top + 2 * dot, ink);
+            let (x, y) = (handle - wide as i64 / 2, middle + dot - high as i64 / 2);
+            canvas.fill(x, y, wide, high, ink, 255);
+            let value = with_minus(&slider.shown(self.step(slider)));
+            let value = canvas.fitting(&value, canvas.dots(VALUE));
+            canvas.write(&value, right + space + pad, top + pad, ink);
         }
         self.rows.write_range(canvas, space, DIM, true);
     }
@@ -112,13 +114,13 @@ mod tests {
         (0..count).map(slider).collect()
     }
 
-    fn canvas(width: usize, height: usize, scale: usize) -> Canvas {
+    fn canvas(width: usize, height: usize, scale: f64) -> Canvas {
         Canvas::new(width, height, vec![0; width * height], scale)
     }
 
     #[test]
     fn a_place_on_the_track_is_a_value_and_the_value_s_handle_is_there() {
-        for (width, height, scale) in [(800, 620, 1), (1600, 1200, 2), (300, 200, 1)] {
+        for (width, height, scale) in [(800, 620, 1.0), (1600, 1200, 2.5), (300, 200, 1.0)] {
             let sliders = sliders(3);
             let panel = Panel::new(&sliders, 0, (width, height), &canvas(width, height, scale));
             let panel = panel.expect("room");
@@ -135,7 +137,7 @@ mod tests {
 
     #[test]
     fn more_than_eight_are_scrolled_and_none_are_where_there_is_no_room() {
-        let canvas = canvas(800, 600, 1);
+        let canvas = canvas(800, 600, 1.0);
         let rows = Panel::new(&sliders(20), 100, (800, 600), &canvas).expect("room").rows;
         assert!((rows.first, rows.shown) == (12, 8) && rows.scrolls());
         assert!(!Panel::new(&sliders(8), 0, (800, 600), &canvas).expect("room").rows.scrolls());

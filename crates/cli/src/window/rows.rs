@@ -6,7 +6,7 @@ use zeroset_render::overlay::{Canvas, Rgb};
 
 /// Largest number of rows that are visible at once.
 const SHOWN: usize = 8;
-/// Space around items, in font pixels.
+/// Space around items, in dots of a letter.
 pub const SPACE: usize = 6;
 
 /// Layout of rows, in pixels of the window.
@@ -22,14 +22,16 @@ pub struct RowLayout {
 }
 
 impl RowLayout {
-    /// Lays out `count` rows below the picture's first line and above `bottom`, with the letters of
+    /// Lays out `count` rows below the top and above `bottom`, with the letters of
     /// `canvas`. The first `scroll` rows are scrolled out of view. Returns `None` without a row or
     /// enough space.
     pub fn new(count: usize, scroll: usize, bottom: usize, canvas: &Canvas) -> Option<Self> {
         let height = canvas.line_height();
-        let top = height + SPACE * canvas.scale;
+        let top = canvas.dots(SPACE);
         let room = bottom.saturating_sub(top) / height;
-        let shown = count.min(SHOWN).min(if count > SHOWN { room.saturating_sub(1) } else { room });
+        // Rows that scroll leave a row free, which says which of them are visible.
+        let is_whole = count <= SHOWN.min(room);
+        let shown = if is_whole { count } else { SHOWN.min(room.saturating_sub(1)) };
         let first = scroll.min(count - shown);
         (shown > 0).then_some(Self { top, height, first, shown, count })
     }
@@ -77,7 +79,7 @@ impl RowLayout {
         if self.scrolls() {
             let of = if all { format!(" of {}", self.count) } else { String::new() };
             let range = format!("{}-{}{of}", self.first + 1, self.first + self.shown);
-            let y = self.top + self.shown * self.height + 2 * canvas.scale;
+            let y = self.top + self.shown * self.height + canvas.dots(2);
             canvas.write(&range, left, y as i64, ink);
         }
     }

@@ -1,8 +1,9 @@
-//! Hides, fades, moves and deletes surfaces by mouse and keys.
+//! Edits, hides, fades, moves and deletes formulas by mouse and keys.
 
 use super::Window;
 use super::list::{List, ListContent, ListPart};
 use super::sliders::is_next_due;
+use super::tasks::LineGoal;
 use minifb::Key;
 use std::time::Instant;
 use zeroset_live::{Snapshot, SurfaceEntry};
@@ -11,13 +12,16 @@ use zeroset_render::overlay::Canvas;
 /// Change of an opacity by one press of an arrow key.
 const STEP: f64 = 0.05;
 
-/// The list of surfaces, and the user's changes to them.
+/// The list of formulas, and the user's changes to them.
 #[derive(Default)]
 pub struct Surfaces {
+    /// The surfaces, then the curves and points.
     all: Vec<SurfaceEntry>,
+    /// Number of the surfaces.
+    surface_count: usize,
     list: Option<List>,
-    /// Whether the user wants the list. If `None`, it is shown for two or more surfaces.
-    wanted: Option<bool>,
+    /// Whether the user does not want the list.
+    unwanted: bool,
     scroll: usize,
     hovered: Option<(usize, ListPart)>,
     held: Option<ListDrag>,
@@ -38,17 +42,30 @@ enum ListDrag {
 
 impl Surfaces {
     /// Returns the list to draw.
-    pub fn shown(&self) -> Option<ListContent> {
+    pub fn shown(&self, edited: Option<usize>) -> Option<ListContent> {
         let dragged = match self.held {
             Some(ListDrag::Row(from, to)) => Some((from, to)),
             Some(ListDrag::Opacity(_)) | None => None,
         };
-        let (list, surfaces, hovered) = (self.list?, self.all.clone(), self.hovered);
-        Some(ListContent { list, surfaces, hovered, dragged })
+        let (list, formulas, hovered) = (self.list?, self.all.clone(), self.hovered);
+        let surfaces = self.surface_count;
+        Some(ListContent { list, formulas, surfaces, hovered, edited, dragged })
     }
 
-    /// Adopts the surfaces of a new picture.
-    pub fn follow(&mut self, mut all: Vec<SurfaceEntry>) {
+    /// Whether the user wants the list.
+    pub fn is_wanted(&self) -> bool {
+        !self.unwanted
+    }
+
+    /// Number of formulas.
+    pub fn count(&self) -> usize {
+        self.all.len()
+    }
+
+    /// Adopts the surfaces and the curves of a new picture.
+    pub fn follow(&mut self, mut all: Vec<SurfaceEntry>, curves: Vec<SurfaceEntry>) {
+        self.surface_count = all.len();
+        all.extend(curves);
         if all.len() != self.all.len() {
             (self.held, self.hovered, self.opacity) = (None, None, None);
         }
@@ -59,13 +76,11 @@ impl Surfaces {
         self.all = all;
     }
 
-    /// Lays out the list with the letters of `canvas`. The picture has this size in pixels, and its
-    /// left `taken` columns are occupied.
+    /// Lays out the list with the letters of `canvas`, in an area of this size in pixels. Its left
+    /// `taken` columns are occupied.
     pub fn lay_out(&mut self, taken: usize, size: (usize, usize), canvas: &Canvas) {
-        let count = self.all.len();
-        let is_wanted = self.wanted.unwrap_or(count > 1);
-        let list = || List::new(count, self.scroll, taken, size, canvas);
-        self.list = is_wanted.then(list).flatten();
+        let list = || List::new(&self.all, self.scroll, taken, size, canvas);
+        self.list = (!self.unwanted).then(list).flatten();
     }
 
     fn want(&mut self, index: usize, opacity: f64) {
@@ -86,8 +101,7 @@ impl Window {
 
     /// Shows or hides the list.
     pub(super) fn toggle_list(&mut self) {
-        let is_shown = self.surfaces.list.is_some();
-        self.surfaces.wanted = Some(!is_shown);
+        self.surfaces.unwanted = self.surfaces.list.is_some();
     }
 
     /// Handles a press of the left button, and returns whether it hit the list.
@@ -95,7 +109,12 @@ impl Window {
         let Some((index, part)) = self.surfaces.list.and_then(|list| list.at(at)) else {
             return false;
         };
+        let is_curve = index >= self.surfaces.surface_count;
         match part {
+            ListPart::New => self.begin_formula(),
+            ListPart::Swatch | ListPart::Opacity(_) if is_curve => {
+                self.say("a `hidden` line above a curve hides it");
+            }
             ListPart::Swatch => self.toggle_surface(index),
             ListPart::Formula => self.surfaces.held = Some(ListDrag::Row(index, index)),
             ListPart::Opacity(opacity) => {
@@ -116,14 +135,18 @@ impl Window {
                 let index = *index;
                 surfaces.want(index, list.opacity(at.0));
             }
-            Some(ListDrag::Row(_, to)) => *to = list.rows.nearest(at.1),
-            None => {}
+            Some(ListDrag::Row(from, to)) if *from < surfaces.surface_count => {
+                *to = list.rows.nearest(at.1).min(surfaces.surface_count - 1);
+            }
+            Some(ListDrag::Row(..)) | None => {}
         }
     }
 
-    /// Ends a drag on the list. With `cancelled`, a dragged surface stays at its old place.
-    pub(super) fn release_surface(&mut self, cancelled: bool) {
+    /// Ends a drag on the list. With `cancelled`, a dragged surface stays at its old place. A click
+    /// on a formula edits it.
+    pub(super) fn release_surface(&mut self, cancelled: bool, moved: bool) {
         match self.surfaces.held.take() {
+            Some(ListDrag::Row(index, _)) if !moved && !cancelled => self.edit_formula(index),
             Some(ListDrag::Row(from, to)) if from != to && !cancelled => {
                 self.move_surface(from, to);
             }
@@ -132,8 +155,29 @@ impl Window {
         }
     }
 
+    /// Opens a line for one more formula.
+    fn begin_formula(&mut self) {
+        self.put_line_away();
+        self.open_line();
+        self.goal = LineGoal::Add;
+    }
+
+    /// Opens the formula with this index in the line.
+    fn edit_formula(&mut self, index: usize) {
+        let Some(formula) = self.session.live.formula(index + 1) else {
+            return self.say("this text has no formula of its own that can be edited here");
+        };
+        self.put_line_away();
+        self.open_line().insert_text(&formula);
+        self.goal = LineGoal::Edit(index);
+        self.follow_typing();
+    }
+
     /// Hides or shows the surface with this index.
     pub(super) fn toggle_surface(&mut self, index: usize) {
+        if index >= self.surfaces.surface_count {
+            return self.say(&format!("there is no surface {}", index + 1));
+        }
         let Some(surface) = self.surfaces.all.get(index) else { return };
         let result = self.session.live.hide(index + 1, !surface.hidden);
         self.show_result(result);
@@ -146,15 +190,16 @@ impl Window {
 
     /// Deletes a surface on another thread, since checking the remaining formulas takes time.
     fn delete_surface(&mut self, index: usize) {
-        self.send(format!(":delete {}", index + 1));
+        self.send(format!(":delete {}", index + 1), LineGoal::Replace);
     }
 
     /// Handles a key for the surface under the pointer, and returns whether it had an effect.
     pub(super) fn change_surface(&mut self, key: Key) -> bool {
         let Some((index, _)) = self.surfaces.hovered else { return false };
         let Some(surface) = self.surfaces.all.get(index) else { return false };
-        let (opacity, last) = (surface.opacity, self.surfaces.all.len() - 1);
+        let (opacity, last) = (surface.opacity, self.surfaces.surface_count.saturating_sub(1));
         match key {
+            _ if index > last && key != Key::Delete => return false,
             Key::Left => self.surfaces.want(index, opacity - STEP),
             Key::Right => self.surfaces.want(index, opacity + STEP),
             Key::Up if self.is_shifted() && index > 0 => self.move_surface(index, index - 1),

@@ -9,6 +9,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::{JoinHandle, sleep, spawn};
 use std::time::Duration;
+use zeroset_render::overlay::Canvas;
 use zeroset_render::picture::Settings;
 use zeroset_scene::gallery::{Example, examples};
 
@@ -44,7 +45,7 @@ struct ThumbnailStore {
 
 impl Thumbnails {
     /// Creates an empty store for pictures of `scale` times [`SIDE`] rows and columns.
-    pub fn new(scale: usize) -> Self {
+    pub fn new(scale: f64) -> Self {
         let examples = examples();
         let pictures = Mutex::new(vec![None; examples.len()]);
         let shared = ThumbnailStore {
@@ -53,7 +54,7 @@ impl Thumbnails {
             order: Mutex::default(),
             version: AtomicU64::new(0),
             wanted: AtomicBool::new(false),
-            side: SIDE * scale,
+            side: Canvas::dots_at(SIDE, scale),
         };
         Self { shared: Arc::new(shared), thread: None }
     }

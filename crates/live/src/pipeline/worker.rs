@@ -119,7 +119,12 @@ impl Shared {
     /// Returns whether this request is still the latest.
     pub fn wanted(&self, job: &Job) -> bool {
         let state = self.lock();
-        !state.stop && state.revision == job.revision
+        !state.stop && state.revision == job.revision && state.given_up != job.revision
+    }
+
+    /// Sets the stage that a late picture's status names.
+    fn begin(&self, stage: &'static str) {
+        self.lock().stage = stage;
     }
 }
 
@@ -192,12 +197,15 @@ impl Worker {
     /// Draws the pictures of a request. Stops early when there is a newer request.
     fn serve(&mut self, job: &Job) -> Result<(), FaultReason> {
         let started = Instant::now();
+        self.shared.begin("reading");
         let document = self.document(&job.request).map_err(FaultReason::Text)?;
         let parse = started.elapsed();
         if !self.shared.wanted(job) {
             return Ok(());
         }
+        self.shared.begin("compiling");
         let Some(made) = self.model(job, &document)? else { return Ok(()) };
+        self.shared.begin("tracing");
         let context = JobContext { job, document: &document, made: &made, parse };
         let Some(camera) = self.camera(&context)? else { return Ok(()) };
         let full = &job.request.settings;
@@ -306,7 +314,9 @@ impl Worker {
 
     /// Waits for this time, or until there is another request.
     pub fn rest(&self, job: &Job, time: Duration) {
-        let waiting = |state: &mut PipelineState| !state.stop && state.revision == job.revision;
+        let waiting = |state: &mut PipelineState| {
+            !state.stop && state.revision == job.revision && state.given_up != job.revision
+        };
         let state = self.shared.lock();
         // The caller checks whether the request is still wanted, so ignore why the wait ended.
         drop(self.shared.changed.wait_timeout_while(state, time, waiting));
@@ -315,6 +325,7 @@ impl Worker {
     fn is_coarse_wanted(&self, job: &Job) -> bool {
         let state = self.shared.lock();
         !state.stop
+            && state.given_up != job.revision
             && (state.revision == job.revision || same_document(&state.request, &job.request))
     }
 

@@ -1,6 +1,7 @@
 //! The region's box over a picture, with labeled ticks. Lines behind the surface are faint.
 
 use super::canvas::{Canvas, Rgb};
+use super::letters::{width, with_minus};
 use super::projector::{PictureView, Projector};
 use super::ticks::ticks;
 use glam::{DVec2, DVec3};
@@ -11,6 +12,9 @@ const HIDDEN: u32 = 36;
 
 /// Width of a line, in dots of a letter.
 const WIDTH: f64 = 1.1;
+
+/// Least space between labels, in dots of a letter.
+const SPACE: f64 = 5.0;
 
 /// Number of pieces into which an edge is divided for tests of visibility.
 const PIECES: usize = 256;
@@ -60,7 +64,7 @@ struct Cover {
 impl Cover {
     fn new(canvas: &Canvas) -> Self {
         let (width, height) = (canvas.width, canvas.height);
-        let thickness = WIDTH * canvas.scale as f64;
+        let thickness = WIDTH * canvas.scale;
         Self { width, height, thickness, shares: vec![0; width * height] }
     }
 
@@ -169,8 +173,8 @@ fn label(
     centre: DVec2,
     labels: &mut Vec<Label>,
 ) {
-    let (low, high) = (from[axis], to[axis]);
-    let (ticks, step) = ticks(low, high);
+    let (low, end) = (from[axis], to[axis]);
+    let (ticks, step) = ticks(low, end);
     let middle = projector.project(from.midpoint(to)).map_or(centre, |(at, _)| at);
     // Labels are moved away from the edge at a right angle, so that labels of adjacent edges
     // separate. An edge viewed end-on has no such direction.
@@ -182,23 +186,24 @@ fn label(
         Some(across) => across,
         None => away,
     };
-    let scale = canvas.scale as f64;
+    let scale = canvas.scale;
     // Returns the position of a value on the edge, and its label. A label outside the picture is
     // moved into it.
     let size = DVec2::new(canvas.width as f64, projector.rays.height() as f64);
-    let letter = DVec2::new(canvas.advance() as f64, canvas.letter_height() as f64);
+    let high = canvas.letter_height() as f64;
     let label = |value: f64, text: String, reach: f64| {
+        let text = with_minus(&text);
         let mut point = from;
         point[axis] = value;
         let (at, _) = projector.project(point)?;
-        let half = letter * DVec2::new(text.chars().count() as f64, 1.0) / 2.0;
+        let half = DVec2::new(width(&text, scale), high) / 2.0;
         let place = at + outward * (reach * scale + half.dot(outward.abs())) - half;
         let place = place.clamp(DVec2::ZERO, (size - 2.0 * half).max(DVec2::ZERO));
         Some((at, Label { text, place, size: 2.0 * half }))
     };
-    // A label needs a letter's width of free space around it, or else is left out.
+    // A label needs free space around it, or else is left out.
     let free = |label: &Label, labels: &[Label]| {
-        !labels.iter().any(|other| label.touches(other, letter.x))
+        !labels.iter().any(|other| label.touches(other, SPACE * scale))
     };
     let ink = projector.shown.ink();
     let mut write = |label: Label, labels: &mut Vec<Label>| {
@@ -217,7 +222,7 @@ fn label(
     // The axis name goes to the middle of the edge, or to the nearest free place.
     let name = ["x", "y", "z"][axis].to_owned();
     let places = [0.0, 0.25, -0.25, 0.5, -0.5, 0.75, -0.75].into_iter().filter_map(|steps| {
-        let (_, label) = label(low.midpoint(high) + steps * step, name.clone(), 40.0)?;
+        let (_, label) = label(low.midpoint(end) + steps * step, name.clone(), 40.0)?;
         Some(label)
     });
     if let Some(label) = { places }.find(|label| free(label, labels)) {
@@ -240,7 +245,7 @@ mod tests {
     use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 
     /// Returns the labels of a picture of this size, for the region from -2 to 2 on each axis.
-    fn labels(width: usize, height: usize, scale: usize, fitted: bool) -> Vec<Label> {
+    fn labels(width: usize, height: usize, scale: f64, fitted: bool) -> Vec<Label> {
         let settings = Settings { width, height, ..Settings::default() };
         let document =
             zeroset_syntax::read("domain 2\nx^2+y^2+z^2 = 1", &zeroset_syntax::Options::default());
@@ -261,15 +266,15 @@ mod tests {
     #[test]
     fn labels_are_apart_and_within_the_picture() {
         for (width, height) in [(800, 600), (640, 460), (300, 200), (1600, 1180)] {
-            for (scale, fitted) in [(1, false), (1, true), (2, true)] {
+            for (scale, fitted) in [(1.0, false), (1.0, true), (1.5, true), (2.0, true)] {
                 let labels = labels(width, height, scale, fitted);
-                let letter = 8.0;
+                let space = SPACE * scale;
                 for (index, one) in labels.iter().enumerate() {
                     let end = one.place + one.size;
                     assert!(one.place.min_element() >= 0.0, "{one:?}");
                     assert!(end.x <= width as f64 && end.y <= height as f64, "{one:?}");
                     for other in &labels[..index] {
-                        assert!(!one.touches(other, letter), "{one:?} and {other:?}");
+                        assert!(!one.touches(other, space), "{one:?} and {other:?}");
                     }
                 }
                 assert!(labels.len() > 5, "{width}x{height}: {labels:?}");
@@ -279,13 +284,12 @@ mod tests {
 
     #[test]
     fn every_axis_has_its_name_and_its_numbers_where_there_is_room() {
-        let labels = labels(800, 600, 1, true);
+        let labels = labels(800, 600, 1.0, true);
         let mut texts: Vec<&str> = labels.iter().map(|label| label.text.as_str()).collect();
         texts.sort_unstable();
         // At the corner where x and z are both -2, two labels would overlap: one is left out.
-        let mut expected =
-            vec!["-1", "-1", "-1", "-2", "-2", "0", "0", "0", "1", "1", "1", "2", "2", "2"];
-        expected.extend(["x", "y", "z"]);
+        let mut expected = vec!["0", "0", "0", "1", "1", "1", "2", "2", "2", "x", "y", "z"];
+        expected.extend(["−1", "−1", "−1", "−2", "−2"]);
         assert_eq!(texts, expected);
     }
 
@@ -294,7 +298,7 @@ mod tests {
     #[test]
     fn a_line_covers_what_is_near_it() {
         let (width, height) = (120, 90);
-        let canvas = Canvas::new(width, height, Vec::new(), 1);
+        let canvas = Canvas::new(width, height, Vec::new(), 1.0);
         let mut random = fastrand::Rng::with_seed(20_070_005);
         for case in 0..400 {
             let mut place = || DVec2::new(160.0 * random.f64() - 20.0, 120.0 * random.f64() - 15.0);

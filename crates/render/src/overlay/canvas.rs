@@ -1,19 +1,10 @@
-//! Drawing letters, lines and boxes into an image. The letters are Noto Sans Mono (SIL Open Font
-//! License 1.1), rasterized by the crate `noto-sans-mono-bitmap`.
+//! Drawing letters, lines and boxes into an image.
 
-use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
+use super::letters::{glyph, width};
 
-const WEIGHT: FontWeight = FontWeight::Regular;
-const HEIGHT: RasterHeight = RasterHeight::Size16;
-
-/// The letter π, which the font lacks, in the same height and weight as the font.
-const PI: [[u8; 7]; 16] = {
-    let none = [0; 7];
-    let bar = [90, 235, 250, 250, 250, 235, 90];
-    let legs = [0, 80, 220, 0, 60, 235, 0];
-    let feet = [0, 110, 190, 0, 25, 225, 70];
-    [none, none, none, none, none, none, bar, legs, legs, legs, legs, legs, feet, none, none, none]
-};
+/// Height of a letter's box, and of a line of text, in dots. A dot is a pixel at scale 1.
+const LETTER: usize = 16;
+const LINE: usize = 20;
 
 /// A color as 0xRRGGBB.
 pub type Rgb = u32;
@@ -33,8 +24,8 @@ pub struct Canvas {
     /// Pixels, row by row from the top. Empty if drawings are recorded instead, for
     /// [`Canvas::mix_into`].
     pub pixels: Vec<Rgb>,
-    /// Width and height of a letter's dot, in pixels.
-    pub scale: usize,
+    /// Size of letters and of all that is drawn with them: the size of a dot in pixels.
+    pub scale: f64,
     /// Recorded drawings, if there are no pixels.
     marks: Vec<Mark>,
 }
@@ -48,8 +39,8 @@ struct Mark {
 
 impl Canvas {
     /// Creates a canvas with these pixels. If `pixels` is empty, the canvas records drawings.
-    /// `scale` is the width and height of a letter's dot, in pixels.
-    pub fn new(width: usize, height: usize, pixels: Vec<Rgb>, scale: usize) -> Self {
+    /// `scale` is the size of a dot in pixels.
+    pub fn new(width: usize, height: usize, pixels: Vec<Rgb>, scale: f64) -> Self {
         Self { width, height, pixels, scale, marks: Vec::new() }
     }
 
@@ -65,14 +56,24 @@ impl Canvas {
         }
     }
 
-    /// Width of a letter in pixels.
-    pub fn advance(&self) -> usize {
-        get_raster_width(WEIGHT, HEIGHT) * self.scale
+    /// Returns a number of dots in pixels.
+    pub fn dots(&self, dots: usize) -> usize {
+        Self::dots_at(dots, self.scale)
     }
 
-    /// Height of a letter in pixels.
+    /// Like [`Canvas::dots`], at this scale. A dot is never lost.
+    pub fn dots_at(dots: usize, scale: f64) -> usize {
+        ((dots as f64 * scale).round() as usize).max(usize::from(dots > 0))
+    }
+
+    /// Width of a line of text in pixels.
+    pub fn text_width(&self, text: &str) -> usize {
+        width(text, self.scale).ceil() as usize
+    }
+
+    /// Height of a letter's box in pixels.
     pub fn letter_height(&self) -> usize {
-        HEIGHT.val() * self.scale
+        self.dots(LETTER)
     }
 
     /// Height of a line of text in pixels, including space between lines.
@@ -81,8 +82,8 @@ impl Canvas {
     }
 
     /// Like [`Canvas::line_height`], for letters of this scale.
-    pub fn line_height_at(scale: usize) -> usize {
-        (HEIGHT.val() + 4) * scale
+    pub fn line_height_at(scale: f64) -> usize {
+        Self::dots_at(LINE, scale)
     }
 
     /// Mixes `color` into a pixel, with `share` / 255 as its share. Pixels outside the canvas are
@@ -133,50 +134,48 @@ impl Canvas {
     /// Writes a line of text with its upper left corner at this position. Letters that the font
     /// lacks become question marks.
     pub fn write(&mut self, text: &str, x: i64, y: i64, color: Rgb) {
-        let advance = self.advance() as i64;
-        for (place, letter) in (0_i64..).zip(text.chars()) {
-            let left = x + place * advance;
+        let mut pen = 0.0;
+        for letter in text.chars() {
+            let glyph = glyph(letter, self.scale);
+            let left = x + f64::round(pen) as i64;
             if left >= self.width as i64 {
                 break;
             }
-            if letter == 'π' {
-                self.dots(left, y, PI.iter().map(<[u8; 7]>::as_slice), color);
-                continue;
+            for (n, cover) in (0_i64..).zip(&glyph.cover).filter(|(_, cover)| **cover > 0) {
+                let (row, column) = (n / glyph.width, n % glyph.width);
+                let (x, y) = (left + glyph.left + column, y + glyph.top + row);
+                self.blend(x, y, color, u32::from(*cover));
             }
-            let glyph = get_raster(letter, WEIGHT, HEIGHT)
-                .or_else(|| get_raster(if letter == ' ' { '_' } else { '?' }, WEIGHT, HEIGHT));
-            let Some(glyph) = glyph else { continue };
-            self.dots(left, y, glyph.rows(), color);
-        }
-    }
-
-    /// Draws a letter from the coverage of its dots, given in rows.
-    fn dots<'a>(&mut self, x: i64, y: i64, rows: impl Iterator<Item = &'a [u8]>, color: Rgb) {
-        let scale = self.scale as i64;
-        for (row, line) in (0_i64..).zip(rows) {
-            for (column, &cover) in (0_i64..).zip(line.iter()).filter(|(_, cover)| **cover > 0) {
-                for dot in 0..scale * scale {
-                    let x = x + column * scale + dot % scale;
-                    let y = y + row * scale + dot / scale;
-                    self.blend(x, y, color, u32::from(cover));
-                }
-            }
+            pen += glyph.advance;
         }
     }
 
     /// Writes a line of text on a dark background.
     pub fn label(&mut self, text: &str, x: i64, y: i64, color: Rgb) {
-        let width = text.chars().count() * self.advance() + 8 * self.scale;
+        let width = self.text_width(text) + self.dots(8);
         self.fill(x, y, width, self.line_height(), 0x0020_2028, 208);
-        self.write(text, x + 4 * self.scale as i64, y + 2 * self.scale as i64, color);
+        self.write(text, x + self.dots(4) as i64, y + self.dots(2) as i64, color);
     }
 
-    /// The text, shortened to fit a width in pixels. Shortened text ends with two dots.
+    /// The text, shortened to fit a width in pixels. Shortened text ends with an ellipsis.
     pub fn fitting(&self, text: &str, room: usize) -> String {
-        let letters = room / self.advance();
-        if text.chars().count() <= letters {
+        if self.text_width(text) <= room {
             return text.to_owned();
         }
-        text.chars().take(letters.saturating_sub(2)).chain("..".chars()).collect()
+        let free = room.saturating_sub(self.text_width("…"));
+        let mut kept: String = text[..self.fitting_bytes(text, free)].trim_end().to_owned();
+        kept.push('…');
+        kept
+    }
+
+    /// Number of bytes of the longest beginning of the text that fits a width in pixels.
+    pub fn fitting_bytes(&self, text: &str, room: usize) -> usize {
+        let mut pen = 0.0;
+        let fits = |(_, letter): &(usize, char)| {
+            pen += glyph(*letter, self.scale).advance;
+            f64::ceil(pen) as usize <= room
+        };
+        let last = text.char_indices().take_while(fits).last();
+        last.map_or(0, |(at, letter)| at + letter.len_utf8())
     }
 }

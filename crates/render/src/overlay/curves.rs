@@ -167,7 +167,7 @@ pub fn draw_curves(canvas: &mut Canvas, shown: PictureView<'_>, height: usize) {
     }
     let projector = Projector::new(shown, canvas.width, height);
     let mut covers = PixelCovers::new(canvas.width, height);
-    let scale = canvas.scale as f64;
+    let scale = canvas.scale;
     let mut along = 0.0;
     for line in &shown.curves.lines {
         draw_line(&mut covers, &projector, line, scale, &mut along);
@@ -380,14 +380,14 @@ fn ball_radius(point: &TracedPoint, scale: f64) -> f64 {
 /// Writes the labels of points that are seen, beside them. A label that would cover another one is
 /// left out.
 fn write_labels(canvas: &mut Canvas, labels: &[(DVec2, &TracedPoint)], ink: Rgb, height: usize) {
-    let letter = DVec2::new(canvas.advance() as f64, canvas.letter_height() as f64);
+    let high = canvas.letter_height() as f64;
     let bounds = DVec2::new(canvas.width as f64, height as f64);
     let mut taken: Vec<[DVec2; 2]> = Vec::new();
     for (at, point) in labels.iter().filter(|(_, point)| !point.label.is_empty()) {
         let text = canvas.fitting(&point.label, canvas.width / 2);
-        let size = letter * DVec2::new(text.chars().count() as f64, 1.0);
-        let away = ball_radius(point, canvas.scale as f64) + 0.5 * letter.x;
-        let right = DVec2::new(at.x + away, at.y - letter.y / 2.0);
+        let size = DVec2::new(canvas.text_width(&text) as f64, high);
+        let away = ball_radius(point, canvas.scale) + BESIDE * canvas.scale;
+        let right = DVec2::new(at.x + away, at.y - high / 2.0);
         let left = DVec2::new(at.x - away - size.x, right.y);
         let place = if right.x + size.x <= bounds.x { right } else { left };
         let place = place.clamp(DVec2::ZERO, (bounds - size).max(DVec2::ZERO));
@@ -399,6 +399,9 @@ fn write_labels(canvas: &mut Canvas, labels: &[(DVec2, &TracedPoint)], ink: Rgb,
         }
     }
 }
+
+/// Space between a point and its label, in dots.
+const BESIDE: f64 = 4.0;
 
 /// Largest number of labels. Each one is compared with all others.
 const MOST_LABELS: usize = 1000;

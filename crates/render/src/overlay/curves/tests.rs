@@ -31,7 +31,7 @@ impl Scene {
 
     /// The picture with its curves, as bytes.
     fn drawn(&self) -> Vec<u8> {
-        let mut canvas = Canvas::new(SIZE, SIZE, Vec::new(), 1);
+        let mut canvas = Canvas::new(SIZE, SIZE, Vec::new(), 1.0);
         draw_curves(&mut canvas, self.shown(), SIZE);
         let mut rgb = self.picture.rgb.clone();
         canvas.mix_into(&mut rgb, 0);
@@ -201,7 +201,7 @@ fn a_picture_may_be_smaller_than_the_canvas() {
     let text = "domain 2\nx^2+y^2+z^2=1\n(1.3cos t, 1.3sin t, 0) for t in [0, 2pi]";
     let scene = Scene::new(text, DVec3::new(0.0, -6.0, 1.0), Projection::Perspective { fov: 40.0 });
     let large = 3 * SIZE;
-    let mut canvas = Canvas::new(large, large, vec![0x00ff_ffff; large * large], 1);
+    let mut canvas = Canvas::new(large, large, vec![0x00ff_ffff; large * large], 1.0);
     draw_curves(&mut canvas, scene.shown(), large);
     let projector = Projector::new(scene.shown(), large, large);
     let shows = |at: DVec3| {
