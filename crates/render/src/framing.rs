@@ -1,4 +1,5 @@
-//! The automatic camera: as near as the visible points allow, and no edge-on view of flat surfaces.
+//! The automatic camera: as near as the visible points allow, on the side from which more is seen,
+//! and no edge-on view of flat surfaces.
 //!
 //! The visible points come from a small picture of the whole region. Hidden points lie within the
 //! same outline, so only the visible points have to fit. Nothing here is a proof, and nothing
@@ -37,6 +38,21 @@ const LEAST_SINE: f64 = 0.5;
 /// and number of camera positions from which the points in these pictures must fit.
 const ROUND_SIDES: usize = 4;
 const ROUND_STEPS: usize = 24;
+
+/// The camera turns to another side only if `MORE` times as much of the surface is visible from
+/// there. Undersides count as `UNDERSIDE` of their area.
+const MORE: f64 = 1.15;
+const UNDERSIDE: f64 = 0.25;
+
+/// A plane is vertical if the vertical part of its unit normal is below this.
+const VERTICAL: f64 = 0.05;
+
+/// Number of sides among which the camera chooses. They are a quarter turn apart.
+const TURNS: usize = 4;
+
+/// Neighboring visible points lie on one part of a surface if they are at most this many pixels of
+/// the small picture apart.
+const JOINED: f64 = 8.0;
 
 /// Directions from which flat surfaces are viewed, in order of preference.
 const SIDES: [DVec3; 5] = [
@@ -94,21 +110,32 @@ pub fn camera_over(
         choice.up.is_none() && document.view.as_ref().is_none_or(|view| view.up.is_none());
     let Some(mut seen) = look(back)? else { return Ok(None) };
     let mut side = back;
-    if is_upright
-        && let Some(normal) = flat(&seen)
-        && normal.dot(back).abs() < LEAST_SINE
-    {
-        let sides = SIDES.map(DVec3::normalize);
-        let steep = |side: &&DVec3| normal.dot(**side).abs() >= LEAST_SINE;
-        side = *sides.iter().find(steep).unwrap_or(&sides[0]);
-        let Some(spots) = look(side)? else { return Ok(None) };
-        seen = spots;
+    if is_upright {
+        let turn = |n, of| turned(usual.up(), n, of);
+        // The normal of the upper side. A vertical plane has none.
+        let upper = |normal: DVec3| {
+            let is_vertical = normal.z.abs() < VERTICAL;
+            normal * if is_vertical { normal.dot(back) } else { normal.z }.signum()
+        };
+        let flat = flat(&seen.spots).map(upper);
+        let sides = match flat {
+            Some(normal) if normal.dot(back) < LEAST_SINE => {
+                let all = SIDES.map(DVec3::normalize);
+                let steep = |side: &&DVec3| normal.dot(**side) >= LEAST_SINE;
+                vec![*all.iter().find(steep).unwrap_or(&all[0])]
+            }
+            Some(_) => Vec::new(),
+            None => (1..TURNS).map(|n| turn(n, TURNS) * back).collect(),
+        };
+        for other in sides {
+            let Some(found) = look(other)? else { return Ok(None) };
+            if flat.is_some() || found.area > MORE * seen.area {
+                (side, seen) = (other, found);
+            }
+        }
     }
-    let fitted = if seen.len() < LEAST {
-        view.fitted(side, &corners(region), FILLED)
-    } else {
-        view.fitted(side, &seen, FILLED)
-    };
+    let spots = if seen.spots.len() < LEAST { corners(region) } else { seen.spots };
+    let fitted = view.fitted(side, &spots, FILLED);
     // If floats cannot represent the fitted camera, the camera shows the whole region.
     Ok(Some(fitted.unwrap_or(usual)))
 }
@@ -197,6 +224,13 @@ fn is_chosen(document: &Document, choice: &CameraChoice) -> bool {
         })
 }
 
+/// The points that are visible from one side.
+struct Seen {
+    spots: Vec<Spot>,
+    /// Approximate area of the visible parts, in which undersides count as [`UNDERSIDE`].
+    area: f64,
+}
+
 /// A visible point, and a radius around it that must also be in the picture.
 #[derive(Clone, Copy)]
 struct Spot {
@@ -226,7 +260,7 @@ impl FreeView {
         region: &Region,
         settings: &Settings,
         wanted: &(dyn Fn() -> bool + Sync),
-    ) -> Result<Option<Vec<Spot>>, SceneError> {
+    ) -> Result<Option<Seen>, SceneError> {
         let camera = self.fitted(back, &corners(region), 1.0)?;
         let small = Settings {
             options: TraceOptions {
@@ -241,23 +275,21 @@ impl FreeView {
         };
         let (rays, forward) = (camera.rays(SIDE, SIDE), camera.rays(1, 1).forward());
         let slope = self.slope();
-        let mut seen = Vec::new();
+        let (mut spots, mut area) = (Vec::new(), 0.0);
         for model in models {
             let picture = model.trace(&camera, &small, &|_| wanted())?;
             if !wanted() {
                 return Ok(None);
             }
-            let painted = (0..SIDE * SIDE).filter(|pixel| picture.buffer.is_drawn(*pixel));
-            let spot = |pixel: usize| {
-                let ray = rays.ray_of(pixel);
-                let at = ray.at(ray.parameter(picture.buffer.drawn[pixel]));
-                let depth = (at - camera.eye()).dot(forward);
-                Spot { at, radius: SPOT_RADIUS * depth * 2.0 * slope / SIDE as f64 }
-            };
-            seen.extend(painted.map(spot).filter(|spot| spot.at.is_finite()));
-            seen.extend(model.curves().places().map(|at| Spot { at, radius: 0.0 }));
+            let points: Vec<_> =
+                rays.drawn_points(&picture.buffer.drawn).map(DVec3::from_array).collect();
+            let pixel = |at: DVec3| (at - camera.eye()).dot(forward) * 2.0 * slope / SIDE as f64;
+            let spot = |&at: &DVec3| Spot { at, radius: SPOT_RADIUS * pixel(at) };
+            spots.extend(points.iter().filter(|at| at.is_finite()).map(spot));
+            spots.extend(model.curves().places().map(|at| Spot { at, radius: 0.0 }));
+            area += visible_area(&points, &pixel, self.up);
         }
-        Ok(Some(seen))
+        Ok(Some(Seen { spots, area }))
     }
 
     /// A camera on the side of `back` whose eye can turn around its target about an upright axis.
@@ -268,17 +300,15 @@ impl FreeView {
         back: DVec3,
         usual: &Camera,
         region: &Region,
-        look: &dyn Fn(DVec3) -> Result<Option<Vec<Spot>>, SceneError>,
+        look: &dyn Fn(DVec3) -> Result<Option<Seen>, SceneError>,
     ) -> Result<Option<Camera>, SceneError> {
         let axis = usual.up().normalize();
-        let turn = |n: usize, of: usize| {
-            DQuat::from_axis_angle(axis, std::f64::consts::TAU * n as f64 / of as f64)
-        };
+        let turn = |n, of| turned(axis, n, of);
         let mut seen = Vec::new();
         for side in 0..ROUND_SIDES {
             let back = turn(side, ROUND_SIDES) * back;
-            let Some(spots) = look(back)? else { return Ok(None) };
-            seen.extend(spots);
+            let Some(found) = look(back)? else { return Ok(None) };
+            seen.extend(found.spots);
         }
         if seen.len() < LEAST {
             seen = corners(region);
@@ -345,6 +375,31 @@ impl FreeView {
         let target = middle + across;
         Camera::new(target - forward * distance, target, self.up, projection)
     }
+}
+
+/// The n-th of `of` equal turns about an axis.
+fn turned(axis: DVec3, n: usize, of: usize) -> DQuat {
+    DQuat::from_axis_angle(axis.normalize(), std::f64::consts::TAU * n as f64 / of as f64)
+}
+
+/// The approximate visible area of a surface. `points` has the visible point of each pixel of a
+/// small picture, or NaN. `pixel` gives the width of a pixel at a point. Undersides count as
+/// [`UNDERSIDE`] of their area.
+fn visible_area(points: &[DVec3], pixel: &dyn Fn(DVec3) -> f64, up: DVec3) -> f64 {
+    let area = |(n, &here): (usize, &DVec3)| {
+        let beside = points.get(n + 1).filter(|_| (n + 1) % SIDE != 0);
+        let Some((&beside, &below)) = beside.zip(points.get(n + SIDE)) else { return 0.0 };
+        let (across, down) = (beside - here, below - here);
+        // This is false for NaN, too.
+        let is_joined = [across, down].iter().all(|way| way.length() <= JOINED * pixel(here));
+        let normal = down.cross(across);
+        match (is_joined, normal.dot(up) >= 0.0) {
+            (false, _) => 0.0,
+            (true, true) => normal.length(),
+            (true, false) => UNDERSIDE * normal.length(),
+        }
+    };
+    points.iter().enumerate().map(area).sum()
 }
 
 /// The normal of a plane to which all spots are near. `None` if there is no such plane.

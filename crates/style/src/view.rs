@@ -11,13 +11,13 @@ pub struct StandardView {
     pub up: [f64; 3],
 }
 
-/// Length of every offset: the length of (2, −3, 1.5).
-const DISTANCE: f64 = 3.905_124_837_953_327;
+/// Length of every offset: the length of (2, −3, 2.25).
+const DISTANCE: f64 = 4.25;
 
-/// All views. The first is the default: the eye is to the right, in front and above. The z axis
-/// points up, and the view `front` looks along +y.
+/// All views. The first is the default: the eye is to the right, in front and 32° above the
+/// horizon. The z axis points up, and the view `front` looks along +y.
 pub const VIEWS: [StandardView; 7] = [
-    StandardView { name: "iso", offset: [2.0, -3.0, 1.5], up: UPRIGHT },
+    StandardView { name: "iso", offset: [2.0, -3.0, 2.25], up: UPRIGHT },
     StandardView { name: "front", offset: [0.0, -DISTANCE, 0.0], up: UPRIGHT },
     StandardView { name: "back", offset: [0.0, DISTANCE, 0.0], up: UPRIGHT },
     StandardView { name: "left", offset: [-DISTANCE, 0.0, 0.0], up: UPRIGHT },
