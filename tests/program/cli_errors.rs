@@ -281,7 +281,6 @@ fn numbers_out_of_range() {
         (["--ortho", "inf"], "orthographic height is inf"),
         (["--ortho", "1e-12"], "can tell the rays apart from a height of about"),
         (["--eye", "1e101,0,0"], "the eye has a coordinate that is not a number within ±1e100"),
-        (["--eye", "0,0,0"], "the eye and the target are the same point"),
         (["--eye", "nan,0,0"], "the eye has a coordinate"),
         (["--eye", "1,2"], "expected 3 numbers"),
         (["--up", "0,0,0"], "the up vector is zero"),

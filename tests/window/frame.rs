@@ -67,7 +67,7 @@ pub fn letters_are_as_large_as_they_are_asked_to_be() {
 
 /// Also takes the window's picture for the README.
 pub fn the_overlay_is_drawn_around_the_picture() {
-    let scene = Scene::start(&["barth-sextic-suse-95", "--size", "800x620"]);
+    let scene = Scene::start(&["barth-sextic", "--size", "800x620"]);
     let axes = scene.rest();
     let plain = scene.changes("no axes", || scene.key("x"));
     scene.changes("axes", || scene.key("x"));

@@ -373,8 +373,13 @@ pub fn camera(
     let turned =
         |[x, y, z]: [f64; 3]| if is_y_up { DVec3::new(x, z, -y) } else { [x, y, z].into() };
     let (offset, view_up) = (turned(view.offset), turned(view.up));
-    let target = choice.target.or(point(&typed.target)).unwrap_or(region.centre());
     let given_eye = choice.eye.or(typed_eye);
+    // An eye in the center looks in the direction in which the view looks from outside.
+    let usual = match given_eye {
+        Some(eye) if eye == region.centre() => eye - offset * region.half_extent(),
+        _ => region.centre(),
+    };
+    let target = choice.target.or(point(&typed.target)).unwrap_or(usual);
     let eye = given_eye.unwrap_or(target + offset * region.half_extent());
     let up = choice.up.or(typed_up).unwrap_or_else(|| {
         // An eye set by the caller or the document may look straight down. Then y is the upward
