@@ -242,6 +242,9 @@ fn pictures_in_another_format_than_png() {
         assert_refused(&place, &run, &format!("PNG only: '{name}'"), name);
         assert!(run.stderr.contains(meant), "{}", run.stderr);
     }
+    let run = place.run(&["render", "x+y", "-o", "d.gif"]);
+    assert_refused(&place, &run, "so 'd.gif' needs --frames N", "d.gif");
+    assert!(run.stderr.contains("'d.png'"), "{}", run.stderr);
     for name in ["C.PNG", "c"] {
         place.run(&["render", "x+y", "--size", "8", "-o", name]).ok();
     }

@@ -35,7 +35,7 @@ impl Model {
     pub fn locate(&self, surface: usize, ray: &Ray, near: f64, reach: f64) -> Option<Located> {
         let kernel = self.program.kernels::<f64>(surface).bounds().ok()?;
         let domain = self.program.domain();
-        let line = Line { kernel: &*kernel, ray, domain };
+        let line = Line { kernel, ray, domain };
         let (mut from, to) = ((near - reach).max(0.0), near + reach);
         for _ in 0..JUMPS {
             let t = line.change_of_sign([from, to])?;

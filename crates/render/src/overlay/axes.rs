@@ -263,7 +263,7 @@ mod tests {
         for (width, height) in [(800, 600), (640, 460), (300, 200), (1600, 1180)] {
             for (scale, fitted) in [(1, false), (1, true), (2, true)] {
                 let labels = labels(width, height, scale, fitted);
-                let letter = 8.0;
+                let letter = 7.0;
                 for (index, one) in labels.iter().enumerate() {
                     let end = one.place + one.size;
                     assert!(one.place.min_element() >= 0.0, "{one:?}");
