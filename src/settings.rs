@@ -353,6 +353,9 @@ impl Settings {
         /// Turns soft shadows on or off. A ray goes from every visible point to an area light.
         /// Default: off.
         shadows(shadows: bool) => shadows = shadows;
+        /// Turns the ground on or off: a plane below the surfaces, on which they cast shadows.
+        /// Default: the text's `ground` line, or else off.
+        ground(ground: bool) => picture.ground = Some(ground);
         /// Turns ambient occlusion on or off. It darkens points near other surfaces, if the look
         /// does so. Default: on.
         occlusion(occlusion: bool) => picture.occlusion = occlusion;

@@ -73,6 +73,41 @@ fn what_is_visible_fills_the_picture_and_nothing_bounded_is_cut() {
     assert!(good as f64 >= LEAST * f64::from(count), "{report}");
 }
 
+/// Graphs from textbooks on functions of two variables, of every kind that has a chapter.
+const GRAPHS: &str = include_str!("../data/graphs.txt");
+
+#[test]
+fn graphs_fill_the_picture_and_show_their_upper_side() {
+    let (mut filled, mut upper, mut count, mut report) = (0, 0, 0, String::new());
+    for text in GRAPHS.lines().filter(|line| line.starts_with('z')) {
+        let document = read(text, &Options::default()).expect(text);
+        let (region, _) = region(&document, DomainChoice::Document, None).expect(text);
+        let settings =
+            Settings { width: SIDE, height: SIDE, keeps_normals: true, ..Settings::default() };
+        let model = Model::new(&document, &region, &settings).expect(text);
+        let camera = framing::camera(&model, &document, &CameraChoice::default(), &settings, false);
+        let camera = camera.expect(text);
+        let (share, _) = share(&model, &camera, SIDE, SIDE);
+        let buffer = model.trace(&camera, &settings, &|_| true).expect(text).buffer;
+        let rays = camera.rays(SIDE, SIDE);
+        let drawn: Vec<usize> = (0..SIDE * SIDE).filter(|n| buffer.is_drawn(*n)).collect();
+        let shows_upper = |pixel: &&usize| {
+            let normal = glam::DVec3::from_array(buffer.normal[**pixel].map(f64::from));
+            let toward_eye = normal * -normal.dot(rays.ray_of(**pixel).direction).signum();
+            toward_eye.z > 0.0
+        };
+        let above = drawn.iter().filter(shows_upper).count() as f64 / drawn.len() as f64;
+        count += 1;
+        filled += usize::from((SHARES[0]..=SHARES[1]).contains(&share));
+        upper += usize::from(above > 0.5);
+        let _ = writeln!(report, "{share:.2} {above:.2} {text}");
+    }
+    println!("{report}{filled} of {count} fill the picture, {upper} show mostly their upper side");
+    assert!(count >= 60, "{count}");
+    assert!(filled as f64 >= LEAST * f64::from(count), "{report}");
+    assert!(upper as f64 >= LEAST * f64::from(count), "{report}");
+}
+
 #[test]
 fn a_tall_picture_and_a_wide_one_hold_it_all() {
     let document = read("x^2/9+y^2+z^2/4=1", &Options::default()).expect("reads");

@@ -28,6 +28,7 @@ mod soundness;
 mod stability;
 mod stability_proofs;
 mod stability_solids;
+mod stretched;
 mod strips;
 mod truth;
 mod truth_support;

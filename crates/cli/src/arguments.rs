@@ -449,6 +449,10 @@ pub struct TracingArgs {
     #[command(flatten)]
     pub kernels: KernelArgs,
 
+    /// Stand on a ground that shows shadows
+    #[arg(long)]
+    pub ground: bool,
+
     /// Cast soft shadows: trace a ray from every visible point to an area light
     #[arg(help_heading = LIGHT, long)]
     pub shadows: bool,

@@ -24,6 +24,7 @@ use zeroset_render::picture::{Picture, Precision, Settings, UndecidedStatistics}
 use zeroset_scene::blank::Blank;
 use zeroset_scene::curves::UNPROVEN;
 use zeroset_scene::domain::AutoDomain;
+use zeroset_scene::proportions;
 use zeroset_scene::view::{self, Clipping, DomainChoice};
 use zeroset_shade::{LinearRgb, Pattern};
 use zeroset_space::Region;
@@ -82,6 +83,9 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
 
     if let Some(found) = searched {
         notes::note(&subject::describe_domain(&found));
+    }
+    if let Some(stretched) = proportions::description(&region) {
+        notes::note(&stretched);
     }
     if is_stopped {
         notes::note("stopped by Ctrl-C: this is the picture so far");
@@ -205,6 +209,7 @@ pub fn method_settings(method: &TracingArgs, Size { width, height }: Size) -> Re
         width,
         height,
         shadow_depth: method.shadows.then_some(shadow_depth),
+        ground: method.ground.then_some(true),
         normals: Some(method.normals),
         ..settings
     })

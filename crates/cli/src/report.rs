@@ -86,6 +86,7 @@ pub fn object(
             (projection): value,
         },
         "domain": [low.x, high.x, low.y, high.y, low.z, high.z],
+        "stretch": region.stretch().to_array(),
         "domain_found": searched.map(|found| found.describe()),
         "clip": region.clip().map(|clip| {
             [clip.normal.x, clip.normal.y, clip.normal.z, clip.offset]

@@ -18,7 +18,7 @@ use zeroset_render::model::Model;
 use zeroset_render::overlay::{Overlay, PictureView};
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_render::sequence::{Sequence, Stage, Sweep};
-use zeroset_scene::view;
+use zeroset_scene::{proportions, view};
 use zeroset_syntax::{ErrorKind, Errors, Options};
 use zeroset_trace::{Camera, Method};
 
@@ -291,6 +291,9 @@ impl<'a> FrameRenderer<'a> {
         let stage = sequence.stage(text, &options, place, &choice, around.axes, settings)?;
         if let Some(found) = &stage.searched {
             notes::note(&subject::describe_domain(found));
+        }
+        if let Some(stretched) = proportions::description(&stage.region) {
+            notes::note(&stretched);
         }
         let progress = Progress::new(sequence.frames as u64, "frames");
         Ok(Self { subject, overrides, time, sequence, settings, stage, around, progress })

@@ -18,7 +18,9 @@ impl Live {
             let own = typed_clip(&seen.document);
             cuts = request.clip.or(own).is_none();
             request.clip = if cuts {
-                let normal = (seen.camera.eye() - seen.camera.target()).normalize();
+                // Of the plane that faces the eye in the displayed space.
+                let (camera, stretch) = (seen.camera.displayed(), seen.camera.stretch());
+                let normal = (stretch * (camera.eye() - camera.target())).normalize();
                 let offset = normal.dot(seen.camera.target());
                 ClipChoice::Plane(HalfSpace { normal, offset })
             } else {

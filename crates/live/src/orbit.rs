@@ -32,8 +32,9 @@ const FILLED: f64 = 0.88;
 const TURN: f64 = PI;
 
 impl Orbit {
-    /// The orbit of `camera`.
+    /// The orbit of `camera`. It turns in the displayed space.
     pub fn from_camera(camera: &Camera, region: &Region) -> Self {
+        let (camera, region) = (camera.displayed(), region.displayed());
         let scale = region.half_extent();
         let back = camera.eye() - camera.target();
         let frame = camera.rays(1, 1);
@@ -71,6 +72,7 @@ impl Orbit {
     /// # Errors
     /// If the region is so large or small that the camera's numbers overflow.
     pub fn camera(&self, region: &Region) -> Result<Camera, CameraError> {
+        let (stretch, region) = (region.stretch(), region.displayed());
         let scale = region.half_extent();
         let (back, _, up) = self.directions();
         let target = region.centre() + self.target * scale;
@@ -78,7 +80,8 @@ impl Orbit {
         if let Projection::Orthographic { height } = &mut projection {
             *height *= scale;
         }
-        Camera::new(target + back * self.distance * scale, target, up, projection)
+        let camera = Camera::new(target + back * self.distance * scale, target, up, projection)?;
+        Ok(camera.in_stretched(stretch))
     }
 
     /// Three unit vectors: toward the eye, to the right in the picture, and up in the picture.
@@ -128,6 +131,7 @@ impl Orbit {
     /// Fits the box of `shown` into a picture of this size in pixels, with space for labels. The
     /// direction of the view stays. The orbit's lengths are in half extents of `region`.
     pub fn fit(&mut self, shown: &Region, region: &Region, width: usize, height: usize) {
+        let (shown, region) = (shown.displayed(), region.displayed());
         let scale = region.half_extent();
         self.target = (shown.centre() - region.centre()) / scale;
         let (back, right, up) = self.directions();

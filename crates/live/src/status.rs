@@ -8,6 +8,7 @@ use zeroset_interval::Interval;
 use zeroset_render::names::Named;
 use zeroset_render::picture::Settings;
 use zeroset_scene::coordinate::coordinate;
+use zeroset_scene::proportions;
 use zeroset_scene::view::{self, ClipChoice, DomainChoice};
 use zeroset_shade::UndecidedStyle;
 use zeroset_trace::{MethodOption, OPTIONS, Projection};
@@ -35,6 +36,9 @@ pub(super) fn describe(snapshot: &Snapshot) -> String {
     let [x, y, z] = view::bounds(region).map(|ends| [ends.lo, ends.hi].map(coordinate).join(".."));
     let found = rendering.searched.map_or(String::new(), |found| found.describe());
     let _ = writeln!(text, "domain      x {x}, y {y}, z {z}  {found}");
+    if let Some(stretched) = proportions::description(region) {
+        let _ = writeln!(text, "note        {stretched}");
+    }
     let settings = &rendering.request.settings;
     let options: Vec<String> = read_options(rendering)
         .filter(|option| option.short(&settings.options).is_some())
@@ -192,6 +196,9 @@ impl Rendering {
         }
         if let Some(look) = settings.look {
             let _ = write!(command, " --look {}", look.name);
+        }
+        if settings.ground == Some(true) {
+            command.push_str(" --ground");
         }
         if settings.shadow_depth.is_some() {
             command.push_str(" --shadows");

@@ -9,10 +9,11 @@ use super::session::Live;
 use super::undo::Gesture;
 use std::ops::Range;
 use zeroset_shade::{LinearRgb, SurfaceColors};
+use zeroset_style::{MATERIALS, Material};
 use zeroset_syntax::{Document, Options, SurfaceColor};
 
 /// First words of style lines. These apply to the drawings below them.
-const STYLE_WORDS: [&str; 3] = ["color", "opacity", "hidden"];
+const STYLE_WORDS: [&str; 4] = ["color", "opacity", "material", "hidden"];
 
 /// Number of sample colors in a list for a surface with a color map.
 const SWATCH: usize = 6;
@@ -63,11 +64,12 @@ struct StyledDrawing {
     /// Arguments of the `color` line, but without an opacity.
     color: String,
     opacity: f64,
+    material: &'static Material,
     hidden: bool,
 }
 
-/// Color, opacity and hiding of a drawing without style lines above it.
-const DEFAULT_STYLE: (&str, f64, bool) = ("auto", 1.0, false);
+/// Color, opacity, material and hiding of a drawing without style lines above it.
+const DEFAULT_STYLE: (&str, f64, &Material, bool) = ("auto", 1.0, &MATERIALS[0], false);
 
 impl StyledDrawing {
     fn all(text: &str, document: &Document) -> Vec<Self> {
@@ -85,6 +87,7 @@ impl StyledDrawing {
                 body: text[surface.span.range()].to_owned(),
                 color: color.to_owned(),
                 opacity: surface.opacity,
+                material: surface.material,
                 hidden: surface.hidden,
             }
         };
@@ -94,14 +97,18 @@ impl StyledDrawing {
     /// The style lines needed above this drawing if `before` is the drawing above it. Returns only
     /// lines that begin with these `words`.
     fn lines(&self, before: Option<&Self>, words: &[&str]) -> Vec<String> {
-        let (color, opacity, hidden) =
-            before.map_or(DEFAULT_STYLE, |one| (one.color.as_str(), one.opacity, one.hidden));
+        let (color, opacity, material, hidden) = before.map_or(DEFAULT_STYLE, |one| {
+            (one.color.as_str(), one.opacity, one.material, one.hidden)
+        });
         let mut lines = Vec::new();
         if words.contains(&"color") && self.color != color {
             lines.push(format!("color {}", self.color));
         }
         if words.contains(&"opacity") && self.opacity != opacity {
             lines.push(format!("opacity {}%", percent(self.opacity)));
+        }
+        if words.contains(&"material") && self.material != material {
+            lines.push(format!("material {}", self.material.name));
         }
         if words.contains(&"hidden") && self.hidden != hidden {
             lines.push(if self.hidden { "hidden" } else { "hidden off" }.to_owned());
@@ -167,6 +174,7 @@ fn changed(
             one.body == other.body
                 && one.color == other.color
                 && one.hidden == other.hidden
+                && one.material == other.material
                 && percent(one.opacity) == percent(other.opacity)
         };
         let now = StyledDrawing::all(&new, said);

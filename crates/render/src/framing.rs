@@ -32,7 +32,7 @@ const LEAST: usize = 8;
 /// A surface is flat if its thickness is below `THIN` of its width. A flat surface is viewed from a
 /// direction whose angle to the surface has at least the sine `LEAST_SINE`.
 const THIN: f64 = 0.15;
-const LEAST_SINE: f64 = 0.5;
+const LEAST_SINE: f64 = 0.55;
 
 /// For a camera that turns around its target: number of sides from which small pictures are taken,
 /// and number of camera positions from which the points in these pictures must fit.
@@ -99,12 +99,15 @@ pub fn camera_over(
     is_turned: bool,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Camera>, SceneError> {
-    let (usual, view) = usual(document, region, choice, settings)?;
-    let Some(view) = view else { return Ok(Some(usual)) };
+    let (given, view) = usual(document, region, choice, settings)?;
+    let Some(view) = view else { return Ok(Some(given)) };
+    // All fitting is done in the displayed space.
+    let (stretch, usual) = (region.stretch(), given.displayed());
     let back = (usual.eye() - usual.target()).normalize();
     let look = |back: DVec3| view.seen(models, back, region, settings, wanted);
     if is_turned {
-        return view.fitted_around(back, &usual, region, &look);
+        let fitted = view.fitted_around(back, &usual, region, &look)?;
+        return Ok(fitted.map(|camera| camera.in_stretched(stretch)));
     }
     let is_upright =
         choice.up.is_none() && document.view.as_ref().is_none_or(|view| view.up.is_none());
@@ -128,16 +131,19 @@ pub fn camera_over(
             None => (1..TURNS).map(|n| turn(n, TURNS) * back).collect(),
         };
         for other in sides {
-            let Some(found) = look(other)? else { return Ok(None) };
+            let Some(mut found) = look(other)? else { return Ok(None) };
+            // No point lies outside of the outline, from whatever side it was found.
+            found.spots.append(&mut seen.spots);
+            seen.spots = found.spots;
             if flat.is_some() || found.area > MORE * seen.area {
-                (side, seen) = (other, found);
+                (side, seen.area) = (other, found.area);
             }
         }
     }
     let spots = if seen.spots.len() < LEAST { corners(region) } else { seen.spots };
     let fitted = view.fitted(side, &spots, FILLED);
     // If floats cannot represent the fitted camera, the camera shows the whole region.
-    Ok(Some(fitted.unwrap_or(usual)))
+    Ok(Some(fitted.unwrap_or(usual).in_stretched(stretch)))
 }
 
 /// Like [`camera_while`], within a part of the settings' time budget. When that time is over, the
@@ -183,7 +189,7 @@ fn usual(
     let view = match usual.projection() {
         Projection::Perspective { fov } if !is_chosen(document, choice) => {
             let aspect = settings.width as f64 / settings.height as f64;
-            Some(FreeView { fov, up: usual.up(), aspect })
+            Some(FreeView { fov, up: usual.displayed().up(), aspect })
         }
         Projection::Perspective { .. } | Projection::Orthographic { .. } => None,
     };
@@ -200,12 +206,13 @@ pub(crate) fn of_domain(
     choice: &CameraChoice,
     settings: &Settings,
 ) -> Result<Camera, SceneError> {
-    let (usual, view) = usual(document, region, choice, settings)?;
-    let Some(view) = view else { return Ok(usual) };
+    let (given, view) = usual(document, region, choice, settings)?;
+    let Some(view) = view else { return Ok(given) };
+    let usual = given.displayed();
     let back = (usual.eye() - usual.target()).normalize();
     let slope = FILLED_BY_DOMAIN * view.slope();
     let fitted = view.fitted_within(back, &corners(region), [slope * view.aspect, slope]);
-    Ok(fitted.unwrap_or(usual))
+    Ok(fitted.unwrap_or(usual).in_stretched(region.stretch()))
 }
 
 /// Returns whether the view is fixed by the user or the document: a side other than the usual one,
@@ -238,11 +245,12 @@ struct Spot {
     radius: f64,
 }
 
+/// The corners of the region's box as displayed.
 fn corners(region: &Region) -> Vec<Spot> {
-    view::corners(region).map(|at| Spot { at, radius: 0.0 }).to_vec()
+    view::corners(&region.displayed()).map(|at| Spot { at, radius: 0.0 }).to_vec()
 }
 
-/// Properties of a camera that fitting does not change.
+/// Properties of a camera of the displayed space that fitting does not change.
 struct FreeView {
     fov: f64,
     up: DVec3,
@@ -273,20 +281,22 @@ impl FreeView {
             normals: None,
             ..Settings::default()
         };
-        let (rays, forward) = (camera.rays(SIDE, SIDE), camera.rays(1, 1).forward());
+        let rays = camera.in_stretched(region.stretch()).rays(SIDE, SIDE);
+        let forward = rays.forward();
         let slope = self.slope();
         let (mut spots, mut area) = (Vec::new(), 0.0);
         for model in models {
-            let picture = model.trace(&camera, &small, &|_| wanted())?;
+            let stretch = region.stretch();
+            let picture = model.trace(&camera.in_stretched(stretch), &small, &|_| wanted())?;
             if !wanted() {
                 return Ok(None);
             }
-            let points: Vec<_> =
-                rays.drawn_points(&picture.buffer.drawn).map(DVec3::from_array).collect();
+            let points = rays.drawn_points(&picture.buffer.drawn);
+            let points: Vec<_> = points.map(|at| DVec3::from_array(at) * stretch).collect();
             let pixel = |at: DVec3| (at - camera.eye()).dot(forward) * 2.0 * slope / SIDE as f64;
             let spot = |&at: &DVec3| Spot { at, radius: SPOT_RADIUS * pixel(at) };
             spots.extend(points.iter().filter(|at| at.is_finite()).map(spot));
-            spots.extend(model.curves().places().map(|at| Spot { at, radius: 0.0 }));
+            spots.extend(model.curves().places().map(|at| Spot { at: at * stretch, radius: 0.0 }));
             area += visible_area(&points, &pixel, self.up);
         }
         Ok(Some(Seen { spots, area }))

@@ -2,6 +2,7 @@
 
 mod antialias;
 mod bounds;
+mod ground;
 mod layers;
 mod locate;
 mod paint;

@@ -54,6 +54,9 @@ pub struct Settings {
     pub light: Option<DVec3>,
     /// Share of ambient light, within [0, 1]. `None` for the look's share.
     pub ambient: Option<f32>,
+    /// Whether surfaces stand on a ground, on which they cast shadows. `None` for the document's
+    /// choice.
+    pub ground: Option<bool>,
     /// Background color. `None` for the document's color, or else the look's.
     pub background: Option<LinearRgb>,
 }
@@ -86,6 +89,7 @@ impl Default for Settings {
             occlusion: false,
             antialias: Pattern::ONE,
             ambient: None,
+            ground: None,
             background: None,
         }
     }

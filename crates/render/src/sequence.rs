@@ -195,13 +195,17 @@ impl Sequence {
 
 /// The camera with its eye turned by this many degrees about the upright axis through its target.
 fn turned(camera: &Camera, degrees: f64) -> Result<Camera, CameraError> {
+    let (given, camera) = (camera, camera.displayed());
     let up = camera.up();
     // A whole number of turns ends exactly at the start.
     let angle = (degrees % 360.0).to_radians();
     let around = DQuat::from_axis_angle(up.normalize_or(DVec3::Z), angle);
     let eye = camera.target() + around * (camera.eye() - camera.target());
-    let eye = if angle == 0.0 { camera.eye() } else { eye };
-    Camera::new(eye, camera.target(), up, camera.projection())
+    if angle == 0.0 {
+        return Ok(*given);
+    }
+    let turned = Camera::new(eye, camera.target(), up, camera.projection())?;
+    Ok(turned.in_stretched(given.stretch()))
 }
 
 /// The smallest region that contains both regions, and the result of both searches.
@@ -212,6 +216,7 @@ fn both(
     let (low, high) = (one.low().min(other.low()), one.high().max(other.high()));
     let is_round = one.ball().is_some() && other.ball().is_some();
     let region = view::clipped(low, high, is_round, one.clip()).unwrap_or(*one);
+    let region = region.with_stretch(one.stretch());
     let searched = found.zip(*found_too).map(|(one, other)| AutoDomain {
         low: low.to_array(),
         high: high.to_array(),

@@ -26,7 +26,7 @@ mod window;
 use crate::coordinate::coordinate;
 use crate::program::{Program, ProgramError};
 use homogeneous::Homogeneous;
-use shape::GraphShape;
+pub(crate) use shape::GraphShape;
 use std::cell::Cell as Counter;
 use waves::Wave;
 use window::{Window, WindowChooser};
@@ -177,6 +177,7 @@ impl Finding {
 /// If a kernel cannot be compiled.
 pub fn find_while(
     program: &Program,
+    is_stretched: bool,
     wanted: &dyn Fn() -> bool,
 ) -> Result<Option<AutoDomain>, ProgramError> {
     let surfaces = (0..program.roots().len()).take_while(|_| wanted());
@@ -205,7 +206,7 @@ pub fn find_while(
             None => (Cell::cube(DEFAULT_HALF), empty),
         }
     } else {
-        let Window { cell, is_round, cut: is_cut } = windows(program, &search)?;
+        let Window { cell, is_round, cut: is_cut } = windows(program, is_stretched, &search)?;
         cut = is_cut;
         (cell, if is_round { Finding::UnboundedInBall } else { Finding::Unbounded })
     };
@@ -350,8 +351,12 @@ fn gcd(a: u32, b: u32) -> u32 {
 }
 
 /// A box around the windows on all surfaces. It is clipped to a ball if all surfaces look better
-/// so.
-fn windows(program: &Program, search: &CellSearch<'_>) -> Result<Window, ProgramError> {
+/// so. If `is_stretched`, the box may have any proportions.
+fn windows(
+    program: &Program,
+    is_stretched: bool,
+    search: &CellSearch<'_>,
+) -> Result<Window, ProgramError> {
     let (graph, parameters) = (program.graph(), program.values());
     let mut windows = Vec::with_capacity(program.roots().len());
     for (surface, &root) in program.roots().iter().enumerate() {
@@ -378,6 +383,7 @@ fn windows(program: &Program, search: &CellSearch<'_>) -> Result<Window, Program
             centre: centre::centre(graph, root, parameters),
             waves: waves.iter().map(|wave| wave as &Wave<'_>).collect(),
             is_solid: program.is_solid(surface),
+            is_stretched,
             bounds: bounds::bounds(&alone).unwrap_or(EVERYWHERE),
             cut: [[false; 2]; 3],
         };

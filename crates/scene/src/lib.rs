@@ -15,6 +15,7 @@ pub mod gallery;
 pub mod kernels;
 pub mod point_value;
 pub mod program;
+pub mod proportions;
 pub mod shortened;
 mod simplified;
 pub mod uniforms;

@@ -4,6 +4,7 @@
 use crate::curves;
 use crate::domain::{self, AutoDomain, Finding};
 use crate::program::{Program, ProgramError};
+use crate::proportions;
 use glam::DVec3;
 use num_traits::ToPrimitive;
 use std::str::FromStr;
@@ -233,7 +234,7 @@ pub fn region_while(
     let [x, y, z] = ranges.map(Option::unwrap_or_default);
     let (low, high) = (DVec3::new(x[0], y[0], z[0]), DVec3::new(x[1], y[1], z[1]));
     let region = clipped(low, high, is_ball, plane.or(typed_clip(document)))?;
-    Ok(Some((region, searched)))
+    Ok(Some((region.with_stretch(proportions::stretch(document, &region)), searched)))
 }
 
 /// Returns whether [`region`] must search for the surface.
@@ -319,7 +320,8 @@ fn search_while(
         program.hurry();
         program
     });
-    let found = domain::find_while(&program.over_time(document), wanted)?;
+    let is_tall = proportions::may_stretch(document);
+    let found = domain::find_while(&program.over_time(document), is_tall, wanted)?;
     Ok(found.map(|found| ends.map_or(found, |ends| found.with_box(ends))))
 }
 
@@ -327,7 +329,9 @@ fn search_while(
 /// only in values of parameters, each within its range.
 pub fn same_search(one: &Document, other: &Document) -> bool {
     let parameters = one.parameters.iter().zip(&other.parameters);
-    one.curves.are_alike(&other.curves) && { parameters }.all(|(one, other)| {
+    let is_alike =
+        one.curves.are_alike(&other.curves) && one.picture.is_equal == other.picture.is_equal;
+    is_alike && { parameters }.all(|(one, other)| {
         let loops = one.kind == ParameterKind::Time && one.range.is_some();
         loops || one.value == other.value
     })
@@ -373,15 +377,18 @@ pub fn camera(
     let turned =
         |[x, y, z]: [f64; 3]| if is_y_up { DVec3::new(x, z, -y) } else { [x, y, z].into() };
     let (offset, view_up) = (turned(view.offset), turned(view.up));
-    let given_eye = choice.eye.or(typed_eye);
+    // The camera is set up in the displayed space.
+    let (stretch, shown) = (region.stretch(), region.displayed());
+    let displayed = |point: DVec3| point * stretch;
+    let given_eye = choice.eye.or(typed_eye).map(displayed);
     // An eye in the center looks in the direction in which the view looks from outside.
     let usual = match given_eye {
-        Some(eye) if eye == region.centre() => eye - offset * region.half_extent(),
-        _ => region.centre(),
+        Some(eye) if eye == shown.centre() => eye - offset * shown.half_extent(),
+        _ => shown.centre(),
     };
-    let target = choice.target.or(point(&typed.target)).unwrap_or(usual);
-    let eye = given_eye.unwrap_or(target + offset * region.half_extent());
-    let up = choice.up.or(typed_up).unwrap_or_else(|| {
+    let target = choice.target.or(point(&typed.target)).map_or(usual, displayed);
+    let eye = given_eye.unwrap_or(target + offset * shown.half_extent());
+    let up = choice.up.or(typed_up).map(displayed).unwrap_or_else(|| {
         // An eye set by the caller or the document may look straight down. Then y is the upward
         // direction, as in the view from the top.
         let vertical = given_eye.is_some() && (target - eye).cross(view_up) == DVec3::ZERO;
@@ -392,7 +399,7 @@ pub fn camera(
         (None, Some(fov)) => Projection::Perspective { fov: nearest(fov) },
         (None, None) => Projection::Perspective { fov: FOV },
     });
-    Camera::new(eye, target, up, projection)
+    Ok(Camera::new(eye, target, up, projection)?.in_stretched(stretch))
 }
 
 /// The camera that shows the box of `region` from a standard view. Its distance from the center is
@@ -406,8 +413,10 @@ pub fn standard_camera(
     region: &Region,
     projection: Projection,
 ) -> Result<Camera, CameraError> {
-    let (offset, centre) = (DVec3::from(view.offset), region.centre());
-    Camera::new(centre + offset * region.half_extent(), centre, view.up.into(), projection)
+    let shown = region.displayed();
+    let (offset, centre) = (DVec3::from(view.offset), shown.centre());
+    let eye = centre + offset * shown.half_extent();
+    Ok(Camera::new(eye, centre, view.up.into(), projection)?.in_stretched(region.stretch()))
 }
 
 /// The `f64` nearest to a constant expression such as `1/3`. `None` if the text is no such

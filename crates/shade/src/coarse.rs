@@ -9,18 +9,18 @@ use zeroset_trace::{GBuffer, RayGrid};
 /// this. The unit is a pixel width of the smaller picture, times the slope.
 const FAR: f64 = 4.0;
 
-/// Sets each painted point's occlusion to the mean over the four pixels of `small` that are nearest
+/// Returns the occlusion of each painted point: the mean over the four pixels of `small` that are nearest
 /// in the picture. Only pixels that show the same part of the same surface count. If `small` is as
 /// large as the picture, its values are copied.
 pub fn borrow_occlusion(
-    buffer: &mut GBuffer,
+    buffer: &GBuffer,
     rays: &RayGrid,
     small: &GBuffer,
     small_rays: &RayGrid,
-) {
+) -> Vec<u8> {
     let (width, height) = (small_rays.width(), small_rays.height());
-    let GBuffer { drawn, surface, normal, occlusion, .. } = buffer;
-    occlusion.resize(drawn.len(), 0);
+    let GBuffer { drawn, surface, normal, .. } = buffer;
+    let mut occlusion = vec![0; drawn.len()];
     let hidden_there = |there: usize| small.occlusion.get(there).copied().unwrap_or_default();
     let row = |(row, hidden): (usize, &mut [u8])| {
         for (column, hidden) in hidden.iter_mut().enumerate() {
@@ -64,6 +64,7 @@ pub fn borrow_occlusion(
         }
     };
     occlusion.par_chunks_mut(rays.width().max(1)).enumerate().for_each(row);
+    occlusion
 }
 
 #[cfg(test)]

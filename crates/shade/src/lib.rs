@@ -6,6 +6,7 @@
 
 mod coarse;
 mod color;
+mod displayed;
 mod edges;
 mod light;
 mod normal;
@@ -15,6 +16,7 @@ mod shade;
 
 pub use coarse::borrow_occlusion;
 pub use color::LinearRgb;
+pub use displayed::Displayed;
 pub use edges::{edges, is_creased, is_smooth, slope};
 pub use light::Light;
 pub use normal::{NormalSource, normals};

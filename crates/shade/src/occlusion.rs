@@ -95,10 +95,15 @@ impl<'a> AmbientOcclusion<'a> {
         is_inside.then(|| self.place((row * width + column) as usize))
     }
 
-    /// Sets `buffer.occlusion`: the share of each painted point's surroundings that is hidden by
-    /// points within `reach`, in world units. Once `wanted` returns false, further rows stay as
-    /// they are.
-    pub fn occlusion(&self, buffer: &mut GBuffer, reach: f64, wanted: &(dyn Fn() -> bool + Sync)) {
+    /// The share of each painted point's surroundings that is hidden by points within `reach`, in
+    /// world units. `buffer` is that of [`AmbientOcclusion::new`]. Once `wanted` returns false,
+    /// nothing hides the points of further rows.
+    pub fn occlusion(
+        &self,
+        buffer: &GBuffer,
+        reach: f64,
+        wanted: &(dyn Fn() -> bool + Sync),
+    ) -> Vec<u8> {
         let rays = self.rays;
         let widest = WIDEST * rays.height() as f64;
         let row = |(row, hidden): (usize, &mut [u8])| {
@@ -114,10 +119,9 @@ impl<'a> AmbientOcclusion<'a> {
                 }
             }
         };
-        let mut occlusion = std::mem::take(&mut buffer.occlusion);
-        occlusion.resize(buffer.status.len(), 0);
+        let mut occlusion = vec![0; buffer.status.len()];
         occlusion.par_chunks_mut(rays.width().max(1)).enumerate().for_each(row);
-        buffer.occlusion = occlusion;
+        occlusion
     }
 
     /// The share of a point's surroundings that is hidden by points within `pixels` of it in the
@@ -226,7 +230,7 @@ mod tests {
         for inward in [true, false] {
             let (mut buffer, rays) = corner(inward);
             let near = AmbientOcclusion::new(&buffer, &rays, DVec3::ZERO);
-            near.occlusion(&mut buffer, 0.8, &|| true);
+            buffer.occlusion = near.occlusion(&buffer, 0.8, &|| true);
             near.mean(&mut buffer.occlusion);
             let column = |column: usize| {
                 let rows = 24..40;

@@ -9,7 +9,7 @@ use fearless_simd::Level;
 use rayon::prelude::*;
 pub use shader::{ColoredRows, Shader};
 pub(crate) use shader::{ShadingInput, ViewAndNormals};
-use zeroset_style::Look;
+use zeroset_style::{Look, Material};
 use zeroset_trace::buffer_pool::{BufferPool, PICTURES, serves};
 use zeroset_trace::painted::{SHADED_ROWS, windows};
 use zeroset_trace::{GBuffer, RayGrid};
@@ -23,6 +23,8 @@ pub struct SurfaceColors {
     pub negative: LinearRgb,
     /// Color of the faces where a region cuts a solid open.
     pub cut: LinearRgb,
+    /// How the surface reflects light.
+    pub material: &'static Material,
 }
 
 /// Marking of undecided pixels.
@@ -73,13 +75,13 @@ pub struct Appearance {
 }
 
 impl SurfaceColors {
-    /// Colors for a surface without colors of its own. The first pair is warm and cool. Its two
-    /// colors can be told apart in every common form of color blindness (Okabe and Ito, "Color
-    /// Universal Design", 2008).
+    /// Colors for a surface without colors of its own. Outer sides have colors that can be told
+    /// apart in every common form of color blindness (Okabe and Ito, "Color Universal Design",
+    /// 2008). Inner sides are pale, and cool where the outer side is warm.
     pub fn default_for(surface: usize) -> Self {
         let pair = DEFAULT_PAIRS[surface % DEFAULT_PAIRS.len()];
         let [positive, negative] = pair.map(LinearRgb::from_srgb);
-        Self { positive, negative, cut: cut(positive) }
+        Self { positive, negative, cut: cut(positive), material: Default::default() }
     }
 
     /// The colors of a surface with this color outside. The inner side is darker and less colorful.
@@ -87,7 +89,7 @@ impl SurfaceColors {
         let [red, green, blue] = outer.0;
         let grey = 0.2126 * red + 0.7152 * green + 0.0722 * blue;
         let negative = LinearRgb(outer.0.map(|part| 0.5 * part + 0.12 * grey + 0.02));
-        Self { positive: outer, negative, cut: cut(outer) }
+        Self { positive: outer, negative, cut: cut(outer), material: Default::default() }
     }
 
     /// The same colors with the two sides exchanged.
@@ -125,11 +127,12 @@ impl Appearance {
     }
 }
 
-const DEFAULT_PAIRS: [[[u8; 3]; 2]; 4] = [
-    [[230, 159, 0], [0, 114, 178]],   // orange, blue
-    [[240, 228, 66], [86, 180, 233]], // yellow, sky blue
-    [[213, 94, 0], [0, 158, 115]],    // vermilion, bluish green
-    [[204, 121, 167], [92, 92, 104]], // reddish purple, gray
+const DEFAULT_PAIRS: [[[u8; 3]; 2]; 5] = [
+    [[230, 159, 0], [112, 163, 212]],   // orange, pale blue
+    [[0, 135, 105], [226, 176, 190]],   // bluish green, pale pink
+    [[186, 92, 150], [196, 206, 148]],  // reddish purple, pale olive
+    [[0, 104, 170], [232, 204, 148]],   // blue, sand
+    [[205, 85, 10], [150, 200, 190]],   // vermilion, pale teal
 ];
 
 /// The picture as sRGB bytes: red, green, blue, row by row from the top left.

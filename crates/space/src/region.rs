@@ -31,6 +31,7 @@ pub struct Region {
     high: DVec3,
     clip: Option<HalfSpace>,
     ball: Option<Ball>,
+    stretch: DVec3,
 }
 
 /// Why a region is invalid.
@@ -96,7 +97,7 @@ impl Region {
                 return Err(RegionError::Empty { axis, low, high });
             }
         }
-        Ok(Self { low, high, clip: None, ball: None })
+        Ok(Self { low, high, clip: None, ball: None, stretch: DVec3::ONE })
     }
 
     /// This region, cut by the half-space `clip`.
@@ -114,6 +115,25 @@ impl Region {
     pub fn with_ball(self) -> Self {
         let ball = Ball { centre: self.centre(), radius: self.half_extent() };
         Self { ball: Some(ball), ..self }
+    }
+
+    /// This region, whose lengths along the axes cameras multiply by these factors.
+    #[must_use]
+    pub fn with_stretch(self, stretch: DVec3) -> Self {
+        Self { stretch, ..self }
+    }
+
+    /// For each axis, the factor by which lengths are multiplied for display. Only cameras use it:
+    /// rays and everything found on them have the lengths of space. Powers of two, mostly 1.
+    pub fn stretch(&self) -> DVec3 {
+        self.stretch
+    }
+
+    /// The box as displayed: lengths are multiplied by [`Region::stretch`]. Nothing cuts it.
+    #[must_use]
+    pub fn displayed(&self) -> Self {
+        let (low, high) = (self.low * self.stretch, self.high * self.stretch);
+        Self { low, high, clip: None, ball: None, stretch: DVec3::ONE }
     }
 
     /// The corner with the smallest coordinates.

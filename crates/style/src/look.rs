@@ -21,6 +21,8 @@ pub struct Look {
     pub rim: f32,
     /// Strength of the key light's white highlight.
     pub highlight: f32,
+    /// Strength of the reflected surroundings on materials that reflect.
+    pub surroundings: f32,
     /// Strength, from 0 to 1, of outlines: dark edges where a surface turns from the viewer.
     pub outline: f32,
     /// Whether nearby points of a surface reduce the ambient light.
@@ -39,6 +41,7 @@ pub const LOOKS: [Look; 4] = [
         fill: 0.35,
         rim: 0.22,
         highlight: 0.16,
+        surroundings: 1.0,
         outline: 0.0,
         occlusion: true,
     },
@@ -52,6 +55,7 @@ pub const LOOKS: [Look; 4] = [
         fill: 0.4,
         rim: 0.0,
         highlight: 0.0,
+        surroundings: 0.5,
         outline: 0.0,
         occlusion: false,
     },
@@ -65,6 +69,7 @@ pub const LOOKS: [Look; 4] = [
         fill: 0.3,
         rim: 0.0,
         highlight: 0.0,
+        surroundings: 1.0,
         outline: 0.75,
         occlusion: true,
     },
@@ -78,6 +83,7 @@ pub const LOOKS: [Look; 4] = [
         fill: 0.22,
         rim: 0.75,
         highlight: 0.25,
+        surroundings: 0.55,
         outline: 0.0,
         occlusion: true,
     },

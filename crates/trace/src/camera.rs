@@ -16,7 +16,7 @@ pub enum Projection {
     },
     /// Rays are parallel and start on the plane through the eye.
     Orthographic {
-        /// The height of the picture in world units, from 1e-300 to 1e100.
+        /// The height of the picture in world units as displayed, from 1e-300 to 1e100.
         height: f64,
     },
 }
@@ -34,10 +34,12 @@ pub struct Camera {
     target: DVec3,
     up: DVec3,
     projection: Projection,
+    pub(crate) stretch: DVec3,
+    /// The axes of the view as displayed.
     pub(crate) basis: Basis,
 }
 
-/// The axes of a view in world coordinates, each of length 1.
+/// The axes of a view, each of length 1 unless space is stretched.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Basis {
     pub forward: DVec3,
@@ -131,7 +133,34 @@ impl Camera {
             }
             Projection::Perspective { .. } => {}
         }
-        Ok(Self { eye, target, up, projection, basis })
+        Ok(Self { eye, target, up, projection, stretch: DVec3::ONE, basis })
+    }
+
+    /// The camera of a stretched space that takes the same picture as `self` takes of the displayed
+    /// space. A point p of the stretched space is displayed at p·`stretch`, axis by axis.
+    ///
+    /// The factors must be powers of two, so that nothing is rounded unless it overflows.
+    #[must_use]
+    pub fn in_stretched(self, stretch: DVec3) -> Self {
+        if stretch == DVec3::ONE {
+            return self;
+        }
+        let up = (self.up / stretch).normalize_or(self.up);
+        Self { eye: self.eye / stretch, target: self.target / stretch, up, stretch, ..self }
+    }
+
+    /// The camera of the displayed space that takes the same picture.
+    #[must_use]
+    pub fn displayed(&self) -> Self {
+        let Self { stretch, .. } = *self;
+        let up = self.up * stretch;
+        let (eye, target) = (self.eye * stretch, self.target * stretch);
+        Self { eye, target, up, stretch: DVec3::ONE, ..*self }
+    }
+
+    /// For each axis, the factor by which lengths are multiplied for display.
+    pub fn stretch(&self) -> DVec3 {
+        self.stretch
     }
 
     /// The position of the camera.
@@ -156,6 +185,11 @@ impl Camera {
 }
 
 impl Basis {
+    /// Axes whose components are divided by these factors.
+    pub fn divided(self, by: DVec3) -> Self {
+        Self { forward: self.forward / by, right: self.right / by, up: self.up / by }
+    }
+
     /// The axes of a view, each within a few ulps of the exact one. `None` if `up` is along the
     /// view.
     fn new(eye: DVec3, target: DVec3, up: DVec3) -> Option<Self> {

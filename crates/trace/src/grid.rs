@@ -43,7 +43,12 @@ pub struct RayGrid {
     /// bounds of the whole, so that it is traced in the same way.
     pub(crate) reach: [f64; 2],
     eye: DVec3,
+    /// For each axis, the factor by which lengths are multiplied for display.
+    stretch: DVec3,
+    /// The axes of the view as displayed.
     basis: Basis,
+    /// The same axes in space: a ray's direction is a sum of their multiples.
+    pub(crate) axes: Basis,
     /// The direction of view, then the change of a ray's direction per half pixel to the right and
     /// per half pixel upward. In an orthographic picture, the ray's origin changes instead. Stored
     /// in `f32`, since each window needs the numbers in `f32`.
@@ -99,11 +104,26 @@ impl Camera {
             Projection::Orthographic { height } => (height / 2.0, true),
         };
         let unit = scale / height as f64;
-        let (eye, basis) = (self.eye(), self.basis);
+        let (eye, stretch, basis) = (self.eye(), self.stretch, self.basis);
+        let axes = basis.divided(stretch);
         let reach = [width as f64 * unit, height as f64 * unit];
         let (first, patches) = ([1 - width as i64, height as i64 - 1], None);
         let (corner, steps) = ([0; 2], steps(&basis, unit));
-        RayGrid { width, height, first, corner, reach, eye, basis, steps, unit, parallel, patches }
+        RayGrid {
+            width,
+            height,
+            first,
+            corner,
+            reach,
+            eye,
+            stretch,
+            basis,
+            axes,
+            steps,
+            unit,
+            parallel,
+            patches,
+        }
     }
 }
 
@@ -137,9 +157,10 @@ impl RayGrid {
         for corner in 0..8 {
             let pick = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
             let corner = DVec3::new(pick(0), pick(1), pick(2));
-            let off = corner - self.eye;
+            let [corner, eye] = [corner, self.eye].map(|point| point * self.stretch);
+            let off = corner - eye;
             // Far above the rounding errors of these numbers, of the basis and of rays.
-            let error = PROJECTION_ERROR * (off.length() + corner.length() + self.eye.length());
+            let error = PROJECTION_ERROR * (off.length() + corner.length() + eye.length());
             let depth = off.dot(forward);
             nearest = nearest.min(depth - error);
             for (screen, axis) in screen.iter_mut().zip([right, up]) {
@@ -235,6 +256,25 @@ impl RayGrid {
         self.eye
     }
 
+    /// For each axis, the factor by which lengths are multiplied for display. The directions of
+    /// view, and the widths of pixels, are those of the displayed space.
+    pub fn stretch(&self) -> DVec3 {
+        self.stretch
+    }
+
+    /// Returns whether space is stretched for display.
+    pub fn is_stretched(&self) -> bool {
+        self.stretch != DVec3::ONE
+    }
+
+    /// The rays of the same picture in the displayed space. A point on a ray has the same t in both
+    /// spaces.
+    #[must_use]
+    pub fn displayed(&self) -> Self {
+        let (eye, stretch, axes) = (self.eye * self.stretch, DVec3::ONE, self.basis);
+        Self { eye, stretch, axes, ..self.clone() }
+    }
+
     /// The direction of view, of length 1.
     pub fn forward(&self) -> DVec3 {
         self.basis.forward
@@ -268,7 +308,7 @@ impl RayGrid {
     #[inline]
     fn through(&self, place: [f64; 2]) -> Ray {
         let [across, upward] = place.map(|offset| offset * self.unit);
-        let Basis { forward, right, up } = self.basis;
+        let Basis { forward, right, up } = self.axes;
         let offset = across * right + upward * up;
         if self.parallel {
             Ray { origin: self.eye + offset, direction: forward }
@@ -380,7 +420,7 @@ impl RayGrid {
         window: PixelWindow,
         distances: &[f64; LANES],
     ) -> [Lanes<f64>; 3] {
-        let Basis { forward, right, up } = self.basis;
+        let Basis { forward, right, up } = self.axes;
         let [first, upward] = self.offset(window.column, window.row);
         let [columns, rows] = self.places(window);
         let (columns, rows) = (f32::wide(simd, &columns), f32::wide(simd, &rows));
@@ -410,7 +450,7 @@ impl RayGrid {
         points
     }
 
-    /// The directions of a window's rays. Their error, a few ulps of `f32`, does not matter for
+    /// The directions of a window's rays as displayed. Their error, a few ulps of `f32`, does not matter for
     /// colors.
     #[inline(always)]
     pub fn ways<S: Simd>(&self, simd: S, window: PixelWindow) -> RayDirections<S> {
@@ -445,9 +485,9 @@ impl RayGrid {
         RayDirections { to_eye, aside }
     }
 
-    /// The points on the rays of a window at `distances` in world units. The error is a few ulps of
-    /// `f32`, relative to a point's coordinates or to its distance from the picture's middle ray.
-    /// That is far less than a pixel.
+    /// The points on the rays of a window at `distances` in world units, if space is not stretched.
+    /// The error is a few ulps of `f32`, relative to a point's coordinates or to its distance from
+    /// the picture's middle ray. That is far less than a pixel.
     #[inline(always)]
     pub fn points_along<S: Simd>(
         &self,

@@ -24,7 +24,8 @@ const FARTHEST: f64 = 64.0;
 /// # Errors
 /// If the plane has no normal.
 pub fn clipped(region: &Region, clip: Option<HalfSpace>) -> Result<Region, RegionError> {
-    view::clipped(region.low(), region.high(), region.ball().is_some(), clip)
+    let clipped = view::clipped(region.low(), region.high(), region.ball().is_some(), clip)?;
+    Ok(clipped.with_stretch(region.stretch()))
 }
 
 /// The region to show after `before`, when the values need the region `found`. If `before` has the
@@ -44,7 +45,8 @@ pub fn next_region(before: &Region, found: &Region) -> Result<Region, RegionErro
     let room = MARGIN * (found.high() - found.low());
     let low = DVec3::select(found.low().cmplt(before.low()), found.low() - room, found.low());
     let high = DVec3::select(found.high().cmpgt(before.high()), found.high() + room, found.high());
-    view::clipped(low, high, is_round, found.clip()).or(Ok(*found))
+    let next = view::clipped(low, high, is_round, found.clip()).unwrap_or(*found);
+    Ok(next.with_stretch(found.stretch()))
 }
 
 /// A box around the shown region and the regions found at the ends of sliders' ranges. Code

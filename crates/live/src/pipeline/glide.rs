@@ -50,9 +50,11 @@ fn between(from: &Camera, to: &Camera, share: f64) -> Option<Camera> {
         (Projection::Perspective { .. }, Projection::Orthographic { .. })
         | (Projection::Orthographic { .. }, Projection::Perspective { .. }) => return None,
     };
-    let eye = from.eye().lerp(to.eye(), share);
-    let target = from.target().lerp(to.target(), share);
-    Camera::new(eye, target, from.up().lerp(to.up(), share), projection).ok()
+    let stretch = to.stretch();
+    let eye = from.eye().lerp(to.eye(), share) * stretch;
+    let target = from.target().lerp(to.target(), share) * stretch;
+    let up = from.up().lerp(to.up(), share) * stretch;
+    Some(Camera::new(eye, target, up, projection).ok()?.in_stretched(stretch))
 }
 
 #[cfg(test)]

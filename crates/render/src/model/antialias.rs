@@ -12,7 +12,7 @@ use std::ops::Range;
 use zeroset_eval::{KernelFloat, LANES};
 use zeroset_scene::program::ProgramError;
 use zeroset_shade::{
-    Pattern, UndecidedStyle, edges, hand_back_colors, is_creased, is_smooth, slope,
+    Displayed, Pattern, UndecidedStyle, edges, hand_back_colors, is_creased, is_smooth, slope,
 };
 use zeroset_trace::{BAND_ROWS, GBuffer, Patch, RayGrid, Status, TraceOptions};
 
@@ -44,7 +44,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         // The tolerance is in pixels. Scaled by the pattern, it is the same in world units for
         // finer pixels.
         let tolerance = tolerance * pattern.side as f64;
-        let mut wanted = edges(picture, rays);
+        let seen = Displayed::new(picture, rays);
+        let mut wanted = edges(&seen.buffer, &seen.rays);
         wanted.iter_mut().zip(behind).for_each(|(all, edge)| *all |= edge);
         // Keep the marks of undecided pixels.
         let marks = finish.appearance.undecided != UndecidedStyle::Shade;
@@ -70,10 +71,11 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             rays,
             finer: rays.finer(pattern.side),
             picture,
+            seen: &seen,
             pattern,
             finish,
             is_hidden: picture.shadow.iter().chain(&picture.occlusion).any(|hidden| *hidden > 0),
-            has_one: tracers.len() == 1 && !self.is_translucent(),
+            has_one: tracers.len() == 1 && !self.is_translucent() && !rays.is_stretched(),
         };
         let new = || [0; 2].map(|size| GBuffer::new(size, size, 0));
         let smooth = |buffers: &mut LayerBuffers, pixels: &[usize]| edge.smooth(buffers, pixels);
@@ -93,11 +95,12 @@ struct Edges<'a, T> {
     rays: &'a RayGrid,
     finer: RayGrid,
     picture: &'a GBuffer,
+    seen: &'a Displayed<'a>,
     pattern: Pattern,
     finish: &'a Coloring<'a>,
     /// Set if the picture has shadows or ambient occlusion.
     is_hidden: bool,
-    /// Set if there is a single surface, and it is opaque.
+    /// Set if there is a single surface, it is opaque, and space is not stretched.
     has_one: bool,
 }
 
@@ -168,7 +171,13 @@ impl<T: KernelFloat> Edges<'_, T> {
             finish: self.finish,
             side: self.pattern.side,
         };
-        let bytes = self.pass.colored(&layered, &mut [])?;
+        let mut bytes = self.pass.colored(&layered, &mut [])?;
+        for (n, color) in bytes.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+            let ground = self.finish.ground.get(pixels[n / places]).copied().flatten();
+            if let Some(ground) = ground.filter(|_| !all.is_drawn(n)) {
+                *color = ground;
+            }
+        }
         if !(self.pass.advance)(0) {
             // Some of these colors may be missing.
             return Ok(Vec::new());
@@ -203,8 +212,8 @@ impl<T: KernelFloat> Edges<'_, T> {
     /// The patches of finer rays that cover a pixel.
     fn patches(&self, pixel: usize) -> impl Iterator<Item = Patch> {
         let (column, row) = (pixel % self.rays.width(), pixel / self.rays.width());
-        let picture = self.picture;
-        let ray = self.rays.ray(column, row);
+        let Displayed { buffer: picture, rays } = self.seen;
+        let ray = rays.ray(column, row);
         let along = ray.direction.normalize().as_vec3();
         let (mut nearest, mut farthest, mut is_outline) = (f64::INFINITY, 0.0_f64, false);
         for there in around(self.rays, pixel) {
@@ -214,7 +223,7 @@ impl<T: KernelFloat> Edges<'_, T> {
                 continue;
             }
             let steep = f64::from(slope(picture.normal[there], along));
-            let margin = (MARGIN_PIXELS + SLOPE_FACTOR * steep) * self.rays.footprint(drawn);
+            let margin = (MARGIN_PIXELS + SLOPE_FACTOR * steep) * rays.footprint(drawn);
             nearest = nearest.min(drawn - margin);
             farthest = farthest.max(drawn + margin);
         }

@@ -9,10 +9,11 @@ mod tests;
 use super::paint::Coloring;
 use super::trace::{PreparedSurface, RenderPass};
 use block::Block;
+use glam::Vec3;
 use rayon::prelude::*;
 use zeroset_eval::KernelFloat;
 use zeroset_scene::program::ProgramError;
-use zeroset_shade::{LinearRgb, UndecidedStyle, edges, hand_back_colors, shade};
+use zeroset_shade::{Displayed, LinearRgb, UndecidedStyle, edges, hand_back_colors, shade};
 use zeroset_trace::{Driver, GBuffer, RayGrid, Start, Status};
 
 /// Largest number of points of one surface along a ray.
@@ -20,6 +21,9 @@ const MOST: usize = 8;
 
 /// Light from behind is ignored if its share is smaller than this. Such light is not visible.
 const DARK: f32 = 1.0 / 512.0;
+
+/// Cosine between normal and ray below which a sheet's opacity does not grow further.
+const LEAST_FACING: f32 = 0.12;
 
 /// An undecided point has no proven end along the ray. A point at least this many pixels behind it
 /// counts as another point.
@@ -60,22 +64,24 @@ struct Point {
     /// Index in the picture.
     pixel: u32,
     color: [u8; 3],
+    /// Opacity; 255 means opaque. A byte, since there are millions of points.
+    opacity: u8,
     /// Distance from the ray's origin.
     drawn: f64,
 }
 
 /// Points of one surface, at most one for each ray.
 struct Layer {
-    opacity: f32,
     /// In the order of the pixels.
     points: Vec<Point>,
 }
 
 impl Layered<'_> {
     fn shaded(&self, buffer: &GBuffer, rays: &RayGrid) -> Vec<u8> {
-        let Coloring { appearance, painter } = self.finish;
+        let Coloring { appearance, painter, .. } = self.finish;
         let paint = painter.as_ref().map(|painter| painter.paint(buffer, rays, self.side));
-        shade(buffer, rays, appearance, &paint.unwrap_or_default())
+        let seen = Displayed::new(buffer, rays);
+        shade(&seen.buffer, &seen.rays, appearance, &paint.unwrap_or_default())
     }
 }
 
@@ -128,7 +134,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 self.compute_normals(surface, rays, &mut layer)?;
                 if !edge.is_empty() {
                     // Edges behind a translucent surface are visible.
-                    known.mark(&edges(&layer, rays), edge, all.rays.width());
+                    let seen = Displayed::new(&layer, rays);
+                    known.mark(&edges(&seen.buffer, &seen.rays), edge, all.rays.width());
                 }
                 let starts = self.starts(rays, &layer);
                 layers.push(self.points(all, block, &known, &layer, rays));
@@ -155,12 +162,28 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         Ok(layers)
     }
 
-    /// The opacity of a pixel's point.
-    fn opacity(&self, finish: &Coloring<'_>, buffer: &GBuffer, pixel: usize) -> f32 {
+    /// The opacity of a pixel's point. A surface is a thin sheet, so a ray that crosses it at a
+    /// grazing angle passes more of it.
+    fn opacity(
+        &self,
+        finish: &Coloring<'_>,
+        buffer: &GBuffer,
+        rays: &RayGrid,
+        pixel: usize,
+    ) -> f32 {
         let is_left_out = finish.appearance.undecided == UndecidedStyle::Miss
             && buffer.status[pixel] == Status::Undecided;
         let style = &self.model.styles[usize::from(buffer.surface[pixel])];
-        if is_left_out { 0.0 } else { style.opacity as f32 }
+        let opacity = style.opacity as f32;
+        if is_left_out || opacity <= 0.0 {
+            return 0.0;
+        }
+        let (Some(normal), true) = (buffer.normal.get(pixel), opacity < 1.0) else {
+            return opacity;
+        };
+        let way = rays.ray_of(pixel).direction.normalize().as_vec3();
+        let facing = Vec3::from_array(*normal).dot(way).abs();
+        1.0 - (1.0 - opacity).powf(1.0 / facing.max(LEAST_FACING))
     }
 
     /// The points of a layer that are mixed with the picture's points. `layer` is traced along
@@ -175,7 +198,6 @@ impl<T: KernelFloat> RenderPass<'_, T> {
     ) -> Layer {
         let (picture, width) = (all.picture, all.rays.width());
         let colors = all.shaded(layer, rays);
-        let mut opacity = 0.0;
         let mut points = Vec::new();
         for (pixel, own) in block.pixels_of(known, width) {
             // The picture's own point is used as the nearest point, since it has shadows.
@@ -186,18 +208,16 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             if !layer.is_drawn(own) || !picture.is_drawn(pixel) || is_first() {
                 continue;
             }
-            let share = self.opacity(all.finish, layer, own);
-            let is_hidden = 1.0 - self.opacity(all.finish, picture, pixel) < DARK;
-            // All points of a surface have the same opacity. Points that are left out have none.
+            let share = self.opacity(all.finish, layer, rays, own);
+            let is_hidden = 1.0 - self.opacity(all.finish, picture, all.rays, pixel) < DARK;
             if share > 0.0 && !is_hidden {
-                opacity = share;
-                let color = colors.as_chunks().0[own];
-                points.push(Point { pixel: pixel as u32, color, drawn: layer.drawn[own] });
+                let (color, opacity) = (colors.as_chunks().0[own], (255.0 * share).round() as u8);
+                points.push(Point { pixel: pixel as u32, color, opacity, drawn: layer.drawn[own] });
             }
         }
         hand_back_colors(colors);
         points.shrink_to_fit();
-        Layer { opacity, points }
+        Layer { points }
     }
 
     /// For each pixel, the distance at which its ray continues behind a translucent point, in world
@@ -227,7 +247,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         let width = all.rays.width();
         let mixed = |pixel: usize, own: [u8; 3], behind: &[(f64, f32, [u8; 3])]| {
             let color = |bytes: [u8; 3]| LinearRgb::from_srgb(bytes).0;
-            let nearest = self.opacity(finish, picture, pixel);
+            let nearest = self.opacity(finish, picture, all.rays, pixel);
             let mut light = color(own).map(|own| nearest * own);
             let mut left = 1.0 - nearest;
             for &(_, opacity, own) in behind {
@@ -238,7 +258,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 light.iter_mut().zip(color(own)).for_each(|(light, own)| *light += share * own);
                 left -= share;
             }
-            let behind = finish.appearance.background.0;
+            let ground = if all.side == 1 { finish.ground.get(pixel) } else { None };
+            let behind = ground.copied().flatten().map_or(finish.appearance.background.0, color);
             light.iter_mut().zip(behind).for_each(|(light, behind)| *light += left * behind);
             LinearRgb(light).to_srgb()
         };
@@ -255,7 +276,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 for (place, layer) in places.iter_mut().zip(layers) {
                     let next = layer.points.get(*place);
                     if let Some(point) = next.filter(|point| point.pixel as usize == pixel) {
-                        behind.push((point.drawn, layer.opacity, point.color));
+                        behind.push((point.drawn, f32::from(point.opacity) / 255.0, point.color));
                         *place += 1;
                     }
                 }

@@ -3,6 +3,7 @@
 //! Values are computed in ordinary floats. No proof depends on them.
 
 use super::Model;
+use super::ground::GroundColors;
 use super::trace::Advance;
 use crate::overlay::{Legend, round_step};
 use rayon::prelude::*;
@@ -33,6 +34,8 @@ pub(super) struct Coloring<'a> {
     pub appearance: Appearance,
     /// Color maps and contour lines. `None` if there are neither.
     pub painter: Option<Painter<'a>>,
+    /// Colors of the ground behind the surfaces. Empty without a ground.
+    pub ground: GroundColors,
 }
 
 /// Color maps and contour lines on the surfaces.

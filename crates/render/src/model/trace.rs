@@ -244,7 +244,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
     /// Draws the picture of these rays. Only the rows `own` are kept.
     pub fn draw(&self, rays: &RayGrid) -> Result<Picture, ProgramError> {
         let mut times = self.model.times.unwrap_or_default();
-        let appearance = self.is_plain().then(|| self.appearance(self.key_light(rays), true));
+        let appearance = self.is_plain(rays).then(|| self.appearance(self.key_light(rays), true));
         let shader = appearance.as_ref().map(|appearance| Shader::new(rays, appearance));
         let found = self.surfaces(rays, &[], shader.as_ref(), &mut times)?;
         self.finished(rays, found, times)
@@ -284,8 +284,9 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
     }
 
     /// Returns whether each band can be colored as soon as it is traced.
-    fn is_plain(&self) -> bool {
+    fn is_plain(&self, rays: &RayGrid) -> bool {
         self.settings.normals.is_some()
+            && !rays.is_stretched()
             && self.model.visible_surfaces().count() == 1
             && self.shadow_depth().is_none()
             && !self.occludes()

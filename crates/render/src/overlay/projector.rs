@@ -57,13 +57,14 @@ impl<'a> Projector<'a> {
     /// eye.
     pub fn project(&self, point: DVec3) -> Option<(DVec2, f64)> {
         let rays = &self.rays;
-        let way = point - rays.eye();
+        let off = point - rays.eye();
+        let way = off * rays.stretch();
         let depth = way.dot(rays.forward());
         let (reach, distance) = match self.shown.camera.projection() {
             Projection::Perspective { fov } => {
-                ((fov.to_radians() / 2.0).tan() * depth, way.length())
+                ((fov.to_radians() / 2.0).tan() * depth, off.length())
             }
-            Projection::Orthographic { height } => (height / 2.0, depth),
+            Projection::Orthographic { height } => (height / 2.0, rays.ray(0, 0).distance(depth)),
         };
         if depth <= 1e-6 * way.length() || reach <= 0.0 {
             return None;
@@ -93,7 +94,7 @@ impl<'a> Projector<'a> {
         buffer.drawn[y * buffer.width + x] > distance * (1.0 - 2e-3)
     }
 
-    /// World length of a pixel at a point, given by its depth along the view.
+    /// Displayed length of a pixel at a point, given by its depth along the view.
     pub fn pixel_size(&self, depth: f64) -> f64 {
         let reach = match self.shown.camera.projection() {
             Projection::Perspective { fov } => (fov.to_radians() / 2.0).tan() * depth,
@@ -102,9 +103,9 @@ impl<'a> Projector<'a> {
         2.0 * reach / self.rays.height() as f64
     }
 
-    /// Distance of a point from the eye's plane.
+    /// Displayed distance of a point from the eye's plane.
     pub fn depth(&self, point: DVec3) -> f64 {
-        (point - self.rays.eye()).dot(self.rays.forward())
+        ((point - self.rays.eye()) * self.rays.stretch()).dot(self.rays.forward())
     }
 
     /// Number of the shown picture's pixel at a position, and whether a surface there, or in a

@@ -116,6 +116,7 @@ pub fn both_zero(document: &Document) -> Option<(Graph, Vec<Surface>)> {
                 echo: curve.echo.clone(),
                 color: None,
                 opacity: 1.0,
+                material: Default::default(),
                 hidden: false,
             })
         })

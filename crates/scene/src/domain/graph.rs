@@ -4,11 +4,12 @@
 //! depends neither on cameras nor on pictures.
 
 use super::ground::{self, Ground};
-use super::heights::{Grid, Heights, ShownHeights, shown};
+use super::heights::{Grid, Heights, ROUNDING, ShownHeights, shown};
 use super::shape::Growth;
 use super::tops::around_tops;
 use super::window::{WindowChooser, few_digits};
 use super::{DEFAULT_HALF, FLAT, SPACE, THIN, climb, fading};
+use crate::proportions;
 use zeroset_space::Cell;
 
 /// If a graph has heights in a part of the window only, the bound of that part is rounded to this
@@ -61,6 +62,10 @@ impl WindowChooser<'_> {
         let heights = |places: &[[f64; 2]]| self.heights(graph, places);
         let half = around_tops(&heights);
         let grid = Grid::new(&heights, half);
+        let reach = grid.ends().map_or(0.0, |[low, high]| high - low);
+        if self.is_stretched && reach > 0.0 && proportions::differ(reach, 2.0 * half) {
+            return true;
+        }
         if self.shape.growth == Growth::Polynomial {
             half > DEFAULT_HALF && climb::tops(&heights, &grid).len() > 1
         } else {
@@ -203,11 +208,13 @@ impl WindowChooser<'_> {
         };
         let proven = [self.bounds.low[up], self.bounds.high[up]];
         let mut thin = FLAT;
-        if let Some(ShownHeights { ends, is_cut }) = shown(&grid, &tops, &further, proven) {
+        if let Some(ShownHeights { ends, is_cut }) = shown(&grid, &tops, &further, proven, self.is_stretched) {
             let [low, high] = ends.map(few_digits);
             (window.low[up], window.high[up]) = (low, high);
             self.cut[up] = is_cut;
-            if proven.iter().all(|end| end.is_finite()) {
+            if self.is_stretched {
+                thin = ROUNDING;
+            } else if proven.iter().all(|end| end.is_finite()) {
                 thin = THIN;
             }
         }

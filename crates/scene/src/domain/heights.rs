@@ -52,6 +52,9 @@ const GAP: f64 = 0.02;
 /// height.
 const RIM: f64 = 0.7;
 
+/// A part of the heights is little if it has less than this share of all.
+const LITTLE: f64 = 0.25;
+
 /// Space above and below a graph, as a share of its height.
 const SPACE: f64 = 0.02;
 
@@ -111,6 +114,12 @@ impl Grid {
     /// The lowest and the highest height.
     pub fn ends(&self) -> Option<[f64; 2]> {
         self.sorted.first().zip(self.sorted.last()).map(|(lowest, highest)| [*lowest, *highest])
+    }
+
+    /// The share of all finite heights that lies between these.
+    fn share(&self, [low, high]: [f64; 2]) -> f64 {
+        let count = |end: f64| self.sorted.partition_point(|height| *height < end);
+        (count(high) - count(low).min(count(high))) as f64 / self.sorted.len().max(1) as f64
     }
 
     /// Returns whether some heights are far above most others, and some far below, as at poles.
@@ -175,11 +184,23 @@ pub struct ShownHeights {
 
 /// The range of heights that is shown: all heights over the ground if the graph is not too tall,
 /// otherwise all maxima and minima in `tops` and a suitable part of the rest. `further` are heights
-/// between those of the grid, and all heights lie within `proven`. `None` if there are no heights.
-pub fn shown(grid: &Grid, tops: &[f64], further: &[f64], proven: [f64; 2]) -> Option<ShownHeights> {
+/// between those of the grid, and all heights lie within `proven`. If `is_stretched`, all heights
+/// of a graph are shown of which that part would show little. `None` if there are no heights.
+pub fn shown(
+    grid: &Grid,
+    tops: &[f64],
+    further: &[f64],
+    proven: [f64; 2],
+    is_stretched: bool,
+) -> Option<ShownHeights> {
     let more = tops.iter().chain(further).copied().filter(|height| height.is_finite());
     let [lowest, highest] = ends(grid.ends()?.into_iter().chain(more));
-    let ends = whole(grid.half, [lowest, highest], proven).or_else(|| part(grid, tops))?;
+    let is_little = |ends: &[f64; 2]| {
+        is_stretched && grid.has_pole == [false; 2] && grid.share(*ends) < LITTLE
+    };
+    let all = || whole(f64::INFINITY, [lowest, highest], proven);
+    let some = || part(grid, tops).map(|ends| all().filter(|_| is_little(&ends)).unwrap_or(ends));
+    let ends = whole(grid.half, [lowest, highest], proven).or_else(some)?;
     let grain = ROUNDING * (highest - lowest);
     let is_cut = [lowest < ends[0] - grain, highest > ends[1] + grain];
     Some(ShownHeights { ends, is_cut })

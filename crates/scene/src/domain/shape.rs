@@ -70,6 +70,11 @@ struct NodeShape {
 }
 
 impl GraphShape {
+    /// Returns whether the function's zero set is a graph over x and y.
+    pub fn is_over_ground(&self) -> bool {
+        matches!(self.height, Some((2, _))) || matches!(self.profile, Some((2, ..)))
+    }
+
     /// The shape of the function at `root`, for parameters within bounds.
     pub fn of(graph: &Graph, root: NodeId, parameters: &[Interval]) -> Self {
         let needed = graph.reachable(&[root]);

@@ -228,7 +228,7 @@ fn a_search_that_is_no_longer_wanted_ends_without_an_answer() {
             asked.set(asked.get() + 1);
             asked.get() <= last
         };
-        find_while(&program, &wanted).expect("code")
+        find_while(&program, false, &wanted).expect("code")
     };
     assert!(until(u32::MAX).is_some());
     let all = asked.get();

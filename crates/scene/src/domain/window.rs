@@ -65,6 +65,8 @@ pub struct WindowChooser<'a> {
     pub waves: Vec<&'a Wave<'a>>,
     /// Whether the surface bounds a solid.
     pub is_solid: bool,
+    /// Whether the box may have any proportions, since it is stretched for display.
+    pub is_stretched: bool,
     /// The proven [bounds](super::bounds) of the surface. Ends without a proof are infinite.
     pub bounds: Cell,
     /// Per axis, whether a graph was found to continue beyond the lower and the upper end of the

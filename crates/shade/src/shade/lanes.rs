@@ -34,6 +34,13 @@ pub fn dot<S: Simd>(a: [f32x16<S>; 3], b: [f32x16<S>; 3]) -> f32x16<S> {
     a[2].mul_add(b[2], a[1].mul_add(b[1], a[0] * b[0]))
 }
 
+/// A smooth step from 0 at `low` to 1 at `high`.
+#[inline(always)]
+pub fn smooth_step<S: Simd>(value: f32x16<S>, low: f32, high: f32) -> f32x16<S> {
+    let share = ((value - low) * (1.0 / (high - low))).max(0.0).min(1.0);
+    share * share * (3.0 - 2.0 * share)
+}
+
 /// Tone mapping: bright light is compressed into the range rather than clipped.
 #[inline(always)]
 pub fn tone_map<S: Simd>(simd: S, amount: f32x16<S>) -> f32x16<S> {

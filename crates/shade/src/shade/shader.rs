@@ -1,11 +1,12 @@
 //! Shading of sixteen pixels of a window at a time, from their G-buffer to bytes.
 
-use super::lanes::{by_axis, dot, highlight_power, left, splat, tone_map};
+use super::lanes::{by_axis, dot, highlight_power, left, smooth_step, splat, tone_map};
 use super::{Appearance, Paint, SurfaceColors, UndecidedStyle};
 use crate::color::{BLACK, LinearRgb, SrgbTable};
 use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*, u8x16};
 use glam::Vec3;
 use zeroset_eval::{LANES, Lanes};
+use zeroset_style::Material;
 use zeroset_trace::painted::{FULL, PixelWindow, bits};
 use zeroset_trace::{Columns, RayGrid, Status};
 
@@ -230,17 +231,38 @@ impl Shader<'_> {
             let colors = &self.palette[usize::from(surface[first]) % self.palette.len()];
             // The loop mostly runs once. Finding the rare quantities before it would take longer.
             let own = RareQuantities::of(seen, window, marks);
+            let none = &RareQuantities::NONE;
             let amounts = match &own {
-                None => {
-                    self.light::<S, false>(simd, seen, window, faced, colors, &RareQuantities::NONE)
+                None if colors.material == <&Material>::default() => {
+                    self.light::<S, false>(simd, seen, window, faced, colors, none)
                 }
-                Some(own) => self.light::<S, true>(simd, seen, window, faced, colors, own),
+                own => {
+                    let own = own.as_ref().unwrap_or(none);
+                    self.light::<S, true>(simd, seen, window, faced, colors, own)
+                }
             };
             let colors = self.codes.bytes(simd, amounts);
             PixelWindow { wanted: window.wanted & of_surface, ..window }
                 .store_colors(&colors, bytes);
             window.wanted &= !of_surface;
         }
+    }
+
+    /// The light of the surroundings in the directions `way`: a room with a pale ceiling, a dark
+    /// floor, a wide lamp at the key light and a narrow one at the fill light.
+    #[inline(always)]
+    fn surroundings<S: Simd>(
+        &self,
+        simd: S,
+        way: [f32x16<S>; 3],
+        key: [f32x16<S>; 3],
+    ) -> f32x16<S> {
+        let lamps = self.lamps;
+        let height = dot(way, splat(simd, lamps.above));
+        let ceiling = 0.2 + 0.62 * smooth_step(height, -0.25, 0.55);
+        let wide = 1.6 * smooth_step(dot(way, key), 0.80, 0.93);
+        let narrow = 0.7 * smooth_step(dot(way, splat(simd, lamps.fill)), 0.86, 0.95);
+        ceiling + wide + narrow
     }
 
     /// The marks of undecided pixels: the factor of their own light, and the share of the tint.
@@ -304,17 +326,42 @@ impl Shader<'_> {
         let rim =
             look.rim * grazing * grazing * (side * dot(normal, splat(simd, lamps.rim))).max(0.0);
         let mut white = rim;
-        if let Some(highlight_power) = highlight_power {
-            white = (look.highlight * direct.sqrt()).mul_add(highlight_power, white);
+        let material = colors.material;
+        if let Some(mut power) = highlight_power {
+            let mut strength = look.highlight;
+            if OWN {
+                strength *= material.highlight;
+                if material.is_sharp {
+                    power *= power;
+                    power *= power;
+                }
+            }
+            white = (strength * direct.sqrt()).mul_add(power, white);
         }
         // Ambient light falls off toward grazing angles, so that shapes stay readable in shadow.
         let from_above = 0.5 + 0.5 * (side * dot(normal, splat(simd, lamps.above)));
         let around = look.ground + (1.0 - look.ground) * from_above;
-        let ambient = *everywhere * open * around * (1.0 - 0.4 * grazing);
+        let mut ambient = *everywhere * open * around * (1.0 - 0.4 * grazing);
+        if OWN {
+            // In shadow, much of what reflects light onto the point is in shadow, too.
+            let reached = 0.7 + 0.3 * lit;
+            ambient *= reached;
+            open *= reached;
+        }
         let fill = look.fill * open * (side * dot(normal, splat(simd, lamps.fill))).max(0.0);
         let factor = ambient + (1.0 - everywhere) * (look.key * direct + fill);
         let edge = grazing * grazing;
         let factor = factor * (1.0 - look.outline * edge * edge);
+        // The reflected surroundings, and how much more is reflected at grazing angles.
+        let (mut mirrored, mut more) = (one, one);
+        let reflects = OWN && material.reflection > 0.0;
+        if reflects {
+            let turned = 2.0 * facing;
+            let way = [0, 1, 2].map(|axis| turned * normal[axis] - eye[axis]);
+            mirrored = look.surroundings * open * self.surroundings(simd, way, light);
+            let square = grazing * grazing;
+            more = square * square * grazing;
+        }
         let is_negative = facing.simd_lt(0.0);
         let is_cut = mask32x16::from_bitmask(simd, u64::from(own.cuts));
         let mut amounts = [one; 3];
@@ -329,7 +376,20 @@ impl Shader<'_> {
                 let painted = f32x16::from_slice(simd, &own.base[primary][..]);
                 base = painted.is_nan().select(base, painted);
             }
-            let mut amount = tone_map(simd, base.mul_add(factor, white));
+            let mut light = base.mul_add(factor, white);
+            if reflects {
+                let share = material.reflection + (1.0 - material.reflection) * more;
+                light = if material.is_metal {
+                    // A metal's reflections lose their color toward grazing angles.
+                    let tint = base + (1.0 - base) * more;
+                    (material.diffuse * base).mul_add(factor, white)
+                        + material.reflection * tint * mirrored
+                } else {
+                    (material.diffuse * (1.0 - share) * base).mul_add(factor, white)
+                        + share * mirrored
+                };
+            }
+            let mut amount = tone_map(simd, light);
             if OWN {
                 let [left, tint] = &own.marks;
                 amount *= 1.0 - INK * f32x16::from_slice(simd, &own.ink[..]);

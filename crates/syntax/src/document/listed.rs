@@ -73,6 +73,7 @@ impl DocumentReader<'_> {
             echo: format!("{shown} <= 0"),
             color: None,
             opacity: 1.0,
+            material: Default::default(),
             hidden: false,
         }];
         style(&mut surfaces, &mut [], &settings, &values)?;

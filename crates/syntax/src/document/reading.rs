@@ -28,6 +28,7 @@ use crate::tree::scope::{NameMeaning, Scope};
 use crate::tree::statement::{build, lines, resolve_heads};
 use rustc_hash::{FxHashMap, FxHashSet};
 use zeroset_ir::{Constant, Graph, NodeId};
+use zeroset_style::Material;
 
 /// Options for reading a text.
 #[derive(Clone, Copy, Debug, Default)]
@@ -93,8 +94,11 @@ pub struct Surface {
     /// is below all surfaces, the first `color` line below this surface counts.
     pub color: Option<SurfaceColor>,
     /// Opacity from 0 to 1: the share of light that the surface blocks. The `color` line sets it,
-    /// or else an `opacity` line, which the rule for `color` lines selects. The default is 1.
+    /// or else an `opacity` line, which the rule for `color` lines selects. The default is that of
+    /// the material.
     pub opacity: f64,
+    /// Material from a `material` line, which the rule for `color` lines selects.
+    pub material: &'static Material,
     /// True if a `hidden` line hides the surface. The rule for `color` lines selects the line.
     pub hidden: bool,
 }
@@ -449,7 +453,8 @@ pub(crate) fn style<'a>(
         surface.color = typed.map(|typed| values.color(typed)).transpose()?;
         let own = color.and_then(|(_, opacity)| *opacity);
         let opacity = own.or_else(|| setting_for(&settings.opacities, place, last).copied());
-        surface.opacity = opacity.unwrap_or(1.0);
+        surface.material = setting_for(&settings.materials, place, last).copied().unwrap_or_default();
+        surface.opacity = opacity.unwrap_or(surface.material.opacity);
         surface.hidden = setting_for(&settings.hidden, place, last) == Some(&true);
     }
     for curve in curves {
@@ -554,6 +559,7 @@ fn surface<'a>(lowering: &mut Lowering<'a>, built: &'a BuiltStatement) -> Fallib
         echo: echo(expr, restrictions),
         color: None,
         opacity: 1.0,
+        material: Default::default(),
         hidden: false,
     })
 }

@@ -20,6 +20,7 @@ use crate::tree::statement::ParsedStatement;
 use rustc_hash::FxHashSet;
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
+use zeroset_style::{MATERIALS, Material};
 
 /// Largest width of a curve, in pixels.
 const MAX_WIDTH: f64 = 100.0;
@@ -33,8 +34,12 @@ pub struct PictureLines {
     pub light: Option<[Constant; 3]>,
     /// Whether shadows are drawn.
     pub shadows: Option<bool>,
+    /// Whether surfaces stand on a ground.
+    pub ground: Option<bool>,
     /// Whether the domain's box and axes are drawn.
     pub axes: Option<bool>,
+    /// Whether lengths along all axes are displayed alike, whatever the extents of a graph.
+    pub is_equal: bool,
     /// Whether a legend shows the color of each value.
     pub legend: Option<bool>,
     /// Contour lines on the surfaces.
@@ -64,6 +69,7 @@ pub(crate) struct CollectedLines {
     pub colors: Vec<(usize, (ParsedColor, Option<f64>))>,
     pub opacities: Vec<(usize, f64)>,
     pub hidden: Vec<(usize, bool)>,
+    pub materials: Vec<(usize, &'static Material)>,
     /// All `width` lines: byte offset of the line, and width in pixels.
     pub widths: Vec<(usize, f64)>,
     /// Places of all lines about the picture, in order.
@@ -121,10 +127,19 @@ impl CollectedLines {
                 let share = share.ok_or_else(|| bad_setting("opacity", span))?;
                 self.opacities.push((at, builder.opacity(share)?));
             }
+            SettingKind::Material => {
+                let names = MATERIALS.each_ref().map(|row| row.name);
+                let row = builder.one_of(pair, word, names, 0)?;
+                self.materials.push((at, &MATERIALS[row]));
+            }
             SettingKind::Hidden => self.hidden.push((at, builder.switch(pair, word)?)),
             SettingKind::Shadows => self.picture.shadows = Some(builder.switch(pair, word)?),
+            SettingKind::Ground => self.picture.ground = Some(builder.switch(pair, word)?),
             SettingKind::Axes => self.picture.axes = Some(builder.switch(pair, word)?),
             SettingKind::Legend => self.picture.legend = Some(builder.switch(pair, word)?),
+            SettingKind::Aspect => {
+                self.picture.is_equal = builder.one_of(pair, word, ["auto", "equal"], 1)? == 1;
+            }
             SettingKind::Width => self.widths.push((at, builder.width(pair)?)),
             SettingKind::Contours => self.contours = Some(builder.contours(pair)?),
         }
@@ -203,18 +218,26 @@ impl Builder<'_> {
 
     /// Reads `on` or `off`. A line without either means `on`.
     fn switch(&mut self, line: Pair<'_>, word: &'static str) -> Fallible<bool> {
+        Ok(self.one_of(line, word, ["on", "off"], 0)? == 0)
+    }
+
+    /// Reads one of `words`, and returns its index. A line without a word means word `usual`.
+    fn one_of<const COUNT: usize>(
+        &mut self,
+        line: Pair<'_>,
+        word: &'static str,
+        words: [&str; COUNT],
+        usual: usize,
+    ) -> Fallible<usize> {
         match &parts(line)[..] {
-            [] => Ok(true),
+            [] => Ok(usual),
             [part] => {
                 let place = self.span(part);
-                match self.word(part).as_str() {
-                    "on" => Ok(true),
-                    "off" => Ok(false),
-                    typed => {
-                        let meant = nearest(typed, ["on", "off"].into_iter());
-                        Err(bad_setting(word, place).suggest_optional(place, meant))
-                    }
-                }
+                let typed = self.word(part);
+                words.iter().position(|word| *word == typed).ok_or_else(|| {
+                    let meant = nearest(&typed, words.into_iter());
+                    bad_setting(word, place).suggest_optional(place, meant)
+                })
             }
             _ => Err(bad_setting(word, self.lexed.span)),
         }

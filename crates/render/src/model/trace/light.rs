@@ -11,7 +11,7 @@ use zeroset_eval::{KernelFloat, Points};
 use zeroset_scene::program::ProgramError;
 use zeroset_scene::view;
 use zeroset_shade::{
-    AmbientOcclusion, Appearance, Light, LinearRgb, Pattern, SurfaceColors, borrow_occlusion, turn,
+    AmbientOcclusion, Appearance, Displayed, Light, LinearRgb, Pattern, SurfaceColors, TURNS, borrow_occlusion, turn,
 };
 use zeroset_space::Ball;
 use zeroset_syntax::{SurfaceColor, SurfaceKind};
@@ -38,12 +38,12 @@ pub(super) struct Lit {
 }
 
 impl<T: KernelFloat> RenderPass<'_, T> {
-    /// The light that casts shadows.
+    /// The light that casts shadows, in the displayed space.
     pub(super) fn key_light(&self, rays: &RayGrid) -> Light {
         let typed = self.model.setting.lines.light.as_ref();
         let typed = typed.map(|place| place.each_ref().map(view::nearest).into());
         match self.settings.light.or(typed) {
-            Some(place) => Light::Positional(place),
+            Some(place) => Light::Positional(place * rays.stretch()),
             None => Light::above_left(rays),
         }
     }
@@ -60,7 +60,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         let settings = self.settings;
         let mut watch = Stopwatch::start();
         let light = self.key_light(rays);
-        let work = self.compute_occlusion(rays, &light, buffer)?;
+        let mut work = self.compute_occlusion(rays, &light, buffer)?;
         times.occlude += watch.lap();
         let mut remarks = self.model.remarks.clone();
         let (mut rgb, mut legends, mut edge_rays) = (Vec::new(), Vec::new(), 0);
@@ -72,7 +72,13 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 None => Painter::new(self.model, buffer, rays, self.advance),
             };
             let is_seen = buffer.drawn.iter().any(|drawn| drawn.is_finite());
-            let finish = Coloring { appearance: self.appearance(light, is_seen), painter };
+            let appearance = self.appearance(light, is_seen);
+            let mut ground = Vec::new();
+            if let Some((colors, cost)) = self.ground(rays, buffer, &appearance)? {
+                ground = colors;
+                work += cost;
+            }
+            let finish = Coloring { appearance, painter, ground };
             legends = finish.painter.as_ref().map(Painter::legends).unwrap_or_default();
             let is_smoothed = settings.antialias != Pattern::ONE;
             let is_translucent = self.is_translucent();
@@ -96,6 +102,11 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 };
                 self.colored(&layered, &mut behind)?
             };
+            for (pixel, color) in finish.ground.iter().enumerate() {
+                if let Some(color) = color.filter(|_| !buffer.is_drawn(pixel)) {
+                    rgb.as_chunks_mut::<3>().0[pixel] = color;
+                }
+            }
             if finish.painter.as_ref().is_some_and(Painter::is_cut) {
                 remarks.push(CUT.to_owned());
             }
@@ -134,47 +145,71 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         let mut work = KernelStats::default();
         let shadow_depth = self.shadow_depth();
         if let Some(depth) = shadow_depth {
-            work += self.shadows(rays, light, depth, buffer)?;
+            let lights = light.widened(model.region.displayed().centre());
+            work += self.shadows(rays, &lights, depth, &|_| true, buffer)?;
         }
         if !occludes && shadow_depth.is_none() || !advance(0) {
             return Ok(work);
         }
-        let near = || AmbientOcclusion::new(buffer, rays, model.region.centre());
+        let seen = Displayed::new(buffer, rays);
+        let box_seen = model.region.displayed();
+        let near = || AmbientOcclusion::new(&seen.buffer, &seen.rays, box_seen.centre());
         let overview = self.overview.filter(|_| occludes);
         let smooths = shadow_depth.is_some() && self.settings.normals.is_some();
         let near = (smooths || occludes && overview.is_none()).then(near);
+        let (mut shadow, mut occlusion) = (None, None);
         if let Some(near) = near.as_ref().filter(|_| smooths) {
+            let mut mean = buffer.shadow.clone();
             // Average twice, since beside an edge the square for the mean is incomplete.
-            (0..2).for_each(|_| near.mean(&mut buffer.shadow));
+            (0..2).for_each(|_| near.mean(&mut mean));
+            shadow = Some(mean);
         }
         if let Some(whole) = overview {
-            borrow_occlusion(buffer, rays, &whole.picture.buffer, &whole.rays);
+            let whole = Displayed::new(&whole.picture.buffer, &whole.rays);
+            occlusion =
+                Some(borrow_occlusion(&seen.buffer, &seen.rays, &whole.buffer, &whole.rays));
         } else if let Some(near) = near.filter(|_| occludes) {
-            near.occlusion(buffer, NEAR * self.extent(), &|| advance(0));
-            near.mean(&mut buffer.occlusion);
+            let reach = NEAR * 2.0 * box_seen.half_extent();
+            let mut hidden = near.occlusion(&seen.buffer, reach, &|| advance(0));
+            near.mean(&mut hidden);
+            occlusion = Some(hidden);
+        }
+        if let Some(shadow) = shadow {
+            buffer.shadow = shadow;
+        }
+        if let Some(occlusion) = occlusion {
+            buffer.occlusion = occlusion;
         }
         Ok(work)
     }
 
-    fn shadows(
+    /// Sets `buffer.shadow` of the painted points from which a light is not seen. Each pixel of a
+    /// small square looks for another one of `lights`, in the displayed space. Only the surfaces for
+    /// which `casts` is true hide the light.
+    pub(in crate::model) fn shadows(
         &self,
         rays: &RayGrid,
-        light: &Light,
+        lights: &[Light; TURNS],
         depth: u32,
+        casts: &dyn Fn(usize) -> bool,
         buffer: &mut GBuffer,
     ) -> Result<KernelStats, ProgramError> {
         // The surface may lie anywhere in the slab that contains it.
         let offset = self.extent() * SHADOW_OFFSET_SLABS * 0.5_f64.powi(depth as i32);
-        let lights = light.widened(self.model.region.centre());
+        let stretch = rays.stretch();
         let mut work = KernelStats::default();
         buffer.shadow.clear();
         // Shadow rays do not count as progress.
         let wanted = |_| (self.advance)(0);
-        for surface in self.model.visible_surfaces() {
+        for surface in self.model.visible_surfaces().filter(|surface| casts(*surface)) {
             let Some(bounds) = self.zeros_within(surface) else { continue };
             let tracer = self.tracer(surface, |options| TraceOptions { depth, ..options })?;
             let driver = Driver { rays, tracer: &*tracer, advance: &wanted };
-            let towards = |pixel, point| lights[turn(pixel)].towards(point);
+            let towards = |pixel, point: DVec3| {
+                let (way, distance) = lights[turn(pixel)].towards(point * stretch);
+                let way = way / stretch;
+                (way.normalize_or_zero(), distance * way.length())
+            };
             work += driver.shadows(buffer, towards, offset, &bounds);
             if !(self.advance)(0) {
                 break;
@@ -203,6 +238,11 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 }
                 Some(SurfaceColor::Mapped(_)) | None => SurfaceColors::default_for(index),
             };
+            let mut colors = SurfaceColors { material: style.material, ..colors };
+            if style.material.opacity < 1.0 {
+                // Both sides of glass have one color.
+                colors.negative = colors.positive;
+            }
             if turned(index) { colors.turned() } else { colors }
         };
         Appearance {

@@ -5,6 +5,7 @@
 //! through the region's center. So `f32` resolves the region, however far away the eye is.
 
 use super::screens::{Ends, ScreenRays};
+use crate::camera::Basis;
 use crate::grid::RayGrid;
 use crate::scalar::{HALF, Scalar};
 use crate::simd_chunks::parts;
@@ -36,17 +37,18 @@ pub(super) struct RayFrame {
 
 impl RayFrame {
     pub fn new(rays: &RayGrid, region: &Region) -> Self {
-        let (eye, forward) = (rays.eye(), rays.forward());
-        let middle = (region.centre() - eye).dot(forward);
+        let (eye, stretch) = (rays.eye(), rays.stretch());
+        // t is the depth in the displayed space.
+        let middle = ((region.centre() - eye) * stretch).dot(rays.forward());
         let start = middle.max(0.0);
-        let half = (region.high() - region.low()) / 2.0;
-        let reach_of_box = half.dot(forward.abs());
+        let half = (region.high() - region.low()) / 2.0 * stretch;
+        let reach_of_box = half.dot(rays.forward().abs());
         // The ends are moved outward by more than their rounding errors.
-        let slack = 1e-12 * (middle.abs() + reach_of_box + eye.length());
+        let slack = 1e-12 * (middle.abs() + reach_of_box + (eye * stretch).length());
         let near = (middle - reach_of_box - slack).max(0.0);
         let far = (middle + reach_of_box + slack).max(0.0);
+        let Basis { forward, right, up } = rays.axes;
         let at = eye + start * forward;
-        let (right, up) = (rays.right(), rays.up());
         let (origin, direction) = if rays.parallel {
             ([at, right, up], [forward, DVec3::ZERO, DVec3::ZERO])
         } else {

@@ -5,10 +5,12 @@ use super::plane::Plane;
 use super::pool::{TilePlace, TileRay, place_of, tile_place};
 use super::screens::spread;
 use super::tracer::BandTracer;
+use crate::camera::Basis;
 use crate::method::Start;
 use crate::painted::ones;
 use crate::scalar::Scalar;
 use fearless_simd::{f64x8, prelude::*};
+use glam::DVec3;
 use zeroset_eval::{Contractions, LANES, Lanes};
 
 /// Bound of the relative rounding error of a bracket's distance. Brackets are far longer than that.
@@ -158,13 +160,22 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
     fn lengths(&self, patch: &TilePixels) -> [f64x8<S>; 2] {
         let simd = self.simd;
         if self.rays.parallel {
-            return [f64x8::splat(simd, 1.0); 2];
+            return [f64x8::splat(simd, self.rays.axes.forward.length()); 2];
         }
         let [mut a, b] = patch.screens(simd);
+        let is_stretched = self.rays.is_stretched();
         for (a, b) in a.iter_mut().zip(b) {
             // Each product is rounded before it is added, as in `length`. The neighbors of a pixel
             // determine which of the two functions is used for it, so both must agree.
-            *a = (1.0 + *a * *a + b * b).sqrt();
+            let square = if is_stretched {
+                let Basis { forward, right, up } = self.rays.axes;
+                let way = |axis: usize| forward[axis] + *a * right[axis] + b * up[axis];
+                let (x, y, z) = (way(0), way(1), way(2));
+                x * x + y * y + z * z
+            } else {
+                1.0 + *a * *a + b * b
+            };
+            *a = square.sqrt();
         }
         a
     }
@@ -198,7 +209,15 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
     /// Returns the length of the direction of the ray with these screen coordinates.
     #[inline]
     fn length(&self, [a, b]: [f64; 2]) -> f64 {
-        if self.rays.parallel { 1.0 } else { (1.0 + a * a + b * b).sqrt() }
+        let Basis { forward, right, up } = self.rays.axes;
+        if self.rays.parallel {
+            forward.length()
+        } else if self.rays.is_stretched() {
+            let DVec3 { x, y, z } = forward + a * right + b * up;
+            (x * x + y * y + z * z).sqrt()
+        } else {
+            (1.0 + a * a + b * b).sqrt()
+        }
     }
 
     /// Follows up to sixteen rays to the end. Rays that may leave the region are first clipped to

@@ -150,6 +150,8 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         let (a, b) = (aside(0, columns), aside(1, rows.map(|row| self.band.top + row)));
         // The ray of the tile with the shortest direction has the least distance at s.
         let shortest = if self.rays.parallel { 1.0 } else { (1.0 + a * a + b * b).sqrt() };
+        // In space, it is at least this long.
+        let shortest = shortest / self.rays.stretch().max_element();
         // The bracket of another surface's hit ends at most this far behind the painted point.
         let bracket = self.method.longest * self.footprint(s);
         let farthest = (self.frame.start + s - bracket) * shortest * (1.0 - ROUNDED);

@@ -1,0 +1,125 @@
+//! The proportions in which graphs are displayed. A graph z = f(x, y) whose heights are in another
+//! unit than x and y would look like a plane, or like a needle, if all axes had the same scale.
+
+use crate::domain::GraphShape;
+use glam::DVec3;
+use zeroset_space::Region;
+use zeroset_syntax::{Document, SurfaceKind};
+
+/// Extents are displayed with their own ratio up to this ratio.
+const MOST: f64 = 4.0;
+
+/// The displayed height of a stretched graph, as a share of its ground.
+const HEIGHT: f64 = 0.4;
+
+/// Largest number of surfaces in a document that is stretched.
+const SURFACES: usize = 16;
+
+/// Returns whether `document` consists of graphs z = f(x, y), and does not ask for equal axes.
+pub fn may_stretch(document: &Document) -> bool {
+    let is_graph = |surface: &zeroset_syntax::Surface| {
+        let shape = || GraphShape::of(&document.graph, surface.root, &[]);
+        surface.kind == SurfaceKind::Equation && shape().is_over_ground()
+    };
+    !document.picture.is_equal
+        && (1..=SURFACES).contains(&document.surfaces.len())
+        && document.curves.all.is_empty()
+        && document.surfaces.iter().all(is_graph)
+}
+
+/// The factors by which lengths along the axes are multiplied for display: powers of two. All are 1
+/// unless the document consists of graphs and the extents of `region` differ much.
+pub fn stretch(document: &Document, region: &Region) -> DVec3 {
+    let size = region.high() - region.low();
+    let ground = size.x.max(size.y);
+    let is_uneven = differ(size.x, size.y) || differ(size.z, ground);
+    if !is_uneven || region.ball().is_some() || !may_stretch(document) {
+        return DVec3::ONE;
+    }
+    let mut stretch = DVec3::ONE;
+    if differ(size.x, size.y) {
+        let [x, y] = [size.x, size.y].map(|side| power_of_two(ground / side));
+        (stretch.x, stretch.y) = (x, y);
+    }
+    if differ(size.z, ground) {
+        stretch.z = power_of_two(HEIGHT * ground / size.z);
+    }
+    stretch
+}
+
+/// Returns whether two extents differ too much to be displayed with their own ratio.
+pub(crate) fn differ(one: f64, other: f64) -> bool {
+    one > MOST * other || other > MOST * one
+}
+
+/// The power of two nearest to a positive ratio.
+fn power_of_two(ratio: f64) -> f64 {
+    ratio.log2().round().exp2()
+}
+
+/// One phrase that says how the axes are displayed. `None` if all are displayed alike.
+pub fn description(region: &Region) -> Option<String> {
+    let names = ["x", "y", "z"].into_iter().zip(region.stretch().to_array());
+    let times = |(name, by): (&str, f64)| {
+        let part = by.recip();
+        match by {
+            1.0 => None,
+            by if by > 1.0 => Some(format!("{name} is stretched {by} times")),
+            _ => Some(format!("{name} is shrunk to 1/{part}")),
+        }
+    };
+    let all: Vec<String> = names.filter_map(times).collect();
+    let phrase = || format!("{} for display: `aspect equal` shows true proportions", all.join(", "));
+    (!all.is_empty()).then(phrase)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::view::{DomainChoice, region};
+    use zeroset_syntax::{Options, read};
+
+    fn shown(text: &str) -> Region {
+        let document = read(text, &Options::default()).expect(text);
+        region(&document, DomainChoice::Document, None).expect(text).0
+    }
+
+    #[test]
+    fn tall_and_flat_graphs_are_shown_whole_and_two_fifths_as_high_as_wide() {
+        for (text, low, high) in [
+            ("z = 1000 sin x", -1000.0, 1000.0),
+            ("z = 0.001 x^2", 0.0, 0.004),
+            ("z = 1e-6 x*y", -4e-6, 4e-6),
+            ("z = 1000x^2 + y^2", 0.0, 4004.0),
+            ("z = 100exp(-x^2-y^2)", 0.0335, 100.0),
+        ] {
+            let region = shown(text);
+            let size = region.displayed().high() - region.displayed().low();
+            assert!(region.low().z <= low && high <= region.high().z, "{text}: {region:?}");
+            let ratio = size.z / size.x.max(size.y);
+            assert!((0.28..0.58).contains(&ratio), "{text}: {ratio}");
+            let rounded = region.stretch().z.log2();
+            assert_eq!(rounded, rounded.round(), "{text}");
+        }
+    }
+
+    #[test]
+    fn other_surfaces_and_equal_axes_are_not_stretched() {
+        for text in [
+            "aspect equal\nz = 1000 sin x",
+            "domain x in [-1, 1], y in [-1, 1], z in [-9, 9]\nx^2+y^2 = 1",
+            "domain x in [-1, 1], y in [-1, 1], z in [-9, 9]\nz = x*y*z",
+            "z = x^2 + y^2",
+            "z = ln(x)",
+            "z = 1000 sin x\nx^2+y^2+z^2 = 1",
+        ] {
+            assert_eq!(shown(text).stretch(), DVec3::ONE, "{text}");
+        }
+        let given = shown("domain x in [-1, 1], y in [-1, 1], z in [-90, 90]\nz = 80 x y");
+        assert_eq!(given.stretch(), DVec3::new(1.0, 1.0, 1.0 / 256.0));
+        assert_eq!(
+            description(&given).as_deref(),
+            Some("z is shrunk to 1/256 for display: `aspect equal` shows true proportions")
+        );
+    }
+}
