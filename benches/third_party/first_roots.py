@@ -1,6 +1,6 @@
 """Checks the claims that `zeroset-chart rays` wrote with flint, which isolates roots of polynomials, and with mpmath.
 
-    zeroset-chart rays barth-sextic-suse-95 --methods affine -o rays/barth-sextic-suse-95
+    zeroset-chart rays barth-sextic --methods affine -o rays/barth-sextic
     python3 first_roots.py ../../examples rays
 
 Each directory of rays has the name of a function file. Python parses that function and substitutes each ray. If the

@@ -4,12 +4,15 @@ use glam::DVec3;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use num_traits::{Signed, Zero};
+use zeroset_render::framing;
 use zeroset_render::model::{Model, true_digits};
 use zeroset_render::picture::Settings;
-use zeroset_scene::view::{self, DomainChoice};
+use zeroset_scene::gallery::examples;
+use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 use zeroset_space::Ray;
 use zeroset_syntax::{Options, read};
-use zeroset_testkit::{Adversarial, Effort, Rng};
+use zeroset_testkit::{Adversarial, Effort, Oracle, Rng};
+use zeroset_trace::Status;
 
 fn exact(value: f64) -> BigRational {
     BigRational::from_float(value).expect("finite")
@@ -68,7 +71,7 @@ fn every_digit_of_a_click_is_true() {
         assert!(exact(found.t[0]) <= root && root <= exact(found.t[1]), "{root} {:?}", found.t);
         for axis in 0..3 {
             let shown = true_digits(found.at[axis]);
-            let places = shown.split('.').nth(1).map_or(0, str::len);
+            let places = places(&shown);
             let truth = decimals(&(&o[axis] + &root * &d[axis]), places);
             assert_eq!(shown, truth, "ZEROSET_SEED={seed:#x} ZEROSET_CASES=1");
             digits += places;
@@ -80,4 +83,73 @@ fn every_digit_of_a_click_is_true() {
         digits as u64 / (3 * clicks)
     );
     assert!(clicks > effort.cases && digits as u64 > 12 * 3 * clicks, "{clicks} {digits}");
+}
+
+/// Number of decimals of a text such as `-1.250`.
+fn places(text: &str) -> usize {
+    text.split('.').nth(1).map_or(0, str::len)
+}
+
+/// The ends of the range of numbers that are printed as `text`.
+fn rounded_to(text: &str) -> (f64, f64) {
+    let half = 0.5 * 10_f64.powi(-(places(text) as i32));
+    let value = text.parse::<f64>().expect(text);
+    // Rounding of the ends themselves.
+    let slack = 2.0 * f64::EPSILON * value.abs();
+    (value - half - slack, value + half + slack)
+}
+
+/// Surfaces on which the function as typed is 0 without a change of its sign.
+const TOUCHING: [&str; 3] =
+    ["double-root-sphere", "double-sphere-before-a-plane", "two-shells-one-touching"];
+
+#[test]
+fn every_digit_of_a_click_on_the_gallery_is_true() {
+    const SIDE: usize = 48;
+    let (mut hits, mut located, mut digits) = (0, 0, 0);
+    for example in examples() {
+        let name = example.slug;
+        let document = read(example.text, &Options::default()).expect(name);
+        let (region, _) = view::region(&document, DomainChoice::Document, None).expect(name);
+        let settings = Settings { width: SIDE, height: SIDE, ..Settings::default() };
+        let model = Model::new(&document, &region, &settings).expect(name);
+        let choice = CameraChoice::default();
+        let camera = framing::camera(&model, &document, &choice, &settings, false).expect(name);
+        let picture = model.picture(&camera, &settings, &|_, _| {}).expect(name);
+        let oracle = Oracle::new(&document.graph, &[document.surfaces[0].root]);
+        let values = document.parameters.iter().map(|parameter| parameter.value.bounds());
+        let values: Vec<_> = values.map(|value| (value.lo, value.hi)).collect();
+        let rays = camera.rays(SIDE, SIDE);
+        let (hits_before, located_before) = (hits, located);
+        for pixel in (0..SIDE * SIDE).filter(|n| picture.buffer.status[*n] == Status::Hit) {
+            hits += 1;
+            let Some(found) = model.locate_pixel(&picture, &rays, &settings, pixel) else {
+                continue;
+            };
+            located += 1;
+            let ray = rays.ray_of(pixel);
+            let shown = found.at.map(true_digits);
+            digits += shown.iter().map(|text| places(text)).sum::<usize>();
+            let printed = [0, 1, 2].map(|axis| rounded_to(&shown[axis]));
+            let ends = found.t.map(|t| ray.at(t).to_array());
+            let is_printed =
+                |end: &[f64; 3]| (0..3).all(|n| printed[n].0 <= end[n] && end[n] <= printed[n].1);
+            assert!(ends.iter().all(is_printed), "{name}: {ends:?} are printed as {shown:?}");
+            let signs = ends.map(|end| {
+                let value = oracle.at(end, &values)[0];
+                i32::from(value.lo > 0.0) - i32::from(value.hi < 0.0)
+            });
+            let changes = signs[0] * signs[1] < 0 || TOUCHING.contains(&name);
+            assert!(changes, "{name}: signs {signs:?} at {ends:?}");
+            let claim = oracle.over(printed, &values)[0];
+            assert!(claim.values.lo <= 0.0 && claim.values.hi >= 0.0, "{name}: {shown:?}");
+            // A change of sign at a pole or at a jump is no zero.
+            assert!(claim.continuous, "{name}: {shown:?}");
+        }
+        let (hits, located) = (hits - hits_before, located - located_before);
+        assert!(10 * located >= 9 * hits, "{name}: {located} of {hits}");
+    }
+    println!("{located} of {hits} hits located, {} digits in all", digits);
+    assert!(hits > 50_000 && 99 * hits < 100 * located, "{located} of {hits}");
+    assert!(digits > 12 * 3 * located, "{digits} digits");
 }

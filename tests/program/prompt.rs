@@ -168,7 +168,7 @@ fn a_file_is_followed_while_the_prompt_waits() {
     let (mut terminal, path) = following("x = 1");
     std::fs::write(&path, "x = (1").expect("written");
     terminal.shows("is never closed");
-    terminal.shows("surface.zset:1:5");
+    terminal.shows("surface.zset:1:7");
     std::fs::write(&path, "x = 0.75").expect("written");
     std::thread::sleep(std::time::Duration::from_millis(500));
     terminal.type_in(":list\r");

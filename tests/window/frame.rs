@@ -115,7 +115,7 @@ pub fn f11_takes_the_whole_screen_and_gives_it_back() {
 
 /// Also takes the window's picture for the README.
 pub fn the_overlay_is_drawn_around_the_picture() {
-    let scene = Scene::start(&["barth-sextic-suse-95", "--size", "800x620"]);
+    let scene = Scene::start(&["barth-sextic", "--size", "800x620"]);
     let axes = scene.rest();
     let plain = scene.changes("no axes", || scene.key("F3"));
     scene.changes("axes", || scene.key("F3"));

@@ -78,6 +78,9 @@ impl ChartSurface {
         let found = || view::region(&document, DomainChoice::Document, None);
         let region = region.map_or_else(|| found().map(|(region, _)| region), Ok);
         let region = region.map_err(ChartError::of_surface(name))?;
+        // The certified tracer, which judges pictures, knows boxes only.
+        let region = Region::new(region.low(), region.high());
+        let region = region.map_err(ChartError::of_surface(name))?;
         Ok(Self { name: name.to_owned(), text: text.to_owned(), document, region })
     }
 

@@ -20,9 +20,67 @@ use zeroset_trace::{METHODS, Method, MethodOption, OPTIONS, Projection, TraceOpt
 /// Default number of rays traced in a pixel that lies on an edge.
 pub const DEFAULT_AA: usize = 16;
 
-/// Text shown below the options of `render --help`.
-const MORE: &str =
-    "--help-all also lists arrays of what is proven, and options of methods, light and sequences.";
+/// Texts shown below the options of each command's help.
+mod examples {
+    pub const PROGRAM: &str = "\
+Examples:
+  zeroset                                the window, with the gyroid
+  zeroset 'x^2+y^2+z^2 = 1'              the window, with this surface
+  zeroset --preview barth-sextic         no window: pictures in the terminal
+  zeroset render gyroid -o gyroid.png    a picture
+  zeroset eval 'x^2+y' --at points.npy   values at points
+  zeroset gallery --list                 names of surfaces
+The help of a command has more: zeroset render --help";
+
+    pub const RENDER: &str = "\
+Examples:
+  zeroset render 'x^2+y^2+z^2 = 1' -o sphere.png
+  zeroset render gyroid -o gyroid.png --size 1024 --axes --look paper
+  zeroset render 'z = sin(x) cos(y)' -o graph.png --domain 4 --view front
+  zeroset render 'x^2+y^2+z^2 = r^2' -D r=2 -o frame-%02d.png --frames 20 --turntable
+  zeroset render model.glsl -o model.png --eye 3,-4,2 --target 0,0,1
+
+--help-all also lists arrays of what is proven, and options of methods, light and sequences.";
+
+    pub const RENDER_ALL: &str = "\
+Examples:
+  zeroset render gyroid -o gyroid.png --depth depth.npy --status status.npy
+  zeroset render cayley-cubic -o cayley.png --strict --json
+  zeroset render 'z = sin(x+t)' -o wave.gif --frames 60 --time 0..2pi
+  zeroset render gyroid -o frame-%04d.png --frames 900 --turntable --resume";
+
+    pub const EXPLAIN: &str = "\
+Examples:
+  zeroset explain '2x^2 + y^2 = sin z'
+  zeroset explain gyroid --code
+  zeroset explain barth-sextic --emit glsl";
+
+    pub const MESH: &str = "\
+Examples:
+  zeroset mesh 'x^2+y^2+z^2 = 1' -o sphere.stl
+  zeroset mesh rook -o rook.3mf --tolerance 0.05 --unit millimeter
+  zeroset mesh gyroid -o gyroid.glb --estimate";
+
+    pub const MEASURE: &str = "\
+Examples:
+  zeroset measure 'x^2+y^2+z^2 <= 1'
+  zeroset measure rook --relative 1e-2 --json";
+
+    pub const GALLERY: &str = "\
+Examples:
+  zeroset gallery --list
+  zeroset gallery -o pictures --size 256";
+
+    pub const COMPLETIONS: &str = "\
+Example:
+  zeroset completions bash > ~/.local/share/bash-completion/completions/zeroset";
+}
+
+/// Headings of options that fewer need than those without a heading.
+const CAMERA: &str = "Camera";
+const LIGHT: &str = "Light and color";
+const SEQUENCES: &str = "Sequences";
+const METHOD_OPTIONS: &str = "Methods";
 
 /// Type any f(x,y,z) = 0 and see its zero set, with a proof for every pixel.
 ///
@@ -30,7 +88,7 @@ const MORE: &str =
 #[derive(Debug, Parser)]
 #[command(name = "zeroset", version, max_term_width = 100)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
-#[command(disable_help_flag = true)]
+#[command(disable_help_flag = true, after_help = examples::PROGRAM)]
 pub struct Arguments {
     #[command(subcommand)]
     pub command: Option<Command>,
@@ -50,20 +108,25 @@ pub struct Arguments {
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Render a formula, a file, or a gallery surface to a picture.
-    #[command(after_help = MORE, after_long_help = "")]
+    #[command(after_help = examples::RENDER, after_long_help = examples::RENDER_ALL)]
     Render(Box<RenderArgs>),
     /// Evaluate formulas at points or over boxes: JSON lines or an array in, and out.
     #[command(after_help = EVAL_FORMAT)]
     Eval(EvalArgs),
     /// Show how a formula is read, simplified and compiled.
+    #[command(after_help = examples::EXPLAIN)]
     Explain(ExplainArgs),
     /// Write a formula's surface as triangles, with a proof of its shape.
+    #[command(after_help = examples::MESH)]
     Mesh(MeshArgs),
     /// Measure a solid's volume, centroid and inertia, and a surface's extent, area and shape.
+    #[command(after_help = examples::MEASURE)]
     Measure(MeasureArgs),
     /// Render every gallery surface, and a contact sheet.
+    #[command(after_help = examples::GALLERY)]
     Gallery(GalleryArgs),
     /// Print a completion script for a shell.
+    #[command(after_help = examples::COMPLETIONS)]
     Completions {
         /// Print the script for this shell
         shell: clap_complete::Shell,
@@ -127,15 +190,26 @@ pub struct DocumentArgs {
 #[derive(Debug, Args)]
 pub struct ValueArgs {
     /// Set a parameter of the formula (may be repeated)
-    #[arg(short = 'D', long = "define", value_name = "NAME=VALUE", allow_hyphen_values = true)]
+    #[arg(
+        display_order = 6,
+        short = 'D',
+        long = "define",
+        value_name = "NAME=VALUE",
+        allow_hyphen_values = true
+    )]
     define: Vec<String>,
 
     /// Set the time t, or with --frames its start and end
-    #[arg(long, value_name = "T|A..B", allow_hyphen_values = true)]
+    #[arg(display_order = 8, long, value_name = "T|A..B", allow_hyphen_values = true)]
     pub time: Option<String>,
 
     /// Set the domain: auto, a number R for the cube from -R to R, or six bounds
-    #[arg(long, value_name = "auto|R|X0,X1,Y0,Y1,Z0,Z1", allow_hyphen_values = true)]
+    #[arg(
+        display_order = 7,
+        long,
+        value_name = "auto|R|X0,X1,Y0,Y1,Z0,Z1",
+        allow_hyphen_values = true
+    )]
     domain: Option<DomainChoice>,
 }
 
@@ -192,11 +266,8 @@ pub struct RenderArgs {
     pub camera: CameraArgs,
 
     /// Choose the shape that the domain is clipped to
-    #[arg(long, value_name = "auto|ball|box", value_parser = one_of::<ClipShape>(), default_value = "auto", hide_short_help = true)]
+    #[arg(help_heading = CAMERA, long, value_name = "auto|ball|box", value_parser = one_of::<ClipShape>(), default_value = "auto", hide_short_help = true)]
     pub clip_to: ClipShape,
-
-    #[command(flatten)]
-    pub tracing: TracingArgs,
 
     #[command(flatten)]
     pub shading: ShadingArgs,
@@ -216,6 +287,9 @@ pub struct RenderArgs {
 
     #[command(flatten)]
     pub sequence: SequenceArgs,
+
+    #[command(flatten)]
+    pub tracing: TracingArgs,
 }
 
 impl RenderArgs {
@@ -229,11 +303,17 @@ impl RenderArgs {
 #[derive(Debug, Args)]
 pub struct OutputArgs {
     /// Write the picture as PNG to this file, or to standard output for -
-    #[arg(short, long, value_name = "FILE.png")]
+    #[arg(short, long, value_name = "FILE.png", display_order = 1)]
     pub output: Option<PathBuf>,
 
     /// Set the picture's width and height in pixels, or one number for a square
-    #[arg(long, value_name = "N|WxH", default_value = "512", allow_hyphen_values = true)]
+    #[arg(
+        display_order = 5,
+        long,
+        value_name = "N|WxH",
+        default_value = "512",
+        allow_hyphen_values = true
+    )]
     pub size: Size,
 
     #[command(flatten)]
@@ -247,27 +327,28 @@ pub struct OutputArgs {
 #[derive(Debug, Args)]
 pub struct CameraArgs {
     /// Look from this side
-    #[arg(long, value_parser = side(), conflicts_with_all = ["eye", "up"])]
+    #[arg(display_order = 4, long, value_parser = side(), conflicts_with_all = ["eye", "up"])]
     view: Option<&'static StandardView>,
 
     /// Set the position of the eye, which may be inside the domain
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    #[arg(help_heading = CAMERA, long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     eye: Option<DVec3>,
 
     /// Set the point to look at [default: the center of the domain]
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
+    #[arg(help_heading = CAMERA, long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true)]
     target: Option<DVec3>,
 
     /// Set the direction that points up in the picture
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, hide_short_help = true)]
+    #[arg(help_heading = CAMERA, long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, hide_short_help = true)]
     up: Option<DVec3>,
 
     /// Set the vertical field of view, in degrees [default: 40]
-    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    #[arg(help_heading = CAMERA, long, value_name = "DEGREES", allow_hyphen_values = true)]
     fov: Option<f64>,
 
     /// Use parallel projection, with a picture this high in world units
     #[arg(
+        help_heading = CAMERA,
         long,
         value_name = "HEIGHT",
         conflicts_with = "fov",
@@ -277,7 +358,7 @@ pub struct CameraArgs {
     ortho: Option<f64>,
 
     /// Keep only a*x + b*y + c*z <= d; `off` removes a clip plane that the file sets
-    #[arg(long, value_name = "A,B,C,D", allow_hyphen_values = true)]
+    #[arg(help_heading = CAMERA, long, value_name = "A,B,C,D", allow_hyphen_values = true)]
     clip: Option<ClipChoice>,
 }
 
@@ -325,6 +406,7 @@ impl Args for KernelArgs {
     fn augment_args(command: clap::Command) -> clap::Command {
         let method = Arg::new("method").long("method").value_name("METHOD").value_parser(methods());
         let method = method.default_value(METHODS[0].name).help("How rays are traced");
+        let method = method.help_heading(METHOD_OPTIONS);
         OPTIONS.iter().fold(command.arg(method), |command, option| command.arg(flag(option)))
     }
 
@@ -356,6 +438,7 @@ impl FromArgMatches for KernelArgs {
 /// Returns the flag that sets a method option.
 fn flag(option: &'static MethodOption) -> Arg {
     let arg = Arg::new(option.name).long(option.name).help(option.help);
+    let arg = arg.help_heading(METHOD_OPTIONS);
     if option.is_switch() {
         return arg.action(ArgAction::SetTrue).hide_short_help(true);
     }
@@ -383,15 +466,15 @@ pub struct TracingArgs {
     pub ground: bool,
 
     /// Cast soft shadows: trace a ray from every visible point to an area light
-    #[arg(long)]
+    #[arg(help_heading = LIGHT, long)]
     pub shadows: bool,
 
     /// Halve a shadow ray's path this many times [default: one less than --max-depth]
-    #[arg(long, value_name = "N", requires = "shadows", hide_short_help = true)]
+    #[arg(help_heading = LIGHT, long, value_name = "N", requires = "shadows", hide_short_help = true)]
     pub shadow_depth: Option<u32>,
 
     /// Choose how normals are computed
-    #[arg(long, value_parser = one_of::<Normals>(), default_value = "gradient", hide_short_help = true)]
+    #[arg(help_heading = LIGHT, long, value_parser = one_of::<Normals>(), default_value = "gradient", hide_short_help = true)]
     pub normals: Normals,
 
     /// Use this many threads [default: one per processor]
@@ -401,73 +484,72 @@ pub struct TracingArgs {
 
 /// Arguments of a sequence of pictures.
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Sequences")]
 pub struct SequenceArgs {
     /// Render N frames: -o frame-%04d.png writes a file for each, any other PNG or GIF file holds
     /// all, and - writes them to standard output, three bytes per pixel
-    #[arg(long, value_name = "N")]
+    #[arg(help_heading = SEQUENCES, long, value_name = "N")]
     pub frames: Option<usize>,
 
     /// Move a parameter from A to B (may be repeated)
-    #[arg(long, value_name = "NAME=A..B", allow_hyphen_values = true)]
+    #[arg(help_heading = SEQUENCES, long, value_name = "NAME=A..B", allow_hyphen_values = true)]
     pub sweep: Vec<String>,
 
     /// Turn the eye around its target by this many degrees
-    #[arg(long, value_name = "DEGREES", num_args = 0..=1, default_missing_value = "360")]
+    #[arg(help_heading = SEQUENCES, long, value_name = "DEGREES", num_args = 0..=1, default_missing_value = "360")]
     #[arg(require_equals = true)]
     pub turntable: Option<f64>,
 
     /// Stop one step before the end, which shows the same as the start, so that an animation
     /// repeats smoothly (implied by a full turn without other motion)
-    #[arg(long = "loop", hide_short_help = true)]
+    #[arg(help_heading = SEQUENCES, long = "loop", hide_short_help = true)]
     pub is_loop: bool,
 
     /// Show this many frames per second of an animation
-    #[arg(long, value_name = "N", default_value_t = 30, hide_short_help = true)]
+    #[arg(help_heading = SEQUENCES, long, value_name = "N", default_value_t = 30, hide_short_help = true)]
     pub fps: u16,
 
     /// Split the work into N equal parts and render only part I: 1/8 to 8/8
-    #[arg(long, value_name = "I/N", hide_short_help = true)]
+    #[arg(help_heading = SEQUENCES, long, value_name = "I/N", hide_short_help = true)]
     pub shard: Option<String>,
 
     /// Keep frames that this command has already rendered from the same text
-    #[arg(long, hide_short_help = true)]
+    #[arg(help_heading = SEQUENCES, long, hide_short_help = true)]
     pub resume: bool,
 }
 
 #[derive(Debug, Args)]
 pub struct ShadingArgs {
     /// Choose how undecided pixels are drawn
-    #[arg(long, value_parser = one_of::<UndecidedStyle>(), default_value = "shade", hide_short_help = true)]
+    #[arg(help_heading = LIGHT, long, value_parser = one_of::<UndecidedStyle>(), default_value = "shade", hide_short_help = true)]
     pub undecided: UndecidedStyle,
 
     /// Choose lighting and background [default: the document's, else studio]
-    #[arg(long, value_parser = looks())]
+    #[arg(display_order = 2, long, value_parser = looks())]
     pub look: Option<&'static Look>,
 
     /// Draw the domain's box with axes and ticks, and fit all of it into the picture
-    #[arg(long)]
+    #[arg(display_order = 3, long)]
     pub axes: bool,
 
     /// Draw a legend for colored values (always drawn with --axes)
-    #[arg(long)]
+    #[arg(help_heading = LIGHT, long)]
     pub legend: bool,
 
     /// Trace 1, 4, 16 or 64 rays in a pixel on an edge (output arrays: center ray only)
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_AA)]
+    #[arg(help_heading = LIGHT, long, value_name = "N", default_value_t = DEFAULT_AA)]
     pub aa: usize,
 
     /// Set the position of the light [default: far above and to the left of the camera]
-    #[arg(long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, hide_short_help = true)]
+    #[arg(help_heading = LIGHT, long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, hide_short_help = true)]
     pub light: Option<DVec3>,
 
     /// Set the ambient share of the light, from 0 to 1 [default: the look's]
-    #[arg(long, value_name = "SHARE", allow_hyphen_values = true, hide_short_help = true)]
+    #[arg(help_heading = LIGHT, long, value_name = "SHARE", allow_hyphen_values = true, hide_short_help = true)]
     pub ambient: Option<f32>,
 
     /// Set the background to a CSS color such as white, or to hexadecimal digits [default: the
     /// document's, else the look's]
-    #[arg(long, value_name = "RRGGBB|NAME")]
+    #[arg(help_heading = LIGHT, long, value_name = "RRGGBB|NAME")]
     pub background: Option<String>,
 }
 

@@ -153,6 +153,7 @@ impl Args for Arrays {
     fn augment_args(command: Command) -> Command {
         ARRAYS.iter().fold(command, |command, row| {
             let flag = Arg::new(row.flag).long(row.flag).help(row.help).value_name("FILE.npy");
+            let flag = flag.help_heading("Arrays of what is proven");
             command.arg(flag.value_parser(value_parser!(PathBuf)).hide_short_help(true))
         })
     }

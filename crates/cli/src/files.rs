@@ -51,6 +51,14 @@ impl Files {
             "only one thing can be written to standard output"
         );
         if let Some(path) = picture {
+            if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gif")) {
+                bail!(
+                    "a GIF holds an animation, so '{}' needs --frames N, and --turntable, \
+                     --time A..B or --sweep NAME=A..B; for one picture use '{}'",
+                    path.display(),
+                    path.with_extension("png").display()
+                );
+            }
             check_png(path).map_err(Error::msg)?;
         }
         let outputs = paths().map(|path| OutputFile::create(path)).collect::<Result<Vec<_>>>()?;

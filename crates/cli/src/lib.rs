@@ -50,6 +50,7 @@ mod watch;
 #[cfg(feature = "window")]
 mod window;
 
+use anyhow::bail;
 use arguments::{Arguments, Command};
 use clap::{CommandFactory, Parser};
 use std::ffi::OsString;
@@ -72,6 +73,9 @@ pub fn run() -> ExitCode {
         Ok(Ok(code)) => code,
         Ok(Err(error)) => {
             notes::error(&error);
+            if let Some((_, meant)) = meant_command() {
+                notes::note(&format!("did you mean the command `zeroset {meant}`?"));
+            }
             ExitCode::from(USER_ERROR)
         }
         Err(_) => ExitCode::from(INTERNAL_ERROR),
@@ -82,7 +86,12 @@ fn dispatch() -> anyhow::Result<ExitCode> {
     let arguments =
         match Arguments::try_parse_from(std::env::args_os().flat_map(split_attached_value)) {
             Ok(arguments) => arguments,
-            Err(wrong) if wrong.use_stderr() => wrong.exit(),
+            Err(wrong) if wrong.use_stderr() => {
+                if let Some((typed, _)) = meant_command() {
+                    bail!("there is no command '{typed}'");
+                }
+                wrong.exit()
+            }
             // Help and version go to standard output like any result.
             Err(help) => {
                 output::written(help.print())?;
@@ -90,7 +99,15 @@ fn dispatch() -> anyhow::Result<ExitCode> {
             }
         };
     match arguments.command {
-        None => interactive::run(&arguments.interactive),
+        None => {
+            if std::env::args_os().len() == 2
+                && let Some((typed, _)) = meant_command()
+                && zeroset_syntax::read(&typed, &zeroset_syntax::Options::default()).is_err()
+            {
+                bail!("'{typed}' is neither a command nor a formula");
+            }
+            interactive::run(&arguments.interactive)
+        }
         Some(Command::Render(arguments)) => render::run(&arguments),
         Some(Command::Eval(arguments)) => eval::run(&arguments),
         Some(Command::Explain(arguments)) => explain::run(&arguments),
@@ -105,6 +122,27 @@ fn dispatch() -> anyhow::Result<ExitCode> {
             Ok(ExitCode::SUCCESS)
         }
     }
+}
+
+/// Returns the first argument, and the command that it probably means. `None` if it is a command, a
+/// file, or not like any command.
+fn meant_command() -> Option<(String, String)> {
+    let typed = std::env::args_os().nth(1)?.into_string().ok()?;
+    if Path::new(&typed).exists() {
+        return None;
+    }
+    let meant = similar_command(&typed)?;
+    Some((typed, meant))
+}
+
+/// Returns the command that differs from `typed` in few letters.
+fn similar_command(typed: &str) -> Option<String> {
+    let arguments = Arguments::command();
+    let lower = typed.to_lowercase();
+    let names = arguments.get_subcommands().map(clap::Command::get_name);
+    let near = names.map(|name| (strsim::damerau_levenshtein(name, &lower), name));
+    let (edits, name) = near.min()?;
+    (name != typed && 4 * edits <= name.len()).then(|| name.to_owned())
 }
 
 /// Splits `-Dname=value` and `-ofile.png` into flag and value. Unsplit, they would be taken for
@@ -128,4 +166,28 @@ fn split_attached_value(argument: OsString) -> Vec<OsString> {
         }
     }
     vec![argument]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mistyped_command_is_recognized() {
+        for (typed, meant) in [
+            ("rendr", Some("render")),
+            ("Render", Some("render")),
+            ("redner", Some("render")),
+            ("evla", Some("eval")),
+            ("galery", Some("gallery")),
+            ("mesure", Some("measure")),
+            ("render", None),
+            ("mesh", None),
+            ("sphere", None),
+            ("x^2+y^2+z^2=1", None),
+            ("", None),
+        ] {
+            assert_eq!(similar_command(typed).as_deref(), meant, "{typed}");
+        }
+    }
 }

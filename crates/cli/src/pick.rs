@@ -11,7 +11,7 @@ use zeroset_scene::view::nearest;
 use zeroset_space::Ray;
 use zeroset_syntax::ast::Statement;
 use zeroset_syntax::{Document, Limits, Parameter, ParameterKind, parse};
-use zeroset_trace::{DEPTH, Proves, Status, UndecidedReason};
+use zeroset_trace::{Proves, Status, UndecidedReason};
 
 /// A pixel of a rendering, and the surface point that is visible in it.
 pub struct Pick<'a> {
@@ -39,36 +39,24 @@ impl<'a> Pick<'a> {
         let ray = rays.ray_of(pixel);
         let distance = buffer.drawn[pixel];
         let point = distance.is_finite().then(|| ray.at(ray.parameter(distance)));
-        let settings = &rendering.request.settings;
-        let method = rendering.picture.method_of(buffer.surface[pixel].into());
-        let reach = if method.reads.contains(&DEPTH) {
-            let extent = 2.0 * rendering.model.region().half_extent();
-            extent * 0.5_f64.powi(settings.options.depth as i32)
-        } else {
-            settings.options.tolerance * rays.footprint(distance)
-        };
+        let Rendering { model, picture, request, .. } = rendering;
+        let reach = model.reach(picture, &rays, &request.settings, pixel);
         Some(Self { rendering, pixel, reach, point, ray })
     }
 
     /// The visible point, located as closely as `f64` can prove. `None` if the pixel is no hit, or
     /// shows a cap.
     fn located(&self) -> Option<Located> {
-        let (model, buffer) = (&self.rendering.model, &self.rendering.picture.buffer);
-        let is_cap = buffer.cap.get(self.pixel).is_some_and(|cap| *cap);
-        if buffer.status[self.pixel] != Status::Hit || is_cap {
-            return None;
-        }
-        let t = self.ray.parameter(buffer.drawn[self.pixel]);
-        let reach = 2.0 * self.ray.parameter(self.reach);
-        model.locate(buffer.surface[self.pixel].into(), &self.ray, t, reach)
+        let Rendering { model, picture, camera, request, .. } = self.rendering;
+        let rays = camera.rays(picture.buffer.width, picture.buffer.height);
+        model.locate_pixel(picture, &rays, &request.settings, self.pixel)
     }
 
     /// Returns the coordinates in one line. Adds the surface's number if there are several
     /// surfaces, and says whether the pixel is undecided.
     pub fn coordinates(&self) -> Option<String> {
         let p = self.point?;
-        // The last digit that the picture knows is uncertain.
-        let digits = digits(self.reach).saturating_sub(1);
+        let digits = self.digits();
         let buffer = &self.rendering.picture.buffer;
         let surface = match self.rendering.document.surfaces.len() {
             0 | 1 => String::new(),
@@ -78,6 +66,11 @@ impl<'a> Pick<'a> {
             && buffer.reason(self.pixel) != UndecidedReason::Unproven;
         let open = if is_open { "  undecided" } else { "" };
         Some(format!("{surface}x {:.digits$}  y {:.digits$}  z {:.digits$}{open}", p.x, p.y, p.z))
+    }
+
+    /// Number of decimals that the picture knows of the point: all but the first digit of the error.
+    fn digits(&self) -> usize {
+        digits(self.reach).saturating_sub(1)
     }
 
     /// Describes the pixel in several lines: status with its reason, coordinates, value and normal.
@@ -110,20 +103,25 @@ impl<'a> Pick<'a> {
         let echo = self.rendering.document.surfaces.get(surface).map_or("", |s| s.echo.as_str());
         let model = &self.rendering.model;
         let precision = model.precision();
-        // Show the fewest digits that identify the float.
+        // Values and gradients are those of the picture's floats: show the fewest digits that
+        // identify the float.
         let show = |value: f64| match precision {
             Precision::F32 => (value as f32).to_string(),
             Precision::Auto | Precision::F64 => value.to_string(),
         };
-        let (mut p, mut coordinates) = (p, p.to_array().map(show));
-        let mut distance = show(buffer.drawn[self.pixel]);
-        if let Some(located) = self.located() {
-            p = self.ray.at(located.t[0].midpoint(located.t[1]));
-            coordinates = located.at.map(true_digits);
-            let [near, far] = located.t.map(|t| self.ray.distance(t));
-            let ulps = 4.0 * f64::EPSILON * far;
-            distance = true_digits(Interval { lo: near - ulps, hi: far + ulps });
-        }
+        let (p, coordinates, distance) = match self.located() {
+            Some(located) => {
+                let [near, far] = located.t.map(|t| self.ray.distance(t));
+                let ulps = 4.0 * f64::EPSILON * far;
+                let p = self.ray.at(located.t[0].midpoint(located.t[1]));
+                let distance = true_digits(Interval { lo: near - ulps, hi: far + ulps });
+                (p, located.at.map(true_digits), distance)
+            }
+            None => {
+                let show = |value: f64| format!("{value:.*}", self.digits());
+                (p, p.to_array().map(show), show(buffer.drawn[self.pixel]))
+            }
+        };
         let [x, y, z] = coordinates;
         let _ = write!(text, "\n  {echo}\n  x {x}  y {y}  z {z}  distance {distance}");
         let document = &self.rendering.document;

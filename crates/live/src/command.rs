@@ -7,13 +7,13 @@ use super::pipeline::Request;
 use super::reply::{Refusal, Reply, refused, say};
 use super::session::Live;
 use super::settings::{look, method, option, shadows, switch};
-use super::values::TIME;
+use super::values::{TIME, defined};
 use super::{cut, status};
 use std::sync::LazyLock;
 use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 use zeroset_space::Region;
 use zeroset_style::StandardView;
-use zeroset_trace::OPTIONS;
+use zeroset_trace::{OPTIONS, TraceOptions};
 
 enum Line<'a> {
     /// Only whitespace.
@@ -22,6 +22,35 @@ enum Line<'a> {
     Text(&'a str),
     /// A command and its arguments.
     Command(&'static CommandRow, &'a str),
+}
+
+/// What commands are used for. The help lists them in this order.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Purpose {
+    /// Changing the document.
+    Document,
+    /// Choosing what the picture shows, and how.
+    View,
+    /// Reading and writing files.
+    Files,
+    /// Finding out about the surfaces.
+    Questions,
+    /// Choosing how surfaces are found.
+    Methods,
+    /// Using the program.
+    Program,
+}
+
+impl Purpose {
+    /// All uses, with their titles.
+    pub(super) const ALL: [(Self, &str); 6] = [
+        (Self::Document, "Change the document"),
+        (Self::View, "Look at it"),
+        (Self::Files, "Open and save"),
+        (Self::Questions, "Measure and ask"),
+        (Self::Methods, "Choose how surfaces are found"),
+        (Self::Program, "Use the prompt"),
+    ];
 }
 
 /// A command: its description and its function.
@@ -33,6 +62,10 @@ pub struct CommandRow {
     pub arguments: &'static str,
     /// One line of help.
     pub doc: &'static str,
+    /// The use under which the help lists the command.
+    pub(super) purpose: Purpose,
+    /// The command as it may be typed.
+    pub(super) example: &'static str,
     /// Runs the command. Returns `None` if the arguments do not match `arguments`.
     run: fn(&Live, &str) -> Option<Result<Reply, Refusal>>,
 }
@@ -53,6 +86,8 @@ pub static COMMANDS: LazyLock<Vec<CommandRow>> = LazyLock::new(|| {
         name: option.command,
         arguments: option.arguments,
         doc: option.prompt_help,
+        purpose: Purpose::Methods,
+        example: "",
         // Never called, since [`Live::enter`] sets method options itself.
         run: |_, _| None,
     });
@@ -65,69 +100,103 @@ pub static COMMANDS: LazyLock<Vec<CommandRow>> = LazyLock::new(|| {
 #[rustfmt::skip]
 const ROWS: &[CommandRow] = &[
     CommandRow { name: "help", arguments: "[NAME]", doc: "what can be typed, or what a function or command is",
+        purpose: Purpose::Program, example: ":help min",
         run: |_, name| Some(help(name)) },
     CommandRow { name: "list", arguments: "", doc: "show the document",
+        purpose: Purpose::Document, example: ":list",
         run: |live, rest| rest.is_empty().then(|| say(live.text())) },
     CommandRow { name: ADD, arguments: "FORMULA", doc: "draw one more surface beside the others",
+        purpose: Purpose::Document, example: ":add z = 0",
         run: |live, formula| Some(live.commit(&given(formula)?, LineGoal::Add)) },
     CommandRow { name: EDIT, arguments: "N FORMULA", doc: "replace the N-th formula",
+        purpose: Purpose::Document, example: ":edit 1 z = x",
         run: |live, rest| { let (number, formula) = numbered(rest)?; Some(live.commit(formula, LineGoal::Edit(number))) } },
     CommandRow { name: "delete", arguments: "[N]", doc: "delete the N-th surface; without a number, list them",
+        purpose: Purpose::Document, example: ":delete 2",
         run: |live, number| Some(delete(live, optional(number, |number| number.parse().ok())?)) },
     CommandRow { name: "hide", arguments: "N", doc: "hide the N-th surface",
+        purpose: Purpose::Document, example: ":hide 1",
         run: |live, number| Some(done(live.hide(number.parse().ok()?, true))) },
     CommandRow { name: "show", arguments: "[N]", doc: "show the N-th surface again; without a number, all",
+        purpose: Purpose::Document, example: ":show 1",
         run: |live, number| Some(done(match optional(number, |number| number.parse().ok())? {
             Some(number) => live.hide(number, false),
             None => live.show_all(),
         })) },
     CommandRow { name: "opacity", arguments: "N SHARE", doc: "how opaque the N-th surface is, as 50% or 0.5",
+        purpose: Purpose::Document, example: ":opacity 1 50%",
         run: |live, rest| { let (number, share) = rest.split_once(' ')?; Some(done(live.set_opacity(number.parse().ok()?, opacity(share.trim())?))) } },
     CommandRow { name: "move", arguments: "N TO", doc: "move the N-th surface to another place in the list",
+        purpose: Purpose::Document, example: ":move 2 1",
         run: |live, rest| { let (from, to) = rest.split_once(' ')?; Some(done(live.move_surface(from.parse().ok().filter(|from| *from > 0)?, to.trim().parse().ok().filter(|to| *to > 0)?))) } },
     CommandRow { name: "clear", arguments: "", doc: "delete the whole document",
+        purpose: Purpose::Document, example: ":clear",
         run: |live, rest| rest.is_empty().then(|| { live.clear(); Ok(Reply::Done) }) },
     CommandRow { name: "undo", arguments: "", doc: "undo the last step",
+        purpose: Purpose::Document, example: ":undo",
         run: |live, rest| rest.is_empty().then(|| if live.undo() { Ok(Reply::Done) } else { refused("there is nothing to undo".to_owned()) }) },
     CommandRow { name: "redo", arguments: "", doc: "redo what was undone",
+        purpose: Purpose::Document, example: ":redo",
         run: |live, rest| rest.is_empty().then(|| if live.redo() { Ok(Reply::Done) } else { refused("there is nothing to redo".to_owned()) }) },
     CommandRow { name: "set", arguments: "NAME = VALUE", doc: "give a name a value",
+        purpose: Purpose::Document, example: ":set r = 2",
         run: set },
     CommandRow { name: "domain", arguments: "auto|R|X0,X1,Y0,Y1,Z0,Z1", doc: "set the domain that is shown",
+        purpose: Purpose::View, example: ":domain 3",
         run: |live, domain| Some(look_at(live, domain.parse().ok()?)) },
     CommandRow { name: "clip", arguments: "[A,B,C,D|off]", doc: "keep only A*x + B*y + C*z <= D",
+        purpose: Purpose::View, example: ":clip 1,0,0,0",
         run: |live, plane| cut::clip(live, plane) },
     CommandRow { name: "view", arguments: "iso|front|back|left|right|top|bottom", doc: "look from this side",
+        purpose: Purpose::View, example: ":view top",
         run: |live, name| StandardView::named(name).map(|view| look_from(live, view)) },
     CommandRow { name: "look", arguments: "[NAME]", doc: "lighting and background",
+        purpose: Purpose::View, example: ":look paper",
         run: |live, name| Some(look(live, name)) },
     CommandRow { name: "shadows", arguments: "[on|off]", doc: "cast shadows",
+        purpose: Purpose::View, example: ":shadows on",
         run: |live, choice| Some(shadows(live, optional(choice, switch)?)) },
     CommandRow { name: METHOD, arguments: "[NAME]", doc: "how rays are traced",
+        purpose: Purpose::Methods, example: ":method march",
         run: |live, name| Some(method(live, name)) },
     CommandRow { name: "time", arguments: "T", doc: "set the time t",
+        purpose: Purpose::View, example: ":time 0.5",
         run: |live, time| view::number(time).map(|_| live.set(TIME, time)) },
     CommandRow { name: "load", arguments: "FILE|NAME", doc: "draw a file or a surface of the gallery",
+        purpose: Purpose::Files, example: ":load torus.zset",
         run: |_, from| Some(Ok(Reply::Load(given(from)?))) },
     CommandRow { name: "gallery", arguments: "", doc: "choose among the pictures of the gallery; without a window, list them",
+        purpose: Purpose::Files, example: ":gallery",
         run: |_, rest| rest.is_empty().then_some(Ok(Reply::Gallery)) },
     CommandRow { name: "save", arguments: "[FILE.zset]", doc: "write the document",
+        purpose: Purpose::Files, example: ":save torus.zset",
         run: |_, to| Some(Ok(Reply::Save(given(to)))) },
     CommandRow { name: "png", arguments: "[FILE.png]", doc: "write the picture, and show the command that reproduces it",
+        purpose: Purpose::Files, example: ":png torus.png",
         run: |_, to| Some(Ok(Reply::Png(given(to)))) },
     CommandRow { name: "mesh", arguments: "FILE.stl|obj|ply|3mf|glb [TOLERANCE]", doc: "write the surfaces as triangles, with a proof of their shape",
+        purpose: Purpose::Files, example: ":mesh torus.stl 0.01",
         run: |_, to| mesh(to).map(Ok) },
     CommandRow { name: "measure", arguments: "", doc: "volume, centroid, inertia, area and shape of the surfaces",
+        purpose: Purpose::Questions, example: ":measure",
         run: |_, rest| rest.is_empty().then_some(Ok(Reply::Measure)) },
     CommandRow { name: "explain", arguments: "[code]", doc: "how the document was read, simplified and compiled",
+        purpose: Purpose::Questions, example: ":explain",
         run: |_, what| matches!(what, "" | "code").then(|| Ok(Reply::Explain { code: !what.is_empty() })) },
     CommandRow { name: "status", arguments: "", doc: "what the picture shows and what it took",
+        purpose: Purpose::Questions, example: ":status",
         run: |live, rest| rest.is_empty().then(|| say(status::describe(&live.snapshot()))) },
     CommandRow { name: "tips", arguments: "on|off", doc: "show tips in the window, each once",
+        purpose: Purpose::Program, example: ":tips off",
         run: |_, choice| switch(choice).map(|wanted| Ok(Reply::Tips(wanted))) },
     CommandRow { name: "quit", arguments: "", doc: "end",
+        purpose: Purpose::Program, example: ":quit",
         run: |_, rest| rest.is_empty().then_some(Ok(Reply::Quit)) },
 ];
+
+/// Words that are commands even without a colon, unless the document defines them, and the names
+/// of their commands.
+const BARE_WORDS: [(&str, &str); 3] = [("help", "help"), ("quit", "quit"), ("exit", "quit")];
 
 /// A file name, and a tolerance after it if the line ends in a number. `None` if the name is
 /// missing.
@@ -142,7 +211,7 @@ impl Live {
     /// Previews a line that is being typed: draws the document as it would be after entering
     /// `line`. Commands other than `:add` and `:edit` are not previewed.
     pub fn type_line(&self, line: &str) {
-        match read(line) {
+        match self.read(line) {
             Ok(Line::Text(formula)) => self.show_typed(Some(formula), LineGoal::Replace),
             Ok(Line::Command(row, formula)) if row.name == ADD && !formula.is_empty() => {
                 self.show_typed(Some(formula), LineGoal::Add);
@@ -164,7 +233,7 @@ impl Live {
     /// # Errors
     /// If the document would have errors, or the command is wrong.
     pub fn enter(&self, line: &str) -> Result<Reply, Refusal> {
-        match read(line).map_err(Refusal::Command)? {
+        match self.read(line).map_err(Refusal::Command)? {
             Line::Empty => {
                 self.refresh();
                 Ok(Reply::Done)
@@ -178,6 +247,21 @@ impl Live {
                     .unwrap_or_else(|| Err(Refusal::Command(format!("usage: {}", row.usage()))))
             }
         }
+    }
+
+    /// As [`read`], but words such as `quit` are commands, too, unless the document defines them.
+    fn read<'a>(&self, line: &'a str) -> Result<Line<'a>, String> {
+        let line = read(line)?;
+        let Line::Text(word) = line else { return Ok(line) };
+        let Some((_, command)) = BARE_WORDS.iter().find(|(bare, _)| *bare == word) else {
+            return Ok(line);
+        };
+        let request = self.request();
+        let is_set = request.overrides.iter().any(|(name, _)| name == word);
+        if is_set || defined(&request.text).iter().any(|name| name == word) {
+            return Ok(line);
+        }
+        Ok(Line::Command(row(command)?, ""))
     }
 }
 
@@ -279,10 +363,20 @@ impl CommandRow {
     pub fn usage(&self) -> String {
         format!(":{} {}", self.name, self.arguments).trim_end().to_owned()
     }
+
+    /// Returns the command as it may be typed. The example of a method option is its default.
+    pub(super) fn as_typed(&self) -> String {
+        let option = OPTIONS.iter().find(|option| option.command == self.name);
+        option.map_or(self.example.to_owned(), |option| {
+            format!(":{} {}", self.name, (option.get)(&TraceOptions::default()))
+        })
+    }
 }
 
-/// Finds the row of a command by its name or a unique prefix.
+/// Finds the row of a command by its name, by another word for it, or by a unique prefix.
 fn row(name: &str) -> Result<&'static CommandRow, String> {
+    let bare = BARE_WORDS.iter().find(|(bare, _)| *bare == name);
+    let name = bare.map_or(name, |(_, command)| command);
     if let Some(row) = COMMANDS.iter().find(|row| row.name == name) {
         return Ok(row);
     }
@@ -333,6 +427,20 @@ mod tests {
         assert_eq!(command(" :help  sin "), ("help", "sin"));
         assert_eq!(command(":tol 1e-3"), ("tolerance", "1e-3"));
         assert_eq!(command(":dep 12"), ("depth", "12"));
+    }
+
+    #[test]
+    fn bare_words_are_commands_unless_the_document_defines_them() {
+        let live = Live::new(Request::default());
+        for word in ["quit", " exit ", ":exit"] {
+            assert_eq!(live.enter(word).expect(word), Reply::Quit, "{word}");
+        }
+        assert!(matches!(live.enter("help"), Ok(Reply::Say(text)) if text.contains(":quit")));
+        assert_eq!(live.text(), "");
+        live.enter("quit = 3").expect("a definition");
+        live.enter("x^2+y^2 = quit").expect("a surface");
+        assert_ne!(live.enter("quit").ok(), Some(Reply::Quit));
+        assert!(matches!(live.enter("help"), Ok(Reply::Say(_))));
     }
 
     #[test]
@@ -421,6 +529,19 @@ mod tests {
         for row in COMMANDS.iter() {
             assert_eq!(super::row(row.name).map(|found| found.name), Ok(row.name));
             assert!(row.doc.len() > 2 && !row.doc.ends_with('.'), "{}", row.name);
+        }
+    }
+
+    #[test]
+    fn every_example_is_a_command() {
+        for row in ROWS {
+            let (name, arguments) = command(row.example);
+            assert_eq!(name, row.name);
+            let live = Live::new(Request::default());
+            live.enter("x^2+y^2+z^2 = 1").expect("a surface");
+            live.enter(":add z = 0").expect("a surface");
+            // The row answers `None` if it does not understand the arguments.
+            assert!((row.run)(&live, arguments).is_some(), "{}", row.example);
         }
     }
 }

@@ -20,7 +20,8 @@ impl Example {
         self.comment(0)
     }
 
-    /// The description of the surface and its difficulty, from the file's second line.
+    /// The description of the surface and its difficulty, from the file's second line. Its history
+    /// may follow on the third line.
     pub fn summary(&self) -> &'static str {
         self.comment(1)
     }
@@ -94,13 +95,15 @@ mod tests {
             assert_eq!(slug(example.title()), example.slug);
             let summary = example.summary();
             assert!(summary.len() > 30 && summary.ends_with('.'), "{}", example.slug);
+            let history = example.comment(2);
+            assert!(history.is_empty() || history.ends_with('.'), "{}", example.slug);
         }
     }
 
     #[test]
     fn examples_are_found_by_slug_or_title_but_not_by_formula() {
-        let barth = example("barth-sextic-suse-95").expect("there");
-        assert_eq!(example("Barth sextic (SuSE 95)"), Some(barth));
+        let barth = example("barth-sextic").expect("there");
+        assert_eq!(example("Barth Sextic"), Some(barth));
         assert_eq!(example("Temple").map(|found| found.slug), Some("temple"));
         assert_eq!(example("x^2+y^2+z^2-1"), None);
         assert_eq!(example(""), None);

@@ -380,8 +380,13 @@ pub fn camera(
     // The camera is set up in the displayed space.
     let (stretch, shown) = (region.stretch(), region.displayed());
     let displayed = |point: DVec3| point * stretch;
-    let target = choice.target.or(point(&typed.target)).map_or(shown.centre(), displayed);
     let given_eye = choice.eye.or(typed_eye).map(displayed);
+    // An eye in the center looks in the direction in which the view looks from outside.
+    let usual = match given_eye {
+        Some(eye) if eye == shown.centre() => eye - offset * shown.half_extent(),
+        _ => shown.centre(),
+    };
+    let target = choice.target.or(point(&typed.target)).map_or(usual, displayed);
     let eye = given_eye.unwrap_or(target + offset * shown.half_extent());
     let up = choice.up.or(typed_up).map(displayed).unwrap_or_else(|| {
         // An eye set by the caller or the document may look straight down. Then y is the upward

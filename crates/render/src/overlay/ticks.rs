@@ -1,5 +1,5 @@
 //! Positions and texts of axis ticks. Ticks are at multiples of π if both ends of the axis are
-//! multiples of π/2, and else at round numbers.
+//! multiples of π/2, and else at round numbers. Does not know how texts are drawn.
 
 use super::legend::round_step;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -16,6 +16,9 @@ const NEAR: f64 = 1e-9;
 
 /// Steps smaller than π, in units of π.
 const PARTS: [f64; 2] = [0.25, 0.5];
+
+/// Numbers whose largest is within this range are written without an exponent.
+const PLAIN: std::ops::Range<f64> = 1e-3..1e5;
 
 /// Positions and texts of the ticks between two ends, and the step between them.
 pub fn ticks(low: f64, high: f64) -> (Vec<(f64, String)>, f64) {
@@ -34,20 +37,47 @@ pub fn ticks(low: f64, high: f64) -> (Vec<(f64, String)>, f64) {
     // An end counts as a tick if only rounding separates it from a multiple of the step.
     let first = (low / unit / step - NEAR).ceil() as i64;
     let last = (high / unit / step + NEAR).floor() as i64;
-    let tick = |tick: i64| {
-        let value = tick as f64 * step;
-        let text = if turns.is_some() { multiple_of_pi(value) } else { shown(value, step) };
-        (value * unit, text)
+    let values: Vec<f64> = (first..=last).take(MOST).map(|tick| tick as f64 * step).collect();
+    let texts: Vec<String> = if turns.is_some() {
+        values.iter().map(|value| multiple_of_pi(*value)).collect()
+    } else {
+        numbers(&values, step)
     };
-    ((first..=last).take(MOST).map(tick).collect(), step * unit)
+    (values.iter().map(|value| value * unit).zip(texts).collect(), step * unit)
 }
 
-/// Formats a multiple of `step` with no more decimals than needed.
-fn shown(value: f64, step: f64) -> String {
-    let digits = (-step.log10().floor()).max(0.0) as usize;
-    let text = format!("{value:.digits$}");
-    // Avoids `-0`.
-    if value == 0.0 { text.trim_start_matches('-').to_owned() } else { text }
+/// Formats multiples of `step`, all with as many decimals as they need, and all with the same
+/// exponent if that is shorter. Zero is only `0`.
+fn numbers(values: &[f64], step: f64) -> Vec<String> {
+    let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
+    let decimals = |power: i32| power.saturating_sub(power_of_ten(step)).clamp(0, 17) as usize;
+    let written = |suffix: &str, power: i32| -> Vec<String> {
+        let digits = decimals(power);
+        let number = |value: &f64| match *value {
+            0.0 => "0".to_owned(),
+            value => format!("{:.digits$}{suffix}", scaled(value, power)),
+        };
+        values.iter().map(number).collect()
+    };
+    let plain = written("", 0);
+    if largest == 0.0 || PLAIN.contains(&largest) {
+        return plain;
+    }
+    let power = power_of_ten(largest);
+    let short = written(&format!("e{power}"), power);
+    let length = |texts: &[String]| texts.iter().map(String::len).max();
+    if length(&short) < length(&plain) { short } else { plain }
+}
+
+/// The exponent of a positive number's first digit.
+fn power_of_ten(value: f64) -> i32 {
+    (value.log10() + NEAR).floor() as i32
+}
+
+/// Returns value / 10^power.
+fn scaled(value: f64, power: i32) -> f64 {
+    // Negative powers of ten are no floats, so this divides only by positive ones.
+    if power < 0 { value * 10_f64.powi(-power) } else { value / 10_f64.powi(power) }
 }
 
 #[cfg(test)]
@@ -61,10 +91,44 @@ mod tests {
     #[test]
     fn ticks_are_round_numbers() {
         assert_eq!(texts(-2.0, 2.0), ["-2", "-1", "0", "1", "2"]);
-        assert_eq!(texts(-0.9, 0.3), ["-0.5", "0.0"]);
+        assert_eq!(texts(-0.9, 0.3), ["-0.5", "0"]);
+        assert_eq!(texts(0.0, 2.0), ["0", "0.5", "1.0", "1.5", "2.0"]);
         assert_eq!(texts(0.0, 250.0), ["0", "100", "200"]);
         let (places, step) = ticks(-1.2, 1.2);
         assert_eq!((places.len(), step), (3, 1.0));
+    }
+
+    #[test]
+    fn exponents_are_written_where_they_are_shorter() {
+        assert_eq!(texts(-2e-4, 2e-4), ["-2e-4", "-1e-4", "0", "1e-4", "2e-4"]);
+        assert_eq!(texts(0.0, 2e-6), ["0", "0.5e-6", "1.0e-6", "1.5e-6", "2.0e-6"]);
+        assert_eq!(texts(-0.002, 0.002), ["-0.002", "-0.001", "0", "0.001", "0.002"]);
+        assert_eq!(texts(0.0, 4e12), ["0", "1e12", "2e12", "3e12", "4e12"]);
+        assert_eq!(texts(0.0, 40_000.0), ["0", "10000", "20000", "30000", "40000"]);
+        assert_eq!(texts(0.0, 250_000.0), ["0", "1e5", "2e5"]);
+        // Many digits are no shorter with an exponent.
+        assert_eq!(texts(1e6, 1e6 + 0.5), ["1000000.0", "1000000.2", "1000000.4"]);
+        assert_eq!(texts(0.0, 0.0), ["0"]);
+    }
+
+    /// Every text is read back as its number: no digit is missing, and no sign is wrong.
+    #[test]
+    fn texts_are_the_numbers_of_their_ticks() {
+        let mut random = fastrand::Rng::with_seed(0x5eed_71c5);
+        for _ in 0..10_000 {
+            let size = 10_f64.powf(24.0 * random.f64() - 12.0);
+            let middle = if random.bool() { 0.0 } else { 10.0 * size * (random.f64() - 0.5) };
+            let (low, high) = (middle - size * random.f64(), middle + size * random.f64());
+            let (found, step) = ticks(low, high);
+            for (value, text) in &found {
+                let read: f64 = text.replace(MINUS, "-").parse().expect(text);
+                assert!((read - value).abs() < 1e-6 * step, "{text} at {value} of {low} to {high}");
+                assert!(text.len() < 16, "{text} of {low} to {high}");
+            }
+            let mut texts: Vec<&String> = found.iter().map(|(_, text)| text).collect();
+            texts.dedup();
+            assert_eq!(texts.len(), found.len(), "{found:?}");
+        }
     }
 
     #[test]

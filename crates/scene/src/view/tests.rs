@@ -199,3 +199,21 @@ fn the_six_sides_show_the_whole_cube() {
         }
     }
 }
+
+#[test]
+fn an_eye_in_the_center_looks_in_the_direction_of_the_view() {
+    let region = Region::new(DVec3::splat(-1.0), DVec3::splat(3.0)).expect("valid");
+    let eye = Some(DVec3::splat(1.0));
+    for text in ["x = 0", "view top\nx = 0"] {
+        let document = document(text);
+        let looks_along = |choice: &CameraChoice| {
+            let camera = camera(&document, &region, choice).expect("a camera");
+            (camera.target() - camera.eye()).normalize()
+        };
+        let outside = looks_along(&CameraChoice::default());
+        let inside = looks_along(&CameraChoice { eye, ..CameraChoice::default() });
+        assert!((outside - inside).length() < 1e-12, "{text}: {outside}, {inside}");
+    }
+    let same = CameraChoice { eye, target: eye, ..CameraChoice::default() };
+    assert!(camera(&document("x = 0"), &region, &same).is_err());
+}

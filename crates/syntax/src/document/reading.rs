@@ -236,6 +236,7 @@ impl<'a> DocumentReader<'a> {
                 scope.define(&name.text, parameters.as_ref().map(Vec::len));
             }
         }
+        scope.suggest_only(self.text, self.options.overrides);
         self.notes.extend(program.notes.iter().cloned());
         let (mut built, notes) = implied_coordinates::implied(
             self.text,

@@ -228,20 +228,43 @@ fn close(kind: TokenKind, span: Span, opened: Option<(usize, Token)>) -> Fallibl
     }
 }
 
-/// The error for the unclosed bracket `tokens[0]`. `is_only` is true if no other is unclosed.
+/// The error for the unclosed bracket `tokens[0]`. `is_only` is true if no other is unclosed. Then
+/// the error's place is where the missing bracket most likely belongs.
 fn unclosed(text: &str, tokens: &[Token], is_only: bool) -> Box<Error> {
     let Token { kind, span, .. } = tokens[0];
-    let error = Error::new(span, ErrorKind::Unclosed { open: kind.as_char() });
-    // A single missing bracket most likely belongs at the end of the line.
+    let unclosed = ErrorKind::Unclosed { open: kind.as_char(), at: span };
     let line = text[span.end..].find(['\n', '\r']).map_or(text.len(), |length| span.end + length);
     let line = tokens.iter().take_while(|token| token.kind != Semicolon && token.span.start < line);
-    match (line.last(), kind.closer()) {
+    let line = &tokens[..line.count()];
+    match (line[..contents(line)].last(), kind.closer()) {
         // An environment gets no suggestion, because a command closes it instead of a character.
-        (Some(last), Some(close)) if is_only && !matches!(close, CloseChoice | CloseMatrix) => {
-            error.suggest(Span::at(last.span.end), close.as_char())
+        (Some(last), Some(close))
+            if is_only
+                && last.kind.ends_operand()
+                && !matches!(close, CloseChoice | CloseMatrix) =>
+        {
+            let place = Span::at(last.span.end);
+            Error::new(place, unclosed).suggest(place, close.as_char())
         }
-        _ => error,
+        _ => Error::new(span, unclosed),
     }
+}
+
+/// Number of the line's tokens that the bracket `line[0]` likely holds: all before an equals sign,
+/// or all. An equals sign after a single name may belong in the bracket, as in `sum(k = 1..5, x^k)`.
+fn contents(line: &[Token]) -> usize {
+    let mut depth = 0_usize;
+    for (at, token) in line.iter().enumerate().skip(1) {
+        if token.kind.closer().is_some() {
+            depth += 1;
+        } else if token.kind.is_closer() {
+            depth = depth.saturating_sub(1);
+        } else if depth == 0 && token.kind == Equals {
+            let is_named = at < 3 || line[at - 2].kind == Comma;
+            return if line[0].kind == OpenParen && !is_named { at } else { line.len() };
+        }
+    }
+    line.len()
 }
 
 #[cfg(test)]

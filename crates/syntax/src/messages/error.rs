@@ -116,7 +116,7 @@ pub enum ErrorKind {
     #[error("`{character}` has no meaning in a formula")]
     UnexpectedCharacter { character: char },
     #[error("`{}` is never closed", bracket(*.open))]
-    Unclosed { open: char },
+    Unclosed { open: char, at: Span },
     #[error("`{}` closes nothing", bracket(*.close))]
     Unopened { close: char },
     #[error("`{}` is closed by `{}`", bracket(*.open), bracket(*.close))]

@@ -3,6 +3,7 @@
 use crate::messages::error::ErrorKind::{self, *};
 use crate::messages::error::{Error, Suggestion};
 use crate::settings::setting;
+use crate::span::Span;
 use zeroset_style::{COLOR_MAPS, LOOKS, VIEWS};
 
 /// Largest number of characters in a quoted correction.
@@ -12,6 +13,14 @@ impl Error {
     /// A few words to show at the error's caret.
     pub fn label(&self) -> Option<&'static str> {
         Some(match &self.kind {
+            Unclosed { open, at } if *at != self.span => match open {
+                '(' => "missing `)`",
+                '[' => "missing `]`",
+                '{' => "missing `}`",
+                '⌊' => "missing `⌋`",
+                '⌈' => "missing `⌉`",
+                _ => "missing bracket",
+            },
             Unclosed { .. } => "opened here",
             UnclosedBar => "this bar",
             MissingAfter { .. } => "expected a value after this",
@@ -24,6 +33,14 @@ impl Error {
             ValueAsCondition { .. } => "this is a number",
             _ => return None,
         })
+    }
+
+    /// Another place that explains the error, with a few words to show there.
+    pub(crate) fn second_label(&self) -> Option<(Span, &'static str)> {
+        match &self.kind {
+            Unclosed { at, .. } if *at != self.span => Some((*at, "opened here")),
+            _ => None,
+        }
     }
 
     /// The reason why the text is an error.
@@ -222,7 +239,11 @@ impl Error {
     /// The text at the error's place, corrected by `meant`. Gives only the replacement if the
     /// corrected text is empty, long or has several lines.
     fn corrected(&self, text: &str, meant: &Suggestion) -> String {
-        let whole = self.span.to(meant.span);
+        let whole = match &self.kind {
+            // The whole line, as far as it is the formula.
+            Unclosed { at, .. } => statement(text, *at),
+            _ => self.span.to(meant.span),
+        };
         let (Some(before), Some(after)) =
             (text.get(whole.start..meant.span.start), text.get(meant.span.end..whole.end))
         else {
@@ -237,6 +258,17 @@ impl Error {
         }
         corrected
     }
+}
+
+/// The place of the statement around `at`, if it is on one line.
+fn statement(text: &str, at: Span) -> Span {
+    let breaks = ['\n', '\r', ';', '#'];
+    let (before, after) = (text.get(..at.start), text.get(at.end..));
+    let (before, after) = (before.unwrap_or_default(), after.unwrap_or_default());
+    let first = before.rfind(breaks).map_or(0, |end| end + 1);
+    let length = after.find(breaks).unwrap_or(after.len());
+    let blank = before[first..].len() - before[first..].trim_start().len();
+    Span::new(first + blank, at.end + after[..length].trim_end().len())
 }
 
 /// Returns whether a word begins a condition in other languages.

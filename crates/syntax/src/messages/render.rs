@@ -30,7 +30,8 @@ impl Error {
         let help = self.help(text);
         let more = [(Level::NOTE, self.reason()), (Level::HELP, help.as_deref())];
         let title = Level::ERROR.primary_title(self.message());
-        draw(title, (source_name, text, self.span), self.label(), more, color)
+        let labels = (self.label(), self.second_label());
+        draw(title, (source_name, text, self.span), labels, more, color)
     }
 }
 
@@ -38,15 +39,16 @@ impl Note {
     /// Draws this note with a caret. The result has no line break at its end.
     pub fn render(&self, source_name: Option<&str>, text: &str, color: bool) -> String {
         let title = Level::NOTE.primary_title(self.message());
-        draw(title, (source_name, text, self.span), None, [], color)
+        draw(title, (source_name, text, self.span), (None, None), [], color)
     }
 }
 
-/// Draws a title, the marked place with its label, and further messages.
+/// Draws a title, the marked place with its label, perhaps a second place on the same line, and
+/// further messages.
 fn draw<'a>(
     title: Title<'a>,
     (source_name, text, span): (Option<&'a str>, &'a str, Span),
-    label: Option<&'a str>,
+    (label, second): (Option<&'a str>, Option<(Span, &'a str)>),
     more: impl IntoIterator<Item = (Level<'a>, Option<&'a str>)>,
     color: bool,
 ) -> String {
@@ -61,7 +63,10 @@ fn draw<'a>(
     let clip = |at: usize| at.saturating_sub(start).min(shown.len());
     let annotation = AnnotationKind::Primary.span(clip(span.start)..clip(span.end)).label(label);
     let snippet = Snippet::source(shown).line_start(line).path(source_name);
-    let mut group = title.element(snippet.annotation(annotation));
+    let second = second.map(|(span, label)| {
+        AnnotationKind::Context.span(clip(span.start)..clip(span.end)).label(label)
+    });
+    let mut group = title.element(snippet.annotation(annotation).annotations(second));
     for (level, said) in more {
         group = group.elements(said.map(|said| level.message(said)));
     }

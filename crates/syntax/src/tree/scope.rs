@@ -2,7 +2,7 @@
 //! among the document's names, then among the language's names.
 
 use crate::tree::ast::{Function, Name, NamedValue};
-use rustc_hash::FxHashMap;
+use rustc_hash::{FxHashMap, FxHashSet};
 use zeroset_ir::{Axis, NamedConstant};
 use zeroset_ops::{COMPOSED, Notation, Op, SpecialForm, TABLE, builders, form, names, natives};
 
@@ -12,6 +12,9 @@ pub(crate) struct Scope {
     /// Names that the document or an override defines, each with its number of parameters. A value
     /// has `None` in place of the number.
     defined: FxHashMap<String, Option<usize>>,
+    /// Defined names that are not in the text, such as those of steps of programs. They are never
+    /// suggested.
+    unwritten: FxHashSet<String>,
     /// Coordinates that the text uses without defining them. They have a standard definition.
     implied: Vec<&'static str>,
     /// True if internal operations may be called, which only the language's own prelude may do.
@@ -109,6 +112,15 @@ impl Scope {
     /// later definition replaces an earlier one.
     pub(crate) fn define(&mut self, name: &str, parameters: Option<usize>) {
         self.defined.insert(name.to_owned(), parameters);
+    }
+
+    /// Suggests no defined names but those that occur in `text`, and those in `others`.
+    pub(crate) fn suggest_only(&mut self, text: &str, others: &[(String, String)]) {
+        let words = text.split(|c: char| !(c.is_alphanumeric() || c == '_'));
+        let written: FxHashSet<&str> =
+            words.chain(others.iter().map(|(name, _)| name.as_str())).collect();
+        let names = self.defined.keys().filter(|name| !written.contains(name.as_str()));
+        self.unwritten = names.cloned().collect();
     }
 
     /// The meaning of `name`. `locals` are the function's parameters and the indices of sums.
@@ -227,7 +239,9 @@ impl Scope {
     pub(crate) fn nearest(&self, name: &str, locals: &[Name], functions: bool) -> Option<String> {
         let own = self.defined.iter();
         let mut candidates: Vec<&str> = own
-            .filter(|(_, parameters)| !functions || parameters.is_some())
+            .filter(|(name, parameters)| {
+                (!functions || parameters.is_some()) && !self.unwritten.contains(*name)
+            })
             .map(|(name, _)| name.as_str())
             .collect();
         let shorter = |name: &'static str| -> &str { name };
