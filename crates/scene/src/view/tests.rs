@@ -91,7 +91,7 @@ fn the_camera_comes_from_the_caller_then_the_document_then_the_default() {
     let own = CameraChoice { eye: Some(DVec3::Z * 9.0), ..CameraChoice::default() };
     assert_eq!(eye(own), DVec3::Z * 9.0);
     let side = CameraChoice { view: Some(&VIEWS[0]), ..CameraChoice::default() };
-    assert_eq!(eye(side), DVec3::new(4.0, -6.0, 3.0));
+    assert_eq!(eye(side), DVec3::new(4.0, -6.0, 4.5));
 }
 
 #[test]
