@@ -90,9 +90,9 @@ fn formulas_without_a_surface_are_refused_as_on_the_command_line() {
             Settings::new(9, 9).domain([1.0..=0.0, -1.0..=1.0, -1.0..=1.0]),
         ),
         (["--domain", "2e18"], Settings::new(9, 9).domain([(); 3].map(|()| -2e18..=2e18))),
-        (["--eye", "0,0,0"], Settings::new(9, 9).camera(Camera::new().eye([0.0; 3]))),
+        (["--eye", "1e200,0,0"], Settings::new(9, 9).camera(Camera::new().eye([1e200, 0.0, 0.0]))),
         (["--fov", "180"], Settings::new(9, 9).camera(Camera::new().fov(180.0))),
-        (["--up", "2,-3,1.5"], Settings::new(9, 9).camera(Camera::new().up([2.0, -3.0, 1.5]))),
+        (["--up", "2,-3,2.25"], Settings::new(9, 9).camera(Camera::new().up([2.0, -3.0, 2.25]))),
     ] {
         let text = "x^2+y^2+z^2 = 1";
         let error = Scene::read(text).expect("reads").render(&settings).expect_err("refused");

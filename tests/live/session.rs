@@ -284,7 +284,7 @@ fn commands_are_answered() {
         (":help qqqqqq", "no function or command named 'qqqqqq'"),
         (":help sinn", "did you mean sin?"),
         (":method rays", "no method named 'rays'; there is affine, knoll"),
-        (":look bright", "no look named 'bright'; there is studio, flat, paper, night"),
+        (":look bright", "no look named 'bright'; there is studio, flat, paper, textbook, night"),
         (":shadows maybe", "usage: :shadows [on|off]"),
         (":steps 1", "steps are between 2 and 1048576"),
         (":domain 1,0,1,2,1,2", "is empty"),

@@ -64,6 +64,13 @@ fn assert_near(one: [u8; 3], other: [u8; 3], what: &str) {
     assert!(off <= Some(2), "{what}: {one:?} and {other:?}");
 }
 
+/// The opacity of a sphere of radius 1 where a ray along x meets it, at a foot this far from the
+/// middle ray: that of a sheet that the ray crosses at an angle.
+fn opacity_of_sheet(opacity: f64, foot: DVec3) -> f32 {
+    let facing = (1.0 - foot.y * foot.y - foot.z * foot.z).sqrt();
+    (1.0 - (1.0 - opacity).powf(1.0 / facing)) as f32
+}
+
 /// The half-space of the points with coordinates of at least `x` along the x axis.
 fn behind(x: f64) -> HalfSpace {
     HalfSpace { normal: DVec3::NEG_X, offset: -x }
@@ -97,9 +104,10 @@ fn translucent_surfaces_are_mixed_from_front_to_back() {
             }
             let mut left = 1.0;
             let mut parts = Vec::new();
+            let share = opacity_of_sheet(0.6, foot);
             for layer in &layers {
-                parts.push((pixel(layer, n), 0.6 * left));
-                left *= 0.4;
+                parts.push((pixel(layer, n), share * left));
+                left *= 1.0 - share;
             }
             parts.push((pixel(&ground, 0), left));
             assert_near(pixel(&all, n), mixed(&parts), &format!("{text} at {foot}"));
@@ -152,7 +160,8 @@ fn an_opaque_surface_hides_what_is_behind_it() {
     for n in 0..SIDE * SIDE {
         let foot = rays().ray_of(n).origin;
         if foot.y.hypot(foot.z) < 0.45 {
-            let parts = [(pixel(&around, n), 0.25), (pixel(&alone, n), 0.75)];
+            let share = opacity_of_sheet(0.25, foot);
+            let parts = [(pixel(&around, n), share), (pixel(&alone, n), 1.0 - share)];
             assert_near(pixel(&both, n), mixed(&parts), "through the outer sphere");
             checked += 1;
         }

@@ -389,7 +389,7 @@ fn colors_are_those_of_pictures() {
     let plain = [&plain[..], &["--tolerance", "0.1"]].concat();
     for file in ["a.ply", "a.3mf", "a.glb"] {
         let colors = read(&plain, file).0.colors;
-        assert_eq!(colors, ["ffd70080", "f0e442ff"].map(str::to_owned).into(), "{file}");
+        assert_eq!(colors, ["ffd70080", "008769ff"].map(str::to_owned).into(), "{file}");
     }
     let mapped = ["color viridis(nz, -1, 1)\nx^2+y^2+z^2 <= 1", "--tolerance", "0.02"];
     for file in ["a.ply", "a.3mf", "a.glb"] {

@@ -121,7 +121,7 @@ mod tests {
             let (low, high) = (middle - size * random.f64(), middle + size * random.f64());
             let (found, step) = ticks(low, high);
             for (value, text) in &found {
-                let read: f64 = text.replace(MINUS, "-").parse().expect(text);
+                let read: f64 = text.parse().expect(text);
                 assert!((read - value).abs() < 1e-6 * step, "{text} at {value} of {low} to {high}");
                 assert!(text.len() < 16, "{text} of {low} to {high}");
             }

@@ -56,7 +56,8 @@ fn graph_text(graph: &Graph, id: NodeId) -> String {
 
 /// Describes all settings of the picture except domain, view, look and background.
 fn describe_picture(out: &mut String, picture: &PictureLines) {
-    let PictureLines { clip, light, shadows, axes, legend, contours } = picture;
+    let PictureLines { clip, light, shadows, ground, axes, is_equal, legend, mesh, contours } =
+        picture;
     if let Some(plane) = clip {
         let numbers = plane.each_ref().map(number).join(" ");
         writeln!(out, "clip: {numbers}").unwrap();
@@ -64,10 +65,20 @@ fn describe_picture(out: &mut String, picture: &PictureLines) {
     if let Some(place) = light {
         writeln!(out, "light: {}", vector(place)).unwrap();
     }
-    for (word, on) in [("shadows", shadows), ("axes", axes), ("legend", legend)] {
+    let switches = [
+        ("shadows", shadows),
+        ("ground", ground),
+        ("axes", axes),
+        ("legend", legend),
+        ("mesh", mesh),
+    ];
+    for (word, on) in switches {
         if let Some(on) = on {
             writeln!(out, "{word}: {on}").unwrap();
         }
+    }
+    if *is_equal {
+        out.push_str("aspect: equal\n");
     }
     if let Some(Contours { value, step }) = contours {
         let value = value.as_ref().map_or("-", |value| &value.echo);
@@ -126,6 +137,9 @@ fn describe(row: &Row, document: &Document) -> String {
                 out.push(']');
             }
             None => {}
+        }
+        if surface.material.name != "satin" {
+            write!(out, "  [{}]", surface.material.name).unwrap();
         }
         if surface.hidden {
             out.push_str("  [hidden]");
