@@ -149,7 +149,7 @@ fn every_digit_of_a_click_on_the_gallery_is_true() {
         let (hits, located) = (hits - hits_before, located - located_before);
         assert!(10 * located >= 9 * hits, "{name}: {located} of {hits}");
     }
-    println!("{located} of {hits} hits located, {} digits in all", digits);
+    println!("{located} of {hits} hits located, {digits} digits in all");
     assert!(hits > 50_000 && 99 * hits < 100 * located, "{located} of {hits}");
     assert!(digits > 12 * 3 * located, "{digits} digits");
 }

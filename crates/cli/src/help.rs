@@ -4,7 +4,7 @@ use super::theme::{CHOSEN as KEY, GROUND, INK};
 use super::window::keys::SHORTCUTS;
 use zeroset_render::overlay::Canvas;
 
-/// What the mouse and the keys of the typed line do. The commands on other keys follow.
+/// Actions of the mouse, and keys of the typed line. The commands on other keys follow.
 const MOUSE_AND_LINE: &[(&str, &str)] = &[
     ("drag", "turn"),
     ("right drag", "move"),

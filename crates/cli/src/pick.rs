@@ -68,7 +68,8 @@ impl<'a> Pick<'a> {
         Some(format!("{surface}x {:.digits$}  y {:.digits$}  z {:.digits$}{open}", p.x, p.y, p.z))
     }
 
-    /// Number of decimals that the picture knows of the point: all but the first digit of the error.
+    /// Number of decimals that the picture knows of the point: all before the first digit of the
+    /// error.
     fn digits(&self) -> usize {
         digits(self.reach).saturating_sub(1)
     }
@@ -109,18 +110,15 @@ impl<'a> Pick<'a> {
             Precision::F32 => (value as f32).to_string(),
             Precision::Auto | Precision::F64 => value.to_string(),
         };
-        let (p, coordinates, distance) = match self.located() {
-            Some(located) => {
-                let [near, far] = located.t.map(|t| self.ray.distance(t));
-                let ulps = 4.0 * f64::EPSILON * far;
-                let p = self.ray.at(located.t[0].midpoint(located.t[1]));
-                let distance = true_digits(Interval { lo: near - ulps, hi: far + ulps });
-                (p, located.at.map(true_digits), distance)
-            }
-            None => {
-                let show = |value: f64| format!("{value:.*}", self.digits());
-                (p, p.to_array().map(show), show(buffer.drawn[self.pixel]))
-            }
+        let (p, coordinates, distance) = if let Some(located) = self.located() {
+            let [near, far] = located.t.map(|t| self.ray.distance(t));
+            let ulps = 4.0 * f64::EPSILON * far;
+            let p = self.ray.at(located.t[0].midpoint(located.t[1]));
+            let distance = true_digits(Interval { lo: near - ulps, hi: far + ulps });
+            (p, located.at.map(true_digits), distance)
+        } else {
+            let show = |value: f64| format!("{value:.*}", self.digits());
+            (p, p.to_array().map(show), show(buffer.drawn[self.pixel]))
         };
         let [x, y, z] = coordinates;
         let _ = write!(text, "\n  {echo}\n  x {x}  y {y}  z {z}  distance {distance}");

@@ -388,12 +388,13 @@ pub fn camera(
     };
     let target = choice.target.or(point(&typed.target)).map_or(usual, displayed);
     let eye = given_eye.unwrap_or(target + offset * shown.half_extent());
-    let up = choice.up.or(typed_up).map(displayed).unwrap_or_else(|| {
+    let usual_up = || {
         // An eye set by the caller or the document may look straight down. Then y is the upward
         // direction, as in the view from the top.
         let vertical = given_eye.is_some() && (target - eye).cross(view_up) == DVec3::ZERO;
         if vertical { turned([0.0, 1.0, 0.0]) } else { view_up }
-    });
+    };
+    let up = choice.up.or(typed_up).map_or_else(usual_up, displayed);
     let projection = choice.projection.unwrap_or_else(|| match (&typed.ortho, &typed.fov) {
         (Some(height), _) => Projection::Orthographic { height: nearest(height) },
         (None, Some(fov)) => Projection::Perspective { fov: nearest(fov) },

@@ -9,9 +9,9 @@ use zeroset_trace::{GBuffer, RayGrid};
 /// this. The unit is a pixel width of the smaller picture, times the slope.
 const FAR: f64 = 4.0;
 
-/// Returns the occlusion of each painted point: the mean over the four pixels of `small` that are nearest
-/// in the picture. Only pixels that show the same part of the same surface count. If `small` is as
-/// large as the picture, its values are copied.
+/// Returns the occlusion of each painted point: the mean over the four pixels of `small` that are
+/// nearest in the picture. Only pixels that show the same part of the same surface count. If
+/// `small` is as large as the picture, its values are copied.
 pub fn borrow_occlusion(
     buffer: &GBuffer,
     rays: &RayGrid,

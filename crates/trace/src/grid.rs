@@ -450,8 +450,8 @@ impl RayGrid {
         points
     }
 
-    /// The directions of a window's rays as displayed. Their error, a few ulps of `f32`, does not matter for
-    /// colors.
+    /// The directions of a window's rays as displayed. Their error, a few ulps of `f32`, does not
+    /// matter for colors.
     #[inline(always)]
     pub fn ways<S: Simd>(&self, simd: S, window: PixelWindow) -> RayDirections<S> {
         let [forward, right, up] = self.steps;

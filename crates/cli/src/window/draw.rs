@@ -46,11 +46,11 @@ pub struct Content {
     rendering: Option<*const Rendering>,
     fault: Option<String>,
     wrong: bool,
-    /// What the worker does, if a picture is late.
+    /// The worker's present task, if a picture is late.
     stage: Option<&'static str>,
     hover: Option<String>,
     line: Option<LineContent>,
-    /// What the line's Enter does, or where to type if no line is open.
+    /// Says the effect of Enter, or where to type if no line is open.
     hint: Option<String>,
     candidates: Option<String>,
     message: Option<String>,

@@ -35,8 +35,8 @@ mod x11 {
     /// The request comes from a program, not from a pager.
     const FROM_PROGRAM: u32 = 1;
 
-    /// The display's scale, as other programs follow it: from the variable `GDK_SCALE`, and from the
-    /// resource `Xft.dpi`. `None` if the display has none.
+    /// The display's scale, as other programs follow it: from the variable `GDK_SCALE`, and from
+    /// the resource `Xft.dpi`. `None` if the display has none.
     pub fn scale() -> Option<f64> {
         let asked = std::env::var("GDK_SCALE").ok().and_then(|scale| scale.parse().ok());
         let resource = || {

@@ -36,7 +36,7 @@ const GOLDEN: f64 = 2.399_963_23;
 pub(super) type GroundColors = Vec<Option<[u8; 3]>>;
 
 impl<T: KernelFloat> RenderPass<'_, T> {
-    /// Whether the picture has a ground.
+    /// Returns whether the picture has a ground.
     fn has_ground(&self) -> bool {
         self.settings.ground.unwrap_or(self.model.setting.lines.ground == Some(true))
             && self.settings.normals.is_some()
@@ -107,8 +107,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         Ok(Some(((0..shares.len()).map(color).collect(), work)))
     }
 
-    /// How much of the light of `lights` is hidden from each point of the ground; 255 means that all
-    /// is hidden. Translucent surfaces let a part of the light through.
+    /// The share of `lights` that is hidden from each point of the ground; 255 means that all of
+    /// them are hidden. Translucent surfaces let a part of the light through.
     fn hidden(
         &self,
         rays: &RayGrid,

@@ -28,7 +28,8 @@ pub struct Located {
 
 impl Model {
     /// Locates the zero of a surface's function on `ray` that is at most `reach` from t = `near`;
-    /// the first one, if there are several. `None` if no zero with a change of sign is proven there.
+    /// the first one, if there are several. `None` if no zero with a change of sign is proven
+    /// there.
     ///
     /// # Panics
     /// If there is no such surface.

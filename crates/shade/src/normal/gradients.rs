@@ -166,7 +166,7 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
         }
         match T::FORMAT {
             Format::F32 if !self.rays.is_stretched() => {
-                write(&self.rays.points_along(simd, ways, distances), points)
+                write(&self.rays.points_along(simd, ways, distances), points);
             }
             Format::F32 | Format::F64 => write(&self.rays.points(simd, window, distances), points),
         }

@@ -251,7 +251,8 @@ fn unclosed(text: &str, tokens: &[Token], is_only: bool) -> Box<Error> {
 }
 
 /// Number of the line's tokens that the bracket `line[0]` likely holds: all before an equals sign,
-/// or all. An equals sign after a single name may belong in the bracket, as in `sum(k = 1..5, x^k)`.
+/// or all. An equals sign after a single name may belong in the bracket, as in
+/// `sum(k = 1..5, x^k)`.
 fn contents(line: &[Token]) -> usize {
     let mut depth = 0_usize;
     for (at, token) in line.iter().enumerate().skip(1) {

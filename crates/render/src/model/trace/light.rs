@@ -184,8 +184,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
     }
 
     /// Sets `buffer.shadow` of the painted points from which a light is not seen. Each pixel of a
-    /// small square looks for another one of `lights`, in the displayed space. Only the surfaces for
-    /// which `casts` is true hide the light.
+    /// small square looks for another one of `lights`, in the displayed space. Only the surfaces
+    /// for which `casts` is true hide the light.
     pub(in crate::model) fn shadows(
         &self,
         rays: &RayGrid,
