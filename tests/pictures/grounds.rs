@@ -33,13 +33,9 @@ fn brightness(picture: &Picture, [column, row]: [usize; 2]) -> u32 {
 #[test]
 fn statuses_and_brackets_know_no_ground_and_no_material() {
     let (camera, plain) = drawn(TORUS);
-    let mut pictures = Vec::new();
-    for head in MATERIALS.iter().map(|row| format!("material {}", row.name)) {
-        pictures.push(head);
-    }
-    pictures.push("ground".to_owned());
+    let materials = MATERIALS.iter().map(|row| format!("material {}", row.name));
     let mut seen = vec![plain.rgb.clone()];
-    for head in pictures {
+    for head in materials.chain(["ground".to_owned()]) {
         let (own, picture) = drawn(&format!("{head}\n{TORUS}"));
         assert_eq!(own, camera, "{head}");
         assert_eq!(picture.buffer.status, plain.buffer.status, "{head}");
@@ -69,6 +65,15 @@ fn the_ground_is_dark_below_a_surface_and_fades_into_the_background() {
     let below = "ground\nview eye (0.1, 0.2, -6)\n";
     let above = "view eye (0.1, 0.2, -6)\n";
     assert_eq!(drawn(&format!("{below}{TORUS}")).1.rgb, drawn(&format!("{above}{TORUS}")).1.rgb);
+}
+
+/// The lowest point of a solid is found as closely as that of a surface.
+#[test]
+fn solids_stand_on_the_ground() {
+    let [surface, solid] =
+        ["=", "<="].map(|sign| drawn(&format!("domain 2\nground\nx^2+y^2+z^2{sign}1")).1);
+    let differ = surface.rgb.iter().zip(&solid.rgb).filter(|(a, b)| a.abs_diff(**b) > 8).count();
+    assert!(differ * 100 < surface.rgb.len(), "{differ} bytes differ");
 }
 
 #[test]

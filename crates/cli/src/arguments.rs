@@ -462,7 +462,7 @@ pub struct TracingArgs {
     pub kernels: KernelArgs,
 
     /// Stand on a ground that shows shadows
-    #[arg(long)]
+    #[arg(help_heading = LIGHT, long)]
     pub ground: bool,
 
     /// Cast soft shadows: trace a ray from every visible point to an area light

@@ -127,7 +127,7 @@ impl LineEdit {
         }
     }
 
-    /// Takes back the last change. Returns false if there is none.
+    /// Takes back the last change. Returns whether there was one.
     pub fn undo(&mut self) -> bool {
         let Some((text, cursor)) = self.past.pop() else { return false };
         self.future.push((std::mem::replace(&mut self.text, text), self.cursor));
@@ -135,7 +135,7 @@ impl LineEdit {
         true
     }
 
-    /// Makes the last undone change again. Returns false if there is none.
+    /// Makes the last undone change again. Returns whether there was one.
     pub fn redo(&mut self) -> bool {
         let Some((text, cursor)) = self.future.pop() else { return false };
         self.past.push((std::mem::replace(&mut self.text, text), self.cursor));

@@ -245,7 +245,7 @@ impl Session {
         lock(&self.notice).take()
     }
 
-    /// Whether the terminal shows the fault of the request with this revision.
+    /// Returns whether the terminal shows the fault of the request with this revision.
     pub fn reports_in_terminal(&self, revision: u64) -> bool {
         revision > self.reported_in_window.load(Ordering::Relaxed)
     }
@@ -401,7 +401,7 @@ impl Session {
         }
     }
 
-    /// Whether the gallery was requested since the last call.
+    /// Returns whether the gallery was requested since the last call.
     #[cfg(feature = "window")]
     pub fn is_gallery_wanted(&self) -> bool {
         self.gallery.swap(false, Ordering::Relaxed)

@@ -114,7 +114,6 @@ pub fn camera_over(
     let Some(mut seen) = look(back)? else { return Ok(None) };
     let mut side = back;
     if is_upright {
-        let turn = |n, of| turned(usual.up(), n, of);
         // The normal of the upper side. A vertical plane has none.
         let upper = |normal: DVec3| {
             let is_vertical = normal.z.abs() < VERTICAL;
@@ -128,7 +127,7 @@ pub fn camera_over(
                 vec![*all.iter().find(steep).unwrap_or(&all[0])]
             }
             Some(_) => Vec::new(),
-            None => (1..TURNS).map(|n| turn(n, TURNS) * back).collect(),
+            None => (1..TURNS).map(|n| turned(usual.up(), n, TURNS) * back).collect(),
         };
         for other in sides {
             let Some(mut found) = look(other)? else { return Ok(None) };
@@ -281,13 +280,14 @@ impl FreeView {
             normals: None,
             ..Settings::default()
         };
-        let rays = camera.in_stretched(region.stretch()).rays(SIDE, SIDE);
+        let stretch = region.stretch();
+        let in_space = camera.in_stretched(stretch);
+        let rays = in_space.rays(SIDE, SIDE);
         let forward = rays.forward();
         let slope = self.slope();
         let (mut spots, mut area) = (Vec::new(), 0.0);
         for model in models {
-            let stretch = region.stretch();
-            let picture = model.trace(&camera.in_stretched(stretch), &small, &|_| wanted())?;
+            let picture = model.trace(&in_space, &small, &|_| wanted())?;
             if !wanted() {
                 return Ok(None);
             }

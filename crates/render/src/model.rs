@@ -61,8 +61,9 @@ struct DocumentStyle {
     look: Option<&'static Look>,
     background: Option<SrgbColor>,
     lines: PictureLines,
-    /// The values x, y and z, for lines whose values the document does not name.
-    coordinates: [PointValue; 3],
+    /// The values x, y and z, for lines whose values the document does not name. `None` without
+    /// lines.
+    coordinates: Option<[PointValue; 3]>,
     /// The coordinates that are the same along lines of a mesh.
     mesh: &'static [usize],
     /// Values of the parameters, indexed by parameter number.
@@ -87,7 +88,8 @@ impl DocumentStyle {
             look: document.look,
             background: document.background,
             lines: lines.clone(),
-            coordinates: [(Axis::X, "x"), (Axis::Y, "y"), (Axis::Z, "z")].map(coordinate),
+            coordinates: (lines.contours.is_some() || !mesh.is_empty())
+                .then(|| [(Axis::X, "x"), (Axis::Y, "y"), (Axis::Z, "z")].map(coordinate)),
             mesh,
             parameters: values.collect(),
         }

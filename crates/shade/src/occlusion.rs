@@ -6,7 +6,7 @@
 
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
-use zeroset_trace::{GBuffer, RayGrid, SurfaceIds};
+use zeroset_trace::{GBuffer, RayGrid};
 
 /// Number of sampling patterns, one for each pixel of a small square. The patterns sample different
 /// directions, and the mean over the square covers all directions.
@@ -62,7 +62,6 @@ pub struct AmbientOcclusion<'a> {
     size: [usize; 2],
     at: Vec<Vec3>,
     normal: Vec<Vec3>,
-    surface: SurfaceIds,
     /// For each [`turn`], the offsets from a pixel to the places sampled around it. They are within
     /// a circle of radius 1, and scaled when used.
     looks: [[Vec2; LOOKS]; TURNS],
@@ -94,7 +93,6 @@ impl<'a> AmbientOcclusion<'a> {
                 }
             }
         });
-        let surface = buffer.surface.clone();
         let looks = std::array::from_fn(|turn| {
             let first = turn as f32 / TURNS as f32 * std::f32::consts::TAU;
             std::array::from_fn(|look| {
@@ -102,7 +100,7 @@ impl<'a> AmbientOcclusion<'a> {
                 radius * Vec2::from_angle(first + GOLDEN * look as f32)
             })
         });
-        Self { rays, buffer, centre, step, size, at, normal, surface, looks }
+        Self { rays, buffer, centre, step, size, at, normal, looks }
     }
 
     /// The index in the picture of the sampled pixel with this index.
@@ -118,7 +116,7 @@ impl<'a> AmbientOcclusion<'a> {
         ShadedPoint {
             at: self.at[sample],
             normal: self.normal[sample],
-            surface: self.surface[pixel],
+            surface: self.buffer.surface[pixel],
         }
     }
 

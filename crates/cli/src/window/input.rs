@@ -46,7 +46,7 @@ impl Held {
         })
     }
 
-    /// Whether keys give commands. On a Mac the command key does so, and Alt types letters.
+    /// Returns whether keys give commands. On a Mac the command key does so, and Alt types letters.
     /// Elsewhere Ctrl does so, unless it is held with the right Alt key, which types letters.
     fn commands(&self) -> bool {
         let is_mac = cfg!(target_os = "macos");
@@ -54,7 +54,7 @@ impl Held {
         any(self.control) && (is_mac || !self.alt[1]) || is_mac && any(self.command)
     }
 
-    /// Whether keys belong to the window manager.
+    /// Returns whether keys belong to the window manager.
     fn is_elsewhere(&self) -> bool {
         !cfg!(target_os = "macos") && (self.alt[0] || self.command.contains(&true))
     }

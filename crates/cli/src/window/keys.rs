@@ -383,7 +383,7 @@ impl Window {
         self.begin_command("mesh", unused_name("stl"));
     }
 
-    /// Opens a line with a command and a file's name. What was typed before is kept in the history.
+    /// Opens a line with a command and a file's name. An earlier line is kept in the history.
     fn begin_command(&mut self, command: &str, name: anyhow::Result<std::path::PathBuf>) {
         match name {
             Ok(name) => {

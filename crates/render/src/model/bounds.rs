@@ -27,24 +27,35 @@ impl Model {
     /// A box that is proven to hold all zeros of a surface in the region. If the region may cut the
     /// surface, a solid, the box also holds all of the solid there. `None` if there is nothing.
     fn bounds(&self, surface: usize, is_cut: bool) -> Option<Cell> {
-        *self.bounds[surface][usize::from(is_cut)].get_or_init(|| {
-            let [low, high] = [self.region.low(), self.region.high()].map(|end| end.to_array());
-            let whole = Cell { low, high };
-            let kernels = self.program.kernels::<f64>(surface);
-            // The parts of a large formula are left out where they have no zeros, in any case.
-            if kernels.has_parts() {
-                return Some(whole);
-            }
-            let search = |kernel: &dyn Kernel<FindZeros, f64>| {
-                let (surfaces, work) = (vec![kernel], Counter::new(WORK));
-                let search = CellSearch { surfaces, forms: Vec::new(), wanted: &|| true, work };
-                search.tight(whole, DEPTH)
-            };
-            if is_cut {
-                return kernels.bounds().map_or(Some(whole), |bounds| search(&FindSolid(bounds)));
-            }
-            kernels.zeros().map_or(Some(whole), search)
-        })
+        let known = &self.bounds[surface][usize::from(is_cut)];
+        *known.get_or_init(|| self.search_bounds(surface, is_cut, WORK, DEPTH))
+    }
+
+    /// As [`Model::bounds`], by a search with at most `work` evaluations that halves a box `depth`
+    /// times.
+    pub(super) fn search_bounds(
+        &self,
+        surface: usize,
+        is_cut: bool,
+        work: u64,
+        depth: u32,
+    ) -> Option<Cell> {
+        let [low, high] = [self.region.low(), self.region.high()].map(|end| end.to_array());
+        let whole = Cell { low, high };
+        let kernels = self.program.kernels::<f64>(surface);
+        // The parts of a large formula are left out where they have no zeros, in any case.
+        if kernels.has_parts() {
+            return Some(whole);
+        }
+        let search = |kernel: &dyn Kernel<FindZeros, f64>| {
+            let (surfaces, work) = (vec![kernel], Counter::new(work));
+            let search = CellSearch { surfaces, forms: Vec::new(), wanted: &|| true, work };
+            search.tight(whole, depth)
+        };
+        if is_cut {
+            return kernels.bounds().map_or(Some(whole), |bounds| search(&FindSolid(bounds)));
+        }
+        kernels.zeros().map_or(Some(whole), search)
     }
 }
 

@@ -5,11 +5,10 @@
 
 use super::trace::RenderPass;
 use glam::{DVec2, DVec3};
-use std::cell::Cell as Counter;
 use zeroset_eval::KernelFloat;
 use zeroset_scene::program::ProgramError;
 use zeroset_shade::{AmbientOcclusion, Appearance, Displayed, Light, LinearRgb, TURNS};
-use zeroset_space::{Cell, CellSearch};
+use zeroset_syntax::SurfaceKind;
 use zeroset_trace::{GBuffer, KernelStats, RayGrid};
 
 /// Limits of the search for the lowest point of a surface: evaluations, and halvings of a box.
@@ -88,16 +87,23 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             work += cost;
             Ok::<_, ProgramError>(hidden)
         };
-        let direct = hidden(&appearance.light.widened(region.centre()), &mut plane)?;
-        let [one, other] = [0.0, 0.5].map(|turn| hidden(&sky(turn), &mut plane));
-        let (one, other) = (one?, other?);
+        let mut all = [
+            hidden(&appearance.light.widened(region.centre()), &mut plane)?,
+            hidden(&sky(0.0), &mut plane)?,
+            hidden(&sky(0.5), &mut plane)?,
+        ];
+        let seen = Displayed::new(&plane, rays);
+        let near = AmbientOcclusion::new(&seen.buffer, &seen.rays, region.centre());
+        for hidden in &mut all {
+            (0..MEANS).for_each(|_| near.mean(hidden));
+        }
         let back = appearance.background.0;
         let is_dark = back.iter().sum::<f32>() < 0.3;
         let color = |pixel: usize| {
             let share = shares[pixel];
             (share > 0.0).then(|| {
                 let [direct, one, other] =
-                    [&direct, &one, &other].map(|hidden| 1.0 - f32::from(hidden[pixel]) / 255.0);
+                    all.each_ref().map(|hidden| 1.0 - f32::from(hidden[pixel]) / 255.0);
                 let light = AMBIENT * 0.5 * (one + other) + (1.0 - AMBIENT) * direct;
                 let lift = if is_dark { LIFT * share } else { 0.0 };
                 let factor = 1.0 - share * (1.0 - light);
@@ -116,42 +122,28 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         plane: &mut GBuffer,
     ) -> Result<(Vec<u8>, KernelStats), ProgramError> {
         let depth = self.settings.usual_shadow_depth();
-        let opacity = |surface: usize| self.model.styles[surface].opacity;
-        let mut work = self.shadows(rays, lights, depth, &|n| opacity(n) >= 1.0, plane)?;
+        let opacity_of = |surface: usize| self.model.styles[surface].opacity;
+        let mut work = self.shadows(rays, lights, depth, &|n| opacity_of(n) >= 1.0, plane)?;
         let mut hidden = std::mem::take(&mut plane.shadow);
         hidden.resize(plane.drawn.len(), 0);
-        let clear = self.model.visible_surfaces().map(opacity).filter(|part| *part < 1.0);
+        let clear = self.model.visible_surfaces().map(opacity_of).filter(|part| *part < 1.0);
         if let Some(opacity) = clear.reduce(f64::max) {
-            work +=
-                self.shadows(rays, lights, depth, &|n| self.model.styles[n].opacity < 1.0, plane)?;
+            work += self.shadows(rays, lights, depth, &|n| opacity_of(n) < 1.0, plane)?;
             // A ray crosses most surfaces twice.
             let part = (255.0 * (1.0 - (1.0 - opacity).powi(2))).round() as u8;
             for (hidden, shadow) in hidden.iter_mut().zip(std::mem::take(&mut plane.shadow)) {
                 *hidden = (*hidden).max(shadow.min(part));
             }
         }
-        let seen = Displayed::new(plane, rays);
-        let centre = self.model.region().displayed().centre();
-        let near = AmbientOcclusion::new(&seen.buffer, &seen.rays, centre);
-        (0..MEANS).for_each(|_| near.mean(&mut hidden));
         Ok((hidden, work))
     }
 
     /// The height of the ground: below all visible surfaces, and as near as a short search finds.
     /// NaN if there is no surface.
     fn lowest(&self) -> f64 {
-        let region = self.model.region();
-        let [low, high] = [region.low(), region.high()].map(|end| end.to_array());
         let heights = self.model.visible_surfaces().filter_map(|surface| {
-            let kernels = self.model.program().kernels::<f64>(surface);
-            let is_solid = self.model.styles[surface].kind == zeroset_syntax::SurfaceKind::Solid;
-            if kernels.has_parts() || is_solid {
-                return Some(low[2]);
-            }
-            let Ok(kernel) = kernels.zeros() else { return Some(low[2]) };
-            let (surfaces, work) = (vec![kernel], Counter::new(WORK));
-            let search = CellSearch { surfaces, forms: Vec::new(), wanted: &|| true, work };
-            Some(search.tight(Cell { low, high }, DEPTH)?.low[2])
+            let is_solid = self.model.styles[surface].kind == SurfaceKind::Solid;
+            Some(self.model.search_bounds(surface, is_solid, WORK, DEPTH)?.low[2])
         });
         heights.reduce(f64::min).unwrap_or(f64::NAN)
     }

@@ -73,10 +73,7 @@ impl<'a> Painter<'a> {
     /// Returns whether there are color maps or contour lines.
     pub fn is_wanted(model: &Model) -> bool {
         let is_mapped = |surface| Self::mapped(model, surface).is_some();
-        let lines = &model.setting;
-        lines.lines.contours.is_some()
-            || !lines.mesh.is_empty()
-            || (0..model.surfaces()).any(is_mapped)
+        model.setting.coordinates.is_some() || (0..model.surfaces()).any(is_mapped)
     }
 
     /// The color map of a surface. `None` without a map, or if the surface is hidden.
@@ -87,7 +84,7 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// The color maps and contour lines of a model; `None` if it has neither. If the document gives
+    /// The color maps and lines of a model; `None` if it has neither. If the document gives
     /// no range of values, the surface points in `picture` give it.
     pub fn new(
         model: &'a Model,
@@ -141,12 +138,13 @@ impl<'a> Painter<'a> {
             };
             Some(ValueScale { map: own.map, value: &own.value, low, high })
         };
+        let coordinates = model.setting.coordinates.as_ref();
         let scales: Vec<Option<ValueScale<'_>>> = surfaces.clone().map(scale).collect();
         let contours = surfaces.map(|surface| {
             let setting = model.setting.lines.contours.as_ref()?;
             let scale = scales[surface];
             let value = setting.value.as_ref().or(scale.map(|scale| scale.value));
-            let value = value.unwrap_or(&model.setting.coordinates[2]);
+            let value = value.or(coordinates.map(|all| &all[2]))?;
             let [low, high] = match scale {
                 _ if setting.step.is_some() => [0.0; 2],
                 Some(scale) if setting.value.is_none() => [scale.low, scale.high],
@@ -160,7 +158,8 @@ impl<'a> Painter<'a> {
         let size = model.region.high() - model.region.low();
         let line = |&axis: &usize| {
             let step = round_step(size[axis] / LINES);
-            (step > 0.0 && step.is_finite()).then_some((&model.setting.coordinates[axis], step))
+            let is_valid = step > 0.0 && step.is_finite();
+            coordinates.filter(|_| is_valid).map(|all| (&all[axis], step))
         };
         let mesh = model.setting.mesh.iter().filter_map(line).collect();
         Some(Self { scales, contours, mesh, ..blank })
