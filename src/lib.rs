@@ -126,6 +126,7 @@ pub use picture::{Counts, Picture, Status, Viewpoint};
 pub use ray::{Ray, RayResult, Reason};
 pub use scene::Scene;
 pub use settings::{
-    Camera, Domain, Look, Method, Precision, Settings, TraceSettings, UndecidedStyle, View,
+    Background, Camera, Domain, Look, Method, Precision, Settings, TraceSettings, UndecidedStyle,
+    View,
 };
 pub use text::Parameter;

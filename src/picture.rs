@@ -96,6 +96,7 @@ pub struct Picture {
 #[derive(Clone, Default)]
 pub(crate) struct PictureArrays {
     rgb: Vec<u8>,
+    alpha: Vec<u8>,
     status: Vec<Status>,
     reason: Vec<UndecidedReason>,
     depth: Vec<f64>,
@@ -117,6 +118,7 @@ impl PictureArrays {
         // The buffer may still hold an earlier picture's normals in pixels of the background.
         let normal = |n: usize| if buffer.is_drawn(n) { buffer.normal[n] } else { [0.0; 3] };
         self.rgb.extend(&part.rgb);
+        self.alpha.extend(&part.alpha);
         self.status.extend(buffer.status.iter().map(status));
         self.reason.extend(pixels().map(|n| buffer.reason(n)));
         self.depth.extend(&buffer.drawn);
@@ -151,6 +153,12 @@ impl Picture {
     /// Returns the colors: red, green and blue bytes (sRGB) of each pixel.
     pub fn rgb(&self) -> &[u8] {
         &self.rows.rgb
+    }
+
+    /// Returns the opacity of each pixel: 0 is transparent, and 255 is opaque. Empty unless the
+    /// background is transparent. Colors are not multiplied by opacities.
+    pub fn alpha(&self) -> &[u8] {
+        &self.rows.alpha
     }
 
     /// Returns the status of each pixel.
@@ -261,7 +269,8 @@ impl Picture {
         save().map_err(|error| Error::file(path, &error))
     }
 
-    /// Writes the picture as PNG (sRGB, eight bits per channel).
+    /// Writes the picture as PNG (sRGB, eight bits per channel). If the background is transparent, the
+    /// PNG has opacities.
     ///
     /// # Errors
     /// If writing to `out` fails.
@@ -271,7 +280,7 @@ impl Picture {
     }
 
     fn encode(&self, out: impl Write) -> std::io::Result<()> {
-        write_png(out, &self.rows.rgb, [self.width(), self.height()], &[])
+        write_png(out, (&self.rows.rgb, &self.rows.alpha), [self.width(), self.height()], &[])
     }
 
     /// Returns the index of a pixel in the arrays, if it is in the picture.

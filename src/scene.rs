@@ -104,7 +104,8 @@ impl Scene {
         let mut add = |Strip { top, picture, overview }: Strip<'_>| -> Result<(), ProgramError> {
             let seen = overview.unwrap_or(&*picture);
             let shown = PictureView::of(&model, &camera, seen);
-            marks.get_or_insert_with(|| around.marks(shown, size)).mix_into(&mut picture.rgb, top);
+            let marks = marks.get_or_insert_with(|| around.marks(shown, size));
+            marks.mix_into(&mut picture.rgb, &mut picture.alpha, top);
             rows.add(picture);
             Ok(())
         };

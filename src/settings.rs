@@ -9,9 +9,10 @@ use std::time::Duration;
 use zeroset_render::limit::StopFlag;
 use zeroset_render::picture;
 use zeroset_scene::view::{CameraChoice, DomainChoice};
-use zeroset_shade::{LinearRgb, Pattern};
+use zeroset_shade::Pattern;
 use zeroset_space::Region;
 use zeroset_style::{LOOKS, StandardView, VIEWS};
+use zeroset_syntax::SrgbColor;
 use zeroset_trace::{METHODS, Projection, TraceOptions};
 
 /// Largest number of pixels of a picture. A pixel takes some fifty bytes.
@@ -83,6 +84,22 @@ pub enum UndecidedStyle {
     Tint,
     /// Undecided pixels are not drawn, like misses.
     Miss,
+}
+
+/// The background of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Background {
+    /// One color everywhere, as sRGB bytes.
+    Color([u8; 3]),
+    /// None: pixels have [opacities](crate::Picture::alpha).
+    Transparent,
+}
+
+impl From<[u8; 3]> for Background {
+    fn from(rgb: [u8; 3]) -> Self {
+        Self::Color(rgb)
+    }
 }
 
 /// Defines a type whose values are rows of a table. A row is chosen by its name.
@@ -343,9 +360,13 @@ impl Settings {
         /// Sets lighting and background. Default: the look of the text's `look` line, or else the
         /// first look.
         look(look: Look) => picture.look = Some(look.0);
-        /// Sets the color of the background, as sRGB bytes. Default: the color of the text's
-        /// `background` line, or else of the look.
-        background(rgb: [u8; 3]) => picture.background = Some(LinearRgb::from_srgb(rgb));
+        /// Sets the background: sRGB bytes, or [`Background::Transparent`]. Default: the background
+        /// of the text's `background` line, or else the color of the look.
+        background(background: impl Into<Background>) => picture.background =
+            Some(match background.into() {
+                Background::Color(rgb) => zeroset_syntax::Background::Color(SrgbColor { rgb }),
+                Background::Transparent => zeroset_syntax::Background::Transparent,
+            });
         /// Sets the position of the light. Default: far above and to the left of the camera.
         light(point: [f64; 3]) => picture.light = Some(point.into());
         /// Sets the ambient share of the light, from 0 to 1. Default: the look's share.

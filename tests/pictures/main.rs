@@ -31,6 +31,7 @@ mod stability_proofs;
 mod stability_solids;
 mod stretched;
 mod strips;
+mod transparent;
 mod truth;
 mod truth_support;
 mod windows;

@@ -478,6 +478,34 @@ fn a_background_has_a_name_or_a_number() {
 }
 
 #[test]
+fn a_picture_without_a_background_has_opacities() {
+    let place = Sandbox::new();
+    let drawn = |more: &[&str]| {
+        let fixed = ["render", SPHERE, "--size", "64", "-o", "p.png"];
+        place.run(&[&fixed[..], more].concat()).ok();
+        image::open(place.path("p.png")).expect("a picture")
+    };
+    let clear = drawn(&["--background", "transparent", "--axes"]);
+    assert_eq!(clear.color(), image::ColorType::Rgba8);
+    let clear = clear.into_rgba8();
+    assert_eq!((clear.get_pixel(0, 0).0[3], clear.get_pixel(32, 32).0[3]), (0, 255));
+    // Lines and letters of the axes are opaque, or nearly so.
+    let is_ink =
+        |pixel: &&image::Rgba<u8>| pixel.0[3] > 128 && pixel.0[..3].iter().all(|c| *c < 80);
+    assert!(clear.pixels().filter(is_ink).count() > 60);
+    // Flags override the document.
+    let text = format!("background transparent; {SPHERE}");
+    place.run(&["render", &text, "--size", "8", "-o", "p.png"]).ok();
+    assert!(image::open(place.path("p.png")).expect("a picture").color().has_alpha());
+    place.run(&["render", &text, "--size", "8", "-o", "p.png", "--background", "white"]).ok();
+    assert!(!image::open(place.path("p.png")).expect("a picture").color().has_alpha());
+    let refused = place.run(&["render", &format!("background tranparent; {SPHERE}"), "--json"]);
+    assert!(refused.stderr.contains("did you mean `transparent`?"), "{}", refused.stderr);
+    let refused = place.run(&["render", SPHERE, "--json", "--background", "reddish"]);
+    assert!(refused.stderr.contains("not transparent, and no color"), "{}", refused.stderr);
+}
+
+#[test]
 fn output_is_plain_where_nobody_sees_colors() {
     let place = Sandbox::new();
     let run = place.run(&["render", "x+", "-o", "a.png"]);

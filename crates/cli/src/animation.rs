@@ -4,6 +4,8 @@ use super::png_file::PictureOrigin;
 use anyhow::{Result, bail, ensure};
 use std::io::{self, Write};
 use std::path::Path;
+use zeroset_render::picture::Picture;
+use zeroset_render::pixels::samples;
 use zeroset_render::png_file::png_encoder;
 
 /// File format of an animation.
@@ -68,7 +70,8 @@ enum FrameSink<W: Write> {
 }
 
 impl<W: Write> Animation<W> {
-    /// Begins an animation that repeats forever.
+    /// Begins an animation that repeats forever. The frames of an animated PNG have opacities if
+    /// `has_alpha` is true.
     ///
     /// # Errors
     /// If writing to `out` fails.
@@ -76,12 +79,13 @@ impl<W: Write> Animation<W> {
         format: AnimationFormat,
         out: W,
         size: [usize; 2],
+        has_alpha: bool,
         (frames, fps): (usize, u16),
         origin: &PictureOrigin,
     ) -> io::Result<Self> {
         let sink = match format {
             AnimationFormat::Png => {
-                let mut encoder = png_encoder(out, size, &origin.chunks)?;
+                let mut encoder = png_encoder(out, size, has_alpha, &origin.chunks)?;
                 encoder.set_animated(frames as u32, 0)?;
                 encoder.set_frame_delay(1, fps)?;
                 FrameSink::Png(encoder.write_header()?)
@@ -98,22 +102,25 @@ impl<W: Write> Animation<W> {
         Ok(Self { sink, size, fps: fps.into(), frame: 0 })
     }
 
-    /// Adds a frame, given as rows of red, green and blue bytes.
+    /// Adds a frame. GIF and raw bytes have no opacities.
     ///
     /// # Errors
     /// If writing fails.
-    pub fn add(&mut self, rgb: &[u8]) -> io::Result<()> {
+    pub fn add(&mut self, picture: &Picture) -> io::Result<()> {
+        let rgb = picture.opaque_rgb();
         match &mut self.sink {
-            FrameSink::Png(writer) => writer.write_image_data(rgb)?,
+            FrameSink::Png(writer) => {
+                writer.write_image_data(&samples(&picture.rgb, &picture.alpha))?;
+            }
             FrameSink::Gif(encoder) => {
                 let [width, height] = self.size.map(|side| side as u16);
-                let mut frame = gif::Frame::from_rgb_speed(width, height, rgb, GIF_SPEED);
+                let mut frame = gif::Frame::from_rgb_speed(width, height, &rgb, GIF_SPEED);
                 // Round frames' end times, not their delays, so that rounding errors do not add up.
                 let hundredths = |frame: u32| (100 * u64::from(frame)).div_ceil(self.fps.into());
                 frame.delay = (hundredths(self.frame + 1) - hundredths(self.frame)) as u16;
                 encoder.write_frame(&frame).map_err(io::Error::other)?;
             }
-            FrameSink::Raw(out) => out.write_all(rgb).and_then(|()| out.flush())?,
+            FrameSink::Raw(out) => out.write_all(&rgb).and_then(|()| out.flush())?,
         }
         self.frame += 1;
         Ok(())

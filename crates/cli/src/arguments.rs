@@ -547,8 +547,8 @@ pub struct ShadingArgs {
     #[arg(help_heading = LIGHT, long, value_name = "SHARE", allow_hyphen_values = true, hide_short_help = true)]
     pub ambient: Option<f32>,
 
-    /// Set the background to a CSS color such as white, or to hexadecimal digits [default: the
-    /// document's, else the look's]
+    /// Set the background to a CSS color such as white, to hexadecimal digits, or to transparent
+    /// [default: the document's, else the look's]
     #[arg(help_heading = LIGHT, long, value_name = "RRGGBB|NAME")]
     pub background: Option<String>,
 }

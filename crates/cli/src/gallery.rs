@@ -56,18 +56,18 @@ fn all(examples: &[Example], directory: &Path, settings: &Settings) -> Result<()
         let file = OutputFile::create(&directory.join(format!("{}.png", example.slug)))?;
         let picture = render(example, settings).with_context(|| example.slug)?;
         let (width, height) = (settings.width, settings.height);
-        file.finish(|out| write_png(out, picture.as_raw(), [width, height], &[]))?;
+        file.finish(|out| write_png(out, (picture.as_raw(), &[]), [width, height], &[]))?;
         sheet.add(example.title(), &picture);
         bar.reach(done as u64 + 1);
     }
     let sheet = sheet.into_image();
     let (width, height) = (sheet.width() as usize, sheet.height() as usize);
-    sheet_file.finish(|out| write_png(out, sheet.as_raw(), [width, height], &[]))
+    sheet_file.finish(|out| write_png(out, (sheet.as_raw(), &[]), [width, height], &[]))
 }
 
 fn render(example: &Example, settings: &Settings) -> Result<RgbImage> {
     let (model, camera) = stage(example, settings, &|| true)?.context("wanted to the end")?;
     let picture = model.picture(&camera, settings, &|_, _| {})?;
-    RgbImage::from_raw(settings.width as u32, settings.height as u32, picture.rgb)
+    RgbImage::from_raw(settings.width as u32, settings.height as u32, picture.opaque_rgb().into())
         .context("a picture of the wrong size")
 }

@@ -11,6 +11,7 @@ use std::time::Duration;
 use zeroset_live::Rendering;
 use zeroset_render::overlay::Overlay;
 use zeroset_render::picture::Picture;
+use zeroset_render::pixels::{Pixels, flattened};
 
 /// Assumed size in characters of a terminal that reports no size.
 const COLUMNS: usize = 80;
@@ -87,14 +88,15 @@ pub fn pixel_size() -> (usize, usize) {
 /// below it.
 pub fn text(seen: &Rendering) -> String {
     let (picture, below) = (&seen.picture, seen.summary());
-    let rgb = Overlay::CURVES.over(seen.into());
+    let Pixels { rgb, alpha } = Overlay::CURVES.over(seen.into());
+    let rgb = flattened(&rgb, &alpha, picture.look.background);
     let size = (picture.buffer.width, picture.buffer.height);
     // Prefer pixels to characters.
     let sent = protocol().0.and_then(|one| one.encode(&rgb, size, characters()));
     let text = match sent {
         Some(text) => text + "\n",
         None if notes::colored_output() => blocks(&rgb, size.0),
-        None => letters(picture, &rgb),
+        None => letters(picture, &picture.opaque_rgb(), &rgb),
     };
     text + &below
 }
@@ -116,7 +118,8 @@ fn blocks(rgb: &[u8], width: usize) -> String {
 }
 
 /// Draws the picture in letters that stand for brightness, with spaces where nothing is painted.
-fn letters(picture: &Picture, shown: &[u8]) -> String {
+/// `shown` has curves over the colors `plain`.
+fn letters(picture: &Picture, plain: &[u8], shown: &[u8]) -> String {
     const RAMP: &[u8] = b"@%#*+=-:";
     let mut text = String::new();
     for (row, (upper, _)) in pairs(shown, picture.buffer.width).enumerate() {
@@ -126,7 +129,7 @@ fn letters(picture: &Picture, shown: &[u8]) -> String {
             let bright = (2 * r + 5 * g + b) / 8;
             let letter = char::from(RAMP[bright * RAMP.len() / 256]);
             let bytes = 3 * pixel..3 * pixel + 3;
-            let is_curve = picture.rgb.get(bytes.clone()) != shown.get(bytes);
+            let is_curve = plain.get(bytes.clone()) != shown.get(bytes);
             line.push(if is_curve || picture.buffer.is_drawn(pixel) { letter } else { ' ' });
         }
         text.push_str(line.trim_end());

@@ -26,9 +26,9 @@ use zeroset_scene::curves::UNPROVEN;
 use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::proportions;
 use zeroset_scene::view::{self, Clipping, DomainChoice};
-use zeroset_shade::{LinearRgb, Pattern};
+use zeroset_shade::Pattern;
 use zeroset_space::Region;
-use zeroset_syntax::{Document, SrgbColor};
+use zeroset_syntax::{Background, Document};
 use zeroset_trace::{DEPTH, check_depth};
 
 /// Half the side of the cube that is drawn if the search for a domain runs out of time.
@@ -62,13 +62,15 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         let advance = |done: usize, all: usize| bar.reach((pixels * done / all.max(1)) as u64);
         let origin = PictureOrigin::typed(&subject.source.text);
         let size = [settings.width, settings.height];
-        let mut files = files.begin(size, settings.options.precision, &origin)?;
+        let has_alpha = model.is_transparent(&settings);
+        let mut files = files.begin(size, has_alpha, settings.options.precision, &origin)?;
         let rays = camera.rays(settings.width, settings.height);
         let mut marks = None;
         let mut write = |Strip { top, picture, overview }: Strip<'_>| -> Result<()> {
             let seen = overview.unwrap_or(&*picture);
             let shown = PictureView::of(&model, &camera, seen);
-            marks.get_or_insert_with(|| around.marks(shown, size)).mix_into(&mut picture.rgb, top);
+            let marks = marks.get_or_insert_with(|| around.marks(shown, size));
+            marks.mix_into(&mut picture.rgb, &mut picture.alpha, top);
             let rows = top..top + picture.buffer.height;
             files.add(picture, &rays.part(0..settings.width, rows))
         };
@@ -227,9 +229,11 @@ fn settings(arguments: &RenderArgs) -> Result<Settings> {
         format!("--aa {aa}: there are 1, 4, 16 or 64 rays in a pixel with an edge")
     })?;
     let background = |text: &String| {
-        let named = SrgbColor::typed(text).map(|color| LinearRgb::from_srgb(color.rgb));
-        named.or_else(|| LinearRgb::from_hex(text)).with_context(|| {
-            format!("--background '{text}' is not a color such as white or ffffff")
+        let hexadecimal = || Background::typed(&format!("#{text}"));
+        Background::typed(text).or_else(hexadecimal).with_context(|| {
+            format!(
+                "--background '{text}' is not transparent, and no color such as white or ffffff"
+            )
         })
     };
     let background = shading.background.as_ref().map(background).transpose()?;

@@ -17,6 +17,7 @@ use std::process::ExitCode;
 use zeroset_render::model::Model;
 use zeroset_render::overlay::{Overlay, PictureView};
 use zeroset_render::picture::{Picture, Settings};
+use zeroset_render::pixels::Pixels;
 use zeroset_render::sequence::{Sequence, Stage, Sweep};
 use zeroset_scene::{proportions, view};
 use zeroset_syntax::{ErrorKind, Errors, Options};
@@ -320,7 +321,8 @@ impl<'a> FrameRenderer<'a> {
         let model = model.with_context(named)?;
         let camera = sequence.camera(stage, frame).with_context(named)?;
         let mut picture = model.picture(&camera, &settings, &|_, _| {}).with_context(named)?;
-        picture.rgb = self.around.over(PictureView::of(&model, &camera, &picture));
+        let Pixels { rgb, alpha } = self.around.over(PictureView::of(&model, &camera, &picture));
+        (picture.rgb, picture.alpha) = (rgb, alpha);
         self.subject.document = document;
         *last = Some(model);
         Ok((camera, picture))
@@ -398,10 +400,12 @@ impl<'a> FrameRenderer<'a> {
         let mut held = None;
         let origin = PictureOrigin::typed(&self.subject.source.text);
         let size = [self.settings.width, self.settings.height];
+        let has_alpha = self.settings.is_transparent(self.subject.document.background);
         let frames = self.sequence.frames;
         let (mut count, mut last, mut wrong) = (FrameCounts::default(), None, None);
         let written = output.stream(|out| {
-            let mut animation = Animation::begin(format, out, size, (frames, fps), &origin)?;
+            let mut animation =
+                Animation::begin(format, out, size, has_alpha, (frames, fps), &origin)?;
             for frame in 0..frames {
                 let picture = match self.render_frame(frame, &mut last) {
                     Ok((_, picture)) => picture,
@@ -410,7 +414,7 @@ impl<'a> FrameRenderer<'a> {
                         return Err(std::io::ErrorKind::Interrupted.into());
                     }
                 };
-                animation.add(&picture.rgb)?;
+                animation.add(&picture)?;
                 count.add(&picture, self.settings.method);
                 self.progress.reach(frame as u64 + 1);
             }

@@ -21,6 +21,7 @@ use std::time::Duration;
 use zeroset_live::{Axes, DocumentSource, Live, Refusal, Rendering, Reply, Request};
 use zeroset_render::overlay::Overlay;
 use zeroset_render::picture::Settings;
+use zeroset_render::pixels::Pixels;
 use zeroset_render::png_file::{check_png, write_png};
 use zeroset_scene::gallery::{example, examples, models};
 
@@ -491,12 +492,12 @@ impl Session {
         } else {
             Overlay::new(picture.request.axes.are_shown(document), document)
         };
-        let rgb = overlay.over((&*picture).into());
+        let Pixels { rgb, alpha } = overlay.over((&*picture).into());
         let name = path.display().to_string();
         let command = picture.command(&name, overlay.axes);
         let size = [buffer.width, buffer.height];
-        output
-            .finish(|out| write_png(out, &rgb, size, &PictureOrigin::command(&command).chunks))?;
+        let origin = PictureOrigin::command(&command);
+        output.finish(|out| write_png(out, (&rgb, &alpha), size, &origin.chunks))?;
         self.say(&format!("saved '{name}'; the command that reproduces it:\n{command}"));
         Ok(())
     }

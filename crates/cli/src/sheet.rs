@@ -56,6 +56,6 @@ impl ContactSheet {
         let shown = canvas.fitting(text, SIDE as usize);
         let indent = (SIDE as usize).saturating_sub(canvas.text_width(&shown)) / 2;
         canvas.write(&shown, i64::from(left) + indent as i64, i64::from(top), INK);
-        canvas.mix_into(&mut self.image, 0);
+        canvas.mix_into(&mut self.image, &mut [], 0);
     }
 }

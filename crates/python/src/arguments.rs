@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 use std::time::Duration;
-use zeroset::{Domain, Precision, UndecidedStyle};
+use zeroset::{Background, Domain, Precision, UndecidedStyle};
 
 /// A domain: a word, half the edge of a cube around the origin, or ranges of x, y and z.
 #[derive(FromPyObject)]
@@ -33,6 +33,14 @@ pub fn domain(argument: Option<DomainArgument>) -> PyResult<Domain> {
         Some(DomainArgument::Word(word)) => Err(wrong(format!(
             "domain={word:?}: a domain is a number, three pairs of numbers, or \"auto\""
         ))),
+    }
+}
+
+/// The background of an argument: bytes of red, green and blue, or a word.
+pub fn background(argument: &Bound<'_, PyAny>) -> PyResult<Background> {
+    match argument.extract::<String>() {
+        Ok(word) => chosen("background", &word, &[("transparent", Background::Transparent)]),
+        Err(_) => Ok(argument.extract::<[u8; 3]>()?.into()),
     }
 }
 

@@ -53,6 +53,13 @@ impl Picture {
         self.rows(self.0.rgb().as_chunks::<3>().0.iter().copied()).into_pyarray(py)
     }
 
+    /// Opacity of each pixel: uint8 (H, W), or None unless the background is transparent.
+    #[getter]
+    fn alpha<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray2<u8>>> {
+        let alpha = self.0.alpha();
+        (!alpha.is_empty()).then(|| self.single(alpha.to_vec()).into_pyarray(py))
+    }
+
     /// The status of each pixel's ray: uint8 (H, W). 0 is a proven miss, 1 a proven hit, 2 neither.
     #[getter]
     fn status<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<u8>> {
@@ -162,7 +169,15 @@ impl Picture {
     /// The picture as an image of Pillow, which must be installed.
     #[getter]
     fn image<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        import(py, "PIL.Image", "Picture.image")?.call_method1("fromarray", (self.rgb(py),))
+        let colors = || self.0.rgb().as_chunks::<3>().0.iter();
+        let bytes = if self.0.alpha().is_empty() {
+            self.rows(colors().copied())
+        } else {
+            let pixels = colors().zip(self.0.alpha());
+            self.rows(pixels.map(|(&[red, green, blue], &alpha)| [red, green, blue, alpha]))
+        };
+        let image = import(py, "PIL.Image", "Picture.image")?;
+        image.call_method1("fromarray", (bytes.into_pyarray(py),))
     }
 
     /// The picture as the bytes of a PNG file.

@@ -1,7 +1,7 @@
 //! A text with its surfaces: values, bounds, rays, pictures, meshes and measures.
 
 use crate::arguments::{
-    DomainArgument, PRECISIONS, UNDECIDED, chosen, domain, ends, named, points, seconds,
+    DomainArgument, PRECISIONS, UNDECIDED, background, chosen, domain, ends, named, points, seconds,
 };
 use crate::error::{exception, wrong};
 use crate::mesh::Mesh;
@@ -244,7 +244,7 @@ impl Scene {
                 "steps" => options.steps(value.extract()?),
                 "tolerance" => options.tolerance(number()?),
                 "look" => options.look(named(&name()?)?),
-                "background" => options.background(value.extract()?),
+                "background" => options.background(background(&value)?),
                 "light" => options.light(point()?),
                 "ambient" => options.ambient(number()?),
                 "shadows" => options.shadows(is_on()?),

@@ -11,5 +11,6 @@ pub mod model;
 pub mod names;
 pub mod overlay;
 pub mod picture;
+pub mod pixels;
 pub mod png_file;
 pub mod sequence;

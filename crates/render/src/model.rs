@@ -27,7 +27,7 @@ use zeroset_scene::program::{Program, ProgramError};
 use zeroset_scene::{proportions, view};
 use zeroset_space::{Cell, Region};
 use zeroset_style::Look;
-use zeroset_syntax::{Document, PictureLines, PointValue, SrgbColor, SurfaceKind};
+use zeroset_syntax::{Background, Document, PictureLines, PointValue, SurfaceKind};
 use zeroset_trace::{Camera, TraceOptions};
 
 /// All surfaces of a document over one region. Kernels are compiled when first needed, and freed
@@ -59,7 +59,7 @@ pub struct Model {
 /// Picture settings of a document.
 struct DocumentStyle {
     look: Option<&'static Look>,
-    background: Option<SrgbColor>,
+    background: Option<Background>,
     lines: PictureLines,
     /// The values x, y and z, for lines whose values the document does not name. `None` without
     /// lines.
@@ -271,6 +271,11 @@ impl Model {
     /// The look of pictures with these settings.
     pub fn look(&self, settings: &Settings) -> &'static Look {
         settings.look.or(self.setting.look).unwrap_or_default()
+    }
+
+    /// Returns whether a picture with these settings has a transparent background.
+    pub fn is_transparent(&self, settings: &Settings) -> bool {
+        settings.is_transparent(self.setting.background)
     }
 
     /// Number of surfaces.

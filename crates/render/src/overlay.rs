@@ -13,6 +13,8 @@ pub use legend::{Legend, round_step};
 pub use letters::with_minus;
 pub use projector::PictureView;
 
+use crate::picture::Picture;
+use crate::pixels::Pixels;
 use axes::draw_box;
 use curves::draw_curves;
 use ticks::ticks;
@@ -94,11 +96,13 @@ impl Overlay {
         canvas
     }
 
-    /// The picture's colors with curves, axes and legends, as sRGB bytes.
-    pub fn over(self, shown: PictureView<'_>) -> Vec<u8> {
-        let (buffer, mut rgb) = (&shown.picture.buffer, shown.picture.rgb.clone());
-        self.marks(shown, [buffer.width, buffer.height]).mix_into(&mut rgb, 0);
-        rgb
+    /// The picture's pixels with curves, axes and legends.
+    pub fn over(self, shown: PictureView<'_>) -> Pixels {
+        let Picture { buffer, rgb, alpha, .. } = shown.picture;
+        let mut pixels = Pixels { rgb: rgb.clone(), alpha: alpha.clone() };
+        let marks = self.marks(shown, [buffer.width, buffer.height]);
+        marks.mix_into(&mut pixels.rgb, &mut pixels.alpha, 0);
+        pixels
     }
 }
 
@@ -170,7 +174,7 @@ fn draw_legend(canvas: &mut Canvas, legend: &Legend, top: usize, tall: usize, in
 mod tests {
     use super::*;
     use crate::model::Model;
-    use crate::picture::{Picture, Settings};
+    use crate::picture::Settings;
     use glam::DVec3;
     use zeroset_scene::curves::TracedCurves;
     use zeroset_space::Region;
@@ -201,19 +205,20 @@ mod tests {
         let shown =
             PictureView { camera: &camera, region: &region, picture: &picture, curves: &curves };
         assert_eq!(
-            Overlay { axes: false, legend: true }.over(shown),
+            Overlay { axes: false, legend: true }.over(shown).rgb,
             picture.rgb,
             "there is nothing to tell"
         );
-        let after = Overlay { axes: true, legend: false }.over(shown);
+        let after = Overlay { axes: true, legend: false }.over(shown).rgb;
         let lines = changed(&picture, &after);
         let on_surface = lines.iter().filter(|&&n| picture.buffer.is_drawn(n)).count();
         assert!(lines.len() > 1500 && on_surface > 20, "{} {on_surface}", lines.len());
         // The same lines, without a surface in front of them.
         let mut clear = picture.clone();
         clear.buffer.drawn.fill(f64::INFINITY);
-        let seen =
-            Overlay { axes: true, legend: false }.over(PictureView { picture: &clear, ..shown });
+        let seen = Overlay { axes: true, legend: false }
+            .over(PictureView { picture: &clear, ..shown })
+            .rgb;
         let change = |rgb: &[u8], on_surface: bool| -> u64 {
             let lines = lines.iter().filter(|&&n| picture.buffer.is_drawn(n) == on_surface);
             lines.map(|&n| u64::from(picture.rgb[3 * n].abs_diff(rgb[3 * n]))).sum()
@@ -232,7 +237,7 @@ mod tests {
         let curves = TracedCurves::default();
         let shown =
             PictureView { camera: &camera, region: &region, picture: &picture, curves: &curves };
-        let after = Overlay { axes: false, legend: true }.over(shown);
+        let after = Overlay { axes: false, legend: true }.over(shown).rgb;
         let pixels = after.as_chunks::<3>().0;
         for end in [0.0, 1.0] {
             let color = legend.map.bytes(end);

@@ -2,12 +2,15 @@
 
 use crate::limit::Limit;
 use crate::overlay::Legend;
+use crate::pixels::flattened;
 use glam::DVec3;
+use std::borrow::Cow;
 use std::ops::AddAssign;
 use std::time::Duration;
 use zeroset_scene::kernels::CompiledKernel;
-use zeroset_shade::{LinearRgb, Pattern, UndecidedStyle, hand_back_colors};
+use zeroset_shade::{Pattern, UndecidedStyle, hand_back_colors};
 use zeroset_style::Look;
+use zeroset_syntax::Background;
 use zeroset_trace::{
     Fallback, GBuffer, KernelStats, Method, PixelCounts, Proves, Status, TraceOptions,
     UndecidedReason,
@@ -57,8 +60,8 @@ pub struct Settings {
     /// Whether surfaces stand on a ground, on which they cast shadows. `None` for the document's
     /// choice.
     pub ground: Option<bool>,
-    /// Background color. `None` for the document's color, or else the look's.
-    pub background: Option<LinearRgb>,
+    /// Background. `None` for the document's, or else the look's color.
+    pub background: Option<Background>,
 }
 
 /// Source of normals.
@@ -101,6 +104,11 @@ impl Settings {
         self.options.depth.saturating_sub(1).max(1)
     }
 
+    /// Returns whether a picture has a transparent background. `typed` is that of the document.
+    pub fn is_transparent(&self, typed: Option<Background>) -> bool {
+        self.background.or(typed) == Some(Background::Transparent)
+    }
+
     /// These settings, with the light and antialiasing settings of `others`.
     #[must_use]
     pub fn lit_as(&self, others: &Self) -> Self {
@@ -133,6 +141,8 @@ pub struct Picture {
     pub buffer: GBuffer,
     /// Red, green and blue bytes (sRGB) of each pixel. Empty if no colors were requested.
     pub rgb: Vec<u8>,
+    /// Opacity of each pixel; 255 means opaque. Empty unless the background is transparent.
+    pub alpha: Vec<u8>,
     /// The method that traced the surfaces. It is a fallback only if that traced all surfaces.
     pub method: &'static Method,
     /// The surfaces that a fallback method traced, by number, with their fallbacks.
@@ -184,11 +194,17 @@ impl Picture {
         fallback.map_or(self.method, |(_, fallback)| fallback.method)
     }
 
+    /// Colors for a medium that has no opacities: a transparent background becomes that of the look.
+    pub fn opaque_rgb(&self) -> Cow<'_, [u8]> {
+        flattened(&self.rgb, &self.alpha, self.look.background)
+    }
+
     /// The same picture without its rows.
     pub(crate) fn without_rows(mut self) -> Self {
         let buffer = GBuffer::new(self.buffer.width, 0, 0);
         std::mem::replace(&mut self.buffer, buffer).hand_back();
         hand_back_colors(std::mem::take(&mut self.rgb));
+        self.alpha.clear();
         self
     }
 

@@ -1,5 +1,6 @@
 //! PNG files of pictures.
 
+use crate::pixels::samples;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -19,34 +20,36 @@ pub fn check_png(path: &Path) -> Result<(), String> {
 }
 
 /// Writes a picture as PNG (sRGB), with `texts` (keyword, text). `rgb` has red, green and blue
-/// bytes.
+/// bytes, and `alpha` has opacities, or is empty.
 ///
 /// # Errors
 /// If writing to `out` fails.
 pub fn write_png(
     out: impl Write,
-    rgb: &[u8],
+    (rgb, alpha): (&[u8], &[u8]),
     size: [usize; 2],
     texts: &[(&'static str, String)],
 ) -> io::Result<()> {
-    let mut writer = png_encoder(out, size, texts)?.write_header()?;
-    writer.write_image_data(rgb)?;
+    let mut writer = png_encoder(out, size, !alpha.is_empty(), texts)?.write_header()?;
+    writer.write_image_data(&samples(rgb, alpha))?;
     writer.finish()?;
     Ok(())
 }
 
 /// Returns an encoder that writes a PNG (sRGB) of this width and height to `out`, with `texts`
-/// (keyword, text).
+/// (keyword, text). Pixels have opacities if `has_alpha` is true.
 ///
 /// # Errors
 /// If a text cannot be written.
 pub fn png_encoder<W: Write>(
     out: W,
     [width, height]: [usize; 2],
+    has_alpha: bool,
     texts: &[(&'static str, String)],
 ) -> io::Result<png::Encoder<'static, W>> {
     let mut encoder = png::Encoder::new(out, width as u32, height as u32);
-    encoder.set_color(png::ColorType::Rgb);
+    let color = if has_alpha { png::ColorType::Rgba } else { png::ColorType::Rgb };
+    encoder.set_color(color);
     encoder.set_compression(png::Compression::Fast);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     let software = concat!("zeroset ", env!("CARGO_PKG_VERSION")).to_owned();

@@ -66,6 +66,21 @@ impl Pattern {
         rays
     }
 
+    /// The mean of a pixel's opacities, given as for [`Pattern::mean`].
+    ///
+    /// # Panics
+    /// If the number of opacities differs from the number of positions.
+    pub fn mean_alpha(&self, alpha: &[u8]) -> u8 {
+        assert_eq!(alpha.len(), self.side * self.side, "all places of one pixel");
+        let sum: usize = match self.places {
+            None => alpha.iter().copied().map(usize::from).sum(),
+            Some(places) => {
+                places.iter().map(|[column, row]| usize::from(alpha[row * SIDE + column])).sum()
+            }
+        };
+        ((sum + self.count() / 2) / self.count()) as u8
+    }
+
     /// The mean light of a pixel's rays as sRGB bytes. `bytes` has the colors of all positions, in
     /// the order of [`Pattern::rays`].
     ///

@@ -51,7 +51,7 @@ pub use messages::error::{Error, ErrorKind, Errors, Origin, Suggestion};
 pub use messages::note::{Note, NoteKind};
 pub use picture::lines::{PictureLines, SettingLine};
 pub use picture::paint::{Contours, MappedColor, POINT_NAMES, PointValue, SurfaceColor};
-pub use picture::scene::{ConstantRange, DomainLine, SrgbColor, ViewLine};
+pub use picture::scene::{Background, ConstantRange, DomainLine, SrgbColor, ViewLine};
 pub use settings::setting_word;
 pub use span::Span;
 pub use tree::ast;

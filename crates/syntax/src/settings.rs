@@ -66,7 +66,7 @@ pub(crate) const SETTINGS: &[SettingRow] = &[
     SettingRow {
         word: "background",
         kind: SettingKind::Background,
-        hint: "write a name of CSS such as `orange`, or `#ff8800`",
+        hint: "write a name of CSS such as `orange`, `#ff8800`, or `transparent`",
     },
     plain("clip", SettingKind::Clip, "write a, b, c and d: `clip 1, 0, 0, 0.5` keeps x <= 0.5"),
     plain("light", SettingKind::Light, "write where it is: `light 4, -3, 6`"),

@@ -361,8 +361,8 @@ impl Backdrop {
         self.pixels.resize(window.0 * window.1, PAPER);
         let Some(rendering) = rendering else { return };
         let buffer = &rendering.picture.buffer;
-        let shown = &rendering.picture.rgb;
-        enlarge(shown, [buffer.width, buffer.height], &mut self.pixels, [picture.0, picture.1]);
+        let shown = rendering.picture.opaque_rgb();
+        enlarge(&shown, [buffer.width, buffer.height], &mut self.pixels, [picture.0, picture.1]);
         let axes = rendering.request.axes.are_shown(&rendering.document);
         let pixels = std::mem::take(&mut self.pixels);
         let mut canvas = Canvas::new(window.0, window.1, pixels, scale);

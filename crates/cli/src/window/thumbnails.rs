@@ -151,7 +151,7 @@ impl ThumbnailStore {
             if !wanted() {
                 return Ok(());
             }
-            self.keep(place, side, picture.rgb);
+            self.keep(place, side, picture.opaque_rgb().into());
         }
         Ok(())
     }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -267,7 +267,7 @@ class Surface:
         fov: float | None = None,
         orthographic: float | None = None,
         look: str | None = None,
-        background: tuple[int, int, int] | None = None,
+        background: tuple[int, int, int] | Literal["transparent"] | None = None,
         light: Sequence[float] | None = None,
         ambient: float | None = None,
         shadows: bool | None = None,
@@ -287,7 +287,8 @@ class Surface:
 
         `domain` is half the edge of a cube, ranges of x, y and z, or ``"auto"``. `view` is one of
         `views()`; `fov` is in degrees; `orthographic` is the height of a parallel projection, in
-        units of the surface. `look` is one of `looks()`, `method` one of `methods()`. `undecided`
+        units of the surface. `look` is one of `looks()`, `method` one of `methods()`.
+        `background` has bytes of red, green and blue, or is ``"transparent"``. `undecided`
         is the appearance of undecided pixels: ``"shade"``, ``"hatch"``, ``"tint"`` or ``"miss"``.
         `precision` is ``"auto"``, ``"f32"`` or ``"f64"``; `budget` is in seconds. An interrupt
         from the keyboard ends the work.

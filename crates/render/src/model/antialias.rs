@@ -6,6 +6,7 @@ use super::layers::Layered;
 use super::paint::Coloring;
 use super::trace::{PreparedSurface, RenderPass};
 use crate::picture::Settings;
+use crate::pixels::Pixels;
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -37,7 +38,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         picture: &GBuffer,
         behind: &[bool],
         finish: &Coloring<'_>,
-        rgb: &mut [u8],
+        pixels: &mut Pixels,
     ) -> Result<usize, ProgramError> {
         let Settings { antialias: pattern, options: TraceOptions { tolerance, .. }, .. } =
             *self.settings;
@@ -81,9 +82,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         let smooth = |buffers: &mut LayerBuffers, pixels: &[usize]| edge.smooth(buffers, pixels);
         let found: Result<Vec<_>, ProgramError> =
             wanted.par_chunks(PART).map_init(new, smooth).collect();
-        let pixels = rgb.as_chunks_mut::<3>().0;
         for (pixel, color) in found?.into_iter().flatten() {
-            pixels[pixel] = color;
+            pixels.set(pixel, color);
         }
         Ok(wanted.len() * pattern.count())
     }
@@ -105,12 +105,12 @@ struct Edges<'a, T> {
 }
 
 impl<T: KernelFloat> Edges<'_, T> {
-    /// Returns the mean color of each pixel that needs antialiasing.
+    /// Returns the mean color and opacity of each pixel that needs antialiasing.
     fn smooth(
         &self,
         [all, layer]: &mut LayerBuffers,
         pixels: &[usize],
-    ) -> Result<Vec<(usize, [u8; 3])>, ProgramError> {
+    ) -> Result<Vec<(usize, [u8; 4])>, ProgramError> {
         if !(self.pass.advance)(0) {
             return Ok(Vec::new());
         }
@@ -173,20 +173,24 @@ impl<T: KernelFloat> Edges<'_, T> {
             ground: &ground,
             side: self.pattern.side,
         };
-        let mut bytes = self.pass.colored(&layered, &mut [])?;
-        for (n, color) in bytes.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+        let mut finer = self.pass.colored(&layered, &mut [])?;
+        for n in 0..all.drawn.len() {
             if let Some(ground) = ground(n).filter(|_| !all.is_drawn(n)) {
-                *color = ground;
+                finer.set(n, ground);
             }
         }
         if !(self.pass.advance)(0) {
             // Some of these colors may be missing.
             return Ok(Vec::new());
         }
-        let samples = bytes.as_chunks().0.chunks(places);
-        let lit = pixels.iter().zip(samples).zip(is_smooth).filter(|(_, is_smooth)| !is_smooth);
-        let found = lit.map(|((pixel, samples), _)| (*pixel, self.pattern.mean(samples))).collect();
-        hand_back_colors(bytes);
+        let mean = |n: usize| {
+            let own = n * places..(n + 1) * places;
+            let [red, green, blue] = self.pattern.mean(&finer.rgb.as_chunks().0[own.clone()]);
+            let alpha = finer.alpha.get(own).map_or(255, |alpha| self.pattern.mean_alpha(alpha));
+            (pixels[n], [red, green, blue, alpha])
+        };
+        let found = (0..pixels.len()).filter(|n| !is_smooth[*n]).map(mean).collect();
+        hand_back_colors(finer.rgb);
         Ok(found)
     }
 

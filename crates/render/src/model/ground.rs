@@ -31,8 +31,9 @@ const MEANS: usize = 3;
 /// The golden angle, in radians.
 const GOLDEN: f64 = 2.399_963_23;
 
-/// The colors of the ground, one per pixel. `None` where it is not seen.
-pub(super) type GroundColors = Vec<Option<[u8; 3]>>;
+/// The color and the opacity of the ground at each pixel. `None` where it is not seen. Before a
+/// transparent background, the ground is black, and only as opaque as its shadow.
+pub(super) type GroundColors = Vec<Option<[u8; 4]>>;
 
 impl<T: KernelFloat> RenderPass<'_, T> {
     /// Returns whether the picture has a ground.
@@ -98,7 +99,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             (0..MEANS).for_each(|_| near.mean(hidden));
         }
         let back = appearance.background.0;
-        let is_dark = back.iter().sum::<f32>() < 0.3;
+        let is_transparent = self.model.is_transparent(self.settings);
+        let is_dark = !is_transparent && back.iter().sum::<f32>() < 0.3;
         let color = |pixel: usize| {
             let share = shares[pixel];
             (share > 0.0).then(|| {
@@ -107,7 +109,12 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 let light = AMBIENT * 0.5 * (one + other) + (1.0 - AMBIENT) * direct;
                 let lift = if is_dark { LIFT * share } else { 0.0 };
                 let factor = 1.0 - share * (1.0 - light);
-                LinearRgb(back.map(|part| (part + lift) * factor)).to_srgb()
+                let color = LinearRgb(back.map(|part| (part + lift) * factor));
+                let [red, green, blue] = color.to_srgb();
+                // Programs that show pictures mix bytes, not light. Before white, they show this
+                // opacity as a ground of this brightness.
+                let [bright, ..] = LinearRgb([factor; 3]).to_srgb();
+                [red, green, blue, if is_transparent { 255 - bright } else { 255 }]
             })
         };
         Ok(Some(((0..shares.len()).map(color).collect(), work)))

@@ -8,6 +8,7 @@ mod tests;
 
 use super::paint::Coloring;
 use super::trace::{PreparedSurface, RenderPass};
+use crate::pixels::Pixels;
 use block::Block;
 use glam::Vec3;
 use rayon::prelude::*;
@@ -55,8 +56,8 @@ pub(super) struct Layered<'a> {
     pub only: &'a [bool],
     pub tracers: &'a [&'a PreparedSurface<'a>],
     pub finish: &'a Coloring<'a>,
-    /// The color of the ground at a pixel, if it is seen there.
-    pub ground: &'a (dyn Fn(usize) -> Option<[u8; 3]> + Sync),
+    /// The color and opacity of the ground at a pixel, if it is seen there.
+    pub ground: &'a (dyn Fn(usize) -> Option<[u8; 4]> + Sync),
     /// A pixel of the final picture is this many of these pixels wide and high.
     pub side: usize,
 }
@@ -93,21 +94,21 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         self.model.visible_surfaces().any(|surface| self.model.styles[surface].opacity < 1.0)
     }
 
-    /// Computes the colors of a picture, as sRGB bytes. If a surface is translucent, sets `edge` of
+    /// Computes the colors of a picture, multiplied by the opacity if it has opacities. If a surface is translucent, sets `edge` of
     /// each pixel at which a layer has an edge; `edge` may be empty.
     ///
     /// Layers are found block by block, and only their points are kept, so memory does not grow
     /// with the number of surfaces.
-    pub fn colored(&self, all: &Layered<'_>, edge: &mut [bool]) -> Result<Vec<u8>, ProgramError> {
-        let mut rgb = all.shaded(all.picture, all.rays);
+    pub fn colored(&self, all: &Layered<'_>, edge: &mut [bool]) -> Result<Pixels, ProgramError> {
+        let mut pixels = self.with_alpha(all.shaded(all.picture, all.rays), all.picture);
         if self.is_translucent() {
             let mut blocks = Block::of_picture(all.rays, self.block.pixels);
             while let Some(mut block) = blocks.pop() {
                 let layers = self.layers(all, &mut block, &mut blocks, edge)?;
-                self.mix(all, &block, &layers, &mut rgb);
+                self.mix(all, &block, &layers, &mut pixels);
             }
         }
-        Ok(rgb)
+        Ok(pixels)
     }
 
     /// Finds all points along the rays of a block. Each surface has several layers: first its
@@ -244,8 +245,10 @@ impl<T: KernelFloat> RenderPass<'_, T> {
     }
 
     /// Mixes the colors of a block's pixels with those of its layers.
-    fn mix(&self, all: &Layered<'_>, block: &Block, layers: &[Layer], rgb: &mut [u8]) {
+    fn mix(&self, all: &Layered<'_>, block: &Block, layers: &[Layer], pixels: &mut Pixels) {
         let Layered { picture, finish, .. } = *all;
+        let background = finish.appearance.background.to_srgb();
+        let covers = if pixels.alpha.is_empty() { 255 } else { 0 };
         let width = all.rays.width();
         let mixed = |pixel: usize, own: [u8; 3], behind: &[(f64, f32, [u8; 3])]| {
             let color = |bytes: [u8; 3]| LinearRgb::from_srgb(bytes).0;
@@ -260,12 +263,18 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 light.iter_mut().zip(color(own)).for_each(|(light, own)| *light += share * own);
                 left -= share;
             }
-            let behind = (all.ground)(pixel).map_or(finish.appearance.background.0, color);
+            let [red, green, blue] = background;
+            let behind = (all.ground)(pixel).unwrap_or([red, green, blue, covers]);
+            let [red, green, blue, alpha] = behind;
+            let behind = color([red, green, blue]);
             light.iter_mut().zip(behind).for_each(|(light, behind)| *light += left * behind);
-            LinearRgb(light).to_srgb()
+            let alpha = 1.0 - left * (1.0 - f32::from(alpha) / 255.0);
+            (LinearRgb(light).to_srgb(), (255.0 * alpha).round() as u8)
         };
-        let rows = rgb.as_chunks_mut::<3>().0.par_chunks_mut(width).enumerate();
-        rows.skip(block.rows.start).take(block.rows.len()).for_each(|(row, colors)| {
+        let mut alphas: Vec<&mut [u8]> = pixels.alpha.chunks_mut(width).collect();
+        alphas.resize_with(all.rays.height(), Default::default);
+        let rows = pixels.rgb.as_chunks_mut::<3>().0.par_chunks_mut(width).zip(alphas).enumerate();
+        rows.skip(block.rows.start).take(block.rows.len()).for_each(|(row, (colors, alphas))| {
             let first = row * width;
             let after =
                 |layer: &Layer| layer.points.partition_point(|p| (p.pixel as usize) < first);
@@ -283,7 +292,11 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 }
                 if picture.is_drawn(pixel) {
                     behind.sort_by(|(one, ..), (other, ..)| one.total_cmp(other));
-                    colors[column] = mixed(pixel, colors[column], &behind);
+                    let (color, alpha) = mixed(pixel, colors[column], &behind);
+                    colors[column] = color;
+                    if let Some(own) = alphas.get_mut(column) {
+                        *own = alpha;
+                    }
                 }
             }
         });

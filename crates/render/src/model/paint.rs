@@ -40,8 +40,8 @@ pub(super) struct Coloring<'a> {
 }
 
 impl Coloring<'_> {
-    /// The color of the ground at a pixel, if it is seen there.
-    pub fn ground_at(&self, pixel: usize) -> Option<[u8; 3]> {
+    /// The color and opacity of the ground at a pixel, if it is seen there.
+    pub fn ground_at(&self, pixel: usize) -> Option<[u8; 4]> {
         self.ground.get(pixel).copied().flatten()
     }
 }

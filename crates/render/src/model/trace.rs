@@ -277,7 +277,8 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         lit.buffer.occlusion.clear();
         let light = self.light(rays, &mut lit.buffer, None, &mut lit.statistics.times)?;
         lit.statistics.work += light.work;
-        (lit.statistics.edge_rays, lit.rgb) = (light.edge_rays, light.rgb);
+        lit.statistics.edge_rays = light.edge_rays;
+        (lit.rgb, lit.alpha) = (light.pixels.rgb, light.pixels.alpha);
         (lit.legends, lit.remarks) = (light.legends, light.remarks);
         lit.look = self.model.look(self.settings);
         Ok(lit)
@@ -415,8 +416,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         let mut lit = self.light(rays, &mut buffer, rgb, &mut times)?;
         if let Some(own) = &self.own {
             buffer.crop(own.clone());
-            lit.rgb.truncate(3 * rays.width() * own.end);
-            lit.rgb.drain(..(3 * rays.width() * own.start).min(lit.rgb.len()));
+            lit.pixels.crop(own.start * rays.width()..own.end * rays.width());
         }
         work += lit.work;
         let made = model.program.made();
@@ -442,7 +442,8 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         let flat = pixels.hit == 0 && pixels.undecided > 0 && model.is_flat::<T>()?;
         Ok(Picture {
             buffer,
-            rgb: lit.rgb,
+            rgb: lit.pixels.rgb,
+            alpha: lit.pixels.alpha,
             method,
             fallbacks,
             precision: settings.options.precision,

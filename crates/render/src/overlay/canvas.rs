@@ -1,6 +1,7 @@
 //! Drawing letters, lines and boxes into an image.
 
 use super::letters::{glyph, width};
+use crate::pixels::mixed;
 
 /// Height of a letter's box, and of a line of text, in dots. A dot is a pixel at scale 1.
 const LETTER: usize = 16;
@@ -8,12 +9,6 @@ const LINE: usize = 20;
 
 /// A color as 0xRRGGBB.
 pub type Rgb = u32;
-
-/// Mixes `new` into `old`, with `share` / 255 as the share of `new`.
-fn mixed(old: [u8; 3], new: [u8; 3], share: u32) -> [u8; 3] {
-    let part = |n: usize| (u32::from(old[n]) * (255 - share) + u32::from(new[n]) * share) / 255;
-    [0, 1, 2].map(|n| part(n) as u8)
-}
 
 /// An image with one number per pixel, as windows use it.
 pub struct Canvas {
@@ -45,14 +40,20 @@ impl Canvas {
     }
 
     /// Mixes the recorded drawings into an image of red, green and blue bytes, whose first row is
-    /// row `top` of the canvas.
-    pub fn mix_into(&self, rgb: &mut [u8], top: usize) {
+    /// row `top` of the canvas. `alpha` has the opacities of its pixels, or is empty.
+    pub fn mix_into(&self, rgb: &mut [u8], alpha: &mut [u8], top: usize) {
         let (pixels, first) = (rgb.as_chunks_mut::<3>().0, top * self.width);
         for Mark { pixel, color, share } in &self.marks {
-            if let Some(pixel) = pixel.checked_sub(first).and_then(|there| pixels.get_mut(there)) {
-                let [_, parts @ ..] = color.to_be_bytes();
-                *pixel = mixed(*pixel, parts, u32::from(*share));
+            let Some(there) = pixel.checked_sub(first) else { continue };
+            let Some(pixel) = pixels.get_mut(there) else { continue };
+            let ([_, parts @ ..], mut share) = (color.to_be_bytes(), u32::from(*share));
+            if let Some(alpha) = alpha.get_mut(there) {
+                // The drawing covers its share, and what was there covers a part of the rest.
+                let covered = 255 * share + u32::from(*alpha) * (255 - share);
+                share = (255 * 255 * share).checked_div(covered).unwrap_or(0);
+                *alpha = ((covered + 127) / 255) as u8;
             }
+            *pixel = mixed(*pixel, parts, share);
         }
     }
 

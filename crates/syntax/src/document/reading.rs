@@ -17,7 +17,7 @@ use crate::messages::error::{Error, ErrorKind, Errors, Fallible, MAX_ERRORS};
 use crate::messages::note::{MAX_NOTES, Note, NoteKind};
 use crate::picture::lines::{CollectedLines, PictureLines, SettingLine, setting_for};
 use crate::picture::paint::{Contours, PointValues, SurfaceColor};
-use crate::picture::scene::{DomainLine, SrgbColor, ViewLine};
+use crate::picture::scene::{Background, DomainLine, ViewLine};
 use crate::span::Span;
 use crate::tree::ast::{Definition, Expr, Name, Statement};
 use crate::tree::built_statement::BuiltStatement;
@@ -62,8 +62,8 @@ pub struct Document {
     pub is_y_up: bool,
     /// Look of the picture, if a `look` line sets one.
     pub look: Option<&'static zeroset_style::Look>,
-    /// Background color, if a `background` line sets one.
-    pub background: Option<SrgbColor>,
+    /// Background, if a `background` line sets one.
+    pub background: Option<Background>,
     /// Settings of the picture that have no field of their own here.
     pub picture: PictureLines,
     /// Places of all lines about the picture, in the order of the text.

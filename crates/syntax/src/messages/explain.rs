@@ -224,7 +224,7 @@ impl Error {
             ),
             BadVector { key } => format!("write `{key} (1, 2, 3)`"),
             BadDomain => setting("domain")?.hint.to_owned(),
-            BadColor => setting("background")?.hint.to_owned(),
+            BadColor => setting("color")?.hint.to_owned(),
             BadLook => there_are(&LOOKS.map(|look| look.name)),
             BadSetting { hint, .. } => (*hint).to_owned(),
             BadColorMap => there_are(&COLOR_MAPS.map(|map| map.name)),

@@ -9,7 +9,7 @@ use crate::limits::Limits;
 use crate::lower::constant::evaluate;
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::picture::paint::{Contours, ParsedColor, with_point_names};
-use crate::picture::scene::{DomainLine, SrgbColor, ViewLine, bad_setting};
+use crate::picture::scene::{Background, DomainLine, ViewLine, bad_setting};
 use crate::settings::{SETTINGS, SettingKind, setting_word};
 use crate::span::Span;
 use crate::tree::ast::Expr;
@@ -66,7 +66,7 @@ pub(crate) struct CollectedLines {
     pub domain: Option<DomainLine>,
     pub view: Option<ViewLine>,
     pub look: Option<&'static zeroset_style::Look>,
-    pub background: Option<SrgbColor>,
+    pub background: Option<Background>,
     pub picture: PictureLines,
     /// All `color` lines: byte offset of the line, color, and opacity if the line has one.
     pub colors: Vec<(usize, (ParsedColor, Option<f64>))>,
@@ -122,7 +122,7 @@ impl CollectedLines {
                 self.colors.push((at, (color, opacity.map(|(opacity, _)| opacity))));
             }
             SettingKind::Look => self.look = Some(builder.look(pair)?),
-            SettingKind::Background => self.background = Some(builder.color(pair)?),
+            SettingKind::Background => self.background = Some(builder.background(pair)?),
             SettingKind::Clip => self.picture.clip = Some(builder.numbers(pair, word)?),
             SettingKind::Light => self.picture.light = Some(builder.numbers(pair, word)?),
             SettingKind::Opacity => {

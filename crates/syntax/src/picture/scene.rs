@@ -55,6 +55,28 @@ pub struct SrgbColor {
     pub rgb: [u8; 3],
 }
 
+/// The background of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Background {
+    /// One color everywhere.
+    Color(SrgbColor),
+    /// None: pixels in which nothing is painted are transparent.
+    Transparent,
+}
+
+impl Background {
+    /// The word for a transparent background.
+    const TRANSPARENT: &'static str = "transparent";
+
+    /// The background called `transparent`, or of a color written as for [`SrgbColor::typed`].
+    pub fn typed(text: &str) -> Option<Self> {
+        if text.eq_ignore_ascii_case(Self::TRANSPARENT) {
+            return Some(Self::Transparent);
+        }
+        SrgbColor::typed(text).map(Self::Color)
+    }
+}
+
 impl SrgbColor {
     /// The CSS color called `name`, in upper or lower case.
     pub fn named(name: &str) -> Option<Self> {
@@ -185,8 +207,14 @@ impl Builder<'_> {
         })
     }
 
-    pub(crate) fn color(&self, line: Pair<'_>) -> Fallible<SrgbColor> {
-        self.plain(&line.into_inner().next().expect("a color line has a color"))
+    pub(crate) fn background(&self, line: Pair<'_>) -> Fallible<Background> {
+        let given = line.into_inner().next().expect("a background line has a color");
+        let (span, typed) = (self.span(&given), self.word(&given));
+        Background::typed(&typed).ok_or_else(|| {
+            let colors = NAMED_COLORS.keys().map(|known| known.as_str());
+            let meant = nearest(&typed, colors.chain([Background::TRANSPARENT]));
+            bad_setting("background", span).suggest_optional(span, meant)
+        })
     }
 
     /// Reads a color that is the same everywhere.

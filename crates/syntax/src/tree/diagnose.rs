@@ -38,9 +38,9 @@ fn diagnose(text: &str, lexed: &LexedStatement, rule: Rule, next: usize) -> Box<
     let setting = match rule {
         Rule::domain_line => Some(ErrorKind::BadDomain),
         Rule::view_line => Some(ErrorKind::BadView),
-        Rule::color_line | Rule::background_line => Some(ErrorKind::BadColor),
+        Rule::color_line => Some(ErrorKind::BadColor),
         Rule::look_line => Some(ErrorKind::BadLook),
-        Rule::setting_line => {
+        Rule::background_line | Rule::setting_line => {
             word.map(|setting| ErrorKind::BadSetting { word: setting.word, hint: setting.hint })
         }
         _ => None,

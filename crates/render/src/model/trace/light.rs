@@ -6,17 +6,18 @@ use super::super::paint::{Coloring, Painter};
 use super::RenderPass;
 use crate::overlay::Legend;
 use crate::picture::{Normals, Times};
+use crate::pixels::Pixels;
 use glam::DVec3;
 use zeroset_eval::{KernelFloat, Points};
 use zeroset_scene::program::ProgramError;
 use zeroset_scene::view;
 use zeroset_shade::{
     AmbientOcclusion, Appearance, Displayed, Light, LinearRgb, Pattern, SurfaceColors, TURNS,
-    borrow_occlusion, turn,
+    UndecidedStyle, borrow_occlusion, turn,
 };
 use zeroset_space::Ball;
-use zeroset_syntax::{SurfaceColor, SurfaceKind};
-use zeroset_trace::{Driver, GBuffer, KernelStats, RayGrid, TraceOptions};
+use zeroset_syntax::{Background, SurfaceColor, SurfaceKind};
+use zeroset_trace::{Driver, GBuffer, KernelStats, RayGrid, Status, TraceOptions};
 
 /// Distance from the surface at which shadow rays start, in widths of the smallest slab. This keeps
 /// the surface from shadowing itself.
@@ -30,7 +31,7 @@ const CUT: &str = "there was no time to compute the colors of all points";
 
 /// Colors of a picture, and the cost of lighting it.
 pub(super) struct Lit {
-    pub rgb: Vec<u8>,
+    pub pixels: Pixels,
     pub legends: Vec<Legend>,
     /// Remarks on the model, and on colors that are missing.
     pub remarks: Vec<String>,
@@ -64,7 +65,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         let mut work = self.compute_occlusion(rays, &light, buffer)?;
         times.occlude += watch.lap();
         let mut remarks = self.model.remarks.clone();
-        let (mut rgb, mut legends, mut edge_rays) = (Vec::new(), Vec::new(), 0);
+        let (mut pixels, mut legends, mut edge_rays) = (Pixels::default(), Vec::new(), 0);
         if settings.normals.is_some() {
             let painter = match self.overview {
                 Some(whole) => {
@@ -85,8 +86,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             let is_translucent = self.is_translucent();
             let mut behind =
                 vec![false; if is_smoothed && is_translucent { buffer.status.len() } else { 0 }];
-            rgb = if let Some(known) = known {
-                known
+            pixels = if let Some(known) = known {
+                self.with_alpha(known, buffer)
             } else {
                 let mut tracers = Vec::new();
                 if is_translucent {
@@ -104,9 +105,9 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 };
                 self.colored(&layered, &mut behind)?
             };
-            for (pixel, color) in rgb.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+            for pixel in 0..buffer.drawn.len() {
                 if let Some(ground) = finish.ground_at(pixel).filter(|_| !buffer.is_drawn(pixel)) {
-                    *color = ground;
+                    pixels.set(pixel, ground);
                 }
             }
             if finish.painter.as_ref().is_some_and(Painter::is_cut) {
@@ -115,11 +116,30 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             // Layers are colored as soon as they are traced.
             *(if is_translucent { &mut times.trace } else { &mut times.shade }) += watch.lap();
             if is_smoothed && (self.advance)(0) {
-                edge_rays = self.smooth_edges(rays, buffer, &behind, &finish, &mut rgb)?;
+                edge_rays = self.smooth_edges(rays, buffer, &behind, &finish, &mut pixels)?;
                 times.antialias += watch.lap();
             }
+            if !pixels.alpha.is_empty() {
+                pixels.divide(self.model.look(settings).background);
+            }
         }
-        Ok(Lit { rgb, legends, remarks, edge_rays, work })
+        Ok(Lit { pixels, legends, remarks, edge_rays, work })
+    }
+
+    /// The colors of a picture. If the background is transparent, they get opacities: painted pixels
+    /// are opaque.
+    pub(in crate::model) fn with_alpha(&self, rgb: Vec<u8>, picture: &GBuffer) -> Pixels {
+        let leaves_out = self.settings.undecided == UndecidedStyle::Miss;
+        let is_painted = |pixel: usize| {
+            let is_left_out = leaves_out && picture.status[pixel] == Status::Undecided;
+            picture.is_drawn(pixel) && !is_left_out
+        };
+        let mut alpha = Vec::new();
+        if self.model.is_transparent(self.settings) {
+            let pixels = 0..picture.drawn.len();
+            alpha = pixels.map(|pixel| if is_painted(pixel) { 255 } else { 0 }).collect();
+        }
+        Pixels { rgb, alpha }
     }
 
     /// Number of halvings along a shadow ray. `None` without shadows.
@@ -223,7 +243,6 @@ impl<T: KernelFloat> RenderPass<'_, T> {
     pub(super) fn appearance(&self, light: Light, is_seen: bool) -> Appearance {
         let settings = self.settings;
         let plain = Appearance::new(self.model.look(settings), light);
-        let typed = self.model.setting.background.map(|color| LinearRgb::from_srgb(color.rgb));
         // A hidden surface may not have been compiled.
         let turned = |surface: usize| {
             let known = &self.model.turned[surface];
@@ -247,7 +266,12 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         };
         Appearance {
             surfaces: self.model.styles.iter().enumerate().map(surface).collect(),
-            background: settings.background.or(typed).unwrap_or(plain.background),
+            background: match settings.background.or(self.model.setting.background) {
+                Some(Background::Color(color)) => LinearRgb::from_srgb(color.rgb),
+                // Light before black is light multiplied by the opacity.
+                Some(Background::Transparent) => LinearRgb([0.0; 3]),
+                None => plain.background,
+            },
             ambient: settings.ambient.unwrap_or(plain.ambient),
             undecided: settings.undecided,
             ..plain

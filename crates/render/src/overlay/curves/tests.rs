@@ -34,7 +34,7 @@ impl Scene {
         let mut canvas = Canvas::new(SIZE, SIZE, Vec::new(), 1.0);
         draw_curves(&mut canvas, self.shown(), SIZE);
         let mut rgb = self.picture.rgb.clone();
-        canvas.mix_into(&mut rgb, 0);
+        canvas.mix_into(&mut rgb, &mut [], 0);
         rgb
     }
 
