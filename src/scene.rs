@@ -88,6 +88,7 @@ impl Scene {
         let (document, choice) = (&self.text.document, &settings.camera);
         let domain = settings.domain_choice();
         let around = Overlay::asked(settings.axes, settings.legend, document);
+        let around = around.titled(settings.title.as_deref());
         let settings = settings.checked()?;
         let (region, _) = region(document, domain, Clipping::default()).map_err(Error::scene)?;
         // Never hold this lock while compiling: the thread may take up work that needs the lock.

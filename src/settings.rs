@@ -228,6 +228,7 @@ pub struct Settings {
     ambient: Option<f64>,
     pub(crate) axes: bool,
     pub(crate) legend: bool,
+    pub(crate) title: Option<String>,
     picture: picture::Settings,
 }
 
@@ -339,6 +340,7 @@ impl Settings {
             ambient: None,
             axes: false,
             legend: false,
+            title: None,
             picture: picture::Settings {
                 width,
                 height,
@@ -396,6 +398,8 @@ impl Settings {
         /// Draws a legend for colored values, like the text's line `legend on`. With axes, it is
         /// drawn unless the text has the line `legend off`. Default: no.
         legend(legend: bool) => legend = legend;
+        /// Writes a title at the top of the picture. Default: the text of the text's `title` line.
+        title(title: impl Into<String>) => title = Some(title.into());
         /// Limits the time for finding surfaces. Pixels that are not reached in time are undecided
         /// and not drawn. The picture then depends on the machine, but its proofs hold. Default: no
         /// limit.

@@ -10,11 +10,12 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 use zeroset_export::{UNITS, Unit};
 use zeroset_render::names::Named;
+use zeroset_render::overlay::Overlay;
 use zeroset_render::picture::{Normals, Precision};
 use zeroset_scene::view::{self, CameraChoice, ClipChoice, ClipShape, Clipping, DomainChoice};
 use zeroset_shade::UndecidedStyle;
 use zeroset_style::{LOOKS, Look, StandardView, VIEWS};
-use zeroset_syntax::Format;
+use zeroset_syntax::{Document, Format};
 use zeroset_trace::{METHODS, Method, MethodOption, OPTIONS, Projection, TraceOptions};
 
 /// Default number of rays traced in a pixel that lies on an edge.
@@ -535,6 +536,10 @@ pub struct ShadingArgs {
     #[arg(help_heading = LIGHT, long)]
     pub legend: bool,
 
+    /// Write a title at the top of the picture [default: the document's]
+    #[arg(help_heading = LIGHT, long, value_name = "TEXT")]
+    pub title: Option<String>,
+
     /// Trace 1, 4, 16 or 64 rays in a pixel on an edge (output arrays: center ray only)
     #[arg(help_heading = LIGHT, long, value_name = "N", default_value_t = DEFAULT_AA)]
     pub aa: usize,
@@ -551,6 +556,13 @@ pub struct ShadingArgs {
     /// [default: the document's, else the look's]
     #[arg(help_heading = LIGHT, long, value_name = "RRGGBB|NAME")]
     pub background: Option<String>,
+}
+
+impl ShadingArgs {
+    /// What is drawn over pictures of this document.
+    pub fn overlay(&self, document: &Document) -> Overlay {
+        Overlay::asked(self.axes, self.legend, document).titled(self.title.as_deref())
+    }
 }
 
 /// Returns a parser that accepts the names of `T`.

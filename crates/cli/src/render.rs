@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 use zeroset_render::framing;
 use zeroset_render::limit::Limit;
 use zeroset_render::model::{Model, Strip};
-use zeroset_render::overlay::{Overlay, PictureView};
+use zeroset_render::overlay::PictureView;
 use zeroset_render::picture::{Picture, Precision, Settings, UndecidedStatistics};
 use zeroset_scene::blank::Blank;
 use zeroset_scene::curves::UNPROVEN;
@@ -47,8 +47,7 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     let subject = Subject::read(&arguments.document)?;
     subject.show_notes();
 
-    let around =
-        Overlay::asked(arguments.shading.axes, arguments.shading.legend, &subject.document);
+    let around = arguments.shading.overlay(&subject.document);
     let document = &subject.document;
     let threads = arguments.tracing.threads;
     let (region, searched) = chosen(&subject, cut, &settings, threads)?;

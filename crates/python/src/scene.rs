@@ -253,6 +253,7 @@ impl Scene {
                 "undecided" => options.undecided(chosen("undecided", &name()?, &UNDECIDED)?),
                 "axes" => options.axes(is_on()?),
                 "legend" => options.legend(is_on()?),
+                "title" => options.title(name()?),
                 "budget" => options.budget(seconds(number()?)?),
                 _ => {
                     camera = match key.as_str() {

@@ -1,4 +1,4 @@
-//! Curves, points, axes and legends over a picture.
+//! Curves, points, axes, legends and a title over a picture.
 
 mod axes;
 mod canvas;
@@ -29,26 +29,32 @@ const TALL: f64 = 0.42;
 /// Greatest width of a legend's title, in dots.
 const LONGEST: usize = 190;
 
+/// Smallest and largest size of a title's letters, in sizes of other letters.
+const TITLE_SIZES: [f64; 2] = [0.75, 1.35];
+
 /// Space around a legend, in dots.
 const SPACE: usize = 10;
 
-/// The choice of axes and legends over a picture.
-#[derive(Clone, Copy)]
+/// The choice of axes, legends and title over a picture.
+#[derive(Clone)]
 pub struct Overlay {
     /// Set to draw the region's box with ticks.
     pub axes: bool,
     /// Set to draw the legends of color maps.
     legend: bool,
+    /// A line of text at the top.
+    title: Option<String>,
 }
 
 impl Overlay {
-    /// Curves and points, without axes and legends.
-    pub const CURVES: Self = Self { axes: false, legend: false };
+    /// Curves and points alone.
+    pub const CURVES: Self = Self { axes: false, legend: false, title: None };
 
-    /// An overlay with or without axes. A legend comes with axes unless the document chooses
-    /// otherwise.
+    /// An overlay with or without axes, and with the document's title. A legend comes with axes
+    /// unless the document chooses otherwise.
     pub fn new(axes: bool, document: &Document) -> Self {
-        Self { axes, legend: document.picture.legend.unwrap_or(axes) }
+        let legend = document.picture.legend.unwrap_or(axes);
+        Self { axes, legend, title: document.picture.title.clone() }
     }
 
     /// An overlay with axes, or with a legend, if the caller or the document wants them.
@@ -57,15 +63,21 @@ impl Overlay {
         Self { legend: legend || said.legend, ..said }
     }
 
+    /// This overlay with another title, if there is one.
+    #[must_use]
+    pub fn titled(self, title: Option<&str>) -> Self {
+        Self { title: title.map(str::to_owned).or(self.title), ..self }
+    }
+
     /// An overlay with axes and legend as the document chooses.
     pub fn said(document: &Document) -> Self {
         Self::new(document.picture.axes == Some(true), document)
     }
 
-    /// Draws curves and points, axes and legends over a picture in the upper `height` rows of the
-    /// canvas. Legends begin at the picture's top, or end at the row `bottom`.
+    /// Draws curves and points, axes, legends and title over a picture in the upper `height` rows
+    /// of the canvas. Legends begin below the title, or end at the row `bottom`.
     pub fn draw(
-        self,
+        &self,
         canvas: &mut Canvas,
         shown: PictureView<'_>,
         height: usize,
@@ -75,8 +87,12 @@ impl Overlay {
         if self.axes {
             draw_box(canvas, shown, height);
         }
+        let mut top = canvas.dots(SPACE);
+        if let Some(title) = &self.title {
+            top += draw_title(canvas, title, top, shown.ink());
+        }
         if self.legend {
-            draw_legends(canvas, shown, height, bottom);
+            draw_legends(canvas, shown, height, (top, bottom));
         }
     }
 
@@ -85,9 +101,9 @@ impl Overlay {
         count * legend_height(count, height, scale)
     }
 
-    /// Records curves, axes and legends for a picture of this size, to be mixed into its rows.
+    /// Records curves, axes, legends and title for a picture of this size, to be mixed into its rows.
     /// `shown` may be a smaller picture of the same view.
-    pub fn marks(self, shown: PictureView<'_>, [width, height]: [usize; 2]) -> Canvas {
+    pub fn marks(&self, shown: PictureView<'_>, [width, height]: [usize; 2]) -> Canvas {
         let scale = (height as f64 / ROWS).max(1.0);
         let mut canvas = Canvas::new(width, height, Vec::new(), scale);
         if !shown.picture.rgb.is_empty() {
@@ -96,8 +112,8 @@ impl Overlay {
         canvas
     }
 
-    /// The picture's pixels with curves, axes and legends.
-    pub fn over(self, shown: PictureView<'_>) -> Pixels {
+    /// The picture's pixels with curves, axes, legends and title.
+    pub fn over(&self, shown: PictureView<'_>) -> Pixels {
         let Picture { buffer, rgb, alpha, .. } = shown.picture;
         let mut pixels = Pixels { rgb: rgb.clone(), alpha: alpha.clone() };
         let marks = self.marks(shown, [buffer.width, buffer.height]);
@@ -113,14 +129,34 @@ fn legend_height(count: usize, height: usize, scale: f64) -> usize {
     tall + Canvas::line_height_at(scale) + Canvas::dots_at(SPACE, scale)
 }
 
+/// Writes a title in the middle of the row `top`. Letters of a long title are smaller, and its end
+/// may be missing. Returns the height of the line.
+fn draw_title(canvas: &mut Canvas, title: &str, top: usize, ink: u32) -> usize {
+    let (usual, room) = (canvas.scale, canvas.width.saturating_sub(2 * canvas.dots(SPACE)));
+    let wide = (canvas.text_width(title) as f64).max(1.0);
+    let [smallest, largest] = TITLE_SIZES;
+    canvas.scale *= (room as f64 / wide).clamp(smallest, largest);
+    let title = canvas.fitting(title, room);
+    let left = canvas.width.saturating_sub(canvas.text_width(&title)) / 2;
+    canvas.write(&title, left as i64, top as i64, ink);
+    let tall = canvas.line_height();
+    canvas.scale = usual;
+    tall
+}
+
 /// Draws legends one below another at the right edge of a picture in the upper `height` rows of the
-/// canvas. They begin at the picture's top, or end at the row `bottom`.
-fn draw_legends(canvas: &mut Canvas, shown: PictureView<'_>, height: usize, bottom: Option<usize>) {
+/// canvas. They begin at the row `top`, or end at the row `bottom`.
+fn draw_legends(
+    canvas: &mut Canvas,
+    shown: PictureView<'_>,
+    height: usize,
+    (top, bottom): (usize, Option<usize>),
+) {
     let legends = &shown.picture.legends;
     let (ink, space) = (shown.ink(), canvas.dots(SPACE));
     let each = legend_height(legends.len(), height, canvas.scale);
     let tall = each - canvas.line_height() - space;
-    let first = bottom.map_or(space, |bottom| bottom.saturating_sub(legends.len() * each));
+    let first = bottom.map_or(top, |bottom| bottom.saturating_sub(legends.len() * each));
     for (n, legend) in legends.iter().enumerate() {
         let top = first + n * each;
         draw_legend(canvas, legend, top, tall, ink);
@@ -205,18 +241,18 @@ mod tests {
         let shown =
             PictureView { camera: &camera, region: &region, picture: &picture, curves: &curves };
         assert_eq!(
-            Overlay { axes: false, legend: true }.over(shown).rgb,
+            Overlay { axes: false, legend: true, title: None }.over(shown).rgb,
             picture.rgb,
             "there is nothing to tell"
         );
-        let after = Overlay { axes: true, legend: false }.over(shown).rgb;
+        let after = Overlay { axes: true, legend: false, title: None }.over(shown).rgb;
         let lines = changed(&picture, &after);
         let on_surface = lines.iter().filter(|&&n| picture.buffer.is_drawn(n)).count();
         assert!(lines.len() > 1500 && on_surface > 20, "{} {on_surface}", lines.len());
         // The same lines, without a surface in front of them.
         let mut clear = picture.clone();
         clear.buffer.drawn.fill(f64::INFINITY);
-        let seen = Overlay { axes: true, legend: false }
+        let seen = Overlay { axes: true, legend: false, title: None }
             .over(PictureView { picture: &clear, ..shown })
             .rgb;
         let change = |rgb: &[u8], on_surface: bool| -> u64 {
@@ -237,12 +273,45 @@ mod tests {
         let curves = TracedCurves::default();
         let shown =
             PictureView { camera: &camera, region: &region, picture: &picture, curves: &curves };
-        let after = Overlay { axes: false, legend: true }.over(shown).rgb;
+        let after = Overlay { axes: false, legend: true, title: None }.over(shown).rgb;
         let pixels = after.as_chunks::<3>().0;
         for end in [0.0, 1.0] {
             let color = legend.map.bytes(end);
             let near = |pixel: &&[u8; 3]| (0..3).all(|part| pixel[part].abs_diff(color[part]) < 4);
             assert!(pixels.iter().filter(near).count() > 10, "{color:?}");
         }
+    }
+
+    #[test]
+    fn a_title_is_in_the_middle_above_and_shrinks_before_it_is_cut() {
+        let (picture, camera, region) = picture("x^2+y^2+z^2 = 1");
+        let curves = TracedCurves::default();
+        let shown =
+            PictureView { camera: &camera, region: &region, picture: &picture, curves: &curves };
+        let drawn = |title: &str, [width, height]: [usize; 2]| {
+            let overlay = Overlay::CURVES.titled(Some(title));
+            let canvas = overlay.marks(shown, [width, height]);
+            let mut rgb = vec![255; 3 * width * height];
+            canvas.mix_into(&mut rgb, &mut [], 0);
+            let dark = rgb.as_chunks::<3>().0.iter().enumerate().filter(|(_, c)| c[0] < 128);
+            let places: Vec<[usize; 2]> = dark.map(|(n, _)| [n % width, n / width]).collect();
+            let ends = [0, 1].map(|axis| {
+                let along = || places.iter().map(|place| place[axis]);
+                [along().min().expect("letters"), along().max().expect("letters")]
+            });
+            (places.len(), ends)
+        };
+        for [width, height] in [[64, 64], [400, 300], [1600, 1600]] {
+            let size = [width, height];
+            let (_, [[left, right], [top, bottom]]) = drawn("Torus", size);
+            assert!((left + right).abs_diff(width) <= 4 + width / 50, "{size:?} {left} {right}");
+            assert!(top > 4 && bottom < height / 2 && bottom - top < 13.max(height / 20));
+            // A long title stays in the picture, on one line, in smaller letters.
+            let (ink, [[left, right], rows]) = drawn(&"Barth's sextic ".repeat(20), size);
+            assert!(left >= 8 && right + 8 <= width && ink > 20, "{size:?} {left} {right}");
+            assert!(rows[1] - rows[0] <= bottom - top + 4, "{size:?}");
+        }
+        // The font lacks these letters; something is written in their place.
+        assert!(drawn("曲面", [400, 300]).0 > 10);
     }
 }

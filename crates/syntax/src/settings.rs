@@ -26,6 +26,7 @@ pub(crate) enum SettingKind {
     Ground,
     Axes,
     Legend,
+    Title,
     Mesh,
     Aspect,
     Contours,
@@ -86,6 +87,12 @@ pub(crate) const SETTINGS: &[SettingRow] = &[
     plain("axes", SettingKind::Axes, "write `axes on` or `axes off`"),
     plain("mesh", SettingKind::Mesh, "write `mesh on` or `mesh off`"),
     plain("legend", SettingKind::Legend, "write `legend on` or `legend off`"),
+    plain(
+        "title",
+        SettingKind::Title,
+        "write the title behind the word: `title A torus`; in quotes if it has a `;` or `#`, or \
+         begins with a bracket",
+    ),
     plain("aspect", SettingKind::Aspect, "write `aspect auto` or `aspect equal`"),
     plain(
         "contours",

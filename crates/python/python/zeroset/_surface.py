@@ -276,6 +276,7 @@ class Surface:
         undecided: str | None = None,
         axes: bool | None = None,
         legend: bool | None = None,
+        title: str | None = None,
         method: str | None = None,
         precision: str | None = None,
         max_depth: int | None = None,

@@ -6,12 +6,15 @@
 
 use crate::lex::bars::pair_bars;
 use crate::lex::lexer::lex;
-use crate::lex::spelling::{is_name_char, line_length, prefix_length, start, token_kind};
+use crate::lex::spelling::{
+    is_name_char, line_length, prefix_length, start, token_kind, typed_setting,
+};
 use crate::lex::token::{LexContext, Token};
 use crate::lex::token_kind::TokenKind::{self, *};
 use crate::limits::Limits;
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::Note;
+use crate::settings::SettingKind;
 use crate::span::Span;
 
 /// A statement, as tokens and as text for the grammar.
@@ -108,6 +111,13 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
         if count > limits.symbols {
             return Err(Error::new(span, ErrorKind::TooManySymbols { limit: limits.symbols }));
         }
+        if tokens.is_empty()
+            && let Some(title) = title(text, span)
+        {
+            tokens.extend([Token::new(kind, span), Token::new(Label, title)]);
+            end = title.end;
+            continue;
+        }
         let mut first = tokens.len();
         // A line that ends with an operator continues on the next line.
         let last = tokens.last().map_or(Blank, |token| token.kind);
@@ -146,6 +156,28 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
         statements.push(tokens);
     }
     Ok(statements)
+}
+
+/// The place of the text of a `title` line whose first word is at `word`. The text ends with the
+/// line, before a semicolon or before a comment, unless it is in quotes. `None` if the word has
+/// another meaning, as in `title = 3` and `title("A plot")`.
+fn title(text: &str, word: Span) -> Option<Span> {
+    typed_setting(&text[word.range()]).filter(|row| row.kind == SettingKind::Title)?;
+    let line = &text[word.end..];
+    let line = &line[..line_length(line)];
+    let typed = line.trim_start();
+    let begin = word.end + line.len() - typed.len();
+    let is_other = |c: char| "(:*/^+,".contains(c) || "=≠<≤>≥≔".contains(c);
+    if begin == word.end || typed.starts_with(is_other) {
+        return None;
+    }
+    let quoted = typed.strip_prefix('"').and_then(|rest| rest.find('"'));
+    let length = quoted.map_or_else(
+        || typed.find([';', '#']).unwrap_or(typed.len()),
+        |length| length + 2,
+    );
+    let length = typed[..length].trim_end().len();
+    (length > 0).then(|| Span::new(begin, begin + length))
 }
 
 /// Returns whether the `//` at the start of `rest` begins a comment rather than a division.

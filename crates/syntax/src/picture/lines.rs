@@ -42,6 +42,8 @@ pub struct PictureLines {
     pub is_equal: bool,
     /// Whether a legend shows the color of each value.
     pub legend: Option<bool>,
+    /// A line of text at the top of the picture.
+    pub title: Option<String>,
     /// Whether lines of equal x, y and z are drawn on the surfaces. On a graph z = f(x, y), only
     /// those of equal x and y.
     pub mesh: Option<bool>,
@@ -141,6 +143,7 @@ impl CollectedLines {
             SettingKind::Mesh => self.picture.mesh = Some(builder.switch(pair, word)?),
             SettingKind::Axes => self.picture.axes = Some(builder.switch(pair, word)?),
             SettingKind::Legend => self.picture.legend = Some(builder.switch(pair, word)?),
+            SettingKind::Title => self.picture.title = Some(builder.title(pair)?),
             SettingKind::Aspect => {
                 self.picture.is_equal = builder.one_of(pair, word, ["auto", "equal"], 1)? == 1;
             }
@@ -188,6 +191,16 @@ impl Builder<'_> {
             numbers.push(evaluate(&number, self.limits)?);
         }
         <[Constant; COUNT]>::try_from(numbers).map_err(|_| bad_setting(word, self.lexed.span))
+    }
+
+    /// Reads a line of text. Blanks become single spaces, and quotes around the text are left out.
+    fn title(&self, line: Pair<'_>) -> Fallible<String> {
+        let words = match &parts(line)[..] {
+            [text] if text.as_rule() == Rule::label => self.typed(text).trim_matches('"'),
+            _ => "",
+        };
+        let text = words.split_whitespace().collect::<Vec<_>>().join(" ");
+        if text.is_empty() { Err(bad_setting("title", self.lexed.span)) } else { Ok(text) }
     }
 
     /// Reads the width of curves, in pixels.
