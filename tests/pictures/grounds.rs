@@ -1,8 +1,9 @@
 //! Materials and the ground change colors only.
 
 use zeroset_render::framing;
-use zeroset_render::model::Model;
+use zeroset_render::model::{Model, Strip};
 use zeroset_render::picture::{Picture, Settings};
+use zeroset_scene::program::ProgramError;
 use zeroset_scene::view::{CameraChoice, DomainChoice, region};
 use zeroset_style::MATERIALS;
 use zeroset_syntax::{Options, read};
@@ -92,4 +93,23 @@ fn glass_is_denser_toward_its_outline_and_shows_the_ground() {
             && brightness(&picture, place) > brightness(&on_ground, place) + 6
     });
     assert!(differ.count() > 50, "the shadow is not seen through the glass");
+}
+
+#[test]
+fn strips_have_the_shadows_of_the_whole() {
+    let text = format!("ground\n{TORUS}");
+    let (camera, whole) = drawn(&text);
+    let document = read(&text, &Options::default()).expect("a torus");
+    let (region, _) = region(&document, DomainChoice::Document, None).expect("a domain");
+    let settings = Settings { width: SIDE, height: SIDE, ..Settings::default() };
+    let model = Model::new(&document, &region, &settings).expect("a model");
+    let mut rgb = Vec::new();
+    let mut keep = |strip: Strip<'_>| -> Result<(), ProgramError> {
+        rgb.extend_from_slice(&strip.picture.rgb);
+        Ok(())
+    };
+    model.strips_of(32, &camera, &settings, &|_, _| true, &mut keep).expect("strips");
+    assert_eq!(rgb.len(), whole.rgb.len());
+    let differ = rgb.iter().zip(&whole.rgb).filter(|(a, b)| a.abs_diff(**b) > 4).count();
+    assert!(differ * 500 < rgb.len(), "{differ} bytes differ");
 }

@@ -143,6 +143,9 @@ pub struct Picture {
     pub rgb: Vec<u8>,
     /// Opacity of each pixel; 255 means opaque. Empty unless the background is transparent.
     pub alpha: Vec<u8>,
+    /// The share of its light that reaches the ground at each pixel; NaN far from where the ground
+    /// is seen. Empty without a ground.
+    pub(crate) ground: Vec<f32>,
     /// The method that traced the surfaces. It is a fallback only if that traced all surfaces.
     pub method: &'static Method,
     /// The surfaces that a fallback method traced, by number, with their fallbacks.

@@ -18,7 +18,6 @@ pub fn borrow_occlusion(
     small: &GBuffer,
     small_rays: &RayGrid,
 ) -> Vec<u8> {
-    let (width, height) = (small_rays.width(), small_rays.height());
     let GBuffer { drawn, surface, normal, .. } = buffer;
     let mut occlusion = vec![0; drawn.len()];
     let hidden_there = |there: usize| small.occlusion.get(there).copied().unwrap_or_default();
@@ -29,22 +28,12 @@ pub fn borrow_occlusion(
             if !distance.is_finite() {
                 continue;
             }
-            let [across, upward] = rays.screen(2 * column, 2 * row);
-            let [across, upward] = [across, upward].map(|place| place / small_rays.unit);
-            // Fractional column and row in the smaller picture.
-            let x = 0.5 * (across + width as f64 - 1.0);
-            let y = 0.5 * (height as f64 - 1.0 - upward);
-            let [right, below] = [x, y].map(|place| place - place.floor());
+            let near = neighbors(rays, small_rays, [column, row]);
             let reach = FAR * small_rays.footprint(distance);
             let along = rays.ray_of(pixel).direction.normalize().as_vec3();
             let reach = reach * f64::from(slope(normal[pixel], along).max(1.0));
             let (mut sum, mut weights, mut nearest, mut least) = (0.0, 0.0, 0, f64::INFINITY);
-            for n in 0..4 {
-                let (i, j) = (x.floor() as i64 + (n & 1), y.floor() as i64 + (n >> 1));
-                if !(0..width as i64).contains(&i) || !(0..height as i64).contains(&j) {
-                    continue;
-                }
-                let there = j as usize * width + i as usize;
+            for (there, weight) in near {
                 let off = (small.drawn[there] - distance).abs();
                 if !off.is_finite() || small.surface[there] != surface {
                     continue;
@@ -53,9 +42,6 @@ pub fn borrow_occlusion(
                     (nearest, least) = (hidden_there(there), off);
                 }
                 if off <= reach {
-                    let share =
-                        |is_second: bool, part: f64| if is_second { part } else { 1.0 - part };
-                    let weight = share(n & 1 == 1, right) * share(n >> 1 == 1, below);
                     sum += weight * f64::from(hidden_there(there));
                     weights += weight;
                 }
@@ -65,6 +51,29 @@ pub fn borrow_occlusion(
     };
     occlusion.par_chunks_mut(rays.width().max(1)).enumerate().for_each(row);
     occlusion
+}
+
+/// The pixels of a smaller picture of the same scene that are nearest to a pixel's center, at most
+/// four, with their weights for interpolation. In the picture's middle, the weights add up to 1.
+pub fn neighbors(
+    rays: &RayGrid,
+    small: &RayGrid,
+    [column, row]: [usize; 2],
+) -> impl Iterator<Item = (usize, f64)> {
+    let (width, height) = (small.width(), small.height());
+    let [across, upward] = rays.screen(2 * column, 2 * row).map(|place| place / small.unit);
+    // Fractional column and row in the smaller picture.
+    let place = [0.5 * (across + width as f64 - 1.0), 0.5 * (height as f64 - 1.0 - upward)];
+    let axes = place.map(|place| {
+        let (first, part) = (place.floor() as i64, place - place.floor());
+        [(first, 1.0 - part), (first + 1, part)]
+    });
+    let [columns, rows] = axes;
+    let all = rows.into_iter().flat_map(move |row| columns.map(|column| (column, row)));
+    all.filter_map(move |((column, across), (row, down))| {
+        let is_inside = (0..width as i64).contains(&column) && (0..height as i64).contains(&row);
+        is_inside.then(|| (row as usize * width + column as usize, across * down))
+    })
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ mod occlusion;
 mod pattern;
 mod shade;
 
-pub use coarse::borrow_occlusion;
+pub use coarse::{borrow_occlusion, neighbors};
 pub use color::LinearRgb;
 pub use displayed::Displayed;
 pub use edges::{edges, is_creased, is_smooth, slope};

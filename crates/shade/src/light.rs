@@ -3,6 +3,7 @@
 use crate::occlusion::TURNS;
 use fearless_simd::{f32x16, f64x8, prelude::*};
 use glam::{DVec3, Vec3};
+use std::f64::consts::TAU;
 use zeroset_eval::Lanes;
 use zeroset_trace::RayGrid;
 
@@ -15,8 +16,10 @@ pub enum Light {
     Positional(DVec3),
 }
 
-/// Half the width of a light, as a share of its distance.
+/// Half the width of a light, as a share of its distance. For the sun, it is ten times smaller.
 const WIDTH: f64 = 0.05;
+/// The golden angle, in turns.
+const GOLDEN: f64 = 0.381_966_011_25;
 
 impl Light {
     /// A distant light that moves with the camera, above it and to its left.
@@ -28,21 +31,30 @@ impl Light {
         Self::Directional(towards.normalize())
     }
 
-    /// Sixteen places on the light, taken as a disc. The disc's radius is a 20th of its distance
-    /// from `centre`. For the sun, this ratio is ten times smaller.
+    /// Sixteen places on the light, taken as a [disc](Self::disc).
     pub fn widened(&self, centre: DVec3) -> [Self; TURNS] {
-        let (way, distance) = self.towards(centre);
-        let (across, upward) = way.try_normalize().unwrap_or(DVec3::Z).any_orthonormal_pair();
+        let disc = self.disc(centre);
         std::array::from_fn(|turn| {
             // Vogel's spiral spreads places evenly over the disc. Consecutive places lie far apart.
             let place = (7 * turn % TURNS) as f64;
-            let (radius, angle) = (((place + 0.5) / TURNS as f64).sqrt(), place * 2.399_963_23);
-            let aside = WIDTH * radius * (angle.cos() * across + angle.sin() * upward);
-            match self {
-                Self::Directional(way) => Self::Directional((*way + aside).normalize()),
-                Self::Positional(at) => Self::Positional(*at + distance * aside),
-            }
+            disc([(place + 0.5) / TURNS as f64, place * GOLDEN])
         })
+    }
+
+    /// The light as a disc that faces `centre`. Its radius is a 20th of its distance from there.
+    /// The function gives the place on it with these polar coordinates: the square of the distance
+    /// from its middle, as a share of the squared radius, and the angle in turns.
+    pub fn disc(self, centre: DVec3) -> impl Fn([f64; 2]) -> Self + Sync {
+        let (way, distance) = self.towards(centre);
+        let (across, upward) = way.try_normalize().unwrap_or(DVec3::Z).any_orthonormal_pair();
+        move |[square, turns]| {
+            let (sine, cosine) = (turns * TAU).sin_cos();
+            let aside = WIDTH * square.sqrt() * (cosine * across + sine * upward);
+            match self {
+                Self::Directional(way) => Self::Directional((way + aside).normalize()),
+                Self::Positional(at) => Self::Positional(at + distance * aside),
+            }
+        }
     }
 
     /// The unit vector from `point` toward the light, and the distance, which is infinite for a

@@ -3,11 +3,17 @@
 //! The ground is part of the picture's background. Statuses and distances do not know it: a pixel
 //! that shows the ground is a miss.
 
+mod soften;
+
+use super::strips::Overview;
 use super::trace::RenderPass;
 use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use soften::soften;
+use std::f64::consts::TAU;
 use zeroset_eval::KernelFloat;
 use zeroset_scene::program::ProgramError;
-use zeroset_shade::{AmbientOcclusion, Appearance, Displayed, Light, LinearRgb, TURNS};
+use zeroset_shade::{Appearance, Light, LinearRgb, neighbors};
 use zeroset_syntax::SurfaceKind;
 use zeroset_trace::{GBuffer, KernelStats, RayGrid};
 
@@ -25,15 +31,29 @@ const AMBIENT: f32 = 0.5;
 /// Light that the ground adds to a dark background, on which shadows would not be seen.
 const LIFT: f32 = 0.06;
 
-/// Number of times that the shadows of neighboring pixels are averaged.
-const MEANS: usize = 3;
+/// Radius of the means over shadows of neighboring pixels, as a share of the picture's height: for
+/// the shadow by the lamp, which has an edge, and by the sky, which has none.
+const SOFT: [f64; 2] = [1.0 / 180.0, 1.0 / 45.0];
 
-/// The golden angle, in radians.
-const GOLDEN: f64 = 2.399_963_23;
+/// Least radius of the means, in pixels.
+const LEAST_SOFT: [usize; 2] = [2, 4];
 
-/// The color and the opacity of the ground at each pixel. `None` where it is not seen. Before a
-/// transparent background, the ground is black, and only as opaque as its shadow.
-pub(super) type GroundColors = Vec<Option<[u8; 4]>>;
+/// Multiples of these, without their whole parts, fill a square evenly: powers of the real root of
+/// x³ = x + 1, inverted (Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018).
+const EVEN: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
+
+/// The ground of a picture.
+#[derive(Default)]
+pub(super) struct Ground {
+    /// The color and the opacity at each pixel. `None` where the ground is not seen. Before a
+    /// transparent background, the ground is black, and only as opaque as its shadow.
+    pub colors: Vec<Option<[u8; 4]>>,
+    /// The share of its light that reaches the ground at each pixel; NaN far from where the ground
+    /// is seen.
+    pub light: Vec<f32>,
+    /// The cost of the shadows.
+    pub work: KernelStats,
+}
 
 impl<T: KernelFloat> RenderPass<'_, T> {
     /// Returns whether the picture has a ground.
@@ -42,35 +62,34 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             && self.settings.normals.is_some()
     }
 
-    /// The colors of the ground of a picture, and the cost of its shadows. `None` without a ground,
-    /// or if the eye is below it. They are computed for pixels that show no opaque surface, and for
-    /// their neighbors, where edges are smoothed.
+    /// The ground of a picture; empty without a ground, or if the eye is below it. It is computed
+    /// for pixels that show no opaque surface, and for their neighbors, where edges are smoothed.
     pub(super) fn ground(
         &self,
         rays: &RayGrid,
         picture: &GBuffer,
         appearance: &Appearance,
-    ) -> Result<Option<(GroundColors, KernelStats)>, ProgramError> {
+    ) -> Result<Ground, ProgramError> {
         let height = if self.has_ground() { self.lowest() } else { f64::NAN };
         // This is false for NaN, too.
         let is_seen = rays.eye().z > height;
         if !is_seen {
-            return Ok(None);
+            return Ok(Ground::default());
         }
-        let (width, region) = (rays.width(), self.model.region().displayed());
+        let region = self.model.region().displayed();
         let is_open = |pixel: usize| {
             let surface = usize::from(picture.surface[pixel]);
             !picture.is_drawn(pixel) || self.model.styles[surface].opacity < 1.0
         };
         let is_near =
             |pixel: usize| is_open(pixel) || rays.beside(pixel).into_iter().flatten().any(is_open);
-        let mut plane = GBuffer::new(width, rays.height(), 0);
+        let mut plane = GBuffer::new(rays.width(), rays.height(), 0);
         let mut shares = vec![0.0_f32; plane.drawn.len()];
-        for (pixel, share) in shares.iter_mut().enumerate() {
+        let place = |(pixel, (share, drawn)): (usize, (&mut f32, &mut f64))| {
             let ray = rays.ray_of(pixel);
             let t = (height - ray.origin.z) / ray.direction.z;
             if !(t > 0.0 && t.is_finite() && is_near(pixel)) {
-                continue;
+                return;
             }
             let off = ray.at(t) * rays.stretch() - region.centre();
             let far = DVec2::new(off.x, off.y).length() / region.half_extent();
@@ -78,35 +97,21 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             let part = ((far - near) / (end - near)).clamp(0.0, 1.0);
             *share = (1.0 - part * part * (3.0 - 2.0 * part)) as f32;
             if *share > 0.0 {
-                plane.drawn[pixel] = ray.distance(t);
-                plane.normal[pixel] = [0.0, 0.0, 1.0];
+                *drawn = ray.distance(t);
             }
-        }
-        let mut work = KernelStats::default();
-        let mut hidden = |lights: &[Light; TURNS], plane: &mut GBuffer| {
-            let (hidden, cost) = self.hidden(rays, lights, plane)?;
-            work += cost;
-            Ok::<_, ProgramError>(hidden)
         };
-        let mut all = [
-            hidden(&appearance.light.widened(region.centre()), &mut plane)?,
-            hidden(&sky(0.0), &mut plane)?,
-            hidden(&sky(0.5), &mut plane)?,
-        ];
-        let seen = Displayed::new(&plane, rays);
-        let near = AmbientOcclusion::new(&seen.buffer, &seen.rays, region.centre());
-        for hidden in &mut all {
-            (0..MEANS).for_each(|_| near.mean(hidden));
-        }
+        shares.par_iter_mut().zip(plane.drawn.par_iter_mut()).enumerate().for_each(place);
+        let (light, work) = match self.overview {
+            // A strip does not show enough of the ground for means over neighbors.
+            Some(whole) => (whole.light_of_ground(rays, &plane.drawn), KernelStats::default()),
+            None => self.light_of_ground(rays, &appearance.light, &mut plane)?,
+        };
         let back = appearance.background.0;
         let is_transparent = self.model.is_transparent(self.settings);
         let is_dark = !is_transparent && back.iter().sum::<f32>() < 0.3;
-        let color = |pixel: usize| {
-            let share = shares[pixel];
-            (share > 0.0).then(|| {
-                let [direct, one, other] =
-                    all.each_ref().map(|hidden| 1.0 - f32::from(hidden[pixel]) / 255.0);
-                let light = AMBIENT * 0.5 * (one + other) + (1.0 - AMBIENT) * direct;
+        let color = |(share, light): (&f32, &f32)| {
+            (*share > 0.0).then(|| {
+                let light = if light.is_nan() { 1.0 } else { *light };
                 let lift = if is_dark { LIFT * share } else { 0.0 };
                 let factor = 1.0 - share * (1.0 - light);
                 let color = LinearRgb(back.map(|part| (part + lift) * factor));
@@ -117,25 +122,52 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 [red, green, blue, if is_transparent { 255 - bright } else { 255 }]
             })
         };
-        Ok(Some(((0..shares.len()).map(color).collect(), work)))
+        let colors = shares.iter().zip(&light).map(color).collect();
+        Ok(Ground { colors, light, work })
     }
 
-    /// The share of `lights` that is hidden from each point of the ground; 255 means that all of
-    /// them are hidden. Translucent surfaces let a part of the light through.
+    /// The share of its light that reaches the ground at each pixel of `plane`, and the cost.
+    fn light_of_ground(
+        &self,
+        rays: &RayGrid,
+        lamp: &Light,
+        plane: &mut GBuffer,
+    ) -> Result<(Vec<f32>, KernelStats), ProgramError> {
+        let lamp = lamp.disc(self.model.region().displayed().centre());
+        let lights: [&(dyn Fn([usize; 2]) -> Light + Sync); 2] =
+            [&|pixel| lamp(even(pixel)), &|pixel| sky(even(pixel))];
+        let mut work = KernelStats::default();
+        let mut light = vec![1.0; plane.drawn.len()];
+        for ((from, part), (soft, least)) in
+            lights.into_iter().zip([1.0 - AMBIENT, AMBIENT]).zip(SOFT.into_iter().zip(LEAST_SOFT))
+        {
+            let (hidden, cost) = self.hidden(rays, from, plane)?;
+            work += cost;
+            let radius = ((soft * rays.height() as f64).round() as usize).max(least);
+            let hidden = soften(&hidden, &plane.drawn, rays.width(), radius);
+            for (light, hidden) in light.iter_mut().zip(hidden) {
+                *light -= part * hidden / 255.0;
+            }
+        }
+        Ok((light, work))
+    }
+
+    /// The share of its `light` that is hidden from each point of the ground; 255 means all of it.
+    /// Translucent surfaces let a part of the light through.
     fn hidden(
         &self,
         rays: &RayGrid,
-        lights: &[Light; TURNS],
+        light: &(dyn Fn([usize; 2]) -> Light + Sync),
         plane: &mut GBuffer,
     ) -> Result<(Vec<u8>, KernelStats), ProgramError> {
         let depth = self.settings.usual_shadow_depth();
         let opacity_of = |surface: usize| self.model.styles[surface].opacity;
-        let mut work = self.shadows(rays, lights, depth, &|n| opacity_of(n) >= 1.0, plane)?;
+        let mut work = self.shadows(rays, light, depth, &|n| opacity_of(n) >= 1.0, plane)?;
         let mut hidden = std::mem::take(&mut plane.shadow);
         hidden.resize(plane.drawn.len(), 0);
         let clear = self.model.visible_surfaces().map(opacity_of).filter(|part| *part < 1.0);
         if let Some(opacity) = clear.reduce(f64::max) {
-            work += self.shadows(rays, lights, depth, &|n| opacity_of(n) < 1.0, plane)?;
+            work += self.shadows(rays, light, depth, &|n| opacity_of(n) < 1.0, plane)?;
             // A ray crosses most surfaces twice.
             let part = (255.0 * (1.0 - (1.0 - opacity).powi(2))).round() as u8;
             for (hidden, shadow) in hidden.iter_mut().zip(std::mem::take(&mut plane.shadow)) {
@@ -156,14 +188,37 @@ impl<T: KernelFloat> RenderPass<'_, T> {
     }
 }
 
-/// Distant lights in sixteen directions, as many per solid angle as a horizontal plane receives
-/// light from there. `turn` is from 0 to 1: other turns have other directions.
-fn sky(turn: f64) -> [Light; TURNS] {
-    std::array::from_fn(|n| {
-        // Consecutive directions lie far apart.
-        let place = (7 * n % TURNS) as f64 + turn;
-        let sine = ((place + 0.25) / TURNS as f64).sqrt();
-        let [x, y] = [(place * GOLDEN).cos(), (place * GOLDEN).sin()];
-        Light::Directional(DVec3::new(sine * x, sine * y, (1.0 - sine * sine).sqrt()))
-    })
+impl Overview {
+    /// The share of its light that reaches the ground at each pixel whose distance `drawn` is
+    /// finite; NaN at other pixels.
+    fn light_of_ground(&self, rays: &RayGrid, drawn: &[f64]) -> Vec<f32> {
+        let of_pixel = |pixel: usize| {
+            let (mut sum, mut weights) = (0.0, 0.0);
+            let place = [pixel % rays.width(), pixel / rays.width()];
+            let near = neighbors(rays, &self.rays, place).filter(|_| drawn[pixel].is_finite());
+            for (there, weight) in near {
+                let light = self.picture.ground.get(there).copied().unwrap_or(f32::NAN);
+                if !light.is_nan() {
+                    sum += weight as f32 * light;
+                    weights += weight as f32;
+                }
+            }
+            sum / weights
+        };
+        (0..drawn.len()).into_par_iter().map(of_pixel).collect()
+    }
+}
+
+/// A place in the unit square for each pixel. The places of neighboring pixels fill it evenly.
+fn even([column, row]: [usize; 2]) -> [f64; 2] {
+    let [column, row] = [column as f64, row as f64];
+    [(EVEN[0] * column + EVEN[1] * row).fract(), (EVEN[1] * column - EVEN[0] * row).rem_euclid(1.0)]
+}
+
+/// A distant light. If `place` is spread evenly over the unit square, there are as many lights per
+/// solid angle as a horizontal plane receives light from there.
+fn sky([square, turns]: [f64; 2]) -> Light {
+    let (sine, cosine) = (turns * TAU).sin_cos();
+    let aside = square.sqrt();
+    Light::Directional(DVec3::new(aside * cosine, aside * sine, (1.0 - square).sqrt()))
 }

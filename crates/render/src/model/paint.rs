@@ -3,7 +3,6 @@
 //! Values are computed in ordinary floats. No proof depends on them.
 
 use super::Model;
-use super::ground::GroundColors;
 use super::trace::Advance;
 use crate::overlay::{Legend, round_step};
 use rayon::prelude::*;
@@ -36,7 +35,7 @@ pub(super) struct Coloring<'a> {
     /// Color maps and contour lines. `None` if there are neither.
     pub painter: Option<Painter<'a>>,
     /// Colors of the ground behind the surfaces. Empty without a ground.
-    pub ground: GroundColors,
+    pub ground: Vec<Option<[u8; 4]>>,
 }
 
 impl Coloring<'_> {

@@ -149,7 +149,7 @@ pub(super) struct RenderPass<'a, T> {
     pub settings: &'a Settings,
     pub advance: Advance<'a>,
     /// A picture of the whole scene, if this pass draws a strip.
-    overview: Option<&'a Overview>,
+    pub overview: Option<&'a Overview>,
     /// The rows of a strip that are kept. `None` for all.
     pub own: Option<Range<usize>>,
     /// Limits of the memory for translucent surfaces.
@@ -280,6 +280,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         lit.statistics.edge_rays = light.edge_rays;
         (lit.rgb, lit.alpha) = (light.pixels.rgb, light.pixels.alpha);
         (lit.legends, lit.remarks) = (light.legends, light.remarks);
+        lit.ground = light.ground;
         lit.look = self.model.look(self.settings);
         Ok(lit)
     }
@@ -448,6 +449,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             fallbacks,
             precision: settings.options.precision,
             look: model.look(settings),
+            ground: lit.ground,
             legends: lit.legends,
             statistics,
             undefined: model.visible_surfaces().any(|surface| model.program.is_undefined(surface)),

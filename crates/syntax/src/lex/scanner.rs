@@ -172,10 +172,8 @@ fn title(text: &str, word: Span) -> Option<Span> {
         return None;
     }
     let quoted = typed.strip_prefix('"').and_then(|rest| rest.find('"'));
-    let length = quoted.map_or_else(
-        || typed.find([';', '#']).unwrap_or(typed.len()),
-        |length| length + 2,
-    );
+    let length =
+        quoted.map_or_else(|| typed.find([';', '#']).unwrap_or(typed.len()), |length| length + 2);
     let length = typed[..length].trim_end().len();
     (length > 0).then(|| Span::new(begin, begin + length))
 }

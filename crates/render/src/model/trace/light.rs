@@ -1,6 +1,7 @@
 //! Lighting of a picture: shadows, ambient occlusion and colors.
 
 use super::super::Stopwatch;
+use super::super::ground::Ground;
 use super::super::layers::Layered;
 use super::super::paint::{Coloring, Painter};
 use super::RenderPass;
@@ -12,7 +13,7 @@ use zeroset_eval::{KernelFloat, Points};
 use zeroset_scene::program::ProgramError;
 use zeroset_scene::view;
 use zeroset_shade::{
-    AmbientOcclusion, Appearance, Displayed, Light, LinearRgb, Pattern, SurfaceColors, TURNS,
+    AmbientOcclusion, Appearance, Displayed, Light, LinearRgb, Pattern, SurfaceColors,
     UndecidedStyle, borrow_occlusion, turn,
 };
 use zeroset_space::Ball;
@@ -32,6 +33,8 @@ const CUT: &str = "there was no time to compute the colors of all points";
 /// Colors of a picture, and the cost of lighting it.
 pub(super) struct Lit {
     pub pixels: Pixels,
+    /// As [`Picture::ground`](crate::picture::Picture).
+    pub ground: Vec<f32>,
     pub legends: Vec<Legend>,
     /// Remarks on the model, and on colors that are missing.
     pub remarks: Vec<String>,
@@ -66,6 +69,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         times.occlude += watch.lap();
         let mut remarks = self.model.remarks.clone();
         let (mut pixels, mut legends, mut edge_rays) = (Pixels::default(), Vec::new(), 0);
+        let mut ground = Vec::new();
         if settings.normals.is_some() {
             let painter = match self.overview {
                 Some(whole) => {
@@ -75,12 +79,10 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             };
             let is_seen = buffer.drawn.iter().any(|drawn| drawn.is_finite());
             let appearance = self.appearance(light, is_seen);
-            let mut ground = Vec::new();
-            if let Some((colors, cost)) = self.ground(rays, buffer, &appearance)? {
-                ground = colors;
-                work += cost;
-            }
-            let finish = Coloring { appearance, painter, ground };
+            let Ground { colors, light, work: cost } = self.ground(rays, buffer, &appearance)?;
+            ground = light;
+            work += cost;
+            let finish = Coloring { appearance, painter, ground: colors };
             legends = finish.painter.as_ref().map(Painter::legends).unwrap_or_default();
             let is_smoothed = settings.antialias != Pattern::ONE;
             let is_translucent = self.is_translucent();
@@ -123,7 +125,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 pixels.divide(self.model.look(settings).background);
             }
         }
-        Ok(Lit { pixels, legends, remarks, edge_rays, work })
+        Ok(Lit { pixels, ground, legends, remarks, edge_rays, work })
     }
 
     /// The colors of a picture. If the background is transparent, they get opacities: painted pixels
@@ -168,7 +170,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         let shadow_depth = self.shadow_depth();
         if let Some(depth) = shadow_depth {
             let lights = light.widened(model.region.displayed().centre());
-            work += self.shadows(rays, &lights, depth, &|_| true, buffer)?;
+            let light = |pixel| lights[turn(pixel)];
+            work += self.shadows(rays, &light, depth, &|_| true, buffer)?;
         }
         if !occludes && shadow_depth.is_none() || !advance(0) {
             return Ok(work);
@@ -203,13 +206,13 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         Ok(work)
     }
 
-    /// Sets `buffer.shadow` of the painted points from which a light is not seen. Each pixel of a
-    /// small square looks for another one of `lights`, in the displayed space. Only the surfaces
-    /// for which `casts` is true hide the light.
+    /// Sets `buffer.shadow` of the painted points from which a light is not seen. `light` gives the
+    /// light of a pixel's column and row, in the displayed space. Only the surfaces for which
+    /// `casts` is true hide the light.
     pub(in crate::model) fn shadows(
         &self,
         rays: &RayGrid,
-        lights: &[Light; TURNS],
+        light: &(dyn Fn([usize; 2]) -> Light + Sync),
         depth: u32,
         casts: &dyn Fn(usize) -> bool,
         buffer: &mut GBuffer,
@@ -226,7 +229,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             let tracer = self.tracer(surface, |options| TraceOptions { depth, ..options })?;
             let driver = Driver { rays, tracer: &*tracer, advance: &wanted };
             let towards = |pixel, point: DVec3| {
-                let (way, distance) = lights[turn(pixel)].towards(point * stretch);
+                let (way, distance) = light(pixel).towards(point * stretch);
                 let way = way / stretch;
                 (way.normalize_or_zero(), distance * way.length())
             };
