@@ -56,8 +56,21 @@ fn graph_text(graph: &Graph, id: NodeId) -> String {
 
 /// Describes all settings of the picture except domain, view, look and background.
 fn describe_picture(out: &mut String, picture: &PictureLines) {
-    let PictureLines { clip, light, shadows, ground, axes, is_equal, legend, mesh, contours } =
-        picture;
+    let PictureLines {
+        clip,
+        light,
+        shadows,
+        ground,
+        axes,
+        is_equal,
+        legend,
+        title,
+        mesh,
+        contours,
+    } = picture;
+    if let Some(title) = title {
+        writeln!(out, "title of the picture: {title}").unwrap();
+    }
     if let Some(plane) = clip {
         let numbers = plane.each_ref().map(number).join(" ");
         writeln!(out, "clip: {numbers}").unwrap();
