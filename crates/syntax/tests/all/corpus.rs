@@ -61,6 +61,8 @@ fn describe_picture(out: &mut String, picture: &PictureLines) {
         light,
         shadows,
         ground,
+        haze,
+        outlines,
         axes,
         is_equal,
         legend,
@@ -81,6 +83,7 @@ fn describe_picture(out: &mut String, picture: &PictureLines) {
     let switches = [
         ("shadows", shadows),
         ("ground", ground),
+        ("outlines", outlines),
         ("axes", axes),
         ("legend", legend),
         ("mesh", mesh),
@@ -89,6 +92,9 @@ fn describe_picture(out: &mut String, picture: &PictureLines) {
         if let Some(on) = on {
             writeln!(out, "{word}: {on}").unwrap();
         }
+    }
+    if let Some(strength) = haze {
+        writeln!(out, "haze: {strength}").unwrap();
     }
     if *is_equal {
         out.push_str("aspect: equal\n");
