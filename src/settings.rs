@@ -379,6 +379,12 @@ impl Settings {
         /// Turns the ground on or off: a plane below the surfaces, on which they cast shadows.
         /// Default: the text's `ground` line, or else off.
         ground(ground: bool) => picture.ground = Some(ground);
+        /// Mixes the background into points far away, up to this share, from 0 to 1. Default: the
+        /// text's `haze` line, or else none.
+        haze(share: f64) => picture.haze = Some(share);
+        /// Turns outlines on or off: lines where surfaces end, bend sharply, meet, or hide each
+        /// other. Default: the text's `outlines` line, or else off.
+        outlines(outlines: bool) => picture.outlines = Some(outlines);
         /// Turns ambient occlusion on or off. It darkens points near other surfaces, if the look
         /// does so. Default: on.
         occlusion(occlusion: bool) => picture.occlusion = occlusion;
@@ -427,6 +433,8 @@ impl Settings {
         ensure(is_finite, || "the position of the light must be finite")?;
         let is_share = self.ambient.is_none_or(|share| (0.0..=1.0).contains(&share));
         ensure(is_share, || "ambient must be between 0 and 1")?;
+        let is_share = self.picture.haze.is_none_or(|share| (0.0..=1.0).contains(&share));
+        ensure(is_share, || "haze must be between 0 and 1")?;
         let antialias = Pattern::of(self.antialias)
             .ok_or_else(|| Error::argument("antialias must be 1, 4, 16 or 64"))?;
         let settings = picture::Settings {

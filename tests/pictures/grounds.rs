@@ -1,4 +1,4 @@
-//! Materials and the ground change colors only.
+//! Materials, the ground, haze and outlines change colors only.
 
 use zeroset_render::framing;
 use zeroset_render::model::{Model, Strip};
@@ -36,7 +36,7 @@ fn statuses_and_brackets_know_no_ground_and_no_material() {
     let (camera, plain) = drawn(TORUS);
     let materials = MATERIALS.iter().map(|row| format!("material {}", row.name));
     let mut seen = vec![plain.rgb.clone()];
-    for head in materials.chain(["ground".to_owned()]) {
+    for head in materials.chain(["ground", "haze", "outlines"].map(str::to_owned)) {
         let (own, picture) = drawn(&format!("{head}\n{TORUS}"));
         assert_eq!(own, camera, "{head}");
         assert_eq!(picture.buffer.status, plain.buffer.status, "{head}");

@@ -16,6 +16,7 @@ mod framing;
 mod grounds;
 mod models;
 mod normals;
+mod outlines;
 mod overlap;
 mod paints;
 mod parts;

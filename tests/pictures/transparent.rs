@@ -19,11 +19,11 @@ const TEXTS: [&str; 3] = [
 ];
 
 /// The picture of a text before a background, drawn in strips of this many rows.
-fn drawn(text: &str, background: Option<Background>, rows: usize) -> Picture {
+fn drawn(text: &str, background: Background, rows: usize) -> Picture {
     let document = read(text, &Options::default()).expect(text);
     let (region, _) = region(&document, DomainChoice::Document, None).expect(text);
     let antialias = Pattern::of(16).expect("a pattern");
-    let (width, height) = (SIDE, SIDE);
+    let (width, height, background) = (SIDE, SIDE, Some(background));
     let settings =
         Settings { width, height, brackets: true, antialias, background, ..Settings::default() };
     let model = Model::new(&document, &region, &settings).expect(text);
@@ -44,8 +44,8 @@ fn drawn(text: &str, background: Option<Background>, rows: usize) -> Picture {
     all.expect("a strip")
 }
 
-fn plain(rgb: [u8; 3]) -> Option<Background> {
-    Some(Background::Color(SrgbColor { rgb }))
+fn plain(rgb: [u8; 3]) -> Background {
+    Background::Color(SrgbColor { rgb })
 }
 
 /// The picture's light before a background, as sRGB bytes.
@@ -61,7 +61,7 @@ fn before(picture: &Picture, background: [u8; 3]) -> Vec<u8> {
 #[test]
 fn opacities_give_the_picture_before_any_background() {
     for text in TEXTS {
-        let clear = drawn(text, Some(Background::Transparent), SIDE);
+        let clear = drawn(text, Background::Transparent, SIDE);
         for background in [[255; 3], [0; 3], [0, 160, 40]] {
             let opaque = drawn(text, plain(background), SIDE);
             assert!(opaque.alpha.is_empty(), "{text}");
@@ -78,13 +78,13 @@ fn opacities_give_the_picture_before_any_background() {
 
 #[test]
 fn pixels_are_opaque_on_surfaces_clear_beside_them_and_between_at_edges() {
-    let [ring, ball, _] = TEXTS.map(|text| drawn(text, Some(Background::Transparent), SIDE));
+    let [ring, ball, _] = TEXTS.map(|text| drawn(text, Background::Transparent, SIDE));
     let partly = |picture: &Picture| picture.alpha.iter().filter(|a| (1..255).contains(*a)).count();
     assert!((100..800).contains(&partly(&ring)), "{}", partly(&ring));
     // The corner, the hole, and the ring's front.
     let at = |picture: &Picture, row: usize| picture.alpha[row * SIDE + SIDE / 2];
     assert_eq!([ring.alpha[0], at(&ring, 41), at(&ring, 62)], [0, 0, 255]);
-    // Of a translucent ball, all but the opaque ball inside is partly transparent.
+    // The translucent ball is partly transparent, except before the opaque ball inside.
     assert!(partly(&ball) > 2000, "{}", partly(&ball));
     assert_eq!(at(&ball, SIDE / 2), 255);
     // Programs that ignore opacities see the look's background.
@@ -95,7 +95,7 @@ fn pixels_are_opaque_on_surfaces_clear_beside_them_and_between_at_edges() {
 #[test]
 fn a_shadow_on_the_ground_is_black_and_partly_transparent() {
     let text = format!("ground\n{}", TEXTS[0]);
-    let clear = drawn(&text, Some(Background::Transparent), SIDE);
+    let clear = drawn(&text, Background::Transparent, SIDE);
     let white = drawn(&text, plain([255; 3]), SIDE);
     let shown = flattened(&clear.rgb, &clear.alpha, [255; 3]);
     let mut shadowed = 0;
@@ -118,8 +118,7 @@ fn a_shadow_on_the_ground_is_black_and_partly_transparent() {
 #[test]
 fn strips_have_the_opacities_of_the_whole() {
     for text in TEXTS {
-        let [whole, strips] =
-            [SIDE, 32].map(|rows| drawn(text, Some(Background::Transparent), rows));
+        let [whole, strips] = [SIDE, 32].map(|rows| drawn(text, Background::Transparent, rows));
         assert_eq!(strips.alpha, whole.alpha, "{text}");
         assert_eq!(strips.rgb, whole.rgb, "{text}");
     }

@@ -135,6 +135,28 @@ fn one_file_holds_all_frames() {
 }
 
 #[test]
+fn frames_without_a_background_have_opacities_if_their_format_has() {
+    let place = Sandbox::new();
+    let all = ["render", GROWING, "--sweep", "r=0.5..1", "--frames", "2", "--size", "24x16"];
+    let to = |name: &str| {
+        place.run(&[&all[..], &["-o", name, "--background", "transparent"]].concat()).ok()
+    };
+    to("f-%d.png");
+    let frame = image::open(place.path("f-1.png")).expect("a picture");
+    assert!(frame.color().has_alpha());
+    to("all.png");
+    let file = std::fs::File::open(place.path("all.png")).expect("written");
+    let mut reader = png::Decoder::new(std::io::BufReader::new(file)).read_info().expect("a PNG");
+    let mut shown = vec![0; 4 * 24 * 16];
+    for _ in 0..2 {
+        reader.next_frame(&mut shown).expect("a frame");
+    }
+    assert!(shown == frame.into_rgba8().into_raw() && shown[3] == 0);
+    // Raw frames have the background of the look.
+    assert_eq!(to("-").stdout[..3], [244, 244, 246]);
+}
+
+#[test]
 fn a_loop_leaves_out_the_end_and_a_whole_turn_is_one() {
     let place = Sandbox::new();
     let values = |more: &[&str]| {

@@ -466,6 +466,14 @@ pub struct TracingArgs {
     #[arg(help_heading = LIGHT, long)]
     pub ground: bool,
 
+    /// Mix the background into points far away, up to this share, from 0 to 1
+    #[arg(help_heading = LIGHT, long, value_name = "SHARE", allow_hyphen_values = true)]
+    pub haze: Option<f64>,
+
+    /// Draw lines where surfaces end, bend sharply, meet or hide each other
+    #[arg(help_heading = LIGHT, long)]
+    pub outlines: bool,
+
     /// Cast soft shadows: trace a ray from every visible point to an area light
     #[arg(help_heading = LIGHT, long)]
     pub shadows: bool,

@@ -206,11 +206,17 @@ pub fn method_settings(method: &TracingArgs, Size { width, height }: Size) -> Re
     let shadow_depth = method.shadow_depth.unwrap_or_else(|| settings.usual_shadow_depth());
     check_depth(shadow_depth, settings.options.precision)
         .map_err(|why| anyhow!("--shadow-depth {shadow_depth}: {why}"))?;
+    ensure!(
+        method.haze.is_none_or(|share| (0.0..=1.0).contains(&share)),
+        "--haze must be between 0 and 1"
+    );
     Ok(Settings {
         width,
         height,
         shadow_depth: method.shadows.then_some(shadow_depth),
         ground: method.ground.then_some(true),
+        haze: method.haze,
+        outlines: method.outlines.then_some(true),
         normals: Some(method.normals),
         ..settings
     })

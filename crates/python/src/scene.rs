@@ -248,6 +248,8 @@ impl Scene {
                 "light" => options.light(point()?),
                 "ambient" => options.ambient(number()?),
                 "shadows" => options.shadows(is_on()?),
+                "haze" => options.haze(number()?),
+                "outlines" => options.outlines(is_on()?),
                 "occlusion" => options.occlusion(is_on()?),
                 "antialias" => options.antialias(value.extract()?),
                 "undecided" => options.undecided(chosen("undecided", &name()?, &UNDECIDED)?),

@@ -5,6 +5,7 @@ mod bounds;
 mod ground;
 mod layers;
 mod locate;
+mod outlines;
 mod paint;
 mod strips;
 mod trace;

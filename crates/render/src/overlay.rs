@@ -75,7 +75,8 @@ impl Overlay {
     }
 
     /// Draws curves and points, axes, legends and title over a picture in the upper `height` rows
-    /// of the canvas. Legends begin below the title, or end at the row `bottom`.
+    /// of the canvas. Legends begin below the title, or end at the row `bottom`. Then the upper right
+    /// is left free, and the title is at the left.
     pub fn draw(
         &self,
         canvas: &mut Canvas,
@@ -89,7 +90,7 @@ impl Overlay {
         }
         let mut top = canvas.dots(SPACE);
         if let Some(title) = &self.title {
-            top += draw_title(canvas, title, top, shown.ink());
+            top += draw_title(canvas, title, (top, bottom.is_some()), shown.ink());
         }
         if self.legend {
             draw_legends(canvas, shown, height, (top, bottom));
@@ -129,15 +130,17 @@ fn legend_height(count: usize, height: usize, scale: f64) -> usize {
     tall + Canvas::line_height_at(scale) + Canvas::dots_at(SPACE, scale)
 }
 
-/// Writes a title in the middle of the row `top`. Letters of a long title are smaller, and its end
-/// may be missing. Returns the height of the line.
-fn draw_title(canvas: &mut Canvas, title: &str, top: usize, ink: u32) -> usize {
-    let (usual, room) = (canvas.scale, canvas.width.saturating_sub(2 * canvas.dots(SPACE)));
+/// Writes a title in the middle of the row `top`, or in its left half. Letters of a long title are
+/// smaller, and its end may be missing. Returns the height of the line.
+fn draw_title(canvas: &mut Canvas, title: &str, (top, is_left): (usize, bool), ink: u32) -> usize {
+    let (usual, space) = (canvas.scale, canvas.dots(SPACE));
+    let room = (canvas.width / if is_left { 2 } else { 1 }).saturating_sub(2 * space);
     let wide = (canvas.text_width(title) as f64).max(1.0);
     let [smallest, largest] = TITLE_SIZES;
     canvas.scale *= (room as f64 / wide).clamp(smallest, largest);
     let title = canvas.fitting(title, room);
-    let left = canvas.width.saturating_sub(canvas.text_width(&title)) / 2;
+    let middle = canvas.width.saturating_sub(canvas.text_width(&title)) / 2;
+    let left = if is_left { space } else { middle };
     canvas.write(&title, left as i64, top as i64, ink);
     let tall = canvas.line_height();
     canvas.scale = usual;

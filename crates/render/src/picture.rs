@@ -60,6 +60,12 @@ pub struct Settings {
     /// Whether surfaces stand on a ground, on which they cast shadows. `None` for the document's
     /// choice.
     pub ground: Option<bool>,
+    /// How much of a far point's color is that of the background, within [0, 1]. `None` for the
+    /// document's choice.
+    pub haze: Option<f64>,
+    /// Whether lines are drawn where surfaces bend sharply, meet, or hide each other. `None` for the
+    /// document's choice.
+    pub outlines: Option<bool>,
     /// Background. `None` for the document's, or else the look's color.
     pub background: Option<Background>,
 }
@@ -93,6 +99,8 @@ impl Default for Settings {
             antialias: Pattern::ONE,
             ambient: None,
             ground: None,
+            haze: None,
+            outlines: None,
             background: None,
         }
     }

@@ -25,6 +25,12 @@ impl Pixels {
         }
     }
 
+    /// Mixes a color into a pixel, with `share` / 255 as its share.
+    pub(crate) fn mix(&mut self, pixel: usize, color: [u8; 3], share: u32) {
+        let alpha = self.alpha.get_mut(pixel);
+        mix_over(&mut self.rgb.as_chunks_mut::<3>().0[pixel], alpha, color, share);
+    }
+
     /// Keeps only these pixels.
     pub(crate) fn crop(&mut self, kept: Range<usize>) {
         for (bytes, parts) in [(&mut self.rgb, 3), (&mut self.alpha, 1)] {
@@ -69,6 +75,18 @@ pub fn flattened<'a>(rgb: &'a [u8], alpha: &[u8], background: [u8; 3]) -> Cow<'a
     }
     let pixels = rgb.as_chunks::<3>().0.iter().zip(alpha);
     Cow::Owned(pixels.flat_map(|(own, alpha)| mixed(background, *own, (*alpha).into())).collect())
+}
+
+/// Mixes a color into a pixel that may have an opacity, with `share` / 255 as its share.
+pub(crate) fn mix_over(rgb: &mut [u8; 3], alpha: Option<&mut u8>, color: [u8; 3], share: u32) {
+    let mut part = share;
+    if let Some(alpha) = alpha {
+        // The color covers its share, and what was there covers a part of the rest.
+        let covered = 255 * share + u32::from(*alpha) * (255 - share);
+        part = (255 * 255 * share).checked_div(covered).unwrap_or(0);
+        *alpha = ((covered + 127) / 255) as u8;
+    }
+    *rgb = mixed(*rgb, color, part);
 }
 
 /// Mixes `new` into `old`, with `share` / 255 as the share of `new`.

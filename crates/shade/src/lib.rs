@@ -23,6 +23,6 @@ pub use normal::{NormalSource, normals};
 pub use occlusion::{AmbientOcclusion, TURNS, turn};
 pub use pattern::Pattern;
 pub use shade::{
-    Appearance, ColoredRows, Paint, Shader, SurfaceColors, UndecidedStyle, hand_back_colors, shade,
-    unset_colors,
+    Appearance, ColoredRows, Haze, Paint, Shader, SurfaceColors, UndecidedStyle, hand_back_colors,
+    shade, unset_colors,
 };

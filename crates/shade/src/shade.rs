@@ -55,6 +55,25 @@ impl Paint {
     pub const NONE: Self = Self { base: LinearRgb([f32::NAN; 3]), ink: 0.0 };
 }
 
+/// Haze, which mixes a color into points that are far from the eye.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Haze {
+    /// The color of the haze.
+    pub color: LinearRgb,
+    /// The distances along a ray, in displayed units, at which haze begins and is strongest.
+    pub between: [f64; 2],
+    /// The largest share of the color, from 0 to 1.
+    pub strength: f32,
+}
+
+impl Haze {
+    /// The share of the haze's color in a point at this distance.
+    fn share(&self, distance: f64) -> f32 {
+        let [near, far] = self.between;
+        self.strength * ((distance - near) / (far - near)).clamp(0.0, 1.0) as f32
+    }
+}
+
 /// The settings of a picture's appearance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Appearance {
@@ -70,6 +89,8 @@ pub struct Appearance {
     pub look: Look,
     /// The light that casts shadows.
     pub light: Light,
+    /// The haze before far points, if there is any.
+    pub haze: Option<Haze>,
     /// Marking of undecided pixels.
     pub undecided: UndecidedStyle,
 }
@@ -113,6 +134,7 @@ impl Appearance {
             ambient: look.ambient,
             look: *look,
             light,
+            haze: None,
             undecided: UndecidedStyle::default(),
         }
     }

@@ -271,6 +271,8 @@ class Surface:
         light: Sequence[float] | None = None,
         ambient: float | None = None,
         shadows: bool | None = None,
+        haze: float | None = None,
+        outlines: bool | None = None,
         occlusion: bool | None = None,
         antialias: int | None = None,
         undecided: str | None = None,

@@ -1,7 +1,7 @@
 //! Drawing letters, lines and boxes into an image.
 
 use super::letters::{glyph, width};
-use crate::pixels::mixed;
+use crate::pixels::{mix_over, mixed};
 
 /// Height of a letter's box, and of a line of text, in dots. A dot is a pixel at scale 1.
 const LETTER: usize = 16;
@@ -46,14 +46,8 @@ impl Canvas {
         for Mark { pixel, color, share } in &self.marks {
             let Some(there) = pixel.checked_sub(first) else { continue };
             let Some(pixel) = pixels.get_mut(there) else { continue };
-            let ([_, parts @ ..], mut share) = (color.to_be_bytes(), u32::from(*share));
-            if let Some(alpha) = alpha.get_mut(there) {
-                // The drawing covers its share, and what was there covers a part of the rest.
-                let covered = 255 * share + u32::from(*alpha) * (255 - share);
-                share = (255 * 255 * share).checked_div(covered).unwrap_or(0);
-                *alpha = ((covered + 127) / 255) as u8;
-            }
-            *pixel = mixed(*pixel, parts, share);
+            let [_, parts @ ..] = color.to_be_bytes();
+            mix_over(pixel, alpha.get_mut(there), parts, (*share).into());
         }
     }
 

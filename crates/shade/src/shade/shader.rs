@@ -1,7 +1,7 @@
 //! Shading of sixteen pixels of a window at a time, from their G-buffer to bytes.
 
 use super::lanes::{by_axis, dot, highlight_power, left, smooth_step, splat, tone_map};
-use super::{Appearance, Paint, SurfaceColors, UndecidedStyle};
+use super::{Appearance, Haze, Paint, SurfaceColors, UndecidedStyle};
 use crate::color::{BLACK, LinearRgb, SrgbTable};
 use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*, u8x16};
 use glam::Vec3;
@@ -121,6 +121,8 @@ struct RareQuantities {
     /// [`Paint::base`], by primary.
     base: [Lanes<f32>; 3],
     ink: Lanes<f32>,
+    /// The share of the haze's color.
+    haze: Lanes<f32>,
     /// The factor of the light of undecided pixels, and the share of the tint.
     marks: [Lanes<f32>; 2],
 }
@@ -132,6 +134,7 @@ impl RareQuantities {
         cuts: 0,
         base: [Lanes([f32::NAN; LANES]); 3],
         ink: Lanes([0.0; LANES]),
+        haze: Lanes([0.0; LANES]),
         marks: [Lanes([1.0; LANES]), Lanes([0.0; LANES])],
     };
 
@@ -141,20 +144,28 @@ impl RareQuantities {
         seen: &ShadingInput<'_>,
         window: PixelWindow,
         marks: Option<[Lanes<f32>; 2]>,
+        haze: Option<Haze>,
     ) -> Option<Self> {
         let ShadingInput { columns: Columns { shadow, occlusion, cap, .. }, paint } = *seen;
         let is_plain = marks.is_none()
+            && haze.is_none()
             && paint.is_empty()
             && (cap.is_empty() || *window.load(cap, &mut [false; LANES]) == [false; LANES])
             && [shadow, occlusion].into_iter().all(|hidden| {
                 hidden.is_empty() || *window.load(hidden, &mut [0; LANES]) == [0; LANES]
             });
-        (!is_plain).then(|| Self::all(seen, window, marks))
+        (!is_plain).then(|| Self::all(seen, window, marks, haze))
     }
 
     #[inline(never)]
-    fn all(seen: &ShadingInput<'_>, window: PixelWindow, marks: Option<[Lanes<f32>; 2]>) -> Self {
-        let ShadingInput { columns: Columns { shadow, occlusion, cap, .. }, paint } = *seen;
+    fn all(
+        seen: &ShadingInput<'_>,
+        window: PixelWindow,
+        marks: Option<[Lanes<f32>; 2]>,
+        haze: Option<Haze>,
+    ) -> Self {
+        let ShadingInput { columns: Columns { shadow, occlusion, cap, drawn, .. }, paint } = *seen;
+        let drawn = *window.load(drawn, &mut [0.0; LANES]);
         let (mut is_cap, mut paints) = ([false; LANES], [Paint::NONE; LANES]);
         let (is_cap, paints) = (window.load(cap, &mut is_cap), window.load(paint, &mut paints));
         Self {
@@ -163,6 +174,7 @@ impl RareQuantities {
             cuts: bits(|lane| is_cap[lane]),
             base: [0, 1, 2].map(|primary| Lanes(paints.map(|paint| paint.base.0[primary]))),
             ink: Lanes(paints.map(|paint| paint.ink)),
+            haze: Lanes(drawn.map(|drawn| haze.map_or(0.0, |haze| haze.share(drawn)))),
             marks: marks.unwrap_or(Self::NONE.marks),
         }
     }
@@ -230,7 +242,7 @@ impl Shader<'_> {
                 if differ == 0 { FULL } else { bits(|lane| surface[lane] == surface[first]) };
             let colors = &self.palette[usize::from(surface[first]) % self.palette.len()];
             // The loop mostly runs once. Finding the rare quantities before it would take longer.
-            let own = RareQuantities::of(seen, window, marks);
+            let own = RareQuantities::of(seen, window, marks, self.appearance.haze);
             let none = &RareQuantities::NONE;
             let amounts = match &own {
                 None if colors.material == <&Material>::default() => {
@@ -363,6 +375,7 @@ impl Shader<'_> {
             more = square * square * grazing;
         }
         let is_negative = facing.simd_lt(0.0);
+        let haze = appearance.haze.map_or([0.0; 3], |haze| haze.color.0);
         let is_cut = mask32x16::from_bitmask(simd, u64::from(own.cuts));
         let mut amounts = [one; 3];
         for (primary, all) in amounts.iter_mut().enumerate() {
@@ -395,6 +408,7 @@ impl Shader<'_> {
                 amount *= 1.0 - INK * f32x16::from_slice(simd, &own.ink[..]);
                 amount *= f32x16::from_slice(simd, &left[..]);
                 amount += TINT.0[primary] * f32x16::from_slice(simd, &tint[..]);
+                amount += (haze[primary] - amount) * f32x16::from_slice(simd, &own.haze[..]);
             }
             *all = amount.max(BLACK).min(1.0);
         }

@@ -111,9 +111,7 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
         if count > limits.symbols {
             return Err(Error::new(span, ErrorKind::TooManySymbols { limit: limits.symbols }));
         }
-        if tokens.is_empty()
-            && let Some(title) = title(text, span)
-        {
+        if let Some(title) = title(text, &tokens, span) {
             tokens.extend([Token::new(kind, span), Token::new(Label, title)]);
             end = title.end;
             continue;
@@ -158,11 +156,14 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
     Ok(statements)
 }
 
-/// The place of the text of a `title` line whose first word is at `word`. The text ends with the
+/// The place of the text of a `title` line whose first word is at `word`. `before` has the tokens
+/// before it in its statement. The text ends with the
 /// line, before a semicolon or before a comment, unless it is in quotes. `None` if the word has
 /// another meaning, as in `title = 3` and `title("A plot")`.
-fn title(text: &str, word: Span) -> Option<Span> {
-    typed_setting(&text[word.range()]).filter(|row| row.kind == SettingKind::Title)?;
+fn title(text: &str, before: &[Token], word: Span) -> Option<Span> {
+    if !before.is_empty() || typed_setting(&text[word.range()])?.kind != SettingKind::Title {
+        return None;
+    }
     let line = &text[word.end..];
     let line = &line[..line_length(line)];
     let typed = line.trim_start();

@@ -25,6 +25,9 @@ use zeroset_style::{MATERIALS, Material};
 /// Largest width of a curve, in pixels.
 const MAX_WIDTH: f64 = 100.0;
 
+/// Strength of haze that is only turned on.
+const HAZE: f64 = 0.6;
+
 /// Settings without a field of their own in the document. A setting is `None` if no line sets it.
 #[derive(Clone, Debug, Default)]
 pub struct PictureLines {
@@ -36,6 +39,10 @@ pub struct PictureLines {
     pub shadows: Option<bool>,
     /// Whether surfaces stand on a ground.
     pub ground: Option<bool>,
+    /// How much of a far point's color is that of the background, from 0 to 1.
+    pub haze: Option<f64>,
+    /// Whether lines are drawn where the surfaces bend sharply, meet, or hide each other.
+    pub outlines: Option<bool>,
     /// Whether the domain's box and axes are drawn.
     pub axes: Option<bool>,
     /// Whether lengths along all axes are displayed alike, whatever the extents of a graph.
@@ -140,6 +147,8 @@ impl CollectedLines {
             SettingKind::Hidden => self.hidden.push((at, builder.switch(pair, word)?)),
             SettingKind::Shadows => self.picture.shadows = Some(builder.switch(pair, word)?),
             SettingKind::Ground => self.picture.ground = Some(builder.switch(pair, word)?),
+            SettingKind::Haze => self.picture.haze = Some(builder.haze(pair)?),
+            SettingKind::Outlines => self.picture.outlines = Some(builder.switch(pair, word)?),
             SettingKind::Mesh => self.picture.mesh = Some(builder.switch(pair, word)?),
             SettingKind::Axes => self.picture.axes = Some(builder.switch(pair, word)?),
             SettingKind::Legend => self.picture.legend = Some(builder.switch(pair, word)?),
@@ -191,6 +200,17 @@ impl Builder<'_> {
             numbers.push(evaluate(&number, self.limits)?);
         }
         <[Constant; COUNT]>::try_from(numbers).map_err(|_| bad_setting(word, self.lexed.span))
+    }
+
+    /// Reads the strength of haze.
+    fn haze(&mut self, line: Pair<'_>) -> Fallible<f64> {
+        match &parts(line.clone())[..] {
+            [share] if share.as_rule() == Rule::opacity => {
+                let place = self.span(share);
+                self.opacity(share.clone()).map_err(|_| bad_setting("haze", place))
+            }
+            _ => Ok([HAZE, 0.0][self.one_of(line, "haze", ["on", "off"], 0)?]),
+        }
     }
 
     /// Reads a line of text. Blanks become single spaces, and quotes around the text are left out.

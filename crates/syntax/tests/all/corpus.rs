@@ -56,8 +56,23 @@ fn graph_text(graph: &Graph, id: NodeId) -> String {
 
 /// Describes all settings of the picture except domain, view, look and background.
 fn describe_picture(out: &mut String, picture: &PictureLines) {
-    let PictureLines { clip, light, shadows, ground, axes, is_equal, legend, mesh, contours } =
-        picture;
+    let PictureLines {
+        clip,
+        light,
+        shadows,
+        ground,
+        haze,
+        outlines,
+        axes,
+        is_equal,
+        legend,
+        title,
+        mesh,
+        contours,
+    } = picture;
+    if let Some(title) = title {
+        writeln!(out, "title of the picture: {title}").unwrap();
+    }
     if let Some(plane) = clip {
         let numbers = plane.each_ref().map(number).join(" ");
         writeln!(out, "clip: {numbers}").unwrap();
@@ -68,6 +83,7 @@ fn describe_picture(out: &mut String, picture: &PictureLines) {
     let switches = [
         ("shadows", shadows),
         ("ground", ground),
+        ("outlines", outlines),
         ("axes", axes),
         ("legend", legend),
         ("mesh", mesh),
@@ -76,6 +92,9 @@ fn describe_picture(out: &mut String, picture: &PictureLines) {
         if let Some(on) = on {
             writeln!(out, "{word}: {on}").unwrap();
         }
+    }
+    if let Some(strength) = haze {
+        writeln!(out, "haze: {strength}").unwrap();
     }
     if *is_equal {
         out.push_str("aspect: equal\n");

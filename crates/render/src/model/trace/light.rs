@@ -3,6 +3,7 @@
 use super::super::Stopwatch;
 use super::super::ground::Ground;
 use super::super::layers::Layered;
+use super::super::outlines;
 use super::super::paint::{Coloring, Painter};
 use super::RenderPass;
 use crate::overlay::Legend;
@@ -13,7 +14,7 @@ use zeroset_eval::{KernelFloat, Points};
 use zeroset_scene::program::ProgramError;
 use zeroset_scene::view;
 use zeroset_shade::{
-    AmbientOcclusion, Appearance, Displayed, Light, LinearRgb, Pattern, SurfaceColors,
+    AmbientOcclusion, Appearance, Displayed, Haze, Light, LinearRgb, Pattern, SurfaceColors,
     UndecidedStyle, borrow_occlusion, turn,
 };
 use zeroset_space::Ball;
@@ -26,6 +27,9 @@ const SHADOW_OFFSET_SLABS: f64 = 2.0;
 
 /// Radius within which ambient occlusion is computed, as a share of the region's largest extent.
 const NEAR: f64 = 0.12;
+
+/// The absence of light.
+const BLACK: LinearRgb = LinearRgb([0.0; 3]);
 
 /// Remark on a picture for whose colors there was not enough time.
 const CUT: &str = "there was no time to compute the colors of all points";
@@ -78,7 +82,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 None => Painter::new(self.model, buffer, rays, self.advance),
             };
             let is_seen = buffer.drawn.iter().any(|drawn| drawn.is_finite());
-            let appearance = self.appearance(light, is_seen);
+            let appearance = self.appearance(rays, is_seen);
             let Ground { colors, light, work: cost } = self.ground(rays, buffer, &appearance)?;
             ground = light;
             work += cost;
@@ -123,6 +127,9 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             }
             if !pixels.alpha.is_empty() {
                 pixels.divide(self.model.look(settings).background);
+            }
+            if settings.outlines.unwrap_or(self.model.setting.lines.outlines == Some(true)) {
+                outlines::draw(&Displayed::new(buffer, rays), settings.height, &mut pixels);
             }
         }
         Ok(Lit { pixels, ground, legends, remarks, edge_rays, work })
@@ -241,11 +248,26 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         Ok(work)
     }
 
+    /// The haze of a picture, if it has any: it begins at the region's near side, and is strongest at
+    /// its far side.
+    fn haze(&self, rays: &RayGrid, color: LinearRgb) -> Option<Haze> {
+        let strength = self.settings.haze.or(self.model.setting.lines.haze).unwrap_or(0.0);
+        let (rays, region) = (rays.displayed(), self.model.region.displayed());
+        let middle = (region.centre() - rays.eye()).dot(rays.forward());
+        let between = [-1.0, 1.0].map(|side| middle + side * region.half_extent());
+        (strength > 0.0).then_some(Haze { color, between, strength: strength as f32 })
+    }
+
     /// The light and the colors of surfaces. Unless `is_seen`, no surface is painted, and their
     /// sides need not be told apart.
-    pub(super) fn appearance(&self, light: Light, is_seen: bool) -> Appearance {
+    pub(super) fn appearance(&self, rays: &RayGrid, is_seen: bool) -> Appearance {
         let settings = self.settings;
-        let plain = Appearance::new(self.model.look(settings), light);
+        let plain = Appearance::new(self.model.look(settings), self.key_light(rays));
+        let (background, typed) = (settings.background, self.model.setting.background);
+        let color = match background.or(typed) {
+            Some(Background::Color(color)) => LinearRgb::from_srgb(color.rgb),
+            Some(Background::Transparent) | None => plain.background,
+        };
         // A hidden surface may not have been compiled.
         let turned = |surface: usize| {
             let known = &self.model.turned[surface];
@@ -269,12 +291,9 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         };
         Appearance {
             surfaces: self.model.styles.iter().enumerate().map(surface).collect(),
-            background: match settings.background.or(self.model.setting.background) {
-                Some(Background::Color(color)) => LinearRgb::from_srgb(color.rgb),
-                // Light before black is light multiplied by the opacity.
-                Some(Background::Transparent) => LinearRgb([0.0; 3]),
-                None => plain.background,
-            },
+            // Light before black is light multiplied by the opacity.
+            background: if self.model.is_transparent(settings) { BLACK } else { color },
+            haze: self.haze(rays, color),
             ambient: settings.ambient.unwrap_or(plain.ambient),
             undecided: settings.undecided,
             ..plain
