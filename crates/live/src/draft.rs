@@ -27,7 +27,7 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     if let Some(word) = scene_word(line) {
         let (kept, new) = (without_lines(base, word), line);
         // Style lines apply to the drawings below them, so the line goes to the top.
-        return if matches!(word, "color" | "opacity" | "hidden") {
+        return if matches!(word, "color" | "opacity" | "material" | "width" | "hidden") {
             let (comment, rest) = kept.split_at(leading_comments(&kept));
             format!("{comment}{new}\n{rest}")
         } else {
@@ -291,6 +291,8 @@ mod tests {
             ("x = 1\naxes on", "axes off", "x = 1\naxes off"),
             ("# A\nopacity 50%\nx = 1", "opacity 80%", "# A\nopacity 80%\nx = 1"),
             ("color red\nx = 1", "colour blue", "colour blue\nx = 1"),
+            ("material gloss\nx = 1", "material metal", "material metal\nx = 1"),
+            ("x = 1\ny = 1", "ground on", "x = 1\ny = 1\nground on"),
             ("x = 1 // one; two\ny = 3", "z", "z"),
             ("r = 2 // a radius; old\nx = r", "r = 3", "r = 3 // a radius; old\nx = r"),
             ("x = 1 {y > 0,\n z > 0}\nr = 1", "z = r", "r = 1\nz = r"),
