@@ -9,7 +9,6 @@ const TWO: &[&str] =
 
 /// Columns of the parts of a row in the list, and two rows.
 const SWATCH: i32 = 194;
-const SWATCH_OF_CURVE: i32 = 148;
 const FORMULA: i32 = 250;
 const TRACK: (i32, i32) = (334, 374);
 const DELETE: i32 = 386;
@@ -96,9 +95,9 @@ pub fn a_curve_is_hidden_and_shown_by_a_click() {
     let mut scene = Scene::start(&[text, "--size", "400x320"]);
     scene.point(30, 250);
     let start = scene.rest();
-    scene.changes("hidden curve", || click(&scene, SWATCH_OF_CURVE, ROWS[1]));
+    scene.changes("hidden curve", || click(&scene, SWATCH, ROWS[1]));
     listed(&mut scene, "hidden\r\n(1.5 cos(t), 1.5 sin(t), 0)");
-    assert!(scene.changes("shown curve", || click(&scene, SWATCH_OF_CURVE, ROWS[1])) == start);
+    assert!(scene.changes("shown curve", || click(&scene, SWATCH, ROWS[1])) == start);
     scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
