@@ -107,7 +107,13 @@ fn first_day(size: &str, dpi: &str, scale: i32) {
     // A value is dragged, the view is turned, and the picture is cut open.
     let middle = scale * (TOP + ROW / 2);
     scene.changes("dragged value", || {
-        scene.drag("1", (70 * scale, middle), (120 * scale, middle));
+        scene.point(70 * scale, middle);
+        scene.display.tool(&["mousedown", "1"]);
+        scene.point(120 * scale, middle);
+        // Hold the button until the window has seen where the pointer is.
+        std::thread::sleep(Duration::from_millis(300));
+        scene.rest();
+        scene.display.tool(&["mouseup", "1"]);
     });
     let mut text = String::new();
     until("the value is in the document", || {
