@@ -48,7 +48,8 @@ impl Display {
 
     /// Starts a window manager.
     pub fn manage(&self) -> Manager {
-        let manager = Command::new("openbox").env("DISPLAY", &self.name).spawn();
+        let mut manager = Command::new("openbox");
+        let manager = manager.env("DISPLAY", &self.name).stderr(Stdio::null()).spawn();
         let manager = Manager(manager.expect("openbox runs"));
         // Without a manager xdotool counts one desktop. This manager has four.
         until("there is a manager", || self.tool(&["get_num_desktops"]) == "4");
