@@ -85,6 +85,7 @@ fn first_day(size: &str, dpi: &str, scale: i32) {
     scene.type_text(")");
     scene.key("Return");
     scene.is_document("z = sin(x)*cos(y)");
+    until("the mistake is mended", || !scene.is_faulty());
     scene.put("clipboard", "x^2 + y^2 - z^2 = r");
     scene.key("ctrl+v");
     until("a value is missing", || scene.is_faulty());
