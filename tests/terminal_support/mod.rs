@@ -11,6 +11,7 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
+use tempfile::TempDir;
 
 /// Time limit far above every duration here, even on a slow and busy machine.
 pub const LIMIT: Duration = Duration::from_mins(1);
@@ -51,12 +52,22 @@ impl Log {
     }
 }
 
+/// A new directory in which the program's tips are off, since a tip would appear in pictures that
+/// are compared.
+fn place() -> Arc<TempDir> {
+    let directory = tempfile::tempdir().expect("a directory");
+    let data = directory.path().join("data/zeroset");
+    std::fs::create_dir_all(&data).expect("made");
+    std::fs::write(data.join("tips"), "off").expect("written");
+    Arc::new(directory)
+}
+
 /// The program under a pseudo-terminal, in a directory of its own.
 pub struct Terminal {
     child: Child,
     master: File,
     log: Arc<Mutex<Log>>,
-    directory: tempfile::TempDir,
+    directory: Arc<TempDir>,
     /// Flag that ends the thread which reads the terminal. This thread uses the terminal last.
     closed: Arc<AtomicBool>,
 }
@@ -64,14 +75,24 @@ pub struct Terminal {
 impl Terminal {
     /// Starts `zeroset` with these arguments, and on this display if one is given.
     pub fn start(arguments: &[&str], display: Option<&str>) -> Self {
-        Self::of(Command::new(env!("CARGO_BIN_EXE_zeroset")), arguments, display, None)
+        Self::of(Command::new(env!("CARGO_BIN_EXE_zeroset")), arguments, display, None, place())
+    }
+
+    /// Like [`Terminal::start`], in the directory of an earlier start.
+    pub fn start_again(place: Arc<TempDir>, arguments: &[&str], display: Option<&str>) -> Self {
+        Self::of(Command::new(env!("CARGO_BIN_EXE_zeroset")), arguments, display, None, place)
+    }
+
+    /// The directory, for another start in it.
+    pub fn shared_place(&self) -> Arc<TempDir> {
+        Arc::clone(&self.directory)
     }
 
     /// Like [`Terminal::start`], but as the controlling terminal: closing it sends a signal.
     pub fn controlling(arguments: &[&str], display: Option<&str>) -> Self {
         let mut command = Command::new("setsid");
         command.args(["--ctty", env!("CARGO_BIN_EXE_zeroset")]);
-        Self::of(command, arguments, display, None)
+        Self::of(command, arguments, display, None, place())
     }
 
     /// Like [`Terminal::start`] without a display, with colors and this value of `TERM`.
@@ -80,13 +101,14 @@ impl Terminal {
         command
             .args(["-u", "NO_COLOR", &format!("TERM={kind}")])
             .arg(env!("CARGO_BIN_EXE_zeroset"));
-        Self::of(command, arguments, None, None)
+        Self::of(command, arguments, None, None, place())
     }
 
     /// Like [`Terminal::start`] without a display, in a terminal that gives this answer when it is
     /// asked for its device attributes.
     pub fn answering(answer: &'static str, arguments: &[&str]) -> Self {
-        Self::of(Command::new(env!("CARGO_BIN_EXE_zeroset")), arguments, None, Some(answer))
+        let command = Command::new(env!("CARGO_BIN_EXE_zeroset"));
+        Self::of(command, arguments, None, Some(answer), place())
     }
 
     fn of(
@@ -94,13 +116,9 @@ impl Terminal {
         arguments: &[&str],
         display: Option<&str>,
         mut answer: Option<&'static str>,
+        directory: Arc<TempDir>,
     ) -> Self {
         use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
-        let directory = tempfile::tempdir().expect("a directory");
-        // Tips are off, since a tip would appear in pictures that are compared.
-        let data = directory.path().join("data/zeroset");
-        std::fs::create_dir_all(&data).expect("made");
-        std::fs::write(data.join("tips"), "off").expect("written");
         // The flag `CLOEXEC` keeps the child from inheriting this end and keeping it open.
         let flags = OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC;
         let master = openpt(flags).expect("a terminal");

@@ -15,19 +15,16 @@ pub struct Display {
 
 impl Display {
     pub fn start() -> Self {
+        Self::sized("1000x800")
+    }
+
+    /// A display of this size, such as 800x500.
+    pub fn sized(size: &str) -> Self {
+        let screen = format!("{size}x24");
         // By default the server resets when its last client disconnects, and then rejects a program
         // that connects. While the test waits for the window, that client may be xdotool.
         let mut server = Command::new("Xvfb")
-            .args([
-                "-noreset",
-                "-displayfd",
-                "1",
-                "-screen",
-                "0",
-                "1000x800x24",
-                "-nolisten",
-                "tcp",
-            ])
+            .args(["-noreset", "-displayfd", "1", "-screen", "0", &screen, "-nolisten", "tcp"])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn()
@@ -36,6 +33,27 @@ impl Display {
         let output = server.stdout.take().expect("piped");
         BufReader::new(output).read_line(&mut number).expect("a display number");
         Self { server, name: format!(":{}", number.trim()) }
+    }
+
+    /// Sets the display's resource for dots per inch.
+    pub fn set_dpi(&self, dpi: &str) {
+        let resources = ["-root", "-f", "RESOURCE_MANAGER", "8s", "-set", "RESOURCE_MANAGER"];
+        let set = Command::new("xprop")
+            .env("DISPLAY", &self.name)
+            .args(resources)
+            .arg(format!("Xft.dpi:\t{dpi}\n"))
+            .status();
+        assert!(set.expect("xprop runs").success());
+    }
+
+    /// Starts a window manager.
+    pub fn manage(&self) -> Manager {
+        let mut manager = Command::new("openbox");
+        let manager = manager.env("DISPLAY", &self.name).stderr(Stdio::null()).spawn();
+        let manager = Manager(manager.expect("openbox runs"));
+        // Without a manager xdotool counts one desktop. This manager has four.
+        until("there is a manager", || self.tool(&["get_num_desktops"]) == "4");
+        manager
     }
 
     /// Runs xdotool, and returns its output.
@@ -78,5 +96,15 @@ impl Drop for Display {
     fn drop(&mut self) {
         let _ = self.server.kill();
         let _ = self.server.wait();
+    }
+}
+
+/// A running window manager.
+pub struct Manager(Child);
+
+impl Drop for Manager {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
     }
 }

@@ -71,13 +71,7 @@ pub fn letters_are_as_large_as_they_are_asked_to_be() {
 /// Windows and letters are larger on a display with more than the usual 96 dots per inch.
 pub fn a_display_s_scale_is_followed() {
     let display = Display::start();
-    let resources = ["-root", "-f", "RESOURCE_MANAGER", "8s", "-set", "RESOURCE_MANAGER"];
-    let set = std::process::Command::new("xprop")
-        .env("DISPLAY", &display.name)
-        .args(resources)
-        .arg("Xft.dpi:\t115.2\n")
-        .status();
-    assert!(set.expect("xprop runs").success());
+    display.set_dpi("115.2");
     let terminal = Terminal::start(&["x^2+y^2+z^2 = 1"], Some(&display.name));
     let window = display.window();
     let scene = Scene { terminal, display, window };
@@ -95,10 +89,7 @@ pub fn a_display_s_scale_is_followed() {
 
 pub fn f11_takes_the_whole_screen_and_gives_it_back() {
     let display = Display::start();
-    let manager = std::process::Command::new("openbox").env("DISPLAY", &display.name).spawn();
-    let mut manager = manager.expect("openbox runs");
-    // Without a manager xdotool counts one desktop. This manager has four.
-    until("there is a manager", || display.tool(&["get_num_desktops"]) == "4");
+    let _manager = display.manage();
     let terminal = Terminal::start(CUBE, Some(&display.name));
     let window = display.window();
     let scene = Scene { terminal, display, window };
@@ -110,8 +101,6 @@ pub fn f11_takes_the_whole_screen_and_gives_it_back() {
     until("the window has its size", || scene.picture().dimensions() == (400, 320));
     scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
-    let _ = manager.kill();
-    let _ = manager.wait();
 }
 
 /// Also takes the window's picture for the README.

@@ -18,6 +18,8 @@ mod harness;
 #[cfg(unix)]
 mod lacking;
 #[cfg(unix)]
+mod newcomer;
+#[cfg(unix)]
 mod scene;
 #[cfg(unix)]
 mod session;
@@ -55,6 +57,21 @@ const TESTS: &[Group] = &[
     Group {
         programs: &[Program::SETSID],
         tests: tests![frame::a_terminal_that_goes_away_with_a_signal_ends_the_program,],
+    },
+    Group {
+        programs: &[
+            Program::XVFB,
+            Program::XDOTOOL,
+            Program::IMPORT,
+            Program::XCLIP,
+            Program::XPROP,
+            Program::OPENBOX,
+        ],
+        tests: tests![
+            newcomer::a_newcomer_is_at_home_on_a_small_screen,
+            newcomer::a_newcomer_is_at_home_on_a_usual_screen,
+            newcomer::a_newcomer_is_at_home_on_a_dense_screen,
+        ],
     },
     Group {
         programs: &[Program::XVFB, Program::XDOTOOL, Program::IMPORT, Program::OPENBOX],
@@ -99,6 +116,7 @@ const TESTS: &[Group] = &[
             sliders::what_is_typed_in_the_window_prints_nothing_in_the_terminal,
             sliders::the_title_names_the_document_and_whether_it_was_changed,
             surfaces::surfaces_are_hidden_seen_through_moved_and_taken_away,
+            surfaces::a_curve_is_hidden_and_shown_by_a_click,
             surfaces::formulas_are_edited_and_added_in_the_list,
             surfaces::axes_are_there_unless_somebody_wants_none,
             curves::curves_are_there_while_the_view_turns,

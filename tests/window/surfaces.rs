@@ -89,6 +89,19 @@ pub fn surfaces_are_hidden_seen_through_moved_and_taken_away() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
+/// The second row of the list is a curve's.
+pub fn a_curve_is_hidden_and_shown_by_a_click() {
+    let text = "domain 2\nx^2+y^2+z^2 = 1\n(1.5 cos(t), 1.5 sin(t), 0) for t in [0, 2pi]";
+    let mut scene = Scene::start(&[text, "--size", "400x320"]);
+    scene.point(30, 250);
+    let start = scene.rest();
+    scene.changes("hidden curve", || click(&scene, SWATCH, ROWS[1]));
+    listed(&mut scene, "hidden\r\n(1.5 cos(t), 1.5 sin(t), 0) for t in [0, 2pi]");
+    assert!(scene.changes("shown curve", || click(&scene, SWATCH, ROWS[1])) == start);
+    scene.key("ctrl+q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
 /// The first formula is edited, and one more is added, by clicks on the list.
 pub fn formulas_are_edited_and_added_in_the_list() {
     let mut scene = Scene::start(TWO);

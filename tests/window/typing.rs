@@ -66,7 +66,7 @@ impl Scene {
     }
 
     /// The document, as Ctrl-C in the window copies it.
-    fn copied(&self) -> String {
+    pub fn copied(&self) -> String {
         self.key("ctrl+c");
         self.clipboard("clipboard")
     }
@@ -79,7 +79,7 @@ impl Scene {
         String::from_utf8(run.expect("xclip runs").stdout).expect("UTF-8")
     }
 
-    fn put(&self, selection: &str, text: &str) {
+    pub fn put(&self, selection: &str, text: &str) {
         let mut child = Command::new("xclip")
             .env("DISPLAY", &self.display.name)
             .args(["-i", "-selection", selection])
@@ -92,7 +92,7 @@ impl Scene {
         child.wait().expect("it ends");
     }
 
-    fn is_document(&self, text: &str) {
+    pub fn is_document(&self, text: &str) {
         let mut last = String::new();
         until(&format!("the document is {text:?}"), || {
             last = self.copied();

@@ -127,7 +127,9 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
         let parts =
             abandoned_formula(&line).map_or(vec![&*line], |(open, command)| vec![open, command]);
         for line in parts {
-            match session.enter(line, |to| session.png(to.as_deref(), session.live.revision())) {
+            match session
+                .enter(line, |to| session.png(to.as_deref(), session.live.revision()).map(drop))
+            {
                 // If the line changed nothing, show no picture, so that the line's output stays in
                 // view.
                 Ok(_) if preview && !line.trim().is_empty() && !session.has_ended() => {

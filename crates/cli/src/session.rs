@@ -319,43 +319,41 @@ impl Session {
         line: &str,
         png: impl FnOnce(Option<String>) -> Result<()>,
     ) -> Result<Option<String>, LineError> {
-        let mut said = None;
         let reply = self.live.enter(line)?;
         let done = match reply {
-            Reply::Done => Ok(()),
-            Reply::Say(text) => {
-                self.say(&text);
-                said = Some(text);
-                Ok(())
-            }
+            Reply::Done => Ok(None),
+            Reply::Say(text) => Ok(Some(text)),
             Reply::Gallery => {
                 if self.in_terminal.load(Ordering::Relaxed) {
                     self.say(listed(&[examples(), models()].concat()).trim_end());
                 }
                 self.gallery.store(true, Ordering::Relaxed);
-                Ok(())
+                Ok(None)
             }
-            Reply::Load(from) => self.load(&from),
-            Reply::Save(to) => self.save(to.as_deref()),
-            Reply::Png(to) => png(to),
-            Reply::Mesh { to, tolerance } => {
-                self.say_of_picture(|seen, wanted| mesh::of_picture(seen, &to, tolerance, wanted))
-            }
-            Reply::Measure => self.say_of_picture(measure::of_picture),
-            Reply::Explain { code } => self.explain(code),
+            Reply::Load(from) => self.load(&from).map(|()| None),
+            Reply::Save(to) => self.save(to.as_deref()).map(Some),
+            Reply::Png(to) => png(to).map(|()| None),
+            Reply::Mesh { to, tolerance } => self
+                .find_out(|seen, wanted| mesh::of_picture(seen, &to, tolerance, wanted))
+                .map(Some),
+            Reply::Measure => self.find_out(measure::of_picture).map(Some),
+            Reply::Explain { code } => self.explain(code).map(Some),
             Reply::Tips(wanted) => {
                 tips::switch(wanted);
-                Ok(())
+                Ok(None)
             }
             Reply::Quit => {
                 self.end();
-                Ok(())
+                Ok(None)
             }
         };
-        done.map_err(|error| {
+        let said = done.map_err(|error| {
             let summary = format!("error: {error:#}");
             LineError { full: summary.clone(), summary }
         })?;
+        if let Some(text) = &said {
+            self.say(text.trim_end());
+        }
         self.follow();
         self.keep();
         Ok(said)
@@ -427,7 +425,8 @@ impl Session {
         Ok(())
     }
 
-    fn save(self: &Arc<Self>, to: Option<&str>) -> Result<()> {
+    /// Saves the document, and returns a message that says where.
+    fn save(self: &Arc<Self>, to: Option<&str>) -> Result<String> {
         let path = match to {
             Some(path) => PathBuf::from(path),
             None => {
@@ -451,17 +450,16 @@ impl Session {
         self.live.saved(&path, &text);
         note_file(&path);
         self.follow();
-        self.say(&format!("saved '{}'", path.display()));
-        Ok(())
+        Ok(format!("saved '{}'", path.display()))
     }
 
     /// Saves the fine picture of the request with this revision, and shows the command that
-    /// reproduces it. Waits for the picture.
+    /// reproduces it. Waits for the picture. Returns the file's path.
     ///
     /// # Errors
     /// If the picture is not finished in time, a newer request replaces it, or it cannot be
     /// written.
-    pub fn png(&self, to: Option<&str>, mut revision: u64) -> Result<()> {
+    pub fn png(&self, to: Option<&str>, mut revision: u64) -> Result<PathBuf> {
         let _one_at_a_time = lock(&self.saving);
         let path = match to {
             Some(path) => PathBuf::from(path),
@@ -499,28 +497,26 @@ impl Session {
         let origin = PictureOrigin::command(&command);
         output.finish(|out| write_png(out, (&rgb, &alpha), size, &origin.chunks))?;
         self.say(&format!("saved '{name}'; the command that reproduces it:\n{command}"));
-        Ok(())
+        Ok(path)
     }
 
-    /// Waits for the picture, and says what is found out about its surfaces. The work is given up
-    /// when the session ends.
-    fn say_of_picture(
+    /// Waits for the picture, and returns a text about its surfaces. The work is given up when the
+    /// session ends.
+    fn find_out(
         &self,
-        find_out: impl FnOnce(&Rendering, &(dyn Fn() -> bool + Sync)) -> Result<String>,
-    ) -> Result<()> {
+        describe: impl FnOnce(&Rendering, &(dyn Fn() -> bool + Sync)) -> Result<String>,
+    ) -> Result<String> {
         let seen = self.live.finished(self.live.revision(), PATIENCE);
         let seen = seen.context("there is no picture yet, or it was changed")?;
         let before = self.interrupts.load(Ordering::Relaxed);
         let wanted = || !self.has_ended() && self.interrupts.load(Ordering::Relaxed) == before;
         self.works.fetch_add(1, Ordering::Relaxed);
-        let found = find_out(&seen, &wanted);
+        let text = describe(&seen, &wanted);
         self.works.fetch_sub(1, Ordering::Relaxed);
-        let text = found?;
-        self.say(text.trim_end());
-        Ok(())
+        text
     }
 
-    fn explain(&self, code: bool) -> Result<()> {
+    fn explain(&self, code: bool) -> Result<String> {
         let seen = self.live.snapshot().rendering.context("there is no picture yet")?;
         let request = &seen.request;
         let subject = Subject {
@@ -530,9 +526,7 @@ impl Session {
             parse: seen.parse,
         };
         let (method, precision) = (seen.picture.method, seen.picture.precision);
-        let text = explain::explain(&subject, method, precision, code)?;
-        self.say(text.trim_end());
-        Ok(())
+        explain::explain(&subject, method, precision, code)
     }
 
     /// Requests pictures that fit the terminal's current size.

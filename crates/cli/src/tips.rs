@@ -16,13 +16,15 @@ pub const TIPS: &[&str] = &[
 const COUNT_FILE: &str = "tips";
 
 #[cfg(feature = "window")]
-/// Returns the next tip that was not shown yet, and counts it as shown.
-pub fn next() -> Option<&'static str> {
+/// Returns the next tip that was not shown yet, and counts it as shown. The first tip says how to
+/// type, so it is skipped if the user `has_typed`.
+pub fn next(has_typed: bool) -> Option<&'static str> {
     // Without a data directory to keep the count, the first tip would appear every time.
     let shown = match std::fs::read_to_string(data_directory()?.join(COUNT_FILE)) {
         Ok(text) => text.trim().parse().unwrap_or(TIPS.len()),
         Err(_) => 0,
     };
+    let shown = shown.max(usize::from(has_typed));
     let tip = TIPS.get(shown)?;
     store_text(COUNT_FILE, &(shown + 1).to_string());
     Some(tip)

@@ -3,7 +3,7 @@
 
 use super::edit::LineGoal;
 use super::help::help;
-use super::pipeline::Request;
+use super::pipeline::{Axes, Request};
 use super::reply::{Refusal, Reply, refused, say};
 use super::session::Live;
 use super::settings::{look, method, option, shadows, switch};
@@ -156,6 +156,36 @@ const ROWS: &[CommandRow] = &[
     CommandRow { name: "shadows", arguments: "[on|off]", doc: "cast shadows",
         purpose: Purpose::View, example: ":shadows on",
         run: |live, choice| Some(shadows(live, optional(choice, switch)?)) },
+    CommandRow { name: "axes", arguments: "on|off", doc: "draw axes with numbers",
+        purpose: Purpose::View, example: ":axes on",
+        run: axes },
+    CommandRow { name: "ground", arguments: "on|off", doc: "a ground below the surfaces, with soft shadows",
+        purpose: Purpose::View, example: ":ground on",
+        run: |live, rest| write(live, "ground", rest) },
+    CommandRow { name: "legend", arguments: "on|off", doc: "a color scale or the names of the surfaces",
+        purpose: Purpose::View, example: ":legend on",
+        run: |live, rest| write(live, "legend", rest) },
+    CommandRow { name: "aspect", arguments: "auto|equal", doc: "scale axes for display, or keep all alike",
+        purpose: Purpose::View, example: ":aspect equal",
+        run: |live, rest| write(live, "aspect", rest) },
+    CommandRow { name: "background", arguments: "COLOR", doc: "color behind the surfaces",
+        purpose: Purpose::View, example: ":background white",
+        run: |live, rest| write(live, "background", rest) },
+    CommandRow { name: "light", arguments: "X,Y,Z", doc: "where the light is",
+        purpose: Purpose::View, example: ":light 4,-3,6",
+        run: |live, rest| write(live, "light", rest) },
+    CommandRow { name: "contours", arguments: "[EXPRESSION,] DISTANCE", doc: "lines of equal value on the surfaces",
+        purpose: Purpose::View, example: ":contours z, 0.5",
+        run: |live, rest| write(live, "contours", rest) },
+    CommandRow { name: "color", arguments: "COLOR", doc: "color of all surfaces",
+        purpose: Purpose::View, example: ":color tomato",
+        run: |live, rest| write(live, "color", rest) },
+    CommandRow { name: "material", arguments: "matte|satin|gloss|metal|glass", doc: "how all surfaces reflect light",
+        purpose: Purpose::View, example: ":material metal",
+        run: |live, rest| write(live, "material", rest) },
+    CommandRow { name: "width", arguments: "PIXELS", doc: "width of all curves",
+        purpose: Purpose::View, example: ":width 3px",
+        run: |live, rest| write(live, "width", rest) },
     CommandRow { name: METHOD, arguments: "[NAME]", doc: "how rays are traced",
         purpose: Purpose::Methods, example: ":method march",
         run: |live, name| Some(method(live, name)) },
@@ -174,9 +204,9 @@ const ROWS: &[CommandRow] = &[
     CommandRow { name: "png", arguments: "[FILE.png]", doc: "write the picture, and show the command that reproduces it",
         purpose: Purpose::Files, example: ":png torus.png",
         run: |_, to| Some(Ok(Reply::Png(given(to)))) },
-    CommandRow { name: "mesh", arguments: "FILE.stl|obj|ply|3mf|glb [TOLERANCE]", doc: "write the surfaces as triangles, with a proof of their shape",
+    CommandRow { name: "mesh", arguments: "FILE.stl|obj|ply|3mf|glb [TOLERANCE]|on|off", doc: "write the surfaces as triangles of proven shape; on, off: mesh lines",
         purpose: Purpose::Files, example: ":mesh torus.stl 0.01",
-        run: |_, to| mesh(to).map(Ok) },
+        run: |live, to| if switch(to).is_some() { write(live, "mesh", to) } else { mesh(to).map(Ok) } },
     CommandRow { name: "measure", arguments: "", doc: "volume, centroid, inertia, area and shape of the surfaces",
         purpose: Purpose::Questions, example: ":measure",
         run: |_, rest| rest.is_empty().then_some(Ok(Reply::Measure)) },
@@ -323,6 +353,22 @@ fn delete(live: &Live, number: Option<usize>) -> Result<Reply, Refusal> {
         .map(|(number, echo): (usize, &String)| format!("{number}  {echo}"))
         .collect();
     say(if lines.is_empty() { "nothing is drawn".to_owned() } else { lines.join("\n") })
+}
+
+/// Writes a setting's line into the document. Returns `None` without arguments.
+fn write(live: &Live, word: &str, arguments: &str) -> Option<Result<Reply, Refusal>> {
+    let line = format!("{word} {}", given(arguments)?);
+    Some(live.commit(&line, LineGoal::Replace))
+}
+
+/// Writes an `axes` line. The window's key for axes no longer overrides the document.
+fn axes(live: &Live, choice: &str) -> Option<Result<Reply, Refusal>> {
+    switch(choice)?;
+    let written = write(live, "axes", choice)?;
+    if written.is_ok() && live.request().axes != Axes::Usual {
+        live.set_axes(Axes::Usual);
+    }
+    Some(written)
 }
 
 fn look_at(live: &Live, domain: DomainChoice) -> Result<Reply, Refusal> {
@@ -482,6 +528,42 @@ mod tests {
             live.enter(line).expect(line);
             assert_eq!(live.text(), text, "{line}");
         }
+    }
+
+    #[test]
+    fn settings_of_the_document_have_commands() {
+        let live = Live::new(Request::default());
+        live.enter("x^2+y^2+z^2 = 1").expect("a surface");
+        for row in ROWS.iter().filter(|row| row.purpose == Purpose::View) {
+            if matches!(row.name, "domain" | "view" | "look" | "clip" | "shadows" | "time") {
+                continue;
+            }
+            let line = &row.example[1..];
+            live.clear();
+            live.enter("x^2+y^2+z^2 = 1").expect("a surface");
+            live.enter(row.example).expect(row.example);
+            let with_colon = live.text();
+            assert!(with_colon.lines().any(|one| one == line), "{with_colon}");
+            live.enter(line).expect(line);
+            assert_eq!(live.text(), with_colon);
+            assert!(message(&format!(":{}", row.name)).starts_with("usage: :"), "{line}");
+        }
+        live.enter(":mesh on").expect("a setting");
+        assert!(live.text().ends_with("\nmesh on"), "{}", live.text());
+        let wrong = live.enter(":ground maybe").expect_err("no switch").to_string();
+        assert!(wrong.contains("`ground`"), "{wrong}");
+    }
+
+    #[test]
+    fn a_command_for_axes_overrides_the_key() {
+        let live = Live::new(Request::default());
+        live.enter("x^2+y^2+z^2 = 1").expect("a surface");
+        live.set_axes(Axes::Off);
+        live.enter(":axes on").expect("a setting");
+        assert_eq!(
+            (live.request().axes, live.text().lines().last()),
+            (Axes::Usual, Some("axes on"))
+        );
     }
 
     #[test]

@@ -4,13 +4,14 @@
 use super::values::{Place, kept_range, name, place, right_side};
 use std::ops::Range;
 use zeroset_scene::view::number;
-use zeroset_syntax::ast::Statement;
+use zeroset_syntax::ast::{ExprKind, Statement};
 use zeroset_syntax::{Limits, is_expression_list, parse, setting_word};
 
 /// Returns `text` after `line` is entered.
 ///
 /// - A definition replaces the one with the same name; a single value is replaced in place.
 /// - A drawing replaces all others, or is added to them if `adding`. It is never hidden.
+/// - A new function of a program that draws it, such as `map` of a shader, replaces them, too.
 /// - A setting such as `domain`, `view` or `color` replaces earlier lines of that setting.
 /// - A new number keeps the range of the old value, widened to hold the number.
 ///
@@ -27,7 +28,7 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     if let Some(word) = scene_word(line) {
         let (kept, new) = (without_lines(base, word), line);
         // Style lines apply to the drawings below them, so the line goes to the top.
-        return if matches!(word, "color" | "opacity" | "hidden") {
+        return if matches!(word, "color" | "opacity" | "material" | "width" | "hidden") {
             let (comment, rest) = kept.split_at(leading_comments(&kept));
             format!("{comment}{new}\n{rest}")
         } else {
@@ -47,7 +48,9 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     if let Some(text) = with_value_replaced(base, line, &old, &new) {
         return text;
     }
-    let draws = new.iter().any(|(_, one)| name(one).is_none());
+    let is_known = |(_, one): &Placed<'_>| old.iter().any(|(_, other)| name(other) == name(one));
+    let draws = new.iter().any(|(_, one)| name(one).is_none())
+        || draws_function(line) && !new.iter().any(is_known);
     let replaced = |one: &Statement| match name(one) {
         Some(own) => new.iter().any(|(_, other)| name(other) == Some(own)),
         None => draws && !adding,
@@ -137,6 +140,16 @@ fn drawings(text: &str) -> Vec<Range<usize>> {
 pub(super) fn draws(text: &str, line: &str) -> bool {
     let joined = format!("{text}\n{line}");
     scene_word(line).is_none() && drawings(&joined).iter().any(|span| span.start > text.len())
+}
+
+/// Returns whether a program draws one of its functions, such as `map` of a shader, without a
+/// statement that says so.
+pub(super) fn draws_function(program: &str) -> bool {
+    let is_called = |one: &Statement| match one {
+        Statement::Draw { expr, .. } => !is_typed(one) && !matches!(expr.kind, ExprKind::Name(_)),
+        Statement::Define(_) | Statement::Curve(_) => false,
+    };
+    parse(program, &Limits::default()).is_ok_and(|all| all.iter().any(is_called))
 }
 
 /// The text without those comments, `domain` lines and `view` lines that also occur in `lines`.
@@ -269,6 +282,8 @@ fn is_comment(rest: &str) -> bool {
 mod tests {
     use super::*;
 
+    const MAP: &str = "float map(vec3 p) { return length(p) - 1.0; }";
+
     #[test]
     fn drawings_replace_drawings_and_definitions_their_namesakes() {
         for (text, line, expected) in [
@@ -291,6 +306,8 @@ mod tests {
             ("x = 1\naxes on", "axes off", "x = 1\naxes off"),
             ("# A\nopacity 50%\nx = 1", "opacity 80%", "# A\nopacity 80%\nx = 1"),
             ("color red\nx = 1", "colour blue", "colour blue\nx = 1"),
+            ("material gloss\nx = 1", "material metal", "material metal\nx = 1"),
+            ("x = 1\ny = 1", "ground on", "x = 1\ny = 1\nground on"),
             ("x = 1 // one; two\ny = 3", "z", "z"),
             ("r = 2 // a radius; old\nx = r", "r = 3", "r = 3 // a radius; old\nx = r"),
             ("x = 1 {y > 0,\n z > 0}\nr = 1", "z = r", "r = 1\nz = r"),
@@ -298,6 +315,14 @@ mod tests {
             ("g(a) = a\nz = g(x)", "g(a) = 2a", "z = g(x)\ng(a) = 2a"),
             ("z = r^2", "r = 2", "z = r^2\nr = 2"),
             ("r = 1 + cos(theta)", "z = x", "z = x"),
+            ("x^2 = a\na = 2", MAP, &format!("a = 2\n{MAP}")),
+            (MAP, "z = map(vec3(x, y, 0))", &format!("{MAP}\nz = map(vec3(x, y, 0))")),
+            (
+                "float map(vec3 p) { return p.x; }\nmap(vec3(x, y, z)) = 2",
+                MAP,
+                &format!("float map(vec3 p) {{ return p.x; }}\nmap(vec3(x, y, z)) = 2\n{MAP}"),
+            ),
+            ("x = 1", "f(a) = a^2", "x = 1\nf(a) = a^2"),
             ("float d = length(p) - 1.;", "z = x", "float d = length(p) - 1.;\nz = x"),
             (
                 "float f(vec3 p) { float a = p.x; return a; }",

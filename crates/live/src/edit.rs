@@ -1,7 +1,9 @@
 //! Edits of the document: entering lines, setting values, deleting surfaces. An edit that would
 //! cause an error is refused and changes nothing. Knows no commands.
 
-use super::draft::{completes, drawing, draws, entered, with_drawing, without_scenery};
+use super::draft::{
+    completes, drawing, draws, draws_function, entered, with_drawing, without_scenery,
+};
 use super::pipeline::Request;
 use super::reply::{Refusal, Reply, refused};
 use super::session::Live;
@@ -182,7 +184,9 @@ fn with_line(request: &Request, readable: &str, line: &str, goal: LineGoal) -> (
         _ if let LineGoal::Edit(number) = goal => {
             (with_drawing(&base, number, line).unwrap_or_else(|_| base.into_owned()), false)
         }
-        DocumentSource::Gallery(came) if !adding && draws(&base, line) => {
+        DocumentSource::Gallery(came)
+            if !adding && (draws(&base, line) || draws_function(line)) =>
+        {
             (entered(&without_scenery(&base, came.text), line, adding), true)
         }
         _ => (entered(&base, line, adding), false),

@@ -24,6 +24,7 @@ mod draft;
 mod edit;
 mod equivalents;
 mod help;
+mod hiding;
 mod orbit;
 mod pipeline;
 mod reply;

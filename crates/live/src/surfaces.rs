@@ -212,7 +212,7 @@ fn same_curves(one: &Document, other: &Document) -> bool {
 }
 
 /// The range of a style line. It includes a line break or semicolon right behind the line.
-fn whole(text: &str, line: &Range<usize>) -> Range<usize> {
+pub(super) fn whole(text: &str, line: &Range<usize>) -> Range<usize> {
     let rest = &text[line.end..];
     let blank = rest.len() - rest.trim_start_matches([' ', '\t']).len();
     let ends = rest[blank..].starts_with(['\n', ';']);
@@ -220,26 +220,6 @@ fn whole(text: &str, line: &Range<usize>) -> Range<usize> {
 }
 
 impl Live {
-    /// Hides or shows a surface. Numbers count from 1.
-    ///
-    /// # Errors
-    /// If there is no such surface, or no style line can express the change.
-    pub fn hide(&self, number: usize, hidden: bool) -> Result<(), Refusal> {
-        self.restyle(number, &["hidden"], None, |drawn| drawn[number - 1].hidden = hidden)
-    }
-
-    /// Shows all surfaces.
-    ///
-    /// # Errors
-    /// If no style line can express the change.
-    pub(super) fn show_all(&self) -> Result<(), Refusal> {
-        self.restyle(1, &["hidden"], None, |drawn| {
-            for one in drawn {
-                one.hidden = false;
-            }
-        })
-    }
-
     /// Sets the opacity of a surface, clamped to [0, 1]. Numbers count from 1. Consecutive calls
     /// are one step of [`Live::undo`].
     ///
@@ -350,28 +330,6 @@ mod tests {
         change: impl FnOnce(&mut Vec<StyledDrawing>),
     ) -> Option<String> {
         changed(text, &Options::default(), words, change).map(|(text, _)| text)
-    }
-
-    fn hidden(text: &str, number: usize, hidden: bool) -> String {
-        edited(text, &["hidden"], |drawn| drawn[number].hidden = hidden).expect(text)
-    }
-
-    #[test]
-    fn a_surface_is_hidden_and_shown_by_lines_of_its_own() {
-        for (text, number, expected) in [
-            ("x = 1", 0, "hidden\nx = 1"),
-            ("x = 1\ny = 1\nz = 1", 1, "x = 1\nhidden\ny = 1\nhidden off\nz = 1"),
-            ("# A\nx = 1; y = 1 # two", 1, "# A\nx = 1; hidden; y = 1 # two"),
-            ("hidden # why\nx = 1\nhidden off\ny = 1", 1, "# why\nhidden\nx = 1\ny = 1"),
-        ] {
-            let new = hidden(text, number, true);
-            assert_eq!(new, expected, "{text}");
-            let shown = hidden(&new, number, false);
-            let document = zeroset_syntax::read(&shown, &Options::default()).expect("reads");
-            assert!(!document.surfaces[number].hidden, "{shown}");
-        }
-        let text = "x = 1\n y = 1 {x < 1}\nz = 1";
-        assert_eq!(hidden(&hidden(text, 1, true), 1, false), text);
     }
 
     #[test]

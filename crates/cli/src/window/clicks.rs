@@ -30,7 +30,7 @@ mod x11 {
     use x11rb::connection::Connection;
     use x11rb::protocol::Event;
     use x11rb::protocol::xinput::{ConnectionExt as _, Device, EventMask, XIEventMask};
-    use x11rb::protocol::xproto::{ConnectionExt as _, Window};
+    use x11rb::protocol::xproto::{ConnectionExt as _, KeyButMask, Window};
     use x11rb::rust_connection::RustConnection;
 
     /// Number of the left button.
@@ -41,6 +41,14 @@ mod x11 {
         server: Option<Server>,
         /// Whether the server has reported a press of a button that no poll has found held.
         pressed: bool,
+    }
+
+    /// State of the pointer.
+    struct Pointer {
+        /// Whether the left button is down.
+        is_down: bool,
+        /// Whether this window is the topmost one under the pointer.
+        is_here: bool,
     }
 
     struct Server {
@@ -62,7 +70,19 @@ mod x11 {
             // The library has polled since the press. It would report a button that is still held.
             let missed = self.pressed && !held;
             self.pressed = server.presses() && !held;
-            missed && server.is_under_pointer().unwrap_or(false)
+            if !missed {
+                return false;
+            }
+            match server.pointer() {
+                // A window manager may see the press first, and pass it on later. While the button
+                // is down, the library may still report it.
+                Some(Pointer { is_down: true, is_here: true }) => {
+                    self.pressed = true;
+                    false
+                }
+                Some(Pointer { is_here, .. }) => is_here,
+                None => false,
+            }
         }
     }
 
@@ -87,9 +107,14 @@ mod x11 {
             pressed
         }
 
-        /// Whether this window is the topmost one under the pointer.
-        fn is_under_pointer(&self) -> Option<bool> {
-            let top = self.connection.query_pointer(self.root).ok()?.reply().ok()?.child;
+        fn pointer(&self) -> Option<Pointer> {
+            let pointer = self.connection.query_pointer(self.root).ok()?.reply().ok()?;
+            let is_down = pointer.mask.contains(KeyButMask::BUTTON1);
+            Some(Pointer { is_down, is_here: self.is_below(pointer.child)? })
+        }
+
+        /// Whether this window is the given one, or is inside of it.
+        fn is_below(&self, top: Window) -> Option<bool> {
             let mut window = self.window;
             // A window manager may place the window inside windows of its own.
             while window != top {

@@ -277,7 +277,10 @@ impl Window {
         let fault = self.session.live.snapshot().fault;
         match fault.and_then(|fault| fault.missing_letter()) {
             // The receiver lives as long as the window.
-            Some(letter) => drop(self.tasks.send(Task::Define(letter))),
+            Some(letter) => {
+                self.message = None;
+                drop(self.tasks.send(Task::Define(letter)));
+            }
             None => self.say("every name has a value"),
         }
     }

@@ -297,7 +297,7 @@ impl Window {
             return;
         }
         self.tip = Instant::now();
-        if let Some(tip) = tips::next() {
+        if let Some(tip) = tips::next(self.has_typed) {
             self.say(tip);
         }
     }
@@ -327,8 +327,11 @@ impl Window {
                         (self.line, self.goal) = (Some(line), goal);
                     }
                 }
-                TaskOutcome::Saved(Ok(())) => {
-                    self.say("saved; the terminal shows the command that reproduces it");
+                TaskOutcome::Saved(Ok(path)) => {
+                    let path = path.display();
+                    self.say(&format!(
+                        "saved '{path}'; the terminal shows the command that reproduces it"
+                    ));
                 }
                 TaskOutcome::Saved(Err(error)) => self.say(&format!("error: {error:#}")),
             }

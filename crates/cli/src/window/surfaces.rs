@@ -112,10 +112,11 @@ impl Window {
         let is_curve = index >= self.surfaces.surface_count;
         match part {
             ListPart::New => self.begin_formula(),
-            ListPart::Swatch | ListPart::Opacity(_) if is_curve => {
-                self.say("a `hidden` line above a curve hides it");
-            }
             ListPart::Swatch => self.toggle_surface(index),
+            // A curve has no track of an opacity.
+            ListPart::Opacity(_) if is_curve => {
+                self.surfaces.held = Some(ListDrag::Row(index, index));
+            }
             ListPart::Formula => self.surfaces.held = Some(ListDrag::Row(index, index)),
             ListPart::Opacity(opacity) => {
                 self.surfaces.held = Some(ListDrag::Opacity(index));
@@ -173,12 +174,11 @@ impl Window {
         self.follow_typing();
     }
 
-    /// Hides or shows the surface with this index.
+    /// Hides or shows the surface or curve with this index.
     pub(super) fn toggle_surface(&mut self, index: usize) {
-        if index >= self.surfaces.surface_count {
+        let Some(surface) = self.surfaces.all.get(index) else {
             return self.say(&format!("there is no surface {}", index + 1));
-        }
-        let Some(surface) = self.surfaces.all.get(index) else { return };
+        };
         let result = self.session.live.hide(index + 1, !surface.hidden);
         self.show_result(result);
     }

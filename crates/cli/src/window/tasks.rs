@@ -2,6 +2,7 @@
 
 use crate::line_edit::LineEdit;
 use crate::session::{LineError, Session};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender};
 use std::thread::spawn;
@@ -45,7 +46,7 @@ pub enum TaskOutcome {
     /// A line was refused.
     Refused(LineEdit, LineGoal, LineError),
     /// A picture was saved, or could not be saved.
-    Saved(anyhow::Result<()>),
+    Saved(anyhow::Result<PathBuf>),
 }
 
 /// Does tasks one after another until the channel closes.
