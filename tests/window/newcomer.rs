@@ -65,94 +65,116 @@ fn first_day(size: &str, dpi: &str, scale: i32) {
     let scene = Scene { terminal, display, window };
     scene.has_keyboard();
     scene.has_title("gyroid");
-    let place = Arc::clone(&scene.terminal.shared_place());
-    let file = |name: &str| place.path().join(name);
-    let shot = |scene: &Scene, name: &str| {
-        scene.display.keep(&scene.window, &format!("newcomer {size} {name}"));
-    };
-    shot(&scene, "start");
-    // Three formulas. The second has a mistake, and the third lacks a value.
-    scene.type_text("x^2 + y^2 + z^2 = 4");
-    scene.key("Return");
-    scene.is_document("x^2 + y^2 + z^2 = 4");
-    scene.type_text("z = sin(x)*cos(y");
-    scene.key("Return");
-    scene.terminal.shows("`(` is never closed");
-    until("the mistake is marked", || scene.is_faulty());
-    shot(&scene, "mistake");
-    std::thread::sleep(Duration::from_millis(300));
-    scene.key("Right");
-    scene.type_text(")");
-    scene.key("Return");
-    scene.is_document("z = sin(x)*cos(y)");
-    until("the mistake is mended", || !scene.is_faulty());
-    scene.put("clipboard", "x^2 + y^2 - z^2 = r");
-    scene.key("ctrl+v");
-    until("a value is missing", || scene.is_faulty());
-    scene.key("F2");
-    until("it is there", || !scene.is_faulty());
-    scene.key("Return");
-    scene.is_document("r = 1\nx^2 + y^2 - z^2 = r");
-    // Two more surfaces: by a click in the list, and by a key.
-    let (width, height) = scene.picture().dimensions();
-    scene.point(width as i32 - 30 * scale, scale * (TOP + ROW + ROW / 2));
-    scene.display.tool(&["click", "1"]);
-    scene.rest();
-    scene.type_text("z = 3");
-    scene.key("Return");
-    scene.is_document("r = 1\nx^2 + y^2 - z^2 = r\nz = 3");
-    scene.type_text("y = 1");
-    scene.key("ctrl+Return");
-    scene.is_document("r = 1\nx^2 + y^2 - z^2 = r\nz = 3\ny = 1");
-    shot(&scene, "three surfaces");
-    // A value is dragged, the view is turned, and the picture is cut open.
-    let middle = scale * (TOP + ROW / 2);
-    scene.changes("dragged value", || {
-        scene.point(70 * scale, middle);
-        scene.display.tool(&["mousedown", "1"]);
-        scene.point(120 * scale, middle);
-        // Hold the button until the window has seen where the pointer is.
+    scene.keep(size, "start");
+    scene.types_formulas(scale);
+    scene.keep(size, "three surfaces");
+    let text = scene.drags_turns_and_cuts(scale);
+    scene.keep(size, "cut");
+    scene.saves(scale, &text);
+    scene.keep(size, "saved");
+    finds_it_again(scene, &text);
+}
+
+impl Scene {
+    fn keep(&self, size: &str, name: &str) {
+        self.display.keep(&self.window, &format!("newcomer {size} {name}"));
+    }
+
+    fn types_formulas(&self, scale: i32) {
+        // Three formulas. The second has a mistake, and the third lacks a value.
+        self.type_text("x^2 + y^2 + z^2 = 4");
+        self.key("Return");
+        self.is_document("x^2 + y^2 + z^2 = 4");
+        self.type_text("z = sin(x)*cos(y");
+        self.key("Return");
+        self.terminal.shows("`(` is never closed");
+        until("the mistake is marked", || self.is_faulty());
         std::thread::sleep(Duration::from_millis(300));
-        scene.rest();
-        scene.display.tool(&["mouseup", "1"]);
-    });
-    let mut text = String::new();
-    until("the value is in the document", || {
-        scene.copied().trim_end().clone_into(&mut text);
-        text.starts_with("r = 1.") && text.contains(" in [0, 2]\n")
-    });
-    let (x, y) = (width as i32 / 2, height as i32 / 2);
-    scene.changes("turned", || scene.drag("1", (x, y), (x + 60, y + 10)));
-    scene.changes("cut", || scene.key("F7"));
-    scene.changes("moved cut", || {
-        scene.display.tool(&["keydown", "Control_L", "click", "4", "keyup", "Control_L"]);
-    });
-    shot(&scene, "cut");
-    // The document and the picture are saved. The window says so above the status line.
-    scene.key("Escape");
-    scene.rest();
-    let ground = scene.picture();
-    scene.key("ctrl+s");
-    scene.key("Return");
-    scene.terminal.shows("saved 'zeroset-1.zset'");
-    scene.has_title("zeroset-1.zset");
-    let place_of_message = (2, height - (scale * ROW * 3 / 2) as u32);
-    let at =
-        |picture: &image::RgbImage| picture.get_pixel(place_of_message.0, place_of_message.1).0;
-    until("the window says so", || at(&scene.picture()) != at(&ground));
-    shot(&scene, "saved");
-    let saved = std::fs::read_to_string(file("zeroset-1.zset")).expect("saved");
-    assert_eq!(saved.trim_end(), text);
-    scene.key("ctrl+p");
-    scene.terminal.shows("-o zeroset-1.png");
-    let picture = image::open(file("zeroset-1.png")).expect("a picture");
-    assert_eq!((picture.width(), picture.height()), (width, height - (scale * ROW) as u32));
+        self.key("Right");
+        self.type_text(")");
+        self.key("Return");
+        self.is_document("z = sin(x)*cos(y)");
+        until("the mistake is mended", || !self.is_faulty());
+        self.put("clipboard", "x^2 + y^2 - z^2 = r");
+        self.key("ctrl+v");
+        until("a value is missing", || self.is_faulty());
+        self.key("F2");
+        until("it is there", || !self.is_faulty());
+        self.key("Return");
+        self.is_document("r = 1\nx^2 + y^2 - z^2 = r");
+        // Two more surfaces: by a click in the list, and by a key.
+        let width = self.picture().width();
+        self.point(width as i32 - 30 * scale, scale * (TOP + ROW + ROW / 2));
+        self.display.tool(&["click", "1"]);
+        self.rest();
+        self.type_text("z = 3");
+        self.key("Return");
+        self.is_document("r = 1\nx^2 + y^2 - z^2 = r\nz = 3");
+        self.type_text("y = 1");
+        self.key("ctrl+Return");
+        self.is_document("r = 1\nx^2 + y^2 - z^2 = r\nz = 3\ny = 1");
+    }
+
+    /// Drags a value, turns the view, and cuts the picture open. Returns the document.
+    fn drags_turns_and_cuts(&self, scale: i32) -> String {
+        let middle = scale * (TOP + ROW / 2);
+        self.changes("dragged value", || {
+            self.point(70 * scale, middle);
+            self.display.tool(&["mousedown", "1"]);
+            self.point(120 * scale, middle);
+            // Hold the button until the window has seen where the pointer is.
+            std::thread::sleep(Duration::from_millis(300));
+            self.rest();
+            self.display.tool(&["mouseup", "1"]);
+        });
+        let mut text = String::new();
+        until("the value is in the document", || {
+            self.copied().trim_end().clone_into(&mut text);
+            text.starts_with("r = 1.") && text.contains(" in [0, 2]\n")
+        });
+        let (width, height) = self.picture().dimensions();
+        let (x, y) = (width as i32 / 2, height as i32 / 2);
+        self.changes("turned", || self.drag("1", (x, y), (x + 60, y + 10)));
+        self.changes("cut", || self.key("F7"));
+        self.changes("moved cut", || {
+            self.display.tool(&["keydown", "Control_L", "click", "4", "keyup", "Control_L"]);
+        });
+        text
+    }
+
+    /// Saves the document, which has this text, and the picture. The window says so above the
+    /// status line.
+    fn saves(&self, scale: i32, text: &str) {
+        let place = Arc::clone(&self.terminal.shared_place());
+        let file = |name: &str| place.path().join(name);
+        let (width, height) = self.picture().dimensions();
+        self.key("Escape");
+        self.rest();
+        let ground = self.picture();
+        self.key("ctrl+s");
+        self.key("Return");
+        self.terminal.shows("saved 'zeroset-1.zset'");
+        self.has_title("zeroset-1.zset");
+        let place_of_message = (2, height - (scale * ROW * 3 / 2) as u32);
+        let at =
+            |picture: &image::RgbImage| picture.get_pixel(place_of_message.0, place_of_message.1).0;
+        until("the window says so", || at(&self.picture()) != at(&ground));
+        let saved = std::fs::read_to_string(file("zeroset-1.zset")).expect("saved");
+        assert_eq!(saved.trim_end(), text);
+        self.key("ctrl+p");
+        self.terminal.shows("-o zeroset-1.png");
+        let picture = image::open(file("zeroset-1.png")).expect("a picture");
+        assert_eq!((picture.width(), picture.height()), (width, height - (scale * ROW) as u32));
+    }
+}
+
+fn finds_it_again(scene: Scene, text: &str) {
     // All is saved, so nothing is said at the end.
     let shown = scene.terminal.shown();
     assert!(!shown.contains("was not saved"), "{shown}");
     let scene = scene.restarted(&["zeroset-1.zset"]);
     scene.has_title("zeroset-1.zset");
-    scene.is_document(&text);
+    scene.is_document(text);
     // Unsaved work outlasts the program.
     scene.type_text("x = 2");
     scene.key("ctrl+Return");
@@ -167,7 +189,7 @@ fn first_day(size: &str, dpi: &str, scale: i32) {
     scene.changes("recent files", || scene.key("ctrl+r"));
     scene.key("Return");
     scene.has_title("zeroset-1.zset");
-    scene.is_document(&text);
+    scene.is_document(text);
     scene.type_text("x = 3");
     scene.key("Return");
     scene.has_title("zeroset-1.zset*");
