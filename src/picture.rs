@@ -269,8 +269,8 @@ impl Picture {
         save().map_err(|error| Error::file(path, &error))
     }
 
-    /// Writes the picture as PNG (sRGB, eight bits per channel). If the background is transparent, the
-    /// PNG has opacities.
+    /// Writes the picture as PNG (sRGB, eight bits per channel). If the background is transparent,
+    /// the PNG has opacities.
     ///
     /// # Errors
     /// If writing to `out` fails.

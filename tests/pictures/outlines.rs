@@ -56,6 +56,22 @@ fn outlines_are_dark_at_creases_and_ends_and_nowhere_else() {
     assert_eq!(plain.buffer.status, lined.buffer.status);
 }
 
+/// Most pictures keep no normals beyond their colors.
+#[test]
+fn outlines_need_no_kept_normals() {
+    let text = format!("outlines\n{ROOF}");
+    let document = read(&text, &Options::default()).expect("a roof");
+    let (region, _) = region(&document, DomainChoice::Document, None).expect("a domain");
+    let picture = |keeps_normals: bool| {
+        let settings = Settings { width: SIDE, height: SIDE, keeps_normals, ..Settings::default() };
+        let model = Model::new(&document, &region, &settings).expect("a model");
+        let projection = Projection::Orthographic { height: 4.0 };
+        let camera = Camera::new(-6.0 * DVec3::Y, DVec3::ZERO, DVec3::Z, projection);
+        model.trace(&camera.expect("a camera"), &settings, &|_| true).expect("a picture").rgb
+    };
+    assert!(picture(false) == picture(true));
+}
+
 #[test]
 fn outlines_do_not_depend_on_strips() {
     let text = format!("outlines\nhaze\n{ROOF}");

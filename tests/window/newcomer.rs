@@ -1,10 +1,9 @@
-//! A newcomer's first day, from the first formula to the saved file on the next day. Nobody looks at
-//! the window while keys are pressed.
+//! A newcomer's first day, from the first formula to the saved file on the next day. Keys are
+//! pressed without a look at the window.
 
 use crate::display::Display;
 use crate::scene::Scene;
 use crate::terminal_support::{Terminal, until};
-use std::sync::Arc;
 use std::time::Duration;
 
 pub fn a_newcomer_is_at_home_on_a_small_screen() {
@@ -145,7 +144,7 @@ impl Scene {
     /// Saves the document, which has this text, and the picture. The window says so above the
     /// status line.
     fn saves(&self, scale: i32, text: &str) {
-        let place = Arc::clone(&self.terminal.shared_place());
+        let place = self.terminal.shared_place();
         let file = |name: &str| place.path().join(name);
         let (width, height) = self.picture().dimensions();
         self.key("Escape");

@@ -4,8 +4,8 @@
 use super::values::{Place, kept_range, name, place, right_side};
 use std::ops::Range;
 use zeroset_scene::view::number;
-use zeroset_syntax::ast::{ExprKind, Statement};
-use zeroset_syntax::{Limits, is_expression_list, parse, setting_word};
+use zeroset_syntax::ast::{ExprKind, Function, Statement};
+use zeroset_syntax::{Limits, is_expression_list, is_scene_function, parse, setting_word};
 
 /// Returns `text` after `line` is entered.
 ///
@@ -142,11 +142,14 @@ pub(super) fn draws(text: &str, line: &str) -> bool {
     scene_word(line).is_none() && drawings(&joined).iter().any(|span| span.start > text.len())
 }
 
-/// Returns whether a program draws one of its functions, such as `map` of a shader, without a
-/// statement that says so.
+/// Returns whether a program draws one of its functions without a statement that says so, since its
+/// name is usual for a scene, such as `map` in a shader.
 pub(super) fn draws_function(program: &str) -> bool {
     let is_called = |one: &Statement| match one {
-        Statement::Draw { expr, .. } => !is_typed(one) && !matches!(expr.kind, ExprKind::Name(_)),
+        Statement::Draw { expr, .. } => {
+            let ExprKind::Call(Function::Defined(name), _) = &expr.kind else { return false };
+            !is_typed(one) && is_scene_function(&name.text)
+        }
         Statement::Define(_) | Statement::Curve(_) => false,
     };
     parse(program, &Limits::default()).is_ok_and(|all| all.iter().any(is_called))

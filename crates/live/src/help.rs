@@ -47,12 +47,12 @@ pub(super) fn help(name: &str) -> Result<Reply, Refusal> {
         if !row.arguments.is_empty() {
             let _ = write!(usage, "; as in {}", row.as_typed());
         }
-        let is_status = row.name == STATUS;
-        return say(if is_status {
-            format!("{usage}\n{}", status_words::explained())
-        } else {
-            usage
-        });
+        if row.name == STATUS {
+            let _ = write!(usage, "\n{}", status_words::explained());
+        } else if row.name == "color" {
+            let _ = write!(usage, "\nmaps: {}", COLOR_MAPS.map(|map| map.name).join(", "));
+        }
+        return say(usage);
     }
     let native = zeroset_ops::natives(name).map(|row| {
         let aliases = match row.aliases {
@@ -79,9 +79,6 @@ pub(super) fn help(name: &str) -> Result<Reply, Refusal> {
     }
     if found.is_empty() {
         found.extend(word_help(name).map(|help| format!("{name}: {help}")));
-        if name == "color" && !found.is_empty() {
-            found.push(format!("maps: {}", COLOR_MAPS.map(|map| map.name).join(", ")));
-        }
     }
     if !found.is_empty() {
         return say(found.join("\n"));

@@ -205,6 +205,12 @@ impl Rendering {
         if settings.ground == Some(true) {
             command.push_str(" --ground");
         }
+        if let Some(share) = settings.haze {
+            let _ = write!(command, " --haze {share}");
+        }
+        if settings.outlines == Some(true) {
+            command.push_str(" --outlines");
+        }
         if settings.shadow_depth.is_some() {
             command.push_str(" --shadows");
         }

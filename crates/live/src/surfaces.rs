@@ -315,8 +315,8 @@ pub(super) fn without(text: &str, options: &Options<'_>, number: usize) -> Resul
 pub(super) fn no_surface(number: usize, count: usize) -> Refusal {
     Refusal::Command(match count {
         0 => "nothing is drawn".to_owned(),
-        1 => format!("there is no surface {number}; there is only surface 1"),
-        _ => format!("there is no surface {number}; they are numbered 1 to {count}"),
+        1 => format!("there is no drawing {number}; there is only drawing 1"),
+        _ => format!("there is no drawing {number}; drawings are numbered 1 to {count}"),
     })
 }
 

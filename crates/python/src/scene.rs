@@ -248,6 +248,7 @@ impl Scene {
                 "light" => options.light(point()?),
                 "ambient" => options.ambient(number()?),
                 "shadows" => options.shadows(is_on()?),
+                "ground" => options.ground(is_on()?),
                 "haze" => options.haze(number()?),
                 "outlines" => options.outlines(is_on()?),
                 "occlusion" => options.occlusion(is_on()?),

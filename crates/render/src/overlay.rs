@@ -63,10 +63,11 @@ impl Overlay {
         Self { legend: legend || said.legend, ..said }
     }
 
-    /// This overlay with another title, if there is one.
+    /// This overlay with another title, if there is one. An empty title removes the document's.
     #[must_use]
     pub fn titled(self, title: Option<&str>) -> Self {
-        Self { title: title.map(str::to_owned).or(self.title), ..self }
+        let title = title.map(|text| text.split_whitespace().collect::<Vec<_>>().join(" "));
+        Self { title: title.or(self.title).filter(|text| !text.is_empty()), ..self }
     }
 
     /// An overlay with axes and legend as the document chooses.
@@ -75,8 +76,8 @@ impl Overlay {
     }
 
     /// Draws curves and points, axes, legends and title over a picture in the upper `height` rows
-    /// of the canvas. Legends begin below the title, or end at the row `bottom`. Then the upper right
-    /// is left free, and the title is at the left.
+    /// of the canvas. Legends begin below the title. With `bottom`, they end at that row, and the
+    /// title is in the left half, since the window's list is at the upper right.
     pub fn draw(
         &self,
         canvas: &mut Canvas,
@@ -102,8 +103,8 @@ impl Overlay {
         count * legend_height(count, height, scale)
     }
 
-    /// Records curves, axes, legends and title for a picture of this size, to be mixed into its rows.
-    /// `shown` may be a smaller picture of the same view.
+    /// Records curves, axes, legends and title for a picture of this size, to be mixed into its
+    /// rows. `shown` may be a smaller picture of the same view.
     pub fn marks(&self, shown: PictureView<'_>, [width, height]: [usize; 2]) -> Canvas {
         let scale = (height as f64 / ROWS).max(1.0);
         let mut canvas = Canvas::new(width, height, Vec::new(), scale);

@@ -63,8 +63,8 @@ pub struct Settings {
     /// How much of a far point's color is that of the background, within [0, 1]. `None` for the
     /// document's choice.
     pub haze: Option<f64>,
-    /// Whether lines are drawn where surfaces bend sharply, meet, or hide each other. `None` for the
-    /// document's choice.
+    /// Whether lines are drawn where surfaces end, bend sharply, meet, or hide each other. `None`
+    /// for the document's choice.
     pub outlines: Option<bool>,
     /// Background. `None` for the document's, or else the look's color.
     pub background: Option<Background>,
@@ -128,6 +128,9 @@ impl Settings {
             antialias: others.antialias,
             light: others.light,
             ambient: others.ambient,
+            ground: others.ground,
+            haze: others.haze,
+            outlines: others.outlines,
             background: others.background,
             ..self.clone()
         }
@@ -152,8 +155,11 @@ pub struct Picture {
     /// Opacity of each pixel; 255 means opaque. Empty unless the background is transparent.
     pub alpha: Vec<u8>,
     /// The share of its light that reaches the ground at each pixel; NaN far from where the ground
-    /// is seen. Empty without a ground.
+    /// is seen. Empty without a ground, and for strips.
     pub(crate) ground: Vec<f32>,
+    /// Color of pixels that show no surface, as sRGB bytes. It is the look's if the background is
+    /// transparent.
+    pub(crate) background: [u8; 3],
     /// The method that traced the surfaces. It is a fallback only if that traced all surfaces.
     pub method: &'static Method,
     /// The surfaces that a fallback method traced, by number, with their fallbacks.
@@ -205,9 +211,10 @@ impl Picture {
         fallback.map_or(self.method, |(_, fallback)| fallback.method)
     }
 
-    /// Colors for a medium that has no opacities: a transparent background becomes that of the look.
+    /// Colors for a medium that has no opacities: a transparent background becomes that of the
+    /// look.
     pub fn opaque_rgb(&self) -> Cow<'_, [u8]> {
-        flattened(&self.rgb, &self.alpha, self.look.background)
+        flattened(&self.rgb, &self.alpha, self.background)
     }
 
     /// The same picture without its rows.
@@ -216,6 +223,7 @@ impl Picture {
         std::mem::replace(&mut self.buffer, buffer).hand_back();
         hand_back_colors(std::mem::take(&mut self.rgb));
         self.alpha.clear();
+        self.ground = Vec::new();
         self
     }
 

@@ -1,4 +1,4 @@
-//! Colors of pixels, and how opaque pixels are where a picture has no background.
+//! Colors and opacities of pixels.
 //!
 //! Nothing here knows surfaces, or the format of a file.
 
@@ -9,8 +9,8 @@ use zeroset_shade::LinearRgb;
 /// The bytes of a picture. A picture with a background has no opacities.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Pixels {
-    /// Red, green and blue bytes (sRGB) of each pixel, row by row from the top. Colors are not
-    /// multiplied by the opacity.
+    /// Red, green and blue bytes (sRGB) of each pixel, row by row from the top. Colors are
+    /// multiplied by the opacity until [`Pixels::divide`].
     pub rgb: Vec<u8>,
     /// The opacity of each pixel; 255 means opaque. Empty if all pixels are opaque.
     pub alpha: Vec<u8>,

@@ -16,7 +16,7 @@ pub enum Light {
     Positional(DVec3),
 }
 
-/// Half the width of a light, as a share of its distance. For the sun, it is ten times smaller.
+/// Half the width of a light, as a share of its distance. The sun's is a tenth of that.
 const WIDTH: f64 = 0.05;
 /// The golden angle, in turns.
 const GOLDEN: f64 = 0.381_966_011_25;

@@ -39,6 +39,7 @@ mod span;
 mod tree;
 mod words;
 
+pub use dialect::program_words::is_scene_function;
 pub use document::curves::{Curve, CurveShape, Curves};
 pub use document::listed::is_expression_list;
 pub use document::reading::{

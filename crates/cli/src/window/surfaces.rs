@@ -177,7 +177,7 @@ impl Window {
     /// Hides or shows the surface or curve with this index.
     pub(super) fn toggle_surface(&mut self, index: usize) {
         let Some(surface) = self.surfaces.all.get(index) else {
-            return self.say(&format!("there is no surface {}", index + 1));
+            return self.say(&format!("there is no drawing {}", index + 1));
         };
         let result = self.session.live.hide(index + 1, !surface.hidden);
         self.show_result(result);

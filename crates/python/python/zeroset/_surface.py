@@ -271,6 +271,7 @@ class Surface:
         light: Sequence[float] | None = None,
         ambient: float | None = None,
         shadows: bool | None = None,
+        ground: bool | None = None,
         haze: float | None = None,
         outlines: bool | None = None,
         occlusion: bool | None = None,

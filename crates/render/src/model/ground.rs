@@ -3,13 +3,13 @@
 //! The ground is part of the picture's background. Statuses and distances do not know it: a pixel
 //! that shows the ground is a miss.
 
-mod soften;
+mod blur;
 
 use super::strips::Overview;
 use super::trace::RenderPass;
+use blur::blur;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use soften::soften;
 use std::f64::consts::TAU;
 use zeroset_eval::KernelFloat;
 use zeroset_scene::program::ProgramError;
@@ -31,16 +31,16 @@ const AMBIENT: f32 = 0.5;
 /// Light that the ground adds to a dark background, on which shadows would not be seen.
 const LIFT: f32 = 0.06;
 
-/// Radius of the means over shadows of neighboring pixels, as a share of the picture's height: for
-/// the shadow by the lamp, which has an edge, and by the sky, which has none.
-const SOFT: [f64; 2] = [1.0 / 180.0, 1.0 / 45.0];
+/// Radius of the blur of shadows, as a share of the picture's height: of the lamp's shadows, which
+/// have edges, and of the sky's, which have none.
+const BLUR_RADIUS: [f64; 2] = [1.0 / 180.0, 1.0 / 45.0];
 
-/// Least radius of the means, in pixels.
-const LEAST_SOFT: [usize; 2] = [2, 4];
+/// Least radius of the blur, in pixels.
+const LEAST_BLUR_RADIUS: [usize; 2] = [2, 4];
 
 /// Multiples of these, without their whole parts, fill a square evenly: powers of the real root of
 /// x³ = x + 1, inverted (Roberts, "The Unreasonable Effectiveness of Quasirandom Sequences", 2018).
-const EVEN: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
+const R2_SEQUENCE: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
 
 /// The ground of a picture.
 #[derive(Default)]
@@ -103,7 +103,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         shares.par_iter_mut().zip(plane.drawn.par_iter_mut()).enumerate().for_each(place);
         let (light, work) = match self.overview {
             // A strip does not show enough of the ground for means over neighbors.
-            Some(whole) => (whole.light_of_ground(rays, &plane.drawn), KernelStats::default()),
+            Some(whole) => (whole.interpolated_light(rays, &plane.drawn), KernelStats::default()),
             None => self.light_of_ground(rays, &appearance.light, &mut plane)?,
         };
         let back = appearance.background.0;
@@ -135,16 +135,18 @@ impl<T: KernelFloat> RenderPass<'_, T> {
     ) -> Result<(Vec<f32>, KernelStats), ProgramError> {
         let lamp = lamp.disc(self.model.region().displayed().centre());
         let lights: [&(dyn Fn([usize; 2]) -> Light + Sync); 2] =
-            [&|pixel| lamp(even(pixel)), &|pixel| sky(even(pixel))];
+            [&|pixel| lamp(quasirandom(pixel)), &|pixel| sky(quasirandom(pixel))];
         let mut work = KernelStats::default();
         let mut light = vec![1.0; plane.drawn.len()];
-        for ((from, part), (soft, least)) in
-            lights.into_iter().zip([1.0 - AMBIENT, AMBIENT]).zip(SOFT.into_iter().zip(LEAST_SOFT))
+        for ((from, part), (soft, least)) in lights
+            .into_iter()
+            .zip([1.0 - AMBIENT, AMBIENT])
+            .zip(BLUR_RADIUS.into_iter().zip(LEAST_BLUR_RADIUS))
         {
             let (hidden, cost) = self.hidden(rays, from, plane)?;
             work += cost;
             let radius = ((soft * rays.height() as f64).round() as usize).max(least);
-            let hidden = soften(&hidden, &plane.drawn, rays.width(), radius);
+            let hidden = blur(&hidden, &plane.drawn, rays.width(), radius);
             for (light, hidden) in light.iter_mut().zip(hidden) {
                 *light -= part * hidden / 255.0;
             }
@@ -191,7 +193,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
 impl Overview {
     /// The share of its light that reaches the ground at each pixel whose distance `drawn` is
     /// finite; NaN at other pixels.
-    fn light_of_ground(&self, rays: &RayGrid, drawn: &[f64]) -> Vec<f32> {
+    fn interpolated_light(&self, rays: &RayGrid, drawn: &[f64]) -> Vec<f32> {
         let of_pixel = |pixel: usize| {
             let (mut sum, mut weights) = (0.0, 0.0);
             let place = [pixel % rays.width(), pixel / rays.width()];
@@ -210,9 +212,12 @@ impl Overview {
 }
 
 /// A place in the unit square for each pixel. The places of neighboring pixels fill it evenly.
-fn even([column, row]: [usize; 2]) -> [f64; 2] {
+fn quasirandom([column, row]: [usize; 2]) -> [f64; 2] {
     let [column, row] = [column as f64, row as f64];
-    [(EVEN[0] * column + EVEN[1] * row).fract(), (EVEN[1] * column - EVEN[0] * row).rem_euclid(1.0)]
+    [
+        (R2_SEQUENCE[0] * column + R2_SEQUENCE[1] * row).fract(),
+        (R2_SEQUENCE[1] * column - R2_SEQUENCE[0] * row).rem_euclid(1.0),
+    ]
 }
 
 /// A distant light. If `place` is spread evenly over the unit square, there are as many lights per

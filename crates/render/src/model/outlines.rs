@@ -1,6 +1,7 @@
 //! Lines where surfaces end, bend sharply, meet, or hide each other.
 //!
-//! The lines are found in the picture, and drawn over its colors. They know no surfaces.
+//! The lines are found in the picture, and drawn over its colors. Only the nearest surface counts:
+//! nothing is outlined behind translucent surfaces.
 
 use crate::pixels::Pixels;
 use rayon::prelude::*;
@@ -8,6 +9,9 @@ use zeroset_shade::{Displayed, edges};
 
 /// Rows of a picture in which lines are as thin as possible.
 const ROWS: f64 = 640.0;
+
+/// Largest radius of a line, in pixels. A strip knows more rows than that beyond its own.
+const WIDEST: f64 = 14.0;
 
 /// Share of a pixel's color that a line has at most.
 const INK: f32 = 0.75;
@@ -18,7 +22,8 @@ const COLOR: [u8; 3] = [24, 24, 30];
 /// Draws lines over the colors of a picture. `height` is that of the whole picture, if this is a
 /// strip of it.
 pub(super) fn draw(seen: &Displayed<'_>, height: usize, pixels: &mut Pixels) {
-    let (width, radius) = (seen.rays.width(), (height as f64 / ROWS).round().max(1.0) as usize);
+    let width = seen.rays.width();
+    let radius = (height as f64 / ROWS).round().clamp(1.0, WIDEST) as usize;
     // An edge is two pixels wide. It is spread, so that lines have no steps.
     let mask = edges(&seen.buffer, &seen.rays);
     let cover: Vec<f32> = mask.iter().map(|edge| if *edge { 1.0 } else { 0.0 }).collect();

@@ -1,8 +1,8 @@
 //! Pictures too large for memory, drawn as strips of rows.
 //!
-//! A strip equals its part of the whole picture bit for bit, except for ambient occlusion and color
-//! scales. Both depend on distant rows. An overview supplies these rows: a smaller picture of the
-//! whole. With an overview of full size, strips do not differ at all.
+//! A strip equals its part of the whole picture bit for bit, except for ambient occlusion, shadows
+//! on the ground and color scales. All three depend on distant rows. An overview supplies these
+//! rows: a smaller picture of the whole. With an overview of full size, strips do not differ at all.
 
 use super::{Model, ProgressCallback};
 use crate::picture::{Picture, Settings};
@@ -12,7 +12,7 @@ use zeroset_shade::Pattern;
 use zeroset_trace::{Camera, RayGrid};
 
 /// Strips begin at multiples of this many rows, and are drawn with this many extra rows above and
-/// below. Methods trace bands of this height, and antialiasing needs fewer extra rows.
+/// below. Methods trace bands of this height. Antialiasing and outlines need fewer extra rows.
 const ALIGNED: usize = 16;
 
 /// Approximate number of pixels of a strip, and largest number of pixels of a picture drawn whole.

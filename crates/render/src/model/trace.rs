@@ -280,7 +280,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         lit.statistics.edge_rays = light.edge_rays;
         (lit.rgb, lit.alpha) = (light.pixels.rgb, light.pixels.alpha);
         (lit.legends, lit.remarks) = (light.legends, light.remarks);
-        lit.ground = light.ground;
+        (lit.ground, lit.background) = (light.ground, light.background);
         lit.look = self.model.look(self.settings);
         Ok(lit)
     }
@@ -348,8 +348,10 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             parts.resize_with(height.div_ceil(BAND_ROWS), Default::default);
             let driver = Driver { rays: own, tracer: &*tracer, advance };
             // Normals are kept for shading after tracing, for caps, and to find edges.
-            let needs_normals =
-                shader.is_none() || caps.is_some() || settings.antialias != Pattern::ONE;
+            let needs_normals = shader.is_none()
+                || caps.is_some()
+                || settings.antialias != Pattern::ONE
+                || self.has_outlines();
             let kept = Kept {
                 normals: settings.keeps_normals || needs_normals,
                 // Layers of several surfaces are merged by their brackets.
@@ -450,6 +452,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             precision: settings.options.precision,
             look: model.look(settings),
             ground: lit.ground,
+            background: lit.background,
             legends: lit.legends,
             statistics,
             undefined: model.visible_surfaces().any(|surface| model.program.is_undefined(surface)),

@@ -32,12 +32,8 @@ impl<'a> PictureView<'a> {
 
     /// The color for lines and letters, which contrasts with the background.
     pub fn ink(&self) -> Rgb {
-        let ground =
-            (0..self.picture.buffer.drawn.len()).find(|&n| !self.picture.buffer.is_drawn(n));
-        let pixel = ground.and_then(|n| self.picture.rgb.as_chunks::<3>().0.get(n));
-        let is_dark =
-            pixel.is_some_and(|rgb| rgb.iter().map(|part| u32::from(*part)).sum::<u32>() < 300);
-        INKS[usize::from(is_dark)]
+        let brightness: u32 = self.picture.background.into_iter().map(u32::from).sum();
+        INKS[usize::from(brightness < 300)]
     }
 }
 

@@ -14,6 +14,11 @@ const VECTORS: &[&str] = &["vec", "float", "half", "ivec", "uvec", "bvec", "dvec
 pub(crate) const SCENES: &[&str] =
     &["map", "sdf", "SDF", "scene", "sceneSDF", "sdScene", "mapScene", "DE", "getDist", "GetDist"];
 
+/// Returns whether a function with this name is usually the distance from a point to the scene.
+pub fn is_scene_function(name: &str) -> bool {
+    SCENES.contains(&name)
+}
+
 /// Largest number of signs `@` in a statement that are read as applications. Each becomes brackets.
 const MAX_AT_SIGNS: usize = 20;
 

@@ -156,10 +156,10 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
     Ok(statements)
 }
 
-/// The place of the text of a `title` line whose first word is at `word`. `before` has the tokens
-/// before it in its statement. The text ends with the
-/// line, before a semicolon or before a comment, unless it is in quotes. `None` if the word has
-/// another meaning, as in `title = 3` and `title("A plot")`.
+/// The place of a `title` line's text. `word` is the place of its first word, and `before` has the
+/// statement's tokens before it. The text ends with the line, or before a `;` or `#`. Text in
+/// quotes ends with the quote. `None` if the word has another meaning, as in `title = 3` and
+/// `title("A plot")`.
 fn title(text: &str, before: &[Token], word: Span) -> Option<Span> {
     if !before.is_empty() || typed_setting(&text[word.range()])?.kind != SettingKind::Title {
         return None;

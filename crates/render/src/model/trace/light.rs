@@ -39,6 +39,8 @@ pub(super) struct Lit {
     pub pixels: Pixels,
     /// As [`Picture::ground`](crate::picture::Picture).
     pub ground: Vec<f32>,
+    /// The color of pixels that show no surface, before any shadow.
+    pub background: [u8; 3],
     pub legends: Vec<Legend>,
     /// Remarks on the model, and on colors that are missing.
     pub remarks: Vec<String>,
@@ -74,6 +76,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         let mut remarks = self.model.remarks.clone();
         let (mut pixels, mut legends, mut edge_rays) = (Pixels::default(), Vec::new(), 0);
         let mut ground = Vec::new();
+        let mut background = self.model.look(settings).background;
         if settings.normals.is_some() {
             let painter = match self.overview {
                 Some(whole) => {
@@ -84,8 +87,13 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             let is_seen = buffer.drawn.iter().any(|drawn| drawn.is_finite());
             let appearance = self.appearance(rays, is_seen);
             let Ground { colors, light, work: cost } = self.ground(rays, buffer, &appearance)?;
-            ground = light;
+            if self.overview.is_none() {
+                ground = light;
+            }
             work += cost;
+            if !self.model.is_transparent(settings) {
+                background = appearance.background.to_srgb();
+            }
             let finish = Coloring { appearance, painter, ground: colors };
             legends = finish.painter.as_ref().map(Painter::legends).unwrap_or_default();
             let is_smoothed = settings.antialias != Pattern::ONE;
@@ -128,25 +136,33 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             if !pixels.alpha.is_empty() {
                 pixels.divide(self.model.look(settings).background);
             }
-            if settings.outlines.unwrap_or(self.model.setting.lines.outlines == Some(true)) {
+            if self.has_outlines() {
                 outlines::draw(&Displayed::new(buffer, rays), settings.height, &mut pixels);
             }
         }
-        Ok(Lit { pixels, ground, legends, remarks, edge_rays, work })
+        Ok(Lit { pixels, ground, background, legends, remarks, edge_rays, work })
     }
 
-    /// The colors of a picture. If the background is transparent, they get opacities: painted pixels
-    /// are opaque.
+    /// Returns whether lines are drawn at edges.
+    pub(super) fn has_outlines(&self) -> bool {
+        self.settings.outlines.unwrap_or(self.model.setting.lines.outlines == Some(true))
+    }
+
+    /// Returns whether a pixel has a surface's color. Undecided pixels may be left out.
+    pub(in crate::model) fn is_painted(&self, picture: &GBuffer, pixel: usize) -> bool {
+        let is_left_out = self.settings.undecided == UndecidedStyle::Miss
+            && picture.status[pixel] == Status::Undecided;
+        picture.is_drawn(pixel) && !is_left_out
+    }
+
+    /// The colors of a picture. If the background is transparent, they get opacities: painted
+    /// pixels are opaque.
     pub(in crate::model) fn with_alpha(&self, rgb: Vec<u8>, picture: &GBuffer) -> Pixels {
-        let leaves_out = self.settings.undecided == UndecidedStyle::Miss;
-        let is_painted = |pixel: usize| {
-            let is_left_out = leaves_out && picture.status[pixel] == Status::Undecided;
-            picture.is_drawn(pixel) && !is_left_out
-        };
         let mut alpha = Vec::new();
         if self.model.is_transparent(self.settings) {
             let pixels = 0..picture.drawn.len();
-            alpha = pixels.map(|pixel| if is_painted(pixel) { 255 } else { 0 }).collect();
+            alpha =
+                pixels.map(|pixel| if self.is_painted(picture, pixel) { 255 } else { 0 }).collect();
         }
         Pixels { rgb, alpha }
     }
@@ -248,8 +264,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         Ok(work)
     }
 
-    /// The haze of a picture, if it has any: it begins at the region's near side, and is strongest at
-    /// its far side.
+    /// The haze of a picture, if it has any: it begins at the region's near side, and is strongest
+    /// at its far side.
     fn haze(&self, rays: &RayGrid, color: LinearRgb) -> Option<Haze> {
         let strength = self.settings.haze.or(self.model.setting.lines.haze).unwrap_or(0.0);
         let (rays, region) = (rays.displayed(), self.model.region.displayed());

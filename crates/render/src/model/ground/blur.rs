@@ -1,33 +1,33 @@
-//! Means over neighboring pixels.
+//! A blur that leaves out some pixels.
 
 use rayon::prelude::*;
 
-/// Number of means over a square, one after another. Together they weigh neighbors nearly as a
-/// bell curve does.
+/// Number of box blurs, one after another. Together they are nearly a Gaussian blur.
 const TIMES: usize = 3;
 
-/// A pixel's own share of the sums is larger than this; rounding errors are smaller.
-const NONE: f32 = 1e-6;
+/// Sums of weights below this are rounding errors.
+const LEAST_WEIGHT: f32 = 1e-6;
 
 /// Replaces values by means over the squares around them, which reach `radius` pixels to each side.
 /// Only pixels whose distance `drawn` is finite count. The mean is NaN where none of them is near.
 /// `width` is that of the picture.
-pub(super) fn soften(values: &[u8], drawn: &[f64], width: usize, radius: usize) -> Vec<f32> {
+pub(super) fn blur(values: &[u8], drawn: &[f64], width: usize, radius: usize) -> Vec<f32> {
     let weight = |drawn: &f64| if drawn.is_finite() { 1.0 } else { 0.0 };
     let weights: Vec<f32> = drawn.iter().map(weight).collect();
     let values = values.iter().zip(&weights).map(|(value, weight)| f32::from(*value) * weight);
-    let [sums, counts] = [values.collect(), weights].map(|sums| spread(sums, width, radius));
-    let mean = |(sum, count): (&f32, &f32)| if *count > NONE { sum / count } else { f32::NAN };
+    let [sums, counts] = [values.collect(), weights].map(|sums| box_blur(sums, width, radius));
+    let mean =
+        |(sum, count): (&f32, &f32)| if *count > LEAST_WEIGHT { sum / count } else { f32::NAN };
     sums.iter().zip(&counts).map(mean).collect()
 }
 
 /// Sums over the squares around each pixel, taken [`TIMES`] times.
-fn spread(mut values: Vec<f32>, width: usize, radius: usize) -> Vec<f32> {
+fn box_blur(mut values: Vec<f32>, width: usize, radius: usize) -> Vec<f32> {
     let mut width = width.max(1);
     for _ in 0..2 {
         let rows = values.par_chunks_mut(width);
         rows.for_each_init(Vec::new, |copy, row| {
-            (0..TIMES).for_each(|_| spread_row(row, copy, radius));
+            (0..TIMES).for_each(|_| box_blur_row(row, copy, radius));
         });
         let height = values.len() / width;
         values = transposed(&values, width);
@@ -37,7 +37,7 @@ fn spread(mut values: Vec<f32>, width: usize, radius: usize) -> Vec<f32> {
 }
 
 /// Sums over the pixels that are at most `radius` away in the row, as shares of a whole sum.
-fn spread_row(row: &mut [f32], copy: &mut Vec<f32>, radius: usize) {
+fn box_blur_row(row: &mut [f32], copy: &mut Vec<f32>, radius: usize) {
     copy.clear();
     copy.extend_from_slice(row);
     let share = 1.0 / (2 * radius + 1) as f64;
@@ -72,7 +72,7 @@ mod tests {
         for n in (0..values.len()).filter(|n| n % width < 9) {
             (values[n], drawn[n]) = (255, f64::INFINITY);
         }
-        let even = soften(&values, &drawn, width, radius);
+        let even = blur(&values, &drawn, width, radius);
         let is_even = |n: &usize| (even[*n] - 100.0).abs() < 0.01;
         assert!((0..values.len()).filter(|n| drawn[*n].is_finite()).all(|n| is_even(&n)));
     }
@@ -82,7 +82,7 @@ mod tests {
         let width = 40;
         let values: Vec<u8> =
             (0..width * width).map(|n| if n % 40 < 20 { 0 } else { 200 }).collect();
-        let soft = soften(&values, &vec![1.0; values.len()], width, 2);
+        let soft = blur(&values, &vec![1.0; values.len()], width, 2);
         let row = &soft[10 * width..11 * width];
         assert!(row.is_sorted_by(|a, b| a <= &(b + 0.01)));
         assert!(row[10] < 0.01 && (row[29] - 200.0).abs() < 0.01);
@@ -91,7 +91,7 @@ mod tests {
         let turned =
             transposed(&values.iter().map(|value| f32::from(*value)).collect::<Vec<_>>(), width);
         let turned: Vec<u8> = turned.iter().map(|value| *value as u8).collect();
-        let other = soften(&turned, &vec![1.0; values.len()], width, 2);
+        let other = blur(&turned, &vec![1.0; values.len()], width, 2);
         assert!((0..width).all(|k| (other[k * width + 10] - row[k]).abs() < 0.01));
     }
 }
