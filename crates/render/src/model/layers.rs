@@ -95,8 +95,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
     }
 
     /// Computes the colors of a picture, multiplied by the opacity if it has opacities. If a
-    /// surface is translucent, sets `edge` of each pixel at which a layer has an edge; `edge` may be
-    /// empty.
+    /// surface is translucent, sets `edge` of each pixel at which a layer has an edge. `edge` may
+    /// be empty.
     ///
     /// Layers are found block by block, and only their points are kept, so memory does not grow
     /// with the number of surfaces.

@@ -2,7 +2,7 @@
 //!
 //! A strip equals its part of the whole picture bit for bit, except for ambient occlusion, shadows
 //! on the ground and color scales. All three depend on distant rows. An overview supplies these
-//! rows: a smaller picture of the whole. With an overview of full size, strips do not differ at all.
+//! rows: a smaller picture of the whole. With an overview of full size, strips do not differ.
 
 use super::{Model, ProgressCallback};
 use crate::picture::{Picture, Settings};
