@@ -148,7 +148,7 @@ pub(super) fn draws_function(program: &str) -> bool {
     let is_called = |one: &Statement| match one {
         Statement::Draw { expr, .. } => {
             let ExprKind::Call(Function::Defined(name), _) = &expr.kind else { return false };
-            !is_typed(one) && is_scene_function(&name.text)
+            !is_typed(one) && is_scene_function(name)
         }
         Statement::Define(_) | Statement::Curve(_) => false,
     };
