@@ -83,7 +83,7 @@ fn without_a_window_the_gallery_is_a_list() {
         (":hide 2\r", "hidden\r\nx = y"),
         (":opacity 1 25%\r", "opacity 25%\r\nx+y+z"),
         (":move 2 1\r", "opacity 25%\r\nhidden off\r\nx+y+z"),
-        (":hide 3\r", "there is no surface 3; they are numbered 1 to 2"),
+        (":hide 3\r", "there is no drawing 3; they are numbered 1 to 2"),
         (":help status\r", "every pixel proven"),
     ] {
         terminal.type_in(line);

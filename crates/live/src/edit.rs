@@ -8,7 +8,7 @@ use super::pipeline::Request;
 use super::reply::{Refusal, Reply, refused};
 use super::session::Live;
 use super::source::DocumentSource;
-use super::surfaces::no_surface;
+use super::surfaces::no_such;
 use super::undo::{Checkpoint, Gesture};
 use super::values::{self, TIME, defined};
 use std::borrow::Cow;
@@ -63,7 +63,7 @@ impl Live {
         let document = self.edit(None, |request, readable| {
             if let LineGoal::Edit(number) = goal {
                 with_drawing(&base(request, readable, line), number, line)
-                    .map_err(|count| no_surface(number, count))?;
+                    .map_err(|count| no_such("surface", number, count))?;
             }
             let (text, is_another) = with_line(request, readable, line, goal);
             let edit = Edit::checked(request, text, defined(line))?;

@@ -4,7 +4,7 @@ use super::edit::{Edit, base};
 use super::pipeline::Request;
 use super::reply::{Refusal, refused};
 use super::session::Live;
-use super::surfaces::{no_surface, whole};
+use super::surfaces::{no_such, whole};
 use std::ops::Range;
 use zeroset_syntax::{Document, Options};
 
@@ -87,7 +87,7 @@ impl Live {
             let read = zeroset_syntax::read(&base, &options);
             let count = read.map_or(0, |now| drawings(&now).len());
             if !(1..=count).contains(&number) {
-                return Err(no_surface(number, count));
+                return Err(no_such("drawing", number, count));
             }
             match changed(&base, &options, &change) {
                 // The formulas are unchanged, so they are not checked again.

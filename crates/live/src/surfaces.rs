@@ -251,7 +251,7 @@ impl Live {
     pub(super) fn delete(&self, number: usize) -> Result<Reply, Refusal> {
         let document = self.edit(None, |request, readable| {
             let text = without(&base(request, readable, ""), &request.options(), number)
-                .map_err(|count| no_surface(number, count))?;
+                .map_err(|count| no_such("surface", number, count))?;
             Edit::checked(request, text, Vec::new())
         })?;
         Ok(document.map_or_else(nothing_drawn, |_| Reply::Done))
@@ -269,7 +269,7 @@ impl Live {
             let options = request.options();
             let count = zeroset_syntax::read(&base, &options).map_or(0, |now| now.surfaces.len());
             if !(1..=count).contains(&number) {
-                return Err(no_surface(number, count));
+                return Err(no_such("surface", number, count));
             }
             let Some((text, document)) = changed(&base, &options, words, &change) else {
                 let words = words.join("`, `");
@@ -311,12 +311,12 @@ pub(super) fn without(text: &str, options: &Options<'_>, number: usize) -> Resul
     Ok(moved.filter(|text| look(text).as_ref() == Some(&wanted)).unwrap_or(plain))
 }
 
-/// The error for a surface number outside 1 to `count`, the number of surfaces.
-pub(super) fn no_surface(number: usize, count: usize) -> Refusal {
+/// The error for a number outside 1 to `count`. `noun` says what is counted, such as surfaces.
+pub(super) fn no_such(noun: &str, number: usize, count: usize) -> Refusal {
     Refusal::Command(match count {
         0 => "nothing is drawn".to_owned(),
-        1 => format!("there is no drawing {number}; there is only drawing 1"),
-        _ => format!("there is no drawing {number}; drawings are numbered 1 to {count}"),
+        1 => format!("there is no {noun} {number}; there is only {noun} 1"),
+        _ => format!("there is no {noun} {number}; they are numbered 1 to {count}"),
     })
 }
 
