@@ -10,7 +10,7 @@ use zeroset_shade::LinearRgb;
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Pixels {
     /// Red, green and blue bytes (sRGB) of each pixel, row by row from the top. Colors are
-    /// multiplied by the opacity until [`Pixels::divide`].
+    /// multiplied by the opacity until a picture is finished.
     pub rgb: Vec<u8>,
     /// The opacity of each pixel; 255 means opaque. Empty if all pixels are opaque.
     pub alpha: Vec<u8>,
