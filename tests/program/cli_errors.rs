@@ -301,7 +301,7 @@ fn numbers_out_of_range() {
         (["--precision", "f16"], "possible values: auto, f32, f64"),
         (["--threads", "0"], "--threads must be between 1 and"),
         (["--ambient", "nan"], "--ambient must be between 0 and 1"),
-        (["--background", "reddish"], "no color such as white"),
+        (["--background", "reddish"], "neither a color such as white"),
         (["--time", "soon"], "--time 'soon' is not a finite number"),
         (["-D", "r"], "not of the form name=value"),
         (["-D", "q=1"], "`q` does not occur"),

@@ -1,13 +1,8 @@
 //! Pictures that are rendered strip by strip.
 
 use crate::cli_support::Sandbox;
-use image::RgbImage;
 
 const TEXT: &str = "domain 1.5\ncolor viridis(z)\nx^2+y^2+z^2 <= 1";
-
-fn picture(place: &Sandbox, name: &str) -> RgbImage {
-    image::open(place.path(name)).expect("a picture").to_rgb8()
-}
 
 /// A picture just too large for one strip looks like a smaller one. Its arrays match its counts.
 #[test]
@@ -42,7 +37,7 @@ fn a_large_picture_is_written_in_strips() {
     }
     // Scaled down, the large picture equals the small one. Surface, legend and axes are in their
     // places, and no strip is displaced.
-    let (large, small) = (picture(&place, "large.png"), picture(&place, "small.png"));
+    let (large, small) = (place.picture("large.png"), place.picture("small.png"));
     assert_eq!(large.dimensions(), (1680, 2560));
     let mean = |x: u32, y: u32, part: usize| {
         let parts = (0..16).map(|n| large.get_pixel(4 * x + n % 4, 4 * y + n / 4).0[part]);

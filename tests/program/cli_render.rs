@@ -13,10 +13,6 @@ pub const BULB: &str = "\
     s = sqrt(u^2+v^2+w^2); c = 8.1 acos(w/s); d = 8.1 atan2(v, u)\n\
     (s^8 sin(c) cos(d) + x)^2 + (s^8 sin(c) sin(d) + y)^2 + (s^8 cos(c) + z)^2 = 4\n";
 
-fn picture(place: &Sandbox, name: &str) -> image::RgbImage {
-    image::open(place.path(name)).expect("a picture").to_rgb8()
-}
-
 fn array<T: npyz::Deserialize>(place: &Sandbox, name: &str) -> (Vec<u64>, Vec<T>) {
     let bytes = std::fs::read(place.path(name)).expect("written");
     let array = npyz::NpyFile::new(&bytes[..]).expect("an array");
@@ -29,7 +25,7 @@ fn a_formula_becomes_a_picture() {
     let run = place.run(&["render", SPHERE, "-o", "sphere.png", "--size", "64x48"]).ok();
     assert!(run.stdout.is_empty());
     assert_eq!(place.files(), ["sphere.png"]);
-    let sphere = picture(&place, "sphere.png");
+    let sphere = place.picture("sphere.png");
     assert_eq!(sphere.dimensions(), (64, 48));
     // The outside, f > 0, has a warm color. The corner shows the background.
     let [red, _, blue] = sphere.get_pixel(32, 24).0;
@@ -397,7 +393,7 @@ fn a_solid_is_capped_where_the_domain_or_a_plane_cuts_it() {
     assert!((distance[middle] - exact).abs() < 0.01, "{}", distance[middle]);
     let blue = |arguments: &[&str]| {
         run(&[&["-o", "cut.png"], arguments].concat());
-        picture(&place, "cut.png").get_pixel(16, 16).0[2]
+        place.picture("cut.png").get_pixel(16, 16).0[2]
     };
     let [whole, cut] = [blue(&[]), blue(&["--clip", "0,-1,0,0"])];
     assert!(cut > whole + 60, "a cut face is lighter than the outside: {cut}, {whole}");
@@ -410,7 +406,7 @@ fn undecided_pixels_can_be_told_apart_and_counted_against() {
         let name = format!("{style}.png");
         let fixed = ["render", SPHERE, "--size", "32", "-o", &name, "--undecided", style];
         place.run(&[&fixed[..], &["--method", "knoll"]].concat()).ok();
-        picture(&place, &name)
+        place.picture(&name)
     };
     let shaded = render("shade");
     assert_ne!(shaded, render("hatch"));
@@ -466,46 +462,6 @@ fn a_function_that_may_be_0_everywhere_is_remarked_on() {
 }
 
 #[test]
-fn a_background_has_a_name_or_a_number() {
-    let place = Sandbox::new();
-    let ground = |color: &str| {
-        let all = ["render", "x^2+y^2+z^2=1", "--size", "8", "-o", "p.png", "--background", color];
-        place.run(&all).ok();
-        picture(&place, "p.png").get_pixel(0, 0).0
-    };
-    assert_eq!([ground("navy"), ground("Orange")], [[0, 0, 128], [255, 165, 0]]);
-    assert_eq!(ground("navy"), ground("000080"));
-}
-
-#[test]
-fn a_picture_without_a_background_has_opacities() {
-    let place = Sandbox::new();
-    let drawn = |more: &[&str]| {
-        let fixed = ["render", SPHERE, "--size", "64", "-o", "p.png"];
-        place.run(&[&fixed[..], more].concat()).ok();
-        image::open(place.path("p.png")).expect("a picture")
-    };
-    let clear = drawn(&["--background", "transparent", "--axes"]);
-    assert_eq!(clear.color(), image::ColorType::Rgba8);
-    let clear = clear.into_rgba8();
-    assert_eq!((clear.get_pixel(0, 0).0[3], clear.get_pixel(32, 32).0[3]), (0, 255));
-    // Lines and letters of the axes are opaque, or nearly so.
-    let is_ink =
-        |pixel: &&image::Rgba<u8>| pixel.0[3] > 128 && pixel.0[..3].iter().all(|c| *c < 80);
-    assert!(clear.pixels().filter(is_ink).count() > 60);
-    // Flags override the document.
-    let text = format!("background transparent; {SPHERE}");
-    place.run(&["render", &text, "--size", "8", "-o", "p.png"]).ok();
-    assert!(image::open(place.path("p.png")).expect("a picture").color().has_alpha());
-    place.run(&["render", &text, "--size", "8", "-o", "p.png", "--background", "white"]).ok();
-    assert!(!image::open(place.path("p.png")).expect("a picture").color().has_alpha());
-    let refused = place.run(&["render", &format!("background tranparent; {SPHERE}"), "--json"]);
-    assert!(refused.stderr.contains("did you mean `transparent`?"), "{}", refused.stderr);
-    let refused = place.run(&["render", SPHERE, "--json", "--background", "reddish"]);
-    assert!(refused.stderr.contains("not transparent, and no color"), "{}", refused.stderr);
-}
-
-#[test]
 fn output_is_plain_where_nobody_sees_colors() {
     let place = Sandbox::new();
     let run = place.run(&["render", "x+", "-o", "a.png"]);
@@ -525,7 +481,7 @@ fn shadows_central_normals_and_parallel_rays() {
     let render = |name: &str, arguments: &[&str]| {
         let fixed = ["render", "box", "--size", "48", "-o", name];
         place.run(&[&fixed[..], arguments].concat()).ok();
-        picture(&place, name)
+        place.picture(name)
     };
     let plain = render("plain.png", &[]);
     let shadowed = render("shadows.png", &["--shadows", "--light", "0,0,9"]);
@@ -674,7 +630,7 @@ fn a_budget_of_time_ends_what_is_hopeless_with_the_picture_so_far() {
             "of these were not reached within {budget} s and are not drawn: a larger --budget"
         );
         assert!(run.stderr.contains(&note), "{}", run.stderr);
-        assert_eq!(picture(&place, "p.png").width(), 700);
+        assert_eq!(place.picture("p.png").width(), 700);
         assert_eq!(render(budget, &["--strict"]).code, Some(1));
     }
 }
@@ -778,13 +734,13 @@ fn the_gallery_is_listed_and_rendered_without_a_checkout() {
     let (names, models) = names.split_at(names.len() - 5);
     assert_eq!(models, ["bearing", "lattice", "planetary-gear", "rook", "temple"]);
     for name in names {
-        let picture = picture(&place, &format!("out/pictures/{name}.png"));
+        let picture = place.picture(&format!("out/pictures/{name}.png"));
         let background = picture.get_pixel(0, 0);
         let painted = picture.pixels().any(|pixel| pixel != background);
         // The needle is thinner than these pixels.
         assert!(painted || *name == "needle", "{name} is empty");
     }
-    let sheet = picture(&place, "out/pictures/contact-sheet.png");
+    let sheet = place.picture("out/pictures/contact-sheet.png");
     assert!(sheet.width() > 2000);
 }
 
@@ -941,61 +897,6 @@ fn a_picture_tells_which_command_made_it() {
     let command = "zeroset render 'x^2+y^2 = z^2 + ½' --size 16 -o it.png";
     assert_eq!(comment.get_text().expect("text"), command);
     assert!(reader.info().srgb.is_some());
-}
-
-#[test]
-fn looks_and_edges_change_colors_and_nothing_else() {
-    let place = Sandbox::new();
-    let render = |more: &[&str]| {
-        let fixed = ["render", SPHERE, "--size", "48", "-o", "p.png", "--status", "s.npy"];
-        place.run(&[&fixed[..], more].concat()).ok();
-        (picture(&place, "p.png"), std::fs::read(place.path("s.npy")).expect("written"))
-    };
-    let (usual, status) = render(&[]);
-    for (look, corner) in [
-        ("studio", [244, 244, 246]),
-        ("flat", [255; 3]),
-        ("paper", [255; 3]),
-        ("night", [13, 15, 21]),
-    ] {
-        let (lit, same) = render(&["--look", look]);
-        assert_eq!(lit.get_pixel(0, 0).0, corner, "{look}");
-        assert!(same == status && (lit == usual) == (look == "studio"), "{look}");
-    }
-    let (sharp, same) = render(&["--aa", "1"]);
-    assert!(same == status && sharp != usual);
-    assert_eq!(sharp.get_pixel(24, 24), usual.get_pixel(24, 24));
-    let refused = place.run(&["render", SPHERE, "-o", "p.png", "--aa", "3"]);
-    assert!(refused.code == Some(2) && refused.stderr.contains("--aa 3: there are 1, 4, 16 or 64"));
-}
-
-#[test]
-fn a_document_says_how_its_picture_looks() {
-    let place = Sandbox::new();
-    let render = |text: &str, more: &[&str]| {
-        let fixed = ["render", text, "--size", "48", "--json", "-o", "p.png"];
-        let run = place.run(&[&fixed[..], more].concat()).ok();
-        let image = picture(&place, "p.png");
-        (run.json()["look"].as_str().expect("a look").to_owned(), image)
-    };
-    let corner = |(_, image): &(String, image::RgbImage)| image.get_pixel(0, 0).0;
-    let plain = render(SPHERE, &[]);
-    let night = render(&format!("{SPHERE}; look night"), &[]);
-    assert_eq!((night.0.as_str(), corner(&night)), ("night", [13, 15, 21]));
-    let tomato = render(&format!("background tomato; look night; {SPHERE}"), &[]);
-    assert_eq!((tomato.0.as_str(), corner(&tomato)), ("night", [255, 99, 71]));
-    // Flags override the document.
-    let asked = render(
-        &format!("background tomato; look night; {SPHERE}"),
-        &["--look", "studio", "--background", "#f4f4f6"],
-    );
-    assert_eq!(asked, plain);
-    // A color line after the only surface applies to it.
-    let red = render(&format!("{SPHERE}; color red"), &[]);
-    assert_eq!(red, render(&format!("color red; {SPHERE}"), &[]));
-    assert_ne!(red, plain);
-    let refused = place.run(&["render", &format!("look nigt; {SPHERE}"), "-o", "p.png"]);
-    assert!(refused.code == Some(2) && refused.stderr.contains("did you mean `night`?"));
 }
 
 /// Typing the domain that a note names as `--domain` gives the same picture.

@@ -6,6 +6,7 @@ mod cli_curves;
 mod cli_errors;
 mod cli_eval;
 mod cli_large;
+mod cli_looks;
 mod cli_measure;
 mod cli_mesh;
 mod cli_render;

@@ -544,7 +544,7 @@ pub struct ShadingArgs {
     #[arg(help_heading = LIGHT, long)]
     pub legend: bool,
 
-    /// Write a title at the top of the picture [default: the document's]
+    /// Write a title at the top of the picture; an empty one for none [default: the document's]
     #[arg(help_heading = LIGHT, long, value_name = "TEXT")]
     pub title: Option<String>,
 
@@ -567,7 +567,7 @@ pub struct ShadingArgs {
 }
 
 impl ShadingArgs {
-    /// What is drawn over pictures of this document.
+    /// Returns the overlay of pictures of this document.
     pub fn overlay(&self, document: &Document) -> Overlay {
         Overlay::asked(self.axes, self.legend, document).titled(self.title.as_deref())
     }

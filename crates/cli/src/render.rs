@@ -237,7 +237,7 @@ fn settings(arguments: &RenderArgs) -> Result<Settings> {
         let hexadecimal = || Background::typed(&format!("#{text}"));
         Background::typed(text).or_else(hexadecimal).with_context(|| {
             format!(
-                "--background '{text}' is not transparent, and no color such as white or ffffff"
+                "--background '{text}' is neither a color such as white or ffffff nor transparent"
             )
         })
     };

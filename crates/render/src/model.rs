@@ -1,6 +1,7 @@
 //! The compiled surfaces of a document over one region. They can be drawn from any camera.
 
 mod antialias;
+mod blur;
 mod bounds;
 mod ground;
 mod layers;

@@ -27,6 +27,11 @@ impl Sandbox {
         self.directory.path().join(name)
     }
 
+    /// The picture in a file.
+    pub fn picture(&self, name: &str) -> image::RgbImage {
+        image::open(self.path(name)).expect("a picture").to_rgb8()
+    }
+
     pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
         std::fs::write(self.path(name), content).expect("written");
         self.path(name)

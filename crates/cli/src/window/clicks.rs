@@ -39,15 +39,15 @@ mod x11 {
     /// Detects missed clicks by the presses that the X server reports, if there is a connection.
     pub struct Clicks {
         server: Option<Server>,
-        /// Whether the server has reported a press of a button that no poll has found held.
+        /// Set if the server has reported a press of a button that no poll has found held.
         pressed: bool,
     }
 
     /// State of the pointer.
     struct Pointer {
-        /// Whether the left button is down.
+        /// Set if the left button is down.
         is_down: bool,
-        /// Whether this window is the topmost one under the pointer.
+        /// Set if this window is the topmost one under the pointer.
         is_here: bool,
     }
 
@@ -113,7 +113,7 @@ mod x11 {
             Some(Pointer { is_down, is_here: self.is_below(pointer.child)? })
         }
 
-        /// Whether this window is the given one, or is inside of it.
+        /// Returns whether this window is the given one, or is inside of it.
         fn is_below(&self, top: Window) -> Option<bool> {
             let mut window = self.window;
             // A window manager may place the window inside windows of its own.

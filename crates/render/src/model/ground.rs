@@ -3,11 +3,9 @@
 //! The ground is part of the picture's background. Statuses and distances do not know it: a pixel
 //! that shows the ground is a miss.
 
-mod blur;
-
+use super::blur::blur;
 use super::strips::Overview;
 use super::trace::RenderPass;
-use blur::blur;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -220,8 +218,8 @@ fn quasirandom([column, row]: [usize; 2]) -> [f64; 2] {
     ]
 }
 
-/// A distant light. If `place` is spread evenly over the unit square, there are as many lights per
-/// solid angle as a horizontal plane receives light from there.
+/// A distant light for a place in the unit square. If places are spread evenly over the square,
+/// there are as many lights per solid angle as a horizontal plane receives light from there.
 fn sky([square, turns]: [f64; 2]) -> Light {
     let (sine, cosine) = (turns * TAU).sin_cos();
     let aside = square.sqrt();

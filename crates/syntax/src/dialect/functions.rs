@@ -5,7 +5,7 @@ use crate::dialect::control_flow::RESULT;
 use crate::dialect::program_reader::{
     Frame, Procedure, ProcedureParameter, ProgramReader, Statements,
 };
-use crate::dialect::program_words::{SCENES, Words, size_of};
+use crate::dialect::program_words::{Words, is_scene_function, size_of};
 use crate::lex::token::{Token, bracketed, closing, split};
 use crate::lex::token_kind::TokenKind::{Comma, Equals, OpenBrace, OpenParen, Semicolon};
 use crate::messages::error::{Error, ErrorKind, Fallible};
@@ -127,7 +127,7 @@ impl ProgramReader<'_> {
         let before = self.program.last_function.clone();
         let mut frame = self.enter(self.words.name(name), parameters)?;
         let returns_vector = types.iter().any(|token| size_of(self.words.word(*token)) > 1);
-        let is_scene = SCENES.contains(&word.as_str());
+        let is_scene = is_scene_function(&word);
         if self.program.last_function.as_ref().is_some_and(|name| name.text == word) {
             self.program.draws_first_component = returns_vector && is_scene;
         }
@@ -346,10 +346,11 @@ impl ProgramReader<'_> {
         lines.last().is_some_and(|line| self.words.word(line[0]) == "return")
     }
 
-    /// Records `name`, a function of a point, as the function to draw. A name from `SCENES` is
-    /// replaced only by another of them, because later functions often compute light or shadow.
+    /// Records `name`, a function of a point, as the function to draw. The usual
+    /// name of a scene is replaced only by another one, since later functions often compute light or
+    /// shadow.
     fn record_drawn(&mut self, name: &Name) {
-        let is_scene = |name: &Name| SCENES.contains(&name.text.as_str());
+        let is_scene = |name: &Name| is_scene_function(&name.text);
         let known = self.program.last_function.as_ref();
         if is_scene(name) || !known.is_some_and(is_scene) {
             self.program.last_function = Some(name.clone());

@@ -11,7 +11,7 @@ use crate::tree::ast::Name;
 const VECTORS: &[&str] = &["vec", "float", "half", "ivec", "uvec", "bvec", "dvec"];
 
 /// Usual names of functions that return the distance from a point to the scene.
-pub(crate) const SCENES: &[&str] =
+const SCENES: &[&str] =
     &["map", "sdf", "SDF", "scene", "sceneSDF", "sdScene", "mapScene", "DE", "getDist", "GetDist"];
 
 /// Returns whether a function with this name is usually the distance from a point to the scene.

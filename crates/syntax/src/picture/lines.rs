@@ -35,23 +35,23 @@ pub struct PictureLines {
     pub clip: Option<[Constant; 4]>,
     /// Position of the light, in world units.
     pub light: Option<[Constant; 3]>,
-    /// Whether shadows are drawn.
+    /// Turns shadows on or off.
     pub shadows: Option<bool>,
-    /// Whether surfaces stand on a ground.
+    /// Turns the ground on or off, on which surfaces stand.
     pub ground: Option<bool>,
     /// How much of a far point's color is that of the background, from 0 to 1.
     pub haze: Option<f64>,
-    /// Whether lines are drawn where the surfaces bend sharply, meet, or hide each other.
+    /// Turns on or off lines where surfaces end, bend sharply, meet, or hide each other.
     pub outlines: Option<bool>,
-    /// Whether the domain's box and axes are drawn.
+    /// Turns the domain's box and axes on or off.
     pub axes: Option<bool>,
-    /// Whether lengths along all axes are displayed alike, whatever the extents of a graph.
+    /// Set if lengths along all axes are displayed alike, whatever the extents of a graph.
     pub is_equal: bool,
-    /// Whether a legend shows the color of each value.
+    /// Turns on or off the legends, which show the color of each value.
     pub legend: Option<bool>,
     /// A line of text at the top of the picture.
     pub title: Option<String>,
-    /// Whether lines of equal x, y and z are drawn on the surfaces. On a graph z = f(x, y), only
+    /// Turns on or off lines of equal x, y and z on the surfaces. On a graph z = f(x, y), only
     /// those of equal x and y.
     pub mesh: Option<bool>,
     /// Contour lines on the surfaces.

@@ -1,4 +1,4 @@
-//! A blur that leaves out some pixels.
+//! Blurs over the pixels of a picture.
 
 use rayon::prelude::*;
 
@@ -8,26 +8,33 @@ const TIMES: usize = 3;
 /// Sums of weights below this are rounding errors.
 const LEAST_WEIGHT: f32 = 1e-6;
 
-/// Replaces values by means over the squares around them, which reach `radius` pixels to each side.
-/// Only pixels whose distance `drawn` is finite count. The mean is NaN where none of them is near.
+/// Nearly a Gaussian blur: [`TIMES`] means over squares that reach `radius` pixels to each side. Only
+/// pixels whose distance `drawn` is finite count. The mean is NaN where none of them is near.
 /// `width` is that of the picture.
 pub(super) fn blur(values: &[u8], drawn: &[f64], width: usize, radius: usize) -> Vec<f32> {
     let weight = |drawn: &f64| if drawn.is_finite() { 1.0 } else { 0.0 };
     let weights: Vec<f32> = drawn.iter().map(weight).collect();
     let values = values.iter().zip(&weights).map(|(value, weight)| f32::from(*value) * weight);
-    let [sums, counts] = [values.collect(), weights].map(|sums| box_blur(sums, width, radius));
+    let [sums, counts] =
+        [values.collect(), weights].map(|sums| box_blur(sums, width, radius, TIMES));
     let mean =
         |(sum, count): (&f32, &f32)| if *count > LEAST_WEIGHT { sum / count } else { f32::NAN };
     sums.iter().zip(&counts).map(mean).collect()
 }
 
-/// Sums over the squares around each pixel, taken [`TIMES`] times.
-fn box_blur(mut values: Vec<f32>, width: usize, radius: usize) -> Vec<f32> {
+/// Means over the squares around each pixel, which reach `radius` pixels to each side, taken `times`
+/// times. Beyond the picture's edge, values are 0. `width` is that of the picture.
+pub(super) fn box_blur(
+    mut values: Vec<f32>,
+    width: usize,
+    radius: usize,
+    times: usize,
+) -> Vec<f32> {
     let mut width = width.max(1);
     for _ in 0..2 {
         let rows = values.par_chunks_mut(width);
         rows.for_each_init(Vec::new, |copy, row| {
-            (0..TIMES).for_each(|_| box_blur_row(row, copy, radius));
+            (0..times).for_each(|_| box_blur_row(row, copy, radius));
         });
         let height = values.len() / width;
         values = transposed(&values, width);
@@ -36,7 +43,7 @@ fn box_blur(mut values: Vec<f32>, width: usize, radius: usize) -> Vec<f32> {
     values
 }
 
-/// Sums over the pixels that are at most `radius` away in the row, as shares of a whole sum.
+/// Means over the pixels that are at most `radius` away in the row.
 fn box_blur_row(row: &mut [f32], copy: &mut Vec<f32>, radius: usize) {
     copy.clear();
     copy.extend_from_slice(row);
