@@ -8,8 +8,8 @@ const TIMES: usize = 3;
 /// Sums of weights below this are rounding errors.
 const LEAST_WEIGHT: f32 = 1e-6;
 
-/// Nearly a Gaussian blur: [`TIMES`] means over squares that reach `radius` pixels to each side. Only
-/// pixels whose distance `drawn` is finite count. The mean is NaN where none of them is near.
+/// Nearly a Gaussian blur: [`TIMES`] means over squares that reach `radius` pixels to each side.
+/// Only pixels whose distance `drawn` is finite count. The mean is NaN where none of them is near.
 /// `width` is that of the picture.
 pub(super) fn blur(values: &[u8], drawn: &[f64], width: usize, radius: usize) -> Vec<f32> {
     let weight = |drawn: &f64| if drawn.is_finite() { 1.0 } else { 0.0 };
@@ -22,8 +22,8 @@ pub(super) fn blur(values: &[u8], drawn: &[f64], width: usize, radius: usize) ->
     sums.iter().zip(&counts).map(mean).collect()
 }
 
-/// Means over the squares around each pixel, which reach `radius` pixels to each side, taken `times`
-/// times. Beyond the picture's edge, values are 0. `width` is that of the picture.
+/// Means over the squares around each pixel, which reach `radius` pixels to each side. They are
+/// taken `times` times. Beyond the picture's edge, values are 0. `width` is that of the picture.
 pub(super) fn box_blur(
     mut values: Vec<f32>,
     width: usize,

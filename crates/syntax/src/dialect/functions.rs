@@ -346,9 +346,8 @@ impl ProgramReader<'_> {
         lines.last().is_some_and(|line| self.words.word(line[0]) == "return")
     }
 
-    /// Records `name`, a function of a point, as the function to draw. The usual
-    /// name of a scene is replaced only by another one, since later functions often compute light or
-    /// shadow.
+    /// Records `name`, a function of a point, as the function to draw. The usual name of a scene is
+    /// replaced only by another one, since later functions often compute light or shadow.
     fn record_drawn(&mut self, name: &Name) {
         let is_scene = |name: &Name| is_scene_function(&name.text);
         let known = self.program.last_function.as_ref();
