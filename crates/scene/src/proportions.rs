@@ -109,6 +109,27 @@ mod tests {
     }
 
     #[test]
+    fn most_heights_beside_poles_are_shown() {
+        for (text, far) in [
+            ("z = tan(40x)", 2.0),
+            ("z = tan(1000x)", 2.0),
+            ("z = tan(1e6 x)", 2.0),
+            ("z = 1/sin(1000x)", 2.0),
+            ("z = 1000/(x-0.3)", 100.0),
+            ("z = 1000/x", 100.0),
+            ("z = tan(50x) + y", 2.0),
+            // Every second point of the grid lies at a pole.
+            ("z = tan(x + y) + tan(8x + 8y)", 2.0),
+            ("z = tan(3x + 3y)", 2.0),
+            ("z = 1/(sin(7x) + sin(7y))", 0.8),
+        ] {
+            let (low, high) = (shown(text).low().z, shown(text).high().z);
+            let is_fit = |end: f64| (far..6.0 * far).contains(&end);
+            assert!(is_fit(-low) && is_fit(high), "{text}: {low} to {high}");
+        }
+    }
+
+    #[test]
     fn other_surfaces_and_equal_axes_are_not_stretched() {
         for text in [
             "aspect equal\nz = 1000 sin x",

@@ -2,7 +2,7 @@
 //!
 //! All results are sampled, not proven. This module depends neither on surfaces nor on kernels.
 
-use super::heights::{AT_ONCE, Grid, Heights, ROUNDING, SIDE, places};
+use super::heights::{Grid, Heights, ROUNDING, SIDE, is_pole, places};
 
 /// A local maximum or minimum of a graph.
 #[derive(Clone, Copy, Debug)]
@@ -140,22 +140,6 @@ fn is_top(heights: &Heights<'_>, [x, y]: [f64; 2], step: f64, apart: f64) -> boo
     // NaN means that the heights have no such paraboloid. Then nothing indicates a valley.
     let way = way_x.abs().max(way_y.abs());
     way.is_nan() || way <= apart
-}
-
-/// Returns whether the height differs abruptly from the heights around it. This happens if rounding
-/// leaves a finite value at a pole.
-fn is_pole(heights: &Heights<'_>, [x, y]: [f64; 2], height: f64, apart: f64) -> bool {
-    let falls = |far: f64| {
-        let place = |n: i32| [x + f64::from(n % 3 - 1) * far, y + f64::from(n / 3 - 1) * far];
-        let around: Vec<[f64; 2]> = (0..9).filter(|n| *n != 4).map(place).collect();
-        let falls = heights(&around).into_iter().map(|other| (height - other).abs());
-        falls.filter(|fall| fall.is_finite()).collect::<Vec<_>>()
-    };
-    let far = falls(apart).into_iter().fold(0.0, f64::max);
-    let near = falls(apart * AT_ONCE);
-    // Up to a quarter of the places may have the same height, as along a line of poles.
-    let at_once = near.iter().filter(|fall| **fall > far / 2.0).count();
-    at_once > 0 && 4 * at_once >= 3 * near.len()
 }
 
 /// Returns whether an extremum is higher (or lower) than all places around it. On a ridge, some

@@ -151,8 +151,9 @@ impl WindowChooser<'_> {
         ground::ends(&widened, &Grid::new(&widened, half))
     }
 
-    /// The window on a graph, with these half sides along its ground.
-    pub(super) fn graph(&mut self, graph: GraphAxes, halves: [f64; 2]) -> Cell {
+    /// The window on a graph, with these half sides along its ground. `None` for a curve that
+    /// leaves the window both above and below, and most of which a cube around the center shows.
+    pub(super) fn graph(&mut self, graph: GraphAxes, halves: [f64; 2]) -> Option<Cell> {
         let GraphAxes { up, along, .. } = graph;
         let axes = [(up + 1) % 3, (up + 2) % 3];
         let mut map = self.ground_of(up, halves);
@@ -214,12 +215,17 @@ impl WindowChooser<'_> {
             let [low, high] = ends.map(few_digits);
             (window.low[up], window.high[up]) = (low, high);
             self.cut[up] = is_cut;
+            let cube = [self.centre[up] - half, self.centre[up] + half];
+            let is_in_cube = || !self.is_stretched || !grid.is_little(cube);
+            if along.is_some() && is_cut == [true; 2] && is_in_cube() {
+                return None;
+            }
             if self.is_stretched {
                 thin = ROUNDING;
             } else if proven.iter().all(|end| end.is_finite()) {
                 thin = THIN;
             }
         }
-        super::thickened(window, thin)
+        Some(super::thickened(window, thin))
     }
 }

@@ -10,13 +10,13 @@ pub type Heights<'a> = dyn Fn(&[[f64; 2]]) -> Vec<f64> + 'a;
 pub struct Grid {
     /// Half the side of the square.
     pub half: f64,
-    /// Heights at all points of the grid, row by row; NaN where undefined.
+    /// Heights at all points of the grid, row by row; NaN where undefined, and at poles.
     pub sampled: Vec<f64>,
     /// All finite heights, in ascending order.
     sorted: Vec<f64>,
     /// The lowest and the highest height on the border.
     border: [f64; 2],
-    /// Whether the lowest and the highest height lie beside a place without a height, toward which
+    /// Whether the lowest and the highest height lie at a pole, or beside one: a place toward which
     /// the heights fall or rise without bound.
     has_pole: [bool; 2],
 }
@@ -52,14 +52,30 @@ const GAP: f64 = 0.02;
 /// height.
 const RIM: f64 = 0.7;
 
+/// Share of the heights that is left out toward a pole of a stretched graph.
+const FAR_OUT: f64 = 0.1;
+
 /// A part of the heights is little if it has less than this share of all.
-const LITTLE: f64 = 0.25;
+const LITTLE: f64 = 0.4;
 
 /// Space above and below a graph, as a share of its height.
 const SPACE: f64 = 0.02;
 
 /// Heights that differ by less than this share of their size may be equal up to rounding.
 pub const ROUNDING: f64 = 1e-12;
+
+/// Directions in which a pole's height is compared with others. Half of them lie along axes and
+/// diagonals, as lines of poles often do.
+#[rustfmt::skip]
+const AROUND: [[f64; 2]; 16] = [
+    [1.0, 0.0], [1.0, 0.37], [1.0, 1.0], [0.37, 1.0],
+    [0.0, 1.0], [-0.37, 1.0], [-1.0, 1.0], [-1.0, 0.37],
+    [-1.0, 0.0], [-1.0, -0.37], [-1.0, -1.0], [-0.37, -1.0],
+    [0.0, -1.0], [0.37, -1.0], [1.0, -1.0], [1.0, -0.37],
+];
+
+/// A height that rounding left at a pole is this many times as large as those around it.
+const ABRUPT: f64 = 100.0;
 
 /// Share of the distance between two grid points within which a change counts as abrupt.
 pub const AT_ONCE: f64 = 1.0 / 1024.0;
@@ -77,14 +93,31 @@ pub fn places(half: f64) -> Vec<[f64; 2]> {
 impl Grid {
     /// Samples the square from `-half` to `half` on both axes.
     pub fn new(heights: &Heights<'_>, half: f64) -> Self {
-        let sampled = heights(&places(half));
-        let mut sorted: Vec<f64> = sampled.iter().copied().filter(|h| h.is_finite()).collect();
-        sorted.sort_unstable_by(f64::total_cmp);
+        let (places, apart) = (places(half), 2.0 * half / (SIDE - 1) as f64);
+        let mut sampled = heights(&places);
+        let is_at_pole = |n: usize, height| is_pole(heights, places[n], height, apart);
+        let mut sorted = ascending(&sampled);
+        let nth = |sampled: &[f64], end: Option<&f64>| {
+            sampled.iter().position(|height| Some(height) == end)
+        };
+        // Where rounding leaves a height at one pole, it may do so at many.
+        let extremes = [sorted.first(), sorted.last()].map(|end| nth(&sampled, end));
+        if extremes.into_iter().flatten().any(|n| is_at_pole(n, sampled[n])) {
+            for n in (0..sampled.len()).filter(|n| is_at_pole(*n, sampled[*n])).collect::<Vec<_>>()
+            {
+                sampled[n] = f64::NAN;
+            }
+            sorted = ascending(&sampled);
+        }
         let on_border =
             |n: &usize| [0, SIDE - 1].contains(&(n % SIDE)) || [0, SIDE - 1].contains(&(n / SIDE));
         let border = ends((0..SIDE * SIDE).filter(on_border).map(|n| sampled[n]));
-        let has_pole = [sorted.first(), sorted.last()]
-            .map(|end| end.is_some_and(|end| is_beside_pole(heights, half, &sampled, *end)));
+        let has_pole = [(sorted.first(), -1.0), (sorted.last(), 1.0)].map(|(end, sign)| {
+            nth(&sampled, end).is_some_and(|n| {
+                let (at, height) = climbed(heights, places[n], sampled[n], sign, apart / 2.0);
+                is_pole(heights, at, height, apart) || is_beside_pole(heights, half, &sampled, n)
+            })
+        });
         Self { half, sampled, sorted, border, has_pole }
     }
 
@@ -116,10 +149,11 @@ impl Grid {
         self.sorted.first().zip(self.sorted.last()).map(|(lowest, highest)| [*lowest, *highest])
     }
 
-    /// The share of all finite heights that lies between these.
-    fn share(&self, [low, high]: [f64; 2]) -> f64 {
+    /// Returns whether few of the finite heights lie between these.
+    pub fn is_little(&self, [low, high]: [f64; 2]) -> bool {
         let count = |end: f64| self.sorted.partition_point(|height| *height < end);
-        (count(high) - count(low).min(count(high))) as f64 / self.sorted.len().max(1) as f64
+        let between = count(high) - count(low).min(count(high));
+        (between as f64) < LITTLE * self.sorted.len() as f64
     }
 
     /// Returns whether some heights are far above most others, and some far below, as at poles.
@@ -130,11 +164,17 @@ impl Grid {
     }
 }
 
-/// Returns whether the grid's extreme height `end` lies beside a place without a height, toward
-/// which heights change as a logarithm or faster: the change does not shrink when the distance
-/// does.
-fn is_beside_pole(heights: &Heights<'_>, half: f64, sampled: &[f64], end: f64) -> bool {
-    let Some(n) = sampled.iter().position(|height| *height == end) else { return false };
+/// The finite heights in ascending order.
+fn ascending(heights: &[f64]) -> Vec<f64> {
+    let mut sorted: Vec<f64> = heights.iter().copied().filter(|h| h.is_finite()).collect();
+    sorted.sort_unstable_by(f64::total_cmp);
+    sorted
+}
+
+/// Returns whether the grid's `n`th point, which has an extreme height, lies beside a place without
+/// a height, toward which heights change as a logarithm or faster: the change does not shrink when
+/// the distance does.
+fn is_beside_pole(heights: &Heights<'_>, half: f64, sampled: &[f64], n: usize) -> bool {
     let at = |n: usize| [place(half, n % SIDE), place(half, n / SIDE)];
     let (row, column) = (n / SIDE, n % SIDE);
     let beside = [
@@ -160,6 +200,45 @@ fn is_beside_pole(heights: &Heights<'_>, half: f64, sampled: &[f64], end: f64) -
     })
 }
 
+/// The place and the height at the end of a climb from a place, or of a descent if `sign` is −1. The
+/// first step has the length `step`. Each further step is half as long.
+fn climbed(
+    heights: &Heights<'_>,
+    [mut x, mut y]: [f64; 2],
+    mut height: f64,
+    sign: f64,
+    mut step: f64,
+) -> ([f64; 2], f64) {
+    for _ in 0..HALVINGS {
+        let around = [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0)];
+        let around = around.map(|(a, b): (f64, f64)| [x + a * step, y + b * step]);
+        let found = around.into_iter().zip(heights(&around));
+        let higher = found.filter(|(_, other)| other.is_finite() && sign * (other - height) > 0.0);
+        let best = higher.max_by(|(_, a), (_, b)| (sign * a).total_cmp(&(sign * b)));
+        if let Some((place, other)) = best {
+            ([x, y], height) = (place, other);
+        }
+        step /= 2.0;
+    }
+    ([x, y], height)
+}
+
+/// Returns whether rounding left a finite height at a pole: it is far larger than the heights
+/// around it, near and nearer. `apart` is the distance between grid points.
+pub fn is_pole(heights: &Heights<'_>, [x, y]: [f64; 2], height: f64, apart: f64) -> bool {
+    [AT_ONCE, AT_ONCE / 32.0].into_iter().all(|share| {
+        let far = share * apart;
+        let found = heights(&AROUND.map(|[a, b]| [x + a * far, y + b * far]));
+        let finite = found.iter().filter(|other| other.is_finite()).count();
+        let lower = found.iter().filter(|other| other.abs() * ABRUPT < height.abs()).count();
+        // A quarter may be as high, as along two lines of poles that cross.
+        lower > 0 && 4 * lower >= 3 * finite
+    })
+}
+
+/// Number of steps of a climb toward a pole.
+const HALVINGS: usize = 32;
+
 /// Number of halvings that locate the edge of the ground beside an extreme height.
 const EDGE_HALVINGS: u32 = 40;
 
@@ -184,8 +263,9 @@ pub struct ShownHeights {
 
 /// The range of heights that is shown: all heights over the ground if the graph is not too tall,
 /// otherwise all maxima and minima in `tops` and a suitable part of the rest. `further` are heights
-/// between those of the grid, and all heights lie within `proven`. If `is_stretched`, all heights
-/// of a graph are shown of which that part would show little. `None` if there are no heights.
+/// between those of the grid, and all heights lie within `proven`. If `is_stretched`, and that part
+/// would show little of a graph, all heights are shown, or most of them toward a pole. `None` if
+/// there are no heights.
 pub fn shown(
     grid: &Grid,
     tops: &[f64],
@@ -195,12 +275,17 @@ pub fn shown(
 ) -> Option<ShownHeights> {
     let more = tops.iter().chain(further).copied().filter(|height| height.is_finite());
     let [lowest, highest] = ends(grid.ends()?.into_iter().chain(more));
-    let is_little =
-        |ends: &[f64; 2]| is_stretched && grid.has_pole == [false; 2] && grid.share(*ends) < LITTLE;
-    let all = || whole(f64::INFINITY, [lowest, highest], proven);
-    let some = || part(grid, tops).map(|ends| all().filter(|_| is_little(&ends)).unwrap_or(ends));
+    let all = || {
+        let most = grid.quantiles(FAR_OUT);
+        let end = |side: usize| if grid.has_pole[side] { most } else { [lowest, highest] }[side];
+        whole(f64::INFINITY, [end(0), end(1)], proven)
+    };
+    let some = || {
+        part(grid, tops)
+            .map(|ends| all().filter(|_| is_stretched && grid.is_little(ends)).unwrap_or(ends))
+    };
     let ends = whole(grid.half, [lowest, highest], proven).or_else(some)?;
-    let grain = ROUNDING * (highest - lowest);
+    let grain = ROUNDING * (ends[1] - ends[0]);
     let is_cut = [lowest < ends[0] - grain, highest > ends[1] + grain];
     Some(ShownHeights { ends, is_cut })
 }

@@ -193,9 +193,7 @@ impl WindowChooser<'_> {
         let half = halves.into_iter().fold(0.0, f64::max);
         if let Some(graph) = self.graph_axes() {
             let ground = [1, 2].map(|k| halves[(graph.up + k) % 3]);
-            let window = self.graph(graph, ground);
-            // A curve that leaves the window both above and below is shown around the center.
-            if graph.along.is_none() || self.cut[graph.up] != [true; 2] {
+            if let Some(window) = self.graph(graph, ground) {
                 return window;
             }
         }
