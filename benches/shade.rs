@@ -12,9 +12,7 @@ use glam::DVec3;
 use std::hint::black_box;
 use std::time::Instant;
 use zeroset_eval::{Gradients, Kernel, Points, Real, SampleGradient};
-use zeroset_shade::{
-    Appearance, Light, NormalSource, Shader, hand_back_colors, normals, shade, unset_colors,
-};
+use zeroset_shade::{Appearance, ColorDepth, Colors, Light, NormalSource, Shader, normals, shade};
 use zeroset_style::{FOV, VIEWS};
 use zeroset_trace::{
     BAND_ROWS, Band, Camera, Driver, GBuffer, Kept, KernelStats, Projection, RayGrid, RayResult,
@@ -114,9 +112,10 @@ fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; STAGES.len()] {
         lap(&mut || _ = black_box(normals(buffer, rays, gradients, 1e-3)));
         buffer.normal.fill([0.0; 3]);
         lap(&mut || _ = black_box(normals(buffer, rays, gradients_in_f64, 1e-3)));
-        hand_back_colors(shade(buffer, rays, &far, &[]));
-        lap(&mut || hand_back_colors(black_box(shade(buffer, rays, &far, &[]))));
-        lap(&mut || hand_back_colors(black_box(shade(buffer, rays, &near, &[]))));
+        let shaded = |look| shade(buffer, rays, look, &[], ColorDepth::Bytes);
+        shaded(&far).hand_back();
+        lap(&mut || black_box(shaded(&far)).hand_back());
+        lap(&mut || black_box(shaded(&near)).hand_back());
         // Before each measured frame, a painted frame hands its memory back.
         let known = Some(&*buffer);
         for (known, is_lit) in [(None, false), (known, false), (known, true)] {
@@ -141,19 +140,19 @@ fn time(rays: &RayGrid, buffer: &mut GBuffer) -> [f64; STAGES.len()] {
 /// Draws a frame of the known hits, with normals and colors if there is a shader.
 fn frame(rays: &RayGrid, known: Option<&GBuffer>, shader: Option<&Shader<'_>>) {
     let driver = Driver { rays, tracer: &KnownHits(known), advance: &|_| true };
-    let mut colors = unset_colors(SIZE * SIZE);
-    let parts = colors.chunks_mut(3 * BAND_ROWS * SIZE).collect();
+    let mut colors = Colors::unset(ColorDepth::Bytes, SIZE * SIZE);
+    let parts = colors.as_mut().split(BAND_ROWS * SIZE);
     let source = NormalSource::<f32>::Gradient(&CopyPoints);
     let (buffer, _) =
-        driver.new_picture(0, Kept::default(), &[], (&[], &[]), parts, |rows, bytes| {
-            let canvas = shader.map(|shader| shader.canvas(bytes));
+        driver.new_picture(0, Kept::default(), &[], (&[], &[]), parts, |rows, colors| {
+            let canvas = shader.map(|shader| shader.canvas(colors));
             canvas.map_or_else(KernelStats::default, |canvas| {
                 source.compute_normals(rows, rays, 1e-3, Some(canvas))
             })
         });
     black_box(&buffer);
     buffer.hand_back();
-    hand_back_colors(colors);
+    colors.hand_back();
 }
 
 fn main() {

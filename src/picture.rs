@@ -10,7 +10,9 @@ use std::path::Path;
 use zeroset_interval::Interval;
 use zeroset_render::atomic_file::AtomicFile;
 use zeroset_render::picture;
-use zeroset_render::png_file::{check_png, write_png};
+use zeroset_render::picture::ColorDepth;
+use zeroset_render::pixels::{samples, samples_of_light};
+use zeroset_render::png_file::{PngFormat, check_png, write_png};
 use zeroset_scene::view::bounds;
 use zeroset_space::Region;
 use zeroset_trace::{PixelCounts, Projection, RayGrid, UndecidedReason};
@@ -97,6 +99,7 @@ pub struct Picture {
 pub(crate) struct PictureArrays {
     rgb: Vec<u8>,
     alpha: Vec<u8>,
+    light: Vec<[f32; 4]>,
     status: Vec<Status>,
     reason: Vec<UndecidedReason>,
     depth: Vec<f64>,
@@ -119,6 +122,7 @@ impl PictureArrays {
         let normal = |n: usize| if buffer.is_drawn(n) { buffer.normal[n] } else { [0.0; 3] };
         self.rgb.extend(&part.rgb);
         self.alpha.extend(&part.alpha);
+        self.light.extend(&part.light);
         self.status.extend(buffer.status.iter().map(status));
         self.reason.extend(pixels().map(|n| buffer.reason(n)));
         self.depth.extend(&buffer.drawn);
@@ -159,6 +163,13 @@ impl Picture {
     /// background is transparent. Colors are not multiplied by opacities.
     pub fn alpha(&self) -> &[u8] {
         &self.rows.alpha
+    }
+
+    /// Returns the light of each pixel, red, green and blue (primaries of sRGB, 1 at full), then its
+    /// opacity. Empty unless [16 bits per channel](crate::Settings::bits) are set. Light is not
+    /// multiplied by the opacity.
+    pub fn light(&self) -> &[[f32; 4]] {
+        &self.rows.light
     }
 
     /// Returns the status of each pixel.
@@ -269,7 +280,8 @@ impl Picture {
         save().map_err(|error| Error::file(path, &error))
     }
 
-    /// Writes the picture as PNG (sRGB, eight bits per channel). If the background is transparent,
+    /// Writes the picture as PNG (sRGB, eight bits per channel, or
+    /// [sixteen](crate::Settings::bits)). If the background is transparent,
     /// the PNG has opacities.
     ///
     /// # Errors
@@ -280,7 +292,14 @@ impl Picture {
     }
 
     fn encode(&self, out: impl Write) -> std::io::Result<()> {
-        write_png(out, (&self.rows.rgb, &self.rows.alpha), [self.width(), self.height()], &[])
+        let PictureArrays { rgb, alpha, light, .. } = &self.rows;
+        let (samples, depth) = if light.is_empty() {
+            (samples(rgb, alpha), ColorDepth::Bytes)
+        } else {
+            (samples_of_light(light, !alpha.is_empty()).into(), ColorDepth::Floats)
+        };
+        let format = PngFormat { has_alpha: !alpha.is_empty(), depth };
+        write_png(out, &samples, format, [self.width(), self.height()], &[])
     }
 
     /// Returns the index of a pixel in the arrays, if it is in the picture.

@@ -106,7 +106,7 @@ impl Scene {
             let seen = overview.unwrap_or(&*picture);
             let shown = PictureView::of(&model, &camera, seen);
             let marks = marks.get_or_insert_with(|| around.marks(shown, size));
-            marks.mix_into(&mut picture.rgb, &mut picture.alpha, top);
+            marks.mix_into_picture(picture, top);
             rows.add(picture);
             Ok(())
         };

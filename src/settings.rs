@@ -7,7 +7,7 @@ use std::str::FromStr;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 use zeroset_render::limit::StopFlag;
-use zeroset_render::picture;
+use zeroset_render::picture::{self, ColorDepth};
 use zeroset_scene::view::{CameraChoice, DomainChoice};
 use zeroset_shade::Pattern;
 use zeroset_space::Region;
@@ -225,6 +225,7 @@ pub struct Settings {
     pub(crate) camera: CameraChoice,
     shadows: bool,
     antialias: usize,
+    bits: usize,
     ambient: Option<f64>,
     pub(crate) axes: bool,
     pub(crate) legend: bool,
@@ -337,6 +338,7 @@ impl Settings {
             camera: CameraChoice::default(),
             shadows: false,
             antialias: ANTIALIAS,
+            bits: 8,
             ambient: None,
             axes: false,
             legend: false,
@@ -391,6 +393,9 @@ impl Settings {
         /// Sets how many rays give a pixel on an edge its color: 1, 4, 16 or 64. Default: 16.
         /// Statuses and distances belong to the ray through the pixel's center.
         antialias(rays: usize) => antialias = rays;
+        /// Sets the bits per channel of the PNG file: 8 or 16. With 16 bits, the picture also has
+        /// the [light](crate::Picture::light) of its pixels. Default: 8.
+        bits(bits: usize) => bits = bits;
         /// Sets the appearance of undecided pixels. Default: [`UndecidedStyle::Shade`].
         undecided(style: UndecidedStyle) => picture.undecided = match style {
             UndecidedStyle::Shade => zeroset_shade::UndecidedStyle::Shade,
@@ -437,7 +442,13 @@ impl Settings {
         ensure(is_share, || "haze must be between 0 and 1")?;
         let antialias = Pattern::of(self.antialias)
             .ok_or_else(|| Error::argument("antialias must be 1, 4, 16 or 64"))?;
+        let depth = match self.bits {
+            8 => ColorDepth::Bytes,
+            16 => ColorDepth::Floats,
+            _ => return Err(Error::argument("bits must be 8 or 16")),
+        };
         let settings = picture::Settings {
+            depth,
             method: self.trace.method.0,
             options: self.trace.options()?,
             antialias,

@@ -115,6 +115,14 @@ fn pictures_are_written_whole_or_not_at_all() {
         assert!(is_directory || error.to_string().contains(why), "{name}: {error}");
     }
     assert_eq!(place.files(), ["a.png"]);
+    let fine = scene(TEXTS[0]).render(&Settings::new(40, 30).bits(16)).expect("a picture");
+    assert!(picture.light().is_empty() && fine.light().len() == 40 * 30);
+    let mut wide = Vec::new();
+    fine.write_png(&mut wide).expect("written");
+    let header = |bytes: &[u8]| (bytes[16..24].to_vec(), bytes[24]);
+    assert_eq!(header(&wide), (header(&bytes).0, 16));
+    let error = scene(TEXTS[0]).render(&Settings::new(40, 30).bits(12)).expect_err("refused");
+    assert_eq!(error.to_string(), "bits must be 8 or 16");
     let error = picture.write_png(&mut [0; 99][..]).expect_err("no room");
     assert!(error.to_string().starts_with("cannot write the PNG: "), "{error}");
 }

@@ -1,7 +1,7 @@
 //! Pictures drawn strip by strip equal whole ones.
 
 use zeroset_render::model::{Model, Strip};
-use zeroset_render::picture::{Picture, Precision, Settings};
+use zeroset_render::picture::{ColorDepth, Picture, Precision, Settings};
 use zeroset_scene::program::ProgramError;
 use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 use zeroset_shade::{Pattern, UndecidedStyle};
@@ -57,6 +57,7 @@ fn together(
         assert_eq!(top, all.buffer.height);
         all.buffer = stacked([&all.buffer, &picture.buffer]);
         all.rgb.extend(&picture.rgb);
+        all.light.extend(&picture.light);
         Ok(())
     };
     let told = model.strips_of(rows, camera, settings, &|_, _| {}, &mut add).expect("compiled");
@@ -99,7 +100,8 @@ const TEXTS: [&str; 5] = [
 fn strips_are_parts_of_the_whole_bit_for_bit() {
     let plain = Settings { width: 130, height: 118, occlusion: true, ..Settings::default() };
     let sixteen = Pattern::of(16).expect("a pattern");
-    let fine = Settings { antialias: sixteen, shadow_depth: Some(7), ..plain.clone() };
+    let depth = ColorDepth::Floats;
+    let fine = Settings { antialias: sixteen, shadow_depth: Some(7), depth, ..plain.clone() };
     let marked = Settings { undecided: UndecidedStyle::Hatch, brackets: true, ..plain.clone() };
     let double = Settings {
         options: TraceOptions { precision: Precision::F64, ..fine.options },
@@ -114,6 +116,7 @@ fn strips_are_parts_of_the_whole_bit_for_bit() {
                 assert_eq!(different(&all.buffer, &whole.buffer), [0; 10], "{text}: {rows} rows");
                 let differ = all.rgb.iter().zip(&whole.rgb).filter(|(one, other)| one != other);
                 assert_eq!((all.rgb.len(), differ.count()), (whole.rgb.len(), 0), "{text}");
+                assert!(all.light == whole.light, "{text}");
                 let (of_all, of_whole) = (&told.statistics, &whole.statistics);
                 assert_eq!((of_all.pixels, of_all.open), (of_whole.pixels, of_whole.open));
                 assert_eq!(of_all.edge_rays, of_whole.edge_rays);

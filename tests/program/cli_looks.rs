@@ -45,6 +45,59 @@ fn a_picture_without_a_background_has_opacities() {
 }
 
 #[test]
+fn sixteen_bits_are_the_same_picture_with_finer_steps() {
+    let place = Sandbox::new();
+    let sphere = "title Ball; domain 1.2; x^2+y^2+z^2 = 1";
+    let drawn = |text: &str, bits: &str, more: &[&str]| {
+        let fixed = ["render", text, "--size", "96", "-o", "p.png", "--bits", bits];
+        place.run(&[&fixed[..], more].concat()).ok();
+        image::open(place.path("p.png")).expect("a picture")
+    };
+    for (text, more, color) in [
+        (sphere, &[][..], image::ColorType::Rgb16),
+        (sphere, &["--aa", "1", "--look", "night"], image::ColorType::Rgb16),
+        (sphere, &["--ground", "--outlines", "--axes", "--haze", "0.7"], image::ColorType::Rgb16),
+        (sphere, &["--ground", "--background", "transparent"], image::ColorType::Rgba16),
+        ("opacity 40%; material glass; x^4+y^4+z^4 = 1", &["--ground"], image::ColorType::Rgb16),
+        ("color viridis(z); contours; z = x y", &["--legend"], image::ColorType::Rgb16),
+    ] {
+        let [coarse, fine] = ["8", "16"].map(|bits| drawn(text, bits, more));
+        assert_eq!(fine.color(), color, "{text} {more:?}");
+        let channels = fine.as_bytes().as_chunks::<2>().0.iter().map(|n| u16::from_ne_bytes(*n));
+        let channels: Vec<u16> = channels.collect();
+        assert_eq!(channels.len(), coarse.as_bytes().len());
+        let off = |(n, m): (usize, &u8)| {
+            // The color of a pixel that is nearly transparent depends on the steps.
+            let opacity = n / 4 * 4 + 3;
+            let is_seen = !color.has_alpha() || n == opacity || coarse.as_bytes()[opacity] > 127;
+            let off = f64::from(channels[n]) / 257.0 - f64::from(*m);
+            if is_seen { off.abs() } else { 0.0 }
+        };
+        let off: Vec<f64> = coarse.as_bytes().iter().enumerate().map(off).collect();
+        // Light is mixed from floats in one picture, and from bytes in the other.
+        let largest = off.iter().fold(0.0_f64, |most, off| most.max(*off));
+        let far = off.iter().filter(|off| **off > 0.6).count();
+        assert!(largest < 2.0 && 40 * far < off.len(), "{text} {more:?}: {largest}, {far}");
+        // A byte has no steps in between.
+        let between = channels.iter().filter(|n| **n % 257 != 0).count();
+        assert!(10 * between > channels.len(), "{text} {more:?}: {between}");
+    }
+    let refused = place.run(&["render", sphere, "-o", "p.png", "--bits", "12"]);
+    assert!(refused.code == Some(2) && refused.stderr.contains("8, 16"), "{}", refused.stderr);
+    let turning =
+        ["render", sphere, "--turntable", "--frames", "3", "--size", "32", "--bits", "16"];
+    let refused = place.run(&[&turning[..], &["-o", "t.gif"]].concat());
+    assert!(refused.stderr.contains("--bits 16 is for PNG files"), "{}", refused.stderr);
+    place.run(&[&turning[..], &["-o", "t.png"]].concat()).ok();
+    assert_eq!(image::open(place.path("t.png")).expect("frames").color(), image::ColorType::Rgb16);
+    place.run(&[&turning[..], &["-o", "t-%d.png"]].concat()).ok();
+    assert_eq!(
+        image::open(place.path("t-1.png")).expect("frames").color(),
+        image::ColorType::Rgb16
+    );
+}
+
+#[test]
 fn looks_and_edges_change_colors_and_nothing_else() {
     let place = Sandbox::new();
     let render = |more: &[&str]| {

@@ -5,8 +5,7 @@ use anyhow::{Result, bail, ensure};
 use std::io::{self, Write};
 use std::path::Path;
 use zeroset_render::picture::Picture;
-use zeroset_render::pixels::samples;
-use zeroset_render::png_file::png_encoder;
+use zeroset_render::png_file::{PngFormat, png_encoder};
 
 /// File format of an animation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,8 +69,7 @@ enum FrameSink<W: Write> {
 }
 
 impl<W: Write> Animation<W> {
-    /// Begins an animation that repeats forever. The frames of an animated PNG have opacities if
-    /// `has_alpha` is true.
+    /// Begins an animation that repeats forever. The frames of an animated PNG have these pixels.
     ///
     /// # Errors
     /// If writing to `out` fails.
@@ -79,13 +77,13 @@ impl<W: Write> Animation<W> {
         format: AnimationFormat,
         out: W,
         size: [usize; 2],
-        has_alpha: bool,
+        pixels: PngFormat,
         (frames, fps): (usize, u16),
         origin: &PictureOrigin,
     ) -> io::Result<Self> {
         let sink = match format {
             AnimationFormat::Png => {
-                let mut encoder = png_encoder(out, size, has_alpha, &origin.chunks)?;
+                let mut encoder = png_encoder(out, size, pixels, &origin.chunks)?;
                 encoder.set_animated(frames as u32, 0)?;
                 encoder.set_frame_delay(1, fps)?;
                 FrameSink::Png(encoder.write_header()?)
@@ -110,7 +108,7 @@ impl<W: Write> Animation<W> {
         let rgb = picture.opaque_rgb();
         match &mut self.sink {
             FrameSink::Png(writer) => {
-                writer.write_image_data(&samples(&picture.rgb, &picture.alpha))?;
+                writer.write_image_data(&picture.samples())?;
             }
             FrameSink::Gif(encoder) => {
                 let [width, height] = self.size.map(|side| side as u16);

@@ -552,6 +552,10 @@ pub struct ShadingArgs {
     #[arg(help_heading = LIGHT, long, value_name = "N", default_value_t = DEFAULT_AA)]
     pub aa: usize,
 
+    /// Write PNG files with this many bits per channel
+    #[arg(help_heading = LIGHT, long, value_name = "8|16", value_parser = ["8", "16"], default_value = "8", hide_short_help = true)]
+    pub bits: String,
+
     /// Set the position of the light [default: far above and to the left of the camera]
     #[arg(help_heading = LIGHT, long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, hide_short_help = true)]
     pub light: Option<DVec3>,

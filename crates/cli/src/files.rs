@@ -11,8 +11,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use zeroset_render::picture::{Picture, Precision};
-use zeroset_render::pixels::samples;
-use zeroset_render::png_file::{check_png, png_encoder};
+use zeroset_render::png_file::{PngFormat, check_png, png_encoder};
 use zeroset_trace::RayGrid;
 
 impl OutputArgs {
@@ -77,20 +76,20 @@ impl Files {
     /// If a file cannot be written.
     pub fn finish(self, picture: &Picture, rays: &RayGrid, origin: &PictureOrigin) -> Result<()> {
         let size = [picture.buffer.width, picture.buffer.height];
-        let mut files = self.begin(size, !picture.alpha.is_empty(), picture.precision, origin)?;
+        let mut files = self.begin(size, picture.png_format(), picture.precision, origin)?;
         files.add(picture, rays)?;
         files.finish()
     }
 
-    /// Starts the files of a picture with this size and precision. Its pixels have opacities if
-    /// `has_alpha` is true. Its rows are added later.
+    /// Starts the files of a picture with this size, pixel format and precision. Its rows are added
+    /// later.
     ///
     /// # Errors
     /// If a file cannot be written.
     pub fn begin(
         self,
         size: [usize; 2],
-        has_alpha: bool,
+        format: PngFormat,
         precision: Precision,
         origin: &PictureOrigin,
     ) -> Result<OpenFiles> {
@@ -99,7 +98,7 @@ impl Files {
             if let Some(row) = row {
                 return (row.begin)(out, [height, width], precision);
             }
-            let writer = png_encoder(out, size, has_alpha, &origin.chunks)?.write_header()?;
+            let writer = png_encoder(out, size, format, &origin.chunks)?.write_header()?;
             Ok(Box::new(Png(writer.into_stream_writer()?)))
         };
         let open = |(row, file)| {
@@ -165,7 +164,7 @@ struct Png(StreamWriter<'static, Box<dyn Write>>);
 
 impl RowWriter for Png {
     fn add(&mut self, picture: &Picture, _: &RayGrid) -> io::Result<()> {
-        self.0.write_all(&samples(&picture.rgb, &picture.alpha))
+        self.0.write_all(&picture.samples())
     }
 
     fn end(self: Box<Self>) -> io::Result<()> {

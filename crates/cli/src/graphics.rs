@@ -8,7 +8,7 @@
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use std::fmt::Write as _;
-use zeroset_render::png_file::write_png;
+use zeroset_render::png_file::{PngFormat, write_png};
 
 /// A protocol that sends pixels to a terminal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,7 +83,7 @@ impl Protocol {
         match self {
             Self::Kitty | Self::Iterm => {
                 let mut png = Vec::new();
-                write_png(&mut png, (rgb, &[]), [width, height], &[]).ok()?;
+                write_png(&mut png, rgb, PngFormat::bytes(false), [width, height], &[]).ok()?;
                 Some(self.wrap(&png, columns, rows))
             }
             Self::Sixel => sixels(rgb, width, height),

@@ -20,7 +20,8 @@ use zeroset_render::framing;
 use zeroset_render::limit::Limit;
 use zeroset_render::model::{Model, Strip};
 use zeroset_render::overlay::PictureView;
-use zeroset_render::picture::{Picture, Precision, Settings, UndecidedStatistics};
+use zeroset_render::picture::{ColorDepth, Picture, Precision, Settings, UndecidedStatistics};
+use zeroset_render::png_file::PngFormat;
 use zeroset_scene::blank::Blank;
 use zeroset_scene::curves::UNPROVEN;
 use zeroset_scene::domain::AutoDomain;
@@ -62,14 +63,15 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         let origin = PictureOrigin::typed(&subject.source.text);
         let size = [settings.width, settings.height];
         let has_alpha = model.is_transparent(&settings);
-        let mut files = files.begin(size, has_alpha, settings.options.precision, &origin)?;
+        let format = PngFormat { has_alpha, depth: settings.depth };
+        let mut files = files.begin(size, format, settings.options.precision, &origin)?;
         let rays = camera.rays(settings.width, settings.height);
         let mut marks = None;
         let mut write = |Strip { top, picture, overview }: Strip<'_>| -> Result<()> {
             let seen = overview.unwrap_or(&*picture);
             let shown = PictureView::of(&model, &camera, seen);
             let marks = marks.get_or_insert_with(|| around.marks(shown, size));
-            marks.mix_into(&mut picture.rgb, &mut picture.alpha, top);
+            marks.mix_into_picture(picture, top);
             let rows = top..top + picture.buffer.height;
             files.add(picture, &rays.part(0..settings.width, rows))
         };
@@ -258,6 +260,7 @@ fn settings(arguments: &RenderArgs) -> Result<Settings> {
         look: shading.look,
         occlusion: true,
         antialias,
+        depth: if shading.bits == "16" { ColorDepth::Floats } else { ColorDepth::Bytes },
         ambient: shading.ambient,
         background,
         ..method

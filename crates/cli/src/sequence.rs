@@ -16,8 +16,8 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use zeroset_render::model::Model;
 use zeroset_render::overlay::{Overlay, PictureView};
-use zeroset_render::picture::{Picture, Settings};
-use zeroset_render::pixels::Pixels;
+use zeroset_render::picture::{ColorDepth, Picture, Settings};
+use zeroset_render::png_file::PngFormat;
 use zeroset_render::sequence::{Sequence, Stage, Sweep};
 use zeroset_scene::{proportions, view};
 use zeroset_syntax::{ErrorKind, Errors, Options};
@@ -127,6 +127,11 @@ pub fn run(
     let wanted = &arguments.outputs;
     wanted.check()?;
     let format = one_file(wanted, arguments.sequence.fps)?;
+    let has_bytes = matches!(format, Some(AnimationFormat::Gif | AnimationFormat::Raw));
+    ensure!(
+        settings.depth == ColorDepth::Bytes || !has_bytes,
+        "--bits 16 is for PNG files: a GIF and frames on standard output have bytes"
+    );
     wanted.size.held_whole()?;
     let sequence = &asked.sequence;
     ensure!(
@@ -320,8 +325,9 @@ impl<'a> FrameRenderer<'a> {
         let model = model.with_context(named)?;
         let camera = sequence.camera(stage, frame).with_context(named)?;
         let mut picture = model.picture(&camera, &settings, &|_, _| {}).with_context(named)?;
-        let Pixels { rgb, alpha } = self.around.over(PictureView::of(&model, &camera, &picture));
-        (picture.rgb, picture.alpha) = (rgb, alpha);
+        let size = [settings.width, settings.height];
+        let marks = self.around.marks(PictureView::of(&model, &camera, &picture), size);
+        marks.mix_into_picture(&mut picture, 0);
         self.subject.document = document;
         *last = Some(model);
         Ok((camera, picture))
@@ -400,11 +406,12 @@ impl<'a> FrameRenderer<'a> {
         let origin = PictureOrigin::typed(&self.subject.source.text);
         let size = [self.settings.width, self.settings.height];
         let has_alpha = self.settings.is_transparent(self.subject.document.background);
+        let pixels = PngFormat { has_alpha, depth: self.settings.depth };
         let frames = self.sequence.frames;
         let (mut count, mut last, mut wrong) = (FrameCounts::default(), None, None);
         let written = output.stream(|out| {
             let mut animation =
-                Animation::begin(format, out, size, has_alpha, (frames, fps), &origin)?;
+                Animation::begin(format, out, size, pixels, (frames, fps), &origin)?;
             for frame in 0..frames {
                 let picture = match self.render_frame(frame, &mut last) {
                     Ok((_, picture)) => picture,

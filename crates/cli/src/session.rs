@@ -21,8 +21,8 @@ use std::time::Duration;
 use zeroset_live::{Axes, DocumentSource, Live, Refusal, Rendering, Reply, Request};
 use zeroset_render::overlay::Overlay;
 use zeroset_render::picture::Settings;
-use zeroset_render::pixels::Pixels;
-use zeroset_render::png_file::{check_png, write_png};
+use zeroset_render::pixels::{Pixels, samples};
+use zeroset_render::png_file::{PngFormat, check_png, write_png};
 use zeroset_scene::gallery::{example, examples, models};
 
 /// The gallery surface that is shown if no document is given.
@@ -495,7 +495,8 @@ impl Session {
         let command = picture.command(&name, overlay.axes);
         let size = [buffer.width, buffer.height];
         let origin = PictureOrigin::command(&command);
-        output.finish(|out| write_png(out, (&rgb, &alpha), size, &origin.chunks))?;
+        let (samples, format) = (samples(&rgb, &alpha), PngFormat::bytes(!alpha.is_empty()));
+        output.finish(|out| write_png(out, &samples, format, size, &origin.chunks))?;
         self.say(&format!("saved '{name}'; the command that reproduces it:\n{command}"));
         Ok(path)
     }

@@ -60,6 +60,14 @@ impl Picture {
         (!alpha.is_empty()).then(|| self.single(alpha.to_vec()).into_pyarray(py))
     }
 
+    /// Light of each pixel: float32 (H, W, 4), red, green, blue and opacity. None unless the picture
+    /// has 16 bits per channel.
+    #[getter]
+    fn light<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray3<f32>>> {
+        let light = self.0.light();
+        (!light.is_empty()).then(|| self.rows(light.iter().copied()).into_pyarray(py))
+    }
+
     /// The status of each pixel's ray: uint8 (H, W). 0 is a proven miss, 1 a proven hit, 2 neither.
     #[getter]
     fn status<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<u8>> {

@@ -253,6 +253,7 @@ impl Scene {
                 "outlines" => options.outlines(is_on()?),
                 "occlusion" => options.occlusion(is_on()?),
                 "antialias" => options.antialias(value.extract()?),
+                "bits" => options.bits(value.extract()?),
                 "undecided" => options.undecided(chosen("undecided", &name()?, &UNDECIDED)?),
                 "axes" => options.axes(is_on()?),
                 "legend" => options.legend(is_on()?),

@@ -104,6 +104,19 @@ def test_options_of_pictures(options):
     assert picture.method == options.get("method", "affine")
 
 
+def test_light_is_what_the_bytes_encode():
+    surface = zs.Surface("x^2+y^2+z^2 = 1")
+    plain = surface.render(32, 32, antialias=1)
+    fine = surface.render(32, 32, antialias=1, bits=16)
+    assert plain.light is None
+    assert fine.light.shape == (32, 32, 4) and fine.light.dtype == np.float32
+    assert (fine.light[..., 3] == 1).all()
+    light = fine.light[..., :3].astype(float)
+    encoded = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
+    assert np.abs(255 * encoded - plain.rgb).max() < 0.51
+    assert fine.png()[24] == 16 and plain.png()[24] == 8
+
+
 @pytest.mark.parametrize(
     ("options", "error"),
     [
@@ -115,6 +128,7 @@ def test_options_of_pictures(options):
         ({"undecided": "gone"}, zs.Error),
         ({"budget": -1.0}, zs.Error),
         ({"antialias": 3}, zs.Error),
+        ({"bits": 12}, zs.Error),
         ({"eye": [1, 2]}, ValueError),
         ({"fov": "wide"}, TypeError),
         ({"background": (300, 0, 0)}, OverflowError),

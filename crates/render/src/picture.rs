@@ -2,7 +2,8 @@
 
 use crate::limit::Limit;
 use crate::overlay::Legend;
-use crate::pixels::flattened;
+use crate::pixels::{flattened, samples, samples_of_light};
+use crate::png_file::PngFormat;
 use glam::DVec3;
 use std::borrow::Cow;
 use std::ops::AddAssign;
@@ -16,6 +17,7 @@ use zeroset_trace::{
     UndecidedReason,
 };
 
+pub use zeroset_shade::ColorDepth;
 pub use zeroset_trace::Precision;
 
 /// Settings of a picture.
@@ -68,6 +70,8 @@ pub struct Settings {
     pub outlines: Option<bool>,
     /// Background. `None` for the document's, or else the look's color.
     pub background: Option<Background>,
+    /// How exactly colors are kept. With floats, the picture also has [`Picture::light`].
+    pub depth: ColorDepth,
 }
 
 /// Source of normals.
@@ -102,6 +106,7 @@ impl Default for Settings {
             haze: None,
             outlines: None,
             background: None,
+            depth: ColorDepth::Bytes,
         }
     }
 }
@@ -132,6 +137,7 @@ impl Settings {
             haze: others.haze,
             outlines: others.outlines,
             background: others.background,
+            depth: others.depth,
             ..self.clone()
         }
     }
@@ -154,6 +160,9 @@ pub struct Picture {
     pub rgb: Vec<u8>,
     /// Opacity of each pixel; 255 means opaque. Empty unless the background is transparent.
     pub alpha: Vec<u8>,
+    /// Red, green and blue light of each pixel (primaries of sRGB, 1 at full), then its opacity.
+    /// Empty unless colors are kept as floats.
+    pub light: Vec<[f32; 4]>,
     /// The share of its light that reaches the ground at each pixel; NaN far from where the ground
     /// is seen. Empty without a ground, and for strips.
     pub(crate) ground: Vec<f32>,
@@ -217,12 +226,29 @@ impl Picture {
         flattened(&self.rgb, &self.alpha, self.background)
     }
 
+    /// The format of the picture's PNG file.
+    pub fn png_format(&self) -> PngFormat {
+        let depth = if self.light.is_empty() { ColorDepth::Bytes } else { ColorDepth::Floats };
+        PngFormat { has_alpha: !self.alpha.is_empty(), depth }
+    }
+
+    /// The channels of the pixels, as a PNG stores them: sixteen bits each if colors are floats, or
+    /// else eight.
+    pub fn samples(&self) -> Cow<'_, [u8]> {
+        if self.light.is_empty() {
+            samples(&self.rgb, &self.alpha)
+        } else {
+            Cow::Owned(samples_of_light(&self.light, !self.alpha.is_empty()))
+        }
+    }
+
     /// The same picture without its rows.
     pub(crate) fn without_rows(mut self) -> Self {
         let buffer = GBuffer::new(self.buffer.width, 0, 0);
         std::mem::replace(&mut self.buffer, buffer).hand_back();
         hand_back_colors(std::mem::take(&mut self.rgb));
         self.alpha.clear();
+        self.light = Vec::new();
         self.ground = Vec::new();
         self
     }

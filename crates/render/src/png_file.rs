@@ -1,8 +1,8 @@
 //! PNG files of pictures.
 
-use crate::pixels::samples;
 use std::io::{self, Write};
 use std::path::Path;
+use zeroset_shade::ColorDepth;
 
 /// Refuses a path with another extension than `png`.
 ///
@@ -19,37 +19,57 @@ pub fn check_png(path: &Path) -> Result<(), String> {
     ))
 }
 
-/// Writes a picture as PNG (sRGB), with `texts` (keyword, text). `rgb` has red, green and blue
-/// bytes, and `alpha` has opacities, or is empty.
+/// The format of a PNG's pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PngFormat {
+    /// Whether pixels have opacities.
+    pub has_alpha: bool,
+    /// Eight bits per channel for bytes, sixteen for floats.
+    pub depth: ColorDepth,
+}
+
+impl PngFormat {
+    /// Eight bits per channel.
+    pub fn bytes(has_alpha: bool) -> Self {
+        Self { has_alpha, depth: ColorDepth::Bytes }
+    }
+}
+
+/// Writes a picture as PNG (sRGB), with `texts` (keyword, text). `samples` are the channels of the
+/// pixels, as PNG stores them.
 ///
 /// # Errors
 /// If writing to `out` fails.
 pub fn write_png(
     out: impl Write,
-    (rgb, alpha): (&[u8], &[u8]),
+    samples: &[u8],
+    format: PngFormat,
     size: [usize; 2],
     texts: &[(&'static str, String)],
 ) -> io::Result<()> {
-    let mut writer = png_encoder(out, size, !alpha.is_empty(), texts)?.write_header()?;
-    writer.write_image_data(&samples(rgb, alpha))?;
+    let mut writer = png_encoder(out, size, format, texts)?.write_header()?;
+    writer.write_image_data(samples)?;
     writer.finish()?;
     Ok(())
 }
 
 /// Returns an encoder that writes a PNG (sRGB) of this width and height to `out`, with `texts`
-/// (keyword, text). Pixels have opacities if `has_alpha` is true.
+/// (keyword, text).
 ///
 /// # Errors
 /// If a text cannot be written.
 pub fn png_encoder<W: Write>(
     out: W,
     [width, height]: [usize; 2],
-    has_alpha: bool,
+    format: PngFormat,
     texts: &[(&'static str, String)],
 ) -> io::Result<png::Encoder<'static, W>> {
     let mut encoder = png::Encoder::new(out, width as u32, height as u32);
-    let color = if has_alpha { png::ColorType::Rgba } else { png::ColorType::Rgb };
-    encoder.set_color(color);
+    encoder.set_color(if format.has_alpha { png::ColorType::Rgba } else { png::ColorType::Rgb });
+    encoder.set_depth(match format.depth {
+        ColorDepth::Bytes => png::BitDepth::Eight,
+        ColorDepth::Floats => png::BitDepth::Sixteen,
+    });
     encoder.set_compression(png::Compression::Fast);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     let software = concat!("zeroset ", env!("CARGO_PKG_VERSION")).to_owned();

@@ -91,7 +91,23 @@ fn decode(value: f64) -> f64 {
     if value <= 0.040_45 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
 }
 
+/// The share of the full value by which sRGB encodes an amount of light (IEC 61966-2-1): the
+/// inverse of [`decode`].
+fn encode(amount: f64) -> f64 {
+    if amount <= 0.003_130_8 { 12.92 * amount } else { 1.055 * amount.powf(1.0 / 2.4) - 0.055 }
+}
+
 impl LinearRgb {
+    /// The color that sRGB encodes with these shares of the full values.
+    pub fn from_encoded(shares: [f32; 3]) -> Self {
+        Self(shares.map(|share| decode(share.into()) as f32))
+    }
+
+    /// The shares of the full values by which sRGB encodes the color.
+    pub fn encoded(self) -> [f32; 3] {
+        self.0.map(|amount| encode(amount.into()) as f32)
+    }
+
     /// The color that sRGB encodes with these bytes (IEC 61966-2-1).
     pub fn from_srgb(bytes: [u8; 3]) -> Self {
         static AMOUNTS: OnceLock<[f32; 256]> = OnceLock::new();
@@ -160,13 +176,7 @@ mod tests {
 
     /// The sRGB byte of an amount, by the formula of the curve in f64.
     fn exact(amount: f32) -> u8 {
-        let amount = f64::from(amount);
-        let encoded = if amount <= 0.003_130_8 {
-            12.92 * amount
-        } else {
-            1.055 * amount.powf(1.0 / 2.4) - 0.055
-        };
-        (255.0 * encoded).round() as u8
+        (255.0 * encode(amount.into())).round() as u8
     }
 
     #[test]

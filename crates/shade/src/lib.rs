@@ -6,6 +6,7 @@
 
 mod coarse;
 mod color;
+mod colors;
 mod displayed;
 mod edges;
 mod light;
@@ -16,6 +17,7 @@ mod shade;
 
 pub use coarse::{borrow_occlusion, neighbors};
 pub use color::LinearRgb;
+pub use colors::{ColorDepth, Colors, ColorsMut, hand_back_colors};
 pub use displayed::Displayed;
 pub use edges::{edges, is_creased, is_smooth, slope};
 pub use light::Light;
@@ -23,6 +25,5 @@ pub use normal::{NormalSource, normals};
 pub use occlusion::{AmbientOcclusion, TURNS, turn};
 pub use pattern::Pattern;
 pub use shade::{
-    Appearance, ColoredRows, Haze, Paint, Shader, SurfaceColors, UndecidedStyle, hand_back_colors,
-    shade, unset_colors,
+    Appearance, ColoredRows, Haze, Paint, Shader, SurfaceColors, UndecidedStyle, shade,
 };

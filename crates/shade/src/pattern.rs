@@ -1,7 +1,6 @@
-//! Patterns of several rays through a pixel, and the mean of their colors.
+//! Patterns of several rays through a pixel, and the mean over them.
 
-use crate::color::LinearRgb;
-use glam::Vec3;
+use glam::Vec4;
 use zeroset_trace::SIDE;
 
 /// The positions of a pixel's rays, in a square of columns and rows.
@@ -66,36 +65,14 @@ impl Pattern {
         rays
     }
 
-    /// The mean of a pixel's opacities, given as for [`Pattern::mean`].
-    ///
-    /// # Panics
-    /// If the number of opacities differs from the number of positions.
-    pub fn mean_alpha(&self, alpha: &[u8]) -> u8 {
-        assert_eq!(alpha.len(), self.side * self.side, "all places of one pixel");
-        let sum: usize = match self.places {
-            None => alpha.iter().copied().map(usize::from).sum(),
-            Some(places) => {
-                places.iter().map(|[column, row]| usize::from(alpha[row * SIDE + column])).sum()
-            }
+    /// The mean over a pixel's rays. `value` gives the value at each position, in the order of
+    /// [`Pattern::rays`].
+    pub fn mean(&self, value: impl Fn(usize) -> Vec4) -> Vec4 {
+        let sum: Vec4 = match self.places {
+            None => (0..self.side * self.side).map(value).sum(),
+            Some(places) => places.iter().map(|[column, row]| value(row * SIDE + column)).sum(),
         };
-        ((sum + self.count() / 2) / self.count()) as u8
-    }
-
-    /// The mean light of a pixel's rays as sRGB bytes. `bytes` has the colors of all positions, in
-    /// the order of [`Pattern::rays`].
-    ///
-    /// # Panics
-    /// If the number of colors differs from the number of positions.
-    pub fn mean(&self, bytes: &[[u8; 3]]) -> [u8; 3] {
-        assert_eq!(bytes.len(), self.side * self.side, "all places of one pixel");
-        let light = |bytes: [u8; 3]| Vec3::from_array(LinearRgb::from_srgb(bytes).0);
-        let sum: Vec3 = match self.places {
-            None => bytes.iter().copied().map(light).sum(),
-            Some(places) => {
-                places.iter().map(|[column, row]| light(bytes[row * SIDE + column])).sum()
-            }
-        };
-        LinearRgb((sum / self.count() as f32).to_array()).to_srgb()
+        sum / self.count() as f32
     }
 }
 
@@ -130,24 +107,22 @@ mod tests {
     }
 
     #[test]
-    fn means_are_of_light() {
+    fn means_are_over_all_rays() {
         for count in Pattern::COUNTS.into_iter().skip(1) {
             let pattern = Pattern::of(count).expect("listed");
             let corners: Vec<[usize; 2]> = pattern.patches().collect();
-            let mean = |is_white: &dyn Fn([usize; 2]) -> bool| {
-                let of_patch = |[x, y]: &[usize; 2]| {
-                    let place = |n: usize| [x + n % SIDE, y + n / SIDE];
-                    let bytes =
-                        (0..LANES).map(place).map(|at| [if is_white(at) { 255 } else { 0 }; 3]);
-                    bytes.collect::<Vec<_>>()
+            let mean = |is_lit: &dyn Fn([usize; 2]) -> bool| {
+                let value = |n: usize| {
+                    let ([x, y], own) = (corners[n / LANES], n % LANES);
+                    let place = [x + own % SIDE, y + own / SIDE];
+                    if is_lit(place) { Vec4::ONE } else { Vec4::ZERO }
                 };
-                pattern.mean(&corners.iter().flat_map(of_patch).collect::<Vec<_>>())
+                pattern.mean(value)
             };
             let half = pattern.side / 2;
             let found = [mean(&|_| true), mean(&|_| false), mean(&|[x, _]| x < half)];
-            // Half of the rays meet the left half. Half of the light is sRGB byte 188.
-            assert_eq!(found, [[255; 3], [0; 3], [188; 3]], "{count}");
-            assert_eq!(mean(&|[_, y]| y < half), [188; 3]);
+            assert_eq!(found, [1.0, 0.0, 0.5].map(Vec4::splat), "{count}");
+            assert_eq!(mean(&|[_, y]| y < half), Vec4::splat(0.5));
         }
     }
 }

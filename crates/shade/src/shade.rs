@@ -4,13 +4,13 @@ mod lanes;
 mod shader;
 
 use crate::color::LinearRgb;
+use crate::colors::{ColorDepth, Colors};
 use crate::light::Light;
 use fearless_simd::Level;
 use rayon::prelude::*;
 pub use shader::{ColoredRows, Shader};
 pub(crate) use shader::{ShadingInput, ViewAndNormals};
 use zeroset_style::{Look, Material};
-use zeroset_trace::buffer_pool::{BufferPool, PICTURES, serves};
 use zeroset_trace::painted::{SHADED_ROWS, windows};
 use zeroset_trace::{GBuffer, RayGrid};
 
@@ -157,7 +157,7 @@ const DEFAULT_PAIRS: [[[u8; 3]; 2]; 5] = [
     [[205, 85, 10], [150, 200, 190]],  // vermilion, pale teal
 ];
 
-/// The picture as sRGB bytes: red, green, blue, row by row from the top left.
+/// The colors of a picture.
 ///
 /// A surface is lit on both sides: the normal is turned to the eye. The color is that of the
 /// visible side, f > 0 or f < 0. In shadow the key light is missing.
@@ -173,11 +173,12 @@ pub fn shade(
     rays: &RayGrid,
     appearance: &Appearance,
     paint: &[Paint],
-) -> Vec<u8> {
-    shade_with(Level::new(), buffer, rays, appearance, paint)
+    depth: ColorDepth,
+) -> Colors {
+    shade_with(Level::new(), buffer, rays, appearance, paint, depth)
 }
 
-/// As [`shade`], with vectors of this level. The bytes do not depend on the vectors' width, except
+/// As [`shade`], with vectors of this level. The colors do not depend on the vectors' width, except
 /// for the rounding of fused products and sums.
 fn shade_with(
     level: Level,
@@ -185,38 +186,23 @@ fn shade_with(
     rays: &RayGrid,
     appearance: &Appearance,
     paint: &[Paint],
-) -> Vec<u8> {
+    depth: ColorDepth,
+) -> Colors {
     assert!(paint.is_empty() || paint.len() == buffer.status.len(), "a paint for each pixel");
     assert_eq!(buffer.width, rays.width(), "rays of another picture");
     let shader = Shader::new(rays, appearance).with(level);
-    let mut bytes = unset_colors(buffer.status.len());
+    let mut colors = Colors::unset(depth, buffer.status.len());
     let size = (SHADED_ROWS * buffer.width).max(1);
-    bytes.par_chunks_mut(3 * size).enumerate().for_each(|(band, bytes)| {
-        let here = band * size..band * size + bytes.len() / 3;
+    colors.as_mut().split(size).into_par_iter().enumerate().for_each(|(band, colors)| {
+        let here = band * size..band * size + colors.len();
         let columns = buffer.columns(here.clone());
         let seen = ShadingInput { columns, paint: paint.get(here).unwrap_or_default() };
         let windows =
             windows(level, columns.status, columns.drawn, band * SHADED_ROWS, rays.width());
-        shader.canvas(bytes).windows(&seen, &windows);
+        shader.canvas(colors).windows(&seen, &windows);
     });
-    bytes
+    colors
 }
-
-/// Memory for the colors of this many pixels. Its contents are unspecified.
-pub fn unset_colors(pixels: usize) -> Vec<u8> {
-    let mut bytes =
-        SPARES.take().filter(|bytes| serves(bytes.capacity(), 3 * pixels)).unwrap_or_default();
-    bytes.resize(3 * pixels, 0);
-    bytes
-}
-
-/// Leaves a picture's memory to later pictures. Up to two pictures' memory is kept until the
-/// process ends.
-pub fn hand_back_colors(bytes: Vec<u8>) {
-    SPARES.hand_back(bytes);
-}
-
-static SPARES: BufferPool<Vec<u8>> = BufferPool::new(PICTURES);
 
 #[cfg(test)]
 mod tests;

@@ -276,6 +276,7 @@ class Surface:
         outlines: bool | None = None,
         occlusion: bool | None = None,
         antialias: int | None = None,
+        bits: int | None = None,
         undecided: str | None = None,
         axes: bool | None = None,
         legend: bool | None = None,
@@ -294,6 +295,7 @@ class Surface:
         units of the surface. `look` is one of `looks()`, `method` one of `methods()`.
         `background` has bytes of red, green and blue, or is ``"transparent"``. `undecided`
         is the appearance of undecided pixels: ``"shade"``, ``"hatch"``, ``"tint"`` or ``"miss"``.
+        With 16 `bits` per channel, the picture also has ``light``.
         `precision` is ``"auto"``, ``"f32"`` or ``"f64"``; `budget` is in seconds. An interrupt
         from the keyboard ends the work.
         """

@@ -6,15 +6,14 @@ use super::layers::Layered;
 use super::paint::Coloring;
 use super::trace::{PreparedSurface, RenderPass};
 use crate::picture::Settings;
-use crate::pixels::Pixels;
+use crate::pixels::ColorBuffer;
+use glam::Vec4;
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::ops::Range;
 use zeroset_eval::{KernelFloat, LANES};
 use zeroset_scene::program::ProgramError;
-use zeroset_shade::{
-    Displayed, Pattern, UndecidedStyle, edges, hand_back_colors, is_creased, is_smooth, slope,
-};
+use zeroset_shade::{Displayed, Pattern, UndecidedStyle, edges, is_creased, is_smooth, slope};
 use zeroset_trace::{BAND_ROWS, GBuffer, Patch, RayGrid, Status, TraceOptions};
 
 /// Number of pixels that are antialiased together, small enough for the inner caches.
@@ -38,7 +37,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         picture: &GBuffer,
         behind: &[bool],
         finish: &Coloring<'_>,
-        pixels: &mut Pixels,
+        pixels: &mut ColorBuffer,
     ) -> Result<usize, ProgramError> {
         let Settings { antialias: pattern, options: TraceOptions { tolerance, .. }, .. } =
             *self.settings;
@@ -105,12 +104,12 @@ struct Edges<'a, T> {
 }
 
 impl<T: KernelFloat> Edges<'_, T> {
-    /// Returns the mean color and opacity of each pixel that needs antialiasing.
+    /// Returns the mean light and opacity of each pixel that needs antialiasing.
     fn smooth(
         &self,
         [all, layer]: &mut LayerBuffers,
         pixels: &[usize],
-    ) -> Result<Vec<(usize, [u8; 4])>, ProgramError> {
+    ) -> Result<Vec<(usize, Vec4)>, ProgramError> {
         if !(self.pass.advance)(0) {
             return Ok(Vec::new());
         }
@@ -183,14 +182,9 @@ impl<T: KernelFloat> Edges<'_, T> {
             // Some of these colors may be missing.
             return Ok(Vec::new());
         }
-        let mean = |n: usize| {
-            let own = n * places..(n + 1) * places;
-            let [red, green, blue] = self.pattern.mean(&finer.rgb.as_chunks().0[own.clone()]);
-            let alpha = finer.alpha.get(own).map_or(255, |alpha| self.pattern.mean_alpha(alpha));
-            (pixels[n], [red, green, blue, alpha])
-        };
+        let mean = |n: usize| (pixels[n], self.pattern.mean(|place| finer.get(n * places + place)));
         let found = (0..pixels.len()).filter(|n| !is_smooth[*n]).map(mean).collect();
-        hand_back_colors(finer.rgb);
+        finer.colors.hand_back();
         Ok(found)
     }
 

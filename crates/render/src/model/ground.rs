@@ -6,7 +6,7 @@
 use super::blur::blur;
 use super::strips::Overview;
 use super::trace::RenderPass;
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec4};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use zeroset_eval::KernelFloat;
@@ -43,9 +43,9 @@ const R2_SEQUENCE: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
 /// The ground of a picture.
 #[derive(Default)]
 pub(super) struct Ground {
-    /// The color and the opacity at each pixel. `None` where the ground is not seen. Before a
+    /// The light and the opacity at each pixel. `None` where the ground is not seen. Before a
     /// transparent background, the ground is black, and only as opaque as its shadow.
-    pub colors: Vec<Option<[u8; 4]>>,
+    pub colors: Vec<Option<Vec4>>,
     /// The share of its light that reaches the ground at each pixel; NaN far from where the ground
     /// is seen.
     pub light: Vec<f32>,
@@ -112,12 +112,11 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 let light = if light.is_nan() { 1.0 } else { *light };
                 let lift = if is_dark { LIFT * share } else { 0.0 };
                 let factor = 1.0 - share * (1.0 - light);
-                let color = LinearRgb(back.map(|part| (part + lift) * factor));
-                let [red, green, blue] = color.to_srgb();
+                let [red, green, blue] = back.map(|part| (part + lift) * factor);
                 // Programs that show pictures mix bytes, not light. Before white, they show this
                 // opacity as a ground of this brightness.
-                let [bright, ..] = LinearRgb([factor; 3]).to_srgb();
-                [red, green, blue, if is_transparent { 255 - bright } else { 255 }]
+                let [bright, ..] = LinearRgb([factor; 3]).encoded();
+                Vec4::new(red, green, blue, if is_transparent { 1.0 - bright } else { 1.0 })
             })
         };
         let colors = shares.iter().zip(&light).map(color).collect();

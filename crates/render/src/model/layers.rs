@@ -8,13 +8,13 @@ mod tests;
 
 use super::paint::Coloring;
 use super::trace::{PreparedSurface, RenderPass};
-use crate::pixels::Pixels;
+use crate::pixels::ColorBuffer;
 use block::Block;
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use rayon::prelude::*;
 use zeroset_eval::KernelFloat;
 use zeroset_scene::program::ProgramError;
-use zeroset_shade::{Displayed, LinearRgb, UndecidedStyle, edges, hand_back_colors, shade};
+use zeroset_shade::{Colors, ColorsMut, Displayed, LinearRgb, UndecidedStyle, edges, shade};
 use zeroset_trace::{Driver, GBuffer, RayGrid, Start, Status};
 
 /// Largest number of points of one surface along a ray.
@@ -41,7 +41,7 @@ pub(super) struct BlockLimits {
 }
 
 impl Default for BlockLimits {
-    /// About 100 MB for one layer, and 64 MiB for the points.
+    /// About 100 MB for one layer, and 80 MB for the points if colors are bytes.
     fn default() -> Self {
         Self { pixels: 1 << 20, points: 1 << 22 }
     }
@@ -56,8 +56,8 @@ pub(super) struct Layered<'a> {
     pub only: &'a [bool],
     pub tracers: &'a [&'a PreparedSurface<'a>],
     pub finish: &'a Coloring<'a>,
-    /// The color and opacity of the ground at a pixel, if it is seen there.
-    pub ground: &'a (dyn Fn(usize) -> Option<[u8; 4]> + Sync),
+    /// The light and opacity of the ground at a pixel, if it is seen there.
+    pub ground: &'a (dyn Fn(usize) -> Option<Vec4> + Sync),
     /// A pixel of the final picture is this many of these pixels wide and high.
     pub side: usize,
 }
@@ -66,9 +66,8 @@ pub(super) struct Layered<'a> {
 struct Point {
     /// Index in the picture.
     pixel: u32,
-    color: [u8; 3],
-    /// Opacity; 255 means opaque. A byte, since there are millions of points.
-    opacity: u8,
+    /// Opacity, within [0, 1].
+    opacity: f32,
     /// Distance from the ray's origin.
     drawn: f64,
 }
@@ -77,14 +76,16 @@ struct Point {
 struct Layer {
     /// In the order of the pixels.
     points: Vec<Point>,
+    /// The color of each point.
+    colors: Colors,
 }
 
 impl Layered<'_> {
-    fn shaded(&self, buffer: &GBuffer, rays: &RayGrid) -> Vec<u8> {
-        let Coloring { appearance, painter, .. } = self.finish;
+    fn shaded(&self, buffer: &GBuffer, rays: &RayGrid) -> Colors {
+        let Coloring { appearance, painter, depth, .. } = self.finish;
         let paint = painter.as_ref().map(|painter| painter.paint(buffer, rays, self.side));
         let seen = Displayed::new(buffer, rays);
-        shade(&seen.buffer, &seen.rays, appearance, &paint.unwrap_or_default())
+        shade(&seen.buffer, &seen.rays, appearance, &paint.unwrap_or_default(), *depth)
     }
 }
 
@@ -100,7 +101,11 @@ impl<T: KernelFloat> RenderPass<'_, T> {
     ///
     /// Layers are found block by block, and only their points are kept, so memory does not grow
     /// with the number of surfaces.
-    pub fn colored(&self, all: &Layered<'_>, edge: &mut [bool]) -> Result<Pixels, ProgramError> {
+    pub fn colored(
+        &self,
+        all: &Layered<'_>,
+        edge: &mut [bool],
+    ) -> Result<ColorBuffer, ProgramError> {
         let mut pixels = self.with_alpha(all.shaded(all.picture, all.rays), all.picture);
         if self.is_translucent() {
             let mut blocks = Block::of_picture(all.rays, self.block.pixels);
@@ -202,7 +207,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
     ) -> Layer {
         let (picture, width) = (all.picture, all.rays.width());
         let colors = all.shaded(layer, rays);
-        let mut points = Vec::new();
+        let (mut points, mut kept) = (Vec::new(), Colors::unset(all.finish.depth, 0));
         for (pixel, own) in block.pixels_of(known, width) {
             // The picture's own point is used as the nearest point, since it has shadows.
             let is_first = || {
@@ -215,13 +220,15 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             let share = self.opacity(all.finish, layer, rays, own);
             let is_hidden = 1.0 - self.opacity(all.finish, picture, all.rays, pixel) < DARK;
             if share > 0.0 && !is_hidden {
-                let (color, opacity) = (colors.as_chunks().0[own], (255.0 * share).round() as u8);
-                points.push(Point { pixel: pixel as u32, color, opacity, drawn: layer.drawn[own] });
+                let (pixel, drawn) = (pixel as u32, layer.drawn[own]);
+                points.push(Point { pixel, opacity: share, drawn });
+                kept.push(colors.get(own));
             }
         }
-        hand_back_colors(colors);
+        colors.hand_back();
         points.shrink_to_fit();
-        Layer { points }
+        kept.shrink_to_fit();
+        Layer { points, colors: kept }
     }
 
     /// For each pixel, the distance at which its ray continues behind a translucent point, in world
@@ -246,36 +253,29 @@ impl<T: KernelFloat> RenderPass<'_, T> {
     }
 
     /// Mixes the colors of a block's pixels with those of its layers.
-    fn mix(&self, all: &Layered<'_>, block: &Block, layers: &[Layer], pixels: &mut Pixels) {
+    fn mix(&self, all: &Layered<'_>, block: &Block, layers: &[Layer], pixels: &mut ColorBuffer) {
         let Layered { picture, finish, .. } = *all;
-        let background = finish.appearance.background.to_srgb();
-        let covers = if pixels.alpha.is_empty() { 255 } else { 0 };
+        let [red, green, blue] = finish.appearance.background.0;
+        let covers = if pixels.opacity.is_empty() { 1.0 } else { 0.0 };
+        let background = Vec4::new(red, green, blue, covers);
         let width = all.rays.width();
-        let mixed = |pixel: usize, own: [u8; 3], behind: &[(f64, f32, [u8; 3])]| {
-            let color = |bytes: [u8; 3]| LinearRgb::from_srgb(bytes).0;
+        let mixed = |pixel: usize, own: LinearRgb, behind: &[(f64, f32, LinearRgb)]| {
+            let color = |light: LinearRgb| Vec3::from_array(light.0).extend(1.0);
             let nearest = self.opacity(finish, picture, all.rays, pixel);
-            let mut light = color(own).map(|own| nearest * own);
-            let mut left = 1.0 - nearest;
+            let (mut light, mut left) = (nearest * color(own), 1.0 - nearest);
             for &(_, opacity, own) in behind {
                 if left < DARK {
                     break;
                 }
-                let share = left * opacity;
-                light.iter_mut().zip(color(own)).for_each(|(light, own)| *light += share * own);
-                left -= share;
+                light += left * opacity * color(own);
+                left *= 1.0 - opacity;
             }
-            let [red, green, blue] = background;
-            let behind = (all.ground)(pixel).unwrap_or([red, green, blue, covers]);
-            let [red, green, blue, alpha] = behind;
-            let behind = color([red, green, blue]);
-            light.iter_mut().zip(behind).for_each(|(light, behind)| *light += left * behind);
-            let alpha = 1.0 - left * (1.0 - f32::from(alpha) / 255.0);
-            (LinearRgb(light).to_srgb(), (255.0 * alpha).round() as u8)
+            light + left * (all.ground)(pixel).unwrap_or(background)
         };
-        let mut alphas: Vec<&mut [u8]> = pixels.alpha.chunks_mut(width).collect();
-        alphas.resize_with(all.rays.height(), Default::default);
-        let rows = pixels.rgb.as_chunks_mut::<3>().0.par_chunks_mut(width).zip(alphas).enumerate();
-        rows.skip(block.rows.start).take(block.rows.len()).for_each(|(row, (colors, alphas))| {
+        let mut opacities: Vec<&mut [f32]> = pixels.opacity.chunks_mut(width).collect();
+        opacities.resize_with(all.rays.height(), Default::default);
+        let rows = pixels.colors.as_mut().split(width).into_par_iter().zip(opacities).enumerate();
+        let mix_row = |(row, (mut colors, opacities)): (usize, (ColorsMut<'_>, &mut [f32]))| {
             let first = row * width;
             let after =
                 |layer: &Layer| layer.points.partition_point(|p| (p.pixel as usize) < first);
@@ -287,27 +287,32 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 for (place, layer) in places.iter_mut().zip(layers) {
                     let next = layer.points.get(*place);
                     if let Some(point) = next.filter(|point| point.pixel as usize == pixel) {
-                        behind.push((point.drawn, f32::from(point.opacity) / 255.0, point.color));
+                        behind.push((point.drawn, point.opacity, layer.colors.get(*place)));
                         *place += 1;
                     }
                 }
                 if picture.is_drawn(pixel) {
                     behind.sort_by(|(one, ..), (other, ..)| one.total_cmp(other));
-                    let (color, alpha) = mixed(pixel, colors[column], &behind);
-                    colors[column] = color;
-                    if let Some(own) = alphas.get_mut(column) {
-                        *own = alpha;
+                    let found = mixed(pixel, colors.get(column), &behind);
+                    colors.set(column, LinearRgb(found.truncate().to_array()));
+                    if let Some(own) = opacities.get_mut(column) {
+                        *own = found.w;
                     }
                 }
             }
-        });
+        };
+        rows.skip(block.rows.start).take(block.rows.len()).for_each(mix_row);
     }
 }
 
 impl Layer {
     /// Removes all points outside of the block.
     fn keep(&mut self, block: &Block, width: usize) {
-        self.points.retain(|point| block.contains(point.pixel as usize, width));
+        let is_kept = |point: &Point| block.contains(point.pixel as usize, width);
+        let mut kept = self.points.iter().map(is_kept);
+        self.colors.retain(|| kept.next() == Some(true));
+        self.points.retain(is_kept);
         self.points.shrink_to_fit();
+        self.colors.shrink_to_fit();
     }
 }

@@ -4,7 +4,7 @@
 //! nothing is outlined behind translucent surfaces.
 
 use super::blur::box_blur;
-use crate::pixels::Pixels;
+use crate::pixels::ColorBuffer;
 use zeroset_shade::{Displayed, edges};
 
 /// Rows of a picture in which lines are as thin as possible.
@@ -21,7 +21,7 @@ const COLOR: [u8; 3] = [24, 24, 30];
 
 /// Draws lines over the colors of a picture. `height` is that of the whole picture, if this is a
 /// strip of it.
-pub(super) fn draw(seen: &Displayed<'_>, height: usize, pixels: &mut Pixels) {
+pub(super) fn draw(seen: &Displayed<'_>, height: usize, pixels: &mut ColorBuffer) {
     let width = seen.rays.width();
     let radius = (height as f64 / ROWS).round().clamp(1.0, WIDEST) as usize;
     // An edge is two pixels wide. It is blurred, so that lines have no steps.
@@ -31,6 +31,6 @@ pub(super) fn draw(seen: &Displayed<'_>, height: usize, pixels: &mut Pixels) {
     // The share of a line's middle, if it is straight.
     let middle = 2.0 / (2 * radius + 1) as f32;
     for (pixel, cover) in cover.iter().enumerate().filter(|(_, cover)| **cover > 0.0) {
-        pixels.mix(pixel, COLOR, (255.0 * INK * (cover / middle).min(1.0)).round() as u32);
+        pixels.mix(pixel, COLOR, INK * (cover / middle).min(1.0));
     }
 }

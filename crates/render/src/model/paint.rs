@@ -5,12 +5,13 @@
 use super::Model;
 use super::trace::Advance;
 use crate::overlay::{Legend, round_step};
+use glam::Vec4;
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use zeroset_scene::point_value::{Place, PointValues};
 use zeroset_scene::view::nearest;
-use zeroset_shade::{Appearance, LinearRgb, Paint};
+use zeroset_shade::{Appearance, ColorDepth, LinearRgb, Paint};
 use zeroset_style::ColorMap;
 use zeroset_syntax::{MappedColor, PointValue, SurfaceColor};
 use zeroset_trace::{GBuffer, RayGrid};
@@ -32,15 +33,17 @@ const PART: usize = 8;
 pub(super) struct Coloring<'a> {
     /// Light and surface colors.
     pub appearance: Appearance,
+    /// How exactly colors are kept.
+    pub depth: ColorDepth,
     /// Color maps and contour lines. `None` if there are neither.
     pub painter: Option<Painter<'a>>,
-    /// Colors of the ground behind the surfaces. Empty without a ground.
-    pub ground: Vec<Option<[u8; 4]>>,
+    /// Light and opacity of the ground behind the surfaces. Empty without a ground.
+    pub ground: Vec<Option<Vec4>>,
 }
 
 impl Coloring<'_> {
-    /// The color and opacity of the ground at a pixel, if it is seen there.
-    pub fn ground_at(&self, pixel: usize) -> Option<[u8; 4]> {
+    /// The light and opacity of the ground at a pixel, if it is seen there.
+    pub fn ground_at(&self, pixel: usize) -> Option<Vec4> {
         self.ground.get(pixel).copied().flatten()
     }
 }

@@ -8,7 +8,7 @@ use super::{Model, ProgressCallback};
 use crate::picture::{Picture, Settings};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use zeroset_scene::program::ProgramError;
-use zeroset_shade::Pattern;
+use zeroset_shade::{ColorDepth, Pattern};
 use zeroset_trace::{Camera, RayGrid};
 
 /// Strips begin at multiples of this many rows, and are drawn with this many extra rows above and
@@ -138,6 +138,7 @@ fn overview_settings(settings: &Settings) -> Settings {
         brackets: false,
         keeps_normals: true,
         antialias: Pattern::ONE,
+        depth: ColorDepth::Bytes,
         ..settings.clone()
     }
 }

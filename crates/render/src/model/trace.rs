@@ -9,6 +9,7 @@ use super::{Model, Stopwatch, options};
 use crate::picture::{
     Normals, Picture, Precision, Settings, Statistics, Times, UndecidedStatistics,
 };
+use crate::pixels::Pixels;
 use std::borrow::Cow;
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -17,7 +18,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 use zeroset_eval::{Enclose, Kernel, KernelFloat};
 use zeroset_scene::program::ProgramError;
-use zeroset_shade::{NormalSource, Pattern, Shader, normals, unset_colors};
+use zeroset_shade::{Colors, ColorsMut, NormalSource, Pattern, Shader, normals};
 use zeroset_syntax::SurfaceKind;
 use zeroset_trace::{
     BAND_ROWS, Camera, Driver, Fallback, GBuffer, Kept, KernelStats, PixelCounts, RayGrid, Rows,
@@ -138,7 +139,7 @@ struct Traced {
     counts: Option<PixelCounts>,
     work: KernelStats,
     /// Colors, if they were computed during tracing.
-    rgb: Option<Vec<u8>>,
+    colors: Option<Colors>,
     /// Surfaces that were traced by a fallback method.
     fallbacks: Vec<(usize, Fallback)>,
 }
@@ -267,7 +268,8 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         let mut buffer = picture.buffer.clone();
         buffer.replace(&settled.buffer, &open_mask);
         settled.buffer.hand_back();
-        let found = Traced { buffer, counts: None, work, rgb: None, fallbacks: settled.fallbacks };
+        let found =
+            Traced { buffer, counts: None, work, colors: None, fallbacks: settled.fallbacks };
         self.finished(rays, found, times).map(Some)
     }
 
@@ -278,7 +280,8 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         let light = self.light(rays, &mut lit.buffer, None, &mut lit.statistics.times)?;
         lit.statistics.work += light.work;
         lit.statistics.edge_rays = light.edge_rays;
-        (lit.rgb, lit.alpha) = (light.pixels.rgb, light.pixels.alpha);
+        lit.light = light.pixels.light();
+        Pixels { rgb: lit.rgb, alpha: lit.alpha } = light.pixels.into_bytes();
         (lit.legends, lit.remarks) = (light.legends, light.remarks);
         (lit.ground, lit.background) = (light.ground, light.background);
         lit.look = self.model.look(self.settings);
@@ -312,7 +315,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         let (mut work, mut fallbacks) = (KernelStats::default(), Vec::new());
         let mut picture: Option<GBuffer> = None;
         let counted = Mutex::new(PixelCounts::default());
-        let mut rgb = shader.map(|_| unset_colors(width * height));
+        let mut colors = shader.map(|_| Colors::unset(settings.depth, width * height));
         let windows = self.windows(rays)?;
         let (last, is_one) = (model.visible_surfaces().last(), windows.len() == 1);
         for (surface, window) in model.visible_surfaces().zip(windows) {
@@ -326,14 +329,14 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             let own = part.as_ref().unwrap_or(rays);
             let only = &*part_of(only, width, columns, rows);
             let shading = AtomicU64::new(0);
-            let finish = |rows: &mut Rows<'_>, bytes: &mut [u8]| {
+            let finish = |rows: &mut Rows<'_>, colors: ColorsMut<'_>| {
                 let mut work = KernelStats::default();
                 if let Some(kernel) = caps {
                     work += cap_rows(rows, own, &model.region, kernel, only);
                 }
                 let mut watch = Stopwatch::start();
                 if let Some(source) = &source {
-                    let canvas = shader.map(|shader| shader.canvas(bytes));
+                    let canvas = shader.map(|shader| shader.canvas(colors));
                     work += source.compute_normals(rows, own, self.extent() * STEP, canvas);
                 }
                 shading.fetch_add(watch.lap().as_nanos() as u64, Ordering::Relaxed);
@@ -342,9 +345,8 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
                 *counted.lock().unwrap_or_else(PoisonError::into_inner) += counts;
                 work
             };
-            let bytes = rgb.as_deref_mut().unwrap_or_default();
-            let mut parts: Vec<&mut [u8]> =
-                bytes.chunks_mut((3 * BAND_ROWS * width).max(1)).collect();
+            let all = colors.as_mut().map(Colors::as_mut).unwrap_or_default();
+            let mut parts = all.split((BAND_ROWS * width).max(1));
             parts.resize_with(height.div_ceil(BAND_ROWS), Default::default);
             let driver = Driver { rays: own, tracer: &*tracer, advance };
             // Normals are kept for shading after tracing, for caps, and to find edges.
@@ -404,7 +406,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         let is_counted = self.own.is_none() && is_one;
         let counts =
             is_counted.then(|| counted.into_inner().unwrap_or_else(PoisonError::into_inner));
-        Ok(Traced { buffer, counts, work, rgb, fallbacks })
+        Ok(Traced { buffer, counts, work, colors, fallbacks })
     }
 
     /// Lights the traced rays and fills in the statistics.
@@ -415,8 +417,8 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         mut times: Times,
     ) -> Result<Picture, ProgramError> {
         let Self { model, settings, .. } = *self;
-        let Traced { mut buffer, counts, mut work, rgb, fallbacks } = found;
-        let mut lit = self.light(rays, &mut buffer, rgb, &mut times)?;
+        let Traced { mut buffer, counts, mut work, colors, fallbacks } = found;
+        let mut lit = self.light(rays, &mut buffer, colors, &mut times)?;
         if let Some(own) = &self.own {
             buffer.crop(own.clone());
             lit.pixels.crop(own.start * rays.width()..own.end * rays.width());
@@ -443,10 +445,13 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         };
         // If a function is 0 everywhere, every ray through the region is undecided.
         let flat = pixels.hit == 0 && pixels.undecided > 0 && model.is_flat::<T>()?;
+        let light = lit.pixels.light();
+        let Pixels { rgb, alpha } = lit.pixels.into_bytes();
         Ok(Picture {
             buffer,
-            rgb: lit.pixels.rgb,
-            alpha: lit.pixels.alpha,
+            rgb,
+            alpha,
+            light,
             method,
             fallbacks,
             precision: settings.options.precision,

@@ -1,7 +1,9 @@
 //! Drawing letters, lines and boxes into an image.
 
 use super::letters::{glyph, width};
-use crate::pixels::{mix_over, mixed};
+use crate::picture::Picture;
+use crate::pixels::{mix_over, mixed, mixed_over};
+use glam::Vec4;
 
 /// Height of a letter's box, and of a line of text, in dots. A dot is a pixel at scale 1.
 const LETTER: usize = 16;
@@ -17,7 +19,7 @@ pub struct Canvas {
     /// Height in pixels.
     pub height: usize,
     /// Pixels, row by row from the top. Empty if drawings are recorded instead, for
-    /// [`Canvas::mix_into`].
+    /// [`Canvas::mix_into_picture`].
     pub pixels: Vec<Rgb>,
     /// Size of letters and of all that is drawn with them: the size of a dot in pixels.
     pub scale: f64,
@@ -48,6 +50,18 @@ impl Canvas {
             let Some(pixel) = pixels.get_mut(there) else { continue };
             let [_, parts @ ..] = color.to_be_bytes();
             mix_over(pixel, alpha.get_mut(there), parts, (*share).into());
+        }
+    }
+
+    /// Mixes the recorded drawings into a picture, or into a strip that begins at row `top`.
+    pub fn mix_into_picture(&self, picture: &mut Picture, top: usize) {
+        self.mix_into(&mut picture.rgb, &mut picture.alpha, top);
+        for Mark { pixel, color, share } in &self.marks {
+            let Some(there) = pixel.checked_sub(top * self.width) else { continue };
+            let Some(light) = picture.light.get_mut(there) else { continue };
+            let [_, parts @ ..] = color.to_be_bytes();
+            let own = Vec4::from_array(*light);
+            *light = mixed_over(own, parts, f32::from(*share) / 255.0).to_array();
         }
     }
 

@@ -1,5 +1,6 @@
 //! Operations on the light of sixteen pixels at once.
 
+use crate::color::LinearRgb;
 use fearless_simd::{f32x16, prelude::*};
 use glam::Vec3;
 use zeroset_eval::LANES;
@@ -13,6 +14,16 @@ pub fn by_axis<S: Simd>(simd: S, vectors: &[[f32; 3]; LANES]) -> [f32x16<S>; 3] 
     }
     let [x, y, z] = axes;
     [f32x16::simd_from(simd, x), f32x16::simd_from(simd, y), f32x16::simd_from(simd, z)]
+}
+
+/// The colors of sixteen lanes, given by their primaries.
+#[inline(never)]
+pub fn by_lane<S: Simd>(primaries: [f32x16<S>; 3]) -> [LinearRgb; LANES] {
+    let mut parts = [[0.0; LANES]; 3];
+    for (part, amounts) in parts.iter_mut().zip(primaries) {
+        amounts.store_slice(part);
+    }
+    std::array::from_fn(|lane| LinearRgb(parts.each_ref().map(|part| part[lane])))
 }
 
 /// One vector in all lanes.

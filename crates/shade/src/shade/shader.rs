@@ -1,8 +1,9 @@
-//! Shading of sixteen pixels of a window at a time, from their G-buffer to bytes.
+//! Shading of sixteen pixels of a window at a time, from their G-buffer to colors.
 
-use super::lanes::{by_axis, dot, highlight_power, left, smooth_step, splat, tone_map};
+use super::lanes::{by_axis, by_lane, dot, highlight_power, left, smooth_step, splat, tone_map};
 use super::{Appearance, Haze, Paint, SurfaceColors, UndecidedStyle};
 use crate::color::{BLACK, LinearRgb, SrgbTable};
+use crate::colors::ColorsMut;
 use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*, u8x16};
 use glam::Vec3;
 use zeroset_eval::{LANES, Lanes};
@@ -27,8 +28,6 @@ pub struct Shader<'a> {
     palette: Vec<SurfaceColors>,
     lamps: CameraLights,
     codes: &'static SrgbTable,
-    /// One row of background.
-    row: Vec<u8>,
     level: Level,
 }
 
@@ -41,7 +40,6 @@ impl<'a> Shader<'a> {
             palette: appearance.palette(),
             lamps: CameraLights::new(rays),
             codes: SrgbTable::get(),
-            row: appearance.background.to_srgb().repeat(rays.width()),
             level: Level::new(),
         }
     }
@@ -51,18 +49,17 @@ impl<'a> Shader<'a> {
         Self { level, ..self }
     }
 
-    /// A canvas for the colors of some rows, three bytes a pixel. It is filled with background
-    /// first.
-    pub fn canvas<'b>(&'b self, bytes: &'b mut [u8]) -> ColoredRows<'b> {
-        bytes.chunks_mut(self.row.len().max(1)).for_each(|bytes| bytes.copy_from_slice(&self.row));
-        ColoredRows { shader: self, bytes: bytes.as_chunks_mut().0, left: Vec::new() }
+    /// A canvas for the colors of some rows. It is filled with background first.
+    pub fn canvas<'b>(&'b self, mut colors: ColorsMut<'b>) -> ColoredRows<'b> {
+        colors.fill(self.appearance.background);
+        ColoredRows { shader: self, colors, left: Vec::new() }
     }
 }
 
 /// The colors of some rows, while they are computed.
 pub struct ColoredRows<'a> {
     shader: &'a Shader<'a>,
-    bytes: &'a mut [[u8; 3]],
+    colors: ColorsMut<'a>,
     /// Windows that wait for normals.
     pub(crate) left: Vec<PixelWindow>,
 }
@@ -77,7 +74,7 @@ impl ColoredRows<'_> {
         window: PixelWindow,
         faced: ViewAndNormals<S>,
     ) {
-        self.shader.paint(simd, seen, window, Some(faced), self.bytes);
+        self.shader.paint(simd, seen, window, Some(faced), &mut self.colors);
     }
 
     /// Paints the windows that waited for normals.
@@ -91,10 +88,10 @@ impl ColoredRows<'_> {
 
     /// Paints windows whose normals are in the G-buffer `seen`.
     pub(super) fn windows(&mut self, seen: &ShadingInput<'_>, windows: &[PixelWindow]) {
-        let Self { shader, bytes, .. } = self;
+        let Self { shader, colors, .. } = self;
         dispatch!(shader.level, simd => {
             for &window in windows {
-                shader.paint(simd, seen, window, None, bytes);
+                shader.paint(simd, seen, window, None, colors);
             }
         });
     }
@@ -202,7 +199,7 @@ impl CameraLights {
 }
 
 impl Shader<'_> {
-    /// Writes the bytes of a window's pixels. `faced` has their normals and the directions to the
+    /// Writes the colors of a window's pixels. `faced` has their normals and the directions to the
     /// eye; without it, the normals are read from `seen`.
     #[inline(always)]
     fn paint<S: Simd>(
@@ -211,7 +208,7 @@ impl Shader<'_> {
         seen: &ShadingInput<'_>,
         mut window: PixelWindow,
         faced: Option<ViewAndNormals<S>>,
-        bytes: &mut [[u8; 3]],
+        all: &mut ColorsMut<'_>,
     ) {
         let mut status = [Status::Miss; LANES];
         let status = window.load(seen.columns.status, &mut status);
@@ -253,9 +250,13 @@ impl Shader<'_> {
                     self.light::<S, true>(simd, seen, window, faced, colors, own)
                 }
             };
-            let colors = self.codes.bytes(simd, amounts);
-            PixelWindow { wanted: window.wanted & of_surface, ..window }
-                .store_colors(&colors, bytes);
+            let painted = PixelWindow { wanted: window.wanted & of_surface, ..window };
+            match all {
+                ColorsMut::Bytes(bytes) => {
+                    painted.store_colors(&self.codes.bytes(simd, amounts), bytes);
+                }
+                ColorsMut::Floats(light) => painted.store(by_lane(amounts), light),
+            }
             window.wanted &= !of_surface;
         }
     }

@@ -1,6 +1,7 @@
 //! Colors of single pixels, and of sixteen at once compared with single ones.
 
 use super::*;
+use crate::colors::hand_back_colors;
 use glam::DVec3;
 use zeroset_style::{LOOKS, MATERIALS};
 use zeroset_testkit::simd::{is_fused, levels};
@@ -17,6 +18,10 @@ fn painted(normal: [f32; 3]) -> (GBuffer, RayGrid) {
     (buffer, camera.expect("valid").rays(1, 1))
 }
 
+fn bytes(buffer: &GBuffer, rays: &RayGrid, appearance: &Appearance) -> Vec<u8> {
+    shade(buffer, rays, appearance, &[], ColorDepth::Bytes).into_bytes()
+}
+
 fn headlight() -> Appearance {
     Appearance::new(Default::default(), Light::Positional(DVec3::NEG_Y * 5.0))
 }
@@ -24,19 +29,19 @@ fn headlight() -> Appearance {
 #[test]
 fn the_side_that_is_seen_decides_the_color() {
     let (buffer, rays) = painted([0.0, -1.0, 0.0]);
-    let warm = shade(&buffer, &rays, &headlight(), &[]);
+    let warm = bytes(&buffer, &rays, &headlight());
     assert!(warm[0] > warm[2], "{warm:?}");
     let (buffer, rays) = painted([0.0, 1.0, 0.0]);
-    let cool = shade(&buffer, &rays, &headlight(), &[]);
+    let cool = bytes(&buffer, &rays, &headlight());
     assert!(cool[0] < cool[2], "{cool:?}");
 }
 
 #[test]
 fn shadow_leaves_the_ambient_share() {
     let (mut buffer, rays) = painted([0.0, -1.0, 0.0]);
-    let lit = shade(&buffer, &rays, &headlight(), &[]);
+    let lit = bytes(&buffer, &rays, &headlight());
     buffer.shadow = vec![255];
-    let dark = shade(&buffer, &rays, &headlight(), &[]);
+    let dark = bytes(&buffer, &rays, &headlight());
     assert!(dark[0] < lit[0] && dark[0] > 0);
 }
 
@@ -50,7 +55,7 @@ fn light_from_behind_lights_no_more_than_it_should() {
         let light = Light::Positional(DVec3::new(aside, 5.0, 0.0));
         let surfaces = vec![SurfaceColors::default_for(0)];
         let look = Appearance { surfaces, ..Appearance::new(Default::default(), light) };
-        let (lit, plain) = (shade(&buffer, &rays, &look, &[]), plain(&buffer, &rays, &look, 0));
+        let (lit, plain) = (bytes(&buffer, &rays, &look), plain(&buffer, &rays, &look, 0));
         let close = lit.iter().zip(plain).all(|(a, b)| a.abs_diff(b) <= 1);
         assert!(close, "{k}: {lit:?} {plain:?}");
     }
@@ -59,9 +64,9 @@ fn light_from_behind_lights_no_more_than_it_should() {
 #[test]
 fn undecided_pixels_are_marked_as_asked() {
     let (mut buffer, rays) = painted([0.0, -1.0, 0.0]);
-    let hit = shade(&buffer, &rays, &headlight(), &[]);
+    let hit = bytes(&buffer, &rays, &headlight());
     buffer.status[0] = Status::Undecided;
-    let with = |undecided| shade(&buffer, &rays, &Appearance { undecided, ..headlight() }, &[]);
+    let with = |undecided| bytes(&buffer, &rays, &Appearance { undecided, ..headlight() });
     assert_eq!(with(UndecidedStyle::Shade), hit);
     assert!(with(UndecidedStyle::Hatch)[0] < hit[0]);
     assert_ne!(with(UndecidedStyle::Tint), hit);
@@ -71,12 +76,12 @@ fn undecided_pixels_are_marked_as_asked() {
 #[test]
 fn a_cut_face_has_a_lighter_color_on_either_side() {
     let (mut buffer, rays) = painted([0.0, -1.0, 0.0]);
-    let outer = shade(&buffer, &rays, &headlight(), &[]);
+    let outer = bytes(&buffer, &rays, &headlight());
     buffer.cap = vec![true];
-    let cut = shade(&buffer, &rays, &headlight(), &[]);
+    let cut = bytes(&buffer, &rays, &headlight());
     assert!(cut[2] > outer[2], "{cut:?} {outer:?}");
     buffer.normal[0] = [0.0, 1.0, 0.0];
-    assert_eq!(shade(&buffer, &rays, &headlight(), &[]), cut);
+    assert_eq!(bytes(&buffer, &rays, &headlight()), cut);
 }
 
 #[test]
@@ -84,9 +89,9 @@ fn what_is_near_takes_light_away() {
     for look in &LOOKS {
         let (mut buffer, rays) = painted([0.0, -1.0, 0.0]);
         let light = Light::Positional(DVec3::NEG_Y * 5.0);
-        let open = shade(&buffer, &rays, &Appearance::new(look, light), &[]);
+        let open = bytes(&buffer, &rays, &Appearance::new(look, light));
         buffer.occlusion = vec![200];
-        let hidden = shade(&buffer, &rays, &Appearance::new(look, light), &[]);
+        let hidden = bytes(&buffer, &rays, &Appearance::new(look, light));
         assert!(hidden[0] < open[0] && hidden[0] > 0, "{}", look.name);
     }
 }
@@ -200,14 +205,17 @@ fn every_pixel_is_lit_as_if_it_were_alone() {
     for light in [Light::above_left(&rays), Light::Positional(DVec3::new(1.0, -2.0, 1.0))] {
         for look in &LOOKS {
             let look = Appearance { surfaces: surfaces.clone(), ..Appearance::new(look, light) };
-            let bytes = shade(&buffer, &rays, &look, &[]);
+            let painted = bytes(&buffer, &rays, &look);
             for level in levels() {
-                let others = shade_with(level, &buffer, &rays, &look, &[]);
-                let off = others.iter().zip(&bytes).map(|(a, b)| a.abs_diff(*b)).max();
+                let others = shade_with(level, &buffer, &rays, &look, &[], ColorDepth::Bytes);
+                let others = others.into_bytes();
+                let off = others.iter().zip(&painted).map(|(a, b)| a.abs_diff(*b)).max();
                 let most = u8::from(is_fused(level) != is_fused(Level::new()));
                 assert!(off <= Some(most), "{} by {level:?}: {off:?}", look.look.name);
             }
-            for (pixel, bytes) in bytes.chunks_exact(3).enumerate() {
+            let light = shade(&buffer, &rays, &look, &[], ColorDepth::Floats);
+            assert_eq!(light.into_bytes(), painted, "light has the same bytes");
+            for (pixel, bytes) in painted.chunks_exact(3).enumerate() {
                 let plain = plain(&buffer, &rays, &look, pixel);
                 let close = bytes.iter().zip(plain).all(|(a, b)| a.abs_diff(b) <= 1);
                 assert!(close, "{pixel}: {bytes:?} {plain:?}");
@@ -219,7 +227,7 @@ fn every_pixel_is_lit_as_if_it_were_alone() {
 #[test]
 fn memory_that_is_handed_back_holds_nothing_of_its_picture() {
     let (buffer, rays) = painted([0.0, -1.0, 0.0]);
-    let before = shade(&buffer, &rays, &headlight(), &[]);
+    let before = bytes(&buffer, &rays, &headlight());
     hand_back_colors(vec![7; 300]);
-    assert_eq!(shade(&buffer, &rays, &headlight(), &[]), before);
+    assert_eq!(bytes(&buffer, &rays, &headlight()), before);
 }

@@ -8,14 +8,14 @@ use super::super::paint::{Coloring, Painter};
 use super::RenderPass;
 use crate::overlay::Legend;
 use crate::picture::{Normals, Times};
-use crate::pixels::Pixels;
+use crate::pixels::ColorBuffer;
 use glam::DVec3;
 use zeroset_eval::{KernelFloat, Points};
 use zeroset_scene::program::ProgramError;
 use zeroset_scene::view;
 use zeroset_shade::{
-    AmbientOcclusion, Appearance, Displayed, Haze, Light, LinearRgb, Pattern, SurfaceColors,
-    UndecidedStyle, borrow_occlusion, turn,
+    AmbientOcclusion, Appearance, Colors, Displayed, Haze, Light, LinearRgb, Pattern,
+    SurfaceColors, UndecidedStyle, borrow_occlusion, turn,
 };
 use zeroset_space::Ball;
 use zeroset_syntax::{Background, SurfaceColor, SurfaceKind};
@@ -36,7 +36,7 @@ const CUT: &str = "there was no time to compute the colors of all points";
 
 /// Colors of a picture, and the cost of lighting it.
 pub(super) struct Lit {
-    pub pixels: Pixels,
+    pub pixels: ColorBuffer,
     /// As [`Picture::ground`](crate::picture::Picture).
     pub ground: Vec<f32>,
     /// The color of pixels that show no surface, before any shadow.
@@ -65,7 +65,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         &self,
         rays: &RayGrid,
         buffer: &mut GBuffer,
-        known: Option<Vec<u8>>,
+        known: Option<Colors>,
         times: &mut Times,
     ) -> Result<Lit, ProgramError> {
         let settings = self.settings;
@@ -74,7 +74,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         let mut work = self.compute_occlusion(rays, &light, buffer)?;
         times.occlude += watch.lap();
         let mut remarks = self.model.remarks.clone();
-        let (mut pixels, mut legends, mut edge_rays) = (Pixels::default(), Vec::new(), 0);
+        let (mut pixels, mut legends, mut edge_rays) = (ColorBuffer::default(), Vec::new(), 0);
         let mut ground = Vec::new();
         let mut background = self.model.look(settings).background;
         if settings.normals.is_some() {
@@ -94,7 +94,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             if !self.model.is_transparent(settings) {
                 background = appearance.background.to_srgb();
             }
-            let finish = Coloring { appearance, painter, ground: colors };
+            let finish = Coloring { appearance, depth: settings.depth, painter, ground: colors };
             legends = finish.painter.as_ref().map(Painter::legends).unwrap_or_default();
             let is_smoothed = settings.antialias != Pattern::ONE;
             let is_translucent = self.is_translucent();
@@ -133,7 +133,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 edge_rays = self.smooth_edges(rays, buffer, &behind, &finish, &mut pixels)?;
                 times.antialias += watch.lap();
             }
-            if !pixels.alpha.is_empty() {
+            if !pixels.opacity.is_empty() {
                 pixels.divide(self.model.look(settings).background);
             }
             if self.has_outlines() {
@@ -157,14 +157,14 @@ impl<T: KernelFloat> RenderPass<'_, T> {
 
     /// The colors of a picture. If the background is transparent, they get opacities: painted
     /// pixels are opaque.
-    pub(in crate::model) fn with_alpha(&self, rgb: Vec<u8>, picture: &GBuffer) -> Pixels {
-        let mut alpha = Vec::new();
+    pub(in crate::model) fn with_alpha(&self, colors: Colors, picture: &GBuffer) -> ColorBuffer {
+        let mut opacity = Vec::new();
         if self.model.is_transparent(self.settings) {
             let pixels = 0..picture.drawn.len();
-            alpha =
-                pixels.map(|pixel| if self.is_painted(picture, pixel) { 255 } else { 0 }).collect();
+            let of_pixel = |pixel| if self.is_painted(picture, pixel) { 1.0 } else { 0.0 };
+            opacity = pixels.map(of_pixel).collect();
         }
-        Pixels { rgb, alpha }
+        ColorBuffer { colors, opacity }
     }
 
     /// Number of halvings along a shadow ray. `None` without shadows.
