@@ -165,9 +165,9 @@ impl Picture {
         &self.rows.alpha
     }
 
-    /// Returns the light of each pixel, red, green and blue (primaries of sRGB, 1 at full), then its
-    /// opacity. Empty unless [16 bits per channel](crate::Settings::bits) are set. Light is not
-    /// multiplied by the opacity.
+    /// Returns the light of each pixel: red, green and blue (primaries of sRGB, 1 at full), then
+    /// the opacity. Light is not multiplied by the opacity. Empty unless
+    /// [16 bits per channel](crate::Settings::bits) are set.
     pub fn light(&self) -> &[[f32; 4]] {
         &self.rows.light
     }

@@ -60,8 +60,8 @@ impl Picture {
         (!alpha.is_empty()).then(|| self.single(alpha.to_vec()).into_pyarray(py))
     }
 
-    /// Light of each pixel: float32 (H, W, 4), red, green, blue and opacity. None unless the picture
-    /// has 16 bits per channel.
+    /// Light of each pixel: float32 (H, W, 4), red, green, blue and opacity. None unless the
+    /// picture has 16 bits per channel.
     #[getter]
     fn light<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray3<f32>>> {
         let light = self.0.light();

@@ -200,8 +200,8 @@ fn is_beside_pole(heights: &Heights<'_>, half: f64, sampled: &[f64], n: usize) -
     })
 }
 
-/// The place and the height at the end of a climb from a place, or of a descent if `sign` is −1. The
-/// first step has the length `step`. Each further step is half as long.
+/// The place and the height at the end of a climb from a place, or of a descent if `sign` is −1.
+/// The first step has the length `step`. Each further step is half as long.
 fn climbed(
     heights: &Heights<'_>,
     [mut x, mut y]: [f64; 2],
