@@ -13,12 +13,18 @@ use zeroset_trace::Camera;
 const SIDE: usize = 96;
 
 fn drawn(text: &str) -> (Camera, Picture) {
+    drawn_from(None, text)
+}
+
+/// The picture of a text from a camera, or else from the automatic one, which is returned.
+fn drawn_from(camera: Option<Camera>, text: &str) -> (Camera, Picture) {
     let document = read(text, &Options::default()).expect(text);
     let (region, _) = region(&document, DomainChoice::Document, None).expect(text);
     let settings = Settings { width: SIDE, height: SIDE, brackets: true, ..Settings::default() };
     let model = Model::new(&document, &region, &settings).expect(text);
-    let camera = framing::camera(&model, &document, &CameraChoice::default(), &settings, false);
-    let camera = camera.expect(text);
+    let choice = CameraChoice::default();
+    let fitted = || framing::camera(&model, &document, &choice, &settings, false).expect(text);
+    let camera = camera.unwrap_or_else(fitted);
     let picture = model.trace(&camera, &settings, &|_| true).expect(text);
     (camera, picture)
 }
@@ -37,8 +43,7 @@ fn statuses_and_brackets_know_no_ground_and_no_material() {
     let materials = MATERIALS.iter().map(|row| format!("material {}", row.name));
     let mut seen = vec![plain.rgb.clone()];
     for head in materials.chain(["ground", "haze", "outlines"].map(str::to_owned)) {
-        let (own, picture) = drawn(&format!("{head}\n{TORUS}"));
-        assert_eq!(own, camera, "{head}");
+        let (_, picture) = drawn_from(Some(camera), &format!("{head}\n{TORUS}"));
         assert_eq!(picture.buffer.status, plain.buffer.status, "{head}");
         let brackets = |picture: &Picture| format!("{:?}", picture.buffer.bracket);
         assert!(brackets(&picture) == brackets(&plain), "{head}");
@@ -66,6 +71,21 @@ fn the_ground_is_dark_below_a_surface_and_fades_into_the_background() {
     let below = "ground\nview eye (0.1, 0.2, -6)\n";
     let above = "view eye (0.1, 0.2, -6)\n";
     assert_eq!(drawn(&format!("{below}{TORUS}")).1.rgb, drawn(&format!("{above}{TORUS}")).1.rgb);
+}
+
+#[test]
+fn shadows_fit_into_the_picture() {
+    for text in [TORUS, "x^2+y^2+z^2 = 1", "z = x^2+y^2 {z < 2}", "(y^2+z^2)^2 = 0.01 + x^2 - x^4"]
+    {
+        let (automatic, usual) = (drawn(&format!("ground\n{text}")), drawn(text));
+        let (_, cropped) = drawn_from(Some(usual.0), &format!("ground\n{text}"));
+        // The ground fades into the background toward the border, so only shadows are dark there.
+        let darkest = |picture: &Picture| {
+            (0..SIDE).map(|column| brightness(picture, [column, SIDE - 1])).min().expect("a row")
+        };
+        let [all, part] = [&automatic.1, &cropped].map(darkest);
+        assert!(all > 600 && all >= part, "{text}: {all}, {part}");
+    }
 }
 
 /// The lowest point of a solid is found as closely as that of a surface.

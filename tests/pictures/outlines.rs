@@ -56,6 +56,19 @@ fn outlines_are_dark_at_creases_and_ends_and_nowhere_else() {
     assert_eq!(plain.buffer.status, lined.buffer.status);
 }
 
+#[test]
+fn outlines_are_light_before_a_dark_background() {
+    let night = ROOF.replace("look flat", "look night");
+    let (plain, lined) = (drawn(&night, SIDE), drawn(&format!("outlines\n{night}"), SIDE));
+    let brightness = |picture, place| color(picture, place).into_iter().map(u32::from).sum::<u32>();
+    // The left end of the roof, beside the background.
+    let change = (10..15).map(|column| {
+        let [before, after] = [&plain, &lined].map(|picture| brightness(picture, [column, 70]));
+        i64::from(after) - i64::from(before)
+    });
+    assert!(change.max() > Some(200));
+}
+
 /// Most pictures keep no normals beyond their colors.
 #[test]
 fn outlines_need_no_kept_normals() {

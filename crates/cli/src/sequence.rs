@@ -389,6 +389,7 @@ impl<'a> FrameRenderer<'a> {
             }
             drop(held);
             count.add(&picture, self.settings.method);
+            picture.hand_back();
             self.progress.reach(frame as u64 + 1);
         }
         Ok(count)
@@ -422,6 +423,7 @@ impl<'a> FrameRenderer<'a> {
                 };
                 animation.add(&picture)?;
                 count.add(&picture, self.settings.method);
+                picture.hand_back();
                 self.progress.reach(frame as u64 + 1);
             }
             animation.end()?;

@@ -9,6 +9,7 @@ use crate::model::Model;
 use crate::picture::Settings;
 use glam::{DQuat, DVec3};
 use zeroset_scene::view::{self, CameraChoice, SceneError};
+use zeroset_shade::Light;
 use zeroset_space::Region;
 use zeroset_style::StandardView;
 use zeroset_syntax::Document;
@@ -49,6 +50,9 @@ const VERTICAL: f64 = 0.05;
 
 /// Number of sides among which the camera chooses. They are a quarter turn apart.
 const TURNS: usize = 4;
+
+/// Shadows need not fit into the picture if the direction to the light rises less than this.
+const LEAST_RISE: f64 = 0.5;
 
 /// Neighboring visible points lie on one part of a surface if they are at most this many pixels of
 /// the small picture apart.
@@ -139,8 +143,14 @@ pub fn camera_over(
             }
         }
     }
-    let spots = if seen.spots.len() < LEAST { corners(region) } else { seen.spots };
-    let fitted = view.fitted(side, &spots, FILLED);
+    let mut spots = if seen.spots.len() < LEAST { corners(region) } else { seen.spots };
+    let mut fitted = view.fitted(side, &spots, FILLED);
+    let grounded = models.iter().find(|model| model.has_ground(settings));
+    if let (Some(model), Ok(camera)) = (grounded, &fitted) {
+        let light = model.key_light(settings, &camera.in_stretched(stretch).rays(SIDE, SIDE));
+        spots.extend(shadows(&spots, model.ground_height() * stretch.z, &light));
+        fitted = view.fitted(side, &spots, FILLED);
+    }
     // If floats cannot represent the fitted camera, the camera shows the whole region.
     Ok(Some(fitted.unwrap_or(usual).in_stretched(stretch)))
 }
@@ -247,6 +257,19 @@ struct Spot {
 /// The corners of the region's box as displayed.
 fn corners(region: &Region) -> Vec<Spot> {
     view::corners(&region.displayed()).map(|at| Spot { at, radius: 0.0 }).to_vec()
+}
+
+/// The shadows of visible points on a ground of this height. The shadows of a low light are left
+/// out, since they are too long for a picture.
+fn shadows(spots: &[Spot], ground: f64, light: &Light) -> Vec<Spot> {
+    let shadow = |spot: &Spot| {
+        let (way, _) = light.towards(spot.at);
+        let far = (spot.at.z - ground) / way.z;
+        // Without a surface, there is no ground.
+        (way.z > LEAST_RISE && far.is_finite())
+            .then_some(Spot { at: spot.at - far * way, radius: spot.radius })
+    };
+    spots.iter().filter_map(shadow).collect()
 }
 
 /// Properties of a camera of the displayed space that fitting does not change.

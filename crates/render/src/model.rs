@@ -27,10 +27,11 @@ use zeroset_scene::curves::{self, TracedCurves};
 use zeroset_scene::kernels::Evaluator;
 use zeroset_scene::program::{Program, ProgramError};
 use zeroset_scene::{proportions, view};
+use zeroset_shade::Light;
 use zeroset_space::{Cell, Region};
 use zeroset_style::Look;
 use zeroset_syntax::{Background, Document, PictureLines, PointValue, SurfaceKind};
-use zeroset_trace::{Camera, TraceOptions};
+use zeroset_trace::{Camera, RayGrid, TraceOptions};
 
 /// All surfaces of a document over one region. Kernels are compiled when first needed, and freed
 /// with the last model that shares them.
@@ -50,6 +51,8 @@ pub struct Model {
     /// For each surface, whether its negative side faces outward. Computed for the first picture
     /// that shows the surface.
     turned: Vec<OnceLock<bool>>,
+    /// Height of the ground, once it is known.
+    ground: OnceLock<f64>,
     /// For each surface, whether the region may cut it, if it is a solid: found by kernels in
     /// `f32`, and in `f64`.
     cut: Vec<[OnceLock<bool>; 2]>,
@@ -221,6 +224,7 @@ impl Model {
             precision,
             times,
             turned: vec![OnceLock::new(); styles.len()],
+            ground: OnceLock::new(),
             cut: vec![[const { OnceLock::new() }; 2]; styles.len()],
             bounds: vec![[const { OnceLock::new() }; 2]; styles.len()],
             styles,
@@ -273,6 +277,22 @@ impl Model {
     /// The look of pictures with these settings.
     pub fn look(&self, settings: &Settings) -> &'static Look {
         settings.look.or(self.setting.look).unwrap_or_default()
+    }
+
+    /// Returns whether a picture with these settings has a ground.
+    pub(crate) fn has_ground(&self, settings: &Settings) -> bool {
+        settings.ground.unwrap_or(self.setting.lines.ground == Some(true))
+            && settings.normals.is_some()
+    }
+
+    /// The light that casts shadows, in the displayed space.
+    pub(crate) fn key_light(&self, settings: &Settings, rays: &RayGrid) -> Light {
+        let typed = self.setting.lines.light.as_ref();
+        let typed = typed.map(|place| place.each_ref().map(view::nearest).into());
+        match settings.light.or(typed) {
+            Some(place) => Light::Positional(place * rays.stretch()),
+            None => Light::above_left(rays),
+        }
     }
 
     /// Returns whether a picture with these settings has a transparent background.

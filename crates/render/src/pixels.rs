@@ -139,6 +139,11 @@ pub(crate) fn mix_over(rgb: &mut [u8; 3], alpha: Option<&mut u8>, color: [u8; 3]
     *rgb = mixed(*rgb, color, part);
 }
 
+/// Returns whether lines before a background of this color must be light to be seen.
+pub(crate) fn is_dark(background: [u8; 3]) -> bool {
+    background.into_iter().map(u32::from).sum::<u32>() < 300
+}
+
 /// Mixes `new` into `old`, with `share` / 255 as the share of `new`.
 pub(crate) fn mixed(old: [u8; 3], new: [u8; 3], share: u32) -> [u8; 3] {
     let part =

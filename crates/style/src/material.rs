@@ -68,12 +68,12 @@ pub const MATERIALS: [Material; 5] = [
     Material {
         name: "glass",
         help: "translucent, with reflections that grow toward the edges",
-        diffuse: 0.7,
+        diffuse: 0.9,
         highlight: 4.0,
         is_sharp: true,
         reflection: 0.08,
         is_metal: false,
-        opacity: 0.18,
+        opacity: 0.24,
     },
 ];
 

@@ -3,6 +3,7 @@
 //! The ground is part of the picture's background. Statuses and distances do not know it: a pixel
 //! that shows the ground is a miss.
 
+use super::Model;
 use super::blur::blur;
 use super::strips::Overview;
 use super::trace::RenderPass;
@@ -54,12 +55,6 @@ pub(super) struct Ground {
 }
 
 impl<T: KernelFloat> RenderPass<'_, T> {
-    /// Returns whether the picture has a ground.
-    fn has_ground(&self) -> bool {
-        self.settings.ground.unwrap_or(self.model.setting.lines.ground == Some(true))
-            && self.settings.normals.is_some()
-    }
-
     /// The ground of a picture; empty without a ground, or if the eye is below it. It is computed
     /// for pixels that show no opaque surface, and for their neighbors, where edges are smoothed.
     pub(super) fn ground(
@@ -68,7 +63,11 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         picture: &GBuffer,
         appearance: &Appearance,
     ) -> Result<Ground, ProgramError> {
-        let height = if self.has_ground() { self.lowest() } else { f64::NAN };
+        let height = if self.model.has_ground(self.settings) {
+            self.model.ground_height()
+        } else {
+            f64::NAN
+        };
         // This is false for NaN, too.
         let is_seen = rays.eye().z > height;
         if !is_seen {
@@ -175,15 +174,18 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         }
         Ok((hidden, work))
     }
+}
 
+impl Model {
     /// The height of the ground: below all visible surfaces, and as near as a short search finds.
     /// NaN if there is no surface.
-    fn lowest(&self) -> f64 {
-        let heights = self.model.visible_surfaces().filter_map(|surface| {
-            let is_solid = self.model.styles[surface].kind == SurfaceKind::Solid;
-            Some(self.model.search_bounds(surface, is_solid, WORK, DEPTH)?.low[2])
-        });
-        heights.reduce(f64::min).unwrap_or(f64::NAN)
+    pub(crate) fn ground_height(&self) -> f64 {
+        let lowest = |surface: usize| {
+            let is_solid = self.styles[surface].kind == SurfaceKind::Solid;
+            Some(self.search_bounds(surface, is_solid, WORK, DEPTH)?.low[2])
+        };
+        let search = || self.visible_surfaces().filter_map(lowest).reduce(f64::min);
+        *self.ground.get_or_init(|| search().unwrap_or(f64::NAN))
     }
 }
 

@@ -4,7 +4,7 @@
 //! nothing is outlined behind translucent surfaces.
 
 use super::blur::box_blur;
-use crate::pixels::ColorBuffer;
+use crate::pixels::{ColorBuffer, is_dark};
 use zeroset_shade::{Displayed, edges};
 
 /// Rows of a picture in which lines are as thin as possible.
@@ -16,12 +16,18 @@ const WIDEST: f64 = 14.0;
 /// Share of a pixel's color that a line has at most.
 const INK: f32 = 0.75;
 
-/// Color of lines.
-const COLOR: [u8; 3] = [24, 24, 30];
+/// Colors of lines before a light background and before a dark one.
+const COLORS: [[u8; 3]; 2] = [[24, 24, 30], [226, 228, 236]];
 
 /// Draws lines over the colors of a picture. `height` is that of the whole picture, if this is a
-/// strip of it.
-pub(super) fn draw(seen: &Displayed<'_>, height: usize, pixels: &mut ColorBuffer) {
+/// strip of it. The lines contrast with the background.
+pub(super) fn draw(
+    seen: &Displayed<'_>,
+    height: usize,
+    background: [u8; 3],
+    pixels: &mut ColorBuffer,
+) {
+    let color = COLORS[usize::from(is_dark(background))];
     let width = seen.rays.width();
     let radius = (height as f64 / ROWS).round().clamp(1.0, WIDEST) as usize;
     // An edge is two pixels wide. It is blurred, so that lines have no steps.
@@ -31,6 +37,6 @@ pub(super) fn draw(seen: &Displayed<'_>, height: usize, pixels: &mut ColorBuffer
     // The share of a line's middle, if it is straight.
     let middle = 2.0 / (2 * radius + 1) as f32;
     for (pixel, cover) in cover.iter().enumerate().filter(|(_, cover)| **cover > 0.0) {
-        pixels.mix(pixel, COLOR, INK * (cover / middle).min(1.0));
+        pixels.mix(pixel, color, INK * (cover / middle).min(1.0));
     }
 }

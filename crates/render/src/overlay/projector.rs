@@ -3,6 +3,7 @@
 use super::canvas::Rgb;
 use crate::model::Model;
 use crate::picture::Picture;
+use crate::pixels::is_dark;
 use glam::{DVec2, DVec3};
 use zeroset_scene::curves::TracedCurves;
 use zeroset_space::Region;
@@ -32,8 +33,7 @@ impl<'a> PictureView<'a> {
 
     /// The color for lines and letters, which contrasts with the background.
     pub fn ink(&self) -> Rgb {
-        let brightness: u32 = self.picture.background.into_iter().map(u32::from).sum();
-        INKS[usize::from(brightness < 300)]
+        INKS[usize::from(is_dark(self.picture.background))]
     }
 }
 

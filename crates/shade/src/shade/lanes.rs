@@ -52,6 +52,39 @@ pub fn smooth_step<S: Simd>(value: f32x16<S>, low: f32, high: f32) -> f32x16<S> 
     share * share * (3.0 - 2.0 * share)
 }
 
+/// The share of light from a rectangular panel in the directions `way`: 1 on the panel, 0 beside
+/// it, and between at its edges. Its middle lies in the direction `middle`. `half` is half its
+/// width and half its height. `up` points upward along it.
+#[inline(always)]
+pub fn panel<S: Simd>(
+    simd: S,
+    way: [f32x16<S>; 3],
+    middle: [f32x16<S>; 3],
+    up: Vec3,
+    half: [f32; 2],
+) -> f32x16<S> {
+    let up = splat(simd, up);
+    let rise = dot(middle, up);
+    // The part of `up` that is perpendicular to `middle`, with the length of 1 / `steep`.
+    let steep = 1.0 / (1.0 - rise * rise).max(1e-6).sqrt();
+    let upward = (dot(way, up) - rise * dot(way, middle)) * steep;
+    let across = dot(way, cross(middle, up)) * steep;
+    let ahead = smooth_step(dot(way, middle), 0.0, 0.2);
+    let [wide, tall] = half;
+    ahead
+        * (1.0 - smooth_step(across.abs(), wide - EDGE, wide + EDGE))
+        * (1.0 - smooth_step(upward.abs(), tall - EDGE, tall + EDGE))
+}
+
+/// Half the width of the edges of a panel of light.
+const EDGE: f32 = 0.03;
+
+/// The vector product in each lane.
+#[inline(always)]
+fn cross<S: Simd>(a: [f32x16<S>; 3], b: [f32x16<S>; 3]) -> [f32x16<S>; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
 /// Tone mapping: bright light is compressed into the range rather than clipped.
 #[inline(always)]
 pub fn tone_map<S: Simd>(simd: S, amount: f32x16<S>) -> f32x16<S> {

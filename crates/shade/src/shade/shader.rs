@@ -1,6 +1,8 @@
 //! Shading of sixteen pixels of a window at a time, from their G-buffer to colors.
 
-use super::lanes::{by_axis, by_lane, dot, highlight_power, left, smooth_step, splat, tone_map};
+use super::lanes::{
+    by_axis, by_lane, dot, highlight_power, left, panel, smooth_step, splat, tone_map,
+};
 use super::{Appearance, Haze, Paint, SurfaceColors, UndecidedStyle};
 use crate::color::{BLACK, LinearRgb, SrgbTable};
 use crate::colors::ColorsMut;
@@ -18,6 +20,16 @@ const HATCH_WIDTH: usize = 2;
 /// Share of its light that a point loses under a line.
 const INK: f32 = 0.8;
 
+/// Share of the key light that reaches points in its shadow.
+const SCATTERED: f32 = 0.1;
+
+/// Light of walls that is reflected.
+const WALLS: f32 = 0.28;
+
+/// Light of a white background that is reflected, and of a floor before it, as a share of that.
+const BACKDROP: f32 = 0.55;
+const FLOOR: f32 = 0.4;
+
 /// Color of undecided pixels under [`UndecidedStyle::Tint`]. No default pair has its hue.
 const TINT: LinearRgb = LinearRgb([0.6, 0.0, 0.6]);
 
@@ -27,6 +39,8 @@ pub struct Shader<'a> {
     appearance: &'a Appearance,
     palette: Vec<SurfaceColors>,
     lamps: CameraLights,
+    /// Light of the background behind the surfaces, which they reflect at grazing angles.
+    backdrop: f32,
     codes: &'static SrgbTable,
     level: Level,
 }
@@ -39,6 +53,7 @@ impl<'a> Shader<'a> {
             appearance,
             palette: appearance.palette(),
             lamps: CameraLights::new(rays),
+            backdrop: BACKDROP * appearance.background.0.iter().sum::<f32>() / 3.0,
             codes: SrgbTable::get(),
             level: Level::new(),
         }
@@ -177,9 +192,10 @@ impl RareQuantities {
     }
 }
 
-/// Unit vectors toward the lights that move with the camera.
+/// Unit vectors toward the lights that move with the camera, and along its view.
 #[derive(Clone, Copy)]
 struct CameraLights {
+    forward: Vec3,
     above: Vec3,
     fill: Vec3,
     rim: Vec3,
@@ -191,6 +207,7 @@ impl CameraLights {
         let fill = -forward + 1.1 * right - 0.2 * up;
         let rim = 0.6 * forward + 0.5 * right + up;
         Self {
+            forward: forward.as_vec3(),
             above: up.as_vec3(),
             fill: fill.normalize().as_vec3(),
             rim: rim.normalize().as_vec3(),
@@ -261,8 +278,9 @@ impl Shader<'_> {
         }
     }
 
-    /// The light of the surroundings in the directions `way`: a room with a pale ceiling, a dark
-    /// floor, a wide lamp at the key light and a narrow one at the fill light.
+    /// The light of the surroundings in the directions `way`. They are a dark room with a pale
+    /// ceiling and a floor. The background is behind the surfaces. A wide panel shines at the key
+    /// light, and a narrow one at the fill light.
     #[inline(always)]
     fn surroundings<S: Simd>(
         &self,
@@ -272,10 +290,13 @@ impl Shader<'_> {
     ) -> f32x16<S> {
         let lamps = self.lamps;
         let height = dot(way, splat(simd, lamps.above));
-        let ceiling = 0.2 + 0.62 * smooth_step(height, -0.25, 0.55);
-        let wide = 1.6 * smooth_step(dot(way, key), 0.80, 0.93);
-        let narrow = 0.7 * smooth_step(dot(way, splat(simd, lamps.fill)), 0.86, 0.95);
-        ceiling + wide + narrow
+        let ceiling = 0.62 * smooth_step(height, -0.25, 0.55);
+        let behind = smooth_step(dot(way, splat(simd, lamps.forward)), 0.0, 0.9);
+        let floor = FLOOR * smooth_step(-height, -0.1, 0.5);
+        let backdrop = self.backdrop * behind.max(floor);
+        let wide = 1.5 * panel(simd, way, key, lamps.above, [0.34, 0.24]);
+        let narrow = 0.7 * panel(simd, way, splat(simd, lamps.fill), lamps.above, [0.1, 0.36]);
+        WALLS + ceiling.max(backdrop) + wide + narrow
     }
 
     /// The marks of undecided pixels: the factor of their own light, and the share of the tint.
@@ -325,7 +346,9 @@ impl Shader<'_> {
         let side = one.copysign(facing);
         let (mut lit, mut open) = (one, one);
         if OWN {
-            (lit, open) = (left(simd, &own.shadow), left(simd, &own.occlusion));
+            // Walls and floor send some of the key light into its shadow.
+            lit = SCATTERED + (1.0 - SCATTERED) * left(simd, &own.shadow);
+            open = left(simd, &own.occlusion);
         }
         let direct = lit * (side * dot(normal, light)).max(0.0);
         // The square of the cosine between the normal and the halfway vector, as a quotient. If the
@@ -338,8 +361,9 @@ impl Shader<'_> {
         let grazing = 1.0 - facing.abs().min(1.0);
         let rim =
             look.rim * grazing * grazing * (side * dot(normal, splat(simd, lamps.rim))).max(0.0);
-        let mut white = rim;
         let material = colors.material;
+        // Little light from behind reaches a point that nearby points hide.
+        let mut white = rim * open;
         if let Some(mut power) = highlight_power {
             let mut strength = look.highlight;
             if OWN {
@@ -356,8 +380,8 @@ impl Shader<'_> {
         let around = look.ground + (1.0 - look.ground) * from_above;
         let mut ambient = *everywhere * open * around * (1.0 - 0.4 * grazing);
         if OWN {
-            // In shadow, much of what reflects light onto the point is in shadow, too.
-            let reached = 0.7 + 0.3 * lit;
+            // In shadow, some of the places that send light to the point are in shadow, too.
+            let reached = 0.9 + 0.1 * lit;
             ambient *= reached;
             open *= reached;
         }

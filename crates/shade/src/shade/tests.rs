@@ -116,7 +116,9 @@ fn plain(buffer: &GBuffer, rays: &RayGrid, look: &Appearance, pixel: usize) -> [
     let halfway = (to_light + to_eye).normalize_or_zero();
     let [lit, open] = [&buffer.shadow, &buffer.occlusion]
         .map(|hidden| 1.0 - f64::from(hidden.get(pixel).copied().unwrap_or_default()) / 255.0);
-    let open = open * (0.7 + 0.3 * lit);
+    let white_open = open;
+    let lit = 0.1 + 0.9 * lit;
+    let open = open * (0.9 + 0.1 * lit);
     let [ground, key, fill, rim, highlight, outline] = {
         let Look { ground, key, fill, rim, highlight, outline, .. } = look.look;
         [ground, key, fill, rim, highlight, outline].map(f64::from)
@@ -135,16 +137,27 @@ fn plain(buffer: &GBuffer, rays: &RayGrid, look: &Appearance, pixel: usize) -> [
     let power = if material.is_sharp { 160 } else { 40 };
     let highlight = highlight * f64::from(material.highlight);
     let highlight_power = highlight * direct.sqrt() * normal.dot(halfway).max(0.0).powi(power);
-    let white = highlight_power + rim * grazing * grazing * behind;
+    let white = highlight_power + white_open * rim * grazing * grazing * behind;
     let mirrored = 2.0 * normal.dot(to_eye) * normal - to_eye;
     let step = |value: f64, low: f64, high: f64| {
         let share = ((value - low) / (high - low)).clamp(0.0, 1.0);
         share * share * (3.0 - 2.0 * share)
     };
-    let surroundings = 0.2
-        + 0.62 * step(mirrored.dot(up), -0.25, 0.55)
-        + 1.6 * step(mirrored.dot(to_light), 0.80, 0.93)
-        + 0.7 * step(mirrored.dot((-forward + 1.1 * right - 0.2 * up).normalize()), 0.86, 0.95);
+    let panel = |middle: DVec3, [wide, tall]: [f64; 2]| {
+        let across = middle.cross(up).normalize_or_zero();
+        let upward = across.cross(middle);
+        let beside = |along: f64, half: f64| 1.0 - step(along.abs(), half - 0.03, half + 0.03);
+        step(mirrored.dot(middle), 0.0, 0.2)
+            * beside(mirrored.dot(across), wide)
+            * beside(mirrored.dot(upward), tall)
+    };
+    let backdrop = 0.55 * f64::from(look.background.0.iter().sum::<f32>()) / 3.0;
+    let backdrop = backdrop
+        * step(mirrored.dot(forward), 0.0, 0.9).max(0.4 * step(-mirrored.dot(up), -0.1, 0.5));
+    let surroundings = 0.28
+        + (0.62 * step(mirrored.dot(up), -0.25, 0.55)).max(backdrop)
+        + 1.5 * panel(to_light, [0.34, 0.24])
+        + 0.7 * panel((-forward + 1.1 * right - 0.2 * up).normalize(), [0.1, 0.36]);
     let surroundings = f64::from(look.look.surroundings) * open * surroundings;
     let more = grazing.powi(5);
     let [diffuse, reflection] = [material.diffuse, material.reflection].map(f64::from);

@@ -28,9 +28,14 @@ impl Drop for SeedReporter {
 
 /// Compares until `effort.cases` inputs agree. Panics on the first input that does not agree.
 fn check<T: Adversarial>(seed: u64, subject: KernelKind, simple: bool, options: &GraphOptions) {
-    // Affine forms have longer code, so fewer inputs are checked.
-    let is_long = matches!(subject, KernelKind::Segments | KernelKind::Tiles);
-    let effort = Effort::from_environment(seed, if is_long { 25_000 } else { 100_000 });
+    let effort = Effort::from_environment(
+        seed,
+        match subject {
+            // Affine forms have longer code, and few formulas have branches.
+            KernelKind::Segments | KernelKind::Tiles | KernelKind::Branches => 20_000,
+            _ => 50_000,
+        },
+    );
     let mut compared = 0;
     for seed in effort.seed.. {
         if compared >= effort.cases {

@@ -12,7 +12,6 @@ use crate::pixels::ColorBuffer;
 use glam::DVec3;
 use zeroset_eval::{KernelFloat, Points};
 use zeroset_scene::program::ProgramError;
-use zeroset_scene::view;
 use zeroset_shade::{
     AmbientOcclusion, Appearance, Colors, Displayed, Haze, Light, LinearRgb, Pattern,
     SurfaceColors, UndecidedStyle, borrow_occlusion, turn,
@@ -49,16 +48,6 @@ pub(super) struct Lit {
 }
 
 impl<T: KernelFloat> RenderPass<'_, T> {
-    /// The light that casts shadows, in the displayed space.
-    pub(super) fn key_light(&self, rays: &RayGrid) -> Light {
-        let typed = self.model.setting.lines.light.as_ref();
-        let typed = typed.map(|place| place.each_ref().map(view::nearest).into());
-        match self.settings.light.or(typed) {
-            Some(place) => Light::Positional(place * rays.stretch()),
-            None => Light::above_left(rays),
-        }
-    }
-
     /// Computes shadows, ambient occlusion and colors of the traced points. If the colors are
     /// `known`, only antialiasing changes them.
     pub(super) fn light(
@@ -70,7 +59,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
     ) -> Result<Lit, ProgramError> {
         let settings = self.settings;
         let mut watch = Stopwatch::start();
-        let light = self.key_light(rays);
+        let light = self.model.key_light(self.settings, rays);
         let mut work = self.compute_occlusion(rays, &light, buffer)?;
         times.occlude += watch.lap();
         let mut remarks = self.model.remarks.clone();
@@ -137,7 +126,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 pixels.divide(self.model.look(settings).background);
             }
             if self.has_outlines() {
-                outlines::draw(&Displayed::new(buffer, rays), settings.height, &mut pixels);
+                let seen = Displayed::new(buffer, rays);
+                outlines::draw(&seen, settings.height, background, &mut pixels);
             }
         }
         Ok(Lit { pixels, ground, background, legends, remarks, edge_rays, work })
@@ -278,7 +268,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
     /// sides need not be told apart.
     pub(super) fn appearance(&self, rays: &RayGrid, is_seen: bool) -> Appearance {
         let settings = self.settings;
-        let plain = Appearance::new(self.model.look(settings), self.key_light(rays));
+        let plain =
+            Appearance::new(self.model.look(settings), self.model.key_light(self.settings, rays));
         let (background, typed) = (settings.background, self.model.setting.background);
         let color = match background.or(typed) {
             Some(Background::Color(color)) => LinearRgb::from_srgb(color.rgb),
