@@ -27,7 +27,7 @@ const SCATTERED: f32 = 0.1;
 const WALLS: f32 = 0.28;
 
 /// Light of a white background that is reflected, and of a floor before it, as a share of that.
-const BACKDROP: f32 = 0.55;
+const BACKDROP: f32 = 0.42;
 const FLOOR: f32 = 0.4;
 
 /// Color of undecided pixels under [`UndecidedStyle::Tint`]. No default pair has its hue.
@@ -363,7 +363,7 @@ impl Shader<'_> {
             look.rim * grazing * grazing * (side * dot(normal, splat(simd, lamps.rim))).max(0.0);
         let material = colors.material;
         // Little light from behind reaches a point that nearby points hide.
-        let mut white = rim * open;
+        let mut white = rim * (open * open * open);
         if let Some(mut power) = highlight_power {
             let mut strength = look.highlight;
             if OWN {

@@ -137,7 +137,7 @@ fn plain(buffer: &GBuffer, rays: &RayGrid, look: &Appearance, pixel: usize) -> [
     let power = if material.is_sharp { 160 } else { 40 };
     let highlight = highlight * f64::from(material.highlight);
     let highlight_power = highlight * direct.sqrt() * normal.dot(halfway).max(0.0).powi(power);
-    let white = highlight_power + white_open * rim * grazing * grazing * behind;
+    let white = highlight_power + white_open.powi(3) * rim * grazing * grazing * behind;
     let mirrored = 2.0 * normal.dot(to_eye) * normal - to_eye;
     let step = |value: f64, low: f64, high: f64| {
         let share = ((value - low) / (high - low)).clamp(0.0, 1.0);
@@ -151,7 +151,7 @@ fn plain(buffer: &GBuffer, rays: &RayGrid, look: &Appearance, pixel: usize) -> [
             * beside(mirrored.dot(across), wide)
             * beside(mirrored.dot(upward), tall)
     };
-    let backdrop = 0.55 * f64::from(look.background.0.iter().sum::<f32>()) / 3.0;
+    let backdrop = 0.42 * f64::from(look.background.0.iter().sum::<f32>()) / 3.0;
     let backdrop = backdrop
         * step(mirrored.dot(forward), 0.0, 0.9).max(0.4 * step(-mirrored.dot(up), -0.1, 0.5));
     let surroundings = 0.28
