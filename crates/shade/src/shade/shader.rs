@@ -215,6 +215,13 @@ impl CameraLights {
     }
 }
 
+/// The share of the key light that reaches points, including what walls and floor scatter into its
+/// shadow. `lit` is the share that is not hidden.
+#[inline(always)]
+fn with_scattered<S: Simd>(lit: f32x16<S>) -> f32x16<S> {
+    SCATTERED + (1.0 - SCATTERED) * lit
+}
+
 impl Shader<'_> {
     /// Writes the colors of a window's pixels. `faced` has their normals and the directions to the
     /// eye; without it, the normals are read from `seen`.
@@ -346,9 +353,7 @@ impl Shader<'_> {
         let side = one.copysign(facing);
         let (mut lit, mut open) = (one, one);
         if OWN {
-            // Walls and floor send some of the key light into its shadow.
-            lit = SCATTERED + (1.0 - SCATTERED) * left(simd, &own.shadow);
-            open = left(simd, &own.occlusion);
+            (lit, open) = (with_scattered(left(simd, &own.shadow)), left(simd, &own.occlusion));
         }
         let direct = lit * (side * dot(normal, light)).max(0.0);
         // The square of the cosine between the normal and the halfway vector, as a quotient. If the
