@@ -10,8 +10,7 @@ use std::path::Path;
 use zeroset_interval::Interval;
 use zeroset_render::atomic_file::AtomicFile;
 use zeroset_render::picture;
-use zeroset_render::picture::ColorDepth;
-use zeroset_render::pixels::{samples, samples_of_light};
+use zeroset_render::pixels::samples;
 use zeroset_render::png_file::{PngFormat, check_png, write_png};
 use zeroset_scene::view::bounds;
 use zeroset_space::Region;
@@ -293,12 +292,7 @@ impl Picture {
 
     fn encode(&self, out: impl Write) -> std::io::Result<()> {
         let PictureArrays { rgb, alpha, light, .. } = &self.rows;
-        let (samples, depth) = if light.is_empty() {
-            (samples(rgb, alpha), ColorDepth::Bytes)
-        } else {
-            (samples_of_light(light, !alpha.is_empty()).into(), ColorDepth::Floats)
-        };
-        let format = PngFormat { has_alpha: !alpha.is_empty(), depth };
+        let (samples, format) = (samples(rgb, alpha, light), PngFormat::of(alpha, light));
         write_png(out, &samples, format, [self.width(), self.height()], &[])
     }
 

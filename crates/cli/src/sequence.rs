@@ -130,7 +130,7 @@ pub fn run(
     let has_bytes = matches!(format, Some(AnimationFormat::Gif | AnimationFormat::Raw));
     ensure!(
         settings.depth == ColorDepth::Bytes || !has_bytes,
-        "--bits 16 is for PNG files: a GIF and frames on standard output have bytes"
+        "--bits 16 is for PNG files: a GIF and frames on standard output have 8 bits per channel"
     );
     wanted.size.held_whole()?;
     let sequence = &asked.sequence;

@@ -495,7 +495,7 @@ impl Session {
         let command = picture.command(&name, overlay.axes);
         let size = [buffer.width, buffer.height];
         let origin = PictureOrigin::command(&command);
-        let (samples, format) = (samples(&rgb, &alpha), PngFormat::bytes(!alpha.is_empty()));
+        let (samples, format) = (samples(&rgb, &alpha, &[]), PngFormat::of(&alpha, &[]));
         output.finish(|out| write_png(out, &samples, format, size, &origin.chunks))?;
         self.say(&format!("saved '{name}'; the command that reproduces it:\n{command}"));
         Ok(path)

@@ -109,7 +109,20 @@ pub fn camera_over(
     let (stretch, usual) = (region.stretch(), given.displayed());
     let back = (usual.eye() - usual.target()).normalize();
     let look = |back: DVec3| view.seen(models, back, region, settings, wanted);
+    let add_shadows = |back: DVec3, spots: &mut Vec<Spot>| {
+        let Some(ground) = ground_height(models, settings) else { return };
+        let Ok(camera) = view.fitted(back, spots, FILLED) else { return };
+        let light = models[0].key_light(settings, &camera.in_stretched(stretch).rays(SIDE, SIDE));
+        spots.extend(shadows(spots, ground * stretch.z, &light));
+    };
     if is_turned {
+        let look = |back: DVec3| {
+            let mut seen = look(back)?;
+            if let Some(seen) = &mut seen {
+                add_shadows(back, &mut seen.spots);
+            }
+            Ok(seen)
+        };
         let fitted = view.fitted_around(back, &usual, region, &look)?;
         return Ok(fitted.map(|camera| camera.in_stretched(stretch)));
     }
@@ -144,13 +157,8 @@ pub fn camera_over(
         }
     }
     let mut spots = if seen.spots.len() < LEAST { corners(region) } else { seen.spots };
-    let mut fitted = view.fitted(side, &spots, FILLED);
-    let grounded = models.iter().find(|model| model.has_ground(settings));
-    if let (Some(model), Ok(camera)) = (grounded, &fitted) {
-        let light = model.key_light(settings, &camera.in_stretched(stretch).rays(SIDE, SIDE));
-        spots.extend(shadows(&spots, model.ground_height() * stretch.z, &light));
-        fitted = view.fitted(side, &spots, FILLED);
-    }
+    add_shadows(side, &mut spots);
+    let fitted = view.fitted(side, &spots, FILLED);
     // If floats cannot represent the fitted camera, the camera shows the whole region.
     Ok(Some(fitted.unwrap_or(usual).in_stretched(stretch)))
 }
@@ -259,17 +267,21 @@ fn corners(region: &Region) -> Vec<Spot> {
     view::corners(&region.displayed()).map(|at| Spot { at, radius: 0.0 }).to_vec()
 }
 
-/// The shadows of visible points on a ground of this height. The shadows of a low light are left
-/// out, since they are too long for a picture.
+/// The height of the lowest ground of these models. `None` without a ground.
+fn ground_height(models: &[&Model], settings: &Settings) -> Option<f64> {
+    let grounded = models.iter().filter(|model| model.has_ground(settings));
+    grounded.map(|model| model.ground_height()).filter(|height| height.is_finite()).reduce(f64::min)
+}
+
+/// The shadows of visible points on a ground of this height. Empty if the light is so low that
+/// shadows are too long for a picture.
 fn shadows(spots: &[Spot], ground: f64, light: &Light) -> Vec<Spot> {
     let shadow = |spot: &Spot| {
         let (way, _) = light.towards(spot.at);
         let far = (spot.at.z - ground) / way.z;
-        // Without a surface, there is no ground.
-        (way.z > LEAST_RISE && far.is_finite())
-            .then_some(Spot { at: spot.at - far * way, radius: spot.radius })
+        (way.z > LEAST_RISE).then_some(Spot { at: spot.at - far * way, radius: spot.radius })
     };
-    spots.iter().filter_map(shadow).collect()
+    spots.iter().map(shadow).collect::<Option<_>>().unwrap_or_default()
 }
 
 /// Properties of a camera of the displayed space that fitting does not change.

@@ -2,7 +2,7 @@
 
 use crate::limit::Limit;
 use crate::overlay::Legend;
-use crate::pixels::{flattened, samples, samples_of_light};
+use crate::pixels::{flattened, samples};
 use crate::png_file::PngFormat;
 use glam::DVec3;
 use std::borrow::Cow;
@@ -228,18 +228,13 @@ impl Picture {
 
     /// The format of the picture's PNG file.
     pub fn png_format(&self) -> PngFormat {
-        let depth = if self.light.is_empty() { ColorDepth::Bytes } else { ColorDepth::Floats };
-        PngFormat { has_alpha: !self.alpha.is_empty(), depth }
+        PngFormat::of(&self.alpha, &self.light)
     }
 
     /// The channels of the pixels, as a PNG stores them: sixteen bits each if colors are floats, or
     /// else eight.
     pub fn samples(&self) -> Cow<'_, [u8]> {
-        if self.light.is_empty() {
-            samples(&self.rgb, &self.alpha)
-        } else {
-            Cow::Owned(samples_of_light(&self.light, !self.alpha.is_empty()))
-        }
+        samples(&self.rgb, &self.alpha, &self.light)
     }
 
     /// The same picture without its rows.

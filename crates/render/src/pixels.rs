@@ -52,14 +52,19 @@ impl ColorBuffer {
         self.colors.crop(kept);
     }
 
-    /// Divides colors by the opacity. Empty pixels get the color `blank`, which programs that
-    /// ignore opacities show.
+    /// Divides colors by the opacity. Pixels whose opacity is written as 0 get the color `blank`,
+    /// which programs that ignore opacities show.
     pub fn divide(&mut self, blank: [u8; 3]) {
-        for (pixel, opacity) in self.opacity.iter().enumerate() {
-            if *opacity == 0.0 {
+        let steps = match self.colors {
+            Colors::Bytes(_) => 255.0,
+            Colors::Floats(_) => 65535.0,
+        };
+        for (pixel, opacity) in self.opacity.iter_mut().enumerate() {
+            if *opacity < 0.5 / steps {
+                *opacity = 0.0;
                 self.colors.set(pixel, LinearRgb::from_srgb(blank));
             } else if *opacity < 1.0 {
-                let light = self.colors.get(pixel).0.map(|light| light / opacity);
+                let light = self.colors.get(pixel).0.map(|light| light / *opacity);
                 self.colors.set(pixel, LinearRgb(light));
             }
         }
@@ -78,9 +83,12 @@ impl ColorBuffer {
     }
 }
 
-/// Red, green, blue and opacity of each pixel, as a PNG stores them; without the opacity if there
-/// are no opacities.
-pub fn samples<'a>(rgb: &'a [u8], alpha: &[u8]) -> Cow<'a, [u8]> {
+/// The channels of the pixels, as a PNG stores them: red, green and blue, then the opacity unless
+/// `alpha` is empty. They have sixteen bits if there is `light`, or else eight.
+pub fn samples<'a>(rgb: &'a [u8], alpha: &[u8], light: &[[f32; 4]]) -> Cow<'a, [u8]> {
+    if !light.is_empty() {
+        return Cow::Owned(samples_of_light(light, !alpha.is_empty()));
+    }
     if alpha.is_empty() {
         return Cow::Borrowed(rgb);
     }
@@ -92,7 +100,7 @@ pub fn samples<'a>(rgb: &'a [u8], alpha: &[u8]) -> Cow<'a, [u8]> {
 
 /// Red, green and blue of each pixel in sixteen bits, as a PNG stores them, from the pixels' light
 /// and opacities. The opacity is stored only if `has_alpha`.
-pub fn samples_of_light(light: &[[f32; 4]], has_alpha: bool) -> Vec<u8> {
+fn samples_of_light(light: &[[f32; 4]], has_alpha: bool) -> Vec<u8> {
     let channels = if has_alpha { 4 } else { 3 };
     let of_pixel = |&[red, green, blue, opacity]: &[f32; 4]| {
         let [red, green, blue] = LinearRgb([red, green, blue]).encoded();

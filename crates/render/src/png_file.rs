@@ -29,6 +29,12 @@ pub struct PngFormat {
 }
 
 impl PngFormat {
+    /// The format of pixels with these opacities and this light. Both may be empty.
+    pub fn of(alpha: &[u8], light: &[[f32; 4]]) -> Self {
+        let depth = if light.is_empty() { ColorDepth::Bytes } else { ColorDepth::Floats };
+        Self { has_alpha: !alpha.is_empty(), depth }
+    }
+
     /// Eight bits per channel.
     pub fn bytes(has_alpha: bool) -> Self {
         Self { has_alpha, depth: ColorDepth::Bytes }

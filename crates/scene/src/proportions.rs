@@ -121,6 +121,9 @@ mod tests {
             // Every second point of the grid lies at a pole.
             ("z = tan(x + y) + tan(8x + 8y)", 2.0),
             ("z = tan(3x + 3y)", 2.0),
+            // All points of the first grid lie at poles.
+            ("z = 1/sin(16 pi x)", 1.0),
+            ("z = 2/sin(64 pi y)", 2.0),
             ("z = 1/(sin(7x) + sin(7y))", 0.8),
         ] {
             let (low, high) = (shown(text).low().z, shown(text).high().z);

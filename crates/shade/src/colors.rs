@@ -122,7 +122,7 @@ impl Colors {
         }
     }
 
-    /// Leaves the memory to later pictures, as [`hand_back_colors`].
+    /// Leaves the memory of bytes to later pictures, as [`hand_back_colors`]. Floats are freed.
     pub fn hand_back(self) {
         if let Self::Bytes(bytes) = self {
             hand_back_colors(bytes);

@@ -7,7 +7,7 @@ use super::Model;
 use super::blur::blur;
 use super::strips::Overview;
 use super::trace::RenderPass;
-use glam::{DVec2, DVec3, Vec4};
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 use zeroset_eval::KernelFloat;
@@ -46,7 +46,7 @@ const R2_SEQUENCE: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
 pub(super) struct Ground {
     /// The light and the opacity at each pixel. `None` where the ground is not seen. Before a
     /// transparent background, the ground is black, and only as opaque as its shadow.
-    pub colors: Vec<Option<Vec4>>,
+    pub colors: Vec<Option<[f32; 4]>>,
     /// The share of its light that reaches the ground at each pixel; NaN far from where the ground
     /// is seen.
     pub light: Vec<f32>,
@@ -115,7 +115,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 // Programs that show pictures mix bytes, not light. Before white, they show this
                 // opacity as a ground of this brightness.
                 let [bright, ..] = LinearRgb([factor; 3]).encoded();
-                Vec4::new(red, green, blue, if is_transparent { 1.0 - bright } else { 1.0 })
+                [red, green, blue, if is_transparent { 1.0 - bright } else { 1.0 }]
             })
         };
         let colors = shares.iter().zip(&light).map(color).collect();

@@ -38,13 +38,13 @@ pub(super) struct Coloring<'a> {
     /// Color maps and contour lines. `None` if there are neither.
     pub painter: Option<Painter<'a>>,
     /// Light and opacity of the ground behind the surfaces. Empty without a ground.
-    pub ground: Vec<Option<Vec4>>,
+    pub ground: Vec<Option<[f32; 4]>>,
 }
 
 impl Coloring<'_> {
     /// The light and opacity of the ground at a pixel, if it is seen there.
     pub fn ground_at(&self, pixel: usize) -> Option<Vec4> {
-        self.ground.get(pixel).copied().flatten()
+        self.ground.get(pixel).copied().flatten().map(Vec4::from_array)
     }
 }
 

@@ -152,7 +152,8 @@ impl WindowChooser<'_> {
     }
 
     /// The window on a graph, with these half sides along its ground. `None` for a curve that
-    /// leaves the window both above and below, and most of which a cube around the center shows.
+    /// leaves the window both above and below, unless it is stretched and a cube around the center
+    /// shows little of it.
     pub(super) fn graph(&mut self, graph: GraphAxes, halves: [f64; 2]) -> Option<Cell> {
         let GraphAxes { up, along, .. } = graph;
         let axes = [(up + 1) % 3, (up + 2) % 3];

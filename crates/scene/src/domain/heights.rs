@@ -10,7 +10,8 @@ pub type Heights<'a> = dyn Fn(&[[f64; 2]]) -> Vec<f64> + 'a;
 pub struct Grid {
     /// Half the side of the square.
     pub half: f64,
-    /// Heights at all points of the grid, row by row; NaN where undefined, and at poles.
+    /// Heights at all points of the grid, row by row; NaN where undefined. At a pole, a height
+    /// beside it.
     pub sampled: Vec<f64>,
     /// All finite heights, in ascending order.
     sorted: Vec<f64>,
@@ -74,6 +75,9 @@ const AROUND: [[f64; 2]; 16] = [
     [0.0, -1.0], [0.37, -1.0], [1.0, -1.0], [1.0, -0.37],
 ];
 
+/// Distance from a pole to the place beside it, as a share of the distance between grid points.
+const BESIDE: f64 = 0.37;
+
 /// A height that rounding left at a pole is this many times as large as those around it.
 const ABRUPT: f64 = 100.0;
 
@@ -100,12 +104,18 @@ impl Grid {
         let nth = |sampled: &[f64], end: Option<&f64>| {
             sampled.iter().position(|height| Some(height) == end)
         };
-        // Where rounding leaves a height at one pole, it may do so at many.
+        // Where rounding leaves a height at one pole, it may do so at many. The grid has heights
+        // beside these poles instead.
         let extremes = [sorted.first(), sorted.last()].map(|end| nth(&sampled, end));
         if extremes.into_iter().flatten().any(|n| is_at_pole(n, sampled[n])) {
-            for n in (0..sampled.len()).filter(|n| is_at_pole(*n, sampled[*n])).collect::<Vec<_>>()
-            {
-                sampled[n] = f64::NAN;
+            let beside = |n: usize| {
+                let ([x, y], off) = (places[n], BESIDE * apart);
+                let found = heights(&[[x + off, y], [x, y + off]]);
+                found.into_iter().find(|height| height.is_finite()).unwrap_or(f64::NAN)
+            };
+            let at_poles = (0..sampled.len()).filter(|n| is_at_pole(*n, sampled[*n]));
+            for n in at_poles.collect::<Vec<_>>() {
+                sampled[n] = beside(n);
             }
             sorted = ascending(&sampled);
         }

@@ -54,16 +54,20 @@ pub fn smooth_step<S: Simd>(value: f32x16<S>, low: f32, high: f32) -> f32x16<S> 
 
 /// The share of light from a rectangular panel in the directions `way`: 1 on the panel, 0 beside
 /// it, and between at its edges. Its middle lies in the direction `middle`. `half` is half its
-/// width and half its height. `up` points upward along it.
+/// width and half its height. `up` points upward along it, or `forward` if the middle is straight
+/// above or below.
 #[inline(always)]
 pub fn panel<S: Simd>(
     simd: S,
     way: [f32x16<S>; 3],
     middle: [f32x16<S>; 3],
-    up: Vec3,
+    [up, forward]: [Vec3; 2],
     half: [f32; 2],
 ) -> f32x16<S> {
-    let up = splat(simd, up);
+    let rise = dot(middle, splat(simd, up));
+    let is_above = (rise * rise).simd_gt(STRAIGHT);
+    let [up, forward] = [up, forward].map(|way| splat(simd, way));
+    let up = [0, 1, 2].map(|axis| is_above.select(forward[axis], up[axis]));
     let rise = dot(middle, up);
     // The part of `up` that is perpendicular to `middle`, with the length of 1 / `steep`.
     let steep = 1.0 / (1.0 - rise * rise).max(1e-6).sqrt();
@@ -75,6 +79,9 @@ pub fn panel<S: Simd>(
         * (1.0 - smooth_step(across.abs(), wide - EDGE, wide + EDGE))
         * (1.0 - smooth_step(upward.abs(), tall - EDGE, tall + EDGE))
 }
+
+/// A panel is straight above if the square of the cosine exceeds this.
+const STRAIGHT: f32 = 0.95;
 
 /// Half the width of the edges of a panel of light.
 const EDGE: f32 = 0.03;

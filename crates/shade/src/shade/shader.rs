@@ -301,8 +301,9 @@ impl Shader<'_> {
         let behind = smooth_step(dot(way, splat(simd, lamps.forward)), 0.0, 0.9);
         let floor = FLOOR * smooth_step(-height, -0.1, 0.5);
         let backdrop = self.backdrop * behind.max(floor);
-        let wide = 1.5 * panel(simd, way, key, lamps.above, [0.34, 0.24]);
-        let narrow = 0.7 * panel(simd, way, splat(simd, lamps.fill), lamps.above, [0.1, 0.36]);
+        let axes = [lamps.above, lamps.forward];
+        let wide = 1.5 * panel(simd, way, key, axes, [0.34, 0.24]);
+        let narrow = 0.7 * panel(simd, way, splat(simd, lamps.fill), axes, [0.1, 0.36]);
         WALLS + ceiling.max(backdrop) + wide + narrow
     }
 

@@ -144,7 +144,8 @@ fn plain(buffer: &GBuffer, rays: &RayGrid, look: &Appearance, pixel: usize) -> [
         share * share * (3.0 - 2.0 * share)
     };
     let panel = |middle: DVec3, [wide, tall]: [f64; 2]| {
-        let across = middle.cross(up).normalize_or_zero();
+        let upward = if middle.dot(up).powi(2) > 0.95 { forward } else { up };
+        let across = middle.cross(upward).normalize_or_zero();
         let upward = across.cross(middle);
         let beside = |along: f64, half: f64| 1.0 - step(along.abs(), half - 0.03, half + 0.03);
         step(mirrored.dot(middle), 0.0, 0.2)
