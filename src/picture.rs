@@ -279,9 +279,8 @@ impl Picture {
         save().map_err(|error| Error::file(path, &error))
     }
 
-    /// Writes the picture as PNG (sRGB, eight bits per channel, or
-    /// [sixteen](crate::Settings::bits)). If the background is transparent,
-    /// the PNG has opacities.
+    /// Writes the picture as PNG: sRGB, eight bits per channel, or
+    /// [sixteen](crate::Settings::bits). If the background is transparent, the PNG has opacities.
     ///
     /// # Errors
     /// If writing to `out` fails.

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use zeroset_export::{UNITS, Unit};
 use zeroset_render::names::Named;
 use zeroset_render::overlay::Overlay;
-use zeroset_render::picture::{Normals, Precision};
+use zeroset_render::picture::{ColorDepth, Normals, Precision};
 use zeroset_scene::view::{self, CameraChoice, ClipChoice, ClipShape, Clipping, DomainChoice};
 use zeroset_shade::UndecidedStyle;
 use zeroset_style::{LOOKS, Look, StandardView, VIEWS};
@@ -553,8 +553,8 @@ pub struct ShadingArgs {
     pub aa: usize,
 
     /// Write PNG files with this many bits per channel
-    #[arg(help_heading = LIGHT, long, value_name = "8|16", value_parser = ["8", "16"], default_value = "8", hide_short_help = true)]
-    pub bits: String,
+    #[arg(help_heading = LIGHT, long, value_name = "8|16", value_parser = bits(), default_value = "8", hide_short_help = true)]
+    pub bits: ColorDepth,
 
     /// Set the position of the light [default: far above and to the left of the camera]
     #[arg(help_heading = LIGHT, long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, hide_short_help = true)]
@@ -784,6 +784,12 @@ pub struct GalleryArgs {
 
     #[command(flatten)]
     pub tracing: TracingArgs,
+}
+
+/// Returns a parser that accepts the numbers of bits that a channel of a PNG may have.
+fn bits() -> impl TypedValueParser<Value = ColorDepth> {
+    let depth = |bits: String| if bits == "16" { ColorDepth::Floats } else { ColorDepth::Bytes };
+    PossibleValuesParser::new(["8", "16"]).map(depth)
 }
 
 /// Returns a parser that accepts the names in [`LOOKS`].

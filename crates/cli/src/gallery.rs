@@ -56,16 +56,13 @@ fn all(examples: &[Example], directory: &Path, settings: &Settings) -> Result<()
         let file = OutputFile::create(&directory.join(format!("{}.png", example.slug)))?;
         let picture = render(example, settings).with_context(|| example.slug)?;
         let (width, height) = (settings.width, settings.height);
-        file.finish(|out| {
-            write_png(out, picture.as_raw(), PngFormat::bytes(false), [width, height], &[])
-        })?;
+        file.finish(|out| write_png(out, picture.as_raw(), PngFormat::RGB, [width, height], &[]))?;
         sheet.add(example.title(), &picture);
         bar.reach(done as u64 + 1);
     }
     let sheet = sheet.into_image();
     let (width, height) = (sheet.width() as usize, sheet.height() as usize);
-    sheet_file
-        .finish(|out| write_png(out, sheet.as_raw(), PngFormat::bytes(false), [width, height], &[]))
+    sheet_file.finish(|out| write_png(out, sheet.as_raw(), PngFormat::RGB, [width, height], &[]))
 }
 
 fn render(example: &Example, settings: &Settings) -> Result<RgbImage> {

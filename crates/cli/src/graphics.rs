@@ -83,7 +83,7 @@ impl Protocol {
         match self {
             Self::Kitty | Self::Iterm => {
                 let mut png = Vec::new();
-                write_png(&mut png, rgb, PngFormat::bytes(false), [width, height], &[]).ok()?;
+                write_png(&mut png, rgb, PngFormat::RGB, [width, height], &[]).ok()?;
                 Some(self.wrap(&png, columns, rows))
             }
             Self::Sixel => sixels(rgb, width, height),

@@ -20,7 +20,7 @@ use zeroset_render::framing;
 use zeroset_render::limit::Limit;
 use zeroset_render::model::{Model, Strip};
 use zeroset_render::overlay::PictureView;
-use zeroset_render::picture::{ColorDepth, Picture, Precision, Settings, UndecidedStatistics};
+use zeroset_render::picture::{Picture, Precision, Settings, UndecidedStatistics};
 use zeroset_render::png_file::PngFormat;
 use zeroset_scene::blank::Blank;
 use zeroset_scene::curves::UNPROVEN;
@@ -260,7 +260,7 @@ fn settings(arguments: &RenderArgs) -> Result<Settings> {
         look: shading.look,
         occlusion: true,
         antialias,
-        depth: if shading.bits == "16" { ColorDepth::Floats } else { ColorDepth::Bytes },
+        depth: shading.bits,
         ambient: shading.ambient,
         background,
         ..method

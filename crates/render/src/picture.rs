@@ -70,7 +70,8 @@ pub struct Settings {
     pub outlines: Option<bool>,
     /// Background. `None` for the document's, or else the look's color.
     pub background: Option<Background>,
-    /// How exactly colors are kept. With floats, the picture also has [`Picture::light`].
+    /// Colors are kept as bytes, or as floats. With floats, the picture also has
+    /// [`Picture::light`].
     pub depth: ColorDepth,
 }
 

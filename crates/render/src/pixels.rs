@@ -3,6 +3,7 @@
 //! Nothing here knows surfaces, or the format of a file.
 
 use glam::Vec4;
+use rayon::prelude::*;
 use std::borrow::Cow;
 use std::ops::Range;
 use zeroset_shade::{Colors, LinearRgb};
@@ -110,7 +111,7 @@ fn samples_of_light(light: &[[f32; 4]], has_alpha: bool) -> Vec<u8> {
             .take(channels)
             .flat_map(move |n| sixteen(n).to_be_bytes())
     };
-    light.iter().flat_map(of_pixel).collect()
+    light.par_iter().flat_map_iter(of_pixel).collect()
 }
 
 /// The colors of pixels with these opacities before a background. sRGB bytes are mixed, not light,

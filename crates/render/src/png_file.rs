@@ -22,22 +22,20 @@ pub fn check_png(path: &Path) -> Result<(), String> {
 /// The format of a PNG's pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PngFormat {
-    /// Whether pixels have opacities.
+    /// Set if pixels have opacities.
     pub has_alpha: bool,
     /// Eight bits per channel for bytes, sixteen for floats.
     pub depth: ColorDepth,
 }
 
 impl PngFormat {
+    /// Red, green and blue bytes.
+    pub const RGB: Self = Self { has_alpha: false, depth: ColorDepth::Bytes };
+
     /// The format of pixels with these opacities and this light. Both may be empty.
     pub fn of(alpha: &[u8], light: &[[f32; 4]]) -> Self {
         let depth = if light.is_empty() { ColorDepth::Bytes } else { ColorDepth::Floats };
         Self { has_alpha: !alpha.is_empty(), depth }
-    }
-
-    /// Eight bits per channel.
-    pub fn bytes(has_alpha: bool) -> Self {
-        Self { has_alpha, depth: ColorDepth::Bytes }
     }
 }
 

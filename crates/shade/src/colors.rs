@@ -7,7 +7,7 @@ use zeroset_trace::buffer_pool::{BufferPool, PICTURES, serves};
 /// Number of pixels that are filled before they are copied.
 const RUN: usize = 64;
 
-/// How exactly a picture's colors are kept.
+/// The numbers in which a picture's colors are kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ColorDepth {
     /// As sRGB bytes.

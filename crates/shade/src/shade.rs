@@ -160,8 +160,7 @@ const DEFAULT_PAIRS: [[[u8; 3]; 2]; 5] = [
 /// The colors of a picture.
 ///
 /// A surface is lit on both sides: the normal is turned to the eye. The color is that of the
-/// visible side, f > 0 or f < 0. In shadow, a tenth of the key light is
-/// left.
+/// visible side, f > 0 or f < 0. In shadow, a tenth of the key light is left, without highlight.
 ///
 /// `paint` gives points other colors than their surface has. It has one entry per pixel, or is
 /// empty.

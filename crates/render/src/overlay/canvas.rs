@@ -44,25 +44,33 @@ impl Canvas {
     /// Mixes the recorded drawings into an image of red, green and blue bytes, whose first row is
     /// row `top` of the canvas. `alpha` has the opacities of its pixels, or is empty.
     pub fn mix_into(&self, rgb: &mut [u8], alpha: &mut [u8], top: usize) {
-        let (pixels, first) = (rgb.as_chunks_mut::<3>().0, top * self.width);
-        for Mark { pixel, color, share } in &self.marks {
-            let Some(there) = pixel.checked_sub(first) else { continue };
+        let pixels = rgb.as_chunks_mut::<3>().0;
+        for (there, color, share) in self.marks_from(top) {
             let Some(pixel) = pixels.get_mut(there) else { continue };
-            let [_, parts @ ..] = color.to_be_bytes();
-            mix_over(pixel, alpha.get_mut(there), parts, (*share).into());
+            mix_over(pixel, alpha.get_mut(there), color, share.into());
         }
     }
 
     /// Mixes the recorded drawings into a picture, or into a strip that begins at row `top`.
     pub fn mix_into_picture(&self, picture: &mut Picture, top: usize) {
         self.mix_into(&mut picture.rgb, &mut picture.alpha, top);
-        for Mark { pixel, color, share } in &self.marks {
-            let Some(there) = pixel.checked_sub(top * self.width) else { continue };
-            let Some(light) = picture.light.get_mut(there) else { continue };
-            let [_, parts @ ..] = color.to_be_bytes();
-            let own = Vec4::from_array(*light);
-            *light = mixed_over(own, parts, f32::from(*share) / 255.0).to_array();
+        if picture.light.is_empty() {
+            return;
         }
+        for (there, color, share) in self.marks_from(top) {
+            let Some(light) = picture.light.get_mut(there) else { continue };
+            let own = Vec4::from_array(*light);
+            *light = mixed_over(own, color, f32::from(share) / 255.0).to_array();
+        }
+    }
+
+    /// The recorded drawings from this row on: the pixel, counted from the row's first, the color,
+    /// and its share of 255.
+    fn marks_from(&self, top: usize) -> impl Iterator<Item = (usize, [u8; 3], u8)> {
+        self.marks.iter().filter_map(move |&Mark { pixel, color, share }| {
+            let [_, parts @ ..] = color.to_be_bytes();
+            Some((pixel.checked_sub(top * self.width)?, parts, share))
+        })
     }
 
     /// Returns a number of dots in pixels.

@@ -211,7 +211,7 @@ impl WindowChooser<'_> {
         let proven = [self.bounds.low[up], self.bounds.high[up]];
         let mut thin = FLAT;
         if let Some(ShownHeights { ends, is_cut }) =
-            shown(&grid, &tops, &further, proven, self.is_stretched)
+            shown(&heights, &grid, &tops, &further, proven, self.is_stretched)
         {
             let [low, high] = ends.map(few_digits);
             (window.low[up], window.high[up]) = (low, high);

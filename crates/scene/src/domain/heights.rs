@@ -17,9 +17,6 @@ pub struct Grid {
     sorted: Vec<f64>,
     /// The lowest and the highest height on the border.
     border: [f64; 2],
-    /// Whether the lowest and the highest height lie at a pole, or beside one: a place toward which
-    /// the heights fall or rise without bound.
-    has_pole: [bool; 2],
 }
 
 /// Number of points in a row of the grid. The middle one is the origin.
@@ -89,6 +86,11 @@ pub fn place(half: f64, row: usize) -> f64 {
     half * (2.0 * row as f64 / (SIDE - 1) as f64 - 1.0)
 }
 
+/// Distance between neighboring points of the grid.
+fn apart(half: f64) -> f64 {
+    2.0 * half / (SIDE - 1) as f64
+}
+
 /// The grid's points, row by row.
 pub fn places(half: f64) -> Vec<[f64; 2]> {
     (0..SIDE * SIDE).map(|n| [place(half, n % SIDE), place(half, n / SIDE)]).collect()
@@ -97,16 +99,14 @@ pub fn places(half: f64) -> Vec<[f64; 2]> {
 impl Grid {
     /// Samples the square from `-half` to `half` on both axes.
     pub fn new(heights: &Heights<'_>, half: f64) -> Self {
-        let (places, apart) = (places(half), 2.0 * half / (SIDE - 1) as f64);
+        let (places, apart) = (places(half), apart(half));
         let mut sampled = heights(&places);
         let is_at_pole = |n: usize, height| is_pole(heights, places[n], height, apart);
         let mut sorted = ascending(&sampled);
-        let nth = |sampled: &[f64], end: Option<&f64>| {
-            sampled.iter().position(|height| Some(height) == end)
-        };
         // Where rounding leaves a height at one pole, it may do so at many. The grid has heights
         // beside these poles instead.
-        let extremes = [sorted.first(), sorted.last()].map(|end| nth(&sampled, end));
+        let extremes = [sorted.first(), sorted.last()];
+        let extremes = extremes.map(|end| sampled.iter().position(|height| Some(height) == end));
         if extremes.into_iter().flatten().any(|n| is_at_pole(n, sampled[n])) {
             let beside = |n: usize| {
                 let ([x, y], off) = (places[n], BESIDE * apart);
@@ -122,18 +122,27 @@ impl Grid {
         let on_border =
             |n: &usize| [0, SIDE - 1].contains(&(n % SIDE)) || [0, SIDE - 1].contains(&(n / SIDE));
         let border = ends((0..SIDE * SIDE).filter(on_border).map(|n| sampled[n]));
-        let has_pole = [(sorted.first(), -1.0), (sorted.last(), 1.0)].map(|(end, sign)| {
-            nth(&sampled, end).is_some_and(|n| {
-                let (at, height) = climbed(heights, places[n], sampled[n], sign, apart / 2.0);
-                is_pole(heights, at, height, apart) || is_beside_pole(heights, half, &sampled, n)
-            })
-        });
-        Self { half, sampled, sorted, border, has_pole }
+        Self { half, sampled, sorted, border }
     }
 
     /// Distance between neighboring grid points.
     pub fn apart(&self) -> f64 {
-        2.0 * self.half / (SIDE - 1) as f64
+        apart(self.half)
+    }
+
+    /// Whether the lowest and the highest of these heights lie at a pole, or beside one: a place
+    /// toward which the heights fall or rise without bound.
+    fn has_pole(&self, heights: &Heights<'_>) -> [bool; 2] {
+        let Self { half, sampled, sorted, .. } = self;
+        let apart = self.apart();
+        [(sorted.first(), -1.0), (sorted.last(), 1.0)].map(|(end, sign)| {
+            let n = sampled.iter().position(|height| Some(height) == end);
+            n.is_some_and(|n| {
+                let at = [place(*half, n % SIDE), place(*half, n / SIDE)];
+                let (at, height) = climbed(heights, at, sampled[n], sign, apart / 2.0);
+                is_pole(heights, at, height, apart) || is_beside_pole(heights, *half, sampled, n)
+            })
+        })
     }
 
     /// Two heights: `share` of all heights lies below the first, and `share` above the second. NaN
@@ -271,12 +280,13 @@ pub struct ShownHeights {
     pub is_cut: [bool; 2],
 }
 
-/// The range of heights that is shown: all heights over the ground if the graph is not too tall,
+/// The range of `heights` that is shown: all heights over the ground if the graph is not too tall,
 /// otherwise all maxima and minima in `tops` and a suitable part of the rest. `further` are heights
 /// between those of the grid, and all heights lie within `proven`. If `is_stretched`, and that part
 /// would show little of a graph, all heights are shown, or most of them toward a pole. `None` if
 /// there are no heights.
 pub fn shown(
+    heights: &Heights<'_>,
     grid: &Grid,
     tops: &[f64],
     further: &[f64],
@@ -285,14 +295,14 @@ pub fn shown(
 ) -> Option<ShownHeights> {
     let more = tops.iter().chain(further).copied().filter(|height| height.is_finite());
     let [lowest, highest] = ends(grid.ends()?.into_iter().chain(more));
-    let all = || {
-        let most = grid.quantiles(FAR_OUT);
-        let end = |side: usize| if grid.has_pole[side] { most } else { [lowest, highest] }[side];
-        whole(f64::INFINITY, [end(0), end(1)], proven)
-    };
     let some = || {
-        part(grid, tops)
-            .map(|ends| all().filter(|_| is_stretched && grid.is_little(ends)).unwrap_or(ends))
+        let has_pole = grid.has_pole(heights);
+        let ends = part(grid, tops, has_pole)?;
+        let most = grid.quantiles(FAR_OUT);
+        let end = |side: usize| if has_pole[side] { most } else { [lowest, highest] }[side];
+        let is_little = is_stretched && grid.is_little(ends);
+        let all = is_little.then(|| whole(f64::INFINITY, [end(0), end(1)], proven));
+        all.flatten().or(Some(ends))
     };
     let ends = whole(grid.half, [lowest, highest], proven).or_else(some)?;
     let grain = ROUNDING * (ends[1] - ends[0]);
@@ -320,8 +330,8 @@ fn whole(half: f64, sampled: [f64; 2], proven: [f64; 2]) -> Option<[f64; 2]> {
 
 /// A suitable range of heights for a graph that is too tall: all maxima and minima in `tops`, and
 /// a part of the heights that rise or fall to the border.
-fn part(grid: &Grid, tops: &[f64]) -> Option<[f64; 2]> {
-    let Grid { half, sorted, border, has_pole, .. } = grid;
+fn part(grid: &Grid, tops: &[f64], has_pole: [bool; 2]) -> Option<[f64; 2]> {
+    let Grid { half, sorted, border, .. } = grid;
     let [lowest, highest] = grid.ends()?;
     // As many heights are left out above as below.
     let left_out = |share: f64| ((1.0 - share) * (sorted.len() - 1) as f64) as usize;

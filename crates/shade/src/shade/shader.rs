@@ -354,9 +354,10 @@ impl Shader<'_> {
         let side = one.copysign(facing);
         let (mut lit, mut open) = (one, one);
         if OWN {
-            (lit, open) = (with_scattered(left(simd, &own.shadow)), left(simd, &own.occlusion));
+            (lit, open) = (left(simd, &own.shadow), left(simd, &own.occlusion));
         }
-        let direct = lit * (side * dot(normal, light)).max(0.0);
+        let slant = (side * dot(normal, light)).max(0.0);
+        let direct = lit * slant;
         // The square of the cosine between the normal and the halfway vector, as a quotient. If the
         // light is straight behind the surface, the halfway vector is zero, and so is the
         // highlight.
@@ -365,11 +366,10 @@ impl Shader<'_> {
         let square_of_length = dot(halfway, halfway).max(f32::MIN_POSITIVE);
         let highlight_power = highlight_power(simd, cosine * cosine, square_of_length);
         let grazing = 1.0 - facing.abs().min(1.0);
-        let rim =
-            look.rim * grazing * grazing * (side * dot(normal, splat(simd, lamps.rim))).max(0.0);
         let material = colors.material;
         // Little light from behind reaches a point that nearby points hide.
-        let mut white = rim * (open * open * open);
+        let behind = (side * dot(normal, splat(simd, lamps.rim))).max(0.0);
+        let mut white = look.rim * grazing * grazing * behind * (open * open * open);
         if let Some(mut power) = highlight_power {
             let mut strength = look.highlight;
             if OWN {
@@ -392,7 +392,7 @@ impl Shader<'_> {
             open *= reached;
         }
         let fill = look.fill * open * (side * dot(normal, splat(simd, lamps.fill))).max(0.0);
-        let factor = ambient + (1.0 - everywhere) * (look.key * direct + fill);
+        let factor = ambient + (1.0 - everywhere) * (look.key * with_scattered(lit) * slant + fill);
         let edge = grazing * grazing;
         let factor = factor * (1.0 - look.outline * edge * edge);
         // The reflected surroundings, and how much more is reflected at grazing angles.

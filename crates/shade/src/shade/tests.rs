@@ -116,28 +116,28 @@ fn plain(buffer: &GBuffer, rays: &RayGrid, look: &Appearance, pixel: usize) -> [
     let halfway = (to_light + to_eye).normalize_or_zero();
     let [lit, open] = [&buffer.shadow, &buffer.occlusion]
         .map(|hidden| 1.0 - f64::from(hidden.get(pixel).copied().unwrap_or_default()) / 255.0);
-    let white_open = open;
-    let lit = 0.1 + 0.9 * lit;
-    let open = open * (0.9 + 0.1 * lit);
+    let (open, not_hidden) = (open * (0.9 + 0.1 * lit), open);
     let [ground, key, fill, rim, highlight, outline] = {
         let Look { ground, key, fill, rim, highlight, outline, .. } = look.look;
         [ground, key, fill, rim, highlight, outline].map(f64::from)
     };
     let lamp = |way: DVec3| normal.dot(way.normalize());
     let (forward, right, up) = (rays.forward(), rays.right(), rays.up());
-    let direct = lit * normal.dot(to_light).max(0.0);
+    let slant = normal.dot(to_light).max(0.0);
+    let direct = lit * slant;
     let grazing = 1.0 - facing.abs().min(1.0);
     let behind = lamp(0.6 * forward + 0.5 * right + up).max(0.0);
     let aside = lamp(-forward + 1.1 * right - 0.2 * up).max(0.0);
     let around = ground + (1.0 - ground) * (0.5 + 0.5 * lamp(up));
     let ambient_light = ambient * open * around * (1.0 - 0.4 * grazing);
-    let factor = ambient_light + (1.0 - ambient) * (key * direct + fill * open * aside);
+    let factor =
+        ambient_light + (1.0 - ambient) * (key * (0.1 + 0.9 * lit) * slant + fill * open * aside);
     let factor = factor * (1.0 - outline * grazing.powi(4));
     let material = colors.material;
     let power = if material.is_sharp { 160 } else { 40 };
     let highlight = highlight * f64::from(material.highlight);
     let highlight_power = highlight * direct.sqrt() * normal.dot(halfway).max(0.0).powi(power);
-    let white = highlight_power + white_open.powi(3) * rim * grazing * grazing * behind;
+    let white = highlight_power + not_hidden.powi(3) * rim * grazing * grazing * behind;
     let mirrored = 2.0 * normal.dot(to_eye) * normal - to_eye;
     let step = |value: f64, low: f64, high: f64| {
         let share = ((value - low) / (high - low)).clamp(0.0, 1.0);
