@@ -3,14 +3,18 @@
 //! The mesh of a solid also covers its part of the domain's boundary.
 
 use crate::cells::Question;
+use crate::embedding::{Triangle, least_distance};
 use crate::grid::{Corner, Grid};
 use crate::place::Vertices;
-use crate::polygon::{Linear, NO_PART};
-use crate::refine::{Kind, Leaf, Refined};
+use crate::polygon::{Linear, NO_PART, Polygon};
+use crate::refine::{Kind, Leaf, Refined, size};
 use crate::space::Space;
 use glam::DVec3;
+use rayon::prelude::*;
+use rustc_hash::{FxHashMap, FxHashSet};
 use smallvec::SmallVec;
 use zeroset_eval::KernelError;
+use zeroset_scene::choices::Choice;
 
 /// Vertices and triangles.
 #[derive(Default)]
@@ -19,6 +23,11 @@ pub struct Extracted {
     pub triangles: Vec<[u32; 3]>,
     /// For each vertex, whether a part is 0 there that cuts the surface.
     pub is_cut: Vec<bool>,
+    /// The leaves, by their places in [`Refined::leaves`], in which triangles are not proven to be
+    /// those of g.
+    pub unproven: Vec<usize>,
+    /// For each triangle, the place of its leaf.
+    leaves: Vec<usize>,
 }
 
 /// The mesh in the leaves of a grid. For an equation, triangles where the function jumps or ends
@@ -31,21 +40,135 @@ pub fn extract(
     let &Question { parts: kernels, space, is_solid, first_cut, .. } = question;
     let mut vertices = Vertices::default();
     let mut polygons: Vec<Numbered> = Vec::new();
-    for leaf in &refined.leaves {
-        add_leaf(leaf, refined, question, &mut vertices, &mut polygons);
+    let (mut unproven, mut fixed) = (FxHashSet::default(), FxHashSet::default());
+    for (number, leaf) in refined.leaves.iter().enumerate() {
+        let added = add_leaf(number, leaf, refined, question, &mut vertices, &mut polygons);
+        unproven.extend(added.is_uncertain.then_some(number));
+        fixed.extend((!added.are_disks).then_some(number));
     }
     let at = |corner: u32| space.at(grid.corners[corner as usize]);
     let at_zero = vertices.place(refined, kernels, &at)?;
-    let cuts = |part: &u16| *part != NO_PART && usize::from(*part) >= first_cut;
-    let is_cut = vertices.keys.iter().map(|key| key.parts.iter().any(cuts)).collect();
-    let mut mesh = Extracted { vertices: vertices.places, triangles: Vec::new(), is_cut };
-    for polygon in polygons {
-        if is_solid || polygon.vertices.iter().all(|vertex| at_zero[*vertex as usize]) {
-            mesh.add(&polygon);
-        }
+    if !is_solid {
+        polygons.retain(|polygon| polygon.vertices.iter().all(|one| at_zero[*one as usize]));
     }
+    let cuts = |part: &u16| *part != NO_PART && usize::from(*part) >= first_cut;
+    let mut mesh = Extracted {
+        vertices: std::mem::take(&mut vertices.places),
+        is_cut: vertices.keys.iter().map(|key| key.parts.iter().any(cuts)).collect(),
+        ..Extracted::default()
+    };
+    restore(&mut mesh, &vertices, &polygons, &fixed);
+    // The leaves with vertices that no check has seen in their places. At first, all.
+    let mut changed: Option<FxHashSet<usize>> = None;
+    while changed.as_ref().is_none_or(|leaves| !leaves.is_empty()) {
+        mesh.set(&polygons, vertices.keys.len());
+        let crossed = crossed_leaves(&mesh, &refined.leaves, space, changed.as_ref());
+        // Where moved vertices make triangles meet, g's zeros mostly do not.
+        let of_pairs = crossed.iter().copied().flatten().collect();
+        let restored = restore(&mut mesh, &vertices, &polygons, &of_pairs);
+        let is_final = |pair: &[usize; 2]| pair.iter().all(|leaf| !restored.contains(leaf));
+        unproven.extend(crossed.into_iter().filter(is_final).flatten());
+        changed = Some(restored);
+    }
+    mesh.unproven = unproven.into_iter().collect();
+    mesh.unproven.sort_unstable();
     mesh.keep_used();
     Ok(mesh)
+}
+
+/// Moves the vertices in some leaves back to g's zeros. Returns the leaves with a vertex that was
+/// elsewhere.
+fn restore(
+    mesh: &mut Extracted,
+    vertices: &Vertices,
+    polygons: &[Numbered],
+    leaves: &FxHashSet<usize>,
+) -> FxHashSet<usize> {
+    let mut moved: FxHashSet<u32> = FxHashSet::default();
+    if leaves.is_empty() {
+        return FxHashSet::default();
+    }
+    for polygon in polygons.iter().filter(|polygon| leaves.contains(&polygon.leaf)) {
+        for vertex in &polygon.vertices {
+            let (place, zero) = (&mut mesh.vertices[*vertex as usize], vertices.zero(*vertex));
+            if *place != zero {
+                *place = zero;
+                moved.insert(*vertex);
+            }
+        }
+    }
+    let is_moved = |polygon: &&Numbered| polygon.vertices.iter().any(|one| moved.contains(one));
+    polygons.iter().filter(is_moved).map(|polygon| polygon.leaf).collect()
+}
+
+/// The pairs of leaves that hold two triangles which are not proven to be apart, at corners of
+/// `changed` leaves, or anywhere. A leaf with such a triangle, or one without area, may be paired with itself.
+fn crossed_leaves(
+    mesh: &Extracted,
+    leaves: &[Leaf],
+    space: &Space,
+    changed: Option<&FxHashSet<usize>>,
+) -> Vec<[usize; 2]> {
+    let is_checked = |leaf: &usize| is_checked(&leaves[*leaf], space);
+    let mut checked: Vec<usize> = (0..leaves.len()).filter(is_checked).collect();
+    if let Some(changed) = changed {
+        let corners = changed.iter().flat_map(|leaf| leaves[*leaf].cell.numbers);
+        let corners: FxHashSet<u32> = corners.collect();
+        let touches = |corner: &u32| corners.contains(corner);
+        checked.retain(|leaf| leaves[*leaf].cell.numbers.iter().any(touches));
+    }
+    if checked.is_empty() {
+        return Vec::new();
+    }
+    let least = least_distance(space.largest());
+    let mut first = vec![0; leaves.len() + 1];
+    mesh.leaves.iter().for_each(|leaf| first[*leaf + 1] += 1);
+    (0..leaves.len()).for_each(|leaf| first[leaf + 1] += first[leaf]);
+    // Polygons are added leaf by leaf.
+    let of = |leaf: usize| (first[leaf]..first[leaf + 1]).map(|number| mesh.triangle(number));
+    checked.retain(|leaf| first[*leaf] < first[leaf + 1]);
+    // The leaves with triangles around each corner of those.
+    let mut around: FxHashMap<u32, Vec<usize>> = FxHashMap::default();
+    for leaf in &checked {
+        let corners = leaves[*leaf].cell.numbers.into_iter();
+        around.extend(corners.map(|corner| (corner, Vec::new())));
+    }
+    for (number, leaf) in leaves.iter().enumerate() {
+        if first[number] < first[number + 1] {
+            for corner in leaf.cell.numbers {
+                around.entry(corner).and_modify(|all| all.push(number));
+            }
+        }
+    }
+    let crossed = |leaf: &usize| -> SmallVec<[[usize; 2]; 2]> {
+        let own: SmallVec<[Triangle; 8]> = of(*leaf).collect();
+        let corners = leaves[*leaf].cell.numbers;
+        let mut near: SmallVec<[usize; 32]> =
+            corners.iter().flat_map(|corner| &around[corner]).copied().collect();
+        near.sort_unstable();
+        near.dedup();
+        let is_crossed = |other: &usize| {
+            let meets = |k: usize| {
+                let others = of(*other).skip(if other == leaf { k + 1 } else { 0 });
+                others.into_iter().any(|triangle| !own[k].is_apart(&triangle, least))
+            };
+            (other == leaf && !own.iter().all(|one| one.has_area(least)))
+                || (0..own.len()).any(meets)
+        };
+        near.into_iter().filter(is_crossed).map(|other| [*leaf, other]).collect()
+    };
+    checked.par_iter().flat_map_iter(crossed).collect()
+}
+
+/// Share of the largest coordinate below which a cell is so small that rounding might matter
+/// everywhere.
+const SMALL: f64 = 1e-4;
+
+/// Returns whether triangles in a leaf are compared with those around. If only one part matters,
+/// there is one polygon whose vertices are on edges, [`APART`](crate::place::APART) from their
+/// ends. Wherever they are, it meets others in shared edges only, and is far from all else.
+fn is_checked(leaf: &Leaf, space: &Space) -> bool {
+    !matches!(**leaf.choice(), Choice::Part(_)) || size(space, &leaf.cell) < SMALL * space.largest()
 }
 
 /// From in front, the corners of the face opposite each corner.
@@ -53,18 +176,28 @@ const FACES: [[usize; 3]; 4] = [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]];
 
 /// A polygon by the numbers of its vertices.
 struct Numbered {
+    leaf: usize,
     vertices: SmallVec<[u32; 4]>,
     is_joined: bool,
 }
 
+/// Properties of a leaf's polygons.
+struct Added {
+    /// True if rounding may have changed them.
+    is_uncertain: bool,
+    /// True if each connected part of them is a disk, also with those that cut the surface.
+    are_disks: bool,
+}
+
 /// Adds the polygons in a leaf, and their vertices.
 fn add_leaf(
+    number: usize,
     leaf: &Leaf,
     refined: &Refined,
     question: &Question<'_>,
     vertices: &mut Vertices,
     polygons: &mut Vec<Numbered>,
-) {
+) -> Added {
     let &Question { space, is_solid, first_cut, .. } = question;
     let mut positive = [0, 1, 2, 3].map(|k| (leaf.cell.numbers[k], leaf.cell.corners[k]));
     if !leaf.cell.is_positive() {
@@ -77,10 +210,9 @@ fn add_leaf(
         Kind::Inside(_) => &[],
     };
     let values = |part: u16| corners.map(|corner| refined.values.at(corner, part));
-    let parts = parts.iter().map(|part| (part.part, values(part.part))).collect();
-    let (linear, choice) = (Linear { corners, parts }, leaf.choice());
+    let parts = parts.iter().map(|part| (part.part, values(part.part)));
+    let (linear, choice) = (Linear::new(corners, parts), leaf.choice());
     let mut found = linear.zeros(choice, is_even(positive.map(|(number, _)| number), corners));
-    found.retain(|polygon| usize::from(polygon.part) < first_cut);
     if is_solid {
         let faces = FACES.map(|face| face.map(|k| positive[k]));
         let is_outside = |face: &[(u32, Corner); 3]| is_outside(space, face.map(|(_, at)| at));
@@ -88,12 +220,54 @@ fn add_leaf(
             found.extend(linear.face(choice, face.map(|(number, _)| number)));
         }
     }
+    let are_disks = are_disks(&found);
+    found.retain(|polygon| usize::from(polygon.part) < first_cut || polygon.part == NO_PART);
     for polygon in found {
         let keys = linear.keys(&polygon);
-        let number = |(key, weights)| vertices.number(key, weights, choice);
-        let is_joined = polygon.is_joined;
-        polygons.push(Numbered { vertices: keys.map(number).collect(), is_joined });
+        let keyed = |(key, weights)| vertices.number(key, weights, choice);
+        let (vertices, is_joined) = (keys.map(keyed).collect(), polygon.is_joined);
+        polygons.push(Numbered { leaf: number, vertices, is_joined });
     }
+    Added { is_uncertain: linear.is_uncertain(), are_disks }
+}
+
+/// Returns whether each connected part of some polygons is a disk: it has Euler's number 1.
+fn are_disks(polygons: &[Polygon]) -> bool {
+    if polygons.len() < 2 {
+        return true;
+    }
+    let (mut vertices, mut edges) = (Vec::new(), Vec::new());
+    // Of each vertex, another of its part. The first of a part is its own.
+    let mut part: Vec<usize> = Vec::new();
+    let first = |part: &[usize], mut vertex: usize| {
+        while part[vertex] != vertex {
+            vertex = part[vertex];
+        }
+        vertex
+    };
+    for polygon in polygons {
+        let numbers: SmallVec<[usize; 8]> = polygon
+            .ids()
+            .map(|id| {
+                vertices.iter().position(|one| *one == id).unwrap_or_else(|| {
+                    vertices.push(id);
+                    part.push(part.len());
+                    vertices.len() - 1
+                })
+            })
+            .collect();
+        for (k, from) in numbers.iter().enumerate() {
+            let to = numbers[(k + 1) % numbers.len()];
+            let edge = [*from.min(&to), *from.max(&to)];
+            if !edges.contains(&edge) {
+                edges.push(edge);
+            }
+            let (from, to) = (first(&part, *from), first(&part, to));
+            part[from] = to;
+        }
+    }
+    let parts = (0..part.len()).filter(|vertex| part[*vertex] == *vertex).count();
+    vertices.len() + polygons.len() == edges.len() + parts
 }
 
 /// Returns whether one order of four corners is an even permutation of another.
@@ -137,9 +311,25 @@ fn middle(polygon: &[DVec3]) -> DVec3 {
 }
 
 impl Extracted {
+    fn triangle(&self, number: usize) -> Triangle {
+        let numbers = self.triangles[number];
+        Triangle { numbers, corners: numbers.map(|vertex| self.vertices[vertex as usize]) }
+    }
+
+    /// Replaces the triangles. The polygons' vertices are the first `count`.
+    fn set(&mut self, polygons: &[Numbered], count: usize) {
+        self.vertices.truncate(count);
+        self.is_cut.truncate(count);
+        self.triangles.clear();
+        self.leaves.clear();
+        for polygon in polygons {
+            self.add(polygon);
+        }
+    }
+
     /// Adds the triangles of a polygon.
     fn add(&mut self, polygon: &Numbered) {
-        let Numbered { vertices: polygon, is_joined } = polygon;
+        let Numbered { leaf, vertices: polygon, is_joined } = polygon;
         if *is_joined && polygon.len() > 3 {
             // Two of its vertices may be on one face of the tetrahedron, where a neighbor may have
             // an edge between them. So all triangles meet in the middle.
@@ -150,6 +340,7 @@ impl Extracted {
             self.is_cut.push(false);
             for (k, vertex) in polygon.iter().enumerate() {
                 self.triangles.push([middle, *vertex, polygon[(k + 1) % polygon.len()]]);
+                self.leaves.push(*leaf);
             }
             return;
         }
@@ -168,6 +359,7 @@ impl Extracted {
         for k in 1..count - 1 {
             let [b, c] = [k, k + 1].map(|k| polygon[(first + k) % count]);
             self.triangles.push([polygon[first], b, c]);
+            self.leaves.push(*leaf);
         }
     }
 

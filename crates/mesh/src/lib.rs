@@ -4,6 +4,7 @@
 //! ([`mesh`]). The mesh is cut out of the tetrahedra along the zeros on their edges.
 
 mod cells;
+mod embedding;
 mod extract;
 mod fit;
 mod grid;
@@ -12,6 +13,7 @@ mod polygon;
 mod proof;
 mod refine;
 mod space;
+mod values;
 
 use cells::{PartKernels, Question};
 use glam::DVec3;
@@ -28,6 +30,9 @@ pub const TOLERANCE: f64 = 1e-3;
 const ESTIMATED: f64 = 1.0 / 64.0;
 /// Space around a ball, as a share of the domain's extent.
 const AROUND: f64 = 1.0 / 32.0;
+
+/// Number of times that other linear functions are tried where triangles would cross.
+const TRIALS: usize = 3;
 
 /// The mesh of one surface.
 #[derive(Clone, Debug, Default)]
@@ -136,19 +141,33 @@ pub fn mesh(
     let estimated = if is_estimated { ESTIMATED * extent } else { 0.0 };
     let question = Question { parts: &kernels, space: &space, is_solid, first_cut, estimated };
     let refined = refine::refine(&choice, &question, &mut grid, limits, wanted);
-    let Some(refined) = refined else { return Ok(None) };
-    let triangles = extract::extract(&refined, &grid, &question)?;
+    let Some(mut refined) = refined else { return Ok(None) };
+    let mut triangles = extract::extract(&refined, &grid, &question)?;
+    for _ in 0..TRIALS {
+        // Elsewhere the proof fails anyway.
+        let mut crossed = triangles.unproven.clone();
+        crossed.retain(|leaf| !refined.fails(&refined.leaves[*leaf].cell));
+        if crossed.is_empty() || is_estimated {
+            break;
+        }
+        if refined.move_again(&crossed, &space, &grid, wanted).is_none() {
+            return Ok(None);
+        }
+        triangles = extract::extract(&refined, &grid, &question)?;
+    }
     let mut mesh = Mesh {
         vertices: triangles.vertices,
         triangles: triangles.triangles,
         is_estimated,
         ..Mesh::default()
     };
-    for leaf in &refined.leaves {
+    let mut crossed = triangles.unproven.iter().peekable();
+    for (number, leaf) in refined.leaves.iter().enumerate() {
+        let is_crossed = crossed.next_if_eq(&&number).is_some();
         let Kind::Open { near, .. } = leaf.kind else { continue };
         mesh.cells += 1;
         mesh.far += usize::from(is_estimated || !near);
-        if is_estimated || refined.fails(&leaf.cell) {
+        if is_estimated || is_crossed || refined.fails(&leaf.cell) {
             let [x, y, z] = space.between(leaf.cell.bounds());
             let (low, high) = (DVec3::new(x.lo, y.lo, z.lo), DVec3::new(x.hi, y.hi, z.hi));
             mesh.unproven.push(Unproven { centre: 0.5 * (low + high), size: high - low });

@@ -14,7 +14,7 @@ use zeroset_scene::choices::Choice;
 const NARROWINGS: usize = 48;
 /// A bracket of this share of its edge is not narrowed further.
 const NARROW: f64 = 1e-12;
-/// Least weight of a corner in a vertex, so that triangles have an area.
+/// Least weight of a corner in a vertex that is moved, so that triangles have an area.
 const APART: f64 = 1e-4;
 /// The function jumps on an edge if its values on both sides of the narrowed bracket differ by more
 /// than this share of those at the corners.
@@ -34,6 +34,8 @@ pub struct Vertices {
     weights: Vec<[f64; 4]>,
     /// The choice that matters in one of the tetrahedra around each vertex.
     choices: Vec<Arc<Choice>>,
+    /// The places of g's zeros.
+    zeros: Vec<DVec3>,
     /// The vertices' places, once they are placed.
     pub places: Vec<DVec3>,
 }
@@ -49,8 +51,12 @@ impl Vertices {
         })
     }
 
-    /// Places all vertices. Several on one edge stay at the zeros of linear functions, since
-    /// polygons through them might cross elsewhere.
+    /// The place of g's zero that a vertex stands for.
+    pub fn zero(&self, vertex: u32) -> DVec3 {
+        self.zeros[vertex as usize]
+    }
+
+    /// Places all vertices. Several on one edge stay at g's zeros, so that they keep their order.
     ///
     /// Returns, for each, whether it is at a zero: no part jumps there.
     pub fn place(
@@ -60,11 +66,11 @@ impl Vertices {
         at: &dyn Fn(u32) -> DVec3,
     ) -> Result<Vec<bool>, KernelError> {
         let place = |(key, weights): (&VertexKey, &[f64; 4])| {
-            let corners = key.corners();
-            let weights = apart(weights, corners.len());
-            corners.iter().zip(weights).map(|(corner, weight)| at(*corner) * weight).sum()
+            let corners: SmallVec<[DVec3; 4]> = key.corners().iter().map(|c| at(*c)).collect();
+            between(&corners, &weights[1..corners.len()])
         };
-        self.places = self.keys.iter().zip(&self.weights).map(place).collect();
+        self.zeros = self.keys.iter().zip(&self.weights).map(place).collect();
+        self.places.clone_from(&self.zeros);
         let mut at_zero = vec![true; self.keys.len()];
         let shared = self.shared_edges();
         let mut sorted: Vec<usize> = (0..self.keys.len()).collect();
@@ -89,7 +95,7 @@ impl Vertices {
                                 && self.changes_sign(*vertex, refined)
                         });
                     of_choices.extend(of_choice);
-                    let at_corner = |_: usize, corner: u32| refined.values.at(corner, parts[0]);
+                    let at_corner = |_: usize, corner: u32| refined.values.sample(corner, parts[0]);
                     let values = |_: &[usize], points: &[DVec3]| sample(only.samples, points);
                     self.place_on_edges(&of_part, &at_corner, &values, at, &mut at_zero);
                 }
@@ -113,7 +119,7 @@ impl Vertices {
         }
         let choices = std::mem::take(&mut self.choices);
         let at_corner = |vertex: usize, corner: u32| {
-            value_of(&choices[vertex], &|part| refined.values.at(corner, part as u16))
+            value_of(&choices[vertex], &|part| refined.values.sample(corner, part as u16))
         };
         let values = |vertices: &[usize], points: &[DVec3]| {
             let choices: Vec<&Choice> = vertices.iter().map(|vertex| &*choices[*vertex]).collect();
@@ -121,8 +127,7 @@ impl Vertices {
         };
         self.place_on_edges(&of_choices, &at_corner, &values, at, &mut at_zero);
         for vertex in shared.into_values().flatten() {
-            let [from, to] = [0, 1].map(|end| at(self.keys[vertex].corners()[end]));
-            self.places[vertex] = from.lerp(to, apart(&self.weights[vertex], 2)[1]);
+            self.places[vertex] = self.zeros[vertex];
         }
         Ok(at_zero)
     }
@@ -210,7 +215,7 @@ impl Vertices {
         }
         for (vertex, bracket) in vertices.iter().zip(brackets) {
             let share = bracket.shares[0].midpoint(bracket.shares[1]).clamp(APART, 1.0 - APART);
-            self.places[*vertex] = bracket.ends[0].lerp(bracket.ends[1], share);
+            self.places[*vertex] = between(&bracket.ends, &[share]);
             // False for NaN, beyond which the function is undefined.
             at_zero[*vertex] = bracket.values[1] - bracket.values[0] <= JUMP * bracket.scale;
         }
@@ -254,18 +259,11 @@ fn is_below(value: f64) -> bool {
     value < 0.0
 }
 
-/// Weights of the first `count` corners, each kept away from 0 and 1.
-fn apart(weights: &[f64; 4], count: usize) -> [f64; 4] {
-    if count < 2 {
-        return *weights;
-    }
-    let mut moved = [0.0; 4];
-    let share = |weight: f64| if weight.is_finite() { weight.clamp(APART, 1.0) } else { 1.0 };
-    let sum: f64 = weights[..count].iter().map(|weight| share(*weight)).sum();
-    for k in 0..count {
-        moved[k] = share(weights[k]) / sum;
-    }
-    moved
+/// The point between corners, by the weights of all but the first. Where all corners have one
+/// coordinate in common, the point has it, too.
+fn between(corners: &[DVec3], weights: &[f64]) -> DVec3 {
+    let side = |(corner, weight): (&DVec3, &f64)| (*corner - corners[0]) * *weight;
+    corners[0] + corners[1..].iter().zip(weights).map(side).sum::<DVec3>()
 }
 
 /// The point of a triangle or tetrahedron where two or three parts are 0, by Newton's method from
@@ -292,21 +290,23 @@ fn common_zero(
             rows[2] = edges[0].cross(edges[1]);
         }
         let step = DMat3::from_cols(rows[0], rows[1], rows[2]).transpose().inverse() * rest;
-        let next = at - step;
-        if !next.is_finite() || !is_between(next, corners) {
+        let weights = weights_of(at - step, corners);
+        let first = 1.0 - weights.iter().sum::<f64>();
+        // False for NaN.
+        if !(first >= APART && weights.iter().all(|weight| *weight >= APART)) {
             break;
         }
-        at = next;
+        // Again in the plane of a triangle, which rounding may have left.
+        at = between(corners, &weights);
     }
     Ok(at)
 }
 
-/// Returns whether a point of a triangle's plane, or of space, is well inside the corners' hull.
-fn is_between(point: DVec3, corners: &[DVec3]) -> bool {
+/// The weights of all corners but the first, for a point of a triangle's plane, or of space.
+fn weights_of(point: DVec3, corners: &[DVec3]) -> SmallVec<[f64; 3]> {
     let side = |k: usize| corners[k] - corners[0];
     let third = if corners.len() == 4 { side(3) } else { side(1).cross(side(2)) };
     let basis = DMat3::from_cols(side(1), side(2), third).inverse();
     let weights = basis * (point - corners[0]);
-    let used = &weights.to_array()[..corners.len() - 1];
-    used.iter().all(|weight| *weight >= APART) && used.iter().sum::<f64>() <= 1.0 - APART
+    weights.to_array().into_iter().take(corners.len() - 1).collect()
 }

@@ -2,8 +2,11 @@
 //!
 //! A vertex is known by the corners of the tetrahedron, triangle or edge that it lies in, and by
 //! the parts that are 0 there. So tetrahedra that share a face agree on the vertices in it.
+//!
+//! Polygons are as in exact arithmetic, unless a [`Linear`] is uncertain.
 
 use smallvec::{SmallVec, smallvec};
+use std::cell::Cell;
 use std::cmp::Ordering;
 use zeroset_scene::choices::Choice;
 
@@ -19,6 +22,9 @@ pub struct VertexKey {
 pub const NO_PART: u16 = u16::MAX;
 /// Fills places of a vertex's corners.
 const NO_CORNER: u32 = u32::MAX;
+/// Largest relative error of a determinant of up to three rows, against the sum of its terms
+/// without signs, and of a sum of four products. Each has at most seven roundings.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 impl VertexKey {
     /// The numbers of the corners.
@@ -33,7 +39,9 @@ pub struct Linear {
     /// The corners' numbers, in order.
     pub corners: [u32; 4],
     /// For each part that matters, its number and its values at the corners.
-    pub parts: SmallVec<[(u16, [f64; 4]); 1]>,
+    parts: SmallVec<[(u16, [f64; 4]); 1]>,
+    /// True once rounding may have decided on which side of a zero a vertex is.
+    is_uncertain: Cell<bool>,
 }
 
 /// A line of the tetrahedron that a polygon's edge lies on.
@@ -52,6 +60,8 @@ struct Vertex {
     parts: [u16; 3],
     /// Weights of the corners.
     weights: [f64; 4],
+    /// Largest errors of the weights.
+    errors: [f64; 4],
     /// The line of the edge to the next vertex.
     next: Line,
 }
@@ -68,10 +78,29 @@ pub struct Polygon {
     pub is_joined: bool,
 }
 
+impl Polygon {
+    /// For each vertex, what tells it from others of the tetrahedron.
+    pub fn ids(&self) -> impl Iterator<Item = (u8, [u16; 3])> {
+        self.vertices.iter().map(|vertex| (vertex.between, vertex.parts))
+    }
+}
+
 /// All four corners.
 const ALL: u8 = 0b1111;
 
 impl Linear {
+    /// Functions by the parts' numbers, and their values at the corners.
+    pub fn new(corners: [u32; 4], parts: impl Iterator<Item = (u16, [f64; 4])>) -> Self {
+        // Products of four values neither overflow nor vanish.
+        let scaled = |(part, values): (u16, [f64; 4])| (part, values.map(|v| v * scale(&values)));
+        Self { corners, parts: parts.map(scaled).collect(), is_uncertain: Cell::new(false) }
+    }
+
+    /// Returns whether rounding may have changed polygons that were asked for.
+    pub fn is_uncertain(&self) -> bool {
+        self.is_uncertain.get()
+    }
+
     fn values(&self, part: u16) -> Option<&[f64; 4]> {
         self.parts.iter().find(|(number, _)| *number == part).map(|(_, values)| values)
     }
@@ -100,7 +129,7 @@ impl Linear {
             let mut weights = [0.0; 4];
             weights[bits[k].trailing_zeros() as usize] = 1.0;
             let next = Line::Side(bits[k] | bits[(k + 1) % 3]);
-            Vertex { between: bits[k], parts: [NO_PART; 3], weights, next }
+            Vertex { between: bits[k], parts: [NO_PART; 3], weights, errors: [0.0; 4], next }
         };
         let polygon = Polygon {
             vertices: [0, 1, 2].map(vertex).into_iter().collect(),
@@ -166,17 +195,26 @@ impl Linear {
             }
         }
         // Each part's values, weighted by the cofactors, add up to 0.
-        let mut cofactors = [0.0; 4];
+        let mut cofactors = [(0.0, 0.0); 4];
         for (k, cofactor) in cofactors[..=count].iter_mut().enumerate() {
             let sign = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
-            *cofactor = sign * minor(&rows, count, k);
+            let terms = minor(&rows, count, k, |a, b| a.abs() + b.abs());
+            *cofactor = (sign * minor(&rows, count, k, |a, b| a - b), ROUNDING * terms);
         }
-        let sum: f64 = cofactors.iter().sum();
-        let mut weights = [0.0; 4];
-        for (to, cofactor) in bits_of(between).zip(cofactors) {
-            weights[to] = cofactor / sum;
+        let sum: f64 = cofactors.iter().map(|(cofactor, _)| cofactor).sum();
+        let error: f64 =
+            cofactors.iter().map(|(cofactor, error)| error + ROUNDING * cofactor.abs()).sum();
+        let (mut weights, mut errors) = ([0.0; 4], [0.0; 4]);
+        for (to, (cofactor, own)) in bits_of(between).zip(cofactors) {
+            let weight = cofactor / sum;
+            weights[to] = weight;
+            errors[to] = if 2.0 * error < sum.abs() {
+                2.0 * (own + weight.abs() * error) / sum.abs() + ROUNDING * weight.abs()
+            } else {
+                f64::INFINITY
+            };
         }
-        Vertex { between, parts: key, weights, next }
+        Vertex { between, parts: key, weights, errors, next }
     }
 
     /// The vertex's key, and the weights of its corners.
@@ -228,7 +266,13 @@ impl Linear {
         is_below: bool,
     ) -> Option<Polygon> {
         let is_kept = |vertex: &Vertex| {
-            let value: f64 = (0..4).map(|k| vertex.weights[k] * values[k]).sum();
+            let sum = |of: &dyn Fn(usize) -> f64| -> f64 { (0..4).map(of).sum() };
+            let value = sum(&|k| vertex.weights[k] * values[k]);
+            let error =
+                sum(&|k| (vertex.errors[k] + ROUNDING * vertex.weights[k].abs()) * values[k].abs());
+            // NaN is not above.
+            let is_certain = value.abs() > error;
+            self.is_uncertain.set(self.is_uncertain.get() || !is_certain);
             (value < 0.0) == is_below
         };
         let kept: Vec<bool> = polygon.vertices.iter().map(is_kept).collect();
@@ -278,15 +322,34 @@ fn bits_of(bits: u8) -> impl Iterator<Item = usize> {
     (0..4).filter(move |k| bits >> k & 1 == 1)
 }
 
-/// The determinant of the first `count` rows and as many columns, without column `left_out`.
-fn minor(rows: &[[f64; 4]; 3], count: usize, left_out: usize) -> f64 {
+/// A power of two by which the largest of some values becomes about 1. 1 if it is not normal.
+fn scale(values: &[f64; 4]) -> f64 {
+    const EXPONENT: u64 = 0x7ff << 52;
+    let largest = values.iter().fold(0.0_f64, |all, value| all.max(value.abs()));
+    if !largest.is_normal() || largest > 1e300 {
+        return 1.0;
+    }
+    1.0 / f64::from_bits(largest.to_bits() & EXPONENT)
+}
+
+/// The determinant of the first `count` rows and as many columns, without column `left_out`, if
+/// `minus` subtracts. If it adds absolute values, the sum of the terms without signs.
+fn minor(
+    rows: &[[f64; 4]; 3],
+    count: usize,
+    left_out: usize,
+    minus: impl Fn(f64, f64) -> f64,
+) -> f64 {
     let at = |row: usize, column: usize| rows[row][column + usize::from(column >= left_out)];
-    let pair = |i: usize, j: usize| at(1, i) * at(2, j) - at(1, j) * at(2, i);
+    let pair = |i: usize, j: usize| minus(at(1, i) * at(2, j), at(1, j) * at(2, i));
     match count {
         0 => 1.0,
         1 => at(0, 0),
-        2 => at(0, 0) * at(1, 1) - at(0, 1) * at(1, 0),
-        _ => at(0, 0) * pair(1, 2) - at(0, 1) * pair(0, 2) + at(0, 2) * pair(0, 1),
+        2 => minus(at(0, 0) * at(1, 1), at(0, 1) * at(1, 0)),
+        _ => {
+            let first = minus(at(0, 0) * pair(1, 2), at(0, 1) * pair(0, 2));
+            minus(first, -(at(0, 2) * pair(0, 1)))
+        }
     }
 }
 

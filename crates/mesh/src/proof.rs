@@ -2,9 +2,9 @@
 //!
 //! Let f be the function: minima and maxima of parts, or one part. Let g be the same minima and
 //! maxima of functions that have the parts' signs at each corner of the grid, and are linear in
-//! each tetrahedron. The mesh is the zero set of g, with its vertices moved. Between f and g is a
-//! family of functions (1 − s) f + s g. A vector field along which all of them increase, where they
-//! are 0, carries the zero set of f to that of g: the two are isotopic.
+//! each tetrahedron. Between f and g is a family of functions (1 − s) f + s g. A vector field along
+//! which all of them increase, where they are 0, carries the zero set of f to that of g: the two
+//! are isotopic.
 //!
 //! The field is a vector per corner, and linear in each tetrahedron. Take a tetrahedron that may
 //! hold a zero of f, and the parts of f and of g that matter there. It suffices that all of them
@@ -14,6 +14,8 @@
 //!
 //! In all other tetrahedra, f has no zero because of the signs of its parts. The parts of g have
 //! the same signs, so g has no zero either.
+//!
+//! `docs/meshes.md` goes on from g to the triangles, whose vertices are moved and rounded.
 
 use glam::DVec3;
 use zeroset_interval::Interval;
@@ -24,7 +26,7 @@ const MARGIN: f64 = 1e-12;
 
 /// Greatest distance along each axis between a vertex of the mesh and the zero of g that it stands
 /// for, as a share of the tetrahedron's size.
-const MOVED: f64 = 1e-3;
+pub const MOVED: f64 = 1e-3;
 
 /// Number of corrections of a vector.
 const CORRECTIONS: usize = 24;

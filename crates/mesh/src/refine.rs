@@ -1,13 +1,14 @@
 //! Refines a grid until the shape of the surface in it is proven, and the mesh is near enough.
 
 use crate::cells::{Answer, Cell, Local, PartBounds, PartKernels, Question, ask};
-use crate::grid::{Corner, CornerHasher, Grid, Tetrahedron};
+use crate::grid::{Corner, Grid, Tetrahedron};
 use crate::proof::{Slopes, bend, common_vector, least_slope, linear_gradient, middle};
 use crate::space::Space;
+use crate::values::CornerValues;
 use glam::DVec3;
 use rayon::prelude::*;
+use rustc_hash::{FxHashMap, FxHashSet};
 use smallvec::SmallVec;
-use std::hash::{Hash, Hasher};
 use std::sync::Arc;
 use zeroset_eval::{Kernel, LANES, Points, Sample, Values};
 use zeroset_scene::choices::Choice;
@@ -24,9 +25,6 @@ const BOUNDARY: f64 = 1.0 / 1024.0;
 /// The value of a part where it is undefined: far above 0, since a solid is not there. Products of
 /// three are finite.
 const UNDEFINED: f64 = 1e100;
-/// Greatest relative difference of values by which parts are told apart.
-const APART: f64 = 1e-4;
-
 /// A tetrahedron of the refined grid.
 pub struct Leaf {
     pub cell: Tetrahedron,
@@ -68,36 +66,8 @@ pub struct Refined {
     pub values: CornerValues,
     /// For each corner by its number, whether the proof fails there.
     failing: Vec<bool>,
-}
-
-/// Values of parts at corners, by the corners' numbers.
-#[derive(Default)]
-pub struct CornerValues(Vec<SmallVec<[(u16, f64); 1]>>);
-
-impl CornerValues {
-    /// The value of a part at a corner, by the sample kernel. [`UNDEFINED`] stands for no value.
-    ///
-    /// # Panics
-    /// If it has not been sampled.
-    pub fn at(&self, corner: u32, part: u16) -> f64 {
-        let mut all = self.0[corner as usize].iter();
-        all.find(|(one, _)| *one == part).expect("a sample").1
-    }
-
-    /// Makes room for the value of a part at a corner. Returns false if there is one.
-    fn reserve(&mut self, corner: u32, part: u16) -> bool {
-        let all = &mut self.0[corner as usize];
-        let is_new = all.iter().all(|(one, _)| *one != part);
-        if is_new {
-            all.push((part, f64::NAN));
-        }
-        is_new
-    }
-
-    fn set(&mut self, corner: u32, part: u16, value: f64) {
-        let mut all = self.0[corner as usize].iter_mut();
-        all.find(|(one, _)| *one == part).expect("room").1 = value;
-    }
+    /// For some corners, how often their values were moved apart anew.
+    moves: FxHashMap<u32, u64>,
 }
 
 /// Refines `grid` for a function. If it bounds a solid, tetrahedra inside of it stay at the
@@ -156,19 +126,31 @@ pub fn refine(
             .collect();
         if middles.is_empty() && is_estimated {
             refined.sample(kernels, space, grid, 0);
-        } else if middles.is_empty() {
-            let failing = refined.prove(kernels, space, grid, unproven, wanted)?;
-            unproven = refined.leaves.len();
-            let cell = |leaf: usize| &refined.leaves[leaf].cell;
-            if failing.len() as f64 > MOST_FAILING * limits.most_cells as f64 {
-                let sizes = failing.iter().map(|(leaf, _)| size(space, cell(*leaf)));
-                finest = finest.max(sizes.fold(f64::INFINITY, f64::min));
+            if kernels.len() > 1 {
+                refined.values.move_apart(&refined.leaves, grid, &refined.moves);
             }
-            for (leaf, Fails { at_boundary }) in failing {
-                let least = if at_boundary { BOUNDARY * limits.extent } else { 0.0 };
-                let cell = cell(leaf);
-                let splits = has_room_to_prove && may_split(cell, least.max(finest));
-                middles.extend(splits.then(|| cell.middle()));
+        } else if middles.is_empty() {
+            let mut splits = |refined: &Refined, failing: Vec<(usize, Fails)>| -> Vec<Corner> {
+                let cell = |leaf: usize| &refined.leaves[leaf].cell;
+                if failing.len() as f64 > MOST_FAILING * limits.most_cells as f64 {
+                    let sizes = failing.iter().map(|(leaf, _)| size(space, cell(*leaf)));
+                    finest = finest.max(sizes.fold(f64::INFINITY, f64::min));
+                }
+                let middle = |(leaf, Fails { at_boundary }): (usize, Fails)| {
+                    let least = if at_boundary { BOUNDARY * limits.extent } else { 0.0 };
+                    let cell = cell(leaf);
+                    let splits = has_room_to_prove && may_split(cell, least.max(finest));
+                    splits.then(|| cell.middle())
+                };
+                failing.into_iter().filter_map(middle).collect()
+            };
+            refined.sample(kernels, space, grid, unproven);
+            let failing = refined.prove(space, grid, &|number, _| number >= unproven, wanted)?;
+            unproven = refined.leaves.len();
+            middles = splits(&refined, failing);
+            if middles.is_empty() && kernels.len() > 1 {
+                let failing = refined.prove_apart(space, grid, wanted)?;
+                middles = splits(&refined, failing);
             }
         }
         if middles.is_empty() {
@@ -197,7 +179,7 @@ pub fn refine(
 }
 
 /// The largest extent of a tetrahedron along an axis.
-fn size(space: &Space, cell: &Tetrahedron) -> f64 {
+pub fn size(space: &Space, cell: &Tetrahedron) -> f64 {
     space.between(cell.bounds()).iter().map(|along| along.hi - along.lo).fold(0.0, f64::max)
 }
 
@@ -242,22 +224,51 @@ impl Refined {
         cell.numbers.iter().any(|corner| self.failing.get(*corner as usize) == Some(&true))
     }
 
-    /// Looks for vectors at the corners of leaves from `first` on. Returns the leaves at corners
-    /// where none is found, in order. `None` once `wanted` returns false.
-    fn prove(
+    /// Moves values apart in another way at the corners of some leaves. `None` once `wanted` returns
+    /// false.
+    pub fn move_again(
         &mut self,
-        kernels: &[PartKernels<'_>],
+        leaves: &[usize],
         space: &Space,
         grid: &Grid,
-        first: usize,
+        wanted: &(dyn Fn() -> bool + Sync),
+    ) -> Option<()> {
+        let corners = leaves.iter().flat_map(|leaf| self.leaves[*leaf].cell.numbers);
+        let corners: FxHashSet<u32> = corners.collect();
+        for corner in corners {
+            *self.moves.entry(corner).or_default() += 1;
+        }
+        self.prove_apart(space, grid, wanted).map(drop)
+    }
+
+    /// Moves values apart, and proves again what that changes. As [`Self::prove`].
+    fn prove_apart(
+        &mut self,
+        space: &Space,
+        grid: &Grid,
         wanted: &(dyn Fn() -> bool + Sync),
     ) -> Option<Vec<(usize, Fails)>> {
-        self.sample(kernels, space, grid, first);
+        let moved = self.values.move_apart(&self.leaves, grid, &self.moves);
+        let is_moved = |leaf: &Leaf| leaf.cell.numbers.iter().any(|corner| moved[*corner as usize]);
+        self.prove(space, grid, &|_, leaf| is_moved(leaf), wanted)
+    }
+
+    /// Looks for vectors at the corners of the leaves that `changed` is true for. Returns the leaves
+    /// at corners where none is found, in order. `None` once `wanted` returns false.
+    fn prove(
+        &mut self,
+        space: &Space,
+        grid: &Grid,
+        changed: &dyn Fn(usize, &Leaf) -> bool,
+        wanted: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Vec<(usize, Fails)>> {
         let is_open = |leaf: &Leaf| matches!(leaf.kind, Kind::Open { .. });
         // The open leaves around each corner that is asked for, one corner after the other.
         let mut is_asked = vec![false; grid.corners.len()];
-        for leaf in self.leaves[first..].iter().filter(|leaf| is_open(leaf)) {
-            leaf.cell.numbers.iter().for_each(|corner| is_asked[*corner as usize] = true);
+        for (number, leaf) in self.leaves.iter().enumerate() {
+            if is_open(leaf) && changed(number, leaf) {
+                leaf.cell.numbers.iter().for_each(|corner| is_asked[*corner as usize] = true);
+            }
         }
         let asks = |corner: &&u32| is_asked[**corner as usize];
         let mut ends = vec![0; grid.corners.len() + 1];
@@ -331,7 +342,7 @@ impl Refined {
     /// Adds the values of the parts that matter, at the corners of leaves from `first` on.
     fn sample(&mut self, kernels: &[PartKernels<'_>], space: &Space, grid: &Grid, first: usize) {
         let mut corners = vec![Vec::new(); kernels.len()];
-        self.values.0.resize(grid.corners.len(), SmallVec::new());
+        self.values.resize(grid.corners.len());
         for leaf in &self.leaves[first..] {
             let Kind::Open { local, .. } = &leaf.kind else { continue };
             for PartBounds { part, .. } in &local.parts {
@@ -350,22 +361,10 @@ impl Refined {
                 let value = if value == 0.0 { f64::MIN_POSITIVE } else { value };
                 let value = if value.is_nan() { UNDEFINED } else { value };
                 let value = value.clamp(-UNDEFINED, UNDEFINED);
-                // Symmetric parts are equal on whole planes of the grid. They are told apart.
-                let factor = || factor(at(&corner), part);
-                let moved = if kernels.len() == 1 { value } else { value * factor() };
-                self.values.set(corner, part as u16, moved);
+                self.values.set(corner, part as u16, value);
             }
         }
     }
-}
-
-/// A number near 1 that differs from part to part and from corner to corner.
-fn factor(corner: Corner, part: usize) -> f64 {
-    let mut hasher = CornerHasher::default();
-    corner.hash(&mut hasher);
-    hasher.write_u16(part as u16);
-    let share = hasher.finish() as f64 / u64::MAX as f64;
-    1.0 + APART * (share - 0.5)
 }
 
 /// The function's values at points.

@@ -26,6 +26,11 @@ impl Space {
         (Self { low, high, extent: grid.extent }, grid)
     }
 
+    /// The largest coordinate of a point, as its distance from 0.
+    pub fn largest(&self) -> f64 {
+        self.low.abs().max(self.high.abs()).max_element()
+    }
+
     /// The point at a corner.
     pub fn at(&self, corner: Corner) -> DVec3 {
         let along = corner.coordinates();

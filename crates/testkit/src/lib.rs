@@ -6,6 +6,7 @@
 //! - Seeded generators draw adversarial numbers, boxes, points, rays and graphs. The graphs use
 //!   every operation of the table, internal ones included.
 //! - The [`suite`] checks any evaluator against the oracle over the whole table.
+//! - [`crossings`] finds triangles of a mesh that cross, in exact arithmetic.
 //! - A [`property`] must hold for every input, which is drawn from a seed or from a fuzzer's bytes.
 //!   [`attack`] tries a property on many inputs.
 //! - A [`Case`] is a function with its domain and parameters. [`minimise`] shrinks a failing case.
@@ -14,6 +15,7 @@
 mod attack;
 mod case;
 pub mod certified;
+mod crossings;
 mod effort;
 pub mod machine;
 mod minimize;
@@ -27,11 +29,12 @@ pub mod suite;
 
 pub use attack::attack;
 pub use case::{Case, pack_boxes};
+pub use crossings::{Crossings, crossings};
 pub use effort::Effort;
 pub use minimize::minimise;
 pub use oracle::{BoxClaim, Claim, Defined, Oracle, enclose_at};
 pub use random::{
-    Adversarial, Ends, GraphOptions, Ray, Rng, point_in_box, random_box, random_constant,
-    random_domain, random_graph, random_parameters, random_ray, range_within,
+    Adversarial, Ends, GraphOptions, Ray, Rng, Solid, point_in_box, random_box, random_constant,
+    random_domain, random_graph, random_parameters, random_ray, random_solid, range_within,
 };
 pub use reproduce::{Place, hexadecimal, reproduce, reproduce_in, typed};

@@ -1,29 +1,14 @@
 //! Meshes of surfaces whose shapes are known.
 
+use crate::{mesh_in, mesh_of};
 use glam::DVec3;
 use std::collections::HashMap;
 use std::time::Instant;
 use zeroset_interval::Interval;
-use zeroset_mesh::{MOST_CELLS, Mesh, Options, mesh};
+use zeroset_mesh::Mesh;
 use zeroset_scene::program::Program;
 use zeroset_space::{HalfSpace, Region};
-use zeroset_syntax::{SurfaceKind, read};
-
-/// The mesh of a text's only surface in a cube around the origin.
-fn mesh_of(text: &str, half: f64, tolerance: f64) -> Mesh {
-    let region = Region::new(DVec3::splat(-half), DVec3::splat(half)).expect("a region");
-    mesh_in(text, region, tolerance)
-}
-
-/// The mesh of a text's only surface in a region.
-fn mesh_in(text: &str, region: Region, tolerance: f64) -> Mesh {
-    let document = read(text, &zeroset_syntax::Options::default()).expect(text);
-    let program = Program::new(&document, zeroset_mesh::domain(&region)).expect("a surface");
-    let is_solid = document.surfaces[0].kind == SurfaceKind::Solid;
-    let options =
-        Options { region, tolerance, is_solid, is_estimated: false, most_cells: MOST_CELLS };
-    mesh(&program, 0, &options, &|| true).expect("kernels").expect("wanted")
-}
+use zeroset_syntax::read;
 
 /// Euler's number and the number of edges with one triangle. Panics if an edge has more than two
 /// triangles, or two that run along it in the same direction.
