@@ -57,7 +57,8 @@ pub fn extract(
         is_cut: vertices.keys.iter().map(|key| key.parts.iter().any(cuts)).collect(),
         ..Extracted::default()
     };
-    restore(&mut mesh, &vertices, &polygons, &fixed);
+    let zero = |vertex: u32| vertices.zero(vertex as usize, &at);
+    restore(&mut mesh, &zero, &polygons, &fixed);
     // The leaves with vertices that no check has seen in their places. At first, all.
     let mut changed: Option<FxHashSet<usize>> = None;
     while changed.as_ref().is_none_or(|leaves| !leaves.is_empty()) {
@@ -65,7 +66,7 @@ pub fn extract(
         let crossed = crossed_leaves(&mesh, &refined.leaves, space, changed.as_ref());
         // Where moved vertices make triangles meet, g's zeros mostly do not.
         let of_pairs = crossed.iter().copied().flatten().collect();
-        let restored = restore(&mut mesh, &vertices, &polygons, &of_pairs);
+        let restored = restore(&mut mesh, &zero, &polygons, &of_pairs);
         let is_final = |pair: &[usize; 2]| pair.iter().all(|leaf| !restored.contains(leaf));
         unproven.extend(crossed.into_iter().filter(is_final).flatten());
         changed = Some(restored);
@@ -80,7 +81,7 @@ pub fn extract(
 /// elsewhere.
 fn restore(
     mesh: &mut Extracted,
-    vertices: &Vertices,
+    zero: &dyn Fn(u32) -> DVec3,
     polygons: &[Numbered],
     leaves: &FxHashSet<usize>,
 ) -> FxHashSet<usize> {
@@ -90,7 +91,7 @@ fn restore(
     }
     for polygon in polygons.iter().filter(|polygon| leaves.contains(&polygon.leaf)) {
         for vertex in &polygon.vertices {
-            let (place, zero) = (&mut mesh.vertices[*vertex as usize], vertices.zero(*vertex));
+            let (place, zero) = (&mut mesh.vertices[*vertex as usize], zero(*vertex));
             if *place != zero {
                 *place = zero;
                 moved.insert(*vertex);

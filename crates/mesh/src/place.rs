@@ -34,8 +34,6 @@ pub struct Vertices {
     weights: Vec<[f64; 4]>,
     /// The choice that matters in one of the tetrahedra around each vertex.
     choices: Vec<Arc<Choice>>,
-    /// The places of g's zeros.
-    zeros: Vec<DVec3>,
     /// The vertices' places, once they are placed.
     pub places: Vec<DVec3>,
 }
@@ -51,9 +49,11 @@ impl Vertices {
         })
     }
 
-    /// The place of g's zero that a vertex stands for.
-    pub fn zero(&self, vertex: u32) -> DVec3 {
-        self.zeros[vertex as usize]
+    /// The place of g's zero that a vertex stands for. `at` finds the places of corners.
+    pub fn zero(&self, vertex: usize, at: &dyn Fn(u32) -> DVec3) -> DVec3 {
+        let corners: SmallVec<[DVec3; 4]> =
+            self.keys[vertex].corners().iter().map(|corner| at(*corner)).collect();
+        between(&corners, &self.weights[vertex][1..corners.len()])
     }
 
     /// Places all vertices. Several on one edge stay at g's zeros, so that they keep their order.
@@ -65,12 +65,7 @@ impl Vertices {
         kernels: &[PartKernels<'_>],
         at: &dyn Fn(u32) -> DVec3,
     ) -> Result<Vec<bool>, KernelError> {
-        let place = |(key, weights): (&VertexKey, &[f64; 4])| {
-            let corners: SmallVec<[DVec3; 4]> = key.corners().iter().map(|c| at(*c)).collect();
-            between(&corners, &weights[1..corners.len()])
-        };
-        self.zeros = self.keys.iter().zip(&self.weights).map(place).collect();
-        self.places.clone_from(&self.zeros);
+        self.places = (0..self.keys.len()).map(|vertex| self.zero(vertex, at)).collect();
         let mut at_zero = vec![true; self.keys.len()];
         let shared = self.shared_edges();
         let mut sorted: Vec<usize> = (0..self.keys.len()).collect();
@@ -127,7 +122,7 @@ impl Vertices {
         };
         self.place_on_edges(&of_choices, &at_corner, &values, at, &mut at_zero);
         for vertex in shared.into_values().flatten() {
-            self.places[vertex] = self.zeros[vertex];
+            self.places[vertex] = self.zero(vertex, at);
         }
         Ok(at_zero)
     }

@@ -198,8 +198,12 @@ impl Linear {
         let mut cofactors = [(0.0, 0.0); 4];
         for (k, cofactor) in cofactors[..=count].iter_mut().enumerate() {
             let sign = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
-            let terms = minor(&rows, count, k, |a, b| a.abs() + b.abs());
-            *cofactor = (sign * minor(&rows, count, k, |a, b| a - b), ROUNDING * terms);
+            let value = sign * minor(&rows, count, k, |a, b| a - b);
+            let terms = match count {
+                0 | 1 => value.abs(),
+                _ => minor(&rows, count, k, |a, b| a.abs() + b.abs()),
+            };
+            *cofactor = (value, ROUNDING * terms);
         }
         let sum: f64 = cofactors.iter().map(|(cofactor, _)| cofactor).sum();
         let error: f64 =
