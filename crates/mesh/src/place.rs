@@ -53,7 +53,12 @@ impl Vertices {
     pub fn zero(&self, vertex: usize, at: &dyn Fn(u32) -> DVec3) -> DVec3 {
         let corners: SmallVec<[DVec3; 4]> =
             self.keys[vertex].corners().iter().map(|corner| at(*corner)).collect();
-        between(&corners, &self.weights[vertex][1..corners.len()])
+        let place = between(&corners, &self.weights[vertex][1..corners.len()]);
+        if place.is_finite() {
+            return place;
+        }
+        // Rounding may leave weights without a value. Then nothing is proven there.
+        corners.iter().sum::<DVec3>() / corners.len() as f64
     }
 
     /// Places all vertices. Several on one edge stay at g's zeros, so that they keep their order.
