@@ -2,6 +2,7 @@
 
 use crate::dialect::program_reader::program;
 use crate::document::curves::{Curve, Curves};
+use crate::document::either_comma::with_either_comma;
 use crate::document::foreign_definitions::foreign_definitions;
 use crate::document::heading::heading;
 use crate::document::implied_coordinates;
@@ -166,7 +167,10 @@ pub fn read(text: &str, options: &Options<'_>) -> Result<Document, Errors> {
     if is_expression_list(text) {
         return listed::read(text, options);
     }
-    DocumentReader::new(text, options).read()
+    let document = with_either_comma(text, options, |reader| reader.read())?;
+    // Commas of the comment at the start stay commas.
+    let (title, doc) = heading(text);
+    Ok(Document { title, doc, ..document })
 }
 
 /// Reads a document from bytes that should be UTF-8.
@@ -192,8 +196,7 @@ pub fn parse(text: &str, limits: &Limits) -> Result<Vec<Statement>, Errors> {
     if is_expression_list(text) {
         return listed::read(text, &options).map(|_| Vec::new());
     }
-    let mut reader = DocumentReader::new(text, &options);
-    let (built, _) = reader.statements()?;
+    let (built, _) = with_either_comma(text, &options, |mut reader| reader.statements())?;
     Ok(built.into_iter().map(|built| built.statement).collect())
 }
 

@@ -1,6 +1,7 @@
 //! Tests the language through the crate's public interface.
 
 mod builders;
+mod commas;
 mod corpus;
 mod emit;
 mod gallery;
