@@ -167,10 +167,7 @@ pub fn read(text: &str, options: &Options<'_>) -> Result<Document, Errors> {
     if is_expression_list(text) {
         return listed::read(text, options);
     }
-    let document = with_either_comma(text, options, |reader| reader.read())?;
-    // Commas of the comment at the start stay commas.
-    let (title, doc) = heading(text);
-    Ok(Document { title, doc, ..document })
+    with_either_comma(text, options, |reader| reader.read())
 }
 
 /// Reads a document from bytes that should be UTF-8.
