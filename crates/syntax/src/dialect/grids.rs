@@ -116,7 +116,11 @@ impl ProgramReader<'_> {
             Some(PlotRange { name: None, low, high })
         };
         let ranges: Option<Vec<PlotRange>> = (0..names.len()).map(range).collect();
-        let Some(ranges) = ranges else { return Ok(()) };
+        let Some(ranges) = ranges else {
+            let (span, kind) = (names[0].span, NoteKind::PlotWithoutRanges);
+            self.program.notes.push(Note { span, kind });
+            return Ok(());
+        };
         let (domain, note) = self.words.domain(&ranges, &axes, names[0].span);
         self.program.notes.extend(note);
         domain.map_or(Ok(()), |line| self.push(line, None, None, &Aliases::default(), false))
@@ -144,8 +148,8 @@ impl ProgramReader<'_> {
 
     /// Adds the formulas and the domain of a plot.
     pub(crate) fn draw(&mut self, plot: Plot, place: Span, frame: &Frame) -> Fallible<()> {
-        let Plot { formulas, is_height, mut domain, note, renamed } = plot;
-        self.program.notes.extend(note);
+        let Plot { formulas, is_height, mut domain, notes, renamed } = plot;
+        self.program.notes.extend(notes);
         let mut aliases = frame.aliases.clone();
         let words = self.words;
         let word = |token: &Token| words.word(*token);
@@ -182,6 +186,7 @@ impl ProgramReader<'_> {
                 && aliases.find(word(name)).is_none()
                 && self.arity(*name).is_none()
             {
+                self.program.notes.extend(words.left_of_plot(&[formula]));
                 continue;
             }
             self.push(formula, None, None, &aliases, is_height)?;

@@ -267,9 +267,10 @@ impl ProgramReader<'_> {
     fn outside_of_formulas(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
         let curve = match self.curve(tokens)? {
             None if self.arity(tokens[0]).is_none() => self.words.curve_command(tokens)?,
-            found => found,
+            found => found.map(|curve| (curve, None)),
         };
-        if let Some(curve) = curve {
+        if let Some((curve, note)) = curve {
+            self.program.notes.extend(note);
             return self.plain(curve, frame, false).map(|()| true);
         }
         let plots = self.words.plots(&self.with_rows(tokens.to_vec()))?;
