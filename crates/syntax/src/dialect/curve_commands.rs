@@ -12,7 +12,7 @@ use crate::messages::note::Note;
 use crate::span::Span;
 
 /// Commands that plot a curve.
-const COMMANDS: &[&str] = &[
+pub(crate) const COMMANDS: &[&str] = &[
     "ParametricPlot3D",
     "spacecurve",
     "parametric_plot3d",

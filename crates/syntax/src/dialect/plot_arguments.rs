@@ -277,3 +277,55 @@ pub(crate) fn axes_of(names: &[Option<Token>], is_height: bool) -> Fallible<Vec<
     }
     Ok(axes)
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::dialect::plot_commands::{CONTAINERS, GRIDS, HEIGHTS, LEVELED, METHODS, SURFACES};
+    use crate::dialect::{curve_commands, plot_commands};
+    use crate::document::reading::{Options, read};
+    use crate::messages::note::NoteKind;
+
+    /// The arguments that each command needs.
+    fn needed(command: &str) -> &'static str {
+        match command {
+            _ if curve_commands::COMMANDS.contains(&command) => "(t, 1, 2), (t, 0, 1)",
+            _ if GRIDS.contains(&command) => "X, Y, X*Y",
+            _ if CONTAINERS.contains(&command) => "implicit_plot3d(x, (x, -1, 1))",
+            _ if LEVELED.contains(&command) => "x*y, 1",
+            "contour" => "[1], x*y",
+            "fimplicit3" => "@(x, y, z) x*y, [-1 1]",
+            "fsurf" => "@(x, y) x*y, [-1 1]",
+            "implicitplot3d" => "x*y, x = -1..1, y = -1..1, z = -1..1",
+            "implicit" => "x*y, x, -1, 1, y, -1, 1, z, -1, 1",
+            r"\implicitPlot3d" => "x*y, -1, 1, -1, 1, -1, 1",
+            _ if HEIGHTS.contains(&command) => "x*y, (x, -1, 1), (y, -1, 1)",
+            _ => "x*y, (x, -1, 1), (y, -1, 1), (z, -1, 1)",
+        }
+    }
+
+    /// What the note on left-out parts of `text` quotes; empty without such a note.
+    fn left(text: &str) -> String {
+        let document = read(text, &Options::default());
+        let document = document.unwrap_or_else(|e| panic!("{}", e.render(None, text, false)));
+        let left = document.notes.into_iter().filter_map(|note| match note.kind {
+            NoteKind::PlotPartsLeftOut { left } => Some(left),
+            _ => None,
+        });
+        left.collect::<Vec<_>>().join(", ")
+    }
+
+    #[test]
+    fn every_command_says_what_it_does_not_use() {
+        let lists = [plot_commands::HEIGHTS, SURFACES, curve_commands::COMMANDS];
+        for command in lists.into_iter().flatten() {
+            let place = if METHODS.contains(command) { "grid." } else { "" };
+            let given = needed(command);
+            let text = format!("{place}{command}({given})");
+            assert_eq!(left(&text), "", "{text}");
+            for extra in ["zork=7", "Zork->7", "zork->{7, 8}", "'zork'", "[7, 8, 9]", "zork"] {
+                let text = format!("{place}{command}({given}, {extra})");
+                assert_eq!(left(&text), format!("`{extra}`"), "{text}");
+            }
+        }
+    }
+}

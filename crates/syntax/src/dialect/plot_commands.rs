@@ -11,32 +11,64 @@ use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
 
+/// Commands that plot heights over x and y.
+pub(crate) const HEIGHTS: &[&str] = &[
+    "Plot3D",
+    "plot3d",
+    "explicit",
+    "fsurf",
+    "ezsurf",
+    "surf",
+    "mesh",
+    "surface",
+    "surfc",
+    "meshc",
+    "plot_surface",
+];
+
+/// Commands that plot a surface in space, and containers of plots.
+pub(crate) const SURFACES: &[&str] = &[
+    "ContourPlot3D",
+    "RegionPlot3D",
+    "ImplicitRegion",
+    "implicit_plot3d",
+    "implicitplot3d",
+    r"\implicitPlot3d",
+    "ImplicitPlot3D",
+    "fimplicit3",
+    "ezimplot3",
+    "isosurface",
+    "implicit",
+    "plot_implicit",
+    "draw3d",
+    "draw",
+    "display",
+    "Show",
+    "contour3",
+    "implicitsurface",
+    "contour",
+    "marching_cubes",
+    "surfaceNets",
+    "patch",
+];
+
 /// Returns whether a command plots heights; `None` if the word is not a plot command.
 fn plots_height(command: &str) -> Option<bool> {
-    match command {
-        "Plot3D" | "plot3d" | "explicit" | "fsurf" | "ezsurf" | "surf" | "mesh" | "surface"
-        | "surfc" | "meshc" | "plot_surface" => Some(true),
-        "ContourPlot3D" | "RegionPlot3D" | "ImplicitRegion" | "implicit_plot3d"
-        | "implicitplot3d" | r"\implicitPlot3d" | "ImplicitPlot3D" | "fimplicit3" | "ezimplot3"
-        | "isosurface" | "implicit" | "plot_implicit" | "draw3d" | "draw" | "display" | "Show"
-        | "contour3" | "implicitsurface" | "contour" | "marching_cubes" | "surfaceNets" => {
-            Some(false)
-        }
-        _ => None,
-    }
+    let is_height = HEIGHTS.contains(&command);
+    (is_height || SURFACES.contains(&command)).then_some(is_height)
 }
 
 /// Commands that only contain other plots.
-const CONTAINERS: &[&str] = &["draw3d", "display", "Show"];
+pub(crate) const CONTAINERS: &[&str] = &["draw3d", "display", "Show", "patch"];
 
 /// Plot commands that follow a module or an object and a dot.
-const METHODS: &[&str] = &["contour", "marching_cubes", "surfaceNets", "plot_surface"];
+pub(crate) const METHODS: &[&str] = &["contour", "marching_cubes", "surfaceNets", "plot_surface"];
 
 /// Commands whose third argument holds the heights over a grid.
-const GRIDS: &[&str] = &["surf", "mesh", "surface", "surfc", "meshc", "plot_surface"];
+pub(crate) const GRIDS: &[&str] = &["surf", "mesh", "surface", "surfc", "meshc", "plot_surface"];
 
 /// Commands with the level as the argument after the formula.
-const LEVELED: &[&str] = &["isosurface", "marching_cubes"];
+pub(crate) const LEVELED: &[&str] = &["isosurface", "marching_cubes"];
 
 /// Names that the ends of a range may contain. If another name occurs, all ranges are ignored.
 const CONSTANTS: &[&str] = &["pi", "tau", "e", "phi", "sqrt"];
@@ -293,7 +325,12 @@ impl Words<'_> {
         }
         Ok(Some(match formula.as_slice() {
             // A function of all points of a grid, as in `f(*grid)`.
-            [name, open, star, ..] if (open.kind, star.kind) == (OpenParen, Star) => vec![*name],
+            [name, open, star, grid @ .., _] if (open.kind, star.kind) == (OpenParen, Star) => {
+                if grid.len() > 1 {
+                    arguments.leave(grid.to_vec());
+                }
+                vec![*name]
+            }
             _ => formula.clone(),
         }))
     }

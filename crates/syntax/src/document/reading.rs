@@ -343,8 +343,14 @@ impl<'a> DocumentReader<'a> {
         let used: FxHashSet<&str> =
             built.iter().flat_map(|b| &b.used).chain(&settings.used).map(String::as_str).collect();
         let drawn: Vec<&BuiltStatement> = drawings.iter().chain(&curves).copied().collect();
-        if !drawn.is_empty() {
-            let unused = definitions.iter().filter(|(d, _)| !used.contains(d.name.text.as_str()));
+        let implied = drawn.is_empty().then(|| implied_drawing(&definitions));
+        let drawn_name = match &implied {
+            Some(Ok((statement, _))) => statement.used.iter().next(),
+            _ => None,
+        };
+        if !drawn.is_empty() || drawn_name.is_some() {
+            let is_used = |name: &String| used.contains(name.as_str()) || drawn_name == Some(name);
+            let unused = definitions.iter().filter(|(d, _)| !is_used(&d.name.text));
             // Each note compares its name with all known names, so there is a limit on such notes.
             let notes = unused.take(MAX_ERRORS).map(|(d, _)| unused_note(d, &scope));
             self.notes.extend(notes);
@@ -371,12 +377,10 @@ impl<'a> DocumentReader<'a> {
             surfaces.extend(self.ok_or_record(surface(&mut lowering, drawing)));
         }
         self.check()?;
-        let implied;
-        if drawn.is_empty() {
-            let (statement, note) = implied_drawing(&definitions)?;
-            self.notes.push(note);
-            implied = statement;
-            surfaces.push(surface(&mut lowering, &implied)?);
+        let implied = implied.transpose()?;
+        if let Some((statement, note)) = &implied {
+            self.notes.push(note.clone());
+            surfaces.push(surface(&mut lowering, statement)?);
         }
         if lowering.has_placeholders() {
             let roots: Vec<NodeId> = surfaces.iter().map(|surface| surface.root).collect();

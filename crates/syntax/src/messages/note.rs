@@ -121,11 +121,11 @@ pub enum NoteKind {
         "what contains the surface is not read; write it as `domain x in [-2, 2], y in [-1, 1]`"
     )]
     ContainerIgnored,
-    #[error("of this plot, {left} has no effect here")]
+    #[error("these parts of the plot have no effect here: {left}")]
     PlotPartsLeftOut { left: String },
     #[error("the plot gives no level, so this is drawn where the function is 0")]
     PlotWithoutLevel,
-    #[error("of this text, only the formula and its ranges are read, not {left}")]
+    #[error("only the formula and its ranges are read; these have no effect here: {left}")]
     FileLeftOut { left: String },
     #[error("`{name}` takes its shape at {axis} = 0, so {axis} has no effect within it")]
     ShapeAtZero { name: &'static str, axis: char },

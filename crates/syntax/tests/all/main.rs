@@ -6,6 +6,7 @@ mod corpus;
 mod emit;
 mod gallery;
 mod hostile;
+mod left_over;
 mod lists;
 mod render;
 mod round_trip;
