@@ -61,6 +61,15 @@ impl Arguments {
         self.parts.iter().enumerate().skip(start).filter(|(index, _)| !self.is_read[*index])
     }
 
+    /// Takes the level at `index`, as in `isosurface(v, 0.5)`, unless an option or text is there.
+    pub(crate) fn level_at(&mut self, index: usize) -> Option<Vec<Token>> {
+        let part = self.parts.get(index)?;
+        let is_option = part.iter().any(|token| token.kind.is_relation());
+        let is_number = part[0].kind != Unknown
+            && (part[0].kind.closer().is_none() || part[0].kind == OpenParen);
+        (is_number && !is_option).then(|| self.take(index))
+    }
+
     /// Records tokens that were taken and are not used.
     pub(crate) fn leave(&mut self, tokens: Vec<Token>) {
         self.unused.push(tokens);
@@ -133,15 +142,6 @@ impl Words<'_> {
         }
     }
 
-    /// Takes the level at `index`, as in `isosurface(v, 0.5)`, unless an option or text is there.
-    pub(crate) fn level_at(self, arguments: &mut Arguments, index: usize) -> Option<Vec<Token>> {
-        let part = arguments.parts.get(index)?;
-        let is_option = part.iter().any(|token| token.kind.is_relation());
-        let is_number = part[0].kind != Unknown
-            && (part[0].kind.closer().is_none() || part[0].kind == OpenParen);
-        (is_number && !is_option).then(|| arguments.take(index))
-    }
-
     /// The condition in an option such as `RegionFunction -> Function[{x, y, z}, x > 0]`, with the
     /// names of its parameters.
     pub(crate) fn region(
@@ -199,7 +199,11 @@ impl Words<'_> {
             if let Some(name) = variable(name).filter(|name| name.kind.is_axis())
                 && first + 2 == *last
             {
-                ranges.push(PlotRange { name: Some(name), low: low.to_vec(), high: high.to_vec() });
+                ranges.push(PlotRange {
+                    name: Some(name),
+                    low: (*low).clone(),
+                    high: (*high).clone(),
+                });
                 read.extend(*first..=*last);
             }
         }
@@ -208,11 +212,13 @@ impl Words<'_> {
         if let (true, Some(ends)) = (ranges.is_empty(), unread.get(..6))
             && ends.iter().all(|(_, end)| end.iter().all(is_number))
         {
-            let numbers: Vec<Vec<Token>> = ends.iter().map(|(_, end)| end.to_vec()).collect();
+            let numbers: Vec<Vec<Token>> = ends.iter().map(|(_, end)| (*end).clone()).collect();
             ranges = in_order(&numbers, most);
             read.extend(ends.iter().map(|(index, _)| index));
         }
-        read.iter().for_each(|index| arguments.is_read[*index] = true);
+        for index in read {
+            arguments.is_read[index] = true;
+        }
         ranges.retain(|range| !range.low.is_empty() && !range.high.is_empty());
         if ranges.iter().all(|range| range.name.is_none()) && ranges.len() > most {
             for PlotRange { mut low, high, .. } in ranges.drain(most..) {

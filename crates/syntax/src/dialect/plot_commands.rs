@@ -321,7 +321,7 @@ impl Words<'_> {
             *levels = bracketed(&list).map_or(Vec::new(), |(inner, _)| split(inner, Comma));
         }
         if LEVELED.contains(&word) && levels.is_empty() {
-            levels.extend(self.level_at(arguments, at + 1));
+            levels.extend(arguments.level_at(at + 1));
         }
         Ok(Some(match formula.as_slice() {
             // A function of all points of a grid, as in `f(*grid)`.
