@@ -65,7 +65,7 @@ pub(crate) fn foreign_text(text: &str, limits: &Limits) -> Fallible<Option<Forei
     Ok(Some((std::iter::once(statement).chain(domain).collect(), notes)))
 }
 
-/// The keys of a file that are not read, for a note; `None` if there are none. `axes` have ranges.
+/// Quotes the keys of a file that are not read; `None` if all are read. `axes` have ranges.
 fn unread_keys(text: &str, is_mathmod: bool, axes: &[TokenKind]) -> Option<String> {
     let ends =
         axes.iter().flat_map(|axis| ["min", "max"].map(|end| format!("{}{end}", axis.as_char())));

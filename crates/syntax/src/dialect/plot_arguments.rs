@@ -85,7 +85,7 @@ impl Arguments {
 }
 
 impl Words<'_> {
-    /// A note on parts of a plot that have no effect here; `None` if there are none.
+    /// A note on the parts `left` of a plot, which have no effect here; `None` if `left` is empty.
     pub(crate) fn left_of_plot(self, left: &[Vec<Token>]) -> Option<Note> {
         let spans: Vec<Span> = left.iter().filter_map(|part| span_of(part)).collect();
         let typed = |span: &Span| {
@@ -309,7 +309,7 @@ mod tests {
         }
     }
 
-    /// What the note on left-out parts of `text` quotes; empty without such a note.
+    /// The parts of the plot `text` that a note calls left out; empty without such a note.
     fn left(text: &str) -> String {
         let document = read(text, &Options::default());
         let document = document.unwrap_or_else(|e| panic!("{}", e.render(None, text, false)));

@@ -4,7 +4,7 @@ use crate::words::{Row, points, rows, wrong};
 use std::fmt::Write as _;
 use zeroset_syntax::{Document, NoteKind, Options, read};
 
-/// What the lines about the picture and the definitions of sliders set, as text.
+/// The lines about the picture and the sliders of a document, as text.
 fn settings(document: &Document) -> String {
     let colors = document.surfaces.iter().map(|one| format!("{:?} {}", one.color, one.opacity));
     let parameters = document.parameters.iter().map(|one| (&one.name, &one.value, &one.range));

@@ -1,5 +1,4 @@
-//! Checks that what a text gives and is not used is said in a note, and that no note says so of
-//! what is used.
+//! Checks that notes name each argument, option and line that has no effect, and no other.
 
 use crate::words::{Row, points, rows, wrong};
 use std::fmt::Write as _;
