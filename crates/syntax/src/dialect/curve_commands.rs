@@ -1,17 +1,18 @@
 //! Reads commands of other systems that plot a curve: the three coordinates, and the parameter with
 //! its range. They become a statement such as `(cos t, sin t, t) for t in [0, 20]`.
 
-use crate::dialect::plot_arguments::PlotRange;
+use crate::dialect::plot_arguments::{Arguments, PlotRange};
 use crate::dialect::program_words::Words;
 use crate::lex::curve_form::parameter_range;
 use crate::lex::spelling::{is_name_char, prefix_length};
 use crate::lex::token::{Token, bracketed, closing, span_of, split};
 use crate::lex::token_kind::TokenKind::{self, *};
 use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::messages::note::Note;
 use crate::span::Span;
 
 /// Commands that plot a curve.
-const COMMANDS: &[&str] = &[
+pub(crate) const COMMANDS: &[&str] = &[
     "ParametricPlot3D",
     "spacecurve",
     "parametric_plot3d",
@@ -33,8 +34,12 @@ const RANGES: &[&str] = &["t_range", "u_range"];
 const LISTS: &[&str] = &["array", "stack", "Vector", "vector", "Matrix"];
 
 impl Words<'_> {
-    /// The statement of a command that plots a curve; `None` if `tokens` are no such command.
-    pub(crate) fn curve_command(self, tokens: &[Token]) -> Fallible<Option<Vec<Token>>> {
+    /// The statement of a command that plots a curve, and a note on what has no effect; `None` if
+    /// `tokens` are no such command.
+    pub(crate) fn curve_command(
+        self,
+        tokens: &[Token],
+    ) -> Fallible<Option<(Vec<Token>, Option<Note>)>> {
         let at = tokens.iter().take(8).position(|token| {
             let word = self.word(*token);
             COMMANDS.contains(&word) || SURFACES.contains(&word)
@@ -54,10 +59,13 @@ impl Words<'_> {
         if SURFACES.contains(&word) {
             return Err(Error::new(place, ErrorKind::Parametric));
         }
-        let arguments = split(inner, Comma);
-        let Some((parts, count)) = self.coordinates(&arguments) else { return Ok(None) };
-        let ranges = self.parameter_ranges(&arguments, count);
-        if ranges.len() > 1 || self.has_range_of_v(&arguments) {
+        let mut arguments = Arguments::new(split(inner, Comma));
+        if !rest.iter().all(is_end) {
+            arguments.leave(rest.to_vec());
+        }
+        let Some((parts, count)) = self.coordinates(&mut arguments) else { return Ok(None) };
+        let ranges = self.parameter_ranges(&mut arguments, count);
+        if ranges.len() > 1 || self.has_range_of_v(arguments.all()) {
             return Err(Error::new(place, ErrorKind::Parametric));
         }
         let Some(range) = ranges.into_iter().next() else {
@@ -67,7 +75,8 @@ impl Words<'_> {
         let Some(name) = range.name.or(own).or_else(|| self.handle_parameter()) else {
             return Err(Error::new(place, ErrorKind::CurveRange));
         };
-        Ok(Some(self.path(place, &parts, name, &range)))
+        let note = self.left_of_plot(&arguments.left());
+        Ok(Some((self.path(place, &parts, name, &range), note)))
     }
 
     /// Joins the equations `x = cos t`, `y = sin t` and `z = t`, and the range of t behind them, to
@@ -106,28 +115,29 @@ impl Words<'_> {
         Some((count, self.path(place, &parts, name, &range)))
     }
 
-    /// The three coordinates, each with its own parameter if it is a function, and the number of
-    /// arguments that hold them.
+    /// Takes the three coordinates, each with its own parameter if it is a function. Returns also
+    /// the number of arguments that hold them.
     #[allow(clippy::type_complexity)] // the caller destructures it
     fn coordinates(
         self,
-        arguments: &[Vec<Token>],
+        arguments: &mut Arguments,
     ) -> Option<(Vec<(Option<Token>, Vec<Token>)>, usize)> {
-        let first = self.unwrapped(arguments.first()?);
+        let first = self.unwrapped(arguments.all().first()?);
         let list = self.listed_point(&first.1);
         if let Some(parts) = list {
+            arguments.take(0);
             let parts = parts.into_iter().map(|part| {
                 let (own, value) = self.unwrapped(&part);
                 (own.or(first.0), value)
             });
             return Some((parts.collect(), 1));
         }
-        let three = arguments.get(..3)?;
+        let three = arguments.all().get(..3)?;
         let is_option = |part: &Vec<Token>| part.get(1).is_some_and(|sign| sign.kind == Equals);
         if three.iter().any(is_option) {
             return None;
         }
-        Some((three.iter().map(|part| self.unwrapped(part)).collect(), 3))
+        Some(((0..3).map(|index| self.unwrapped(&arguments.take(index))).collect(), 3))
     }
 
     /// The parameter and the value of an anonymous function; any other value as it is.
@@ -152,35 +162,24 @@ impl Words<'_> {
         (is_list && is_whole && parts.len() == 3).then_some(parts)
     }
 
-    /// The ranges behind the coordinates, which are the first `count` arguments.
-    fn parameter_ranges(self, arguments: &[Vec<Token>], count: usize) -> Vec<PlotRange> {
-        let rest = &arguments[count..];
+    /// Takes the ranges behind the coordinates, which are the first `count` arguments.
+    fn parameter_ranges(self, arguments: &mut Arguments, count: usize) -> Vec<PlotRange> {
         // GeoGebra writes the parameter and the ends as arguments.
-        if let [name, low, high, ..] = rest
+        if let [name, _, _, ..] = &arguments.all()[count..]
             && let ([name], true) = (name.as_slice(), name.iter().all(|name| name.kind.is_name()))
         {
-            let (name, low, high) = (Some(*name), low.clone(), high.clone());
+            let name = Some(*name);
+            arguments.take(count);
+            let (low, high) = (arguments.take(count + 1), arguments.take(count + 2));
             return vec![PlotRange { name, low, high }];
         }
-        let option = rest.iter().find_map(|part| match part.as_slice() {
-            [name, equals, value @ ..]
-                if equals.kind == Equals && RANGES.contains(&self.word(*name)) =>
-            {
-                let ends = split(bracketed(value)?.0, Comma);
-                let (low, high) = (ends.first()?.clone(), ends.get(1)?.clone());
-                Some(PlotRange { name: None, low, high })
-            }
-            _ => None,
-        });
-        if let Some(range) = option {
-            return vec![range];
+        if let Some((_, value)) = self.option(arguments, RANGES)
+            && let Some((inner, _)) = bracketed(&value)
+            && let [low, high, ..] = split(inner, Comma).as_slice()
+        {
+            return vec![PlotRange { name: None, low: low.clone(), high: high.clone() }];
         }
-        // `[-10 10]` counts for all coordinates elsewhere, and once here.
-        let mut ranges = self.ranges(rest);
-        if ranges.iter().all(|range| range.name.is_none()) {
-            ranges.truncate(1);
-        }
-        ranges
+        self.ranges(arguments, count, 1)
     }
 
     /// Returns whether an option gives the range of a second parameter, as in manim.

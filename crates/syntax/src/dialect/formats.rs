@@ -5,16 +5,20 @@ use crate::dialect::plot_arguments::PlotRange;
 use crate::dialect::program_words::Words;
 use crate::dialect::scheme::scheme;
 use crate::lex::scanner::scan;
+use crate::lex::spelling::short_name;
 use crate::lex::token::Token;
-use crate::lex::token_kind::TokenKind::{Equals, X, Y, Z};
+use crate::lex::token_kind::TokenKind::{self, Equals, X, Y, Z};
 use crate::limits::Limits;
 use crate::messages::error::{Error, ErrorKind, Fallible};
-use crate::messages::note::Note;
+use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
 use std::ops::Range;
 
-/// The statements of a text of another format, and a note on its domain.
-pub(crate) type ForeignText = (Vec<Vec<Token>>, Option<Note>);
+/// The statements of a text of another format, and notes on its domain and on what is not read.
+pub(crate) type ForeignText = (Vec<Vec<Token>>, Vec<Note>);
+
+/// Number of keys that a note quotes.
+const MAX_KEYS: usize = 6;
 
 /// Reads a text of another format; `None` for any other text.
 pub(crate) fn foreign_text(text: &str, limits: &Limits) -> Fallible<Option<ForeignText>> {
@@ -54,7 +58,44 @@ pub(crate) fn foreign_text(text: &str, limits: &Limits) -> Fallible<Option<Forei
         }
     }
     let (domain, note) = Words { text }.domain(&ranges, &axes, statement[0].span);
-    Ok(Some((std::iter::once(statement).chain(domain).collect(), note)))
+    let left = unread_keys(&lower, is_mathmod, &axes);
+    let span = statement[0].span;
+    let left = left.map(|left| Note { span, kind: NoteKind::FileLeftOut { left } });
+    let notes = note.into_iter().chain(left).collect();
+    Ok(Some((std::iter::once(statement).chain(domain).collect(), notes)))
+}
+
+/// Quotes the keys of a file that are not read; `None` if all are read. `axes` have ranges.
+fn unread_keys(text: &str, is_mathmod: bool, axes: &[TokenKind]) -> Option<String> {
+    let ends =
+        axes.iter().flat_map(|axis| ["min", "max"].map(|end| format!("{}{end}", axis.as_char())));
+    let read: Vec<String> = ends.chain(["type", "equation", "fxyz"].map(str::to_owned)).collect();
+    let keys: Vec<&str> = if is_mathmod {
+        // A key whose value is a group has no value of its own.
+        let pairs = text.split('"').skip(1).step_by(2).zip(text.split('"').skip(2).step_by(2));
+        let value = |behind: &str| {
+            let value = behind.trim_start().strip_prefix(':').map(str::trim_start);
+            value.is_some_and(|value| !value.starts_with('{'))
+        };
+        pairs.filter(|(_, behind)| value(behind)).map(|(key, _)| key).collect()
+    } else {
+        text.split([';', '\n', '&'])
+            .filter_map(|part| Some(part.split_once('=')?.0.trim()))
+            .collect()
+    };
+    let mut left: Vec<String> = Vec::new();
+    for key in keys.into_iter().filter(|key| !read.iter().any(|one| one == key)) {
+        let key = format!("`{}`", short_name(key));
+        if !left.contains(&key) {
+            left.push(key);
+        }
+        if left.len() > MAX_KEYS {
+            left.truncate(MAX_KEYS);
+            left.push("…".to_owned());
+            break;
+        }
+    }
+    (!left.is_empty()).then(|| left.join(", "))
 }
 
 /// The only string in `"key": ["string"]`.

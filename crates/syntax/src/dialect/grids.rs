@@ -17,6 +17,9 @@ use zeroset_ir::Axis;
 /// Largest number of tokens of a range or row. Names stand for them, so a limit keeps texts short.
 const MAX_RANGE: usize = 200;
 
+/// Functions that make grids of coordinates, each with the ranges as arguments.
+const GRIDS: [&str; 4] = ["meshgrid", "ndgrid", "mgrid", "ogrid"];
+
 /// Largest number of functions whose names stand for their calls. Each name is searched among them.
 const MAX_ALIASES: usize = 200;
 
@@ -54,10 +57,11 @@ impl ProgramReader<'_> {
         if value.len() > MAX_RANGE {
             return Ok(false);
         }
-        if words.word(*first) == "meshgrid"
-            && let Some((inner, _)) = bracketed(&value[1..])
-        {
-            self.meshgrid(&names, &split(inner, Comma), frame)?;
+        let is_grid = GRIDS.contains(&words.word(*first));
+        if let (true, Some((inner, _))) = (is_grid && names.len() > 1, bracketed(&value[1..])) {
+            // numpy writes the step of a range last, MATLAB between its ends.
+            let steps_last = matches!(words.word(*first), "mgrid" | "ogrid");
+            self.meshgrid(&names, &split(inner, Comma), steps_last, frame)?;
             return Ok(true);
         }
         let is_list = left.iter().all(|token| token.kind.is_name() || token.kind == Equals);
@@ -74,7 +78,7 @@ impl ProgramReader<'_> {
         if !is_list || !self.has_grid {
             return Ok(false);
         }
-        let Some(ends) = self.range_ends(value) else { return Ok(false) };
+        let Some(ends) = self.range_ends(value, false) else { return Ok(false) };
         for name in names {
             self.ranges.insert(words.word(name).to_owned(), ends.clone());
         }
@@ -82,7 +86,7 @@ impl ProgramReader<'_> {
     }
 
     /// The ends of a range such as `-2:0.1:2`, `linspace(-2, 2, 50)` or the name of a range.
-    fn range_ends(&self, value: &[Token]) -> Option<[Vec<Token>; 2]> {
+    fn range_ends(&self, value: &[Token], steps_last: bool) -> Option<[Vec<Token>; 2]> {
         if let [name] = value {
             return self.ranges.get(self.words.word(*name)).cloned();
         }
@@ -94,7 +98,8 @@ impl ProgramReader<'_> {
         let value = bracketed(value).filter(|(_, rest)| rest.is_empty()).map_or(value, |(v, _)| v);
         let parts = split(value, Colon);
         let is_range = matches!(parts.len(), 2 | 3);
-        is_range.then(|| [parts[0].clone(), parts[parts.len() - 1].clone()])
+        let high = if steps_last { 1 } else { parts.len().saturating_sub(1) };
+        is_range.then(|| [parts[0].clone(), parts[high].clone()])
     }
 
     /// Reads the names and the ranges of a grid.
@@ -102,6 +107,7 @@ impl ProgramReader<'_> {
         &mut self,
         names: &[Token],
         parts: &[Vec<Token>],
+        steps_last: bool,
         frame: &mut Frame,
     ) -> Fallible<()> {
         let axes = axes_of(&vec![None; names.len()], false)?;
@@ -112,11 +118,15 @@ impl ProgramReader<'_> {
         }
         let part = |index: usize| parts.get(index).or(parts.first());
         let range = |index: usize| {
-            let [low, high] = self.range_ends(part(index)?)?;
+            let [low, high] = self.range_ends(part(index)?, steps_last)?;
             Some(PlotRange { name: None, low, high })
         };
         let ranges: Option<Vec<PlotRange>> = (0..names.len()).map(range).collect();
-        let Some(ranges) = ranges else { return Ok(()) };
+        let Some(ranges) = ranges else {
+            let (span, kind) = (names[0].span, NoteKind::PlotWithoutRanges);
+            self.program.notes.push(Note { span, kind });
+            return Ok(());
+        };
         let (domain, note) = self.words.domain(&ranges, &axes, names[0].span);
         self.program.notes.extend(note);
         domain.map_or(Ok(()), |line| self.push(line, None, None, &Aliases::default(), false))
@@ -144,8 +154,8 @@ impl ProgramReader<'_> {
 
     /// Adds the formulas and the domain of a plot.
     pub(crate) fn draw(&mut self, plot: Plot, place: Span, frame: &Frame) -> Fallible<()> {
-        let Plot { formulas, is_height, mut domain, note, renamed } = plot;
-        self.program.notes.extend(note);
+        let Plot { formulas, is_height, mut domain, notes, renamed } = plot;
+        self.program.notes.extend(notes);
         let mut aliases = frame.aliases.clone();
         let words = self.words;
         let word = |token: &Token| words.word(*token);
@@ -178,10 +188,11 @@ impl ProgramReader<'_> {
             }
             // A name alone that the text does not define may name a picture, or data.
             if let [name] = formula.as_slice()
-                && (name.kind == TokenKind::Name || is_height)
+                && (name.kind == TokenKind::Name || is_height && name.kind == Z)
                 && aliases.find(word(name)).is_none()
                 && self.arity(*name).is_none()
             {
+                self.program.notes.extend(words.left_of_plot(&[formula]));
                 continue;
             }
             self.push(formula, None, None, &aliases, is_height)?;

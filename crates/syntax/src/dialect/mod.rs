@@ -18,6 +18,7 @@ pub(crate) mod grids;
 pub(crate) mod inlining;
 pub(crate) mod known_numbers;
 pub(crate) mod plot_arguments;
+pub(crate) mod plot_blocks;
 pub(crate) mod plot_commands;
 pub(crate) mod program;
 pub(crate) mod program_reader;

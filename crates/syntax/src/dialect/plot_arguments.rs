@@ -1,10 +1,15 @@
 //! Reads the arguments of plot commands: ranges with their names, levels, regions, other options.
+//!
+//! [`Arguments`] knows which arguments were read. A note tells of all others, so an argument or an
+//! option that nothing here knows is never left out in silence.
 
 use crate::dialect::program_words::Words;
-use crate::lex::spelling::plain_name;
+use crate::lex::spelling::{plain_name, short_name};
 use crate::lex::token::{Token, bracketed, outside, span_of, split};
 use crate::lex::token_kind::TokenKind::{self, *};
 use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::messages::note::{Note, NoteKind};
+use crate::span::Span;
 
 /// Options that give the value of the function on the surface.
 const LEVELS: &[&str] = &["Contours", "contour", "isovalue", "level", "isomin"];
@@ -16,6 +21,9 @@ const REGIONS: &[&str] = &["RegionFunction", "region"];
 const CHANGES: &[&str] =
     &["ScalingFunctions", "transformation", "TransformationFunction", "contours", "isomax"];
 
+/// Number of parts of a plot that a note quotes.
+const MAX_NOTED: usize = 6;
+
 /// The range of a variable.
 pub(crate) struct PlotRange {
     /// The variable; `None` if the order of the ranges decides.
@@ -24,18 +32,93 @@ pub(crate) struct PlotRange {
     pub high: Vec<Token>,
 }
 
+/// The arguments of a plot command. Each counts as unread until something takes it.
+pub(crate) struct Arguments {
+    parts: Vec<Vec<Token>>,
+    is_read: Vec<bool>,
+    /// Parts of arguments that were taken and then not used.
+    unused: Vec<Vec<Token>>,
+}
+
+impl Arguments {
+    pub(crate) fn new(parts: Vec<Vec<Token>>) -> Self {
+        Self { is_read: vec![false; parts.len()], parts, unused: Vec::new() }
+    }
+
+    /// All arguments, whether they were read or not.
+    pub(crate) fn all(&self) -> &[Vec<Token>] {
+        &self.parts
+    }
+
+    /// Takes the argument at `index`.
+    pub(crate) fn take(&mut self, index: usize) -> Vec<Token> {
+        self.is_read[index] = true;
+        self.parts[index].clone()
+    }
+
+    /// The arguments from `start` on that are still unread, each with its index.
+    fn unread(&self, start: usize) -> impl Iterator<Item = (usize, &Vec<Token>)> {
+        self.parts.iter().enumerate().skip(start).filter(|(index, _)| !self.is_read[*index])
+    }
+
+    /// Takes the level at `index`, as in `isosurface(v, 0.5)`, unless an option or text is there.
+    pub(crate) fn level_at(&mut self, index: usize) -> Option<Vec<Token>> {
+        let part = self.parts.get(index)?;
+        let is_option = part.iter().any(|token| token.kind.is_relation());
+        let is_number = part[0].kind != Unknown
+            && (part[0].kind.closer().is_none() || part[0].kind == OpenParen);
+        (is_number && !is_option).then(|| self.take(index))
+    }
+
+    /// Records tokens that were taken and are not used.
+    pub(crate) fn leave(&mut self, tokens: Vec<Token>) {
+        self.unused.push(tokens);
+    }
+
+    /// Everything that was not used, in the order of the text.
+    pub(crate) fn left(self) -> Vec<Vec<Token>> {
+        let unread = self.parts.into_iter().zip(self.is_read).filter(|(_, is_read)| !is_read);
+        let mut left: Vec<Vec<Token>> = unread.map(|(part, _)| part).chain(self.unused).collect();
+        left.sort_by_key(|part| part.first().map_or(0, |first| first.span.start));
+        left
+    }
+}
+
 impl Words<'_> {
-    /// The value of the option that is called one of `names`, as in `contour=4`, with its name.
-    fn option(self, arguments: &[Vec<Token>], names: &[&str]) -> Option<(Token, Vec<Token>)> {
-        arguments.iter().find_map(|part| {
+    /// A note on the parts `left` of a plot, which have no effect here; `None` if `left` is empty.
+    pub(crate) fn left_of_plot(self, left: &[Vec<Token>]) -> Option<Note> {
+        let spans: Vec<Span> = left.iter().filter_map(|part| span_of(part)).collect();
+        let typed = |span: &Span| {
+            // A name that stands for a row may put tokens from elsewhere into an argument.
+            let text = self.text.get(span.range()).unwrap_or("…");
+            format!("`{}`", short_name(&text.split_whitespace().collect::<Vec<_>>().join(" ")))
+        };
+        let mut left: Vec<String> = spans.iter().take(MAX_NOTED).map(typed).collect();
+        if spans.len() > MAX_NOTED {
+            left.push("…".to_owned());
+        }
+        let kind = NoteKind::PlotPartsLeftOut { left: left.join(", ") };
+        Some(Note { span: *spans.first()?, kind })
+    }
+
+    /// Takes the option that is called one of `names`, as in `contour=4`. Returns its name and its
+    /// value.
+    pub(crate) fn option(
+        self,
+        arguments: &mut Arguments,
+        names: &[&str],
+    ) -> Option<(Token, Vec<Token>)> {
+        let (index, name, value) = arguments.unread(0).find_map(|(index, part)| {
             let (name, rest) = part.split_first()?;
             let value = match rest {
                 [equals, value @ ..] if equals.kind == Equals => value,
                 [minus, arrow, value @ ..] if minus.kind == Minus && arrow.kind == Greater => value,
                 _ => return None,
             };
-            names.contains(&self.word(*name)).then(|| (*name, value.to_vec()))
-        })
+            names.contains(&self.word(*name)).then(|| (index, *name, value.to_vec()))
+        })?;
+        arguments.is_read[index] = true;
+        Some((name, value))
     }
 
     /// The error for an option that cannot be read.
@@ -45,7 +128,7 @@ impl Words<'_> {
 
     /// The levels in an option such as `Contours -> {1}`. Fails if an option changes the surface
     /// and cannot be read.
-    pub(crate) fn levels(self, arguments: &[Vec<Token>]) -> Fallible<Vec<Vec<Token>>> {
+    pub(crate) fn levels(self, arguments: &mut Arguments) -> Fallible<Vec<Vec<Token>>> {
         if let Some((name, _)) = self.option(arguments, CHANGES) {
             return Err(self.refused_option(name));
         }
@@ -63,7 +146,7 @@ impl Words<'_> {
     /// names of its parameters.
     pub(crate) fn region(
         self,
-        arguments: &[Vec<Token>],
+        arguments: &mut Arguments,
     ) -> Fallible<Option<(Vec<Token>, Vec<Token>)>> {
         let Some((name, value)) = self.option(arguments, REGIONS) else { return Ok(None) };
         let Some((None, parameters, condition)) = self.lambda(&value) else {
@@ -73,15 +156,22 @@ impl Words<'_> {
         Ok(Some((names, condition)))
     }
 
-    /// The ranges in arguments after the formula, such as `{x, -2, 2}`, `x = -2..2`, `x, -2, 2` and
-    /// `[-2 2 -1 1]`.
-    pub(crate) fn ranges(self, arguments: &[Vec<Token>]) -> Vec<PlotRange> {
+    /// Takes the ranges in arguments from `start` on, such as `{x, -2, 2}`, `x = -2..2`,
+    /// `x, -2, 2` and `[-2 2 -1 1]`. A plot without names has at most `most` ranges.
+    pub(crate) fn ranges(
+        self,
+        arguments: &mut Arguments,
+        start: usize,
+        most: usize,
+    ) -> Vec<PlotRange> {
         let variable = |part: &[Token]| match part {
             [only] if only.kind.is_name() => Some(*only),
             _ => None,
         };
         let mut ranges = Vec::new();
-        for part in arguments {
+        let mut read = Vec::new();
+        for (index, part) in arguments.unread(start) {
+            let found = ranges.len();
             if matches!(part[0].kind, OpenBrace | OpenParen | OpenBracket)
                 && let Some((inner, [])) = bracketed(part)
             {
@@ -91,7 +181,7 @@ impl Words<'_> {
                 {
                     ranges.push(PlotRange { name, low, high });
                 } else if let Some(numbers) = self.numbers(inner) {
-                    ranges.extend(in_order(&numbers));
+                    ranges.extend(in_order(&numbers, most));
                 }
             } else if let [name, equals, ends @ ..] = part.as_slice()
                 && equals.kind == Equals
@@ -100,22 +190,42 @@ impl Words<'_> {
                 let (low, high) = (ends[..dots].to_vec(), ends[dots + 1..].to_vec());
                 ranges.push(PlotRange { name, low, high });
             }
+            read.extend((ranges.len() > found).then_some(index));
         }
-        for parts in arguments.windows(3) {
-            if let Some(name) = variable(&parts[0]).filter(|name| name.kind.is_axis()) {
-                let (low, high) = (parts[1].clone(), parts[2].clone());
-                ranges.push(PlotRange { name: Some(name), low, high });
+        let unread: Vec<(usize, &Vec<Token>)> =
+            arguments.unread(start).filter(|(index, _)| !read.contains(index)).collect();
+        for group in unread.windows(3) {
+            let [(first, name), (_, low), (last, high)] = group else { continue };
+            if let Some(name) = variable(name).filter(|name| name.kind.is_axis())
+                && first + 2 == *last
+            {
+                ranges.push(PlotRange {
+                    name: Some(name),
+                    low: (*low).clone(),
+                    high: (*high).clone(),
+                });
+                read.extend(*first..=*last);
             }
         }
         // MathPartner writes the ends of all ranges as arguments.
         let is_number = |token: &Token| matches!(token.kind, Number | Minus);
-        if let Some(ends) = arguments.get(..6)
-            && ranges.is_empty()
-            && ends.iter().flatten().all(is_number)
+        if let (true, Some(ends)) = (ranges.is_empty(), unread.get(..6))
+            && ends.iter().all(|(_, end)| end.iter().all(is_number))
         {
-            ranges = in_order(ends);
+            let numbers: Vec<Vec<Token>> = ends.iter().map(|(_, end)| (*end).clone()).collect();
+            ranges = in_order(&numbers, most);
+            read.extend(ends.iter().map(|(index, _)| index));
+        }
+        for index in read {
+            arguments.is_read[index] = true;
         }
         ranges.retain(|range| !range.low.is_empty() && !range.high.is_empty());
+        if ranges.iter().all(|range| range.name.is_none()) && ranges.len() > most {
+            for PlotRange { mut low, high, .. } in ranges.drain(most..) {
+                low.extend(high);
+                arguments.leave(low);
+            }
+        }
         ranges
     }
 
@@ -148,9 +258,9 @@ impl Words<'_> {
     }
 }
 
-/// Makes ranges in order from pairs of values. One pair serves all coordinates.
-pub(crate) fn in_order(numbers: &[Vec<Token>]) -> Vec<PlotRange> {
-    let count = if numbers.len() == 2 { 3 } else { numbers.len() / 2 };
+/// Makes ranges in order from pairs of values. One pair serves all `most` coordinates.
+fn in_order(numbers: &[Vec<Token>], most: usize) -> Vec<PlotRange> {
+    let count = if numbers.len() == 2 { most } else { numbers.len() / 2 };
     let end = |at: usize| numbers[at % numbers.len()].clone();
     let range =
         |index: usize| PlotRange { name: None, low: end(2 * index), high: end(2 * index + 1) };
@@ -172,4 +282,56 @@ pub(crate) fn axes_of(names: &[Option<Token>], is_height: bool) -> Fallible<Vec<
         axes.push(found.ok_or_else(|| Error::new(place, ErrorKind::PlotVariables))?);
     }
     Ok(axes)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::dialect::plot_commands::{CONTAINERS, GRIDS, HEIGHTS, LEVELED, METHODS, SURFACES};
+    use crate::dialect::{curve_commands, plot_commands};
+    use crate::document::reading::{Options, read};
+    use crate::messages::note::NoteKind;
+
+    /// The arguments that each command needs.
+    fn needed(command: &str) -> &'static str {
+        match command {
+            _ if curve_commands::COMMANDS.contains(&command) => "(t, 1, 2), (t, 0, 1)",
+            _ if GRIDS.contains(&command) => "X, Y, X*Y",
+            _ if CONTAINERS.contains(&command) => "implicit_plot3d(x, (x, -1, 1))",
+            _ if LEVELED.contains(&command) => "x*y, 1",
+            "contour" => "[1], x*y",
+            "fimplicit3" => "@(x, y, z) x*y, [-1 1]",
+            "fsurf" => "@(x, y) x*y, [-1 1]",
+            "implicitplot3d" => "x*y, x = -1..1, y = -1..1, z = -1..1",
+            "implicit" => "x*y, x, -1, 1, y, -1, 1, z, -1, 1",
+            r"\implicitPlot3d" => "x*y, -1, 1, -1, 1, -1, 1",
+            _ if HEIGHTS.contains(&command) => "x*y, (x, -1, 1), (y, -1, 1)",
+            _ => "x*y, (x, -1, 1), (y, -1, 1), (z, -1, 1)",
+        }
+    }
+
+    /// The parts of the plot `text` that a note calls left out; empty without such a note.
+    fn left(text: &str) -> String {
+        let document = read(text, &Options::default());
+        let document = document.unwrap_or_else(|e| panic!("{}", e.render(None, text, false)));
+        let left = document.notes.into_iter().filter_map(|note| match note.kind {
+            NoteKind::PlotPartsLeftOut { left } => Some(left),
+            _ => None,
+        });
+        left.collect::<Vec<_>>().join(", ")
+    }
+
+    #[test]
+    fn every_command_says_what_it_does_not_use() {
+        let lists = [plot_commands::HEIGHTS, SURFACES, curve_commands::COMMANDS];
+        for command in lists.into_iter().flatten() {
+            let place = if METHODS.contains(command) { "grid." } else { "" };
+            let given = needed(command);
+            let text = format!("{place}{command}({given})");
+            assert_eq!(left(&text), "", "{text}");
+            for extra in ["zork=7", "Zork->7", "zork->{7, 8}", "'zork'", "[7, 8, 9]", "zork"] {
+                let text = format!("{place}{command}({given}, {extra})");
+                assert_eq!(left(&text), format!("`{extra}`"), "{text}");
+            }
+        }
+    }
 }

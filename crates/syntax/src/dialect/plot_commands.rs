@@ -2,7 +2,7 @@
 //!
 //! The ranges become a `domain` line. The spans of its tokens are those of the ranges in the text.
 
-use crate::dialect::plot_arguments::{PlotRange, axes_of};
+use crate::dialect::plot_arguments::{Arguments, PlotRange, axes_of};
 use crate::dialect::program_words::Words;
 use crate::lex::spelling::plain_name;
 use crate::lex::token::{Token, bracketed, closing, in_brackets, outside, span_of, split};
@@ -11,33 +11,64 @@ use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
 
+/// Commands that plot heights over x and y.
+pub(crate) const HEIGHTS: &[&str] = &[
+    "Plot3D",
+    "plot3d",
+    "explicit",
+    "fsurf",
+    "ezsurf",
+    "surf",
+    "mesh",
+    "surface",
+    "surfc",
+    "meshc",
+    "plot_surface",
+];
+
+/// Commands that plot a surface in space, and containers of plots.
+pub(crate) const SURFACES: &[&str] = &[
+    "ContourPlot3D",
+    "RegionPlot3D",
+    "ImplicitRegion",
+    "implicit_plot3d",
+    "implicitplot3d",
+    r"\implicitPlot3d",
+    "ImplicitPlot3D",
+    "fimplicit3",
+    "ezimplot3",
+    "isosurface",
+    "implicit",
+    "plot_implicit",
+    "draw3d",
+    "draw",
+    "display",
+    "Show",
+    "contour3",
+    "implicitsurface",
+    "contour",
+    "marching_cubes",
+    "surfaceNets",
+    "patch",
+];
+
 /// Returns whether a command plots heights; `None` if the word is not a plot command.
 fn plots_height(command: &str) -> Option<bool> {
-    match command {
-        "Plot3D" | "plot3d" | "explicit" | "fsurf" | "ezsurf" | "surf" | "mesh" | "surface"
-        | "surfc" | "meshc" | "plot_surface" => Some(true),
-        "ContourPlot3D" | "RegionPlot3D" | "ImplicitRegion" | "implicit_plot3d"
-        | "implicitplot3d" | r"\implicitPlot3d" | "ImplicitPlot3D" | "fimplicit3" | "ezimplot3"
-        | "isosurface" | "implicit" | "plot_implicit" | "draw3d" | "draw" | "display" | "Show"
-        | "contour3" | "implicitsurface" | "contour" | "marching_cubes" | "surfaceNets" => {
-            Some(false)
-        }
-        _ => None,
-    }
+    let is_height = HEIGHTS.contains(&command);
+    (is_height || SURFACES.contains(&command)).then_some(is_height)
 }
 
 /// Commands that only contain other plots.
-const CONTAINERS: &[&str] = &["draw3d", "display", "Show"];
+pub(crate) const CONTAINERS: &[&str] = &["draw3d", "display", "Show", "patch"];
 
 /// Plot commands that follow a module or an object and a dot.
-const METHODS: &[&str] = &["contour", "marching_cubes", "surfaceNets", "plot_surface"];
+pub(crate) const METHODS: &[&str] = &["contour", "marching_cubes", "surfaceNets", "plot_surface"];
 
 /// Commands whose third argument holds the heights over a grid.
-const GRIDS: &[&str] = &["surf", "mesh", "surface", "surfc", "meshc", "plot_surface"];
+pub(crate) const GRIDS: &[&str] = &["surf", "mesh", "surface", "surfc", "meshc", "plot_surface"];
 
-/// Words after a formula of gnuplot.
-const SPLOT_WORDS: &[&str] =
-    &["with", "w", "using", "u", "title", "t", "notitle", "lw", "lt", "lc"];
+/// Commands with the level as the argument after the formula.
+pub(crate) const LEVELED: &[&str] = &["isosurface", "marching_cubes"];
 
 /// Names that the ends of a range may contain. If another name occurs, all ranges are ignored.
 const CONSTANTS: &[&str] = &["pi", "tau", "e", "phi", "sqrt"];
@@ -55,13 +86,13 @@ pub(crate) struct Plot {
     pub is_height: bool,
     /// A `domain` line with the ranges; `None` if the command has no readable ranges.
     pub domain: Option<Vec<Token>>,
-    /// A note that states the ranges, or that they were not read.
-    pub note: Option<Note>,
+    /// Notes on the ranges, and on what has no effect.
+    pub notes: Vec<Note>,
     /// Names of the formulas that stand for coordinates.
     pub renamed: Vec<(Token, TokenKind)>,
 }
 
-const AXES: [TokenKind; 3] = [X, Y, Z];
+pub(crate) const AXES: [TokenKind; 3] = [X, Y, Z];
 
 impl Words<'_> {
     /// Reads a plot command; no plot if `tokens` are no plot command.
@@ -124,39 +155,40 @@ impl Words<'_> {
             return Ok(Vec::new());
         }
         let place = tokens[0].span;
-        let mut arguments = split(inner, Comma);
-        // The parameters of `lambda x, y: …` were split too.
-        let colon = |part: &Vec<Token>| outside(part, Colon).is_some();
-        if let Some(at) = arguments.iter().position(|part| self.has(part, "lambda"))
-            && let Some(more) = arguments[at..].iter().position(colon)
-        {
-            let rest: Vec<Vec<Token>> = arguments.drain(at + 1..=at + more).collect();
-            for next in rest {
-                arguments[at].extend(std::iter::once(Token::new(Comma, next[0].span)).chain(next));
-            }
+        let mut arguments = Arguments::new(self.plot_arguments(inner));
+        if !rest.iter().all(is_end) {
+            arguments.leave(rest.to_vec());
         }
         let mut plots = Vec::new();
-        for part in arguments.iter().filter(|part| plots_height(self.word(part[0])).is_some()) {
-            plots.extend(self.plots_of(self.word(part[0]), &part[1..])?);
+        for index in 0..arguments.all().len() {
+            let part = &arguments.all()[index];
+            if plots_height(self.word(part[0])).is_some() {
+                let inner = self.plots_of(self.word(part[0]), &part[1..])?;
+                if !inner.is_empty() {
+                    arguments.take(index);
+                }
+                plots.extend(inner);
+            }
         }
         if !plots.is_empty() || CONTAINERS.contains(&word) {
+            if let Some(first) = plots.first_mut() {
+                first.notes.extend(self.left_of_plot(&arguments.left()));
+            }
             return Ok(plots);
         }
-        if let Some(system) = arguments.iter().find(|part| self.word(part[0]) == "coords") {
+        if let Some(system) = arguments.all().iter().find(|part| self.word(part[0]) == "coords") {
             let span = system[0].span.to(system[system.len() - 1].span);
             return Err(Error::new(span, ErrorKind::PlotCoordinates));
         }
-        let mut levels = self.levels(&arguments)?;
-        let Some(formula) = self.formula(word, &arguments, &mut levels)? else {
+        let mut levels = self.levels(&mut arguments)?;
+        let Some(formula) = self.formula(word, &mut arguments, &mut levels)? else {
             return Ok(Vec::new());
         };
-        let mut ranges = self.ranges(&arguments[1..]);
-        if is_height {
-            ranges.truncate(if ranges.iter().all(|range| range.name.is_none()) { 2 } else { 4 });
-        }
+        let ranges = self.ranges(&mut arguments, 1, if is_height { 2 } else { 3 });
         let names: Vec<Option<Token>> = ranges.iter().map(|range| range.name).collect();
         let axes = axes_of(&names, is_height)?;
         let (domain, note) = self.domain(&ranges, &axes, place);
+        let mut notes: Vec<Note> = note.into_iter().collect();
         let (parameters, formula) = match self.lambda(&formula) {
             Some((None, parameters, value)) => {
                 (parameters.iter().filter_map(|part| part.first()).copied().collect(), value)
@@ -164,7 +196,7 @@ impl Words<'_> {
             _ => (Vec::new(), formula),
         };
         let formula = self.returned(formula)?;
-        let region = self.region(&arguments)?;
+        let region = self.region(&mut arguments)?;
         let mut renamed = renamed(&names, &axes);
         for names in [&parameters, region.as_ref().map_or(&Vec::new(), |(names, _)| names)] {
             // An unused parameter stands for nothing, also outside of the function.
@@ -198,74 +230,107 @@ impl Words<'_> {
                 formula.push(Token::new(CloseBrace, end));
             }
         }
-        Ok(vec![Plot { formulas, is_height, domain, note, renamed }])
+        if LEVELED.contains(&word) && levels.is_empty() {
+            notes.push(Note { span: place, kind: NoteKind::PlotWithoutLevel });
+        }
+        notes.extend(self.left_of_plot(&arguments.left()));
+        Ok(vec![Plot { formulas, is_height, domain, notes, renamed }])
     }
 
-    /// The formula among the arguments of the plot command `word`; `None` without arguments. It is
-    /// empty if the command draws the last value of the program. Adds levels to `levels`.
+    /// The arguments in `inner`. A comma between parameters, as in `lambda x, y: …`, is no end.
+    fn plot_arguments(self, inner: &[Token]) -> Vec<Vec<Token>> {
+        let mut arguments: Vec<Vec<Token>> = Vec::new();
+        let mut is_open = false;
+        for part in split(inner, Comma) {
+            let has_colon = outside(&part, Colon).is_some();
+            let begins = self.has(&part, "lambda");
+            match arguments.last_mut().filter(|_| is_open) {
+                Some(last) => {
+                    last.push(Token::new(Comma, part[0].span));
+                    last.extend(part);
+                }
+                None => arguments.push(part),
+            }
+            is_open = (is_open || begins) && !has_colon;
+        }
+        arguments
+    }
+
+    /// Takes the formula from the arguments of the plot command `word`; `None` without arguments.
+    /// It is empty if the command draws the last value of the program. Adds levels to `levels`.
     fn formula(
         self,
         word: &str,
-        arguments: &[Vec<Token>],
+        arguments: &mut Arguments,
         levels: &mut Vec<Vec<Token>>,
     ) -> Fallible<Option<Vec<Token>>> {
-        let is_function = |part: &Vec<Token>| part.len() == 1 && part[0].kind == TokenKind::Name;
-        let are_three = arguments.len() > 2 && arguments[..3].iter().all(is_function);
+        let parts = arguments.all();
+        let is_name = |part: &Vec<Token>| part.len() == 1 && part[0].kind.is_name();
+        let is_function = |part: &Vec<Token>| is_name(part) && part[0].kind == TokenKind::Name;
+        let are_three = parts.len() > 2 && parts[..3].iter().all(is_function);
         let is_tuple = |part: &Vec<Token>| {
             matches!(part[0].kind, OpenBracket | OpenParen)
                 && bracketed(part)
                     .is_some_and(|(inner, rest)| rest.is_empty() && split(inner, Comma).len() == 3)
         };
         if matches!(word, "fsurf" | "ezsurf") && are_three
-            || word == "plot3d" && arguments.first().is_some_and(is_tuple)
+            || word == "plot3d" && parts.first().is_some_and(is_tuple)
         {
-            return Err(Error::new(arguments[0][0].span, ErrorKind::Parametric));
+            return Err(Error::new(parts[0][0].span, ErrorKind::Parametric));
         }
-        let lambda =
-            |part: &&Vec<Token>| self.lambda(part).is_some_and(|(name, ..)| name.is_none());
-        let formula = match arguments {
-            _ if let Some(lambda) = arguments.iter().find(lambda) => lambda,
-            // In MATLAB's `isosurface(x, y, z, v, 0.1)`, `v` is the formula and 0.1 is the level.
-            [x, y, z, values, rest @ ..]
-                if word == "isosurface" && [x, y, z].iter().all(|part| part.len() == 1) =>
-            {
-                levels.extend(rest.first().cloned());
-                values
-            }
-            // In MATLAB's `surf(X, Y, Z)`, the heights come third.
-            [_, _, heights, ..] if GRIDS.contains(&word) => heights,
-            [list, formula, ..]
-                if word == "contour"
-                    && list[0].kind == OpenBracket
-                    && outside(formula, Equals).is_none() =>
-            {
-                *levels = bracketed(list).map_or(Vec::new(), |(inner, _)| split(inner, Comma));
-                formula
-            }
-            [formula, level, ..]
-                if word == "marching_cubes" && outside(level, Equals).is_none() =>
-            {
-                *levels = vec![level.clone()];
-                formula
-            }
-            [formula, ..] if word != "contour" => formula,
-            // PyVista's `grid.contour([0])` draws the values that the program assigned last.
-            [list, ..] => {
-                let is_zero = |token: &Token| {
-                    let typed = &self.text[token.span.range()];
-                    token.kind != Number || typed.bytes().all(|byte| matches!(byte, b'0' | b'.'))
-                };
-                if !list.iter().all(is_zero) {
-                    let kind = ErrorKind::PlotOption { name: word.to_owned() };
-                    return Err(Error::new(list[0].span, kind));
-                }
-                return Ok(Some(Vec::new()));
-            }
-            [] => return Ok(None),
+        let Some(first) = parts.first() else { return Ok(None) };
+        let is_option = |part: &Vec<Token>| outside(part, Equals).is_some();
+        // Axes or sizes of a grid may stand before an anonymous function.
+        let lambda = parts.iter().position(|part| matches!(self.lambda(part), Some((None, ..))));
+        let lambda = lambda.filter(|at| {
+            let is_before = |part| is_name(part) || part[0].kind == OpenBracket;
+            parts[..*at].iter().all(is_before)
+        });
+        // The grids of MATLAB's `surf(X, Y, Z)` and `isosurface(X, Y, Z, V, 0.1)` come before.
+        let grids = match word {
+            _ if lambda.is_some() => 0,
+            "isosurface" if parts.len() > 3 && parts[..3].iter().all(is_name) => 3,
+            _ if GRIDS.contains(&word) && parts.len() > 2 => 2,
+            _ => 0,
         };
+        let has_list = word == "contour" && first[0].kind == OpenBracket;
+        let is_last_value =
+            word == "contour" && !(has_list && parts.len() > 1 && !is_option(&parts[1]));
+        // PyVista's `grid.contour([0])` draws the values that the program assigned last.
+        if is_last_value && lambda.is_none() {
+            let is_zero = |token: &Token| {
+                let typed = &self.text[token.span.range()];
+                token.kind != Number || typed.bytes().all(|byte| matches!(byte, b'0' | b'.'))
+            };
+            if !first.iter().all(is_zero) {
+                let kind = ErrorKind::PlotOption { name: word.to_owned() };
+                return Err(Error::new(first[0].span, kind));
+            }
+            arguments.take(0);
+            return Ok(Some(Vec::new()));
+        }
+        for grid in 0..grids {
+            if is_name(&arguments.all()[grid]) {
+                arguments.take(grid);
+            }
+        }
+        let at = lambda.unwrap_or(grids + usize::from(has_list));
+        let formula = arguments.take(at);
+        if has_list && at == 1 {
+            let list = arguments.take(0);
+            *levels = bracketed(&list).map_or(Vec::new(), |(inner, _)| split(inner, Comma));
+        }
+        if LEVELED.contains(&word) && levels.is_empty() {
+            levels.extend(arguments.level_at(at + 1));
+        }
         Ok(Some(match formula.as_slice() {
             // A function of all points of a grid, as in `f(*grid)`.
-            [name, open, star, ..] if (open.kind, star.kind) == (OpenParen, Star) => vec![*name],
+            [name, open, star, grid @ .., _] if (open.kind, star.kind) == (OpenParen, Star) => {
+                if grid.len() > 1 {
+                    arguments.leave(grid.to_vec());
+                }
+                vec![*name]
+            }
             _ => formula.clone(),
         }))
     }
@@ -280,82 +345,6 @@ impl Words<'_> {
         let Some((inner, _)) = inner else { return Err(self.unsupported(body[at])) };
         let end = outside(inner, Semicolon).unwrap_or(inner.len());
         Ok(inner[1..end].to_vec())
-    }
-
-    /// Reads gnuplot's `splot [-2:2][-2:2] f with lines`. `tokens` begin after the word `splot`.
-    fn splot(self, tokens: &[Token], place: Span) -> Plot {
-        let mut rest = tokens;
-        let mut ranges = Vec::new();
-        while let Some((inner, more)) = bracketed(rest).filter(|_| rest[0].kind == OpenBracket) {
-            if let Ok([low, high]) = <[_; 2]>::try_from(split(inner, Colon)) {
-                ranges.push(PlotRange { name: None, low, high });
-            }
-            rest = more;
-        }
-        // A third range only cuts the picture.
-        ranges.truncate(2);
-        let (domain, note) = self.domain(&ranges, &AXES[..ranges.len()], place);
-        let mut formulas = Vec::new();
-        for part in split(rest, Comma) {
-            let ends = |token: &Token| SPLOT_WORDS.contains(&self.word(*token));
-            let count = part.iter().position(ends).unwrap_or(part.len());
-            let columns = split(&part[count..], Colon);
-            match (&part[..count], columns.get(2)) {
-                // The third column of `'++' using 1:2:(f)` is the height.
-                ([text], Some(height)) if text.kind == Unknown => {
-                    formulas.extend(bracketed(height).map(|(inner, _)| inner.to_vec()));
-                }
-                (formula, _) => formulas.push(formula.to_vec()),
-            }
-        }
-        Plot { formulas, is_height: true, domain, note, renamed: Vec::new() }
-    }
-
-    /// Reads POV-Ray's `isosurface { function { … } threshold 1 contained_by { … } }`. `tokens`
-    /// begin after the word `isosurface`.
-    fn isosurface(self, tokens: &[Token], place: Span) -> Option<Plot> {
-        let (inner, _) = bracketed(tokens)?;
-        let behind = |word: &str| {
-            let at = inner.iter().position(|token| self.word(*token) == word)?;
-            Some(&inner[at + 1..])
-        };
-        let mut rest = behind("function")?;
-        if rest.first()?.kind == OpenParen {
-            rest = bracketed(rest)?.1;
-        }
-        let (body, _) = bracketed(rest)?;
-        let is_sign = |token: &&Token| token.kind == Number || token.kind.is_arithmetic();
-        let level: Vec<Token> =
-            behind("threshold").unwrap_or_default().iter().take_while(is_sign).copied().collect();
-        let body = if level.is_empty() { body.to_vec() } else { less(body, &level) };
-        let (domain, note) = match behind("contained_by") {
-            None => (None, None),
-            Some(container) => match self.contained(container) {
-                Some(ranges) => self.domain(&ranges, &AXES, place),
-                None => (None, Some(Note { span: place, kind: NoteKind::ContainerIgnored })),
-            },
-        };
-        Some(Plot { formulas: vec![body], is_height: false, domain, note, renamed: Vec::new() })
-    }
-
-    /// The ranges of `{ box { -2, 2 } }` and `{ box { <-2, -2, -1>, <2, 2, 1> } }`.
-    fn contained(self, tokens: &[Token]) -> Option<Vec<PlotRange>> {
-        let (inner, _) = bracketed(tokens)?;
-        let (ends, _) = bracketed(inner.get(1..)?).filter(|_| self.word(inner[0]) == "box")?;
-        let mut ends = split(ends, Comma);
-        // The lexer reads the `<` and `>` around a corner as relations. They are dropped.
-        for end in &mut ends {
-            end.retain(|token| !matches!(token.kind, Less | Greater));
-        }
-        if ends.iter().any(Vec::is_empty) || !matches!(ends.len(), 2 | 6) {
-            return None;
-        }
-        let half = ends.len() / 2;
-        let range = |index: usize| {
-            let index = index.min(half - 1);
-            PlotRange { name: None, low: ends[index].clone(), high: ends[index + half].clone() }
-        };
-        Some((0..AXES.len()).map(range).collect())
     }
 
     /// Splits a list into its formulas. Removes the parameters from a formula such as `@(x, y) x`.

@@ -98,9 +98,9 @@ pub(crate) type Statements = std::vec::IntoIter<Vec<Token>>;
 
 /// Translates a text, whether it is a program or not.
 pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
-    let (mut statements, note) = match foreign_text(text, limits)? {
+    let (mut statements, notes) = match foreign_text(text, limits)? {
         Some(found) => found,
-        None => (scan(text, limits)?, None),
+        None => (scan(text, limits)?, Vec::new()),
     };
     let words = Words { text };
     words.join_bodies(&mut statements);
@@ -127,12 +127,7 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
         constants: FxHashMap::default(),
         steps: 0,
         expanded_tokens: Cell::new(0),
-        program: PastedProgram {
-            in_steps,
-            is_y_up,
-            notes: note.into_iter().collect(),
-            ..PastedProgram::default()
-        },
+        program: PastedProgram { in_steps, is_y_up, notes, ..PastedProgram::default() },
     };
     let mut top = Frame::default();
     let mut statements = statements.into_iter();
@@ -267,9 +262,10 @@ impl ProgramReader<'_> {
     fn outside_of_formulas(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
         let curve = match self.curve(tokens)? {
             None if self.arity(tokens[0]).is_none() => self.words.curve_command(tokens)?,
-            found => found,
+            found => found.map(|curve| (curve, None)),
         };
-        if let Some(curve) = curve {
+        if let Some((curve, note)) = curve {
+            self.program.notes.extend(note);
             return self.plain(curve, frame, false).map(|()| true);
         }
         let plots = self.words.plots(&self.with_rows(tokens.to_vec()))?;

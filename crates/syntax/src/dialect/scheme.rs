@@ -4,11 +4,12 @@ use crate::dialect::formats::ForeignText;
 use crate::dialect::plot_arguments::PlotRange;
 use crate::dialect::program_words::Words;
 use crate::lex::scanner::scan;
+use crate::lex::spelling::short_name;
 use crate::lex::token::{Token, bracketed, closing, in_brackets, span_of};
 use crate::lex::token_kind::TokenKind::{self, *};
 use crate::limits::Limits;
 use crate::messages::error::{Error, ErrorKind, Fallible};
-use crate::messages::note::Note;
+use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
 
 /// Functions that have the same name and meaning here.
@@ -25,7 +26,7 @@ struct SchemeReader<'a> {
     shapes: Vec<Vec<Token>>,
     /// Names that `let` defines.
     values: Vec<&'a str>,
-    note: Option<Note>,
+    notes: Vec<Note>,
 }
 
 /// Reads a text of libfive; `None` for any other text.
@@ -45,7 +46,7 @@ pub(crate) fn scheme(text: &str, limits: &Limits) -> Fallible<Option<ForeignText
     let tokens = statements.concat();
     let (statements, shapes, values) = (Vec::new(), Vec::new(), Vec::new());
     let words = Words { text };
-    let mut reader = SchemeReader { words, statements, shapes, values, note: None };
+    let mut reader = SchemeReader { words, statements, shapes, values, notes: Vec::new() };
     for form in items(&tokens) {
         if reader.form(form).is_some() {
             continue;
@@ -57,7 +58,7 @@ pub(crate) fn scheme(text: &str, limits: &Limits) -> Fallible<Option<ForeignText
         };
         return if is_certain { Err(Error::new(form[0].span, kind)) } else { Ok(None) };
     }
-    Ok(Some((reader.statements, reader.note)))
+    Ok(Some((reader.statements, reader.notes)))
 }
 
 /// Splits `tokens` into lists in brackets, and atoms.
@@ -94,7 +95,10 @@ impl<'a> SchemeReader<'a> {
     fn form(&mut self, form: &[Token]) -> Option<()> {
         let list = parts(form).unwrap_or_default();
         match (list.first().map_or("", |head| self.typed(head)), list.as_slice()) {
-            ("set-quality!" | "set-resolution!", _) => {}
+            ("set-quality!" | "set-resolution!", _) => {
+                let kind = NoteKind::StyleLeftOut { example: short_name(self.typed(form)) };
+                self.notes.push(Note { span: span_of(form)?, kind });
+            }
             ("set-bounds!", [_, low, high]) => {
                 let ends = parts(low)?.into_iter().zip(parts(high)?);
                 let owned = |(low, high): (&[Token], &[Token])| (low.to_vec(), high.to_vec());
@@ -105,7 +109,7 @@ impl<'a> SchemeReader<'a> {
                 let axes = [X, Y, Z].get(..ranges.len())?;
                 let (domain, note) = self.words.domain(&ranges, axes, form[0].span);
                 self.statements.extend(domain);
-                self.note = note;
+                self.notes.extend(note);
             }
             ("define-shape", [_, head, body]) => {
                 let (names, _) = bracketed(head)?;

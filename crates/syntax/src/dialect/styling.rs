@@ -12,6 +12,13 @@ const COMMANDS: &str = "axis colormap shading lighting camlight material colorba
 /// Objects whose members only style or show a picture.
 const OBJECTS: &[&str] = &["plt", "ax", "fig", "console", "settings", "plotter", "pl", "display"];
 
+/// Beginnings of the lines about the picture in a Surfer file.
+const SURFER_LINES: &[&str] =
+    &["camera_", "light_", "background_", "surface_", "rotation_", "scale_", "transform_"];
+
+/// The lines of a Surfer file that begin alike and are read.
+const SURFER_FORMULAS: [&str; 2] = ["surface_equation", "surface_parameter_"];
+
 /// Methods that only show or save a picture.
 const METHODS: &[&str] = &["show", "save", "savefig", "print"];
 
@@ -26,6 +33,13 @@ impl Words<'_> {
         {
             let is_plot = matches!(self.word(*name), "plot" | "scatter" | "contour");
             return OBJECTS.contains(&word) && !is_plot || self.is_style_tail(rest);
+        }
+        let begins = |list: &[&str]| list.iter().any(|begin| word.starts_with(begin));
+        if rest.first().is_some_and(|next| next.kind == Equals)
+            && begins(SURFER_LINES)
+            && !begins(&SURFER_FORMULAS)
+        {
+            return self.text.contains(SURFER_FORMULAS[0]);
         }
         if !COMMANDS.split(' ').any(|command| command == word) {
             return false;

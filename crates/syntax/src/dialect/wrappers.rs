@@ -43,10 +43,6 @@ const SYMBOLS: &[&str] = &["symbols", "Symbol", "var", "sym", "PolynomialRing", 
 /// Functions that create grids of coordinates.
 const GRIDS: &[&str] = &["meshgrid", "ndgrid", "mgrid", "ogrid"];
 
-/// Beginnings of the lines of a Surfer file.
-const LINES: &[&str] =
-    &["camera_", "light_", "background_", "surface_", "rotation_", "scale_", "transform_"];
-
 /// Words that may stand before a formula to draw.
 const PLOT_WORDS: &[&str] = &["plot", "graph", "draw", "Plot", "Graph", "Draw"];
 
@@ -97,7 +93,7 @@ impl Words<'_> {
             }
             // These functions only rewrite the formula in their brackets.
             "Simplify" | "FullSimplify" | "Evaluate" | "N" | "Expand" | "Factor" | "simplify"
-            | "expand" | "patch"
+            | "expand"
                 if opens && Self::is_whole_call(tokens) =>
             {
                 let (inner, _) = bracketed(&tokens[1..])?;
@@ -260,8 +256,7 @@ impl Words<'_> {
         (is_read && values.iter().all(is_value)).then_some(all)
     }
 
-    /// The formula or parameter on a line of a Surfer file; no statement for a line about the
-    /// picture.
+    /// The formula or parameter on a line of a Surfer file.
     fn of_surfer(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         const PARAMETER: &str = "surface_parameter_";
         let (first, rest) = tokens.split_first()?;
@@ -271,18 +266,14 @@ impl Words<'_> {
             return Some(vec![rest[1..].to_vec()]);
         }
         // Few lines begin like this, so the text is rarely searched.
-        let is_line = LINES.iter().any(|begin| word.starts_with(begin));
-        if !is_line || !self.text.contains("surface_equation") {
+        let name = word.strip_prefix(PARAMETER).filter(|name| !name.is_empty())?;
+        if !self.text.contains("surface_equation") {
             return None;
         }
-        if let Some(name) = word.strip_prefix(PARAMETER).filter(|name| !name.is_empty()) {
-            let end = first.span.end;
-            let mut all =
-                vec![Token::new(TokenKind::Name, Span::new(end - name.len(), end)), *equals];
-            all.extend(&rest[1..]);
-            return Some(vec![all]);
-        }
-        Some(Vec::new())
+        let end = first.span.end;
+        let mut all = vec![Token::new(TokenKind::Name, Span::new(end - name.len(), end)), *equals];
+        all.extend(&rest[1..]);
+        Some(vec![all])
     }
 
     /// Returns whether the text assigns `surface`, which is drawn by Surfer's `draw_surface`.

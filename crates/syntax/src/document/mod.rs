@@ -6,6 +6,7 @@
 //! of `reading`.
 
 pub(crate) mod curves;
+pub(crate) mod either_comma;
 pub(crate) mod foreign_definitions;
 pub(crate) mod heading;
 pub(crate) mod implied_coordinates;

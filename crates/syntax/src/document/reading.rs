@@ -2,6 +2,7 @@
 
 use crate::dialect::program_reader::program;
 use crate::document::curves::{Curve, Curves};
+use crate::document::either_comma::with_either_comma;
 use crate::document::foreign_definitions::foreign_definitions;
 use crate::document::heading::heading;
 use crate::document::implied_coordinates;
@@ -166,7 +167,7 @@ pub fn read(text: &str, options: &Options<'_>) -> Result<Document, Errors> {
     if is_expression_list(text) {
         return listed::read(text, options);
     }
-    DocumentReader::new(text, options).read()
+    with_either_comma(text, options, |reader| reader.read())
 }
 
 /// Reads a document from bytes that should be UTF-8.
@@ -192,8 +193,7 @@ pub fn parse(text: &str, limits: &Limits) -> Result<Vec<Statement>, Errors> {
     if is_expression_list(text) {
         return listed::read(text, &options).map(|_| Vec::new());
     }
-    let mut reader = DocumentReader::new(text, &options);
-    let (built, _) = reader.statements()?;
+    let (built, _) = with_either_comma(text, &options, |mut reader| reader.statements())?;
     Ok(built.into_iter().map(|built| built.statement).collect())
 }
 
@@ -343,8 +343,14 @@ impl<'a> DocumentReader<'a> {
         let used: FxHashSet<&str> =
             built.iter().flat_map(|b| &b.used).chain(&settings.used).map(String::as_str).collect();
         let drawn: Vec<&BuiltStatement> = drawings.iter().chain(&curves).copied().collect();
-        if !drawn.is_empty() {
-            let unused = definitions.iter().filter(|(d, _)| !used.contains(d.name.text.as_str()));
+        let implied = drawn.is_empty().then(|| implied_drawing(&definitions));
+        let drawn_name = match &implied {
+            Some(Ok((statement, _))) => statement.used.iter().next(),
+            _ => None,
+        };
+        if !drawn.is_empty() || drawn_name.is_some() {
+            let is_used = |name: &String| used.contains(name.as_str()) || drawn_name == Some(name);
+            let unused = definitions.iter().filter(|(d, _)| !is_used(&d.name.text));
             // Each note compares its name with all known names, so there is a limit on such notes.
             let notes = unused.take(MAX_ERRORS).map(|(d, _)| unused_note(d, &scope));
             self.notes.extend(notes);
@@ -371,12 +377,10 @@ impl<'a> DocumentReader<'a> {
             surfaces.extend(self.ok_or_record(surface(&mut lowering, drawing)));
         }
         self.check()?;
-        let implied;
-        if drawn.is_empty() {
-            let (statement, note) = implied_drawing(&definitions)?;
-            self.notes.push(note);
-            implied = statement;
-            surfaces.push(surface(&mut lowering, &implied)?);
+        let implied = implied.transpose()?;
+        if let Some((statement, note)) = &implied {
+            self.notes.push(note.clone());
+            surfaces.push(surface(&mut lowering, statement)?);
         }
         if lowering.has_placeholders() {
             let roots: Vec<NodeId> = surfaces.iter().map(|surface| surface.root).collect();

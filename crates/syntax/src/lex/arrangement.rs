@@ -1,5 +1,5 @@
 //! Rewrites the tokens of one statement to the form that the grammar reads. Rewrites choices in any
-//! notation, lists, ranges, decimal commas and labels.
+//! notation, lists, ranges and labels.
 //!
 //! Tokens keep their order and their places in the text. A bracket that was not typed has an empty
 //! span. Nothing here knows the meanings of names.
@@ -7,12 +7,11 @@
 use crate::lex::environment::{matrix, scalar_products};
 use crate::lex::lexer::OTHERWISE;
 use crate::lex::scanner::{LexedStatement, scan};
-use crate::lex::spelling::{decimal, is_name_char, typed_setting};
+use crate::lex::spelling::typed_setting;
 use crate::lex::token::{Token, outside};
 use crate::lex::token_kind::TokenKind::{self, *};
 use crate::limits::Limits;
 use crate::messages::error::{Error, ErrorKind, Fallible};
-use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
 use std::collections::VecDeque;
 
@@ -69,7 +68,7 @@ pub(crate) fn arrange(
     if let Some(token) = series.clone().nth(limits.depth / 4) {
         return Err(Error::new(token.span, ErrorKind::TooDeep { limit: limits.depth / 4 }));
     }
-    let mut arranger = Arranger { text, limits, notes: Vec::new(), depth: 0, is_setting };
+    let mut arranger = Arranger { text, limits, depth: 0, is_setting };
     let mut tokens = tokens.into_iter().peekable();
     let mut arranged = arranger.level(&mut tokens, None)?;
     // The tokens of these kinds that are left have no meaning in any notation.
@@ -81,7 +80,7 @@ pub(crate) fn arrange(
     if arranged.is_empty() {
         return Ok(None);
     }
-    LexedStatement::new(scalar_products(text, arranged), arranger.notes).map(Some)
+    LexedStatement::new(scalar_products(text, arranged)).map(Some)
 }
 
 /// Removes a label, punctuation at the end, and marks of bold text or of a quotation.
@@ -143,7 +142,6 @@ fn without_pixels(text: &str, tokens: &mut Vec<Token>) {
 struct Arranger<'a> {
     text: &'a str,
     limits: &'a Limits,
-    notes: Vec<Note>,
     depth: usize,
     is_setting: bool,
 }
@@ -193,12 +191,6 @@ impl Arranger<'_> {
             }
             if token.kind != Comma && !(in_matrix && token.kind == RowEnd) {
                 segment.push(TokenTree::Leaf(token));
-                continue;
-            }
-            if let Some(merged) = self.decimal_comma(&segment, token, tokens, open) {
-                segment.pop();
-                tokens.next();
-                segment.push(TokenTree::Leaf(merged));
                 continue;
             }
             // In a choice, a comma before a condition or at the end of a row separates nothing.
@@ -269,40 +261,6 @@ impl Arranger<'_> {
             (open.kind, close.kind) = (OpenList, CloseList);
         }
         TokenTree::Group(open, inner, close)
-    }
-
-    /// The number `0,5` as one token, if the comma cannot separate two values.
-    fn decimal_comma(
-        &mut self,
-        before: &[TokenTree],
-        comma: Token,
-        tokens: &mut Tokens,
-        open: Option<Token>,
-    ) -> Option<Token> {
-        let next = *tokens.peek()?;
-        let Some(TokenTree::Leaf(number)) = before.last() else {
-            return None;
-        };
-        let touches = number.span.end == comma.span.start && comma.span.end == next.span.start;
-        let are_numbers = number.kind == Number && next.kind == Number && touches;
-        let digits = |token: Token| self.typed(token).bytes().all(|byte| byte.is_ascii_digit());
-        let is_whole = are_numbers && digits(*number) && digits(next);
-        let separates = match open {
-            None => self.is_setting,
-            // Brackets after a name may hold arguments. Two numbers alone may be a point.
-            Some(open) => {
-                let behind = self.text[..open.span.start].trim_end().chars().next_back();
-                let is_call = behind.is_some_and(|c| is_name_char(c) || ")]}".contains(c));
-                open.kind != OpenParen || is_call || before.len() < 2
-            }
-        };
-        if !is_whole || separates {
-            return None;
-        }
-        let span = number.span.to(next.span);
-        let read = decimal(&self.text[span.range()]);
-        self.notes.push(Note { span, kind: NoteKind::DecimalComma { read } });
-        Some(Token::new(Number, span))
     }
 
     /// Arranges the nodes between two commas and appends them to `out`.

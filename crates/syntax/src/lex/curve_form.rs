@@ -18,7 +18,10 @@ pub(crate) fn marked_curve(text: &str, tokens: &[Token]) -> Fallible<Option<Vec<
         Some(first) if first.kind == TokenKind::Name => typed(first),
         _ => String::new(),
     };
+    let is_labeled =
+        several(tokens).is_some_and(|behind| !behind.is_empty() && is_label(text, behind));
     let rest = match word.as_str() {
+        _ if is_labeled => tokens,
         "curve" if is_curve(tokens) => &tokens[1..],
         "point" if several(&tokens[1..]).is_some_and(|rest| is_label(text, rest)) => &tokens[1..],
         _ => without_head(tokens),
@@ -30,7 +33,7 @@ pub(crate) fn marked_curve(text: &str, tokens: &[Token]) -> Fallible<Option<Vec<
     let is_word = is_curve || word == "point" && rest.len() < tokens.len();
     let first = if is_word { tokens[0].span } else { Span::at(tokens[0].span.start) };
     let mut marked = Vec::with_capacity(tokens.len() + 8);
-    let is_point = is_word && !is_curve || tuple(tokens).is_some();
+    let is_point = is_labeled || is_word && !is_curve || tuple(tokens).is_some();
     if let Some(behind) = several(rest).filter(|behind| is_point && is_label(text, behind)) {
         marked.push(Token::new(PointWord, first));
         marked.extend(in_parentheses(&rest[..rest.len() - behind.len()]));

@@ -6,6 +6,7 @@
 pub(crate) mod arrangement;
 pub(crate) mod bars;
 pub(crate) mod curve_form;
+pub(crate) mod decimal_comma;
 pub(crate) mod environment;
 pub(crate) mod foreign_signs;
 pub(crate) mod lexer;

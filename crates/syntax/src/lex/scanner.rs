@@ -13,7 +13,6 @@ use crate::lex::token::{LexContext, Token};
 use crate::lex::token_kind::TokenKind::{self, *};
 use crate::limits::Limits;
 use crate::messages::error::{Error, ErrorKind, Fallible};
-use crate::messages::note::Note;
 use crate::settings::SettingKind;
 use crate::span::Span;
 
@@ -25,12 +24,10 @@ pub(crate) struct LexedStatement {
     /// The text that the grammar reads: one character for each token.
     pub symbols: String,
     pub span: Span,
-    /// Notes from arranging the tokens.
-    pub notes: Vec<Note>,
 }
 
 impl LexedStatement {
-    pub(crate) fn new(mut tokens: Vec<Token>, notes: Vec<Note>) -> Fallible<Self> {
+    pub(crate) fn new(mut tokens: Vec<Token>) -> Fallible<Self> {
         pair_bars(&mut tokens)?;
         let mut symbols = String::with_capacity(tokens.len());
         for token in &mut tokens {
@@ -38,7 +35,7 @@ impl LexedStatement {
             symbols.push(token.kind.as_char());
         }
         let span = tokens[0].span.to(tokens[tokens.len() - 1].span);
-        Ok(Self { tokens, symbols, span, notes })
+        Ok(Self { tokens, symbols, span })
     }
 
     /// Index of the token at byte `offset` of the symbols.

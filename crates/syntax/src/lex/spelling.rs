@@ -205,12 +205,11 @@ pub(crate) fn plain_text(text: &str) -> String {
     all
 }
 
-/// The standard text of a number. `.5` and `0,5` become `0.5`, and `1.` becomes `1`. An exponent
+/// The standard text of a number. `.5` becomes `0.5`, and `1.` becomes `1`. An exponent
 /// follows the letter `e`.
 pub(crate) fn decimal(typed: &str) -> String {
     let text = plain_text(typed.trim_end_matches('f'));
     let text = text.replace('−', "-").replace("*^", "e").replace(['E', 'd', 'D'], "e");
-    let text = text.replace(',', ".");
     let (mantissa, exponent) = match text.split_once('e') {
         Some((mantissa, exponent)) => (mantissa, Some(exponent)),
         None => (text.as_str(), None),

@@ -38,6 +38,8 @@ pub(crate) struct Moves {
     numbers: FxHashMap<Move, u32>,
     /// For each node examined so far: whether its value depends on the coordinates.
     varies: Vec<bool>,
+    /// For each node examined so far: the axes that its value depends on, as bits.
+    axes: Vec<u8>,
     /// For each node examined so far: whether it depends on a placeholder.
     is_moved: Vec<bool>,
     /// The values of builders.
@@ -91,6 +93,21 @@ impl Moves {
                     operands.iter().any(|operand| self.is_moved[operand.index()]),
                 ),
             };
+            let axes = match node {
+                Node::Variable(axis) => 1 << *axis as u8,
+                Node::Constant(_) => 0,
+                Node::Parameter(_) => self.get(node).map_or(0, |(shape, point)| {
+                    let needs = self.axes[shape.index()];
+                    let through = |(at, place): (usize, &NodeId)| {
+                        if needs >> at & 1 == 1 { self.axes[place.index()] } else { 0 }
+                    };
+                    point.iter().enumerate().map(through).fold(0, |all, axes| all | axes)
+                }),
+                Node::Apply(_, operands) => {
+                    operands.iter().fold(0, |all, operand| all | self.axes[operand.index()])
+                }
+            };
+            self.axes.push(axes);
             self.varies.push(varies);
             self.is_moved.push(is_moved);
         }
@@ -123,8 +140,12 @@ impl Lowering<'_> {
         }
         let noted = self.notes.len();
         let value = self.built(index, values, span);
-        let value = value.map_err(|error| move_to_use(error, span, false))?;
+        let (value, fixed) = value.map_err(|error| move_to_use(error, span, false))?;
         self.notes.truncate(noted);
+        if let Some(axis) = fixed {
+            let axis = ['x', 'y', 'z'][axis as usize];
+            self.notes.push(Note { span, kind: NoteKind::ShapeAtZero { name, axis } });
+        }
         self.calls.insert(key, Tensor::Number(value));
         self.moves.distances.insert(value);
         Ok(Tensor::Number(value))
@@ -154,8 +175,14 @@ impl Lowering<'_> {
         Err(error.unwrap_or_else(|| Error::new(span, ErrorKind::Empty)))
     }
 
-    /// Lowers the formula of a builder.
-    fn built(&mut self, index: usize, mut locals: Values, span: Span) -> Fallible<NodeId> {
+    /// Lowers the formula of a builder. Returns also the axis on which its shape depends and whose
+    /// coordinate the builder fixes, if there is one.
+    fn built(
+        &mut self,
+        index: usize,
+        mut locals: Values,
+        span: Span,
+    ) -> Fallible<(NodeId, Option<Axis>)> {
         let row = &BUILDERS[index];
         let (place, body) = prelude::builder(index);
         let count = row.parameters.iter().position(|(_, role)| *role == Role::Count);
@@ -167,6 +194,7 @@ impl Lowering<'_> {
         let is_shape = |role| matches!(role, Role::Shape | Role::Distance);
         let shape = row.parameters.iter().position(|(_, role)| is_shape(*role));
         let mut all = Vec::new();
+        let mut fixed = None;
         for copy in 0..copies {
             let mut locals = locals.clone();
             locals.push(("i", Tensor::Number(self.graph.integer(copy))));
@@ -174,6 +202,13 @@ impl Lowering<'_> {
                 && let [x, y, z] = *self.value_of(place, &locals)?.parts()
                 && let Tensor::Number(node) = locals[shape].1
             {
+                self.moves.examine(&self.graph);
+                let is_zero =
+                    |place: NodeId| self.graph.number(place).is_some_and(Constant::is_zero);
+                let needs = self.moves.axes[node.index()];
+                fixed = Axis::ALL.into_iter().zip([x, y, z]).find_map(|(axis, place)| {
+                    (needs >> axis as u8 & 1 == 1 && is_zero(place)).then_some(axis)
+                });
                 locals[shape].1 = Tensor::Number(self.moved(node, [x, y, z]));
             }
             all.push(self.number(body, &locals)?);
@@ -187,7 +222,7 @@ impl Lowering<'_> {
             value = self.moved(value, point);
         }
         self.check_size(span)?;
-        Ok(value)
+        Ok((value, fixed))
     }
 
     /// Joins copies as a tree whose depth is the logarithm of their number.

@@ -5,7 +5,6 @@ use crate::lex::spelling::short_name;
 use crate::limits::Limits;
 use crate::lower::lowering::Lowering;
 use crate::messages::error::{Error, ErrorKind, Errors, Fallible};
-use crate::messages::note::NoteKind;
 use crate::span::Span;
 use crate::tree::ast::Expr;
 use crate::tree::builder::Builder;
@@ -34,14 +33,6 @@ pub(crate) fn evaluate_text(text: &str, limits: &Limits) -> Fallible<Constant> {
     match statements.as_slice() {
         [] => Err(Error::new(Span::at(text.len()), ErrorKind::Empty)),
         [lexed] => {
-            // Notes on a constant are not shown, so a decimal comma is an error.
-            if let Some(note) = lexed.notes.first()
-                && let NoteKind::DecimalComma { read } = &note.kind
-            {
-                let found = text[note.span.range()].to_owned();
-                let error = Error::new(note.span, ErrorKind::Unexpected { found });
-                return Err(error.suggest(note.span, read.clone()));
-            }
             let scope = Scope::default();
             let expr = Builder::new(text, lexed, &scope, &[], limits).only_expression()?;
             evaluate(&expr, limits)

@@ -121,6 +121,14 @@ pub enum NoteKind {
         "what contains the surface is not read; write it as `domain x in [-2, 2], y in [-1, 1]`"
     )]
     ContainerIgnored,
+    #[error("these parts of the plot have no effect here: {left}")]
+    PlotPartsLeftOut { left: String },
+    #[error("the plot gives no level, so this is drawn where the function is 0")]
+    PlotWithoutLevel,
+    #[error("only the formula and its ranges are read; these have no effect here: {left}")]
+    FileLeftOut { left: String },
+    #[error("`{name}` takes its shape at {axis} = 0, so {axis} has no effect within it")]
+    ShapeAtZero { name: &'static str, axis: char },
     #[error("an expression list: drawn is the solid `{name} <= 0`, as in fidget")]
     ExpressionList { name: String },
     #[error("what only styles the picture, such as `{example}`, is left out")]

@@ -47,7 +47,7 @@ impl<'a> Builder<'a> {
         locals: &'a [Name],
         limits: &'a Limits,
     ) -> Self {
-        let (notes, used) = (lexed.notes.clone(), FxHashSet::default());
+        let (notes, used) = (Vec::new(), FxHashSet::default());
         let (locals, aliases) = (locals.to_vec(), Aliases::default());
         let parameters = locals.len();
         Self { text, lexed, scope, locals, aliases, limits, depth: 0, parameters, notes, used }

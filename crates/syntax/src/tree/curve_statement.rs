@@ -49,7 +49,7 @@ pub(crate) fn curve(
         _ => CurveForm::Equations { equations, restrictions },
     };
     let Builder { mut notes, mut used, .. } = inner;
-    notes.extend(builder.notes.into_iter().filter(|note| !lexed.notes.contains(note)));
+    notes.extend(builder.notes);
     used.extend(builder.used);
     let statement = Statement::Curve(CurveStatement { form, span });
     Ok(BuiltStatement { statement, span, notes, used })

@@ -1,6 +1,7 @@
 //! Parses statements by the grammar. If the grammar refuses a statement, the token at which parsing
 //! stopped determines the error.
 
+use crate::lex::decimal_comma::{decimal_around, is_listed};
 use crate::lex::scanner::LexedStatement;
 use crate::lex::spelling::{short_name, typed_setting};
 use crate::lex::token::{Token, split};
@@ -137,25 +138,16 @@ fn foreign(text: &str, span: Span, meant: &str) -> Box<Error> {
     Error::new(span, ErrorKind::ForeignOperator { sign }).suggest(span, meant)
 }
 
-/// The error for a comma outside brackets. A comma directly between two numbers is a decimal comma.
+/// The error for a comma outside brackets. A comma directly between digits may be a decimal comma.
 /// Any other comma may separate values, restrictions or conditions.
 fn comma(text: &str, lexed: &LexedStatement, index: usize) -> Box<Error> {
-    let Token { span, .. } = lexed.tokens[index];
-    let before = lexed.tokens[index - 1].span;
-    match lexed.tokens.get(index + 1) {
-        Some(after)
-            if lexed.tokens[index - 1].kind == Number
-                && after.kind == Number
-                && before.end == span.start
-                && span.end == after.span.start =>
-        {
-            Error::new(before.to(after.span), ErrorKind::Comma).suggest(span, ".")
-        }
-        _ => {
-            let whole = lexed.span;
-            Error::new(span, ErrorKind::Comma).suggest_optional(whole, listed(text, lexed, index))
-        }
+    let span = lexed.tokens[index].span;
+    let number = decimal_around(text, &lexed.tokens, index);
+    if let Some(number) = number.filter(|_| !is_listed(&lexed.tokens, index)) {
+        return Error::new(number, ErrorKind::Comma).suggest(span, ".");
     }
+    let meant = listed(text, lexed, index);
+    Error::new(span, ErrorKind::Comma).suggest_optional(lexed.span, meant)
 }
 
 /// A correction of a statement with commas. `first` is the index of the first comma.

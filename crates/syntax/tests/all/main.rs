@@ -1,10 +1,12 @@
 //! Tests the language through the crate's public interface.
 
 mod builders;
+mod commas;
 mod corpus;
 mod emit;
 mod gallery;
 mod hostile;
+mod left_over;
 mod lists;
 mod render;
 mod round_trip;

@@ -17,19 +17,21 @@ const CORPORA: [&str; 3] = ["words.txt", "words_held_out.txt", "words_third.txt"
 const POINTS: usize = 60;
 
 #[derive(Default)]
-struct Row {
+pub(crate) struct Row {
     /// File and line of the row.
-    place: String,
+    pub place: String,
     style: String,
     is_from_a_page: bool,
-    text: String,
-    meant: String,
-    message: Option<String>,
-    notes: Vec<String>,
+    pub text: String,
+    pub meant: String,
+    pub message: Option<String>,
+    pub notes: Vec<String>,
     domain: Option<String>,
+    /// Coordinates of points and curves, one line for each.
+    pub places: Vec<String>,
 }
 
-fn rows(corpus: &str) -> Vec<Row> {
+pub(crate) fn rows(corpus: &str) -> Vec<Row> {
     let path = format!("{}/../../tests/data/{corpus}", env!("CARGO_MANIFEST_DIR"));
     let text = std::fs::read_to_string(path).expect("the corpus is there");
     let mut rows: Vec<Row> = Vec::new();
@@ -62,6 +64,7 @@ fn rows(corpus: &str) -> Vec<Row> {
             "=" => add(&mut row.meant),
             "!" => row.message = Some(rest.to_owned()),
             "~" => row.notes.push(rest.to_owned()),
+            "*" => row.places.push(rest.to_owned()),
             "@" => row.domain = Some(rest.to_owned()),
             _ => panic!("{corpus}:{}: {line}", index + 1),
         }
@@ -78,7 +81,7 @@ fn parameters(document: &Document) -> Vec<Constant> {
     document.parameters.iter().map(|parameter| parameter.value.clone()).collect()
 }
 
-fn value_in(
+pub(crate) fn value_in(
     given: &Graph,
     parameters: &[Constant],
     root: NodeId,
@@ -113,7 +116,7 @@ fn value_in(
 }
 
 /// Points with coordinates in eighths, from −2.5 to 2.5. Every tenth is on a coordinate plane.
-fn points() -> Vec<[Constant; 3]> {
+pub(crate) fn points() -> Vec<[Constant; 3]> {
     let mut state = 0x7a65_726f_u64;
     let mut next = |most: u64| {
         state ^= state << 13;
@@ -185,9 +188,25 @@ fn wrong_curves(own: &Document, meant: &Document, points: &[[Constant; 3]]) -> O
     None
 }
 
+/// Describes how the places of points and curves differ from those in the row, if they do.
+fn wrong_places(row: &Row, document: &Document) -> Option<String> {
+    let places = |shape: &CurveShape| -> Vec<f64> {
+        let values = values_along(document, shape, &[]);
+        let ends = values.iter().take(3).chain(values.iter().skip(3).rev().take(3).rev());
+        ends.map(|value| value.as_ref().map_or(f64::NAN, |value| value.bounds().lo)).collect()
+    };
+    let read: Vec<Vec<f64>> =
+        document.curves.all.iter().map(|curve| places(&curve.shape)).collect();
+    let numbers = |line: &String| -> Vec<f64> {
+        line.split(' ').map(|number| number.parse().expect("a number")).collect()
+    };
+    let wanted: Vec<Vec<f64>> = row.places.iter().map(numbers).collect();
+    (read != wanted).then(|| format!("places {read:?}"))
+}
+
 /// The coordinates of a point, those of a curve's points from end to end, or the values of the
 /// functions of a curve.
-fn values_along(
+pub(crate) fn values_along(
     document: &Document,
     shape: &CurveShape,
     points: &[[Constant; 3]],
@@ -225,7 +244,7 @@ fn values_along(
 }
 
 /// Describes how the reading of a row differs from what the row requires, if it does.
-fn wrong(row: &Row, points: &[[Constant; 3]]) -> Option<String> {
+pub(crate) fn wrong(row: &Row, points: &[[Constant; 3]]) -> Option<String> {
     let document = read(&row.text, &Options::default());
     let document = match (document, &row.message) {
         (Err(errors), Some(message)) => {
@@ -250,6 +269,14 @@ fn wrong(row: &Row, points: &[[Constant; 3]]) -> Option<String> {
     if let Some(what) = wrong_domain(row, &document) {
         return Some(what);
     }
+    if !row.places.is_empty() {
+        if let Some(what) = wrong_places(row, &document) {
+            return Some(what);
+        }
+        if row.meant.is_empty() {
+            return (!document.surfaces.is_empty()).then(|| "a surface".to_owned());
+        }
+    }
     let meant = match read(&row.meant, &Options::default()) {
         Ok(meant) => meant,
         Err(errors) => return Some(errors.render(None, &row.meant, false)),
@@ -257,7 +284,9 @@ fn wrong(row: &Row, points: &[[Constant; 3]]) -> Option<String> {
     if meant.surfaces.len() != document.surfaces.len() {
         return Some(format!("{} surfaces", document.surfaces.len()));
     }
-    if let Some(what) = wrong_curves(&document, &meant, points) {
+    if row.places.is_empty()
+        && let Some(what) = wrong_curves(&document, &meant, points)
+    {
         return Some(what);
     }
     for (own, other) in document.surfaces.iter().zip(&meant.surfaces) {

@@ -1,0 +1,20 @@
+//! Reads a text whose commas separate, or else are decimal.
+
+use crate::document::reading::{DocumentReader, Options};
+use crate::lex::decimal_comma::with_points;
+use crate::messages::error::Errors;
+
+/// Reads `text` by `read`. If that fails, and a reading with decimal commas throughout succeeds,
+/// returns the latter. Otherwise the errors are those of the first reading.
+pub(crate) fn with_either_comma<T>(
+    text: &str,
+    options: &Options<'_>,
+    read: impl Fn(DocumentReader<'_>) -> Result<T, Errors>,
+) -> Result<T, Errors> {
+    read(DocumentReader::new(text, options)).or_else(|errors| {
+        let Some((points, notes)) = with_points(text, &options.limits) else { return Err(errors) };
+        let mut reader = DocumentReader::new(&points, options);
+        reader.notes = notes;
+        read(reader).map_err(|_| errors)
+    })
+}
