@@ -5,3 +5,5 @@ mod errors;
 mod examples;
 mod functions;
 mod scenes;
+#[path = "../surroundings/mod.rs"]
+mod surroundings;

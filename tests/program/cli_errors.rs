@@ -2,6 +2,8 @@
 //! no partial file, and the time is bounded.
 
 use crate::cli_support::{Run, Sandbox};
+#[cfg(unix)]
+use crate::surroundings::zeroset;
 
 /// File name of the picture in every run of this file.
 const PICTURE: &str = "picture.png";
@@ -323,8 +325,9 @@ fn one_path_for_two_outputs() {
 #[cfg(target_os = "linux")]
 #[test]
 fn standard_output_that_is_full_or_closed() {
-    use std::process::{Command, Stdio};
-    let zeroset = || Command::new(env!("CARGO_BIN_EXE_zeroset"));
+    use std::process::Stdio;
+    let place = Sandbox::new();
+    let zeroset = || zeroset(&[], &place.path("data"));
     let commands: [&[&str]; 9] = [
         &["--help"],
         &["render", "-h"],
@@ -358,8 +361,8 @@ fn standard_output_that_is_full_or_closed() {
 #[cfg(unix)]
 #[test]
 fn an_interrupted_run_leaves_nothing() {
-    let place = Sandbox::new();
-    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_zeroset"))
+    let (place, outside) = (Sandbox::new(), Sandbox::new());
+    let mut child = zeroset(&[], &outside.path("data"))
         .args(["render", "gyroid", "--size", "4000", "--max-depth", "18", "-o", PICTURE])
         .args(["--status", "status.npy"])
         .current_dir(place.path("."))
@@ -393,12 +396,13 @@ fn a_misspelt_name_of_the_gallery_is_recognised() {
 #[test]
 fn whoever_has_read_enough_ends_the_output_without_an_error() {
     use std::io::Read;
-    use std::process::{Command, Stdio};
+    use std::process::Stdio;
+    let outside = Sandbox::new();
     for arguments in [
         &["render", "x^2+y^2+z^2 = 1", "-o", "-", "--size", "600"][..],
         &["explain", "--code", "barth-decic"],
     ] {
-        let mut child = Command::new(env!("CARGO_BIN_EXE_zeroset"))
+        let mut child = zeroset(&[], &outside.path("data"))
             .args(arguments)
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())

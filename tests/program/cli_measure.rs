@@ -57,6 +57,33 @@ fn the_text_says_what_is_proven() {
 }
 
 #[test]
+fn the_report_counts_pieces_as_the_text_does() {
+    let (text, ..) = run(&["0.25 <= x^2+y^2+z^2 <= 1", "--relative", "0.1"]);
+    assert!(text.contains("1 piece with 1 hollow, of genus 0, 0: proven"), "{text}");
+    let (_, shell) = report(&["0.25 <= x^2+y^2+z^2 <= 1", "--relative", "0.1"]);
+    assert_eq!([&shell["pieces"], &shell["hollows"]], [1, 1], "{shell}");
+    assert_eq!(shell["genus"], serde_json::json!([0, 0]));
+    // A surface that bounds no solid has no hollow, whichever side is positive.
+    let (_, sphere) = report(&["1-x^2-y^2-z^2 = 0"]);
+    assert_eq!([&sphere["pieces"], &sphere["hollows"]], [1, 0], "{sphere}");
+}
+
+/// Thinner than the cells of any mesh here.
+const SLAB: [&str; 3] = ["(z-0.00001)*(z-0.00002) <= 0", "--domain", "1"];
+
+#[test]
+fn a_solid_that_the_mesh_misses_is_not_said_to_be_nothing() {
+    let (text, ..) = run(&SLAB);
+    assert!(text.contains("area        not estimated: the mesh has no triangle\n"), "{text}");
+    assert!(text.contains("shape       not known: "), "{text}");
+    let (_, slab) = report(&SLAB);
+    for key in ["area", "area_change", "pieces", "hollows"] {
+        assert!(slab[key].is_null(), "{key}: {slab}");
+    }
+    assert!(slab["unproven"].as_u64() > Some(0) && slab["shape_proven"] == false, "{slab}");
+}
+
+#[test]
 fn mistakes_get_one_message() {
     for (arguments, expected) in [
         (

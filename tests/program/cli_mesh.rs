@@ -534,6 +534,15 @@ fn mistakes_get_one_message_and_leave_no_file() {
         (&["a = 2", "-o", "a.stl"], "nothing to draw"),
         (&["x^2+y^2+z^2 = -1", "-o", "a.stl"], "proven empty"),
         (&[sphere, "-o", "a.stl", "--domain", "5,6,5,6,5,6"], "lies elsewhere: try --domain"),
+        (
+            &["(z-0.001)*(z-0.002) <= 0", "-o", "a.stl", "--domain", "1", "--tolerance", "0.1"],
+            "may still hold a point of the surface, which may be thinner than 1.00e-1 there: try a \
+             smaller --tolerance, or --domain ",
+        ),
+        (
+            &["z = 5", "-o", "a.stl", "--domain", "2"],
+            "the surface is proven to have no point in the domain; try --domain ",
+        ),
         (&["hidden\nz = 1", "-o", "a.stl", "--domain", "2"], "every surface is hidden"),
         (&["sqrt(x-9) = y", "-o", "a.stl", "--domain", "2"], "no value anywhere in the domain"),
     ] {

@@ -2,6 +2,7 @@
 
 use super::cli_render::BULB;
 use super::cli_support::Sandbox;
+use crate::surroundings::zeroset;
 use std::fs::File;
 use std::io::Read;
 use std::process::{Child, Command, Stdio};
@@ -21,17 +22,13 @@ struct Started(Child, Sandbox);
 
 impl Started {
     fn new(place: &Sandbox, arguments: &[&str]) -> Self {
+        Self::with(&[], place, arguments)
+    }
+
+    fn with(by: &[&str], place: &Sandbox, arguments: &[&str]) -> Self {
         let outside = Sandbox::new();
         let messages = File::create(outside.path("err")).expect("created");
-        let program = env!("CARGO_BIN_EXE_zeroset");
-        // Tests may have been started in the background, where shells have Ctrl-C ignored.
-        let mut command = if cfg!(target_os = "linux") {
-            let mut command = Command::new("env");
-            command.args(["--default-signal=INT", program]);
-            command
-        } else {
-            Command::new(program)
-        };
+        let mut command = zeroset(by, &outside.path("data"));
         command.args(arguments).current_dir(place.path(".")).stderr(Stdio::from(messages));
         Self(command.stdout(Stdio::null()).spawn().expect("starts"), outside)
     }
@@ -162,4 +159,28 @@ fn no_mesh_is_written() {
     let (place, messages) = interrupted_when(&arguments, |said| said.contains("stopped"));
     assert_eq!(messages, NOTHING);
     assert_eq!(place.files(), ["bulb.zset"]);
+}
+
+/// Shells start programs of the background so.
+#[test]
+fn a_program_that_is_to_ignore_it_goes_on() {
+    let place = Sandbox::new();
+    // The file tells that the shell ignores the signal.
+    let by = ["sh", "-c", "trap '' INT; : > ignored; exec \"$@\"", "sh"];
+    let formula = "sin(99x)+sin(99y)+sin(99z)";
+    let arguments = ["render", formula, "--domain", "2", "--size", "900", "-o", "p.png"];
+    let mut started = Started::with(&by, &place, &arguments);
+    let (begun, mut interrupts) = (Instant::now(), 0);
+    while !place.path("ignored").exists() {
+        assert!(begun.elapsed() < LIMIT);
+        sleep(Duration::from_millis(2));
+    }
+    while started.is_running() && begun.elapsed() < LIMIT {
+        started.interrupt();
+        interrupts += 1;
+        sleep(Duration::from_millis(20));
+    }
+    let (code, messages) = started.end();
+    assert!(interrupts > 2 && !messages.contains("Ctrl-C"), "{interrupts}: {messages}");
+    assert_eq!((code, place.files()), (Some(0), ["ignored", "p.png"].map(String::from).to_vec()));
 }

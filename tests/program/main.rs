@@ -23,6 +23,8 @@ mod interrupt;
 mod prompt;
 #[cfg(unix)]
 mod prompt_soak;
+#[path = "../surroundings/mod.rs"]
+mod surroundings;
 #[cfg(unix)]
 #[path = "../terminal_support/mod.rs"]
 #[allow(dead_code, reason = "the window's tests use the rest")]

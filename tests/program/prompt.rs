@@ -122,9 +122,8 @@ fn what_was_not_saved_comes_back() {
     terminal.type_in(":load last\r");
     terminal.type_in(":list\r");
     terminal.shows("\nz = x^3");
-    let mut later = std::process::Command::new(env!("CARGO_BIN_EXE_zeroset"))
+    let mut later = crate::surroundings::zeroset(&[], &terminal.place().join("data"))
         .args(["--preview", "--last"])
-        .env("XDG_DATA_HOME", terminal.place().join("data"))
         .stdin(std::process::Stdio::piped())
         .stdout(std::process::Stdio::null())
         .stderr(std::process::Stdio::piped())

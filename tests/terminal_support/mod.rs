@@ -3,11 +3,12 @@
 #[cfg(feature = "sixel")]
 pub mod sixel;
 
+use crate::surroundings::zeroset;
 use rustix::termios::Winsize;
 use std::fs::File;
 use std::io::{Read, Write};
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Child, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
@@ -75,12 +76,12 @@ pub struct Terminal {
 impl Terminal {
     /// Starts `zeroset` with these arguments, and on this display if one is given.
     pub fn start(arguments: &[&str], display: Option<&str>) -> Self {
-        Self::of(Command::new(env!("CARGO_BIN_EXE_zeroset")), arguments, display, None, place())
+        Self::of(&[], arguments, display, None, place())
     }
 
     /// Like [`Terminal::start`], in the directory of an earlier start.
     pub fn start_again(place: Arc<TempDir>, arguments: &[&str], display: Option<&str>) -> Self {
-        Self::of(Command::new(env!("CARGO_BIN_EXE_zeroset")), arguments, display, None, place)
+        Self::of(&[], arguments, display, None, place)
     }
 
     /// The directory, for another start in it.
@@ -90,29 +91,23 @@ impl Terminal {
 
     /// Like [`Terminal::start`], but as the controlling terminal: closing it sends a signal.
     pub fn controlling(arguments: &[&str], display: Option<&str>) -> Self {
-        let mut command = Command::new("setsid");
-        command.args(["--ctty", env!("CARGO_BIN_EXE_zeroset")]);
-        Self::of(command, arguments, display, None, place())
+        Self::of(&["setsid", "--ctty"], arguments, display, None, place())
     }
 
     /// Like [`Terminal::start`] without a display, with colors and this value of `TERM`.
     pub fn start_in(kind: &str, arguments: &[&str]) -> Self {
-        let mut command = Command::new("env");
-        command
-            .args(["-u", "NO_COLOR", &format!("TERM={kind}")])
-            .arg(env!("CARGO_BIN_EXE_zeroset"));
-        Self::of(command, arguments, None, None, place())
+        let by = ["env", "-u", "NO_COLOR", &format!("TERM={kind}")];
+        Self::of(&by, arguments, None, None, place())
     }
 
     /// Like [`Terminal::start`] without a display, in a terminal that gives this answer when it is
     /// asked for its device attributes.
     pub fn answering(answer: &'static str, arguments: &[&str]) -> Self {
-        let command = Command::new(env!("CARGO_BIN_EXE_zeroset"));
-        Self::of(command, arguments, None, Some(answer), place())
+        Self::of(&[], arguments, None, Some(answer), place())
     }
 
     fn of(
-        mut command: Command,
+        by: &[&str],
         arguments: &[&str],
         display: Option<&str>,
         mut answer: Option<&'static str>,
@@ -129,16 +124,12 @@ impl Terminal {
         let slave = File::options().read(true).write(true).open(name).expect("opened");
         rustix::termios::tcsetwinsize(&slave, size).expect("sized");
         let stdio = || Stdio::from(slave.try_clone().expect("cloned"));
+        let mut command = zeroset(by, &directory.path().join("data"));
         command
             .args(arguments)
             .current_dir(directory.path())
-            .env("XDG_DATA_HOME", directory.path().join("data"))
             .env("TERM", "xterm")
             .env("NO_COLOR", "1")
-            .env_remove("DISPLAY")
-            .env_remove("KITTY_WINDOW_ID")
-            .env_remove("TERM_PROGRAM")
-            .env_remove("TMUX")
             .stdin(stdio())
             .stdout(stdio())
             .stderr(stdio());

@@ -161,6 +161,9 @@ pub fn a_saved_file_is_seen_at_once() {
             .any(|(x, y)| picture.get_pixel(x, y) != whole.get_pixel(x, y))
     });
     scene.display.keep(&scene.window, "gone");
+    // Its return is reported too, though the text is the same.
+    save("domain 2\nmax(abs(x),abs(y),abs(z)) = 3/2\nview eye (4, -6, 3)");
+    scene.terminal.shows("can be read again");
     scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }

@@ -28,6 +28,9 @@ mod sliders;
 #[cfg(unix)]
 mod surfaces;
 #[cfg(unix)]
+#[path = "../surroundings/mod.rs"]
+mod surroundings;
+#[cfg(unix)]
 #[path = "../terminal_support/mod.rs"]
 #[allow(dead_code, reason = "the prompt's tests use the rest")]
 mod terminal_support;

@@ -91,6 +91,7 @@ fn entry(name: &str, measures: &Measures) -> Value {
     let solid = measures.solid.as_ref();
     let inertia = solid.and_then(zeroset_measure::Solid::inertia);
     let pieces = &measures.shape.pieces;
+    let counts = measures.counts();
     json!({
         "name": name,
         "volume": solid.map(|solid| pair(solid.volume)),
@@ -105,10 +106,10 @@ fn entry(name: &str, measures: &Measures) -> Value {
         })),
         "low": measures.ends.map(|ends| each(ends[0])),
         "high": measures.ends.map(|ends| each(ends[1])),
-        "area": measures.area,
-        "area_change": measures.area_change,
-        "pieces": pieces.len(),
-        "hollows": pieces.iter().filter(|piece| piece.is_hollow).count(),
+        "area": counts.map(|_| measures.area),
+        "area_change": counts.map(|_| measures.area_change),
+        "pieces": counts.map(|(pieces, _)| pieces),
+        "hollows": counts.map(|(_, hollows)| hollows),
         "genus": pieces.iter().map(|piece| piece.genus).collect::<Vec<_>>(),
         "shape_proven": measures.unproven == 0,
         "unproven": measures.unproven,

@@ -16,8 +16,9 @@ use zeroset_export::{FORMATS, Format, Meshes, Object, Quality, Unit, meshes};
 use zeroset_live::Rendering;
 use zeroset_mesh::{Mesh, Unproven};
 use zeroset_render::limit::Limit;
-use zeroset_scene::blank::Blank;
+use zeroset_scene::blank::{Blank, ends};
 use zeroset_scene::curves::UNPROVEN;
+use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::view::Clipping;
 use zeroset_syntax::Document;
 
@@ -155,22 +156,28 @@ fn write_unproven(objects: &[Object], out: &mut dyn Write) -> io::Result<()> {
 
 /// Says why no surface has a triangle.
 fn why_empty(found: &Meshes, document: &Document) -> String {
-    let Meshes { region, searched, is_undefined, .. } = found;
+    let Meshes { region, searched, is_undefined, tolerance, .. } = found;
     let blank = Blank::find(document, region, *is_undefined, *searched);
     let cells: usize = found.objects.iter().map(|object| object.mesh.cells).sum();
     let is_estimated = found.objects.iter().any(|object| object.mesh.is_estimated);
+    let place = |found: Option<AutoDomain>| found.map(|found| format!("--domain {}", ends(&found)));
     match blank {
         Blank::NoCurve => "there are curves and points alone".to_owned(),
-        Blank::Missed if cells > 0 => format!(
-            "the function changes its sign at no sample; {cells} cells may still hold a point \
-             of the surface"
+        Blank::Missed(found) if cells > 0 => format!(
+            "the function changes its sign at no sample; {cells} cells may still hold a point of \
+             the surface, which may be thinner than {tolerance:.2e} there: try a smaller \
+             --tolerance{}",
+            place(found).map(|place| format!(", or {place}")).unwrap_or_default()
         ),
-        Blank::Missed if is_estimated => {
+        Blank::Missed(_) if is_estimated => {
             "the estimated bounds leave no point in the domain; without --estimate, that is proven, \
              or the surface found"
                 .to_owned()
         }
-        Blank::Missed => "the surface is proven to have no point in the domain".to_owned(),
+        Blank::Missed(found) => format!(
+            "the surface is proven to have no point in the domain{}",
+            place(found).map(|place| format!("; try {place}")).unwrap_or_default()
+        ),
         _ => blank.describe(&|ends| format!("--domain {ends}")),
     }
 }

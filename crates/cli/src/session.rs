@@ -77,7 +77,7 @@ pub struct Session {
     history: Mutex<History>,
     /// Held while a picture is saved, so that no two saves choose the same name.
     saving: Mutex<()>,
-    /// A note that the file cannot be read. The window shows it and takes it from here.
+    /// A note on whether the file can be read. The window shows it and takes it from here.
     notice: Mutex<Option<String>>,
     /// An existing file that `:save` refused to overwrite. Entering the line again overwrites the
     /// file.
@@ -192,6 +192,7 @@ impl Session {
         let Some(path) = path else { return };
         let session = Arc::downgrade(self);
         let watched = DocumentSource::File(path.clone());
+        let watched_path = path.clone();
         let report = move |change| {
             let Some(session) = session.upgrade() else { return };
             // The document may have another source by now, for example after an undo.
@@ -207,10 +208,11 @@ impl Session {
                     }
                 }
                 Change::Lost(message) => {
-                    let note = format!("note: the last version is still shown: {message}");
-                    session.say(&note);
-                    *lock(&session.notice) = Some(note);
+                    session
+                        .note_of_file(format!("note: the last version is still shown: {message}"));
                 }
+                Change::Found => session
+                    .note_of_file(format!("note: '{}' can be read again", watched_path.display())),
             }
         };
         let known = match read {
@@ -240,7 +242,7 @@ impl Session {
         self.reported_in_window.fetch_max(self.live.revision(), Ordering::Relaxed);
     }
 
-    /// Takes the note that the file cannot be read, if there is one that was not yet shown.
+    /// Takes the note on whether the file can be read, if there is one that was not yet shown.
     #[cfg(feature = "window")]
     pub fn notice(&self) -> Option<String> {
         lock(&self.notice).take()
@@ -299,6 +301,12 @@ impl Session {
     /// Sets the prompt's message printer, or removes it.
     pub fn print_with(&self, printer: Option<Printer>) {
         *lock(&self.printer) = printer;
+    }
+
+    /// Shows a note on the file in the terminal and the window.
+    fn note_of_file(&self, note: String) {
+        self.say(&note);
+        *lock(&self.notice) = Some(note);
     }
 
     /// Shows a message in the terminal without breaking the line that is being typed.

@@ -25,6 +25,8 @@ pub enum Change {
     Text(String),
     /// The file cannot be read any more, for this reason.
     Lost(String),
+    /// The file can be read again. If its text is another one, that is reported next.
+    Found,
 }
 
 enum Message {
@@ -140,7 +142,9 @@ impl<R: FnMut(Change)> WatchedFile<R> {
         };
         match read {
             Ok(Source { text, .. }) => {
-                self.lost = false;
+                if std::mem::take(&mut self.lost) {
+                    (self.report)(Change::Found);
+                }
                 if text != self.text && !text.trim().is_empty() {
                     self.text.clone_from(&text);
                     (self.report)(Change::Text(text));
@@ -290,6 +294,27 @@ mod tests {
         assert_eq!(file.live.snapshot().rendering.expect("kept").picture.rgb, good);
         overwrite(&file.path(), "x = y");
         file.follows("x = y");
+    }
+
+    #[test]
+    fn a_file_that_returns_is_reported_whether_its_text_has_changed_or_not() {
+        let directory = tempfile::tempdir().expect("a directory");
+        let path = directory.path().join("surface.zset");
+        overwrite(&path, "x = 1");
+        let (report, changes) = channel();
+        let watch = Watch::start(&path, "x = 1", move |change| {
+            report.send(change).expect("the test listens");
+        });
+        let next = || changes.recv_timeout(LIMIT).expect("a change");
+        for text in ["x = 1", "x = 2"] {
+            std::fs::remove_file(&path).expect("removed");
+            assert!(matches!(next(), Change::Lost(_)));
+            overwrite(&path, text);
+            assert_eq!(next(), Change::Found);
+        }
+        assert_eq!(next(), Change::Text("x = 2".to_owned()));
+        drop(watch.expect("watched"));
+        assert!(changes.try_recv().is_err());
     }
 
     #[test]

@@ -17,7 +17,7 @@
 use crate::algebra::{add, div, mul, neg, sub};
 use crate::constant::Constant;
 use crate::graph::{Graph, Node, NodeId};
-use crate::regular::is_nonneg;
+use crate::regular::Nonneg;
 use num_rational::BigRational;
 use num_traits::{One, ToPrimitive, Zero};
 use rustc_hash::FxHashMap;
@@ -31,6 +31,8 @@ const MULTIPLE_LIMIT: i64 = 64;
 const ANGLE_LIMIT: usize = 4;
 /// Deepest nesting of sums and constant factors.
 const DEPTH_LIMIT: usize = 16;
+/// Largest number of terms and sums in a sum, each as often as it occurs.
+const VISIT_LIMIT: usize = 1 << 10;
 
 /// Returns a function with the values and the domain of definition of `root`, in which sines and
 /// cosines of integer multiples of inverse functions are algebraic. The function is added to
@@ -71,6 +73,7 @@ pub fn algebraic_angles(graph: &mut Graph, root: NodeId) -> NodeId {
 #[derive(Default)]
 struct Angles {
     multiples: FxHashMap<(NodeId, i64), [NodeId; 2]>,
+    nonneg: Nonneg,
 }
 
 /// Angles with their factors, and the rest of a sum.
@@ -78,12 +81,14 @@ struct Angles {
 struct Terms {
     angles: Vec<(NodeId, BigRational)>,
     rest: Vec<(NodeId, BigRational)>,
+    visits: usize,
 }
 
 impl Terms {
     /// Adds `factor` times a node, split into terms. `None` if there are too many.
     fn add(&mut self, graph: &Graph, id: NodeId, factor: &BigRational, depth: usize) -> Option<()> {
-        if depth > DEPTH_LIMIT {
+        self.visits += 1;
+        if depth > DEPTH_LIMIT || self.visits > VISIT_LIMIT {
             return None;
         }
         if let Node::Apply(op, operands) = graph.node(id) {
@@ -176,7 +181,7 @@ impl Angles {
         if n.abs() > MULTIPLE_LIMIT {
             return None;
         }
-        let mut waves = of(graph, angle)?;
+        let mut waves = of(graph, &mut self.nonneg, angle)?;
         if !factor.is_integer() {
             waves = half(graph, angle, waves)?;
         }
@@ -222,11 +227,11 @@ impl Angles {
 }
 
 /// The cosine and the sine of an angle, undefined where the angle is.
-fn of(graph: &mut Graph, angle: NodeId) -> Option<[NodeId; 2]> {
+fn of(graph: &mut Graph, nonneg: &mut Nonneg, angle: NodeId) -> Option<[NodeId; 2]> {
     let Node::Apply(op, operands) = *graph.node(angle) else { return None };
     let a = operands[0];
     if op == Op::Acos || op == Op::Asin {
-        let [own, other] = unit(graph, a);
+        let [own, other] = unit(graph, nonneg, a);
         return Some(if op == Op::Acos { [own, other] } else { [other, own] });
     }
     // The angle of the point (b, a), where b is 1 for the arc tangent.
@@ -240,8 +245,8 @@ fn of(graph: &mut Graph, angle: NodeId) -> Option<[NodeId; 2]> {
 
 /// A number u, and √(1 − u²), both undefined where |u| > 1. For u = p/√(p² + q), where q ≥ 0, they
 /// are defined wherever u is.
-fn unit(graph: &mut Graph, u: NodeId) -> [NodeId; 2] {
-    if let Some((others, root)) = others(graph, u) {
+fn unit(graph: &mut Graph, nonneg: &mut Nonneg, u: NodeId) -> [NodeId; 2] {
+    if let Some((others, root)) = others(graph, nonneg, u) {
         let other = graph.apply(Op::Sqrt, &[others]);
         return [u, graph.apply(Op::Div, &[other, root])].map(|wave| cut(graph, wave));
     }
@@ -252,7 +257,7 @@ fn unit(graph: &mut Graph, u: NodeId) -> [NodeId; 2] {
 }
 
 /// The terms q of u = p/√(p² + q), and the root, if q is proven ≥ 0.
-fn others(graph: &mut Graph, u: NodeId) -> Option<(NodeId, NodeId)> {
+fn others(graph: &mut Graph, nonneg: &mut Nonneg, u: NodeId) -> Option<(NodeId, NodeId)> {
     let &[above, root] = graph.operands(u, Op::Div)? else { return None };
     let sum = graph.operands(root, Op::Sqrt)?[0];
     let square = graph.find(Op::Sqr, &[above])?;
@@ -269,7 +274,7 @@ fn others(graph: &mut Graph, u: NodeId) -> Option<(NodeId, NodeId)> {
             return None;
         }
     }
-    if !found || !others.iter().all(|id| is_nonneg(graph, *id, 0)) {
+    if !found || !others.iter().all(|id| nonneg.holds(graph, *id)) {
         return None;
     }
     let zero = graph.integer(0);

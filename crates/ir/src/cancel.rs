@@ -18,7 +18,7 @@ use crate::graph::{Graph, Node, NodeId};
 use crate::polynomial::{self, Polynomial, Work};
 use num_rational::BigRational;
 use num_traits::{One, Zero};
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use zeroset_ops::{Class, Op, Secant};
 
 /// Number of products of terms for one function; a few tenths of a second at most.
@@ -69,36 +69,44 @@ struct Difference {
     divisor: Polynomial,
 }
 
-/// The bases and exponents of a product, and whether the product is the negative of theirs.
+/// The bases and exponents of a product, and whether the product is the negative of theirs. Each
+/// node is visited once.
 pub(crate) fn factors(graph: &Graph, id: NodeId) -> (bool, Factors) {
     let (mut is_negative, mut found) = (false, Factors::new());
-    let mut pending = vec![(id, 1_u32)];
-    while let Some((id, exponent)) = pending.pop() {
+    // Operands precede the nodes that use them. So the exponent of the last node is complete.
+    let mut pending = BTreeMap::from([(id, 1_u32)]);
+    while let Some((id, exponent)) = pending.pop_last() {
         let (class, operands) = match graph.node(id) {
-            Node::Apply(op, operands) => (Some(op.row().class), *operands),
-            Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) => {
-                *found.entry(id).or_insert(0) += exponent;
-                continue;
-            }
+            Node::Apply(op, operands) => (Some(op.row().class), &operands[..]),
+            Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) => (None, &[][..]),
         };
         let whole = |id: NodeId| {
             let exponent = graph.number(id)?.as_integer()?;
             (1..=EXPONENT_LIMIT).contains(&exponent).then_some(exponent as u32)
         };
-        let limit = u32::MAX / EXPONENT_LIMIT as u32;
-        match class {
-            Some(Class::Product) if found.len() + pending.len() < STEP_LIMIT => {
-                pending.extend(operands.iter().map(|operand| (*operand, exponent)));
+        let (operands, times) = match class {
+            Some(Class::Product) if found.len() + pending.len() < STEP_LIMIT => (operands, 1),
+            Some(Class::Negation) => (operands, 1),
+            Some(Class::Square) => (operands, 2),
+            Some(Class::Power) => match whole(operands[1]) {
+                Some(times) => (&operands[..1], times),
+                None => (&[][..], 1),
+            },
+            _ => (&[][..], 1),
+        };
+        // Both operands of a product may be the same node.
+        let share = exponent.checked_mul(2 * times).map(|twice| twice / 2);
+        let fits = |share: u32, operand: &NodeId| {
+            pending.get(operand).unwrap_or(&0).checked_add(2 * share).is_some()
+        };
+        match share {
+            Some(share) if !operands.is_empty() && operands.iter().all(|id| fits(share, id)) => {
+                is_negative ^= class == Some(Class::Negation) && exponent % 2 == 1;
+                for operand in operands {
+                    *pending.entry(*operand).or_insert(0) += share;
+                }
             }
-            Some(Class::Negation) => {
-                is_negative ^= exponent % 2 == 1;
-                pending.push((operands[0], exponent));
-            }
-            Some(Class::Square) if exponent < limit => pending.push((operands[0], 2 * exponent)),
-            Some(Class::Power) if exponent < limit && whole(operands[1]).is_some() => {
-                pending.push((operands[0], whole(operands[1]).unwrap_or(1) * exponent));
-            }
-            _ => *found.entry(id).or_insert(0) += exponent,
+            _ => _ = found.insert(id, exponent),
         }
     }
     (is_negative, found)

@@ -213,6 +213,7 @@ mod tests {
     use crate::display;
     use crate::graph::Axis;
     use crate::testing::{Random, TestGraphBuilder, evaluate};
+    use zeroset_interval::{Decorated, Facts, Interval, fold};
     use zeroset_ops::composed;
 
     fn apply(graph: &mut Graph, op: Op, operands: &[NodeId]) -> NodeId {
@@ -297,6 +298,96 @@ mod tests {
             let operands = Axis::ALL.map(|axis| graph.variable(axis));
             let root = graph.apply(row.op, &operands[..row.op.arity()]);
             gradient(&mut graph, root); // panics where a rule cannot be read
+        }
+    }
+
+    fn facts_at(graph: &Graph, root: NodeId, at: &[f64; 3]) -> Facts {
+        value_at(graph, root, at).facts
+    }
+
+    /// The enclosure of a node at a point.
+    fn value_at(graph: &Graph, root: NodeId, at: &[f64; 3]) -> Decorated {
+        let mut known: FxHashMap<NodeId, Decorated> = FxHashMap::default();
+        for id in graph.needed(&[root]) {
+            let value = match graph.node(id) {
+                Node::Variable(axis) => {
+                    let at = Interval::point(at[*axis as usize]).expect("finite");
+                    Decorated::from((at, Facts::TOTAL))
+                }
+                Node::Constant(value) => value.value(),
+                Node::Parameter(_) => unreachable!("there are no parameters"),
+                Node::Apply(op, operands) => {
+                    let operands: Vec<_> = operands.iter().map(|id| known[id]).collect();
+                    fold(*op, &operands).into()
+                }
+            };
+            known.insert(id, value);
+        }
+        known[&root]
+    }
+
+    #[test]
+    fn a_smooth_function_has_a_derivative_wherever_it_is_defined() {
+        // The square of a smaller number than this underflows.
+        const LEAST: f64 = 1e-150;
+        let sizes = [0.0, 5e-324, 1e-300, 1e-9, 0.5, 0.999, 1.0, 1.5, 3.0, 40.0, 800.0, 1e9, 1e300];
+        let points: Vec<f64> = sizes.iter().flat_map(|size| [*size, -size]).collect();
+        let mut proven = 0;
+        for row in TABLE {
+            let arity = row.op.arity();
+            for index in 0..points.len().pow(arity as u32) {
+                let digit = |place: u32| points[index / points.len().pow(place) % points.len()];
+                let at = [0, 1, 2].map(digit);
+                let is_corner =
+                    |corners: &[i32]| arity == 1 && corners.iter().any(|c| f64::from(*c) == at[0]);
+                // The base of a real power is at least 0: there its domain ends.
+                if row.corners.is_some_and(is_corner) || row.op == Op::Pow && at[0] == 0.0 {
+                    continue;
+                }
+                let mut graph = Graph::new();
+                let operands = Axis::ALL.map(|axis| graph.variable(axis));
+                let root = graph.apply(row.op, &operands[..arity]);
+                if !facts_at(&graph, root, &at).has(Facts::DEFINED) {
+                    continue;
+                }
+                let is_tiny = at[..arity].iter().any(|v| *v != 0.0 && v.abs() < LEAST);
+                for partial in gradient(&mut graph, root) {
+                    let facts = facts_at(&graph, partial, &at);
+                    let holds = if is_tiny {
+                        !facts.has(Facts::NOWHERE)
+                    } else {
+                        facts.has(Facts::DEFINED)
+                    };
+                    assert!(holds, "{} at {:?}: {facts:?}", row.name, &at[..arity]);
+                    proven += usize::from(!is_tiny);
+                }
+            }
+        }
+        assert!(proven > 50_000, "{proven}");
+    }
+
+    #[test]
+    fn derivatives_at_zero_are_those_of_the_series() {
+        // Jₙ(x) = Σ (-1)ᵏ (x/2)²ᵏ⁺ⁿ/(k! (k + n)!). From the fifth derivative on, it may be undefined
+        // at 0, but not wrong.
+        let exact = [
+            (Op::BesselJ0, [0.0, -0.5, 0.0, 0.375, 0.0, -0.3125]),
+            (Op::BesselJ1, [0.5, 0.0, -0.375, 0.0, 0.3125, 0.0]),
+            (Op::BesselJ2, [0.0, 0.25, 0.0, -0.25, 0.0, 0.234_375]),
+            (Op::BesselJ3, [0.0, 0.0, 0.125, 0.0, -0.156_25, 0.0]),
+        ];
+        for (op, exact) in exact {
+            let mut graph = Graph::new();
+            let x = graph.variable(Axis::X);
+            let mut root = graph.apply(op, &[x]);
+            for (order, exact) in (1..).zip(exact) {
+                root = derivative(&mut graph, root, x);
+                let Decorated { bounds, facts, .. } = value_at(&graph, root, &[0.0; 3]);
+                assert!(facts.has(Facts::DEFINED) || order > 4, "{op:?}, {order}: {facts:?}");
+                let is_near = (bounds.lo - exact).abs() < 1e-9 && (bounds.hi - exact).abs() < 1e-9;
+                let is_defined = !facts.has(Facts::NOWHERE);
+                assert!(!is_defined || is_near, "{op:?}, {order}: {bounds:?}, not {exact}");
+            }
         }
     }
 

@@ -28,6 +28,8 @@ mod variability;
 
 #[cfg(test)]
 mod testing;
+#[cfg(test)]
+mod towers;
 
 pub use angles::algebraic_angles;
 pub use clear::{RationalForm, clear, without_gaps};

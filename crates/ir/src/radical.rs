@@ -10,6 +10,7 @@ mod sum;
 
 use crate::graph::{Graph, Node, NodeId};
 use crate::univariate;
+use rustc_hash::FxHashSet;
 use sum::of_even_powers;
 use zeroset_ops::Op;
 
@@ -83,8 +84,12 @@ fn factors(
     found: &mut Vec<NodeId>,
 ) -> Option<bool> {
     let mut is_simpler = false;
-    let mut rest = vec![root];
+    let (mut rest, mut seen) = (vec![root], FxHashSet::default());
     while let Some(id) = rest.pop() {
+        if !seen.insert(id) {
+            is_simpler |= graph.number(id).is_none();
+            continue;
+        }
         match graph.node(id) {
             Node::Constant(value) if !value.bounds().contains(0.0) => {}
             Node::Apply(Op::Mul, operands) => rest.extend(operands.iter().rev()),

@@ -34,7 +34,7 @@ mod thin;
 use crate::algebra::neg;
 use crate::graph::{Graph, Node, NodeId};
 use sets::Sets;
-pub(crate) use thin::{is_nonneg, is_thin_zero};
+pub(crate) use thin::{Nonneg, is_thin_zero};
 use zeroset_interval::{Decorated, Facts, Interval, fold};
 
 /// Returns a function for the solid `root` ≤ 0, or `root` < 0, that is below 0 on faces inside of

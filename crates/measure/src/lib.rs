@@ -44,6 +44,19 @@ pub struct Measures {
     pub area_change: f64,
 }
 
+impl Measures {
+    /// The numbers of pieces and of hollows. A hollow belongs to the piece around it; only a solid
+    /// has any. `None` if the mesh has no triangle and the surface is not proven empty.
+    pub fn counts(&self) -> Option<(usize, usize)> {
+        let pieces = &self.shape.pieces;
+        let hollows = match self.solid {
+            Some(_) => pieces.iter().filter(|piece| piece.is_hollow).count(),
+            None => 0,
+        };
+        (!pieces.is_empty() || self.unproven == 0).then_some((pieces.len() - hollows, hollows))
+    }
+}
+
 /// Measures a surface of a program in a region. The width of a volume's bounds is at most
 /// `relative` times the volume, unless that takes too many boxes. Returns `None` once `wanted`
 /// returns false.

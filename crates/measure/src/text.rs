@@ -27,13 +27,19 @@ fn rows(measures: &Measures, relative: f64) -> Vec<(&'static str, String)> {
         }
         None => rows.push(("from, to", "not proven".to_owned())),
     }
-    let Measures { area, area_change, .. } = measures;
+    let Measures { area, area_change, unproven, .. } = measures;
+    let Some(counts) = measures.counts() else {
+        rows.push(("area", "not estimated: the mesh has no triangle".to_owned()));
+        let cells = format!("{unproven} cells may hold a point of the surface");
+        rows.push(("shape", format!("not known: {cells}, which may be thinner than these")));
+        return rows;
+    };
     let area = Interval { lo: area - area_change, hi: area + area_change };
     rows.push(("area", format!("{}, estimated by two meshes", digits(area))));
-    let shape = describe(measures);
+    let shape = describe(measures, counts);
     rows.push((
         "shape",
-        match measures.unproven {
+        match unproven {
             0 => format!("{shape}: proven"),
             cells => format!("{shape} in a mesh, not proven in {cells} cells"),
         },
@@ -41,15 +47,14 @@ fn rows(measures: &Measures, relative: f64) -> Vec<(&'static str, String)> {
     rows
 }
 
-/// The pieces of a surface, in words.
-fn describe(measures: &Measures) -> String {
+/// The pieces of a surface and its hollows, in words.
+fn describe(measures: &Measures, (solids, hollows): (usize, usize)) -> String {
     let pieces = &measures.shape.pieces;
-    let hollows = pieces.iter().filter(|piece| piece.is_hollow).count();
     let of =
         |count: usize, one: &str| format!("{count} {one}{}", if count == 1 { "" } else { "s" });
-    let mut shape = of(pieces.len(), "piece");
-    if measures.solid.is_some() && hollows > 0 {
-        shape = format!("{} with {}", of(pieces.len() - hollows, "piece"), of(hollows, "hollow"));
+    let mut shape = of(solids, "piece");
+    if hollows > 0 {
+        shape = format!("{shape} with {}", of(hollows, "hollow"));
     }
     let genus: Option<Vec<String>> =
         pieces.iter().map(|piece| piece.genus.map(|genus| genus.to_string())).collect();

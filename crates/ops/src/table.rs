@@ -189,11 +189,14 @@ pub static TABLE: &[OpRow] = &[
         secants: &[secants::BESSEL_J2],
         derivative: "(besselj1(a)-besselj3(a))/2*da",
         doc: "Bessel function of the first kind of order 2", ..SMOOTH },
-    // The quotient has the bounds of its Taylor series.
+    // The quotient has the bounds of its Taylor series, which takes its place at 0. The last term
+    // has no fourth derivative there, where the series without it has a wrong one.
     OpRow { op: Op::BesselJ3, name: "besselj3",
         parity: Odd, values: &[(0, 0)],
         secants: &[secants::BESSEL_J3],
-        derivative: "(besselj2(a)-3*min(max(besselj3(a)/a, sqr(a)/48-sqr(sqr(a))/768), sqr(a)/48))*da",
+        derivative: "(besselj2(a)-3*otherwise(\
+                min(max(besselj3(a)/a, sqr(a)/48-sqr(sqr(a))/768), sqr(a)/48), \
+                sqr(a)/48+abs(a)^(7/2)/1000000000))*da",
         doc: "Bessel function of the first kind of order 3", ..SMOOTH },
     OpRow { op: Op::Add, name: "add", arity: 2, notation: infix("+"),
         class: Class::Sum,

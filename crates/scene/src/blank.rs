@@ -20,10 +20,11 @@ pub enum Blank {
     Undefined,
     /// The region lies within ±[`REACH`], where the surface is proven to have no point.
     Empty,
-    /// The surface lies elsewhere, or is too small to be visible in this region.
+    /// The surface is proven to lie in this domain, which does not meet the region.
     Elsewhere(AutoDomain),
-    /// Every ray misses the surface, because of the camera or because the surface is thin.
-    Missed,
+    /// Every ray misses the surface: because of the camera, because the surface is small or thin,
+    /// or because it has no point in the region. A domain may show more of it.
+    Missed(Option<AutoDomain>),
 }
 
 impl Blank {
@@ -49,10 +50,13 @@ impl Blank {
         let within = region.low().abs().max(region.high().abs()).max_element() <= REACH;
         match searched.or_else(|| view::search(document).ok()) {
             Some(found) if found.finding.is_empty() && within => Self::Empty,
-            Some(found) if !found.finding.is_empty() && differs(&found, region) => {
+            Some(found) if found.finding.is_bounded() && is_apart(&found, region) => {
                 Self::Elsewhere(found)
             }
-            _ => Self::Missed,
+            Some(found) if !found.finding.is_empty() && differs(&found, region) => {
+                Self::Missed(Some(found))
+            }
+            _ => Self::Missed(None),
         }
     }
 
@@ -67,14 +71,28 @@ impl Blank {
             }
             Self::Empty => "nothing is seen: the surface is proven empty up to ±1e12".to_owned(),
             Self::Elsewhere(found) => {
-                let ends = [0, 1, 2]
-                    .map(|axis| [found.low[axis], found.high[axis]].map(coordinate).join(","));
-                let place = domain(&ends.join(","));
+                let place = domain(&ends(found));
                 format!("nothing is seen here; the surface lies elsewhere: try {place}")
             }
-            Self::Missed => "nothing is seen: every ray is proven to miss".to_owned(),
+            Self::Missed(found) => {
+                let advice = found.map(|found| format!("; try {}", domain(&ends(&found))));
+                let advice = advice.unwrap_or_default();
+                format!("nothing is seen: every ray is proven to miss{advice}")
+            }
         }
     }
+}
+
+/// The six bounds of a domain, with commas between.
+pub fn ends(found: &AutoDomain) -> String {
+    let range = |axis: usize| [found.low[axis], found.high[axis]].map(coordinate).join(",");
+    [0, 1, 2].map(range).join(",")
+}
+
+/// Returns whether the found domain has no point in common with the region.
+fn is_apart(found: &AutoDomain, region: &Region) -> bool {
+    let (low, high) = (region.low(), region.high());
+    (0..3).any(|axis| found.high[axis] < low[axis] || found.low[axis] > high[axis])
 }
 
 /// Returns whether the found domain reaches beyond the region, or is so small that its contents may
@@ -106,11 +124,23 @@ mod tests {
     fn a_blank_picture_says_why_and_where_there_is_something() {
         let far = why("(x-300)^2+y^2+z^2=1", 2.0);
         assert!(far.contains("--domain 298.") && far.contains(",301."), "{far}");
-        assert!(why("x^2+y^2+z^2=1e-8", 2.0).contains("--domain"));
+        assert!(far.contains("the surface lies elsewhere"), "{far}");
         assert!(why("hidden\nz=1", 2.0).contains("every surface is hidden"));
         assert!(why("z=5", 2.0).contains("4,6"), "{}", why("z=5", 2.0));
         assert!(why("z=12345.678", 2.0).contains("12344.68,12346.68"));
         assert!(why("x^2+y^2+z^2=-1", 2.0).contains("proven empty"));
-        assert!(why("x^2+y^2+z^2=1", 2.0).contains("every ray"));
+        assert!(why("x^2+y^2+z^2=1", 2.0).ends_with("every ray is proven to miss"));
+    }
+
+    /// A surface lies elsewhere only if that is proven.
+    #[test]
+    fn a_surface_that_may_be_in_the_region_lies_nowhere_else() {
+        for text in ["x^2+y^2+z^2=1e-8", "(z-0.001)*(z-0.002)=0", "x*y*z=1", "x*y*z=9", "z=5"] {
+            let said = why(text, 2.0);
+            assert!(said.contains("every ray is proven to miss; try --domain "), "{text}: {said}");
+        }
+        // The box of the sphere only touches the region.
+        let said = why("(x-3)^2+y^2+z^2=1", 2.0);
+        assert!(!said.contains("elsewhere"), "{said}");
     }
 }

@@ -67,8 +67,9 @@ pub fn of_even_powers(graph: &mut Graph, root: NodeId) -> Option<Vec<NodeId>> {
 /// Reads node `id` as a term of one sign. `None` if its operations do not show this.
 fn term(graph: &Graph, id: NodeId) -> Option<SignedTerm> {
     let mut term = SignedTerm::default();
-    let mut rest = vec![id];
+    let (mut rest, mut visits) = (vec![id], 0);
     while let Some(id) = rest.pop() {
+        visits += 1;
         match graph.node(id) {
             Node::Apply(Op::Mul, operands) => rest.extend(operands.iter().rev()),
             Node::Apply(Op::Neg, operands) => {
@@ -99,7 +100,8 @@ fn term(graph: &Graph, id: NodeId) -> Option<SignedTerm> {
             }
             Node::Apply(..) | Node::Variable(_) | Node::Parameter(_) => return None,
         }
-        if term.bases.len() + rest.len() > FACTOR_LIMIT {
+        // A shared factor is visited as often as it occurs.
+        if term.bases.len() + rest.len() > FACTOR_LIMIT || visits > 4 * FACTOR_LIMIT {
             return None;
         }
     }

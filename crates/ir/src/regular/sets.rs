@@ -2,7 +2,7 @@
 
 use super::emit::Plan;
 use super::form::{Forms, LinearForm};
-use super::thin::{Thinness, is_nonneg};
+use super::thin::{Nonneg, Thinness};
 use crate::constant::Constant;
 use crate::graph::{Graph, Node, NodeId};
 use num_rational::BigRational;
@@ -18,8 +18,10 @@ use zeroset_ops::Op;
 const DEPTH_LIMIT: usize = 128;
 /// Largest number of choices in one sum that are replaced by their cases.
 const CASES_LIMIT: usize = 3;
-/// Number of steps that all rules together may take: some tenths of a second. A set is left as it
-/// is once they are used up.
+/// Number of steps that all rules together may take, for a function without nodes and for each
+/// node: some tenths of a second for most functions. A set is left as it is once they are used up.
+const WORK_LIMITS: [usize; 2] = [200_000, 64];
+/// The same for large functions.
 const WORK_LIMIT: usize = 2_000_000;
 
 /// Index of a set in [`Sets`].
@@ -137,6 +139,7 @@ pub(super) struct Sets<'a> {
     graph: &'a Graph,
     forms: Forms,
     thinness: Thinness<'a>,
+    nonneg: Nonneg,
     entries: Vec<Entry>,
     index: FxHashMap<Set, SetId>,
     sums: Vec<Sum>,
@@ -153,7 +156,10 @@ pub(super) struct Sets<'a> {
 impl<'a> Sets<'a> {
     pub fn new(graph: &'a Graph, root: NodeId, parameters: &'a [Interval]) -> Self {
         let mut chooses = vec![false; graph.len()];
-        for id in graph.needed(&[root]) {
+        let needed = graph.needed(&[root]);
+        let [least, each] = WORK_LIMITS;
+        let work = WORK_LIMIT.min(least + each * needed.len());
+        for id in needed {
             if let Node::Apply(op, operands) = graph.node(id) {
                 let own = [Op::Min, Op::Max, Op::Abs].contains(op);
                 chooses[id.index()] = own || operands.iter().any(|id| chooses[id.index()]);
@@ -163,6 +169,7 @@ impl<'a> Sets<'a> {
             graph,
             forms: Forms::default(),
             thinness: Thinness::new(parameters),
+            nonneg: Nonneg::default(),
             entries: Vec::new(),
             index: FxHashMap::default(),
             sums: Vec::new(),
@@ -171,7 +178,7 @@ impl<'a> Sets<'a> {
             of_forms: FxHashMap::default(),
             chooses,
             depth: 0,
-            work: WORK_LIMIT,
+            work,
         };
         assert_eq!(sets.intern(Set::All, None), SetId::ALL);
         assert_eq!(sets.intern(Set::Nothing, None), SetId::NONE);
@@ -348,7 +355,7 @@ impl<'a> Sets<'a> {
         } else if op == Op::Mul {
             [(1, 0), (0, 1)].into_iter().find_map(|(square, other)| {
                 let square = operands[square];
-                let is_dropped = is_nonneg(self.graph, square, 0) && self.is_thin_zero(square);
+                let is_dropped = self.nonneg.holds(self.graph, square) && self.is_thin_zero(square);
                 is_dropped.then_some(operands[other])
             })?
         } else {
@@ -397,9 +404,8 @@ impl<'a> Sets<'a> {
 
     fn add_sum(&mut self, terms: Vec<(NodeId, BigRational)>) -> u32 {
         let sum = u32::try_from(self.sums.len()).expect("fewer than 2^32 sums");
-        let nonneg =
-            |(id, c): &(NodeId, BigRational)| c.is_positive() && is_nonneg(self.graph, *id, 0);
-        let is_nonneg = terms.iter().all(nonneg);
+        let is_nonneg =
+            terms.iter().all(|(id, c)| c.is_positive() && self.nonneg.holds(self.graph, *id));
         let number = |(id, c): &(NodeId, BigRational)| (*id, Constant::rational(c.clone()));
         let constants = terms.iter().map(number).collect();
         self.sums.push(Sum { terms: constants, is_nonneg, values: None });

@@ -52,11 +52,17 @@ pub(super) struct Thinness<'a> {
     values: [FxHashMap<NodeId, Values>; PLACES.len()],
     /// Whether a node is analytic, and made without choices.
     smooth: FxHashMap<NodeId, bool>,
+    nonneg: Nonneg,
 }
 
 impl<'a> Thinness<'a> {
     pub fn new(parameters: &'a [Interval]) -> Self {
-        Self { parameters, values: Default::default(), smooth: FxHashMap::default() }
+        Self {
+            parameters,
+            values: Default::default(),
+            smooth: FxHashMap::default(),
+            nonneg: Nonneg::default(),
+        }
     }
 
     /// Returns, for each place, the values of Σ cᵢ·tᵢ over all combinations of choices.
@@ -126,7 +132,9 @@ impl<'a> Thinness<'a> {
             Pieces::Roots => {
                 let value = operand(0)?;
                 let radicand = operands[0];
-                if !self.is_smooth(graph, radicand, depth + 1) || !is_nonneg(graph, radicand, 0) {
+                if !self.is_smooth(graph, radicand, depth + 1)
+                    || !self.nonneg.holds(graph, radicand)
+                {
                     return None;
                 }
                 let root = applied(Op::Sqrt, &[*value.first().filter(|a| a.lo > 0.0)?])?;
@@ -228,22 +236,39 @@ impl Pieces {
     }
 }
 
-/// Returns whether a node is proven ≥ 0 wherever it is defined, by its operations alone.
-pub(crate) fn is_nonneg(graph: &Graph, id: NodeId, depth: usize) -> bool {
-    if depth > DEPTH_LIMIT {
-        return false;
+/// Proofs that nodes are ≥ 0 wherever they are defined, by their operations alone. Each node is
+/// visited once.
+#[derive(Default)]
+pub(crate) struct Nonneg {
+    known: FxHashMap<NodeId, bool>,
+}
+
+impl Nonneg {
+    /// Returns whether a node is proven ≥ 0. All calls must name the same graph, or one that grew
+    /// from it.
+    pub fn holds(&mut self, graph: &Graph, id: NodeId) -> bool {
+        self.at(graph, id, 0)
     }
-    let nonneg = |id: NodeId| is_nonneg(graph, id, depth + 1);
-    match graph.node(id) {
-        Node::Constant(value) => value.bounds().lo >= 0.0,
-        Node::Variable(_) | Node::Parameter(_) => false,
-        Node::Apply(op, operands) => {
-            let exponent = || graph.number(operands[1]).and_then(Constant::as_integer);
-            NONNEG.contains(op)
-                || NONNEG_WITH_OPERANDS.contains(op) && operands.iter().all(|id| nonneg(*id))
-                || *op == Op::Max && operands.iter().any(|id| nonneg(*id))
-                || *op == Op::Pow && exponent().is_some_and(|n| n % 2 == 0)
+
+    fn at(&mut self, graph: &Graph, id: NodeId, depth: usize) -> bool {
+        if let Some(known) = self.known.get(&id) {
+            return *known;
         }
+        let is_nonneg = depth <= DEPTH_LIMIT
+            && match graph.node(id) {
+                Node::Constant(value) => value.bounds().lo >= 0.0,
+                Node::Variable(_) | Node::Parameter(_) => false,
+                Node::Apply(op, operands) => {
+                    let exponent = || graph.number(operands[1]).and_then(Constant::as_integer);
+                    let mut operand = |id: &NodeId| self.at(graph, *id, depth + 1);
+                    NONNEG.contains(op)
+                        || NONNEG_WITH_OPERANDS.contains(op) && operands.iter().all(&mut operand)
+                        || *op == Op::Max && operands.iter().any(operand)
+                        || *op == Op::Pow && exponent().is_some_and(|n| n % 2 == 0)
+                }
+            };
+        self.known.insert(id, is_nonneg);
+        is_nonneg
     }
 }
 
