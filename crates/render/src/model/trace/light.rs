@@ -108,7 +108,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 };
                 self.colored(&layered, &mut behind)?
             };
-            for pixel in 0..buffer.drawn.len() {
+            for pixel in 0..finish.ground.len() {
                 if let Some(ground) = finish.ground_at(pixel).filter(|_| !buffer.is_drawn(pixel)) {
                     pixels.set(pixel, ground);
                 }
