@@ -134,6 +134,20 @@ impl<T: Real> Tape<T> {
         self
     }
 
+    /// Returns whether another tape has the same steps, and constants within the bounds of those of
+    /// this tape. Then a [`Selection`](crate::Selection) of this tape is one of the other.
+    pub fn has_steps_of<U: Real>(&self, other: &Tape<U>) -> bool {
+        let is_same = |(own, step): (&Step, &Step)| match (own, step) {
+            (Step::Constant(bounds, exponent), Step::Constant(other, as_other)) => {
+                bounds.lo <= other.lo && other.hi <= bounds.hi && exponent == as_other
+            }
+            _ => own == step,
+        };
+        self.steps.len() == other.steps.len()
+            && self.steps.iter().zip(&other.steps).all(is_same)
+            && self.outputs == other.outputs
+    }
+
     /// Returns whether the ranges are [coarse](Self::coarse).
     pub fn is_coarse(&self) -> bool {
         self.is_coarse

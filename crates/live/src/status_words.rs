@@ -61,6 +61,7 @@ fn why(reason: UndecidedReason) -> &'static str {
         UndecidedReason::Budget => "out of time",
         UndecidedReason::Unproven => "not proven",
         UndecidedReason::Steep => "too steep",
+        UndecidedReason::Unseen => "not examined",
     }
 }
 
