@@ -535,10 +535,10 @@ mod tests {
         old.hand_back();
         let mut new = GBuffer::new(1, 1, 3);
         assert_eq!(new, reset);
-        let expected = (Status::Miss, f64::INFINITY, f64::INFINITY, 3);
+        let expected = (Status::Undecided, 0.0, f64::INFINITY, 3);
         assert_eq!((new.status[0], new.distance(0), new.drawn[0], new.surface[0]), expected);
         assert!(new.cap.is_empty() && new.shadow.is_empty() && new.occlusion.is_empty());
-        assert!(new.reason(0) == UndecidedReason::None && new.bracket.is_empty());
+        assert!(new.reason(0) == UndecidedReason::Unseen && new.bracket.is_empty());
         // A hit replaces an undecided result. The old reason must not show.
         new.set(
             0,
@@ -557,7 +557,7 @@ mod tests {
             buffer.reset(width, height, 0);
             let pixels = 0..width * height;
             let is_clear = |pixel: usize| {
-                (buffer.status[pixel], buffer.drawn[pixel]) == (Status::Miss, f64::INFINITY)
+                buffer.reason(pixel) == UndecidedReason::Unseen && !buffer.is_drawn(pixel)
             };
             assert!(pixels.clone().all(is_clear), "{width}×{height}");
             for pixel in pixels.filter(|pixel| pixel % 45 < 2 || pixel % 256 < 50) {
@@ -568,6 +568,7 @@ mod tests {
                 };
                 buffer.set(pixel, &RayResult { status, distance: 2.0, drawn, ..RayResult::MISS });
             }
+            buffer.miss(0..width * height);
         }
     }
 
@@ -591,7 +592,7 @@ mod tests {
         let mut two = bracketed(1.0, 2.0);
         two.merge(&bracketed(0.5, 4.0));
         assert_eq!((two.distance(0), two.bracket[0]), (1.5, [0.5, 2.0]));
-        two.merge(&GBuffer::new(1, 1, 3).with_brackets());
+        two.merge(&GBuffer::of_nothing(1, 1).with_brackets());
         assert_eq!(two.bracket[0], [0.5, 2.0]);
         two.merge(&pixel(Status::Undecided, 0.25, 0.25, 1).with_brackets());
         assert!(two.status[0] == Status::Undecided && two.bracket[0][0].is_nan());
@@ -608,8 +609,16 @@ mod tests {
         }
         // Merging a miss changes nothing.
         let before = buffer.clone();
-        buffer.merge(&GBuffer::new(1, 1, 3));
+        buffer.merge(&GBuffer::of_nothing(1, 1));
         assert_eq!(buffer, before);
+        // Where a surface was not examined, nothing is proven, though the hit stays painted.
+        let mut unseen = before.clone();
+        unseen.merge(&GBuffer::new(1, 1, 3));
+        assert_eq!((unseen.reason(0), unseen.distance(0)), (UndecidedReason::Unseen, 0.0));
+        assert_eq!((unseen.drawn[0], unseen.surface[0]), (before.drawn[0], before.surface[0]));
+        let mut unseen = GBuffer::new(1, 1, 3);
+        unseen.merge(&before);
+        assert_eq!((unseen.reason(0), unseen.distance(0)), (UndecidedReason::Unseen, 0.0));
         // A pixel that is not selected stays as it is.
         buffer.replace(&pixel(Status::Undecided, 9.0, 9.0, 9), &[false]);
         assert_eq!(buffer, before);

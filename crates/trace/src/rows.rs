@@ -190,13 +190,13 @@ impl Rows<'_> {
     fn clear_with<S: Simd>(&mut self, _: S) {
         // Quantities without a meaning for an unseen pixel are not written, which saves time. Where
         // an earlier picture in this memory has misses, nothing is painted.
-        let parts = self.status.chunks_mut(CLEARED).zip(self.drawn.chunks_mut(CLEARED));
+        let parts = self.status.chunks(CLEARED).zip(self.drawn.chunks_mut(CLEARED));
         for (status, drawn) in parts {
             if !status.first_chunk::<CLEARED>().is_some_and(are_misses) {
                 drawn.fill(f64::INFINITY);
             }
-            status.fill(Status::Undecided);
         }
+        self.status.fill(Status::Undecided);
         self.reason.fill(UndecidedReason::Unseen);
         self.uneven.fill(false);
         self.bracket.fill([f64::NAN; 2]);

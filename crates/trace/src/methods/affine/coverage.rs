@@ -19,11 +19,16 @@ pub(super) struct Coverage {
 pub(super) type TileRanges = [Range<usize>; 2];
 
 impl Coverage {
-    /// Begins with tiles whose rays start at these values of s, row by row.
-    pub fn begin(&mut self, across: usize, starts: impl Iterator<Item = f64>) {
+    /// Begins with rows of tiles, whose rays start at `near`.
+    pub fn begin(&mut self, [across, down]: [usize; 2], near: f64) {
         self.across = across;
         self.reached.clear();
-        self.reached.extend(starts);
+        self.reached.resize(across * down, near);
+    }
+
+    /// Records that a tile's rays need not be examined before `start`.
+    pub fn begin_at(&mut self, tile: usize, start: f64) {
+        self.reached[tile] = self.reached[tile].max(start);
     }
 
     /// Records that tiles are examined between the ends of `span`. Tiles that have not reached
@@ -33,9 +38,7 @@ impl Coverage {
         for row in rows {
             let first = row * self.across;
             for reached in &mut self.reached[first + columns.start..first + columns.end] {
-                if *reached >= near {
-                    *reached = reached.max(far);
-                }
+                *reached = if *reached >= near { reached.max(far) } else { *reached };
             }
         }
     }
@@ -51,6 +54,11 @@ impl Coverage {
         self.reached.len()
     }
 
+    /// Returns whether all tiles are examined up to `end`.
+    pub fn have_reached(&self, end: f64) -> bool {
+        self.reached.iter().fold(true, |all, reached| all & (*reached >= end))
+    }
+
     /// Records that a part of a tile's rays is not examined and never will be.
     pub fn lose(&mut self, tile: usize) {
         self.reached[tile] = f64::NEG_INFINITY;
@@ -64,7 +72,7 @@ mod tests {
     #[test]
     fn a_tile_reaches_the_end_only_without_gaps() {
         let mut coverage = Coverage::default();
-        coverage.begin(3, [0.0; 6].into_iter());
+        coverage.begin([3, 2], 0.0);
         let ends = |coverage: &Coverage| {
             [0, 1, 2, 3, 4, 5]
                 .map(|tile| (0..9).rev().find(|end| coverage.has_reached(tile, f64::from(*end))))

@@ -183,15 +183,16 @@ impl<T: Scalar> Pass<'_, '_, '_, T> {
             if span != Some(inner.span) {
                 (first, span) = (columns.start, Some(inner.span));
             }
-            let is_inside = |&column: &usize| contains(&inner.area, &self.tile_area(column));
             if inner.is_empty {
-                let inside: Vec<usize> = columns.clone().filter(is_inside).collect();
-                for column in inside {
-                    let columns = column..column + 1;
-                    self.state.pass_over(&BandPart { columns, span: inner.span, ..own.clone() });
+                for column in columns.clone() {
+                    if contains(&inner.area, &self.tile_area(column)) {
+                        let (columns, span) = (column..column + 1, inner.span);
+                        self.state.pass_over(&BandPart { columns, span, ..own.clone() });
+                    }
                 }
                 continue;
             }
+            let is_inside = |&column: &usize| contains(&inner.area, &self.tile_area(column));
             let Some(start) = (first..columns.end).find(is_inside) else { continue };
             let end = (start..columns.end).find(|column| !is_inside(column));
             first = end.unwrap_or(columns.end);

@@ -92,10 +92,10 @@ impl<T: Scalar> BandState<T> {
             }
         }
         let [near, _] = span::<T>(&frame);
-        let start = |tile: usize| {
-            between(rays, band, &frame, tile).map_or(near, |[from, _]| near.max(from))
-        };
-        coverage.begin(across, (0..open.len()).map(start));
+        coverage.begin([across, open.len() / across], near);
+        for (row, [from, _]) in between(rays, band, &frame).enumerate() {
+            coverage.begin_at(row, from);
+        }
         let size = frame.size();
         let blur = MIN_BLUR_SHARE * frame.error_in::<T>(size).max_element();
         let coarse = (STALL_LENGTH * T::GRAIN * size).max(blur);
@@ -138,6 +138,10 @@ impl<T: Scalar> BandState<T> {
     /// Finishes the pixels of those tiles of a part that are not examined before it. A zero that is
     /// found now need not be the first.
     fn close_gaps(&mut self, part: &BandPart) {
+        let [near, _] = span::<T>(&self.frame);
+        if part.span[0] <= near {
+            return;
+        }
         let [columns, rows] = self.tiles(part);
         for row in rows {
             for tile in row * self.across + columns.start..row * self.across + columns.end {
@@ -152,17 +156,13 @@ impl<T: Scalar> BandState<T> {
     pub fn set_misses(&self, rays: &RayGrid, band: &mut Band<'_>) {
         let coverage = &self.buffers.coverage;
         let [_, far] = span::<T>(&self.frame);
-        let is_examined = |tile: usize| {
-            let between = between(rays, band, &self.frame, tile);
-            coverage.has_reached(tile, between.map_or(far, |[_, until]| far.min(until)))
-        };
-        let tiles = coverage.len();
-        if band.wants_all() && (0..tiles).all(is_examined) {
+        if band.wants_all() && coverage.have_reached(far) {
             band.set_misses();
             return;
         }
-        let examined: Vec<usize> = (0..tiles).filter(|tile| is_examined(*tile)).collect();
-        for tile in examined {
+        let ends: Vec<f64> = between(rays, band, &self.frame).map(|[_, end]| end).collect();
+        let end = |tile: usize| ends.get(tile).map_or(far, |end| end.min(far));
+        for tile in (0..coverage.len()).filter(|tile| coverage.has_reached(*tile, end(*tile))) {
             let (columns, rows) = if rays.is_patched() {
                 (0..band.width, tile..tile + 1)
             } else {
@@ -269,10 +269,12 @@ fn span<T: Scalar>(frame: &RayFrame) -> [f64; 2] {
     [-T::above(-near).into(), T::above(far).into()]
 }
 
-/// The values of s between which a patch is examined. `None` if the rays are no patches.
-fn between(rays: &RayGrid, band: &Band<'_>, frame: &RayFrame, row: usize) -> Option<[f64; 2]> {
-    let patch = rays.patch(band.top + row)?;
-    Some(patch.between.map(|t| t - frame.start))
+/// For each patch of a band, the values of s between which it is examined. Empty if the rays are no
+/// patches.
+fn between(rays: &RayGrid, band: &Band<'_>, frame: &RayFrame) -> impl Iterator<Item = [f64; 2]> {
+    let (start, rows) = (frame.start, band.top..band.top + band.height);
+    let patches = rows.map_while(|row| rays.patch(row));
+    patches.map(move |patch| patch.between.map(|t| t - start))
 }
 
 /// Returns a bit for each pixel of each 4×4 tile, row by row. Bits outside the band are clear.
