@@ -6,8 +6,8 @@ use glam::DVec3;
 use std::fmt::Write as _;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use zeroset_eval::{
-    ContractSegments, ContractTiles, Enclose, FindZeros, Kernel, KernelError, KernelResult, Kernels,
-    PartSurface, SurfaceKernels, Tiles,
+    ContractSegments, ContractTiles, Enclose, FindZeros, Kernel, KernelError, KernelResult,
+    Kernels, PartSurface, SurfaceKernels, Tiles,
 };
 use zeroset_render::picture::Precision;
 use zeroset_scene::kernels::Evaluator;

@@ -54,11 +54,10 @@ impl Driver<'_> {
 
     /// Traces a new picture of the surface with id `surface`. `kept` selects the buffer's optional
     /// quantities. `only` selects pixels as in [`Driver::picture_where`]; others stay unseen.
-    /// `before` holds each
-    /// pixel's result of other surfaces: the status, and the distance of the painted point. Zeros
-    /// behind their hits need not be found. Without other surfaces its slices are empty. After each
-    /// [`BAND_ROWS`] rows, calls `finish` with these rows and their element of `parts`, while the
-    /// rows are still in the caches.
+    /// `before` holds each pixel's result of other surfaces: the status, and the distance of the
+    /// painted point. Zeros behind their hits need not be found. Without other surfaces its slices
+    /// are empty. After each [`BAND_ROWS`] rows, calls `finish` with these rows and their element
+    /// of `parts`, while the rows are still in the caches.
     ///
     /// # Panics
     /// If `parts` has fewer elements than the picture has bands, or if the size of `only` or

@@ -1,4 +1,4 @@
-//! A pixel is a miss only if its ray was examined. Whatever leaves out a ray leaves it unseen.
+//! A pixel is a miss only if its ray was examined. A ray that was left out is unseen.
 
 use glam::DVec3;
 use std::sync::atomic::{AtomicUsize, Ordering};
