@@ -190,10 +190,12 @@ pub(crate) fn are_misses<const N: usize>(status: &[Status; N]) -> bool {
 /// Returns whether all of these pixels are unseen.
 #[inline]
 pub(crate) fn are_unseen(status: &[Status; 4], reason: &[UndecidedReason; 4]) -> bool {
-    // Four bytes are compared at once.
-    let word = |bytes: [u8; 4]| u32::from_ne_bytes(bytes);
-    word(status.map(|status| status as u8)) == word([Status::Undecided as u8; 4])
-        && word(reason.map(|reason| reason as u8)) == word([UndecidedReason::Unseen as u8; 4])
+    let mut other = 0;
+    for pixel in 0..4 {
+        other |= status[pixel] as u8 ^ Status::Undecided as u8;
+        other |= reason[pixel] as u8 ^ UndecidedReason::Unseen as u8;
+    }
+    other == 0
 }
 
 /// The painted pixels among the first sixteen of `status` and `drawn`, as bits.

@@ -128,12 +128,12 @@ fn rays_that_a_tracer_leaves_out_are_undecided() {
 #[test]
 fn parts_without_zeros_make_misses_and_missing_parts_do_not() {
     let between = [0.0, f64::INFINITY];
-    let patch = |n: usize| Patch { column: 8 * (n % 16), row: 8 * (n / 16), between };
+    let patch = |n: usize| Patch { column: 12 * (n % 16), row: 8 * (n / 16), between };
     for (name, rays) in [
         ("low", grid(24, 24)),
         ("wide", grid(200, 30)),
-        ("high", grid(128, 128)),
-        ("patches", grid(128, 128).patches((0..256).map(patch).collect())),
+        ("high", grid(200, 136)),
+        ("patches", grid(200, 136).patches((0..256).map(patch).collect())),
     ] {
         let pixels = rays.width() * rays.height();
         let all = NoZeros { parts: Some(|count| count) };
