@@ -519,7 +519,8 @@ impl<T: Real> Input<T> for Boxes<T> {
             let ends = [T::nearest(-lo), T::nearest(hi)];
             let (neg_lo, hi) = (&self.neg_lo[axis], &self.hi[axis]);
             for lane in 0..LANES {
-                inside[lane] &= (neg_lo[lane] <= ends[0]) & (hi[lane] <= ends[1]);
+                inside[lane] &= neg_lo[lane] <= ends[0];
+                inside[lane] &= hi[lane] <= ends[1];
             }
         }
         inside[..self.count()].iter().fold(true, |all, inside| all & inside)

@@ -210,7 +210,7 @@ impl Band<'_> {
             let (Some(status), Some(reason)) = (status.first_chunk(), reason.first_chunk()) else {
                 return false;
             };
-            are_unseen(status, reason)
+            are_unseen(*status, *reason)
         };
         if !self.bracket.is_empty() || !rows.iter().all(is_free) {
             return false;

@@ -189,7 +189,7 @@ pub(crate) fn are_misses<const N: usize>(status: &[Status; N]) -> bool {
 
 /// Returns whether all of these pixels are unseen.
 #[inline]
-pub(crate) fn are_unseen(status: &[Status; 4], reason: &[UndecidedReason; 4]) -> bool {
+pub(crate) fn are_unseen(status: [Status; 4], reason: [UndecidedReason; 4]) -> bool {
     let mut other = 0;
     for pixel in 0..4 {
         other |= status[pixel] as u8 ^ Status::Undecided as u8;

@@ -56,7 +56,7 @@ impl Coverage {
 
     /// Returns whether all tiles are examined up to `end`.
     pub fn have_reached(&self, end: f64) -> bool {
-        self.reached.iter().fold(true, |all, reached| all & (*reached >= end))
+        self.reached.iter().all(|reached| *reached >= end)
     }
 
     /// Records that a part of a tile's rays is not examined and never will be.
