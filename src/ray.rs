@@ -70,6 +70,8 @@ pub enum Reason {
     Unproven,
     /// The method needs a bound of the function's slope, and none is known.
     Steep,
+    /// A part of the ray was not examined. This shows a flaw in the program, never a miss.
+    Unseen,
 }
 
 impl Reason {
@@ -82,6 +84,7 @@ impl Reason {
             UndecidedReason::Budget => Self::Budget,
             UndecidedReason::Unproven => Self::Unproven,
             UndecidedReason::Steep => Self::Steep,
+            UndecidedReason::Unseen => Self::Unseen,
         }
     }
 }
@@ -96,6 +99,7 @@ impl fmt::Display for Reason {
             Self::Budget => "effort or time ran out",
             Self::Unproven => "the method proves nothing of such rays",
             Self::Steep => "the method needs a bound of the slope, and none is known",
+            Self::Unseen => "it was not examined, by a flaw in the program: please report it",
         })
     }
 }
@@ -139,7 +143,7 @@ impl RayResult {
         let segments = rays.iter().enumerate().map(|(n, ray)| scaled(ray, n, accuracy));
         let (segments, scales): (Vec<_>, Vec<_>) =
             segments.collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
-        let mut found = vec![zeroset_trace::RayResult::MISS; rays.len()];
+        let mut found = vec![zeroset_trace::RayResult::UNSEEN; rays.len()];
         let batches = segments.par_chunks(RAYS).zip(found.par_chunks_mut(RAYS));
         batches.for_each(|(rays, found)| {
             tracer.follow(rays, Start::Anywhere, found, &mut KernelStats::default());

@@ -143,6 +143,38 @@ fn values_are_near_the_real_ones_and_nan_where_there_are_none() {
     assert_eq!(plane.gradient(&[[1.0; 3]]).expect("small"), [[0.0, 1.0, 0.0]]);
 }
 
+/// Kernels refuse what lies outside of their domain. A function's domain is all of space, so only
+/// what is no box is refused, and by an error.
+#[test]
+fn boxes_may_have_any_size_and_what_is_no_box_is_an_error() {
+    let text = "r = 1 in [0, 2]\nx^2+y^2+z^2-r^2 + 0*sqrt(x)";
+    let mut function = Function::parse(text).expect("a function");
+    let unit = 0.0..=1.0;
+    let (most, infinite) = (f64::MAX, f64::INFINITY);
+    for r in [1.0, 2.5, -1e100] {
+        function.set("r", r).expect("a parameter");
+        for range in [0.0..=0.0, -most..=most, most..=infinite, -infinite..=infinite] {
+            for axis in 0..3 {
+                let mut place = [unit.clone(), unit.clone(), unit.clone()];
+                place[axis] = range.clone();
+                let found = &function.enclose(&[place]).expect("a box")[0];
+                assert!(found.bounds.start() <= found.bounds.end(), "{range:?}: {found:?}");
+            }
+        }
+        for bad in [1.0..=0.0, f64::NAN..=1.0, 0.0..=f64::NAN, infinite..=infinite] {
+            for axis in 0..3 {
+                let mut place = [unit.clone(), unit.clone(), unit.clone()];
+                place[axis] = bad.clone();
+                let error = function.enclose(&[place]).expect_err("no box").to_string();
+                assert!(error.contains("holds no number"), "{error}");
+            }
+        }
+        let value = |c| function.eval(&[[c; 3]])[0];
+        assert!(!value(most).is_finite() && value(infinite).is_nan() && value(-1.0).is_nan());
+        assert_eq!(value(0.0), -r * r);
+    }
+}
+
 #[test]
 fn parameters_are_set_exactly() {
     let mut function = Function::parse("r = 1 in [0, 2]\nn = 2\nx^n*r - y").expect("a function");

@@ -6,7 +6,8 @@ use zeroset_scene::view::{DomainChoice, bounds, region};
 use zeroset_shade::{Light, turn};
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{
-    Camera, Driver, GBuffer, KernelStats, METHODS, Projection, Status, TraceOptions,
+    Camera, Driver, GBuffer, KernelStats, METHODS, Projection, Proves, RayGrid, Status,
+    TraceOptions,
 };
 
 const SIZE: [usize; 2] = [96, 80];
@@ -67,6 +68,40 @@ fn a_pixel_is_the_same_whichever_others_are_followed() {
     assert!(compared > 10_000, "{compared}");
 }
 
+/// More columns than two to the power of eighteen: the places of their tiles must not mix.
+#[test]
+fn a_very_wide_picture_is_as_its_parts() {
+    const WIDE: [usize; 2] = [(1 << 18) + 200, 4];
+    let text = "y^2+z^2 = 0.2+0.1*sin(20*x)";
+    let document = read(text, &Options::default()).expect(text);
+    let domain = DomainChoice::Bounds([-1.2, 1.2, -1.2, 1.2, -1.2, 1.2]);
+    let (region, _) = region(&document, domain, None).expect(text);
+    let program = Program::new(&document, bounds(&region)).expect(text);
+    let projection = Projection::Orthographic { height: 2.0 * WIDE[1] as f64 / WIDE[0] as f64 };
+    // The rays pass the tube's outline, where they are followed one by one.
+    let eye = DVec3::new(0.0, -5.0, 0.45);
+    let camera = Camera::new(eye, eye + DVec3::Y, DVec3::Z, projection).expect(text);
+    let rays = camera.rays(WIDE[0], WIDE[1]);
+    for method in METHODS.iter().filter(|method| method.proves == Proves::HitsAndMisses) {
+        let tracer = method.prepare(program.surface(0), &region, TraceOptions::default());
+        let tracer = tracer.expect(text);
+        let picture = |rays: &RayGrid| {
+            let mut buffer = GBuffer::new(rays.width(), rays.height(), 0);
+            Driver { rays, tracer: &*tracer, advance: &|_| true }.picture(&mut buffer);
+            buffer
+        };
+        let whole = picture(&rays);
+        let counts = whole.counts();
+        assert!(counts.hit > 100_000 && counts.miss > 100_000 && counts.undecided < 100);
+        for first in [0, 1 << 17, (1 << 18) - 64, 1 << 18] {
+            let columns = first..first + 128;
+            let part = picture(&rays.part(columns.clone(), 0..WIDE[1]));
+            let seen = whole.seen_in(&columns, &(0..WIDE[1]));
+            assert_eq!(seen, (part.status, part.drawn), "{}, column {first}", method.name);
+        }
+    }
+}
+
 /// Two balls above a floor. If one blocks the light, no shadow ray is traced to the other.
 #[test]
 fn what_is_dark_already_is_followed_to_the_light_no_more() {
@@ -90,7 +125,7 @@ fn what_is_dark_already_is_followed_to_the_light_no_more() {
             tracer: &**tracer,
             advance: &advance,
         });
-        let mut seen = GBuffer::new(SIZE[0], SIZE[1], 0);
+        let mut seen = GBuffer::of_nothing(SIZE[0], SIZE[1]);
         for driver in &drivers {
             let mut layer = GBuffer::new(SIZE[0], SIZE[1], 0);
             driver.picture(&mut layer);

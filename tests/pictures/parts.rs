@@ -5,6 +5,10 @@
 use glam::DVec3;
 use std::fmt::Write as _;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use zeroset_eval::{
+    ContractSegments, ContractTiles, Enclose, FindZeros, Kernel, KernelError, KernelResult,
+    Kernels, PartSurface, SurfaceKernels, Tiles,
+};
 use zeroset_render::picture::Precision;
 use zeroset_scene::kernels::Evaluator;
 use zeroset_scene::program::Program;
@@ -13,7 +17,9 @@ use zeroset_space::Region;
 use zeroset_syntax::{Options, read};
 use zeroset_testkit::property::random_choices;
 use zeroset_testkit::{Effort, Rng};
-use zeroset_trace::{Camera, Driver, GBuffer, Method, Patch, Projection, Status, TraceOptions};
+use zeroset_trace::{
+    Camera, Driver, GBuffer, Method, Patch, Projection, Status, TraceOptions, UndecidedReason,
+};
 
 const SIZE: usize = 48;
 
@@ -60,7 +66,70 @@ impl Scene {
         let surface = program.surface(0);
         let tracer = method.prepare(surface, &self.region, self.options).expect("kernels");
         Driver { rays: &rays, tracer: &*tracer, advance }.picture(&mut buffer);
+        // Even where a picture is cancelled, each pixel is examined or given up.
+        assert_eq!(buffer.reasons()[UndecidedReason::Unseen as usize], 0);
         buffer.status
+    }
+}
+
+/// A surface that says nothing about the last part of each space that is divided into parts.
+struct LeavesOut<'a>(Box<dyn SurfaceKernels + 'a>);
+
+macro_rules! leave_out_parts {
+    ($float:ident, $kernels:ident) => {
+        impl Kernels<$float> for LeavesOut<'_> {
+            fn zeros(&self) -> KernelResult<'_, FindZeros, $float> {
+                self.0.$kernels().zeros()
+            }
+            fn bounds(&self) -> KernelResult<'_, Enclose, $float> {
+                self.0.$kernels().bounds()
+            }
+            fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, $float>; 2]>, KernelError> {
+                self.0.$kernels().cleared()
+            }
+            fn segments(&self) -> KernelResult<'_, ContractSegments, $float> {
+                self.0.$kernels().segments()
+            }
+            fn tiles(&self) -> KernelResult<'_, ContractTiles, $float> {
+                self.0.$kernels().tiles()
+            }
+            fn has_parts(&self) -> bool {
+                self.0.$kernels().has_parts()
+            }
+            fn in_tiles(&self, tiles: &Tiles<$float>) -> Vec<PartSurface> {
+                let mut parts = self.0.$kernels().in_tiles(tiles);
+                parts.pop();
+                let nested = |part| match part {
+                    PartSurface::Short(surface) => PartSurface::Short(Box::new(LeavesOut(surface))),
+                    other => other,
+                };
+                parts.into_iter().map(nested).collect()
+            }
+        }
+    };
+}
+
+leave_out_parts!(f32, single);
+leave_out_parts!(f64, double);
+
+impl SurfaceKernels for LeavesOut<'_> {
+    fn single(&self) -> &dyn Kernels<f32> {
+        self
+    }
+    fn double(&self) -> &dyn Kernels<f64> {
+        self
+    }
+}
+
+/// The kernels of a surface, lent.
+struct Lent<'a>(&'a dyn SurfaceKernels);
+
+impl SurfaceKernels for Lent<'_> {
+    fn single(&self) -> &dyn Kernels<f32> {
+        self.0.single()
+    }
+    fn double(&self) -> &dyn Kernels<f64> {
+        self.0.double()
     }
 }
 
@@ -211,6 +280,39 @@ fn steps_prove_nothing_beyond_their_part() {
         Camera::new(DVec3::Z * 5.0, DVec3::ZERO, DVec3::Y, projection).expect("a camera");
     scene.options = TraceOptions { precision: Precision::F64, ..TraceOptions::default() };
     assert!(scene.status(&|_| true).iter().all(|status| *status != Status::Hit));
+}
+
+/// Where a part is left out, pixels are undecided: neither a miss nor a hit behind it is claimed.
+#[test]
+fn a_part_that_is_left_out_proves_nothing() {
+    let scene = Scene::new(&spheres(80, false, &mut Rng::with_seed(0x5eed_c501)));
+    let method = Method::named("affine").expect("the default method");
+    let rays = scene.camera.rays(4 * SIZE, 4 * SIZE);
+    let lent = Lent(scene.program.surface(0));
+    let lacking = LeavesOut(Box::new(Lent(scene.program.surface(0))));
+    let surfaces: [&dyn SurfaceKernels; 2] = [&lent, &lacking];
+    let [whole, left] = surfaces.map(|surface| {
+        let tracer = method.prepare(surface, &scene.region, scene.options).expect("kernels");
+        let mut buffer = GBuffer::new(rays.width(), rays.height(), 0).with_brackets();
+        Driver { rays: &rays, tracer: &*tracer, advance: &|_| true }.picture(&mut buffer);
+        buffer
+    });
+    let (mut unseen, mut lost) = (0, 0);
+    for pixel in 0..whole.status.len() {
+        match (whole.status[pixel], left.status[pixel]) {
+            (known, Status::Undecided) if left.reason(pixel) == UndecidedReason::Unseen => {
+                assert_eq!(left.distance(pixel), 0.0);
+                unseen += 1;
+                lost += usize::from(known == Status::Hit);
+            }
+            (Status::Hit, Status::Hit) => {
+                let [[near, far], [first, last]] = [whole.bracket[pixel], left.bracket[pixel]];
+                assert!(near <= last && first <= far, "another zero at pixel {pixel}");
+            }
+            (known, found) => assert_eq!(known, found, "pixel {pixel}"),
+        }
+    }
+    assert!(unseen > 1000 && lost > 100, "{unseen} unseen pixels, {lost} of them hits");
 }
 
 /// Patches of one size, traced after smaller ones by the same tracer, have the statuses that they

@@ -148,7 +148,7 @@ fn false_claims_are_noticed() {
     let noticed = |buffer: &GBuffer| contradictions(sphere, Precision::F32, &frame, buffer).len();
     assert_eq!(noticed(&right), 0);
     let roots = sphere.pixels.iter().filter(|pixel| pixel.zero.is_finite()).count();
-    assert_eq!(noticed(&GBuffer::new(SIDE, SIDE, 0)), roots);
+    assert_eq!(noticed(&GBuffer::of_nothing(SIDE, SIDE)), roots);
 
     let mut late = right.clone();
     for (index, pixel) in sphere.pixels.iter().enumerate() {

@@ -3,6 +3,7 @@
 use crate::cli_support::Sandbox;
 use glam::DVec3;
 use serde_json::Value;
+use zeroset_trace::UndecidedReason;
 
 const SPHERE: &str = "x^2+y^2+z^2 = 1";
 
@@ -235,8 +236,9 @@ fn one_json_object_tells_times_counts_and_what_was_used() {
     assert!(count("/work/segment/calls") > 0 && count("/work/segment/lanes") > 0);
     assert_eq!((&object["method"], &object["precision"]), (&"affine".into(), &"auto".into()));
     assert_eq!((&object["tolerance"], &object["budget"]), (&0.5.into(), &Value::Null));
-    for reason in ["touching", "undefined", "discontinuous", "budget", "unproven", "steep", "other"]
-    {
+    let reasons = UndecidedReason::ALL.map(UndecidedReason::name);
+    assert!(reasons.contains(&"touching") && reasons.contains(&"unseen"), "{reasons:?}");
+    for reason in reasons {
         assert_eq!(object["undecided"][reason], 0, "{reason}");
     }
     assert_eq!((&object["max_depth"], &object["steps"]), (&10.into(), &256.into()));

@@ -128,7 +128,7 @@ fn follow(
         pixel: [within / ray.direction.length(), 0.0],
     };
     let segments: Vec<Segment> = rays.iter().map(segment).collect();
-    let mut found = vec![RayResult::MISS; rays.len()];
+    let mut found = vec![RayResult::UNSEEN; rays.len()];
     let mut time = f64::INFINITY;
     // The first pass may still compile code, so the shorter time of two passes counts.
     for _ in 0..2 {

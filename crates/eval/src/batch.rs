@@ -29,8 +29,8 @@ pub trait Batch<T: Real>: sealed::Sealed + Clone + Default + Send + Sync + 'stat
 pub trait Input<T: Real>: Batch<T> {
     /// Number of lanes in use, from 1 to [`LANES`]. They are the first lanes of the batch.
     fn count(&self) -> usize;
-    /// Returns whether the lanes in use are within `domain`. Always true if the query does not need
-    /// it.
+    /// Returns whether the lanes in use are within `domain`, whose ends are numbers of `T`. Always
+    /// true if the query does not need it.
     fn is_within(&self, domain: &[Interval; 3]) -> bool;
 }
 
@@ -511,12 +511,19 @@ impl<T: Real> Input<T> for Boxes<T> {
         self.count as usize
     }
 
+    #[inline]
     fn is_within(&self, domain: &[Interval; 3]) -> bool {
-        let inside = |lane: usize, axis: usize| {
-            let (neg_lo, hi) = (self.neg_lo[axis][lane].into(), self.hi[axis][lane].into());
-            neg_lo <= -domain[axis].lo && hi <= domain[axis].hi
-        };
-        (0..self.count()).all(|lane| (0..3).all(|axis| inside(lane, axis)))
+        // All lanes are compared, several at once, in their own format. Those in use count.
+        let mut inside = [true; LANES];
+        for (axis, &Interval { lo, hi }) in domain.iter().enumerate() {
+            let ends = [T::nearest(-lo), T::nearest(hi)];
+            let (neg_lo, hi) = (&self.neg_lo[axis], &self.hi[axis]);
+            for lane in 0..LANES {
+                inside[lane] &= neg_lo[lane] <= ends[0];
+                inside[lane] &= hi[lane] <= ends[1];
+            }
+        }
+        inside[..self.count()].iter().fold(true, |all, inside| all & inside)
     }
 }
 

@@ -1,8 +1,8 @@
 //! The queries about a function, each with its own contract, and the kernels that answer them.
 //!
 //! All results but samples are proofs. They hold under the assumptions for which the kernel was
-//! compiled: boxes are within the domain, and parameters within their ranges. Debug builds assert
-//! these assumptions.
+//! compiled: boxes are within the domain, and parameters within their ranges. A kernel refuses
+//! others.
 
 use crate::batch::{
     Batch, Boxes, BranchSigns, Contractions, Enclosures, GradientEnclosures, Gradients, Input,
@@ -35,13 +35,13 @@ pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
     /// Checks that a tape and a binding fit this query.
     ///
     /// # Panics
-    /// If the number of expressions that the tape computes does not fit the query, or if the tape
-    /// and the binding differ in their number of parameters. In debug builds also if a parameter's
-    /// value is outside the range that the tape assumes.
+    /// If the number of expressions that the tape computes does not fit the query, if the tape and
+    /// the binding differ in their number of parameters, or if a parameter's value is outside the
+    /// range that the tape assumes.
     fn check<T: Real>(tape: &Tape<T>, binding: &Binding<T>) {
         assert_eq!(tape.outputs(), Self::OUTPUTS, "expressions that answer for {}", Self::NAME);
         assert_eq!(tape.parameters(), binding.bounds().len(), "parameters");
-        debug_assert!(
+        assert!(
             binding.is_within(&tape.assumptions().parameters),
             "code for {:?} was bound to {:?}",
             tape.assumptions().parameters,
@@ -52,15 +52,12 @@ pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
     /// Checks that an input fits the assumptions of a tape.
     ///
     /// # Panics
-    /// If no lanes are in use, or more than [`LANES`]. In debug builds also if the data of a lane
-    /// are outside the domain that the tape assumes.
+    /// If no lanes are in use, or more than [`LANES`], or if the data of a lane are outside the
+    /// domain that the tape assumes.
     #[inline]
     fn check_input<T: Real>(tape: &Tape<T>, input: &Self::Input<T>) {
         assert!((1..=LANES).contains(&input.count()), "{} lanes in use", input.count());
-        debug_assert!(
-            input.is_within(&tape.assumptions().domain),
-            "a box reaches out of the domain"
-        );
+        assert!(input.is_within(&tape.assumptions().domain), "a box reaches out of the domain");
     }
 
     /// Computes the result from the values of the expressions. `is_bounded` states that the first
@@ -108,8 +105,8 @@ pub trait Kernel<Q: Query, T: Real = f32>: Send + Sync {
     /// Evaluates the lanes of `input` that are in use.
     ///
     /// # Panics
-    /// If no lanes are in use, or more than [`LANES`]. In debug builds also if a box reaches out of
-    /// the domain for which the kernel was compiled.
+    /// If no lanes are in use, or more than [`LANES`], or if a box reaches out of the domain for
+    /// which the kernel was compiled.
     fn eval(&self, input: &Q::Input<T>, output: &mut Q::Output<T>);
 
     /// Returns the results for all `inputs`, in order.

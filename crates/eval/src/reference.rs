@@ -23,9 +23,9 @@ impl<Q: Query, T: Real> Reference<Q, T> {
     /// Creates an evaluator of `tape` with the parameters of `binding`.
     ///
     /// # Panics
-    /// If the number of expressions that the tape computes does not fit the query, or if the tape
-    /// and the binding differ in their number of parameters. In debug builds also if a parameter's
-    /// value is outside its range.
+    /// If the number of expressions that the tape computes does not fit the query, if the tape and
+    /// the binding differ in their number of parameters, or if a parameter's value is outside its
+    /// range.
     pub fn new(tape: Tape<T>, binding: Binding<T>) -> Self {
         Q::check(&tape, &binding);
         Self { tape, binding, query: PhantomData }

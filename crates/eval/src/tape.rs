@@ -134,6 +134,20 @@ impl<T: Real> Tape<T> {
         self
     }
 
+    /// Returns whether another tape has the same steps, and constants within the bounds of those of
+    /// this tape. Then a [`Selection`](crate::Selection) of this tape is one of the other.
+    pub fn has_steps_of<U: Real>(&self, other: &Tape<U>) -> bool {
+        let is_same = |(own, step): (&Step, &Step)| match (own, step) {
+            (Step::Constant(bounds, exponent), Step::Constant(other, as_other)) => {
+                bounds.lo <= other.lo && other.hi <= bounds.hi && exponent == as_other
+            }
+            _ => own == step,
+        };
+        self.steps.len() == other.steps.len()
+            && self.steps.iter().zip(&other.steps).all(is_same)
+            && self.outputs == other.outputs
+    }
+
     /// Returns whether the ranges are [coarse](Self::coarse).
     pub fn is_coarse(&self) -> bool {
         self.is_coarse
@@ -373,6 +387,7 @@ fn inflate(range: Interval, excess: f64) -> Interval {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zeroset_ir::Constant;
 
     #[test]
     fn ends_below_the_normal_numbers_are_widened_too() {
@@ -383,5 +398,26 @@ mod tests {
             assert!(lo < end && end < hi && hi - end >= excess, "{end:e}: {lo:e} {hi:e}");
         }
         assert_eq!(inflate(Interval::ZERO, excess), Interval::ZERO);
+    }
+
+    #[test]
+    fn tapes_of_both_formats_have_the_same_steps_and_others_do_not() {
+        let mut graph = Graph::new();
+        let [x, y, _] = Axis::ALL.map(|axis| graph.variable(axis));
+        let tenth = graph.constant(Constant::decimal("0.1").expect("a number"));
+        let [sum, difference] = [Op::Add, Op::Sub].map(|op| graph.apply(op, &[x, tenth]));
+        let other = graph.apply(Op::Add, &[y, tenth]);
+        let assumptions = Assumptions::none(0);
+        let single = |root| Tape::<f32>::new(&graph, &[root], &assumptions);
+        let double = |root| Tape::<f64>::new(&graph, &[root], &assumptions);
+        assert!(single(sum).has_steps_of(&double(sum)));
+        for another in [difference, other, x, tenth] {
+            assert!(!single(sum).has_steps_of(&double(another)));
+        }
+        // The tape of `f32` has the wider constants.
+        assert!(!double(sum).has_steps_of(&single(sum)));
+        // The steps are the same, but the values are not.
+        let both = |roots| Tape::<f64>::new(&graph, roots, &assumptions);
+        assert!(!both(&[sum, x]).has_steps_of(&both(&[x, sum])));
     }
 }

@@ -91,8 +91,8 @@ impl<Q: Query, T: Real> StencilTape<Q, T> {
     ///
     /// # Panics
     /// If the tape is not coarse, if it computes another number of expressions than the query
-    /// needs, or if its number of parameters is not that of the binding. In debug builds also if a
-    /// value is outside its range.
+    /// needs, if its number of parameters is not that of the binding, or if a value is outside its
+    /// range.
     pub fn new(tape: &Arc<Tape<T>>, binding: &Binding<T>) -> Result<Self, Error> {
         let mut result = Err(Error::Unsupported("vectors"));
         for width in vector_widths() {

@@ -10,7 +10,7 @@ use zeroset_trace::{METHODS, Proves, UndecidedReason};
 const PROVER: &str = "{prover}";
 
 /// Words of the status line and their explanations.
-const WORDS: [(&str, &str); 12] = [
+const WORDS: [(&str, &str); 13] = [
     ("every pixel proven", "each pixel's ray is proven to meet the surface, or to miss it"),
     (
         "3 pixels undecided",
@@ -21,6 +21,7 @@ const WORDS: [(&str, &str); 12] = [
     ("perhaps a jump", "f may jump past 0 there without meeting it, as floor(x) does"),
     ("out of time", "the budget for a ray was spent"),
     ("too steep", "no bound of f's slope is known there, which this method needs"),
+    ("not examined", "a ray was left out, which is a flaw in this program: please report it"),
     (
         "only misses proven",
         "this method draws what it cannot prove: the method {prover} proves both",
@@ -61,6 +62,7 @@ fn why(reason: UndecidedReason) -> &'static str {
         UndecidedReason::Budget => "out of time",
         UndecidedReason::Unproven => "not proven",
         UndecidedReason::Steep => "too steep",
+        UndecidedReason::Unseen => "not examined",
     }
 }
 

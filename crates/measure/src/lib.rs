@@ -65,7 +65,7 @@ impl Measures {
 /// If the function is too large, or a kernel is not available.
 ///
 /// # Panics
-/// If there is no such surface. In debug builds also if the program is not valid in the
+/// If there is no such surface, or the program is not valid in the
 /// [domain](zeroset_mesh::domain) of a mesh.
 pub fn measure(
     program: &Program,

@@ -120,7 +120,7 @@ pub fn domain(region: &Region) -> [Interval; 3] {
 /// If a part of the function is too large, or a kernel is not available.
 ///
 /// # Panics
-/// If there is no such surface. In debug builds also if the program is not valid in [`domain`].
+/// If there is no such surface, or the program is not valid in [`domain`].
 pub fn mesh(
     program: &Program,
     surface: usize,

@@ -61,6 +61,9 @@ impl<T: Real> WholeTape<T> {
 impl WholeFunction {
     /// `None` if the function has too few choices for parts of space to do with far fewer steps.
     /// Only otherwise `double` is called.
+    ///
+    /// # Panics
+    /// If the tapes differ in their steps.
     pub fn new(
         single: Tape<f32>,
         double: impl FnOnce() -> Option<Tape<f64>>,
@@ -70,8 +73,9 @@ impl WholeFunction {
         if shortener.deciding(&all).positions().len() < LEAST_DECIDING {
             return None;
         }
-        let single = WholeTape::new(single, values);
-        let double = WholeTape::new(double()?, values);
+        let double = double()?;
+        assert!(single.has_steps_of(&double), "one selection is of both tapes");
+        let (single, double) = (WholeTape::new(single, values), WholeTape::new(double, values));
         Some(Self { single, double, all: Arc::new(all), shortener })
     }
 

@@ -1,11 +1,14 @@
 //! Bands: rows of a picture. One thread fills a band at a time.
 
-use crate::painted::are_misses;
+use crate::gbuffer::is_unseen;
+use crate::painted::are_unseen;
 use crate::ray_result::{LENGTH_ERROR, RayResult, Status, UndecidedReason};
+use fearless_simd::{Level, Simd, dispatch};
 use std::cell::Cell;
 use std::ops::Range;
 
-/// Adjacent rows of a picture, into which a tracer writes results.
+/// Adjacent rows of a picture, into which a tracer writes results. Pixels for which it writes none
+/// stay [unseen](UndecidedReason::Unseen).
 pub struct Band<'a> {
     /// The first row, counted from the picture's top.
     pub top: usize,
@@ -62,21 +65,56 @@ impl Band<'_> {
         self.only.is_empty()
     }
 
-    /// Makes each miss from column `from` on undecided from the eye on, for lack of time. Its ray
-    /// was not followed, so a miss would claim a proof that does not exist.
-    pub fn give_up(&mut self, from: usize) {
+    /// Makes all unseen pixels undecided from the eye on, for lack of time.
+    pub fn give_up(&mut self) {
         for row in 0..self.height {
-            for column in from..self.width {
+            for column in 0..self.width {
                 self.give_up_pixel(column, row);
             }
         }
     }
 
-    /// Makes a miss undecided, for lack of time. Any other result stays: its proof is valid.
+    /// Makes an unseen pixel undecided, for lack of time. Any other result stays: its proof is
+    /// valid.
     pub fn give_up_pixel(&mut self, column: usize, row: usize) {
-        if self.status[row * self.width + column] == Status::Miss {
+        if self.is_unseen(row * self.width + column) {
             self.set(column, row, &RayResult::GIVEN_UP);
         }
+    }
+
+    /// Makes a pixel a miss, unless it has a result. Its whole ray must be proven to have no zero
+    /// before that result.
+    #[inline]
+    pub fn set_miss(&mut self, column: usize, row: usize) {
+        let pixel = row * self.width + column;
+        if self.is_unseen(pixel) {
+            self.status[pixel] = Status::Miss;
+        }
+    }
+
+    /// As [`Band::set_miss`], for all pixels of the band.
+    pub fn set_misses(&mut self) {
+        dispatch!(Level::new(), simd => self.set_misses_with(simd));
+    }
+
+    /// As [`Band::set_misses`], compiled for vectors of type `S`.
+    #[inline(always)]
+    fn set_misses_with<S: Simd>(&mut self, _: S) {
+        for (status, reason) in self.status.iter_mut().zip(&*self.reason) {
+            *status = if is_unseen(*status, *reason) { Status::Miss } else { *status };
+        }
+    }
+
+    #[inline]
+    fn is_unseen(&self, pixel: usize) -> bool {
+        is_unseen(self.status[pixel], self.reason[pixel])
+    }
+
+    /// Returns whether a pixel has neither a hit nor an undecided segment. A miss counts, too: what
+    /// is proven to exist outweighs it.
+    #[inline]
+    fn is_free(&self, pixel: usize) -> bool {
+        self.is_unseen(pixel) || self.status[pixel] == Status::Miss
     }
 
     /// Writes the result for the ray of the pixel in this column and row of the band. The result's
@@ -107,7 +145,7 @@ impl Band<'_> {
     #[inline]
     pub fn add(&mut self, column: usize, row: usize, found: &RayResult) {
         let pixel = row * self.width + column;
-        if self.status[pixel] == Status::Miss {
+        if self.is_free(pixel) {
             self.set(column, row, found);
         } else {
             self.paint(pixel, found.drawn);
@@ -128,7 +166,7 @@ impl Band<'_> {
     #[inline]
     pub fn add_hit(&mut self, column: usize, row: usize, [distance, off]: [f64; 2], uneven: bool) {
         let pixel = row * self.width + column;
-        if self.status[pixel] == Status::Miss {
+        if self.is_free(pixel) {
             self.count(1);
             (self.status[pixel], self.drawn[pixel]) = (Status::Hit, distance);
             self.uneven[pixel] = uneven;
@@ -148,8 +186,8 @@ impl Band<'_> {
     }
 
     /// As [`Band::add_hit`], for a square of 4×4 pixels whose first pixel is in this column and
-    /// row, of which none is uneven. If one of the pixels already has a result or the band keeps
-    /// brackets, writes nothing and returns `false`.
+    /// row, of which none is uneven. If one of the pixels is not unseen or the band keeps brackets,
+    /// writes nothing and returns `false`.
     #[inline]
     pub fn add_square_of_hits(
         &mut self,
@@ -159,15 +197,22 @@ impl Band<'_> {
     ) -> bool {
         let first = row * self.width + column;
         let pixels = first..first + 3 * self.width + 4;
-        let (Some(status), Some(drawn)) =
-            (self.status.get_mut(pixels.clone()), self.drawn.get_mut(pixels))
-        else {
+        let (Some(status), Some(reason), Some(drawn)) = (
+            self.status.get_mut(pixels.clone()),
+            self.reason.get(pixels.clone()),
+            self.drawn.get_mut(pixels),
+        ) else {
             return false;
         };
         let rows = [0, 1, 2, 3].map(|row| row * self.width..row * self.width + 4);
-        let is_miss =
-            |row: &Range<usize>| status[row.clone()].first_chunk::<4>().is_some_and(are_misses);
-        if !self.bracket.is_empty() || !rows.iter().all(is_miss) {
+        let is_free = |row: &Range<usize>| {
+            let (status, reason) = (&status[row.clone()], &reason[row.clone()]);
+            let (Some(status), Some(reason)) = (status.first_chunk(), reason.first_chunk()) else {
+                return false;
+            };
+            are_unseen(*status, *reason)
+        };
+        if !self.bracket.is_empty() || !rows.iter().all(is_free) {
             return false;
         }
         for (row, distance) in rows.into_iter().zip(distance) {

@@ -28,13 +28,12 @@ pub struct Driver<'a> {
     /// The tracer that follows the rays.
     pub tracer: &'a dyn Tracer,
     /// Progress callback. Its argument is the number of pixels finished since the last call. It
-    /// returns `false` to end the work early. Pixels not reached are then undecided and not painted
-    /// in a new picture, and unchanged in an existing one.
+    /// returns `false` to end the work early. Pixels not reached are then undecided and not painted.
     pub advance: &'a (dyn Fn(usize) -> bool + Sync),
 }
 
 impl Driver<'_> {
-    /// Traces all pixels into a buffer whose pixels are all misses.
+    /// Traces all pixels into a buffer whose pixels are all unseen.
     ///
     /// # Panics
     /// If the buffer's size differs from the picture's.
@@ -42,8 +41,8 @@ impl Driver<'_> {
         self.picture_where(&[], buffer)
     }
 
-    /// Traces the pixels that `only` selects, row by row; all pixels if `only` is empty. Other
-    /// pixels stay as they are, or get a valid result as a side effect.
+    /// Traces the pixels that `only` selects, row by row; all pixels if `only` is empty. They must
+    /// be unseen. Other pixels stay as they are, or get a valid result as a side effect.
     ///
     /// # Panics
     /// If `buffer` or `only` does not have the picture's size.
@@ -54,11 +53,11 @@ impl Driver<'_> {
     }
 
     /// Traces a new picture of the surface with id `surface`. `kept` selects the buffer's optional
-    /// quantities. `only` selects pixels as in [`Driver::picture_where`]. `before` holds each
-    /// pixel's result of other surfaces: the status, and the distance of the painted point. Zeros
-    /// behind their hits need not be found. Without other surfaces its slices are empty. After each
-    /// [`BAND_ROWS`] rows, calls `finish` with these rows and their element of `parts`, while the
-    /// rows are still in the caches.
+    /// quantities. `only` selects pixels as in [`Driver::picture_where`]; others stay unseen.
+    /// `before` holds each pixel's result of other surfaces: the status, and the distance of the
+    /// painted point. Zeros behind their hits need not be found. Without other surfaces its slices
+    /// are empty. After each [`BAND_ROWS`] rows, calls `finish` with these rows and their element
+    /// of `parts`, while the rows are still in the caches.
     ///
     /// # Panics
     /// If `parts` has fewer elements than the picture has bands, or if the size of `only` or
@@ -100,7 +99,7 @@ impl Driver<'_> {
             // Pixels for which the tracer set no result are finished, too.
             (self.advance)((band.width * band.height).saturating_sub(told.get()));
         } else {
-            band.give_up(0);
+            band.give_up();
         }
         work
     }
@@ -140,10 +139,9 @@ impl Driver<'_> {
         let is_wanted = |pixel: &usize| is_lit(pixel) && segment(*pixel).within(bounds).is_some();
         let pixels = (0..buffer.drawn.len()).into_par_iter();
         let wanted: Vec<usize> = pixels.filter(is_wanted).collect();
-        self.follow(&wanted, segment, Start::OnSurface, |pixel, found| {
-            if found.drawn.is_finite() {
-                buffer.shadow[pixel] = u8::MAX;
-            }
+        let is_hit = |found: &RayResult| found.drawn.is_finite();
+        self.follow(&wanted, segment, Start::OnSurface, is_hit, |pixel, _| {
+            buffer.shadow[pixel] = u8::MAX;
         })
     }
 
@@ -168,25 +166,32 @@ impl Driver<'_> {
                 pixel: [width + growth * t, growth],
             }
         };
-        self.follow(&pixels, segment, start, |pixel, found| {
-            let from = starts[pixel];
-            let found = RayResult {
-                distance: found.distance + from,
-                drawn: found.drawn + from,
-                bracket: found.bracket.map(|end| end + from),
-                ..found
-            };
-            buffer.set(pixel, &found);
-        })
+        self.follow(
+            &pixels,
+            segment,
+            start,
+            |_| true,
+            |pixel, found| {
+                let from = starts[pixel];
+                let found = RayResult {
+                    distance: found.distance + from,
+                    drawn: found.drawn + from,
+                    bracket: found.bracket.map(|end| end + from),
+                    ..found
+                };
+                buffer.set(pixel, &found);
+            },
+        )
     }
 
     /// Follows one ray for each of `pixels`, until the work is cancelled. Passes each pixel whose
-    /// ray is not a miss to `tell`, with its result. Distances in results are in world units.
+    /// result `is_wanted` to `tell`, with that result. Distances in results are in world units.
     fn follow(
         &self,
         pixels: &[usize],
         segment: impl Fn(usize) -> Segment + Sync,
         start: Start,
+        is_wanted: impl Fn(&RayResult) -> bool + Sync,
         mut tell: impl FnMut(usize, RayResult),
     ) -> KernelStats {
         let follow = |pixels: &[usize]| {
@@ -194,13 +199,14 @@ impl Driver<'_> {
                 return None;
             }
             let (mut all, mut work) = (Vec::new(), KernelStats::default());
-            let mut found = [RayResult::MISS; RAYS];
+            let mut found = [RayResult::UNSEEN; RAYS];
             for pixels in pixels.chunks(RAYS) {
                 let rays: Vec<Segment> = pixels.iter().map(|&pixel| segment(pixel)).collect();
                 let found = &mut found[..pixels.len()];
+                found.fill(RayResult::UNSEEN);
                 self.tracer.follow(&rays, start, found, &mut work);
                 for ((&pixel, found), Segment { ray, .. }) in pixels.iter().zip(found).zip(&rays) {
-                    if !found.is_miss() {
+                    if is_wanted(found) {
                         all.push((pixel, found.scaled(ray.distance(1.0))));
                     }
                 }

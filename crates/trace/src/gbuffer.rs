@@ -67,7 +67,7 @@ pub struct GBuffer {
     /// Reason for an undecided pixel. Unspecified for other pixels, which saves writing it.
     pub(crate) reason: Vec<UndecidedReason>,
     /// Distance from an undecided pixel's ray origin to the start of its first undecided segment.
-    /// Unspecified for other pixels.
+    /// Unspecified for other pixels, and for unseen ones, whose distance is 0.
     pub(crate) open_from: Vec<f64>,
     /// Bracket of a hit: the two distances between which its zero is proven to lie. NaN for other
     /// pixels. Empty if brackets are not kept.
@@ -112,17 +112,28 @@ impl Default for Kept {
 }
 
 /// Distance of a hit, or of the start of the first undecided segment. Infinite for a miss.
-pub(crate) fn distance(status: Status, open_from: f64, drawn: f64) -> f64 {
+pub(crate) fn distance(
+    status: Status,
+    reason: UndecidedReason,
+    [open_from, drawn]: [f64; 2],
+) -> f64 {
     match status {
         Status::Miss => f64::INFINITY,
         Status::Hit => drawn,
+        Status::Undecided if reason == UndecidedReason::Unseen => 0.0,
         Status::Undecided => open_from,
     }
 }
 
+/// Returns whether no method has examined a pixel with this status and reason.
+#[inline]
+pub(crate) fn is_unseen(status: Status, reason: UndecidedReason) -> bool {
+    status == Status::Undecided && reason == UndecidedReason::Unseen
+}
+
 static SPARES: BufferPool<GBuffer> = BufferPool::new(PICTURES);
 
-/// Number of rows that a thread sets to misses at a time.
+/// Number of rows that a thread clears at a time.
 const ROWS: usize = 64;
 
 /// Compares quantities only in pixels for which they have a meaning.
@@ -132,7 +143,7 @@ impl PartialEq for GBuffer {
             let is_open = self.status[pixel] == Status::Undecided;
             (!is_open
                 || self.reason[pixel] == other.reason[pixel]
-                    && self.open_from[pixel] == other.open_from[pixel])
+                    && self.distance(pixel) == other.distance(pixel))
                 && (!self.is_drawn(pixel)
                     || self.surface[pixel] == other.surface[pixel]
                         && self.normal.get(pixel) == other.normal.get(pixel))
@@ -146,11 +157,19 @@ impl PartialEq for GBuffer {
 }
 
 impl GBuffer {
-    /// A picture of one surface, in which every pixel is a miss. Reuses the memory of a picture
-    /// that was [handed back](Self::hand_back), if its size is suitable.
+    /// A picture for one surface, in which every pixel is [unseen](UndecidedReason::Unseen). Reuses
+    /// the memory of a picture that was [handed back](Self::hand_back), if its size is suitable.
     pub fn new(width: usize, height: usize, surface: u16) -> Self {
         let mut new = Self::unset(width, height, surface, Kept::default());
         new.rows(ROWS).into_par_iter().for_each(|mut rows| rows.clear());
+        new
+    }
+
+    /// A picture of no surface: every ray is a miss, since there is nothing to meet. Surfaces are
+    /// [merged](Self::merge) into it.
+    pub fn of_nothing(width: usize, height: usize) -> Self {
+        let mut new = Self::new(width, height, 0);
+        new.miss(0..width * height);
         new
     }
 
@@ -247,7 +266,8 @@ impl GBuffer {
     /// # Panics
     /// If `pixel` is not in the picture.
     pub fn distance(&self, pixel: usize) -> f64 {
-        distance(self.status[pixel], self.open_from[pixel], self.drawn[pixel])
+        let distances = [self.open_from[pixel], self.drawn[pixel]];
+        distance(self.status[pixel], self.reason[pixel], distances)
     }
 
     /// The reason why a pixel is undecided; [`UndecidedReason::None`] for decided pixels.
@@ -320,6 +340,29 @@ impl GBuffer {
         (status, drawn)
     }
 
+    /// Makes pixels without a result misses. The caller must have proven that the rays of these
+    /// pixels miss the surface.
+    ///
+    /// # Panics
+    /// If the range exceeds the picture.
+    pub fn miss(&mut self, pixels: Range<usize>) {
+        for (status, reason) in self.status[pixels.clone()].iter_mut().zip(&self.reason[pixels]) {
+            if is_unseen(*status, *reason) {
+                *status = Status::Miss;
+            }
+        }
+    }
+
+    /// Makes pixels unseen again. Nothing is painted there.
+    ///
+    /// # Panics
+    /// If the range exceeds the picture.
+    pub fn forget(&mut self, pixels: Range<usize>) {
+        self.status[pixels.clone()].fill(Status::Undecided);
+        self.reason[pixels.clone()].fill(UndecidedReason::Unseen);
+        self.drawn[pixels].fill(f64::INFINITY);
+    }
+
     /// Sets every pixel to undecided from the eye on, for lack of time: a surface was not traced.
     /// Painted points stay.
     pub fn give_up(&mut self) {
@@ -343,7 +386,8 @@ impl GBuffer {
     }
 
     /// As [`GBuffer::merge`], for a surface that was traced in a part of the picture. The part
-    /// begins in column `left` and row `top`. The surface's other pixels are misses.
+    /// begins in column `left` and row `top`. The caller must have proven that the rays of all
+    /// other pixels miss the surface.
     ///
     /// # Panics
     /// If the part exceeds the picture.
@@ -373,7 +417,7 @@ impl GBuffer {
             self.take_proven(pixel, other, own);
         }
         if self.status[pixel] == Status::Undecided {
-            self.open_from[pixel] = self.open_from[pixel].min(begins);
+            self.open_from[pixel] = self.distance(pixel).min(begins);
         }
         if let Some(bracket) = self.bracket.get_mut(pixel) {
             let [mine, theirs] = [*bracket, other.bracket_of(own)];
@@ -491,10 +535,10 @@ mod tests {
         old.hand_back();
         let mut new = GBuffer::new(1, 1, 3);
         assert_eq!(new, reset);
-        let expected = (Status::Miss, f64::INFINITY, f64::INFINITY, 3);
+        let expected = (Status::Undecided, 0.0, f64::INFINITY, 3);
         assert_eq!((new.status[0], new.distance(0), new.drawn[0], new.surface[0]), expected);
         assert!(new.cap.is_empty() && new.shadow.is_empty() && new.occlusion.is_empty());
-        assert!(new.reason(0) == UndecidedReason::None && new.bracket.is_empty());
+        assert!(new.reason(0) == UndecidedReason::Unseen && new.bracket.is_empty());
         // A hit replaces an undecided result. The old reason must not show.
         new.set(
             0,
@@ -513,7 +557,7 @@ mod tests {
             buffer.reset(width, height, 0);
             let pixels = 0..width * height;
             let is_clear = |pixel: usize| {
-                (buffer.status[pixel], buffer.drawn[pixel]) == (Status::Miss, f64::INFINITY)
+                buffer.reason(pixel) == UndecidedReason::Unseen && !buffer.is_drawn(pixel)
             };
             assert!(pixels.clone().all(is_clear), "{width}×{height}");
             for pixel in pixels.filter(|pixel| pixel % 45 < 2 || pixel % 256 < 50) {
@@ -524,6 +568,7 @@ mod tests {
                 };
                 buffer.set(pixel, &RayResult { status, distance: 2.0, drawn, ..RayResult::MISS });
             }
+            buffer.miss(0..width * height);
         }
     }
 
@@ -547,7 +592,7 @@ mod tests {
         let mut two = bracketed(1.0, 2.0);
         two.merge(&bracketed(0.5, 4.0));
         assert_eq!((two.distance(0), two.bracket[0]), (1.5, [0.5, 2.0]));
-        two.merge(&GBuffer::new(1, 1, 3).with_brackets());
+        two.merge(&GBuffer::of_nothing(1, 1).with_brackets());
         assert_eq!(two.bracket[0], [0.5, 2.0]);
         two.merge(&pixel(Status::Undecided, 0.25, 0.25, 1).with_brackets());
         assert!(two.status[0] == Status::Undecided && two.bracket[0][0].is_nan());
@@ -564,8 +609,16 @@ mod tests {
         }
         // Merging a miss changes nothing.
         let before = buffer.clone();
-        buffer.merge(&GBuffer::new(1, 1, 3));
+        buffer.merge(&GBuffer::of_nothing(1, 1));
         assert_eq!(buffer, before);
+        // Where a surface was not examined, nothing is proven, though the hit stays painted.
+        let mut unseen = before.clone();
+        unseen.merge(&GBuffer::new(1, 1, 3));
+        assert_eq!((unseen.reason(0), unseen.distance(0)), (UndecidedReason::Unseen, 0.0));
+        assert_eq!((unseen.drawn[0], unseen.surface[0]), (before.drawn[0], before.surface[0]));
+        let mut unseen = GBuffer::new(1, 1, 3);
+        unseen.merge(&before);
+        assert_eq!((unseen.reason(0), unseen.distance(0)), (UndecidedReason::Unseen, 0.0));
         // A pixel that is not selected stays as it is.
         buffer.replace(&pixel(Status::Undecided, 9.0, 9.0, 9), &[false]);
         assert_eq!(buffer, before);

@@ -56,7 +56,8 @@ pub enum Proves {
 
 /// A method prepared for one surface.
 pub trait Tracer: Sync {
-    /// Follows `rays`, and writes each ray's result to the ray's place in `found`.
+    /// Follows `rays`, and writes each ray's result to the ray's place in `found`. The caller has
+    /// filled `found` with [`RayResult::UNSEEN`].
     ///
     /// If possible, every four consecutive rays are those of 2×2 neighboring pixels, every sixteen
     /// those of 4×4 pixels, and so on.
@@ -74,7 +75,7 @@ pub trait Tracer: Sync {
     }
 
     /// Follows the rays of all pixels of a band, as long as the band [is wanted](Band::is_wanted).
-    /// Before the call, all pixels must be misses.
+    /// Before the call, all wanted pixels must be unseen.
     fn band(&self, rays: &RayGrid, band: &mut Band<'_>, work: &mut KernelStats) {
         by_squares(self, rays, band, work);
     }
@@ -98,7 +99,7 @@ pub(crate) fn by_squares<T: Tracer + ?Sized>(
 ) {
     let (to, pixel) = (f64::INFINITY, rays.pixel());
     let unset = Segment { ray: rays.ray(0, band.top), to, pixel };
-    let (mut segments, mut found) = ([unset; RAYS], [RayResult::MISS; RAYS]);
+    let (mut segments, mut found) = ([unset; RAYS], [RayResult::UNSEEN; RAYS]);
     let mut wanted = true;
     let squares: Box<dyn Iterator<Item = Vec<[usize; 2]>>> = if rays.is_patched() {
         Box::new(patches(band.height))
@@ -123,9 +124,12 @@ pub(crate) fn by_squares<T: Tracer + ?Sized>(
         for (segment, [column, row]) in segments.iter_mut().zip(&square) {
             segment.ray = rays.ray(*column, band.top + row);
         }
+        found.fill(RayResult::UNSEEN);
         tracer.follow(segments, Start::Anywhere, found, work);
         for (([column, row], found), segment) in square.iter().zip(found).zip(segments) {
-            if !found.is_miss() {
+            if found.is_miss() {
+                band.set_miss(*column, *row);
+            } else {
                 band.set(*column, *row, &found.scaled(segment.ray.distance(1.0)));
             }
         }

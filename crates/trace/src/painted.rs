@@ -2,7 +2,7 @@
 //!
 //! This module does not depend on what is computed for the pixels.
 
-use crate::ray_result::Status;
+use crate::ray_result::{Status, UndecidedReason};
 use fearless_simd::{Level, dispatch, f64x8, prelude::*, u8x16};
 use zeroset_eval::LANES;
 
@@ -185,6 +185,17 @@ fn look<S: Simd>(
 #[inline]
 pub(crate) fn are_misses<const N: usize>(status: &[Status; N]) -> bool {
     status.iter().fold(0, |any, status| any | *status as u8) == Status::Miss as u8
+}
+
+/// Returns whether all of these pixels are unseen.
+#[inline]
+pub(crate) fn are_unseen(status: [Status; 4], reason: [UndecidedReason; 4]) -> bool {
+    let mut other = 0;
+    for pixel in 0..4 {
+        other |= status[pixel] as u8 ^ Status::Undecided as u8;
+        other |= reason[pixel] as u8 ^ UndecidedReason::Unseen as u8;
+    }
+    other == 0
 }
 
 /// The painted pixels among the first sixteen of `status` and `drawn`, as bits.

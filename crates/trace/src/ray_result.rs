@@ -33,11 +33,14 @@ pub enum UndecidedReason {
     Unproven = 5,
     /// The method needs a bound of the function's slope, and none is known on the segment.
     Steep = 6,
+    /// No method examined the segment. Every pixel begins so, and nothing but a proof makes it a
+    /// miss. In a finished picture, such a pixel shows a flaw in the program.
+    Unseen = 7,
 }
 
 impl UndecidedReason {
     /// All reasons, in the order of their discriminants.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::None,
         Self::Touching,
         Self::Undefined,
@@ -45,6 +48,7 @@ impl UndecidedReason {
         Self::Budget,
         Self::Unproven,
         Self::Steep,
+        Self::Unseen,
     ];
 
     /// The reason's name, one word.
@@ -57,6 +61,7 @@ impl UndecidedReason {
             Self::Budget => "budget",
             Self::Unproven => "unproven",
             Self::Steep => "steep",
+            Self::Unseen => "unseen",
         }
     }
 
@@ -70,6 +75,7 @@ impl UndecidedReason {
             Self::Budget => "for which effort or time ran out",
             Self::Unproven => "of which this method proves nothing",
             Self::Steep => "where no bound of f's slope is known, which this method needs",
+            Self::Unseen => "that were not examined, by a flaw in this program: please report it",
         }
     }
 }
@@ -93,7 +99,7 @@ pub struct RayResult {
 }
 
 impl RayResult {
-    /// A ray without a zero.
+    /// A ray that is proven to meet no zero.
     pub const MISS: Self = Self {
         status: Status::Miss,
         distance: f64::INFINITY,
@@ -105,6 +111,19 @@ impl RayResult {
     /// Returns whether the result is a miss.
     pub(crate) fn is_miss(&self) -> bool {
         self.status == Status::Miss
+    }
+
+    /// The result for a ray that was not examined. Every result begins so.
+    pub const UNSEEN: Self = Self {
+        status: Status::Undecided,
+        distance: 0.0,
+        reason: UndecidedReason::Unseen,
+        ..Self::MISS
+    };
+
+    /// Returns whether the result is that of a ray that was not examined.
+    pub(crate) fn is_unseen(&self) -> bool {
+        self.reason == UndecidedReason::Unseen
     }
 
     /// The result for a ray that was not followed, for lack of time.

@@ -252,7 +252,7 @@ mod tests {
         let projection = Projection::Orthographic { height: 2.0 };
         let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
         let rays = camera.expect("valid").rays(8, 8);
-        let mut buffer = GBuffer::new(8, 8, 0);
+        let mut buffer = GBuffer::of_nothing(8, 8);
         cap(&mut buffer, &rays, region, &LeftHalf, &[]);
         buffer
     }

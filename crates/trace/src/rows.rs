@@ -11,7 +11,7 @@ use std::cell::Cell;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
-/// Number of pixels that are set to misses at a time.
+/// Number of pixels that are cleared at a time.
 const CLEARED: usize = 64;
 
 /// Adjacent rows of a [`GBuffer`], with all quantities of the rows' pixels.
@@ -180,7 +180,7 @@ impl Rows<'_> {
         first..first + self.status.len()
     }
 
-    /// Sets every pixel to a miss.
+    /// Makes every pixel unseen.
     pub(crate) fn clear(&mut self) {
         dispatch!(Level::new(), simd => self.clear_with(simd));
     }
@@ -188,15 +188,16 @@ impl Rows<'_> {
     /// As [`Rows::clear`], compiled for vectors of type `S`.
     #[inline(always)]
     fn clear_with<S: Simd>(&mut self, _: S) {
-        // Quantities without a meaning for a miss are not written, which saves time. Pixels that an
-        // earlier picture in this memory left as misses are not written either.
-        let parts = self.status.chunks_mut(CLEARED).zip(self.drawn.chunks_mut(CLEARED));
+        // Quantities without a meaning for an unseen pixel are not written, which saves time. Where
+        // an earlier picture in this memory has misses, nothing is painted.
+        let parts = self.status.chunks(CLEARED).zip(self.drawn.chunks_mut(CLEARED));
         for (status, drawn) in parts {
             if !status.first_chunk::<CLEARED>().is_some_and(are_misses) {
-                status.fill(Status::Miss);
                 drawn.fill(f64::INFINITY);
             }
         }
+        self.status.fill(Status::Undecided);
+        self.reason.fill(UndecidedReason::Unseen);
         self.uneven.fill(false);
         self.bracket.fill([f64::NAN; 2]);
         self.cap.fill(false);
@@ -206,7 +207,8 @@ impl Rows<'_> {
 
     /// Distance of a pixel's hit or first undecided segment: [`GBuffer::distance`].
     pub(crate) fn distance(&self, pixel: usize) -> f64 {
-        distance(self.status[pixel], self.open_from[pixel], self.drawn[pixel])
+        let distances = [self.open_from[pixel], self.drawn[pixel]];
+        distance(self.status[pixel], self.reason[pixel], distances)
     }
 
     /// The windows over all painted pixels of the rows.

@@ -130,7 +130,6 @@ fn a_kernel_has_as_many_parameters_and_outputs_as_asked_for() {
 
 /// A kernel's code omits guards that its assumptions make needless. So values outside the
 /// assumptions must be refused.
-#[cfg(debug_assertions)]
 #[test]
 fn a_kernel_is_not_asked_beyond_what_it_was_made_for() {
     use zeroset_eval::Reference;

@@ -134,14 +134,18 @@ impl<T: KernelFloat> Edges<'_, T> {
             if !window.shows(&ends[0], &ends[1]) || !places.iter().any(shows) {
                 continue;
             }
+            let target = if near.is_empty() { &mut *all } else { &mut *layer };
+            target.reset(rays.width(), rays.height(), 0);
             let mut own = Cow::Borrowed(&only);
             if !places.iter().all(shows) {
                 let rays = self.pattern.rays();
                 let asked = |place| rays.iter().map(move |asked| *asked && shows(place));
                 own = Cow::Owned(places.iter().flat_map(asked).collect());
+                // Rays outside of the window miss the surface.
+                for (n, _) in places.iter().enumerate().filter(|(_, place)| !shows(place)) {
+                    target.miss(n * rays.len()..(n + 1) * rays.len());
+                }
             }
-            let target = if near.is_empty() { &mut *all } else { &mut *layer };
-            target.reset(rays.width(), rays.height(), 0);
             self.pass.find(*surface, &**tracer, &rays, &own, target, &|_| true)?;
             if self.has_one && self.pattern.is_full() {
                 is_smooth = self.reset_smooth(pixels, &rays, target);
@@ -153,7 +157,9 @@ impl<T: KernelFloat> Edges<'_, T> {
             near.push(prepared);
         }
         if near.is_empty() {
+            // All windows are elsewhere.
             all.reset(rays.width(), rays.height(), 0);
+            all.miss(0..all.drawn.len());
         }
         let places = self.pattern.side * self.pattern.side;
         if self.is_hidden {
@@ -199,9 +205,7 @@ impl<T: KernelFloat> Edges<'_, T> {
                 && !is_creased(self.picture, self.rays, pixel)
                 && rows.clone().all(|row| is_smooth(finer, rays, row, normal));
             if is_smooth {
-                let samples = rows.start * LANES..rows.end * LANES;
-                finer.status[samples.clone()].fill(Status::Miss);
-                finer.drawn[samples].fill(f64::INFINITY);
+                finer.forget(rows.start * LANES..rows.end * LANES);
             }
             is_smooth
         };

@@ -360,10 +360,10 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
                 brackets: settings.brackets || !is_one,
                 caps: caps.is_some(),
             };
-            // The rays of all other pixels are proven misses.
+            // The window holds the surface, so the rays of all other pixels are proven to miss it.
             advance(width * height - columns.len() * rows.len());
             if !is_whole && picture.is_none() {
-                let blank = GBuffer::new(width, height, surface as u16);
+                let blank = GBuffer::of_nothing(width, height);
                 picture = Some(if kept.brackets { blank.with_brackets() } else { blank });
             }
             let seen = match &picture {
@@ -398,7 +398,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
                 break;
             }
         }
-        let mut buffer = picture.unwrap_or_else(|| GBuffer::new(width, height, 0));
+        let mut buffer = picture.unwrap_or_else(|| GBuffer::of_nothing(width, height));
         if !settings.brackets {
             buffer.bracket.clear();
         }

@@ -16,6 +16,7 @@
 
 mod bundle;
 mod classify;
+mod coverage;
 #[cfg(test)]
 mod edges;
 #[cfg(test)]
@@ -209,11 +210,11 @@ impl<T: Scalar> Tracer for Affine<'_, T> {
             let whole = state.whole(rays, band);
             state.trace(self, rays, band, &whole, work)
         };
-        if !is_over {
+        state.set_misses(rays, band);
+        if is_over {
+            band.give_up();
+        } else {
             state.finish(self);
-        } else if has_parts {
-            // Pixels are finished in some parts of their rays only.
-            band.give_up(0);
         }
     }
 }

@@ -83,8 +83,10 @@ impl<T: Scalar> Tracer for March<'_, T> {
         for (rays, found) in rays.chunks(LANES).zip(found.chunks_mut(LANES)) {
             let mut cells = RayParts::default();
             for (lane, (segment, found)) in rays.iter().zip(&mut *found).enumerate() {
-                *found = RayResult::MISS;
-                let Some([near, far]) = segment.within(self.region) else { continue };
+                let Some([near, far]) = segment.within(self.region) else {
+                    *found = RayResult::MISS;
+                    continue;
+                };
                 // A miss would claim a proof. So the ray is undecided from its entry into the
                 // region.
                 let (status, reason) = (Status::Undecided, UndecidedReason::Unproven);

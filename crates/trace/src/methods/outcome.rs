@@ -15,10 +15,13 @@ pub(super) struct RayOutcome {
     pub open: Option<(f64, UndecidedReason)>,
     /// Start of the first undecided part that is likely to hold a zero.
     pub likely: Option<f64>,
+    /// Whether the ray was followed to its end.
+    pub is_followed: bool,
 }
 
 impl RayOutcome {
-    /// Converts the outcome to a result. At s = 0, the ray's t is `start`.
+    /// Converts the outcome to a result. At s = 0, the ray's t is `start`. A ray without a hit is a
+    /// miss only if it was followed to its end.
     pub fn found(&self, start: f64) -> RayResult {
         let place = |s: f64| start + s;
         let middle = self.hit.map(|[near, far]| place(0.5 * (near + far)));
@@ -30,7 +33,7 @@ impl RayOutcome {
             return RayResult { status, distance, drawn, reason, ..RayResult::MISS };
         }
         let (Some([near, far]), Some(distance)) = (self.hit, middle) else {
-            return RayResult::MISS;
+            return if self.is_followed { RayResult::MISS } else { RayResult::UNSEEN };
         };
         // The ends of the bracket are rounded outward.
         let bracket = [place(near).next_down(), place(far).next_up()];
@@ -51,11 +54,12 @@ pub(super) fn follow_in_region<O: IntoIterator<Item = RayOutcome>>(
     for (rays, found) in rays.chunks(LANES).zip(found.chunks_mut(LANES)) {
         let (mut local_rays, mut lanes) = (Vec::with_capacity(LANES), Vec::with_capacity(LANES));
         for (lane, segment) in rays.iter().enumerate() {
-            found[lane] = RayResult::MISS;
             if let Some(mut local_ray) = LocalRay::new(segment, task.region) {
                 local_ray.longest = longest * segment.footprint(-local_ray.start);
                 local_rays.push(local_ray);
                 lanes.push(lane);
+            } else {
+                found[lane] = RayResult::MISS;
             }
         }
         if local_rays.is_empty() {

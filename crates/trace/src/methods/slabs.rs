@@ -76,6 +76,8 @@ pub(super) struct Slabs<'a, T: Scalar, S> {
 /// The outcomes of a packet's rays. Places are values of τ. Sets of rays are bits.
 #[derive(Clone, Copy, Debug, Default)]
 struct PacketOutcomes<T> {
+    /// Rays that are proven to meet no zero, from end to end.
+    missed: u16,
     /// Rays with a drawn root.
     drawn: u16,
     /// Per ray, the range of τ in which its root is drawn: a slab and the next one. Bounds are
@@ -146,7 +148,9 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
             let outcomes = dispatch!(self.vectors, simd => {
                 self.packet(simd, packet, batch, start, work)
             });
-            found[some.clone()].fill(RayResult::MISS);
+            for lane in ones(outcomes.missed) {
+                found[some.start + lane] = RayResult::MISS;
+            }
             for lane in ones(outcomes.drawn | outcomes.suppressed) {
                 let ray = some.start + lane;
                 found[ray] = outcomes.found(packet, lane, &rays[ray], |slab| slabs.set(ray, slab));
@@ -155,8 +159,8 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
         }
         if some.len() == 1 {
             // A single ray is refused only if its direction is NaN. Then nothing is known about it.
-            found[some.start] =
-                RayResult { status: Status::Undecided, distance: 0.0, ..RayResult::MISS };
+            let (status, distance) = (Status::Undecided, 0.0);
+            found[some.start] = RayResult { status, distance, ..RayResult::MISS };
             return;
         }
         // The packet is divided into groups of four rays, and a refused group into single rays.
@@ -180,6 +184,8 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
         self.test.begin(simd, packet, batch);
         let mut outcomes = PacketOutcomes::default();
         let mut alive = packet.inside(simd);
+        // Other rays miss the region.
+        outcomes.missed = packet.rays() & !alive;
         let mut leaving = match start {
             Start::Anywhere => 0,
             Start::OnSurface => alive,
@@ -200,6 +206,7 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
                 let slab = Slab { planes, rays: active, is_last: level == self.last };
                 result = self.test.eval(simd, packet, &slab, batch, &mut done);
             } else if alive & packet.meets(simd, from, T::integer(2)) == 0 {
+                outcomes.missed |= alive;
                 break;
             }
             let mut vanishing = result.possible & active;
@@ -230,13 +237,16 @@ impl<T: Scalar, S: SlabTest<T>> Slabs<'_, T, S> {
                 let left = alive & packet.meets(simd, behind, T::integer(2));
                 done.given_up += u64::from((left | vanishing).count_ones());
                 outcomes.pass_over(left, behind);
+                outcomes.missed |= alive & !left;
                 break;
             }
             // The next slab is the largest one that starts at the end of this slab.
             index += 1;
             let up = index.trailing_zeros();
             if up > level {
-                break; // the end of the region
+                // This is the end of the region.
+                outcomes.missed |= alive;
+                break;
             }
             index >>= up;
             level -= up;

@@ -238,9 +238,9 @@ impl<T: Scalar> Tracer for Sphere<'_, T> {
         for (rays, found) in rays.chunks(LANES).zip(found.chunks_mut(LANES)) {
             let mut walks = Vec::with_capacity(LANES);
             for (lane, segment) in rays.iter().enumerate() {
-                found[lane] = RayResult::MISS;
-                if let Some(local_ray) = LocalRay::new(segment, self.region) {
-                    walks.push(self.walk(lane, segment, local_ray, start));
+                match LocalRay::new(segment, self.region) {
+                    Some(local_ray) => walks.push(self.walk(lane, segment, local_ray, start)),
+                    None => found[lane] = RayResult::MISS,
                 }
             }
             if walks.is_empty() {

@@ -22,6 +22,8 @@ pub(super) struct Level<T: Scalar> {
     first: [usize; 2],
     /// The column and row of each tile, relative to the first tile.
     places: [[u8; 2]; LANES],
+    /// Number of tiles.
+    count: usize,
     /// For each lane, the index of its tile, row by row.
     tiles: [u8; LANES],
     /// For each lane, the number of evaluations of its tile.
@@ -58,6 +60,15 @@ impl<T: Scalar> Level<T> {
     pub fn place(&self, lane: usize) -> [usize; 2] {
         let [column, row] = self.places[usize::from(self.tiles[lane])].map(usize::from);
         [self.first[0] + column, self.first[1] + row]
+    }
+
+    /// The columns and rows of all tiles, finished ones included.
+    pub fn taken(&self) -> impl Iterator<Item = [usize; 2]> {
+        let [left, top] = self.first;
+        self.places[..self.count].iter().map(move |place| {
+            let [column, row] = place.map(usize::from);
+            [left + column, top + row]
+        })
     }
 
     /// Starts with the unfinished tiles in these columns and rows, at most [`LANES`] tiles. Columns
@@ -125,6 +136,7 @@ impl<T: Scalar> Level<T> {
                 lane += 1;
             }
         }
+        self.count = lane;
         let simd = tracer.simd;
         for axis in 0..2 {
             let [centre, half] = [f64::wide(simd, &centre[axis]), f64::wide(simd, &half[axis])];
@@ -141,7 +153,7 @@ impl<T: Scalar> Level<T> {
         [column, row]: [usize; 2],
     ) -> u16 {
         self.first = [column, row];
-        self.places = SQUARE;
+        (self.places, self.count) = (SQUARE, LANES);
         self.tiles = LANE_INDICES;
         let side = SIDES[LAST];
         // A tile's center is halfway between its first and last pixel. `screens` takes the sum of

@@ -28,6 +28,8 @@ pub(super) enum StopReason {
 /// The result of following a ray.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum FollowResult {
+    /// The ray was not examined.
+    Unseen,
     /// The ray meets no zero.
     Empty,
     /// The ray's first zero lies in this bracket.
@@ -117,7 +119,7 @@ impl<'a, T: Scalar> Narrower<'a, T> {
             stack.clear();
         }
         for (lane, segment) in segments.iter().enumerate() {
-            steps[lane] = FollowResult::Empty;
+            steps[lane] = FollowResult::Unseen;
             if let Some(segment) = *segment {
                 least[lane] = push_outward::<T>(&local_rays[lane], segment, &mut stacks[lane]);
                 grain[lane] = least[lane];
@@ -199,6 +201,10 @@ impl<'a, T: Scalar> Narrower<'a, T> {
                     } else {
                         stack.push(new);
                     }
+                }
+                // All parts of the segment are proven empty.
+                if stack.is_empty() && matches!(steps[lane], FollowResult::Unseen) {
+                    steps[lane] = FollowResult::Empty;
                 }
             }
             work.segments.calls += 1;

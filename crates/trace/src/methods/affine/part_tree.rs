@@ -31,8 +31,9 @@ struct Part {
     surface: Option<Arc<dyn SurfaceKernels>>,
     /// Number of divisions since the surface got simpler.
     divisions: u32,
-    /// The parts of this part, nearest first. Those without zeros are left out. Empty if the
-    /// surface gets no simpler.
+    /// Whether the part is proven to hold no zero.
+    is_empty: bool,
+    /// The parts of this part, nearest first. The list is empty if the surface gets no simpler.
     parts: OnceLock<Vec<Part>>,
 }
 
@@ -54,6 +55,7 @@ impl PartTree {
             span: [-T::above(-near).into(), T::above(far).into()],
             surface: None,
             divisions: 0,
+            is_empty: false,
             parts: OnceLock::new(),
         };
         Self { root, frame, unit: rays.unit }
@@ -89,8 +91,7 @@ impl PartTree {
         part.area[1][1] <= LOW * self.unit
     }
 
-    /// Divides a part into sixteen. Those without zeros are left out. Empty if the surface has too
-    /// few choices.
+    /// Divides a part into sixteen. The list is empty if the surface has too few choices.
     fn divided<T: Scalar>(&self, part: &Part, rays: &RayGrid, task: Task<'_>) -> Vec<Part> {
         let frame = &self.frame;
         let [near, far] = part.span;
@@ -136,14 +137,15 @@ impl PartTree {
         }
         let divisions = part.divisions + 1;
         let part = |((area, span), surface): ((Area, [f64; 2]), PartSurface)| {
+            let is_empty = matches!(surface, PartSurface::Empty);
             let (surface, divisions) = match surface {
-                PartSurface::Empty => return None,
+                PartSurface::Empty => (None, 0),
                 PartSurface::Same => (part.surface.clone(), divisions),
                 PartSurface::Short(surface) => (Some(Arc::from(surface)), 0),
             };
             let is_last = divisions > IN_VAIN;
             let parts = if is_last { OnceLock::from(Vec::new()) } else { OnceLock::new() };
-            (span[0] < span[1]).then_some(Part { area, span, surface, divisions, parts })
+            (span[0] < span[1]).then_some(Part { area, span, surface, divisions, is_empty, parts })
         };
         areas.into_iter().zip(surfaces).filter_map(part).collect()
     }
@@ -174,12 +176,21 @@ impl<T: Scalar> Pass<'_, '_, '_, T> {
             let Self { method, state, rays, band, work, .. } = self;
             return parts::trace(method, surface.as_deref(), state, rays, band, &own, work);
         }
-        // Areas overlap. In each range of depth, a tile belongs to the first area around it. Areas
-        // are in order from left to right.
+        // Areas overlap. In each range of depth, a tile is traced in the first area around it. Areas
+        // are in order from left to right. A tile around which there is no area would stay unseen.
         let (mut first, mut span) = (columns.start, None);
         for inner in inner {
             if span != Some(inner.span) {
                 (first, span) = (columns.start, Some(inner.span));
+            }
+            if inner.is_empty {
+                for column in columns.clone() {
+                    if contains(&inner.area, &self.tile_area(column)) {
+                        let (columns, span) = (column..column + 1, inner.span);
+                        self.state.pass_over(&BandPart { columns, span, ..own.clone() });
+                    }
+                }
+                continue;
             }
             let is_inside = |&column: &usize| contains(&inner.area, &self.tile_area(column));
             let Some(start) = (first..columns.end).find(is_inside) else { continue };
@@ -217,7 +228,8 @@ impl<T: Scalar> Pass<'_, '_, '_, T> {
         if parts.is_empty() {
             return self.trace_all(part, areas.len(), rows);
         }
-        // Areas overlap. In each range of depth, a patch belongs to the first area around it.
+        // Areas overlap. In each range of depth, a patch is traced in the first area around it. A
+        // patch around which there is no area would stay unseen.
         let (mut rest, mut span) = (rows, None);
         for inner in parts {
             if span != Some(inner.span) {
@@ -227,6 +239,12 @@ impl<T: Scalar> Pass<'_, '_, '_, T> {
                 .filter(|row| contains(&inner.area, &areas[*row]))
                 .map(|row| 1 << row)
                 .sum();
+            if inner.is_empty {
+                ones(inside).for_each(|row| {
+                    self.state.pass_over(&patches(row, row + 1, inner.span));
+                });
+                continue;
+            }
             rest &= !inside;
             if inside != 0 && self.trace_patches(inner, areas, inside) {
                 return true;

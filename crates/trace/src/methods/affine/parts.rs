@@ -60,7 +60,10 @@ pub(super) fn trace<T: Scalar>(
             continue;
         }
         let is_over = match surface {
-            PartSurface::Empty => !band.is_wanted(),
+            PartSurface::Empty => {
+                state.pass_over(part);
+                !band.is_wanted()
+            }
             PartSurface::Same => trace_all(state, band, part, work),
             PartSurface::Short(surface) => {
                 trace(method, Some(&**surface), state, rays, band, part, work)

@@ -11,6 +11,7 @@ use crate::painted::ones;
 use crate::scalar::Scalar;
 use fearless_simd::{f64x8, prelude::*};
 use glam::DVec3;
+use std::cmp::Ordering;
 use zeroset_eval::{Contractions, LANES, Lanes};
 
 /// Bound of the relative rounding error of a bracket's distance. Brackets are far longer than that.
@@ -83,6 +84,12 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
     fn mark_finished(&mut self, ray: &TileRay<T>) {
         let [column, row] = place_of(ray.tile);
         self.open[row * self.across + column] &= !(1 << ray.bit);
+    }
+
+    /// Records that a part of a ray is not examined. No pixel of its tile becomes a miss.
+    fn lose(&mut self, ray: &TileRay<T>) {
+        let [column, row] = place_of(ray.tile);
+        self.coverage.lose(row * self.across + column);
     }
 
     /// Writes the hits that a tile's form proves on the tile's rays.
@@ -259,10 +266,14 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
             }
             // Rounded to `T`, a segment may begin slightly behind the eye.
             span[0] = span[0].max(-start);
-            // The comparison is also false if an end is NaN.
-            let is_left = span[0] <= span[1];
-            if !is_left {
-                continue;
+            match span[0].partial_cmp(&span[1]) {
+                Some(Ordering::Greater) => continue,
+                Some(_) => {}
+                // An end is NaN, so nothing is known about the ray.
+                None => {
+                    self.lose(ray);
+                    continue;
+                }
             }
             let longest = ray.longest.into();
             local_rays[count] =
@@ -279,6 +290,10 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         for (outcome, lane) in outcomes[..count].iter().zip(lanes) {
             let found = outcome.found(start);
             if found.is_miss() {
+                continue;
+            }
+            if found.is_unseen() {
+                self.lose(&rays[lane].0);
                 continue;
             }
             if found.drawn.is_finite() {

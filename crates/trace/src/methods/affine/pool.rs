@@ -12,24 +12,31 @@
 use super::classify::EvaluatedSegments;
 use super::narrow::Scratch;
 use super::screens::{LANE_INDICES, PendingSegments, packed, saves_a_vector};
+use super::tracer::SIDES;
 use crate::painted::ones;
 use crate::scalar::Scalar;
 use fearless_simd::{mask8x16, mask32x16, prelude::*, u8x16, u32x16};
 use zeroset_eval::{Contractions, LANES, Lanes, Segments};
 
-/// Place of a 4×4 tile in its band. The upper half of the bits is the row, the lower the column.
+/// Place of a 4×4 tile in its band. The lowest [`COLUMN_BITS`] are the column, the others the row.
 pub(super) type TilePlace = u32;
+
+/// A band has at most as many rows of tiles as a large tile has pixels, and that only if its rows
+/// are patches. So the column gets nearly all bits: pictures of one row may have many columns.
+const COLUMN_BITS: u32 = TilePlace::BITS - SIDES[0].ilog2();
+/// Largest number of columns of tiles.
+pub(super) const MAX_COLUMNS: usize = 1 << COLUMN_BITS;
 
 /// Returns the place of the tile in this column and row.
 #[inline(always)]
 pub(super) fn tile_place([column, row]: [usize; 2]) -> TilePlace {
-    (row << 16 | column) as TilePlace
+    (row << COLUMN_BITS | column) as TilePlace
 }
 
 /// Returns the column and row of a tile.
 #[inline(always)]
 pub(super) fn place_of(tile: TilePlace) -> [usize; 2] {
-    [tile as usize & 0xffff, tile as usize >> 16]
+    [tile as usize % MAX_COLUMNS, tile as usize >> COLUMN_BITS]
 }
 
 /// A ray of a 4×4 tile.

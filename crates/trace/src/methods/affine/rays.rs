@@ -79,14 +79,14 @@ impl<'a, T: Scalar> Follower<'a, T> {
             let part = |fine: bool| -> [Option<[f64; 2]>; LANES] {
                 std::array::from_fn(|lane| pending[lane].filter(|_| is_finer(lane) == fine))
             };
-            let mut steps = [FollowResult::Empty; LANES];
+            let mut steps = [FollowResult::Unseen; LANES];
             let rest = part(false);
             if rest.iter().any(Option::is_some) {
                 self.narrower.narrow(local_rays, &rest, scratch, &mut steps, work);
                 self.refine(local_rays, &mut steps, &mut stretch, work);
             }
             if let Some(double) = finer {
-                let mut fine = [FollowResult::Empty; LANES];
+                let mut fine = [FollowResult::Unseen; LANES];
                 double.narrow(local_rays, &part(true), &mut Scratch::default(), &mut fine, work);
                 for lane in (0..LANES).filter(|lane| is_finer(*lane)) {
                     steps[lane] = fine[lane];
@@ -97,23 +97,23 @@ impl<'a, T: Scalar> Follower<'a, T> {
                     continue;
                 }
                 let outcome = &mut outcomes[lane];
-                let rest =
-                    |from: f64| (from < local_ray.span[1]).then_some([from, local_ray.span[1]]);
-                pending[lane] = match steps[lane] {
-                    FollowResult::Empty => None,
+                // The s from which the ray is followed further.
+                let rest: Option<f64> = match steps[lane] {
+                    FollowResult::Unseen => None,
+                    FollowResult::Empty => Some(local_ray.span[1]),
                     // The zero on which a ray starts does not count. At least `grain` is skipped,
                     // since the end of a segment found in `f64` may be too near for `T` to resolve.
                     FollowResult::Hit([near, far]) | FollowResult::Open([near, far], _)
                         if start == Start::OnSurface && near <= local_ray.span[0] =>
                     {
                         let grain = 2.0 * T::GRAIN * (local_ray.span[1] - local_ray.span[0]);
-                        rest(far.max(local_ray.span[0] + grain))
+                        Some(far.max(local_ray.span[0] + grain))
                     }
                     FollowResult::Hit(bracket) => {
                         outcome.hit = Some(bracket);
                         None
                     }
-                    FollowResult::Resumed(from) => rest(from),
+                    FollowResult::Resumed(from) => Some(from),
                     FollowResult::Open(segment, _)
                         if outcome.open.is_none()
                             && let Some(bracket) = self.bracket_across_gap(local_ray, segment) =>
@@ -133,10 +133,14 @@ impl<'a, T: Scalar> Follower<'a, T> {
                             None
                         } else {
                             let passed = (far - near) * GROWTH.powi(parts[lane] as i32 - 1);
-                            rest(far + passed.min(local_ray.longest))
+                            Some(far + passed.min(local_ray.longest))
                         }
                     }
                 };
+                outcome.is_followed = rest.is_some_and(|from| from >= local_ray.span[1]);
+                pending[lane] = rest
+                    .filter(|from| *from < local_ray.span[1])
+                    .map(|from| [from, local_ray.span[1]]);
             }
         }
         outcomes
@@ -175,7 +179,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
             return;
         }
         let Some(double) = self.double() else { return };
-        let mut refined = [FollowResult::Empty; LANES];
+        let mut refined = [FollowResult::Unseen; LANES];
         double.narrow(local_rays, &open, &mut Scratch::default(), &mut refined, work);
         for ((step, open), refined) in steps.iter_mut().zip(&open).zip(refined) {
             if let Some([_, far]) = *open {

@@ -2,10 +2,11 @@
 
 use super::Affine;
 use super::classify::LengthLimits;
+use super::coverage::{Coverage, TileRanges};
 use super::frame::RayFrame;
 use super::level::Level;
 use super::narrow::{MIN_BLUR_SHARE, STALL_LENGTH, are_progress};
-use super::pool::RayBuffers;
+use super::pool::{MAX_COLUMNS, RayBuffers};
 use super::tracer::{BandTracer, LAST, SIDES};
 use crate::band::Band;
 use crate::grid::RayGrid;
@@ -37,6 +38,7 @@ pub(super) struct BandBuffers<T: Scalar> {
     memory: RayBuffers<T>,
     /// Memory for [`BandTracer::screens`].
     screens: [Vec<[f64; 4]>; 2],
+    coverage: Coverage,
 }
 
 /// The state of a band between the parts in which it is traced.
@@ -65,7 +67,7 @@ impl<T: Scalar> BandState<T> {
     pub fn new(method: &Affine<'_, T>, frame: RayFrame, rays: &RayGrid, band: &Band<'_>) -> Self {
         let is_patched = rays.is_patched();
         let across = if is_patched { 1 } else { band.width.div_ceil(4) };
-        assert!(across.max(band.height) < 1 << 16, "places of tiles fit in the halves of a number");
+        assert!(across <= MAX_COLUMNS && band.height <= SIDES[0], "{across} columns of tiles");
         let mut open = if is_patched {
             vec![u16::MAX; band.height]
         } else {
@@ -73,7 +75,7 @@ impl<T: Scalar> BandState<T> {
         };
         close_unasked(&mut open, band, across, is_patched);
         let mut buffers = method.buffers.take().unwrap_or_default();
-        let BandBuffers { levels, memory, screens } = &mut *buffers;
+        let BandBuffers { levels, memory, screens, coverage } = &mut *buffers;
         for level in levels.iter_mut() {
             level.batch = frame.tiles();
         }
@@ -88,6 +90,11 @@ impl<T: Scalar> BandState<T> {
                     *screens = rays.screens(axis, 2 * (first + 4 * four), 2);
                 }
             }
+        }
+        let [near, _] = span::<T>(&frame);
+        coverage.begin([across, open.len() / across], near);
+        for (row, [from, _]) in between(rays, band, &frame).enumerate() {
+            coverage.begin_at(row, from);
         }
         let size = frame.size();
         let blur = MIN_BLUR_SHARE * frame.error_in::<T>(size).max_element();
@@ -104,19 +111,73 @@ impl<T: Scalar> BandState<T> {
         } else {
             (0, 0..band.width.div_ceil(SIDES[0]), 0..1)
         };
-        // The ends are rounded outward here. All later ends are floats of `T` already.
-        let [near, far] = self.frame.span;
-        BandPart { level, columns, rows, span: [-T::above(-near).into(), T::above(far).into()] }
+        BandPart { level, columns, rows, span: span::<T>(&self.frame) }
     }
 
     /// Returns whether some tiles have pixels that are not finished.
     pub fn is_open(&self, part: &BandPart) -> bool {
-        let finer = SIDES[part.level] / SIDES[LAST];
-        let [columns, rows] =
-            [&part.columns, &part.rows].map(|some| finer * some.start..finer * some.end);
-        let columns = columns.start..columns.end.min(self.across);
+        let [columns, rows] = self.tiles(part);
         let lines = self.open.chunks(self.across).take(rows.end).skip(rows.start);
         lines.flat_map(|row| &row[columns.clone()]).any(|open| *open != 0)
+    }
+
+    /// The 4×4 tiles of a part.
+    fn tiles(&self, part: &BandPart) -> TileRanges {
+        let finer = SIDES[part.level] / SIDES[LAST];
+        let down = self.open.len() / self.across;
+        [(&part.columns, self.across), (&part.rows, down)]
+            .map(|(some, count)| finer * some.start..(finer * some.end).min(count))
+    }
+
+    /// Records that a part is proven to hold no zero, so it is not traced.
+    pub fn pass_over(&mut self, part: &BandPart) {
+        let tiles = self.tiles(part);
+        self.buffers.coverage.extend(tiles, part.span);
+    }
+
+    /// Finishes the pixels of those tiles of a part that are not examined before it. A zero that is
+    /// found now need not be the first.
+    fn close_gaps(&mut self, part: &BandPart) {
+        let [near, _] = span::<T>(&self.frame);
+        if part.span[0] <= near {
+            return;
+        }
+        let [columns, rows] = self.tiles(part);
+        for row in rows {
+            for tile in row * self.across + columns.start..row * self.across + columns.end {
+                if !self.buffers.coverage.has_reached(tile, part.span[0]) {
+                    self.open[tile] = 0;
+                }
+            }
+        }
+    }
+
+    /// Makes the wanted pixels without a result misses, if their whole rays are examined.
+    pub fn set_misses(&self, rays: &RayGrid, band: &mut Band<'_>) {
+        let coverage = &self.buffers.coverage;
+        let [_, far] = span::<T>(&self.frame);
+        if band.wants_all() && coverage.have_reached(far) {
+            band.set_misses();
+            return;
+        }
+        let ends: Vec<f64> = between(rays, band, &self.frame).map(|[_, end]| end).collect();
+        let end = |tile: usize| ends.get(tile).map_or(far, |end| end.min(far));
+        for tile in (0..coverage.len()).filter(|tile| coverage.has_reached(*tile, end(*tile))) {
+            let (columns, rows) = if rays.is_patched() {
+                (0..band.width, tile..tile + 1)
+            } else {
+                let side = SIDES[LAST];
+                let [column, row] = [tile % self.across, tile / self.across].map(|at| side * at);
+                (column..band.width.min(column + side), row..band.height.min(row + side))
+            };
+            for row in rows {
+                for column in columns.clone() {
+                    if band.is_wanted_pixel(column, row) {
+                        band.set_miss(column, row);
+                    }
+                }
+            }
+        }
     }
 
     /// Traces a part of the band. Returns whether the rest is no longer wanted.
@@ -128,6 +189,7 @@ impl<T: Scalar> BandState<T> {
         part: &BandPart,
         work: &mut KernelStats,
     ) -> bool {
+        self.close_gaps(part);
         dispatch!(Vectors::new(), simd => trace_with(simd, self, method, rays, band, part, work))
     }
 
@@ -148,13 +210,14 @@ fn trace_with<T: Scalar, S: Simd>(
     part: &BandPart,
     work: &mut KernelStats,
 ) -> bool {
-    let BandBuffers { levels, memory, screens } = &mut *state.buffers;
+    let BandBuffers { levels, memory, screens, coverage } = &mut *state.buffers;
     let mut tracer = BandTracer {
         method,
         rays,
         band,
         open: std::mem::take(&mut state.open),
         across: state.across,
+        coverage,
         screens,
         size: state.size,
         limits: state.limits,
@@ -168,7 +231,6 @@ fn trace_with<T: Scalar, S: Simd>(
     let BandPart { level, columns, rows, span } = part;
     // Either all tiles are in one row, or there are at most sixteen.
     let step = if rows.len() == 1 { LANES } else { columns.len() };
-    let mut unreached = SIDES[*level] * columns.start;
     for start in columns.clone().step_by(step) {
         let some = start..columns.end.min(start + step);
         for start in rows.clone().step_by(LANES / some.len().min(LANES)) {
@@ -183,20 +245,36 @@ fn trace_with<T: Scalar, S: Simd>(
             } else {
                 tracer.run::<0>(levels);
             }
+            if tracer.over {
+                break;
+            }
+            tracer.record(&levels[*level], *level, *span);
         }
         if tracer.over {
             break;
         }
-        unreached = SIDES[*level] * some.end;
     }
     tracer.drain_pool();
     if tracer.over {
         tracer.give_up_pool();
-        tracer.band.give_up(if rays.is_patched() { 0 } else { unreached });
         return true;
     }
     state.open = tracer.open;
     false
+}
+
+/// The span of all rays. Its ends are rounded outward; all other ends are floats of `T` already.
+fn span<T: Scalar>(frame: &RayFrame) -> [f64; 2] {
+    let [near, far] = frame.span;
+    [-T::above(-near).into(), T::above(far).into()]
+}
+
+/// For each patch of a band, the values of s between which it is examined. Empty if the rays are no
+/// patches.
+fn between(rays: &RayGrid, band: &Band<'_>, frame: &RayFrame) -> impl Iterator<Item = [f64; 2]> {
+    let (start, rows) = (frame.start, band.top..band.top + band.height);
+    let patches = rows.map_while(|row| rays.patch(row));
+    patches.map(move |patch| patch.between.map(|t| t - start))
 }
 
 /// Returns a bit for each pixel of each 4×4 tile, row by row. Bits outside the band are clear.
@@ -253,6 +331,18 @@ struct TileClasses<T> {
 }
 
 impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
+    /// Records that the tiles that a level has taken are examined over a span.
+    #[inline(always)]
+    fn record(&mut self, level: &Level<T>, depth: usize, span: [f64; 2]) {
+        let finer = SIDES[depth] / SIDES[LAST];
+        let counts = [self.across, self.open.len() / self.across];
+        for [column, row] in level.taken() {
+            let range =
+                |place: usize, count: usize| finer * place..(finer * place + finer).min(count);
+            self.coverage.extend([range(column, counts[0]), range(row, counts[1])], span);
+        }
+    }
+
     #[inline(always)]
     fn run<const DEPTH: usize>(&mut self, levels: &mut [Level<T>]) {
         let (level, finer) = levels.split_first_mut().expect("a level");

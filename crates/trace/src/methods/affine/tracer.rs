@@ -2,6 +2,7 @@
 
 use super::Affine;
 use super::classify::LengthLimits;
+use super::coverage::Coverage;
 use super::frame::RayFrame;
 use super::level::Level;
 use super::pixels::ROUNDED;
@@ -33,6 +34,7 @@ pub(super) struct BandTracer<'a, 'b, 'm, T: Scalar, S> {
     pub open: Vec<u16>,
     /// Number of 4×4 tiles in a row of tiles.
     pub across: usize,
+    pub coverage: &'a mut Coverage,
     /// Screen coordinates of columns and of rows of pixels, in groups of four. Unused for patches.
     pub screens: &'a [Vec<[f64; 4]>; 2],
     /// Largest |s| of a segment's ends.

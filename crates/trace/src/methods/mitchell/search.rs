@@ -82,7 +82,8 @@ impl<'a, T: Scalar> Searcher<'a, T> {
         refine(&mut isolated, &self.slopes, self.region, work);
         let outcome = |ray: RaySearch| match ray.isolated {
             Some(isolated) => RayOutcome { hit: Some(isolated.ends()), ..ray.outcome },
-            None => ray.outcome,
+            // Each part was proven empty, or cut in two parts, or left undecided.
+            None => RayOutcome { is_followed: ray.parts.is_empty(), ..ray.outcome },
         };
         rays.into_iter().map(outcome).collect()
     }
