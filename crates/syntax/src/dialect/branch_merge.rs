@@ -12,6 +12,7 @@ use rustc_hash::FxHashMap;
 use std::collections::BTreeSet;
 
 use crate::dialect::control_flow::{EXIT_LEVEL, RESULT, more_than};
+use crate::dialect::saved::flag_of;
 
 impl ProgramReader<'_> {
     /// Adds a definition that is not in the text. Returns a reference to the definition.
@@ -73,6 +74,9 @@ impl ProgramReader<'_> {
                 }
             }
         }
+        for side in [yes, no] {
+            frame.counters.extend(side.counters.iter().cloned());
+        }
         frame.has_result |= yes.has_result || no.has_result;
     }
 
@@ -84,6 +88,13 @@ impl ProgramReader<'_> {
         no: ExprKind,
         frame: &Frame,
     ) -> ExprKind {
+        if yes == no {
+            return yes;
+        }
+        if let (Some(a), Some(b)) = (flag_of(&yes), flag_of(&no)) {
+            let number = self.chosen(name, condition, a.clone(), b.clone(), frame);
+            return more_than(number, 0.0).kind;
+        }
         let span = condition.span;
         let piece = (condition.clone(), Expr::new(yes, span));
         let body = ExprKind::Choice(vec![piece], Some(Box::new(Expr::new(no, span))));
@@ -138,6 +149,7 @@ impl Frame {
 
     /// Name for a generated definition of the variable `name`. The text may already use that name.
     pub(crate) fn generated_name(&self, name: &str) -> String {
+        let name = if name.starts_with('#') { "value" } else { name };
         match (&self.prefix, &self.function) {
             (Some(prefix), _) => format!("{prefix}_{name}"),
             (None, Some(function)) => format!("{}_{name}", function.name.text),
@@ -168,7 +180,7 @@ impl Frame {
     }
 
     /// The value of a variable before a branch; `None` if it had no value.
-    fn before(&self, name: &str) -> Option<ExprKind> {
+    pub(crate) fn before(&self, name: &str) -> Option<ExprKind> {
         if name == EXIT_LEVEL {
             return Some(ExprKind::Number("0".to_owned()));
         }

@@ -353,15 +353,6 @@ impl<'a> Words<'a> {
         found.map(|part| part[1])
     }
 
-    /// Returns whether `tokens` contain `++` or `--`.
-    pub(crate) fn steps_by_one(tokens: &[Token]) -> bool {
-        tokens.windows(2).any(|pair| {
-            matches!(pair[0].kind, Plus | Minus)
-                && pair[0].kind == pair[1].kind
-                && pair[0].span.end == pair[1].span.start
-        })
-    }
-
     /// Returns whether a statement is only a value: no assignment, no declaration and no `return`.
     pub(crate) fn is_value(self, tokens: &[Token]) -> bool {
         let Some(first) = tokens.first() else { return false };

@@ -204,6 +204,8 @@ pub(crate) struct DocumentReader<'a> {
     pub errors: Vec<Error>,
     pub(crate) settings: CollectedLines,
     is_y_up: bool,
+    /// Names of definitions that are not in the text.
+    generated: FxHashSet<String>,
 }
 
 impl<'a> DocumentReader<'a> {
@@ -215,6 +217,7 @@ impl<'a> DocumentReader<'a> {
             errors: Vec::new(),
             settings: CollectedLines::default(),
             is_y_up: false,
+            generated: FxHashSet::default(),
         }
     }
 
@@ -279,6 +282,7 @@ impl<'a> DocumentReader<'a> {
         self.check()?;
         built.extend(program.synthesized.iter().cloned());
         let mut built = needed(built, &program.generated);
+        self.generated = program.generated.clone();
         if let Some((drawn, note)) = drawn_by_program(&program, &built) {
             built.push(drawn);
             self.notes.push(note);
@@ -373,7 +377,7 @@ impl<'a> DocumentReader<'a> {
         self.check()?;
         let implied;
         if drawn.is_empty() {
-            let (statement, note) = implied_drawing(&definitions)?;
+            let (statement, note) = implied_drawing(&definitions, &self.generated)?;
             self.notes.push(note);
             implied = statement;
             surfaces.push(surface(&mut lowering, &implied)?);

@@ -62,10 +62,13 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
     let mut aligned = 0_usize;
     let mut starts_line = true;
     let mut count = 0;
+    // In Python `//` divides.
+    let is_python = text.lines().any(|line| line.trim_start().starts_with("def ") && line.contains("):"));
     let mut end = 0;
     while end < text.len() {
         let rest = &text[end..];
         if rest.starts_with("//")
+            && !is_python
             && is_comment(rest, &tokens, open.last().map(|index| tokens[*index]), text)
         {
             end += line_length(rest);
