@@ -7,6 +7,8 @@ GLSL needs the package moderngl and a software OpenGL; OpenSCAD needs the progra
 """
 
 import math
+import platform
+import struct
 import subprocess
 import sys
 import tempfile
@@ -20,7 +22,6 @@ SIDES = [(0, 0, 0), (1, 1, -1), (-1, 1, 1), (1, -1, 1), (-1, -1, -1)]
 
 def of_glsl(text, points):
     import moderngl
-    import struct
 
     if not hasattr(of_glsl, "context"):
         of_glsl.context = moderngl.create_standalone_context(backend="egl")
@@ -89,6 +90,17 @@ def joined(line):
     return sign * (high * 1e5 + low + first * 1e-5 + second * 1e-10)
 
 
+def version(language):
+    if language == "glsl":
+        import moderngl
+
+        info = moderngl.create_standalone_context(backend="egl").info
+        return f"{info['GL_RENDERER']}, OpenGL {info['GL_VERSION']}, by moderngl {moderngl.__version__}"
+    if language == "python":
+        return f"Python {platform.python_version()}"
+    return subprocess.run(["openscad", "--version"], capture_output=True, text=True).stderr.strip()
+
+
 INTERPRETERS = {"glsl": of_glsl, "python": of_python, "openscad": of_openscad}
 
 
@@ -118,13 +130,20 @@ def interpret(title, text, points):
 
 def main():
     title, text, points = None, "", []
+    is_named = False
     for line in [*sys.stdin, "[end]"]:
         if line.startswith("["):
             if title:
                 interpret(title, text, points)
-            if line != "[end]":
-                print(line, end="")
+            if line == "[end]":
+                break
             title, text, points = line.strip("[]\n"), "", []
+            if not is_named:
+                print("# Values of", version(title.split()[0]))
+                is_named = True
+            print(line, end="")
+        elif line.startswith("#"):
+            print(line, end="")
         elif line.startswith(">"):
             print(line, end="")
             text += line[2:]

@@ -1,9 +1,9 @@
 //! Turns assignments of programs into definitions. If a variable already has a value, an assignment
 //! to it defines another name, to which later uses of the variable refer.
 
+use crate::dialect::effects::Target;
 use crate::dialect::known_numbers::{number_expr, number_of};
 use crate::dialect::program_reader::{Frame, ProgramReader};
-use crate::dialect::effects::Target;
 use crate::dialect::program_words::Words;
 use crate::lex::token_kind::TokenKind::{Comma, Number, OpenBracket};
 use crate::tree::raw_statement::{Head, ValueConversion};

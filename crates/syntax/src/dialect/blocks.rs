@@ -111,7 +111,8 @@ impl Words<'_> {
                 _ => outside(rest, Semicolon).or(Some(rest.len())),
             };
             let Some(end) = end else { return false };
-            is_whole = !is_control;
+            let is_empty = rest.get(end).is_some_and(|next| next.kind == Semicolon);
+            is_whole = !is_control || is_empty;
             rest = skip(&rest[end..]);
         }
         is_whole
@@ -156,7 +157,11 @@ impl Words<'_> {
         let Some(end) = closing(&tokens[1..]) else { return Err(self.unsupported(first)) };
         let (header, rest) = (&tokens[2..=end], &tokens[end + 2..]);
         let mut body = Vec::new();
-        let mut rest = self.step(rest, depth + 1, &mut body)?;
+        // In `for (…);` the body is empty.
+        let mut rest = match rest.first() {
+            Some(first) if first.kind == Semicolon => &rest[1..],
+            _ => self.step(rest, depth + 1, &mut body)?,
+        };
         match self.word(first) {
             "if" => {
                 let mut no = Vec::new();

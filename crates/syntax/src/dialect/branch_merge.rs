@@ -43,10 +43,18 @@ impl ProgramReader<'_> {
     /// Merges the two sides of a branch. Where `condition` holds, each variable has its value from
     /// the frame `yes`; elsewhere, its value from the frame `no`.
     pub(crate) fn merge(&mut self, frame: &mut Frame, yes: &Frame, no: &Frame, condition: &Expr) {
+        let before = frame.aliases.clone();
+        let base = newest(&before);
         let (first, second) = (newest(&yes.aliases), newest(&no.aliases));
         let names: BTreeSet<&str> = first.keys().chain(second.keys()).copied().collect();
         for name in names {
+            // A value that was saved on one side is not used after the branch.
+            let is_saved = name.starts_with('#');
+            if is_saved && !(first.contains_key(name) && second.contains_key(name)) {
+                continue;
+            }
             let kind = match [&first, &second].map(|side| side.get(name).copied().cloned()) {
+                [Some(a), Some(b)] if a == b && base.get(name) == Some(&&a) => continue,
                 [Some(a), Some(b)] if a == b => a,
                 [Some(a), Some(b)] => self.chosen(name, condition, a, b, frame),
                 [Some(one), None] | [None, Some(one)] => {
@@ -63,7 +71,7 @@ impl ProgramReader<'_> {
                 }
                 [None, None] => continue,
             };
-            if frame.aliases.find(name) != Some(&kind) {
+            if base.get(name) != Some(&&kind) {
                 frame.aliases.push(name.to_owned(), kind);
             }
         }

@@ -128,7 +128,7 @@ impl ProgramReader<'_> {
             going.aliases.push(EXIT_LEVEL.to_owned(), ExprKind::Number("0".to_owned()));
             follow(self, &mut going)?;
             let stopped = frame.clone();
-            let is_same = going.left().is_none();
+            let is_same = frame.left() == Some(&left) && going.left().is_none();
             self.merge(frame, &stopped, &going, &more_than(left.clone(), 0.0));
             if is_same {
                 frame.aliases.push(EXIT_LEVEL.to_owned(), left);

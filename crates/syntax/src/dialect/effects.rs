@@ -91,11 +91,7 @@ impl ProgramReader<'_> {
 
     /// Runs an expression that is a statement, such as `a = b++, c -= 1`. Returns false if it has
     /// no effect.
-    pub(crate) fn run_expression(
-        &mut self,
-        tokens: &[Token],
-        frame: &mut Frame,
-    ) -> Fallible<bool> {
+    pub(crate) fn run_expression(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
         if !self.has_effect(tokens) {
             return Ok(false);
         }
@@ -155,14 +151,16 @@ impl ProgramReader<'_> {
             return None;
         }
         let mut is_outer = is_outside(Equals);
-        let at =
-            (0..tokens.len()).find(|at| is_outer(&tokens[*at]) && self.words.assigns(tokens, *at))?;
+        let at = (0..tokens.len())
+            .find(|at| is_outer(&tokens[*at]) && self.words.assigns(tokens, *at))?;
         if outside(tokens, QuestionMark).is_some_and(|mark| mark < at) {
             return None;
         }
         let touches = at > 0 && tokens[at - 1].span.end == tokens[at].span.start;
         let operator = tokens[..at].last().copied().filter(|operator| {
-            touches && !operator.kind.is_name() && !operator.kind.is_closer()
+            touches
+                && !operator.kind.is_name()
+                && !operator.kind.is_closer()
                 && operator.kind != Component
         });
         let target = &tokens[..at - usize::from(operator.is_some())];
@@ -171,9 +169,30 @@ impl ProgramReader<'_> {
 
     /// Reads an assignment, or any expression without a comma.
     pub(crate) fn assignment(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<Settled> {
-        let Some(found) = self.assigned(tokens) else { return self.ternary(tokens, frame) };
-        let target = self.assign(&found, frame)?;
-        Ok(self.value_of(&target, frame))
+        self.deeper(tokens, |reader| {
+            let Some(found) = reader.assigned(tokens) else {
+                return reader.ternary(tokens, frame);
+            };
+            let target = reader.assign(&found, frame)?;
+            Ok(reader.value_of(&target, frame))
+        })
+    }
+
+    /// Runs `read` one level deeper. Fails beyond the limit of the nesting depth.
+    pub(crate) fn deeper<T>(
+        &mut self,
+        tokens: &[Token],
+        read: impl FnOnce(&mut Self) -> Fallible<T>,
+    ) -> Fallible<T> {
+        let limit = self.limits.depth;
+        if self.expression_depth >= limit {
+            let span = span_of(tokens).unwrap_or_default();
+            return Err(Error::new(span, ErrorKind::TooDeep { limit }));
+        }
+        self.expression_depth += 1;
+        let result = read(self);
+        self.expression_depth -= 1;
+        result
     }
 
     /// The value of a variable at this time.
@@ -284,7 +303,8 @@ impl ProgramReader<'_> {
 
     /// Reads `c ? a : b`. If `a` or `b` has effects, both are sides of a branch.
     fn ternary(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<Settled> {
-        let Some(mark) = outside(tokens, QuestionMark).filter(|_| self.language != Language::Python)
+        let Some(mark) =
+            outside(tokens, QuestionMark).filter(|_| self.language != Language::Python)
         else {
             return self.alternatives(tokens, frame);
         };
@@ -303,9 +323,19 @@ impl ProgramReader<'_> {
         let (yes, no) = (&tokens[mark + 1..colon], &tokens[colon + 1..]);
         let (condition, at) = (&tokens[..mark], self.reads.len());
         let condition = self.alternatives(condition, frame)?.tokens;
-        if self.has_effect(yes) || self.has_effect(no) {
+        let has_effect = self.has_effect(yes) || self.has_effect(no);
+        if has_effect {
             // The condition is evaluated before the sides change anything.
             self.reads.truncate(at);
+        }
+        if let Some(holds) = self.known(&condition, frame) {
+            return if holds == 0.0 {
+                self.assignment(no, frame)
+            } else {
+                self.sequence(yes, frame)
+            };
+        }
+        if has_effect {
             return self.branches(
                 condition,
                 &mut |reader, frame| reader.sequence(yes, frame).map(Some),
@@ -343,18 +373,20 @@ impl ProgramReader<'_> {
                 };
             };
             // Only the left side has effects, and it always runs.
-            let mut all = self.short_circuit(&tokens[..at], sign, frame)?.tokens;
+            let left = &tokens[..at];
+            let left = self.deeper(left, |reader| reader.short_circuit(left, sign, frame))?;
+            let mut all = left.tokens;
             all.push(tokens[at]);
             all.extend(self.operand_of(sign, &tokens[at + 1..], frame)?.tokens);
             return Ok(Settled { tokens: all, is_whole: false });
         };
         let mark = self.reads.len();
-        let left = self.short_circuit(&tokens[..at], sign, frame)?.tokens;
+        let left = &tokens[..at];
+        let left = self.deeper(left, |reader| reader.short_circuit(left, sign, frame))?.tokens;
         self.reads.truncate(mark);
         let right = &tokens[at + 1..];
-        let mut run = |reader: &mut Self, frame: &mut Frame| {
-            reader.operand_of(sign, right, frame).map(Some)
-        };
+        let mut run =
+            |reader: &mut Self, frame: &mut Frame| reader.operand_of(sign, right, frame).map(Some);
         let mut skip = |_: &mut Self, _: &mut Frame| Ok(None);
         if sign == Or {
             self.branches(left, &mut skip, &mut run, frame)
@@ -390,7 +422,11 @@ impl ProgramReader<'_> {
         let (number, token) = self.new_saved(span);
         let key = number.clone();
         let (mut is_flag, mut is_whole) = (false, true);
-        let mut side = |reader: &mut Self, run: Side<'_, Self>, holds: f64, frame: &Frame| -> Fallible<Frame> {
+        let mut side = |reader: &mut Self,
+                        run: Side<'_, Self>,
+                        holds: f64,
+                        frame: &Frame|
+         -> Fallible<Frame> {
             let mut inner = frame.inner();
             let kind = match run(reader, &mut inner)? {
                 None => {

@@ -2,10 +2,10 @@
 
 use crate::dialect::blocks::ProgramStep;
 use crate::dialect::control_flow::RESULT;
+use crate::dialect::language::Language;
 use crate::dialect::program_reader::{
     Frame, Procedure, ProcedureParameter, ProgramReader, Statements,
 };
-use crate::dialect::language::Language;
 use crate::dialect::program_words::{Words, is_scene_function, is_whole_type, size_of};
 use crate::lex::token::{Token, bracketed, closing, split};
 use crate::lex::token_kind::TokenKind::{self, Comma, Equals, OpenBrace, OpenParen, Semicolon};
@@ -20,6 +20,9 @@ use std::rc::Rc;
 
 /// Largest number of functions on one line.
 const MAX_FUNCTIONS: usize = 300;
+
+/// Functions whose angles `OpenSCAD` has in degrees.
+const ANGLES: &[&str] = &["sin", "cos", "tan", "asin", "acos", "atan", "atan2"];
 
 /// The error for the solids of Python's module `sdf`.
 const SOLIDS_OF_SDF: ErrorKind = ErrorKind::Format {
@@ -122,15 +125,20 @@ impl ProgramReader<'_> {
         let given = self.given(&parameters);
         if is_void || given.iter().any(|given| given.is_out) {
             let uses_globals = self.uses_globals(&body);
-            let procedure = Procedure { parameters: given, body: steps, uses_globals };
+            let changes_globals = self.changes_globals(&body);
+            let procedure =
+                Procedure { parameters: given, body: steps, uses_globals, changes_globals };
             self.record_whole(types, &word);
             self.procedures.insert(word, Rc::new(procedure));
             return Ok(rest);
         }
         let mut procedure = None;
         if self.uses_globals(&body) {
-            let body = self.words.block(&body, 0)?;
-            procedure = Some(Rc::new(Procedure { parameters: given, body, uses_globals: true }));
+            let changes_globals = self.changes_globals(&body);
+            let (parameters, body) = (given, self.words.block(&body, 0)?);
+            let uses_globals = true;
+            procedure =
+                Some(Rc::new(Procedure { parameters, body, uses_globals, changes_globals }));
         }
         let before = self.program.last_function.clone();
         let mut frame = self.enter(self.words.name(name), parameters)?;
@@ -158,6 +166,17 @@ impl ProgramReader<'_> {
             let word = self.words.word(*token);
             let called = self.procedures.get(word);
             self.mutable.contains(word) || called.is_some_and(|called| called.uses_globals)
+        })
+    }
+
+    /// Returns whether a function's body changes variables outside functions, or calls a function
+    /// that does.
+    fn changes_globals(&self, body: &[Token]) -> bool {
+        (0..body.len()).any(|at| {
+            let word = self.words.word(body[at]);
+            let called = self.procedures.get(word);
+            self.mutable.contains(word) && self.words.may_change(body, at)
+                || called.is_some_and(|called| called.changes_globals)
         })
     }
 
@@ -227,8 +246,16 @@ impl ProgramReader<'_> {
             tokens.is_some_and(|tokens| self.words.word(tokens[0]) == "else")
         };
         while begins_else(following.as_slice().first()) || !self.words.is_whole(&tokens) {
+            let end = tokens.last().map_or(0, |last| last.span.end);
+            let is_whole = self.words.is_whole(&tokens);
+            let semicolon = Token::new(Semicolon, Span::at(end));
+            // A semicolon after `for (…)` is its empty body.
+            if !is_whole && self.words.ends_with_semicolon(&tokens) {
+                tokens.push(semicolon);
+                continue;
+            }
             let Some(more) = following.next() else { break };
-            tokens.push(Token::new(Semicolon, Span::at(more[0].span.start)));
+            tokens.extend(Some(semicolon).filter(|_| is_whole));
             tokens.extend(more);
         }
         let tokens = self.expanded(tokens, 0)?;
@@ -406,7 +433,7 @@ impl ProgramReader<'_> {
     /// Records the body of a function, for calls that name parameters or leave some out.
     fn record_body(&mut self, name: Token, parameters: &[Vec<Token>], body: Vec<ProgramStep>) {
         let parameters = self.given(parameters);
-        let procedure = Procedure { parameters, body, uses_globals: false };
+        let procedure = Procedure::of_values(parameters, body);
         self.bodies.insert(self.words.word(name).to_owned(), Rc::new(procedure));
     }
 
@@ -491,14 +518,17 @@ impl ProgramReader<'_> {
         if is_point {
             self.record_drawn(&name);
         }
-        if body.is_none() && matches!(self.language, Language::Python | Language::OpenScad) {
-            let mut step = vec![Token::new(TokenKind::Saved, Span::at(value[0].span.start))];
+        if body.is_none()
+            && matches!(self.language, Language::Python | Language::OpenScad)
+            && let Some(first) = value.first()
+        {
+            let mut step = vec![Token::new(TokenKind::Saved, Span::at(first.span.start))];
             step.extend(&value);
             let given = self.given(&parameters);
             let body = vec![ProgramStep::Plain(step)];
-            let procedure = Procedure { parameters: given, body, uses_globals: false };
-            self.bodies.insert(name.text.clone(), Rc::new(procedure));
+            self.bodies.insert(name.text.clone(), Rc::new(Procedure::of_values(given, body)));
         }
+        self.note_radians(&value);
         let mut frame = self.enter(name, parameters)?;
         let Some(body) = body else {
             let value = self.settled(value, &mut frame)?;
@@ -511,6 +541,23 @@ impl ProgramReader<'_> {
         let steps = self.words.block(&body, 0)?;
         self.run_open(&steps, &mut frame, false)?;
         self.leave_function(&frame)
+    }
+
+    /// Notes that angles are in radians in `function(x) sin(x)`, which `OpenSCAD` has, too.
+    fn note_radians(&mut self, value: &[Token]) {
+        let Some(first) = value.first().filter(|_| self.language == Language::Plain) else {
+            return;
+        };
+        let before = self.words.text[..first.span.start].trim_end();
+        let is_function = before.strip_suffix(')').is_some_and(|before| {
+            before.rsplit('(').nth(0).is_some_and(|inner| {
+                before[..before.len() - inner.len() - 1].trim_end().ends_with("function")
+            })
+        });
+        let is_angle = |token: &&Token| ANGLES.contains(&self.words.word(**token));
+        if is_function && let Some(token) = value.iter().find(is_angle) {
+            self.program.notes.push(Note { span: token.span, kind: NoteKind::RadiansOfR });
+        }
     }
 
     /// Reads `let(a = 1, b = 2) value`.

@@ -2,7 +2,23 @@
 
 use crate::dialect::program_words::{Words, is_type};
 use crate::lex::token::{Token, closing};
-use crate::lex::token_kind::TokenKind::{Equals, OpenBrace, OpenParen};
+use crate::lex::token_kind::TokenKind::{Bar, Equals, Greater, OpenBrace, OpenParen, Or};
+
+/// Turns each `||` into one token. These languages have no absolute values in bars.
+pub(crate) fn join_bars(tokens: &mut Vec<Token>) {
+    let mut joined: Vec<Token> = Vec::with_capacity(tokens.len());
+    for token in tokens.drain(..) {
+        match joined.last_mut() {
+            Some(last)
+                if last.kind == Bar && token.kind == Bar && last.span.end == token.span.start =>
+            {
+                *last = Token::new(Or, last.span.to(token.span));
+            }
+            _ => joined.push(token),
+        }
+    }
+    *tokens = joined;
+}
 
 /// The language of a program, as far as meanings depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,18 +37,32 @@ impl Language {
     /// The language of a text with these statements.
     pub(crate) fn of(words: Words<'_>, statements: &[Vec<Token>]) -> Self {
         let any = |test: &dyn Fn(&[Token]) -> bool| statements.iter().any(|tokens| test(tokens));
-        if any(&|tokens| words.word(tokens[0]) == "def" && Words::python_function(tokens).is_some())
-        {
+        let is_python = |tokens: &[Token]| {
+            words.word(tokens[0]) == "def" && Words::python_function(tokens).is_some()
+                || words.has(tokens, "lambda")
+        };
+        let has_arrow = |tokens: &[Token]| {
+            tokens.windows(2).any(|pair| {
+                (pair[0].kind, pair[1].kind) == (Equals, Greater)
+                    && pair[0].span.end == pair[1].span.start
+            })
+        };
+        if any(&is_python) {
             Self::Python
         } else if any(&|tokens| words.is_of_openscad(tokens)) {
             Self::OpenScad
         } else if any(&|tokens| words.has_value_type(tokens)) {
             Self::Typed
-        } else if any(&|tokens| words.has_body(tokens) || words.lambda(tokens).is_some()) {
+        } else if any(&|tokens| words.has_body(tokens) || has_arrow(tokens)) {
             Self::Script
         } else {
             Self::Plain
         }
+    }
+
+    /// Returns whether `||` can only mean "or".
+    pub(crate) fn has_double_bars(self) -> bool {
+        matches!(self, Self::Typed | Self::Script | Self::OpenScad)
     }
 
     /// Returns whether an assignment is an expression.
@@ -49,8 +79,20 @@ impl Words<'_> {
             let word = self.word(*token);
             let is_other = matches!(
                 word,
-                "let" | "var" | "const" | "function" | "fn" | "local" | "auto" | "static"
-                    | "public" | "in" | "poly" | "nonlocal" | "global" | "inline"
+                "let"
+                    | "var"
+                    | "const"
+                    | "function"
+                    | "fn"
+                    | "local"
+                    | "auto"
+                    | "static"
+                    | "public"
+                    | "in"
+                    | "poly"
+                    | "nonlocal"
+                    | "global"
+                    | "inline"
             );
             is_type(word) && !is_other
         })

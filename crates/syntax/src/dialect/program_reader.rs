@@ -3,10 +3,10 @@
 use crate::dialect::blocks::ProgramStep;
 use crate::dialect::effects::is_doubled;
 use crate::dialect::formats::foreign_text;
-use crate::dialect::language::Language;
+use crate::dialect::language::{Language, join_bars};
 use crate::dialect::program::PastedProgram;
-use crate::dialect::scopes::Declared;
 use crate::dialect::program_words::{Words, begins_name, is_whole_type, size_of};
+use crate::dialect::scopes::Declared;
 use crate::lex::arrangement::{arrange, trim};
 use crate::lex::curve_form::marked_curve;
 use crate::lex::scanner::scan;
@@ -58,6 +58,15 @@ pub(crate) struct Procedure {
     pub body: Vec<ProgramStep>,
     /// True if the body uses variables outside functions that some function changes.
     pub uses_globals: bool,
+    /// True if the body changes such variables.
+    pub changes_globals: bool,
+}
+
+impl Procedure {
+    /// A function that only computes its value.
+    pub(crate) fn of_values(parameters: Vec<ProcedureParameter>, body: Vec<ProgramStep>) -> Self {
+        Self { parameters, body, uses_globals: false, changes_globals: false }
+    }
 }
 
 pub(crate) struct ProcedureParameter {
@@ -88,6 +97,8 @@ pub(crate) struct ProgramReader<'a> {
     pub integers: FxHashSet<String>,
     /// Variables that the current expression read so far.
     pub reads: Vec<String>,
+    /// Nesting depth of the current expression.
+    pub expression_depth: usize,
     /// Number of saved values.
     pub saved_count: u32,
     /// Numbers of the saved values that are integers.
@@ -139,6 +150,9 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
     let in_steps = statements.iter().any(|tokens| words.is_step(tokens));
     let is_y_up = statements.iter().any(|tokens| words.is_of_shaders(tokens));
     let language = Language::of(words, &statements);
+    if language.has_double_bars() {
+        statements.iter_mut().for_each(join_bars);
+    }
     let mutable = words.mutable_globals(&statements, language);
     let mut reader = ProgramReader {
         words,
@@ -146,6 +160,7 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
         language,
         integers: FxHashSet::default(),
         reads: Vec::new(),
+        expression_depth: 0,
         saved_count: 0,
         whole_values: FxHashSet::default(),
         whole_functions: FxHashSet::default(),
@@ -212,7 +227,8 @@ impl ProgramReader<'_> {
         if self.of_other_system(&tokens, frame, following)? {
             return Ok(());
         }
-        match self.words.word(first) {
+        let word = self.words.word(first);
+        match word {
             "import" | "from" if begins_name(tokens.get(1)) => return Ok(()),
             "for" | "while" | "if" if self.words.is_control(&tokens) => {
                 return self.control(tokens, frame, following);
@@ -272,7 +288,17 @@ impl ProgramReader<'_> {
         if types > 0 {
             let size = tokens[..types].iter().map(|t| size_of(self.words.word(*t))).max();
             let is_whole = tokens[..types].iter().any(|t| is_whole_type(self.words.word(*t)));
-            return self.declarations(&tokens[types..], size.unwrap_or(1), is_whole, frame);
+            // Python's `global` would change a variable of another function. JavaScript's `var`
+            // has the scope of the whole function.
+            if self.language == Language::Python && matches!(word, "global" | "nonlocal") {
+                return Err(self.words.unsupported(first));
+            }
+            let mark = frame.declared.len();
+            self.declarations(&tokens[types..], size.unwrap_or(1), is_whole, frame)?;
+            if word == "var" && self.language == Language::Script {
+                frame.declared.truncate(mark);
+            }
+            return Ok(());
         }
         if self.runs(&tokens, frame)? {
             return Ok(());

@@ -92,7 +92,8 @@ impl ProgramReader<'_> {
         targets: &[&[Token]],
         frame: &mut Frame,
     ) -> Fallible<Vec<(ExprKind, bool)>> {
-        let count = |tokens: &[Token]| split(self.words.inside(tokens).unwrap_or(tokens), Comma).len();
+        let count =
+            |tokens: &[Token]| split(self.words.inside(tokens).unwrap_or(tokens), Comma).len();
         let is_tuple = targets.iter().any(|target| count(target) > 1);
         let inner = self.words.inside(value).filter(|_| is_tuple && value[0].kind == OpenParen);
         let parts = split(inner.unwrap_or(value), Comma);
@@ -182,9 +183,9 @@ impl ProgramReader<'_> {
             filter = Some(condition.to_vec());
             body = more;
         }
-        if let Some(word) = body.first().filter(|word| {
-            matches!(self.words.word(**word), "for" | "if" | "each")
-        }) {
+        if let Some(word) =
+            body.first().filter(|word| matches!(self.words.word(**word), "for" | "if" | "each"))
+        {
             return Err(self.words.unsupported(*word));
         }
         self.each_value(*index, list, filter, body, frame).map(Some)

@@ -221,9 +221,7 @@ fn of_op(op: Op, value: Expr) -> ExprKind {
 pub(crate) fn flag_of(kind: &ExprKind) -> Option<&ExprKind> {
     let ExprKind::Compare(left, rest) = kind else { return None };
     match rest.as_slice() {
-        [(Relation::Greater, right)]
-            if matches!(&right.kind, ExprKind::Number(zero) if zero == "0") =>
-        {
+        [(Relation::Greater, right)] if matches!(&right.kind, ExprKind::Number(zero) if zero == "0") => {
             Some(&left.kind)
         }
         _ => None,

@@ -89,7 +89,7 @@ impl Words<'_> {
             let names = names.map(|(name, _, _)| self.word(name).to_owned());
             found.extend(names.filter(|name| !seen.insert(name.clone())));
         }
-        if language != Language::Typed {
+        if !language.has_assignments() {
             return found;
         }
         let mut globals: FxHashSet<&str> = FxHashSet::default();
@@ -116,7 +116,7 @@ impl Words<'_> {
     }
 
     /// Returns whether the name at `at` may be changed: it is assigned, or is an argument.
-    fn may_change(self, tokens: &[Token], at: usize) -> bool {
+    pub(crate) fn may_change(self, tokens: &[Token], at: usize) -> bool {
         use crate::dialect::effects::is_doubled;
         if !tokens[at].kind.is_name() {
             return false;

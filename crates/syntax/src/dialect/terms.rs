@@ -249,7 +249,7 @@ impl ProgramReader<'_> {
                         *at += 1;
                     }
                     if *at < tokens.len() {
-                        self.primary(tokens, at, out, frame)?;
+                        self.deeper(&[next], |reader| reader.primary(tokens, at, out, frame))?;
                     }
                     return Ok(false);
                 }
@@ -286,7 +286,8 @@ impl ProgramReader<'_> {
         *at = end + 1;
         if open.kind == OpenBracket
             && self.language == Language::OpenScad
-            && let Some(values) = self.generated_values(&tokens[*at - inner.len() - 2..=end], frame)?
+            && let Some(values) =
+                self.generated_values(&tokens[*at - inner.len() - 2..=end], frame)?
         {
             out.push(open);
             for (index, value) in values.iter().enumerate() {
@@ -300,8 +301,8 @@ impl ProgramReader<'_> {
         }
         out.push(open);
         // A comma in a typed language joins expressions. Elsewhere brackets may hold a vector.
-        let is_sequence = open.kind == OpenParen
-            && (self.language == Language::Typed || self.has_effect(inner));
+        let is_sequence =
+            open.kind == OpenParen && (self.language == Language::Typed || self.has_effect(inner));
         let is_whole = if is_sequence {
             let value = self.sequence(inner, frame)?;
             out.extend(value.tokens);
@@ -377,12 +378,7 @@ impl ProgramReader<'_> {
     }
 
     /// Reads `f(a, b)`, all of `call`.
-    fn call(
-        &mut self,
-        call: &[Token],
-        out: &mut Vec<Token>,
-        frame: &mut Frame,
-    ) -> Fallible<bool> {
+    fn call(&mut self, call: &[Token], out: &mut Vec<Token>, frame: &mut Frame) -> Fallible<bool> {
         let (name, inner) = (call[0], &call[2..call.len() - 1]);
         let word = self.words.word(name);
         if let Some((procedure, arguments)) = self.called(call) {
@@ -394,7 +390,8 @@ impl ProgramReader<'_> {
         }
         if let Some(body) = self.bodies.get(word).map(Rc::clone) {
             let arguments = split(inner, Comma);
-            let is_named = |argument: &Vec<Token>| argument.get(1).is_some_and(|t| t.kind == Equals);
+            let is_named =
+                |argument: &Vec<Token>| argument.get(1).is_some_and(|t| t.kind == Equals);
             let required = body.parameters.iter().filter(|given| given.default.is_none()).count();
             if arguments.iter().any(is_named) || arguments.len() != required {
                 let kind = self.call_inline(name, &body, &arguments, frame)?;
@@ -456,12 +453,13 @@ impl ProgramReader<'_> {
                 continue;
             }
             let value = self.assignment(argument, frame)?;
-            given.push(if parameter.is_whole && !value.is_whole && self.language == Language::Typed
-            {
-                vec![self.truncated(&value.tokens, frame)?]
-            } else {
-                value.tokens
-            });
+            given.push(
+                if parameter.is_whole && !value.is_whole && self.language == Language::Typed {
+                    vec![self.truncated(&value.tokens, frame)?]
+                } else {
+                    value.tokens
+                },
+            );
         }
         self.reads.truncate(mark);
         for (parameter, argument) in procedure.parameters.iter().zip(&arguments) {
@@ -469,7 +467,7 @@ impl ProgramReader<'_> {
                 self.check_order(self.words.word(*target), target.span)?;
             }
         }
-        if procedure.uses_globals {
+        if procedure.changes_globals {
             let read = self.reads.iter().find(|read| self.mutable.contains(*read)).cloned();
             if let Some(read) = read {
                 self.check_order(&read, name.span)?;

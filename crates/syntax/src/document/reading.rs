@@ -362,9 +362,11 @@ impl<'a> DocumentReader<'a> {
         let limits =
             Limits { nodes: self.options.limits.nodes_for(self.text.len()), ..self.options.limits };
         let values = PointValues::new(names.clone(), points, time, &limits);
-        let mut curves =
-            self.curves(&curves, Lowering::new(names.clone(), time, &limits), points)?;
+        let mut lowering = Lowering::new(names.clone(), time, &limits);
+        lowering.multiplies_to_numbers = scope.in_degrees;
+        let mut curves = self.curves(&curves, lowering, points)?;
         let mut lowering = Lowering::new(names, time, &limits);
+        lowering.multiplies_to_numbers = scope.in_degrees;
         let mut surfaces = Vec::new();
         let limit = self.options.limits.surfaces;
         if let Some(drawing) = drawings.get(limit) {

@@ -63,7 +63,8 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
     let mut starts_line = true;
     let mut count = 0;
     // In Python `//` divides.
-    let is_python = text.lines().any(|line| line.trim_start().starts_with("def ") && line.contains("):"));
+    let is_python =
+        text.lines().any(|line| line.trim_start().starts_with("def ") && line.contains("):"));
     let mut end = 0;
     while end < text.len() {
         let rest = &text[end..];

@@ -175,8 +175,10 @@ impl TokenKind {
 
     /// Returns whether an operand can end with a token of this kind.
     pub(crate) fn ends_operand(self) -> bool {
-        matches!(self, Number | Digit | VulgarFraction | Superscript | Component | Factorial | Saved)
-            || self.is_name()
+        matches!(
+            self,
+            Number | Digit | VulgarFraction | Superscript | Component | Factorial | Saved
+        ) || self.is_name()
             || self.is_closer()
     }
 

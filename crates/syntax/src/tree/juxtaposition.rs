@@ -7,10 +7,10 @@
 use crate::lex::lexer::method;
 use crate::lex::spelling::{PRIMES, decimal, is_name_char, plain_name, superscript_digit};
 use crate::lex::token_kind::TokenKind::{Saved, Slash};
-use crate::tree::aliases::saved_name;
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::NoteKind;
 use crate::span::Span;
+use crate::tree::aliases::saved_name;
 use crate::tree::ast::{Expr, ExprKind, LETTERS, NamedValue};
 use crate::tree::builder::{Builder, Signs, number_only, root_text};
 use crate::tree::delimited::native;

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use std::process::ExitCode;
 use zeroset_testkit::programs::{Language, Outcome, compare, read_records, write_records};
 
-const USAGE: &str = "programs write LANGUAGE SEED COUNT > FILE, or programs compare TOLERANCE < FILE";
+const USAGE: &str =
+    "programs write LANGUAGE SEED COUNT > FILE, or programs compare TOLERANCE < FILE";
 
 fn main() -> ExitCode {
     let given: Vec<String> = std::env::args().skip(1).collect();

@@ -12,6 +12,7 @@ use std::collections::BTreeSet;
 enum Kind {
     Float,
     Int,
+    Bool,
     Vec2,
     Vec3,
 }
@@ -21,6 +22,7 @@ impl Kind {
         match self {
             Self::Float => "float",
             Self::Int => "int",
+            Self::Bool => "bool",
             Self::Vec2 => "vec2",
             Self::Vec3 => "vec3",
         }
@@ -48,6 +50,12 @@ enum Helper {
     Fold,
     /// `float count(float a)`, which changes a global variable
     Count,
+    /// `float lit(float a)`, which reads it
+    Lit,
+    /// `void dim(float a)`, which changes it
+    Dim,
+    /// `int half(int a)`
+    Half,
 }
 
 struct Writer<'r> {
@@ -88,6 +96,10 @@ pub(super) fn program(rng: &mut Rng) -> String {
         writer.add("glow", Kind::Float, false);
         writer.line("float count(float a) { glow += 0.25; return a*glow; }");
         writer.helpers.push(Helper::Count);
+        writer.line("float lit(float a) { return a - glow; }");
+        writer.helpers.push(Helper::Lit);
+        writer.line("void dim(float a) { glow *= 0.5; if (a > 0.07) return; glow += a; }");
+        writer.helpers.push(Helper::Dim);
     }
     writer.write_helpers();
     writer.line("float map(vec3 p) {");
@@ -116,7 +128,9 @@ impl Writer<'_> {
     fn write_helpers(&mut self) {
         if once_in(self.rng, 3) {
             self.helpers.push(Helper::Grow);
-            self.line("float grow(float a, inout float b) { b = b*0.5 + a; a += 1.; return a - b; }");
+            self.line(
+                "float grow(float a, inout float b) { b = b*0.5 + a; a += 1.; return a - b; }",
+            );
         }
         if once_in(self.rng, 3) {
             self.helpers.push(Helper::Turn);
@@ -127,8 +141,14 @@ impl Writer<'_> {
             self.line("float split(float a, out float b) { b = fract(a); return floor(a); }");
         }
         if once_in(self.rng, 3) {
+            self.helpers.push(Helper::Half);
+            self.line("int half_of(int a) { a -= 3; return a/2; }");
+        }
+        if once_in(self.rng, 3) {
             self.helpers.push(Helper::Fold);
-            self.line("float fold(vec2 q) { q = abs(q); if (q.x > q.y) q = q.yx; return q.y - 0.5*q.x; }");
+            self.line(
+                "float fold(vec2 q) { q = abs(q); if (q.x > q.y) q = q.yx; return q.y - 0.5*q.x; }",
+            );
         }
     }
 
@@ -202,6 +222,7 @@ impl Writer<'_> {
         match kind {
             Kind::Float => self.float(depth),
             Kind::Int => self.int(depth),
+            Kind::Bool => self.condition(depth),
             Kind::Vec2 | Kind::Vec3 => self.vector(kind, depth),
         }
     }
@@ -212,11 +233,8 @@ impl Writer<'_> {
             0 | 1 => self.use_of(Kind::Float).unwrap_or_else(|| "0.5".to_owned()),
             2 | 3 => {
                 let kind = pick(self.rng, &[Kind::Vec3, Kind::Vec3, Kind::Vec2]);
-                let letters: &[&str] = if kind == Kind::Vec3 {
-                    &["x", "y", "z", "r", "g"]
-                } else {
-                    &["x", "y"]
-                };
+                let letters: &[&str] =
+                    if kind == Kind::Vec3 { &["x", "y", "z", "r", "g"] } else { &["x", "y"] };
                 let letter = pick(self.rng, letters);
                 match self.use_of(kind) {
                     Some(name) => format!("{name}.{letter}"),
@@ -273,7 +291,11 @@ impl Writer<'_> {
                 let kind = pick(self.rng, &[Kind::Vec2, Kind::Vec3]);
                 match self.rng.u32(0..2) {
                     0 => format!("length({})", self.vector(kind, inner)),
-                    _ => format!("dot({}, {})*0.25", self.vector(kind, inner), self.vector(kind, inner)),
+                    _ => format!(
+                        "dot({}, {})*0.25",
+                        self.vector(kind, inner),
+                        self.vector(kind, inner)
+                    ),
                 }
             }
             11 => self.ternary(Kind::Float, inner),
@@ -281,7 +303,9 @@ impl Writer<'_> {
             13 => self.call(inner).unwrap_or_else(|| self.leaf()),
             14 | 15 => self.effect(inner).unwrap_or_else(|| self.leaf()),
             16 if !self.is_pure => self.comma(inner),
-            17 => format!("{}.{}", self.vector(Kind::Vec3, inner), pick(self.rng, &["x", "y", "z"])),
+            17 => {
+                format!("{}.{}", self.vector(Kind::Vec3, inner), pick(self.rng, &["x", "y", "z"]))
+            }
             18 => format!("float({})", self.condition(inner)),
             _ => self.leaf(),
         }
@@ -331,13 +355,15 @@ impl Writer<'_> {
     fn condition(&mut self, depth: u32) -> String {
         let compared = |writer: &mut Self| {
             let sign = pick(writer.rng, &["<", ">", "<=", ">="]);
-            let left = writer.float(depth.min(1));
+            let effect = if once_in(writer.rng, 4) { writer.effect(1) } else { None };
+            let left = effect.unwrap_or_else(|| writer.float(depth.min(2)));
             format!("{left} {sign} {}", pick(writer.rng, &["0.3183", "-0.577", "1.618", "0.07"]))
         };
         match self.rng.u32(0..6) {
             0 => format!("({} && {})", compared(self), compared(self)),
             1 => format!("({} || {})", compared(self), compared(self)),
             2 => format!("(!({}))", compared(self)),
+            3 => self.use_of(Kind::Bool).unwrap_or_else(|| "true".to_owned()),
             _ => format!("({})", compared(self)),
         }
     }
@@ -410,8 +436,15 @@ impl Writer<'_> {
 
     /// A call of a helper.
     fn call(&mut self, depth: u32) -> Option<String> {
-        let helper = if self.helpers.is_empty() { None } else { Some(pick(self.rng, &self.helpers)) };
+        let helper =
+            if self.helpers.is_empty() { None } else { Some(pick(self.rng, &self.helpers)) };
         match helper? {
+            Helper::Half => Some(format!("float(half_of({})/3)", self.int(depth))),
+            Helper::Lit if !self.is_pure => {
+                let value = self.float(depth);
+                self.read.insert("glow".to_owned());
+                Some(format!("lit({value})"))
+            }
             Helper::Fold => Some(format!("fold({})", self.vector(Kind::Vec2, depth))),
             _ if self.is_pure => None,
             Helper::Grow => {
@@ -431,12 +464,15 @@ impl Writer<'_> {
                 }
                 Some(format!("count({value})"))
             }
-            Helper::Count | Helper::Turn => None,
+            Helper::Count | Helper::Turn | Helper::Dim | Helper::Lit => None,
         }
     }
 
     fn declaration(&mut self) {
-        let kind = pick(self.rng, &[Kind::Float, Kind::Float, Kind::Vec3, Kind::Vec2, Kind::Int]);
+        let kind = pick(
+            self.rng,
+            &[Kind::Float, Kind::Float, Kind::Vec3, Kind::Vec2, Kind::Int, Kind::Bool],
+        );
         let count = if once_in(self.rng, 3) { 2 } else { 1 };
         let mut parts = Vec::new();
         for _ in 0..count {
@@ -460,7 +496,7 @@ impl Writer<'_> {
     fn simple(&mut self) -> Option<String> {
         self.read.clear();
         let kind = pick(self.rng, &[Kind::Float, Kind::Float, Kind::Float, Kind::Vec3, Kind::Vec2]);
-        Some(match self.rng.u32(0..14) {
+        Some(match self.rng.u32(0..15) {
             0 => {
                 let name = self.target(Kind::Float)?;
                 pick(self.rng, &[format!("{name}++"), format!("--{name}")])
@@ -510,6 +546,14 @@ impl Writer<'_> {
                 let target = self.target(Kind::Vec3)?;
                 format!("turn({target}, {value})")
             }
+            12 => {
+                let name = self.target(Kind::Bool)?;
+                format!("{name} = {}", self.condition(2))
+            }
+            13 if self.helpers.contains(&Helper::Dim) => {
+                let value = self.float(1);
+                format!("dim({value})")
+            }
             10 => {
                 let name = self.target(Kind::Int)?;
                 let sign = pick(self.rng, &["+=", "-=", "*="]);
@@ -547,7 +591,8 @@ impl Writer<'_> {
 
     fn full_condition(&mut self) -> String {
         self.read.clear();
-        self.condition(2)
+        let condition = self.condition(2);
+        if condition.starts_with('(') { condition } else { format!("({condition})") }
     }
 
     fn statement(&mut self, depth: u32) {
@@ -625,6 +670,10 @@ impl Writer<'_> {
             4 => format!("int {name} = 0; {name}++ < {count};"),
             _ => format!("int {name} = 1; {name} <= {count}; {name} += 1"),
         };
+        if once_in(self.rng, 5) {
+            self.line(&format!("for ({header});"));
+            return;
+        }
         self.line(&format!("for ({header}) {{"));
         self.scopes.push(Vec::new());
         let kind = if header.starts_with("float") { Kind::Float } else { Kind::Int };

@@ -15,6 +15,8 @@ enum Helper {
     Wave,
     /// `function special(a) = a*$k`
     Special,
+    /// `function mirror(v, n)`, of vectors
+    Mirror,
 }
 
 struct Writer<'r> {
@@ -67,11 +69,19 @@ impl Writer<'_> {
         }
         if once_in(self.rng, 3) {
             self.helpers.push(Helper::Fold);
-            self.line("fold = function(a) a < 0.07 ? -a : a > 1.618 && a <= 4.1 ? a % 1.75 : sin(a*45);");
+            self.line(
+                "fold = function(a) a < 0.07 ? -a : a > 1.618 && a <= 4.1 ? a % 1.75 : sin(a*45);",
+            );
         }
         if once_in(self.rng, 3) {
             self.helpers.push(Helper::Wave);
-            self.line("function wave(a) = let(b = a*90, c = cos(b), e = c + 1) e*c + atan2(b, 2)/45;");
+            self.line(
+                "function wave(a) = let(b = a*90, c = cos(b), e = c + 1) e*c + atan2(b, 2)/45;",
+            );
+        }
+        if once_in(self.rng, 3) {
+            self.helpers.push(Helper::Mirror);
+            self.line("function mirror(v, n = [0.6, 0, 0.8]) = v - 2*(v*n)*n;");
         }
         if once_in(self.rng, 12) {
             self.helpers.push(Helper::Special);
@@ -85,7 +95,15 @@ impl Writer<'_> {
             return pick(self.rng, &["0.5", "2", "1.25", "3"]).to_owned();
         }
         let name = pick(self.rng, &self.names);
-        pick(self.rng, &[format!("{name} + 0.5"), format!("sin({name}*20)"), "1.5".to_owned(), "sqrt(2)".to_owned()])
+        pick(
+            self.rng,
+            &[
+                format!("{name} + 0.5"),
+                format!("sin({name}*20)"),
+                "1.5".to_owned(),
+                "sqrt(2)".to_owned(),
+            ],
+        )
     }
 
     fn leaf(&mut self) -> String {
@@ -109,14 +127,20 @@ impl Writer<'_> {
             2 => format!("sin(30*{})*{}", self.value(inner), self.value(inner)),
             3 => format!("{}/(abs({}) + 1.5)", self.value(inner), self.value(inner)),
             4 => {
-                let name = pick(self.rng, &["sin", "cos", "abs", "-", "floor", "ceil", "sign", "atan"]);
+                let name =
+                    pick(self.rng, &["sin", "cos", "abs", "-", "floor", "ceil", "sign", "atan"]);
                 format!("{name}({})", self.value(inner))
             }
             5 => {
                 let name = pick(self.rng, &["min", "max"]);
                 format!("{name}({}, {})", self.value(inner), self.value(inner))
             }
-            6 => format!("({} ? {} : {})", self.condition(inner), self.value(inner), self.value(inner)),
+            6 => format!(
+                "({} ? {} : {})",
+                self.condition(inner),
+                self.value(inner),
+                self.value(inner)
+            ),
             7 => format!("({}) % {}", self.value(inner), pick(self.rng, &["1.75", "3"])),
             8 => format!("{}^{}", pick(self.rng, &self.names), pick(self.rng, &["2", "3"])),
             9 => format!("pow({}, 2)", self.value(inner)),
@@ -124,10 +148,16 @@ impl Writer<'_> {
             12 => self.comprehension(inner),
             13 | 14 => self.call(inner),
             15 => format!("norm([{}, {}, {}])", self.value(inner), self.value(inner), self.leaf()),
-            16 => format!("[{}, {}]*[{}, {}]", self.value(inner), self.leaf(), self.leaf(), self.value(inner)),
+            16 => format!(
+                "[{}, {}]*[{}, {}]",
+                self.value(inner),
+                self.leaf(),
+                self.leaf(),
+                self.value(inner)
+            ),
             17 => format!("[{}, {}, 2][{}]", self.value(inner), self.leaf(), self.rng.u32(0..3)),
             18 => format!("acos(cos({}*40))/30", self.value(inner)),
-            19 => format!("atan2({}, {})/45", self.value(inner), self.value(inner)),
+            19 => format!("atan2({}, abs({}) + 0.5)/45", self.value(inner), self.value(inner)),
             20 => format!("sqrt(abs({}))", self.value(inner)),
             _ => self.leaf(),
         }
@@ -162,8 +192,10 @@ impl Writer<'_> {
         self.names.push(name.clone());
         let value = self.value(depth);
         self.names.pop();
-        let range = pick(self.rng, &["[0:2]", "[1:3]", "[0:0.5:1]", "[2:-1:0]", "[1, 3, 2]", "[-1:1]"]);
-        let filter = if once_in(self.rng, 3) { format!("if ({name} != 1) ") } else { String::new() };
+        let range =
+            pick(self.rng, &["[0:2]", "[1:3]", "[0:0.5:1]", "[2:-1:0]", "[1, 3, 2]", "[-1:1]"]);
+        let filter =
+            if once_in(self.rng, 3) { format!("if ({name} != 1) ") } else { String::new() };
         match self.rng.u32(0..3) {
             0 => format!("min([for ({name} = {range}) {filter}{value}])"),
             1 => format!("max([for ({name} = {range}) {filter}{value}])"),
@@ -186,6 +218,11 @@ impl Writer<'_> {
             },
             Helper::Fold => format!("fold({value})"),
             Helper::Wave => format!("wave({value})"),
+            Helper::Mirror => match self.rng.u32(0..3) {
+                0 => format!("mirror([{value}, x, 1])[{}]", self.rng.u32(0..3)),
+                1 => format!("norm(mirror([y, 0.5, {value}], [0.8, 0.6, 0]))"),
+                _ => format!("(let(v = [x, {value}, z], w = mirror(v)) w*v*0.25)"),
+            },
             Helper::Special if once_in(self.rng, 3) => format!("special({value}, $k = 2)"),
             Helper::Special => format!("special({value})"),
         }

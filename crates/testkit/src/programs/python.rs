@@ -28,6 +28,8 @@ struct Writer<'r> {
     helpers: Vec<Helper>,
     names: usize,
     in_loop: bool,
+    /// Variables that are true or false.
+    flags: Vec<String>,
 }
 
 const NAMES: [&str; 12] = ["d", "e", "s", "g", "k", "w", "q", "v", "c", "h", "m", "n"];
@@ -45,6 +47,7 @@ pub(super) fn program(rng: &mut Rng) -> String {
         helpers: Vec::new(),
         names: 0,
         in_loop: false,
+        flags: Vec::new(),
     };
     writer.line("import math");
     writer.line("from math import sin, cos, floor, sqrt");
@@ -158,7 +161,12 @@ impl Writer<'_> {
                 let name = pick(self.rng, &["min", "max"]);
                 format!("{name}({}, {})", self.float(inner), self.float(inner))
             }
-            6 => format!("({} if {} else {})", self.float(inner), self.condition(inner), self.float(inner)),
+            6 => format!(
+                "({} if {} else {})",
+                self.float(inner),
+                self.condition(inner),
+                self.float(inner)
+            ),
             7 => format!("({}) % {}", self.float(inner), pick(self.rng, &["1.75", "-1.75", "3"])),
             8 => format!("({}) // {}", self.float(inner), pick(self.rng, &["1.75", "-1.25", "3"])),
             9 => format!("{}**{}", self.atom(), pick(self.rng, &["2", "3", "2"])),
@@ -170,13 +178,15 @@ impl Writer<'_> {
             15 => format!("math.sqrt(abs({}))", self.float(inner)),
             16 => format!("2**-{}", pick(self.rng, &["1", "2"])),
             17 => format!("int({})", self.float(inner)),
-            18 => format!("pow({}, 2)", self.float(inner)),
+            18 => format!("pow({}, 2)", self.atom()),
             _ => self.leaf(),
         }
     }
 
     fn atom(&mut self) -> String {
-        pick(self.rng, &self.floats)
+        let name = pick(self.rng, &self.floats);
+        // Powers of powers in loops would leave nothing of a number but rounding errors.
+        if self.in_loop { format!("sin({name})") } else { name }
     }
 
     fn comprehension(&mut self, depth: u32) -> String {
@@ -184,7 +194,8 @@ impl Writer<'_> {
         self.names += 1;
         self.integers.push(index.clone());
         let body = self.float(depth);
-        let range = pick(self.rng, &["range(3)", "range(1, 4)", "range(4, 0, -2)", "(1, 2, 5)", "[0, 3]"]);
+        let range =
+            pick(self.rng, &["range(3)", "range(1, 4)", "range(4, 0, -2)", "(1, 2, 5)", "[0, 3]"]);
         let filter = if once_in(self.rng, 3) { format!(" if {index} != 1") } else { String::new() };
         self.integers.pop();
         let name = pick(self.rng, &["sum", "min", "max"]);
@@ -200,6 +211,7 @@ impl Writer<'_> {
             return self.leaf();
         }
         let value = self.float(depth);
+        let value = if self.in_loop { format!("sin({value})") } else { value };
         match pick(self.rng, &self.helpers) {
             Helper::Near => match self.rng.u32(0..5) {
                 0 => format!("near({value})"),
@@ -229,6 +241,7 @@ impl Writer<'_> {
             2 => format!("not {}", compared(self)),
             3 => format!("-0.577 < {} <= 1.618", self.float(depth.min(1))),
             4 => format!("({})", compared(self)),
+            5 if !self.flags.is_empty() => pick(self.rng, &self.flags),
             _ => compared(self),
         }
     }
@@ -249,9 +262,10 @@ impl Writer<'_> {
 
     fn simple(&mut self) {
         let Some(name) = self.target() else { return self.declaration() };
-        match self.rng.u32(0..10) {
+        match self.rng.u32(0..11) {
             0..=2 => {
                 let sign = pick(self.rng, &["+=", "-=", "*=", "/=", "//=", "%=", "**="]);
+                let sign = if self.in_loop && sign == "**=" { "+=" } else { sign };
                 let value = match sign {
                     "*=" => format!("sin({})", self.float(1)),
                     "/=" | "//=" | "%=" => pick(self.rng, &["2", "1.75", "-1.5"]).to_owned(),
@@ -293,6 +307,14 @@ impl Writer<'_> {
                     self.line(&format!("{integer} {sign} {value}"));
                 }
             }
+            9 => {
+                let value = self.condition(2);
+                let name = format!("b{}", self.names);
+                self.names += 1;
+                self.line(&format!("{name} = {value}"));
+                self.line(&format!("{name} = not {name}"));
+                self.flags.push(name);
+            }
             8 => {
                 let (one, two) = (self.float(1), self.float(1));
                 self.line(&format!("{name} = {one}; {name} += {two}"));
@@ -305,7 +327,7 @@ impl Writer<'_> {
     }
 
     fn block(&mut self, depth: u32) {
-        let known = (self.floats.len(), self.integers.len());
+        let known = (self.floats.len(), self.integers.len(), self.flags.len());
         self.depth += 1;
         self.simple();
         let name = pick(self.rng, &["d0", "d0", "pass"]);
@@ -330,6 +352,7 @@ impl Writer<'_> {
         // Variables that only this block assigns may have no value after it.
         self.floats.truncate(known.0);
         self.integers.truncate(known.1);
+        self.flags.truncate(known.2);
     }
 
     fn statement(&mut self, depth: u32) {
@@ -356,8 +379,10 @@ impl Writer<'_> {
             4 | 5 => {
                 let index = format!("i{}", self.names);
                 self.names += 1;
-                let range =
-                    pick(self.rng, &["range(3)", "range(1, 4)", "range(3, 0, -1)", "(2, 1)", "[1, 3, 2]"]);
+                let range = pick(
+                    self.rng,
+                    &["range(3)", "range(1, 4)", "range(3, 0, -1)", "(2, 1)", "[1, 3, 2]"],
+                );
                 self.line(&format!("for {index} in {range}:"));
                 self.loop_body(index, inner);
             }

@@ -39,7 +39,7 @@ pub enum Outcome {
 
 /// Returns a file of `count` programs without values.
 pub fn write_records(language: Language, seed: u64, count: u64) -> String {
-    let mut file = String::new();
+    let mut file = format!("# {count} random programs of seed {seed}.\n");
     for number in 0..count {
         let mut rng = Rng::with_seed(seed << 20 | number);
         let text = language.program(&mut rng);
