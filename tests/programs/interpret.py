@@ -6,6 +6,7 @@ value is left out, as `?`, if nearby points have other values: then rounding dec
 GLSL needs the package moderngl and a software OpenGL; OpenSCAD needs the program openscad.
 """
 
+import contextlib
 import math
 import platform
 import struct
@@ -55,8 +56,9 @@ void main() { value = map(texelFetch(places, ivec2(gl_FragCoord.xy), 0).xyz); }
 
 def of_python(text, points):
     names = {}
-    exec(text, names)
-    return [float(names["f"](*point)) for point in points]
+    with contextlib.redirect_stdout(sys.stderr):
+        exec(text, names)
+        return [float(names["f"](*point)) for point in points]
 
 
 def of_openscad(text, points):

@@ -160,10 +160,11 @@ impl ProgramReader<'_> {
     /// it is. A variable that is no counter is tracked while it holds whole numbers.
     pub(crate) fn keeps_number(&self, name: &str, value: &[Token], frame: &mut Frame) -> bool {
         let is_known = frame.aliases.find(name).is_some_and(|kind| number_of(kind).is_some());
-        let is_counter = frame.counters.contains(name) || frame.integers.contains(name);
+        let is_counter =
+            frame.counters.contains(name) || frame.is_inner() && frame.integers.contains(name);
         let Some(number) = self.known(value, frame) else { return false };
         let is_tracked = frame.is_inner() && self.settles(frame) && number.fract() == 0.0;
-        if !is_known && !is_counter && !(is_tracked && self.is_of_whole_numbers(value)) {
+        if !(is_known || is_counter || is_tracked && self.is_of_whole_numbers(value)) {
             return false;
         }
         let span = span_of(value).unwrap_or_default();

@@ -5,6 +5,7 @@ use crate::dialect::blocks::ProgramStep;
 use crate::dialect::known_numbers::{count, number_expr, number_of};
 use crate::dialect::language::Language;
 use crate::dialect::program_reader::{Frame, ProgramReader, Statements};
+use crate::dialect::program_words::Words;
 use crate::lex::token::{Token, closing, in_brackets, outside, span_of, split};
 use crate::lex::token_kind::TokenKind::{self, Comma, Equals, OpenBracket};
 use crate::messages::error::{Error, ErrorKind, Fallible};
@@ -303,8 +304,7 @@ impl ProgramReader<'_> {
         span: Span,
         frame: &mut Frame,
     ) -> Fallible<Option<Vec<f64>>> {
-        let Some(inner) = self.words.inside(tokens).filter(|_| tokens[0].kind == OpenBracket)
-        else {
+        let Some(inner) = Words::inside(tokens).filter(|_| tokens[0].kind == OpenBracket) else {
             return Ok(None);
         };
         let parts = split(inner, TokenKind::Colon);

@@ -199,7 +199,11 @@ impl ProgramReader<'_> {
     fn value_of(&mut self, target: &Target, frame: &mut Frame) -> Settled {
         let name = self.words.name(target.name).text;
         let is_whole = frame.integers.contains(&name);
-        let mut tokens = vec![self.saved(frame.meaning(&name), target.name.span, is_whole, frame)];
+        let kind = match self.known(&[target.name], frame) {
+            Some(number) => number_expr(number, target.name.span),
+            None => frame.meaning(&name),
+        };
+        let mut tokens = vec![self.saved(kind, target.name.span, is_whole, frame)];
         tokens.extend(target.letters);
         Settled { tokens, is_whole }
     }
@@ -233,7 +237,7 @@ impl ProgramReader<'_> {
         let mut value = value;
         if let Some(operator) = operator {
             let before = Settled { tokens: target.tokens(), is_whole };
-            value = self.joined(before, operator, value, frame)?;
+            value = self.joined(before, operator, &value, frame)?;
         }
         self.store(target, value, frame)
     }

@@ -70,7 +70,9 @@ impl ProgramReader<'_> {
                 self.pov_function(self.words.name(*name), body.to_vec()).map(|()| true)
             }
             // Julia's `f(x; a = 2) = …`.
-            (_, [name, _, ..]) if name.kind.is_name() => {
+            (word, [name, _, ..])
+                if name.kind.is_name() && !matches!(word, "for" | "while" | "if") =>
+            {
                 let is_left =
                     |end: &usize| tokens.get(end + 2).is_some_and(|next| next.kind == Equals);
                 let inner = parameters_end(1).filter(is_left).map_or(&[][..], |end| &tokens[..end]);
@@ -123,6 +125,11 @@ impl ProgramReader<'_> {
         let body = self.expanded(body, 0)?;
         let steps = self.words.block(&body, 0)?;
         let given = self.given(&parameters);
+        let sizes: Vec<usize> = given.iter().map(|given| given.size).collect();
+        let before = self.signatures.insert(word.clone(), sizes.clone());
+        if self.language == Language::Typed && before.is_some_and(|before| before != sizes) {
+            return Err(Error::new(name.span, ErrorKind::Overloaded { name: word }));
+        }
         if is_void || given.iter().any(|given| given.is_out) {
             let uses_globals = self.uses_globals(&body);
             let changes_globals = self.changes_globals(&body);

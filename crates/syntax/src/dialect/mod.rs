@@ -10,6 +10,7 @@
 pub(crate) mod assignment;
 pub(crate) mod blocks;
 pub(crate) mod branch_merge;
+pub(crate) mod calls;
 pub(crate) mod control_flow;
 pub(crate) mod curve_commands;
 pub(crate) mod effects;

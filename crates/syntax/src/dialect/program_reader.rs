@@ -103,6 +103,8 @@ pub(crate) struct ProgramReader<'a> {
     pub saved_count: u32,
     /// Numbers of the saved values that are integers.
     pub whole_values: FxHashSet<u32>,
+    /// Numbers of components of the parameters of typed functions.
+    pub signatures: FxHashMap<String, Vec<usize>>,
     /// Functions that return integers.
     pub whole_functions: FxHashSet<String>,
     /// Variables outside functions that functions change.
@@ -163,6 +165,7 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
         expression_depth: 0,
         saved_count: 0,
         whole_values: FxHashSet::default(),
+        signatures: FxHashMap::default(),
         whole_functions: FxHashSet::default(),
         mutable,
         bodies: FxHashMap::default(),
@@ -286,19 +289,7 @@ impl ProgramReader<'_> {
         }
         let types = self.words.types(&tokens);
         if types > 0 {
-            let size = tokens[..types].iter().map(|t| size_of(self.words.word(*t))).max();
-            let is_whole = tokens[..types].iter().any(|t| is_whole_type(self.words.word(*t)));
-            // Python's `global` would change a variable of another function. JavaScript's `var`
-            // has the scope of the whole function.
-            if self.language == Language::Python && matches!(word, "global" | "nonlocal") {
-                return Err(self.words.unsupported(first));
-            }
-            let mark = frame.declared.len();
-            self.declarations(&tokens[types..], size.unwrap_or(1), is_whole, frame)?;
-            if word == "var" && self.language == Language::Script {
-                frame.declared.truncate(mark);
-            }
-            return Ok(());
+            return self.typed(&tokens, types, frame);
         }
         if self.runs(&tokens, frame)? {
             return Ok(());
@@ -311,6 +302,24 @@ impl ProgramReader<'_> {
             return self.lambda(name, parameters, value, frame);
         }
         self.plain(tokens, frame, true)
+    }
+
+    /// Reads a declaration whose first tokens are `types`.
+    fn typed(&mut self, tokens: &[Token], types: usize, frame: &mut Frame) -> Fallible<()> {
+        let word = self.words.word(tokens[0]);
+        let size = tokens[..types].iter().map(|t| size_of(self.words.word(*t))).max();
+        let is_whole = tokens[..types].iter().any(|t| is_whole_type(self.words.word(*t)));
+        // Python's `global` would change a variable of another function. JavaScript's `var`
+        // has the scope of the whole function.
+        if self.language == Language::Python && matches!(word, "global" | "nonlocal") {
+            return Err(self.words.unsupported(tokens[0]));
+        }
+        let mark = frame.declared.len();
+        self.declarations(&tokens[types..], size.unwrap_or(1), is_whole, frame)?;
+        if word == "var" && self.language == Language::Script {
+            frame.declared.truncate(mark);
+        }
+        Ok(())
     }
 
     /// Runs a statement that assigns or changes variables. Returns false for any other statement.

@@ -24,7 +24,12 @@ const MAX_AT_SIGNS: usize = 20;
 
 /// Returns whether `word` is an integer type.
 pub(crate) fn is_whole_type(word: &str) -> bool {
-    matches!(word, "int" | "uint" | "long" | "unsigned")
+    matches!(word, "int" | "uint" | "long" | "unsigned") || is_whole_vector(word)
+}
+
+/// Returns whether `word` is a type of vectors of integers.
+pub(crate) fn is_whole_vector(word: &str) -> bool {
+    (word.starts_with("ivec") || word.starts_with("uvec")) && size_of(word) > 1
 }
 
 /// Returns whether `word` is a type or a modifier before a declared name.

@@ -50,7 +50,7 @@ impl ProgramReader<'_> {
             let value = self.terms(value, frame)?;
             let is_whole = frame.integers.contains(self.words.word(target.name));
             let before = Settled { tokens: target.tokens(), is_whole };
-            let value = self.joined(before, operator, value, frame)?;
+            let value = self.joined(before, operator, &value, frame)?;
             return self.store(&target, value, frame).map(|()| true);
         }
         // All targets get the value, from left to right.
@@ -62,7 +62,7 @@ impl ProgramReader<'_> {
         }
         let kinds = self.python_values(value, &targets, frame)?;
         for target in targets {
-            let target = self.words.inside(target).unwrap_or(target);
+            let target = Words::inside(target).unwrap_or(target);
             let parts = split(target, Comma);
             for (index, part) in parts.iter().enumerate() {
                 let target = Target::of(part)?;
@@ -92,10 +92,9 @@ impl ProgramReader<'_> {
         targets: &[&[Token]],
         frame: &mut Frame,
     ) -> Fallible<Vec<(ExprKind, bool)>> {
-        let count =
-            |tokens: &[Token]| split(self.words.inside(tokens).unwrap_or(tokens), Comma).len();
+        let count = |tokens: &[Token]| split(Words::inside(tokens).unwrap_or(tokens), Comma).len();
         let is_tuple = targets.iter().any(|target| count(target) > 1);
-        let inner = self.words.inside(value).filter(|_| is_tuple && value[0].kind == OpenParen);
+        let inner = Words::inside(value).filter(|_| is_tuple && value[0].kind == OpenParen);
         let parts = split(inner.unwrap_or(value), Comma);
         let parts = if is_tuple && parts.len() > 1 { parts } else { vec![value.to_vec()] };
         let mut kinds = Vec::new();
@@ -117,7 +116,7 @@ impl ProgramReader<'_> {
         &mut self,
         index: Token,
         list: &[Token],
-        filter: Option<Vec<Token>>,
+        filter: Option<&[Token]>,
         body: &[Token],
         frame: &mut Frame,
     ) -> Fallible<Vec<Token>> {
@@ -136,7 +135,7 @@ impl ProgramReader<'_> {
                 }
             };
             frame.aliases.push(name.clone(), kind);
-            if let Some(filter) = &filter {
+            if let Some(filter) = filter {
                 let filter = self.assignment(filter, frame)?.tokens;
                 let span = index.span;
                 match self.known(&filter, frame) {
@@ -180,7 +179,7 @@ impl ProgramReader<'_> {
             let Some((condition, more)) = bracketed(&body[1..]) else {
                 return Err(self.words.unsupported(*word));
             };
-            filter = Some(condition.to_vec());
+            filter = Some(condition);
             body = more;
         }
         if let Some(word) =

@@ -1,5 +1,6 @@
 //! The scopes of blocks: a declaration in a block hides a variable until the block ends.
 
+use crate::dialect::effects::is_doubled;
 use crate::dialect::language::Language;
 use crate::dialect::program_reader::{Frame, ProgramReader};
 use crate::dialect::program_words::Words;
@@ -117,7 +118,6 @@ impl Words<'_> {
 
     /// Returns whether the name at `at` may be changed: it is assigned, or is an argument.
     pub(crate) fn may_change(self, tokens: &[Token], at: usize) -> bool {
-        use crate::dialect::effects::is_doubled;
         if !tokens[at].kind.is_name() {
             return false;
         }
@@ -149,7 +149,7 @@ impl Words<'_> {
     }
 
     /// The tokens in the brackets at the end of `tokens`, if they are a single pair.
-    pub(crate) fn inside(self, tokens: &[Token]) -> Option<&[Token]> {
+    pub(crate) fn inside(tokens: &[Token]) -> Option<&[Token]> {
         bracketed(tokens).filter(|(_, rest)| rest.is_empty()).map(|(inner, _)| inner)
     }
 }

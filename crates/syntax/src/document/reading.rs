@@ -282,7 +282,7 @@ impl<'a> DocumentReader<'a> {
         self.check()?;
         built.extend(program.synthesized.iter().cloned());
         let mut built = needed(built, &program.generated);
-        self.generated = program.generated.clone();
+        self.generated.clone_from(&program.generated);
         if let Some((drawn, note)) = drawn_by_program(&program, &built) {
             built.push(drawn);
             self.notes.push(note);

@@ -179,6 +179,8 @@ pub enum ErrorKind {
     Order { name: String },
     #[error("this call changes the outer `{name}`, but a variable here has the same name")]
     Hidden { name: String },
+    #[error("`{name}` is defined twice, for different types")]
+    Overloaded { name: String },
     #[error("operators on the bits of integers are not read")]
     Bits,
     #[error("this statement sets nothing")]

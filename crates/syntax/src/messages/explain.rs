@@ -372,7 +372,7 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         RestrictionInside => "write a choice there, as in `z = {x > 0: x, 0} + y`",
         Target => "give a variable on the left of the sign, as in `d = 1.` or `p.xz = q`",
         Order { .. } => "write two statements: the order in one is not defined",
-        Hidden { .. } => "give the inner variable another name",
+        Hidden { .. } | Overloaded { .. } => "give each of them a name of its own",
         Bits => "write `pow(a, b)` for a power, or arithmetic with `floor` and `mod`",
         NumberInSequence { .. } => "write the number in digits, or the formula itself",
         Parametric => {

@@ -92,6 +92,10 @@ pub(super) fn program(rng: &mut Rng) -> String {
         writer.line("#define SQ(a) ((a)*(a))");
     }
     if once_in(writer.rng, 3) {
+        writer.line("const int N = 7/2;");
+        writer.add("N", Kind::Int, true);
+    }
+    if once_in(writer.rng, 3) {
         writer.line("float glow = 0.5;");
         writer.add("glow", Kind::Float, false);
         writer.line("float count(float a) { glow += 0.25; return a*glow; }");
@@ -255,7 +259,6 @@ impl Writer<'_> {
         }
         let inner = depth - 1;
         match self.rng.u32(0..20) {
-            0 | 1 => self.leaf(),
             2 | 3 => {
                 let sign = pick(self.rng, &["+", "-"]);
                 format!("({} {sign} {})", self.float(inner), self.float(inner))
@@ -662,12 +665,15 @@ impl Writer<'_> {
         let count = self.rng.u32(1..4);
         self.read.clear();
         let effect = self.simple().unwrap_or_else(|| format!("{name} += 0"));
-        let header = match self.rng.u32(0..6) {
+        let header = match self.rng.u32(0..7) {
             0 => format!("int {name} = 0; {name} < {count}; {name}++, {effect}"),
             1 => format!("int {name} = 0, {other} = 3; {name} < {other}; {name}++, {other}--"),
             2 => format!("float {name} = 0.; {name} < {count}.; {name} += 0.75"),
             3 => format!("int {name} = {count}; {name} > 0; {effect}, --{name}"),
             4 => format!("int {name} = 0; {name}++ < {count};"),
+            5 if self.text.contains("const int N") => {
+                format!("int {name} = N; {name} > 0; {name}--")
+            }
             _ => format!("int {name} = 1; {name} <= {count}; {name} += 1"),
         };
         if once_in(self.rng, 5) {
