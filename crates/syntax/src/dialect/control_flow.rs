@@ -32,7 +32,7 @@ impl ProgramReader<'_> {
         count(self.words, tokens, &frame.aliases, &self.constants)
     }
 
-    /// Runs the statements of a block. What the block declares is unknown after it.
+    /// Runs the statements of a block. Its declarations end with it.
     pub(crate) fn run(&mut self, steps: &[ProgramStep], frame: &mut Frame) -> Fallible<()> {
         let mark = frame.declared.len();
         self.run_open(steps, frame, true)?;

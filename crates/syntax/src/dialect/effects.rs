@@ -1,8 +1,8 @@
 //! Runs the side effects inside of expressions, in the order of their evaluation: assignments,
 //! `++` and `--`, commas, and calls of functions that change variables.
 //!
-//! Each function here returns the tokens of an expression's value. Whatever the expression changes
-//! has then changed in the frame, and a saved value stands for each part with an effect. A part
+//! Each function here returns the tokens of an expression's value. All its
+//! effects have then happened in the frame, and a saved value stands for each part with an effect. A part
 //! that only sometimes runs, such as the right side of `&&`, becomes a side of a branch.
 
 use crate::dialect::control_flow::more_than;

@@ -39,7 +39,7 @@ pub(crate) struct Frame {
     pub counters: FxHashSet<String>,
     /// Integer variables.
     pub integers: FxHashSet<String>,
-    /// Declarations so far, each with what its name meant before.
+    /// Declarations so far, each with the earlier meaning of its name.
     pub declared: Vec<Declared>,
     /// Number of enclosing branches and loops.
     pub nested: usize,

@@ -84,7 +84,7 @@ impl Words<'_> {
     ) -> FxHashSet<String> {
         let mut found = FxHashSet::default();
         if language == Language::OpenScad {
-            // Of several assignments the last one counts, even above it.
+            // The last of several assignments counts, even above it.
             let mut seen = FxHashSet::default();
             let names = statements.iter().filter_map(|tokens| self.assignment(tokens));
             let names = names.map(|(name, _, _)| self.word(name).to_owned());

@@ -24,7 +24,7 @@ enum Multiplicative {
 /// The tokens of a sum, as far as they were read.
 struct Terms {
     out: Vec<Token>,
-    /// Where the current product begins.
+    /// Place at which the current product begins.
     product: usize,
     product_is_whole: bool,
     is_whole: bool,

@@ -341,7 +341,7 @@ impl Writer<'_> {
     fn comma(&mut self, depth: u32) -> String {
         let before = self.read.clone();
         let first = self.effect(depth).unwrap_or_else(|| self.leaf());
-        // The comma is a sequence point for what was read after the bracket.
+        // The comma is a sequence point for variables read after the bracket.
         let between = std::mem::replace(&mut self.read, before);
         let second = self.float(depth);
         self.read.extend(between);

@@ -1,5 +1,5 @@
 //! Random functions of `OpenSCAD`: `f(x, y, z)`, helper functions and variables. Angles are in
-//! degrees. Of several assignments to a variable, the last one counts.
+//! degrees. The last of several assignments to a variable counts.
 
 use super::{once_in, pick};
 use crate::random::Rng;
