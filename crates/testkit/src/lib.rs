@@ -21,6 +21,7 @@ pub mod machine;
 mod minimize;
 pub mod npy;
 mod oracle;
+pub mod programs;
 pub mod property;
 mod random;
 mod reproduce;

@@ -1,15 +1,15 @@
 //! Turns assignments of programs into definitions. If a variable already has a value, an assignment
 //! to it defines another name, to which later uses of the variable refer.
 
+use crate::dialect::effects::Target;
 use crate::dialect::known_numbers::{number_expr, number_of};
 use crate::dialect::program_reader::{Frame, ProgramReader};
 use crate::dialect::program_words::Words;
-use crate::lex::token_kind::TokenKind::{Comma, Number, OpenBracket, Slash};
+use crate::lex::token_kind::TokenKind::{Comma, Number, OpenBracket};
 use crate::tree::raw_statement::{Head, ValueConversion};
 
-use crate::lex::token::{Token, split};
+use crate::lex::token::{Token, span_of, split};
 use crate::messages::error::{Error, ErrorKind, Fallible};
-use crate::span::Span;
 use crate::tree::aliases::Aliases;
 use crate::tree::ast::Name;
 
@@ -27,12 +27,19 @@ impl ProgramReader<'_> {
     ) -> Fallible<()> {
         for tokens in split(tokens, Comma) {
             let tokens = Words::without_type(tokens);
-            if is_whole && let Some(name) = tokens.first() {
-                let word = self.words.word(*name);
-                if frame.is_inner() {
-                    frame.integers.insert(word.to_owned());
-                }
-                self.integers.insert(word.to_owned());
+            if self.settles(frame)
+                && self.words.lambda(&tokens).is_none()
+                && let Some((name, None, value)) = self.words.assignment(&tokens)
+            {
+                // In `float d = d;` the right side has the outer variable.
+                let before = std::mem::take(&mut self.reads);
+                let value = self.assignment(&value, frame)?;
+                self.reads = before;
+                let word = self.words.word(name);
+                self.declare(word, is_whole, frame);
+                frame.set.push((word.to_owned(), size));
+                self.store(&Target { name, letters: None }, value, frame)?;
+                continue;
             }
             if self.counts(&tokens, frame) {
                 continue;
@@ -40,14 +47,6 @@ impl ProgramReader<'_> {
             if let Some((name, parameters, value)) = self.words.lambda(&tokens) {
                 self.lambda(name, parameters, value, frame)?;
             } else if let Some((name, None, value)) = self.words.assignment(&tokens) {
-                if let Some((procedure, arguments)) = self.called(&value) {
-                    let kind = self.inline(value[0], &procedure, &arguments, frame)?;
-                    let text = self.words.name(name).text;
-                    let none = || Error::new(name.span, ErrorKind::NoEffect);
-                    frame.aliases.push(text.clone(), kind.ok_or_else(none)?);
-                    frame.set.push((text, size));
-                    continue;
-                }
                 let name = self.words.name(name);
                 self.set(name, size, value, frame)?;
             } else if let [name, open, ..] = tokens.as_slice()
@@ -57,7 +56,9 @@ impl ProgramReader<'_> {
                 return Err(Error::new(name.span, ErrorKind::Array));
             } else if let [name] = tokens.as_slice() {
                 // A declaration without a value, such as `float a;`.
-                frame.set.push((self.words.word(*name).to_owned(), size));
+                let word = self.words.word(*name);
+                self.declare(word, is_whole, frame);
+                frame.set.push((word.to_owned(), size));
             } else {
                 self.plain(tokens, frame, false)?;
             }
@@ -111,7 +112,7 @@ impl ProgramReader<'_> {
         }
         let mut is_constant = false;
         if frame.function.is_none() {
-            let number = self.known(&value, &mut frame.clone()).filter(|_| conversion.is_none());
+            let number = self.known(&value, frame).filter(|_| conversion.is_none());
             is_constant = number.is_some();
             match number {
                 Some(number) => self.constants.insert(name.text.clone(), number),
@@ -133,25 +134,6 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Place of the first quotient of two integers, such as `n / 2`, that contains a variable.
-    pub(crate) fn truncated_quotient(&self, tokens: &[Token]) -> Option<Span> {
-        if self.integers.is_empty() {
-            return None;
-        }
-        let is_named = |token: Token| self.integers.contains(self.words.word(token));
-        let is_whole = |token: Token| {
-            let typed = &self.words.text[token.span.range()];
-            is_named(token) || token.kind == Number && typed.bytes().all(|b| b.is_ascii_digit())
-        };
-        let found = tokens.windows(3).find(|part| {
-            part[1].kind == Slash
-                && is_whole(part[0])
-                && is_whole(part[2])
-                && (is_named(part[0]) || is_named(part[2]))
-        });
-        found.map(|part| part[0].span.to(part[2].span))
-    }
-
     /// Returns the name `wanted`, with a number if `wanted` is taken. Marks the result as taken.
     pub(crate) fn fresh(&mut self, wanted: &str) -> String {
         let mut name = wanted.to_owned();
@@ -170,18 +152,33 @@ impl ProgramReader<'_> {
 
     /// Runs an assignment to a counter if the assigned value is known. Returns whether it was run.
     pub(crate) fn counts(&mut self, tokens: &[Token], frame: &mut Frame) -> bool {
-        if Words::steps_by_one(tokens) && tokens.len() == 3 {
-            return self.known(tokens, frame).is_some();
-        }
         let Some((name, None, value)) = self.words.assignment(tokens) else { return false };
-        let text = self.words.word(name).to_owned();
-        let is_known = frame.aliases.find(&text).is_some_and(|kind| number_of(kind).is_some());
-        if !is_known && !frame.integers.contains(&text) {
+        self.keeps_number(self.words.word(name), &value, frame)
+    }
+
+    /// Assigns `value` to the variable `name` if its number is known and tracked. Returns whether
+    /// it is. A variable that is no counter is tracked while it holds whole numbers.
+    pub(crate) fn keeps_number(&self, name: &str, value: &[Token], frame: &mut Frame) -> bool {
+        let is_known = frame.aliases.find(name).is_some_and(|kind| number_of(kind).is_some());
+        let is_counter =
+            frame.counters.contains(name) || frame.is_inner() && frame.integers.contains(name);
+        let Some(number) = self.known(value, frame) else { return false };
+        let is_tracked = frame.is_inner() && self.settles(frame) && number.fract() == 0.0;
+        if !(is_known || is_counter || is_tracked && self.is_of_whole_numbers(value)) {
             return false;
         }
-        let Some(number) = self.known(&value, frame) else { return false };
-        frame.aliases.push(text.clone(), number_expr(number, name.span));
-        frame.set.push((text, 1));
+        let span = span_of(value).unwrap_or_default();
+        frame.aliases.push(name.to_owned(), number_expr(number, span));
+        let size = frame.size(name).unwrap_or(1);
+        frame.set.push((name.to_owned(), size));
         true
+    }
+
+    /// Returns whether all numbers in `tokens` are whole, and small enough for exact arithmetic.
+    fn is_of_whole_numbers(&self, tokens: &[Token]) -> bool {
+        tokens.iter().filter(|token| token.kind == Number).all(|token| {
+            let number: Option<f64> = self.words.text[token.span.range()].parse().ok();
+            number.is_some_and(|number| number.fract() == 0.0 && number < 1e9)
+        })
     }
 }

@@ -1,9 +1,10 @@
 //! Splits blocks of programs into trees of statements. Formulas stay unparsed.
 
+use crate::dialect::effects::is_doubled;
 use crate::dialect::program_words::Words;
 use crate::lex::token_kind::TokenKind::*;
 
-use crate::lex::token::{Token, closing, outside, split};
+use crate::lex::token::{Token, closing, outside};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 
 /// Deepest nesting of blocks.
@@ -13,6 +14,8 @@ const MAX_DEPTH: usize = 40;
 #[derive(Debug)]
 pub(crate) enum ProgramStep {
     Plain(Vec<Token>),
+    /// Statements in braces.
+    Block(Vec<ProgramStep>),
     If {
         condition: Vec<Token>,
         yes: Vec<ProgramStep>,
@@ -25,12 +28,15 @@ pub(crate) enum ProgramStep {
         condition: Vec<Token>,
         next: Vec<Token>,
         body: Vec<ProgramStep>,
+        /// Statements after Python's `else`, which run unless the loop was left early.
+        otherwise: Vec<ProgramStep>,
     },
     /// A loop over the values of a list or range. `name` is the loop variable.
     Each {
         name: Token,
         values: Vec<Token>,
         body: Vec<ProgramStep>,
+        otherwise: Vec<ProgramStep>,
     },
 }
 
@@ -40,7 +46,10 @@ impl ProgramStep {
         steps.iter().any(|step| match step {
             Self::Plain(tokens) => tokens.first().is_some_and(|first| words.word(*first) == word),
             Self::If { yes, no, .. } => Self::has(yes, words, word) || Self::has(no, words, word),
-            Self::Loop { body, .. } | Self::Each { body, .. } => Self::has(body, words, word),
+            Self::Block(inner) => Self::has(inner, words, word),
+            Self::Loop { body, otherwise, .. } | Self::Each { body, otherwise, .. } => {
+                Self::has(body, words, word) || Self::has(otherwise, words, word)
+            }
         })
     }
 
@@ -48,6 +57,7 @@ impl ProgramStep {
     pub(crate) fn first(&self) -> Option<Token> {
         match self {
             Self::Plain(tokens) => tokens.first().copied(),
+            Self::Block(inner) => inner.first().and_then(Self::first),
             Self::If { condition, .. } => condition.first().copied(),
             Self::Loop { word, .. } => Some(*word),
             Self::Each { name, .. } => Some(*name),
@@ -75,11 +85,13 @@ impl Words<'_> {
                     && tokens.get(end + 2).is_none_or(|next| {
                         next.kind.is_name() && self.word(*next) != "else"
                             || next.kind == OpenBrace
-                            || next.kind == Semicolon
+                            || matches!(next.kind, Semicolon | OpenParen)
+                            || is_doubled(tokens, end + 2)
                     })
             }
             "else" => {
-                tokens.get(1).is_none_or(|next| next.kind.is_name() || next.kind == OpenBrace)
+                let begins = |next: &Token| next.kind.is_name() || next.kind == OpenBrace;
+                tokens.get(1).is_none_or(begins) || is_doubled(tokens, 1)
             }
             _ => false,
         }
@@ -99,7 +111,8 @@ impl Words<'_> {
                 _ => outside(rest, Semicolon).or(Some(rest.len())),
             };
             let Some(end) = end else { return false };
-            is_whole = !is_control;
+            let is_empty = rest.get(end).is_some_and(|next| next.kind == Semicolon);
+            is_whole = !is_control || is_empty;
             rest = skip(&rest[end..]);
         }
         is_whole
@@ -130,7 +143,7 @@ impl Words<'_> {
         if first.kind == OpenBrace
             && let Some(end) = closing(tokens)
         {
-            steps.extend(self.block(&tokens[1..end], depth + 1)?);
+            steps.push(ProgramStep::Block(self.block(&tokens[1..end], depth + 1)?));
             return Ok(&tokens[end + 1..]);
         }
         if matches!(self.word(first), "switch" | "struct" | "do") && Self::is_command(tokens) {
@@ -144,7 +157,11 @@ impl Words<'_> {
         let Some(end) = closing(&tokens[1..]) else { return Err(self.unsupported(first)) };
         let (header, rest) = (&tokens[2..=end], &tokens[end + 2..]);
         let mut body = Vec::new();
-        let mut rest = self.step(rest, depth + 1, &mut body)?;
+        // In `for (…);` the body is empty.
+        let mut rest = match rest.first() {
+            Some(first) if first.kind == Semicolon => &rest[1..],
+            _ => self.step(rest, depth + 1, &mut body)?,
+        };
         match self.word(first) {
             "if" => {
                 let mut no = Vec::new();
@@ -156,14 +173,15 @@ impl Words<'_> {
             }
             "while" => {
                 let (word, condition) = (first, header.to_vec());
-                let (start, next) = (Vec::new(), Vec::new());
-                steps.push(ProgramStep::Loop { word, start, condition, next, body });
+                let (start, next, otherwise) = (Vec::new(), Vec::new(), Vec::new());
+                steps.push(ProgramStep::Loop { word, start, condition, next, body, otherwise });
             }
             _ => {
                 let parts: Vec<Vec<Token>> =
                     header.split(|token| token.kind == Semicolon).map(<[Token]>::to_vec).collect();
                 if let Ok([start, condition, next]) = <[_; 3]>::try_from(parts) {
-                    steps.push(ProgramStep::Loop { word: first, start, condition, next, body });
+                    let (word, otherwise) = (first, Vec::new());
+                    steps.push(ProgramStep::Loop { word, start, condition, next, body, otherwise });
                 } else {
                     // JavaScript writes a loop over a list as `for (const c of [1, 2])`.
                     let of = header.iter().position(|token| self.word(*token) == "of");
@@ -171,7 +189,8 @@ impl Words<'_> {
                         return Err(self.unsupported(first));
                     };
                     let values = header[of + 1..].to_vec();
-                    steps.push(ProgramStep::Each { name: header[of - 1], values, body });
+                    let (name, otherwise) = (header[of - 1], Vec::new());
+                    steps.push(ProgramStep::Each { name, values, body, otherwise });
                 }
             }
         }
@@ -248,18 +267,23 @@ impl Words<'_> {
             }
             "else" => steps.extend(body),
             "while" => {
+                let otherwise = self.otherwise(lines, &mut next, own, depth)?;
+                let (word, condition) = (first, header);
                 let (start, after) = (Vec::new(), Vec::new());
                 steps.push(ProgramStep::Loop {
-                    word: first,
+                    word,
                     start,
-                    condition: header,
+                    condition,
                     next: after,
                     body,
+                    otherwise,
                 });
             }
             _ => match header.as_slice() {
                 [name, within, values @ ..] if within.kind == In => {
-                    steps.push(ProgramStep::Each { name: *name, values: values.to_vec(), body });
+                    let otherwise = self.otherwise(lines, &mut next, own, depth)?;
+                    let (name, values) = (*name, values.to_vec());
+                    steps.push(ProgramStep::Each { name, values, body, otherwise });
                 }
                 _ => return Err(self.unsupported(first)),
             },
@@ -267,12 +291,21 @@ impl Words<'_> {
         Ok(next)
     }
 
-    /// Splits `a = 1, b = 2` into assignments. Leaves a declaration or any other statement whole.
-    pub(crate) fn each_setting(self, tokens: Vec<Token>) -> Vec<Vec<Token>> {
-        if outside(&tokens, Comma).is_none() || self.types(&tokens) > 0 {
-            return vec![tokens];
+    /// The statements after the `else` of a loop, which may stand at `lines[next]`.
+    fn otherwise(
+        self,
+        lines: &[Vec<Token>],
+        next: &mut usize,
+        own: usize,
+        depth: usize,
+    ) -> Fallible<Vec<ProgramStep>> {
+        let mut steps = Vec::new();
+        if let Some(line) = lines.get(*next)
+            && self.indent(line) == own
+            && self.word(line[0]) == "else"
+        {
+            *next = self.line(lines, *next, depth + 1, &mut steps)?;
         }
-        let parts = split(&tokens, Comma);
-        if parts.iter().all(|part| self.assignment(part).is_some()) { parts } else { vec![tokens] }
+        Ok(steps)
     }
 }

@@ -12,6 +12,7 @@ use rustc_hash::FxHashMap;
 use std::collections::BTreeSet;
 
 use crate::dialect::control_flow::{EXIT_LEVEL, RESULT, more_than};
+use crate::dialect::saved::flag_of;
 
 impl ProgramReader<'_> {
     /// Adds a definition that is not in the text. Returns a reference to the definition.
@@ -42,10 +43,18 @@ impl ProgramReader<'_> {
     /// Merges the two sides of a branch. Where `condition` holds, each variable has its value from
     /// the frame `yes`; elsewhere, its value from the frame `no`.
     pub(crate) fn merge(&mut self, frame: &mut Frame, yes: &Frame, no: &Frame, condition: &Expr) {
+        let before = frame.aliases.clone();
+        let base = newest(&before);
         let (first, second) = (newest(&yes.aliases), newest(&no.aliases));
         let names: BTreeSet<&str> = first.keys().chain(second.keys()).copied().collect();
         for name in names {
+            // A value that was saved on one side is not used after the branch.
+            let is_saved = name.starts_with('#');
+            if is_saved && !(first.contains_key(name) && second.contains_key(name)) {
+                continue;
+            }
             let kind = match [&first, &second].map(|side| side.get(name).copied().cloned()) {
+                [Some(a), Some(b)] if a == b && base.get(name) == Some(&&a) => continue,
                 [Some(a), Some(b)] if a == b => a,
                 [Some(a), Some(b)] => self.chosen(name, condition, a, b, frame),
                 [Some(one), None] | [None, Some(one)] => {
@@ -62,7 +71,7 @@ impl ProgramReader<'_> {
                 }
                 [None, None] => continue,
             };
-            if frame.aliases.find(name) != Some(&kind) {
+            if base.get(name) != Some(&&kind) {
                 frame.aliases.push(name.to_owned(), kind);
             }
         }
@@ -72,6 +81,9 @@ impl ProgramReader<'_> {
                     frame.set.push((name.clone(), *size));
                 }
             }
+        }
+        for side in [yes, no] {
+            frame.counters.extend(side.counters.iter().cloned());
         }
         frame.has_result |= yes.has_result || no.has_result;
     }
@@ -84,6 +96,13 @@ impl ProgramReader<'_> {
         no: ExprKind,
         frame: &Frame,
     ) -> ExprKind {
+        if yes == no {
+            return yes;
+        }
+        if let (Some(a), Some(b)) = (flag_of(&yes), flag_of(&no)) {
+            let number = self.chosen(name, condition, a.clone(), b.clone(), frame);
+            return more_than(number, 0.0).kind;
+        }
         let span = condition.span;
         let piece = (condition.clone(), Expr::new(yes, span));
         let body = ExprKind::Choice(vec![piece], Some(Box::new(Expr::new(no, span))));
@@ -138,6 +157,7 @@ impl Frame {
 
     /// Name for a generated definition of the variable `name`. The text may already use that name.
     pub(crate) fn generated_name(&self, name: &str) -> String {
+        let name = if name.starts_with('#') { "value" } else { name };
         match (&self.prefix, &self.function) {
             (Some(prefix), _) => format!("{prefix}_{name}"),
             (None, Some(function)) => format!("{}_{name}", function.name.text),
@@ -168,7 +188,7 @@ impl Frame {
     }
 
     /// The value of a variable before a branch; `None` if it had no value.
-    fn before(&self, name: &str) -> Option<ExprKind> {
+    pub(crate) fn before(&self, name: &str) -> Option<ExprKind> {
         if name == EXIT_LEVEL {
             return Some(ExprKind::Number("0".to_owned()));
         }

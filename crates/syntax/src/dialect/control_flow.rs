@@ -3,13 +3,14 @@
 
 use crate::dialect::blocks::ProgramStep;
 use crate::dialect::known_numbers::{count, number_expr, number_of};
+use crate::dialect::language::Language;
 use crate::dialect::program_reader::{Frame, ProgramReader, Statements};
-use crate::lex::token::{Token, closing, span_of, split};
-use crate::lex::token_kind::TokenKind::{Comma, Equals};
+use crate::dialect::program_words::Words;
+use crate::lex::token::{Token, closing, in_brackets, outside, span_of, split};
+use crate::lex::token_kind::TokenKind::{self, Comma, Equals, OpenBracket};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
 use crate::tree::ast::{Expr, ExprKind, Name, Relation};
-use crate::tree::raw_statement::ValueConversion;
 
 /// Largest number of steps: the statements and iterations in loops, branches and inlined calls.
 pub(crate) const MAX_STEPS: usize = 1000;
@@ -27,12 +28,25 @@ const FUNCTION: f64 = 3.0;
 
 impl ProgramReader<'_> {
     /// The value of `tokens`; `None` if it is not known while the program is read.
-    pub(crate) fn known(&self, tokens: &[Token], frame: &mut Frame) -> Option<f64> {
-        count(self.words, tokens, &mut frame.aliases, &self.constants)
+    pub(crate) fn known(&self, tokens: &[Token], frame: &Frame) -> Option<f64> {
+        count(self.words, tokens, &frame.aliases, &self.constants)
     }
 
-    /// Runs the statements of a block.
+    /// Runs the statements of a block. Its declarations end with it.
     pub(crate) fn run(&mut self, steps: &[ProgramStep], frame: &mut Frame) -> Fallible<()> {
+        let mark = frame.declared.len();
+        self.run_open(steps, frame, true)?;
+        frame.leave_scope(mark);
+        Ok(())
+    }
+
+    /// Runs the statements of a function's body, or of a block if `is_block`.
+    pub(crate) fn run_open(
+        &mut self,
+        steps: &[ProgramStep],
+        frame: &mut Frame,
+        is_block: bool,
+    ) -> Fallible<()> {
         for (index, step) in steps.iter().enumerate() {
             if frame.nested > 0 {
                 self.count_step(step.first().map_or(Span::default(), |first| first.span))?;
@@ -40,10 +54,12 @@ impl ProgramReader<'_> {
             match step {
                 ProgramStep::Plain(tokens) => self.plain_step(tokens, frame)?,
                 ProgramStep::If { condition, yes, no } => self.branch(condition, yes, no, frame)?,
-                ProgramStep::Loop { word, start, condition, next, body } => {
+                ProgramStep::Block(inner) => self.run(inner, frame)?,
+                ProgramStep::Loop { word, start, condition, next, body, otherwise } => {
                     let counted = start.windows(2).filter(|pair| pair[1].kind == Equals);
                     let names = counted.map(|pair| self.words.word(pair[0]).to_owned());
-                    frame.integers.extend(names);
+                    frame.counters.extend(names);
+                    let mark = frame.declared.len();
                     let mut before = start.as_slice();
                     let mut begin = |reader: &mut Self, frame: &mut Frame| {
                         reader.plain_step(std::mem::replace(&mut before, next), frame)?;
@@ -53,9 +69,10 @@ impl ProgramReader<'_> {
                         }
                         Ok(holds)
                     };
-                    self.repeat(&mut begin, body, frame)?;
+                    self.repeat(&mut begin, body, otherwise, frame)?;
+                    frame.leave_scope(mark);
                 }
-                ProgramStep::Each { name, values, body } => {
+                ProgramStep::Each { name, values, body, otherwise } => {
                     let mut values = self.values(*name, values, frame)?.into_iter();
                     let mut begin = |reader: &mut Self, frame: &mut Frame| {
                         let Some(value) = values.next() else { return Ok(false) };
@@ -64,6 +81,9 @@ impl ProgramReader<'_> {
                         let text = reader.words.text[span.range()].to_owned();
                         match value {
                             LoopValue::Known(number) => {
+                                if number.fract() == 0.0 {
+                                    frame.integers.insert(text.clone());
+                                }
                                 frame.aliases.push(text, number_expr(number, span));
                             }
                             LoopValue::Typed(tokens) => {
@@ -72,7 +92,7 @@ impl ProgramReader<'_> {
                         }
                         Ok(true)
                     };
-                    self.repeat(&mut begin, body, frame)?;
+                    self.repeat(&mut begin, body, otherwise, frame)?;
                 }
             }
             let Some(left) = frame.left().cloned() else { continue };
@@ -80,13 +100,15 @@ impl ProgramReader<'_> {
             if rest.is_empty() {
                 return Ok(());
             }
-            return self.unless_left(left, frame, |reader, going| reader.run(rest, going));
+            return self.unless_left(left, frame, |reader, going| {
+                if is_block { reader.run(rest, going) } else { reader.run_open(rest, going, false) }
+            });
         }
         Ok(())
     }
 
     /// Counts one step: a statement or an iteration of a loop. Fails beyond `MAX_STEPS`.
-    fn count_step(&mut self, place: Span) -> Fallible<()> {
+    pub(crate) fn count_step(&mut self, place: Span) -> Fallible<()> {
         self.steps += 1;
         if self.steps > MAX_STEPS {
             return Err(Error::new(place, ErrorKind::TooManySteps { limit: MAX_STEPS }));
@@ -104,9 +126,14 @@ impl ProgramReader<'_> {
     ) -> Fallible<()> {
         if number_of(&left).is_none() {
             let mut going = frame.inner();
+            going.aliases.push(EXIT_LEVEL.to_owned(), ExprKind::Number("0".to_owned()));
             follow(self, &mut going)?;
             let stopped = frame.clone();
-            self.merge(frame, &stopped, &going, &more_than(left, 0.0));
+            let is_same = frame.left() == Some(&left) && going.left().is_none();
+            self.merge(frame, &stopped, &going, &more_than(left.clone(), 0.0));
+            if is_same {
+                frame.aliases.push(EXIT_LEVEL.to_owned(), left);
+            }
         }
         Ok(())
     }
@@ -114,27 +141,49 @@ impl ProgramReader<'_> {
     /// Runs a statement that contains no other statements.
     fn plain_step(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<()> {
         let Some(first) = tokens.first() else { return Ok(()) };
-        match self.words.word(*first) {
+        let word = match first.kind {
+            // The value of a function without statements.
+            TokenKind::Saved if first.number == 0 => "return",
+            _ => self.words.word(*first),
+        };
+        match word {
             "break" if tokens.len() == 1 => record_exit(LOOP, frame),
             "continue" if tokens.len() == 1 => record_exit(ROUND, frame),
             "return" if tokens.len() == 1 => record_exit(FUNCTION, frame),
             "return" if frame.nested > 0 => {
                 let name = Name { text: RESULT.to_owned(), span: first.span };
-                self.set(name, 1, tokens[1..].to_vec(), frame)?;
+                let value = self.returned(&tokens[1..], frame)?;
+                if self.is_condition(&value, frame) {
+                    let kind = self.flag(value, frame)?;
+                    frame.aliases.push(name.text.clone(), kind);
+                    frame.set.push((name.text, 1));
+                } else {
+                    self.set(name, 1, value, frame)?;
+                }
                 record_exit(FUNCTION, frame);
             }
             "return" => {
-                self.result(tokens[1..].to_vec(), frame)?;
+                let value = self.returned(&tokens[1..], frame)?;
+                self.result(value, frame)?;
                 frame.has_result = true;
                 record_exit(FUNCTION, frame);
             }
             _ => {
-                for part in self.words.each_setting(tokens.to_vec()) {
-                    self.statement(part, frame, &mut Statements::default())?;
-                }
+                self.statement(tokens.to_vec(), frame, &mut Statements::default())?;
             }
         }
         Ok(())
+    }
+
+    /// The value after `return`. Several values become a vector.
+    fn returned(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<Vec<Token>> {
+        let value = self.settled(tokens.to_vec(), frame)?;
+        let is_tuple = self.language == Language::Python && outside(&value, Comma).is_some();
+        let mut value = if is_tuple { in_brackets(&value) } else { value };
+        if is_tuple && let [open, .., close] = value.as_mut_slice() {
+            (open.kind, close.kind) = (OpenBracket, TokenKind::CloseBracket);
+        }
+        Ok(value)
     }
 
     /// Runs one side of an `if` with a known condition. Otherwise runs and merges both sides.
@@ -145,18 +194,11 @@ impl ProgramReader<'_> {
         no: &[ProgramStep],
         frame: &mut Frame,
     ) -> Fallible<()> {
-        if let Some(holds) = self.known(condition, frame) {
+        let condition = self.settled(condition.to_vec(), frame)?;
+        if let Some(holds) = self.known(&condition, frame) {
             return self.run(if holds == 0.0 { no } else { yes }, frame);
         }
-        let span = condition.first().map_or(Span::default(), |first| first.span);
-        let (head, kind) = self.synthesized_head("if", span, frame);
-        self.push(
-            condition.to_vec(),
-            Some(head),
-            Some(ValueConversion::Indicator),
-            &frame.aliases.clone(),
-            false,
-        )?;
+        let kind = self.indicator(condition, frame)?;
         let (mut first, mut second) = (frame.inner(), frame.inner());
         self.run(yes, &mut first)?;
         self.run(no, &mut second)?;
@@ -169,14 +211,23 @@ impl ProgramReader<'_> {
         &mut self,
         begin: NextRound<'_, Self>,
         body: &[ProgramStep],
+        otherwise: &[ProgramStep],
         frame: &mut Frame,
     ) -> Fallible<()> {
         frame.nested += 1;
         self.rounds(begin, body, frame)?;
+        let left = frame.left().cloned();
         // An exit from the loop is complete at this point. An exit from the function continues.
         self.drop_exits(LOOP, ProgramStep::has(body, self.words, "return"), frame);
         frame.nested -= 1;
-        Ok(())
+        // Python's `else` of a loop runs unless the loop was left early.
+        match left {
+            _ if otherwise.is_empty() => Ok(()),
+            None => self.run(otherwise, frame),
+            Some(left) => {
+                self.unless_left(left, frame, |reader, going| reader.run(otherwise, going))
+            }
+        }
     }
 
     /// Runs the remaining iterations of a loop.
@@ -197,14 +248,15 @@ impl ProgramReader<'_> {
     }
 
     /// Returns whether the condition of a loop holds. Fails if the condition's value is not known.
-    fn holds(&self, condition: &[Token], frame: &mut Frame) -> Fallible<bool> {
+    fn holds(&mut self, condition: &[Token], frame: &mut Frame) -> Fallible<bool> {
         let Some(span) = span_of(condition) else { return Ok(true) };
-        let known = self.known(condition, frame).map(|holds| holds != 0.0);
+        let condition = self.settled(condition.to_vec(), frame)?;
+        let known = self.known(&condition, frame).map(|holds| holds != 0.0);
         known.ok_or_else(|| Error::new(span, ErrorKind::LoopEnd))
     }
 
     /// The values that a loop over a list or a range gives to its variable `name`.
-    fn values(
+    pub(crate) fn values(
         &mut self,
         name: Token,
         tokens: &[Token],
@@ -212,6 +264,11 @@ impl ProgramReader<'_> {
     ) -> Fallible<Vec<LoopValue>> {
         let span = span_of(tokens).unwrap_or(name.span);
         let refused = || Error::new(span, ErrorKind::LoopEnd);
+        if self.language == Language::OpenScad
+            && let Some(numbers) = self.openscad_range(tokens, span, frame)?
+        {
+            return Ok(numbers.into_iter().map(LoopValue::Known).collect());
+        }
         let is_range = tokens.first().is_some_and(|first| self.words.word(*first) == "range");
         let list = if is_range { &tokens[1..] } else { tokens };
         let Some(end) = closing(list).filter(|end| end + 1 == list.len()) else {
@@ -238,6 +295,39 @@ impl ProgramReader<'_> {
             value += step;
         }
         Ok(values)
+    }
+
+    /// The numbers of the range `[begin : end]` or `[begin : step : end]`, which has its end.
+    fn openscad_range(
+        &mut self,
+        tokens: &[Token],
+        span: Span,
+        frame: &mut Frame,
+    ) -> Fallible<Option<Vec<f64>>> {
+        let Some(inner) = Words::inside(tokens).filter(|_| tokens[0].kind == OpenBracket) else {
+            return Ok(None);
+        };
+        let parts = split(inner, TokenKind::Colon);
+        if parts.len() < 2 {
+            return Ok(None);
+        }
+        let numbers: Option<Vec<f64>> = parts.iter().map(|part| self.known(part, frame)).collect();
+        let (low, step, high) = match numbers.as_deref() {
+            Some([low, high]) if low <= high => (*low, 1.0, *high),
+            Some([low, step, high]) if *step != 0.0 => (*low, *step, *high),
+            _ => return Err(Error::new(span, ErrorKind::LoopEnd)),
+        };
+        let count = ((high - low) / step).floor();
+        if count > MAX_STEPS as f64 {
+            return Err(Error::new(span, ErrorKind::TooManySteps { limit: MAX_STEPS }));
+        }
+        let mut values = Vec::new();
+        let mut number = 0.0;
+        while number <= count {
+            values.push(low + number * step);
+            number += 1.0;
+        }
+        Ok(Some(values))
     }
 
     /// Ends an iteration. Drops an exit by `continue`, and returns an exit by `break` or `return`.
@@ -272,7 +362,7 @@ impl ProgramReader<'_> {
 type NextRound<'b, R> = &'b mut dyn FnMut(&mut R, &mut Frame) -> Fallible<bool>;
 
 /// Value of a loop's variable in one iteration: a known number, or the tokens of an expression.
-enum LoopValue {
+pub(crate) enum LoopValue {
     Known(f64),
     Typed(Vec<Token>),
 }

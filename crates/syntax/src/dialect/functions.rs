@@ -2,12 +2,13 @@
 
 use crate::dialect::blocks::ProgramStep;
 use crate::dialect::control_flow::RESULT;
+use crate::dialect::language::Language;
 use crate::dialect::program_reader::{
     Frame, Procedure, ProcedureParameter, ProgramReader, Statements,
 };
-use crate::dialect::program_words::{Words, is_scene_function, size_of};
+use crate::dialect::program_words::{Words, is_scene_function, is_whole_type, size_of};
 use crate::lex::token::{Token, bracketed, closing, split};
-use crate::lex::token_kind::TokenKind::{Comma, Equals, OpenBrace, OpenParen, Semicolon};
+use crate::lex::token_kind::TokenKind::{self, Comma, Equals, OpenBrace, OpenParen, Semicolon};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
@@ -19,6 +20,9 @@ use std::rc::Rc;
 
 /// Largest number of functions on one line.
 const MAX_FUNCTIONS: usize = 300;
+
+/// Functions whose angles `OpenSCAD` has in degrees.
+const ANGLES: &[&str] = &["sin", "cos", "tan", "asin", "acos", "atan", "atan2"];
 
 /// The error for the solids of Python's module `sdf`.
 const SOLIDS_OF_SDF: ErrorKind = ErrorKind::Format {
@@ -66,7 +70,9 @@ impl ProgramReader<'_> {
                 self.pov_function(self.words.name(*name), body.to_vec()).map(|()| true)
             }
             // Julia's `f(x; a = 2) = …`.
-            (_, [name, _, ..]) if name.kind.is_name() => {
+            (word, [name, _, ..])
+                if name.kind.is_name() && !matches!(word, "for" | "while" | "if") =>
+            {
                 let is_left =
                     |end: &usize| tokens.get(end + 2).is_some_and(|next| next.kind == Equals);
                 let inner = parameters_end(1).filter(is_left).map_or(&[][..], |end| &tokens[..end]);
@@ -119,10 +125,27 @@ impl ProgramReader<'_> {
         let body = self.expanded(body, 0)?;
         let steps = self.words.block(&body, 0)?;
         let given = self.given(&parameters);
+        let sizes: Vec<usize> = given.iter().map(|given| given.size).collect();
+        let before = self.signatures.insert(word.clone(), sizes.clone());
+        if self.language == Language::Typed && before.is_some_and(|before| before != sizes) {
+            return Err(Error::new(name.span, ErrorKind::Overloaded { name: word }));
+        }
         if is_void || given.iter().any(|given| given.is_out) {
-            let procedure = Procedure { parameters: given, body: steps };
+            let uses_globals = self.uses_globals(&body);
+            let changes_globals = self.changes_globals(&body);
+            let procedure =
+                Procedure { parameters: given, body: steps, uses_globals, changes_globals };
+            self.record_whole(types, &word);
             self.procedures.insert(word, Rc::new(procedure));
             return Ok(rest);
+        }
+        let mut procedure = None;
+        if self.uses_globals(&body) {
+            let changes_globals = self.changes_globals(&body);
+            let (parameters, body) = (given, self.words.block(&body, 0)?);
+            let uses_globals = true;
+            procedure =
+                Some(Rc::new(Procedure { parameters, body, uses_globals, changes_globals }));
         }
         let before = self.program.last_function.clone();
         let mut frame = self.enter(self.words.name(name), parameters)?;
@@ -137,7 +160,38 @@ impl ProgramReader<'_> {
             self.program.last_function = before;
         }
         self.run_to_result(steps, &mut frame)?;
+        self.record_whole(types, &word);
+        // The function is defined, too, because it may be the one to draw.
+        self.procedures.extend(procedure.map(|procedure| (word, procedure)));
         Ok(rest)
+    }
+
+    /// Returns whether a function's body uses variables that functions change, or calls a function
+    /// whose body does.
+    fn uses_globals(&self, body: &[Token]) -> bool {
+        body.iter().any(|token| {
+            let word = self.words.word(*token);
+            let called = self.procedures.get(word);
+            self.mutable.contains(word) || called.is_some_and(|called| called.uses_globals)
+        })
+    }
+
+    /// Returns whether a function's body changes variables outside functions, or calls a function
+    /// that does.
+    fn changes_globals(&self, body: &[Token]) -> bool {
+        (0..body.len()).any(|at| {
+            let word = self.words.word(body[at]);
+            let called = self.procedures.get(word);
+            self.mutable.contains(word) && self.words.may_change(body, at)
+                || called.is_some_and(|called| called.changes_globals)
+        })
+    }
+
+    /// Records whether the function `word` with these types returns an integer.
+    fn record_whole(&mut self, types: &[Token], word: &str) {
+        if types.iter().any(|token| is_whole_type(self.words.word(*token))) {
+            self.whole_functions.insert(word.to_owned());
+        }
     }
 
     /// Runs the body of a function, and ends the function. In Rust and Julia, the last expression
@@ -147,9 +201,11 @@ impl ProgramReader<'_> {
             ProgramStep::Plain(tokens) => self.words.is_value(tokens),
             _ => false,
         };
-        let tail = steps.pop_if(is_value);
-        self.run(&steps, frame)?;
+        let is_typed = self.language == Language::Typed;
+        let tail = if is_typed { None } else { steps.pop_if(is_value) };
+        self.run_open(&steps, frame, false)?;
         if let Some(ProgramStep::Plain(tokens)) = tail {
+            let tokens = self.settled(tokens, frame)?;
             self.result(tokens, frame)?;
             frame.has_result = true;
         }
@@ -170,12 +226,15 @@ impl ProgramReader<'_> {
     /// The parameters of a procedure, each with its direction: in, out or both.
     pub(crate) fn given(&self, parameters: &[Vec<Token>]) -> Vec<ProcedureParameter> {
         let one = |tokens: &Vec<Token>| {
-            let (token, size, _) = self.words.parameter(tokens)?;
+            let (token, size, default) = self.words.parameter(tokens)?;
+            let is_whole = tokens.iter().any(|token| is_whole_type(self.words.word(*token)));
             let has = |word: &str| self.words.has(tokens, word);
             let is_out = has("out") || has("inout");
             Some(ProcedureParameter {
                 name: self.words.name(token),
                 size,
+                is_whole,
+                default,
                 is_in: !has("out"),
                 is_out,
             })
@@ -194,8 +253,16 @@ impl ProgramReader<'_> {
             tokens.is_some_and(|tokens| self.words.word(tokens[0]) == "else")
         };
         while begins_else(following.as_slice().first()) || !self.words.is_whole(&tokens) {
+            let end = tokens.last().map_or(0, |last| last.span.end);
+            let is_whole = self.words.is_whole(&tokens);
+            let semicolon = Token::new(Semicolon, Span::at(end));
+            // A semicolon after `for (…)` is its empty body.
+            if !is_whole && self.words.ends_with_semicolon(&tokens) {
+                tokens.push(semicolon);
+                continue;
+            }
             let Some(more) = following.next() else { break };
-            tokens.push(Token::new(Semicolon, Span::at(more[0].span.start)));
+            tokens.extend(Some(semicolon).filter(|_| is_whole));
             tokens.extend(more);
         }
         let tokens = self.expanded(tokens, 0)?;
@@ -235,7 +302,12 @@ impl ProgramReader<'_> {
         tokens: Vec<Token>,
         frame: &mut Frame,
     ) -> Fallible<()> {
-        self.program.in_degrees = true;
+        if self.language == Language::OpenScad
+            && let Some((parameters, [equals, body @ ..])) = bracketed(&tokens[1..])
+            && equals.kind == Equals
+        {
+            return self.function_of_openscad(tokens[0], split(parameters, Comma), body.to_vec());
+        }
         self.function_with_defaults(tokens, frame)
     }
 
@@ -333,12 +405,43 @@ impl ProgramReader<'_> {
         }
         let is_point = matches!(parameters.as_slice(), [only] if self.words.is_point(only, &lines));
         let steps = self.words.lines(&lines, 0)?;
+        self.record_body(name, &parameters, self.words.lines(&lines, 0)?);
         let mut frame = self.enter(self.words.name(name), parameters)?;
         if is_point {
             self.record_drawn(&self.words.name(name));
         }
-        self.run(&steps, &mut frame)?;
+        self.run_open(&steps, &mut frame, false)?;
         self.leave_function(&frame)
+    }
+
+    /// Reads `f(a, b) = value` or `f = function(a, b) value` of `OpenSCAD`.
+    fn function_of_openscad(
+        &mut self,
+        name: Token,
+        parameters: Vec<Vec<Token>>,
+        body: Vec<Token>,
+    ) -> Fallible<()> {
+        let is_point = matches!(parameters.as_slice(), [only] if self.words.is_point(only, std::slice::from_ref(&body)));
+        if is_point {
+            self.record_drawn(&self.words.name(name));
+        }
+        let Some(first) = body.first() else {
+            return Err(Error::new(name.span, ErrorKind::Unfinished));
+        };
+        // The body is a statement that returns its value.
+        let mut step = vec![Token::new(TokenKind::Saved, Span::at(first.span.start))];
+        step.extend(&body);
+        self.record_body(name, &parameters, vec![ProgramStep::Plain(step)]);
+        let mut frame = self.enter(self.words.name(name), parameters)?;
+        let value = self.settled(body, &mut frame)?;
+        self.result(value, &frame)
+    }
+
+    /// Records the body of a function, for calls that name parameters or leave some out.
+    fn record_body(&mut self, name: Token, parameters: &[Vec<Token>], body: Vec<ProgramStep>) {
+        let parameters = self.given(parameters);
+        let procedure = Procedure::of_values(parameters, body);
+        self.bodies.insert(self.words.word(name).to_owned(), Rc::new(procedure));
     }
 
     /// Returns whether the last line is a `return`.
@@ -362,7 +465,7 @@ impl ProgramReader<'_> {
             let kind = ErrorKind::CoordinateFunction { name: name.text };
             return Err(Error::new(name.span, kind));
         }
-        let mut frame = Frame::default();
+        let mut frame = Frame { integers: self.integers.clone(), ..Frame::default() };
         let mut names = Vec::new();
         let mut given = Vec::new();
         for tokens in parameters {
@@ -370,6 +473,11 @@ impl ProgramReader<'_> {
                 continue;
             };
             let parameter = self.words.name(token);
+            if tokens.iter().any(|token| is_whole_type(self.words.word(*token))) {
+                frame.integers.insert(parameter.text.clone());
+            } else {
+                frame.integers.remove(&parameter.text);
+            }
             if let Some(value) = value {
                 given.push((parameter, value));
             } else {
@@ -417,14 +525,46 @@ impl ProgramReader<'_> {
         if is_point {
             self.record_drawn(&name);
         }
+        if body.is_none()
+            && matches!(self.language, Language::Python | Language::OpenScad)
+            && let Some(first) = value.first()
+        {
+            let mut step = vec![Token::new(TokenKind::Saved, Span::at(first.span.start))];
+            step.extend(&value);
+            let given = self.given(&parameters);
+            let body = vec![ProgramStep::Plain(step)];
+            self.bodies.insert(name.text.clone(), Rc::new(Procedure::of_values(given, body)));
+        }
+        self.note_radians(&value);
         let mut frame = self.enter(name, parameters)?;
-        let Some(body) = body else { return self.result(value, &frame) };
+        let Some(body) = body else {
+            let value = self.settled(value, &mut frame)?;
+            return self.result(value, &frame);
+        };
         if !self.words.has(&body, "return") {
+            let body = self.settled(body, &mut frame)?;
             return self.result(body, &frame);
         }
         let steps = self.words.block(&body, 0)?;
-        self.run(&steps, &mut frame)?;
+        self.run_open(&steps, &mut frame, false)?;
         self.leave_function(&frame)
+    }
+
+    /// Notes that angles are in radians in `function(x) sin(x)`, which `OpenSCAD` has, too.
+    fn note_radians(&mut self, value: &[Token]) {
+        let Some(first) = value.first().filter(|_| self.language == Language::Plain) else {
+            return;
+        };
+        let before = self.words.text[..first.span.start].trim_end();
+        let is_function = before.strip_suffix(')').is_some_and(|before| {
+            before.rsplit('(').nth(0).is_some_and(|inner| {
+                before[..before.len() - inner.len() - 1].trim_end().ends_with("function")
+            })
+        });
+        let is_angle = |token: &&Token| ANGLES.contains(&self.words.word(**token));
+        if is_function && let Some(token) = value.iter().find(is_angle) {
+            self.program.notes.push(Note { span: token.span, kind: NoteKind::RadiansOfR });
+        }
     }
 
     /// Reads `let(a = 1, b = 2) value`.

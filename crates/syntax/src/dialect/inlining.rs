@@ -103,14 +103,17 @@ impl ProgramReader<'_> {
             function: frame.function.clone(),
             nested: 1,
             depth: frame.depth + 1,
+            integers: self.integers.clone(),
             prefix: Some(prefix),
             ..Frame::default()
         };
-        if procedure.parameters.len() != arguments.len() {
-            let expected = format!("{} arguments", procedure.parameters.len());
-            let given = arguments.len();
-            let kind = ErrorKind::WrongCount { name: word, expected, given, usage: None };
-            return Err(Error::new(name.span, kind));
+        for global in self.mutable.iter().filter(|_| procedure.uses_globals) {
+            if frame.hides(global) {
+                return Err(Error::new(name.span, ErrorKind::Hidden { name: global.clone() }));
+            }
+            if let Some(kind) = frame.aliases.find(global) {
+                inner.aliases.push(global.clone(), kind.clone());
+            }
         }
         for (given, argument) in procedure.parameters.iter().zip(arguments) {
             if given.is_in {
@@ -120,8 +123,17 @@ impl ProgramReader<'_> {
             } else {
                 inner.set.push((given.name.text.clone(), given.size));
             }
+            self.declare(&given.name.text, given.is_whole, &mut inner);
         }
-        self.run(&procedure.body, &mut inner)?;
+        self.run_open(&procedure.body, &mut inner, false)?;
+        if procedure.uses_globals {
+            for global in &self.mutable {
+                let value = inner.aliases.find(global).filter(|_| !inner.hides(global));
+                if let Some(kind) = value {
+                    frame.aliases.push(global.clone(), kind.clone());
+                }
+            }
+        }
         for (given, argument) in procedure.parameters.iter().zip(arguments) {
             let Some(value) = inner.aliases.find(&given.name.text).filter(|_| given.is_out) else {
                 continue;

@@ -1,11 +1,12 @@
 //! Evaluates numbers that are known while a program is read, such as the bounds of a loop.
 
 use crate::dialect::program_words::Words;
+use crate::dialect::saved::flag_of;
 use crate::lex::spelling::decimal;
 use crate::lex::token::Token;
 use crate::lex::token_kind::TokenKind::{self, *};
 use crate::span::Span;
-use crate::tree::aliases::Aliases;
+use crate::tree::aliases::{Aliases, saved_name};
 use crate::tree::ast::{Expr, ExprKind};
 use rustc_hash::FxHashMap;
 
@@ -14,7 +15,7 @@ use rustc_hash::FxHashMap;
 pub(crate) fn count(
     words: Words<'_>,
     tokens: &[Token],
-    aliases: &mut Aliases,
+    aliases: &Aliases,
     constants: &FxHashMap<String, f64>,
 ) -> Option<f64> {
     let mut reader = ConstantEvaluator { words, tokens, at: 0, aliases, constants, depth: 0 };
@@ -44,7 +45,7 @@ struct ConstantEvaluator<'a> {
     words: Words<'a>,
     tokens: &'a [Token],
     at: usize,
-    aliases: &'a mut Aliases,
+    aliases: &'a Aliases,
     constants: &'a FxHashMap<String, f64>,
     depth: usize,
 }
@@ -53,13 +54,11 @@ impl ConstantEvaluator<'_> {
     /// The known number that `name` stands for.
     fn get(&self, name: &str) -> Option<f64> {
         match self.aliases.find(name) {
-            Some(kind) => number_of(kind),
+            Some(kind) => number_of(flag_of(kind).unwrap_or(kind)),
+            None if matches!(name, "true" | "True") => Some(1.0),
+            None if matches!(name, "false" | "False") => Some(0.0),
             None => self.constants.get(name).copied(),
         }
-    }
-
-    fn set(&mut self, name: &str, value: f64) {
-        self.aliases.push(name.to_owned(), number_expr(value, Span::default()));
     }
 
     fn kind(&self) -> Option<TokenKind> {
@@ -74,18 +73,6 @@ impl ConstantEvaluator<'_> {
 
     fn typed(&self, token: Token) -> &str {
         &self.words.text[token.span.range()]
-    }
-
-    /// Reads the operator at the current position: 1 for `++`, -1 for `--`, otherwise `None`.
-    fn doubled(&self) -> Option<f64> {
-        match self.tokens.get(self.at..self.at + 2)? {
-            [a, b] if a.kind == b.kind && a.span.end == b.span.start => match a.kind {
-                Plus => Some(1.0),
-                Minus => Some(-1.0),
-                _ => None,
-            },
-            _ => None,
-        }
     }
 
     fn joined(&mut self) -> Option<f64> {
@@ -128,9 +115,7 @@ impl ConstantEvaluator<'_> {
 
     fn sum(&mut self) -> Option<f64> {
         let mut value = self.product()?;
-        while self.doubled().is_none()
-            && let Some(sign) = self.take(&[Plus, Minus])
-        {
+        while let Some(sign) = self.take(&[Plus, Minus]) {
             let next = self.product()?;
             value = if sign == Plus { value + next } else { value - next };
         }
@@ -160,14 +145,6 @@ impl ConstantEvaluator<'_> {
     }
 
     fn factor(&mut self) -> Option<f64> {
-        if let Some(change) = self.doubled() {
-            let name = self.tokens.get(self.at + 2)?;
-            let name = self.words.word(*name);
-            let value = self.get(name)? + change;
-            self.set(name, value);
-            self.at += 3;
-            return Some(value);
-        }
         if self.take(&[Minus]).is_some() {
             return self.factor().map(|value| -value);
         }
@@ -180,17 +157,15 @@ impl ConstantEvaluator<'_> {
             let value = self.joined()?;
             return self.take(&[CloseParen]).map(|_| value);
         }
+        if token.kind == Saved {
+            return self.get(&saved_name(token.number));
+        }
         let name = self.words.word(token);
         if matches!(name, "float" | "int" | "double") && self.take(&[OpenParen]).is_some() {
             let value = self.joined()?;
             let value = if name == "int" { value.trunc() } else { value };
             return self.take(&[CloseParen]).map(|_| value);
         }
-        let value = self.get(name)?;
-        if let Some(change) = self.doubled() {
-            self.at += 2;
-            self.set(name, value + change);
-        }
-        Some(value)
+        self.get(name)
     }
 }

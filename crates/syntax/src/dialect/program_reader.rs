@@ -1,9 +1,12 @@
 //! Translates the statements of a program, in order, to statements of this language.
 
 use crate::dialect::blocks::ProgramStep;
+use crate::dialect::effects::is_doubled;
 use crate::dialect::formats::foreign_text;
+use crate::dialect::language::{Language, join_bars};
 use crate::dialect::program::PastedProgram;
 use crate::dialect::program_words::{Words, begins_name, is_whole_type, size_of};
+use crate::dialect::scopes::Declared;
 use crate::lex::arrangement::{arrange, trim};
 use crate::lex::curve_form::marked_curve;
 use crate::lex::scanner::scan;
@@ -32,8 +35,12 @@ pub(crate) struct Frame {
     pub aliases: Aliases,
     /// Variables that were declared or assigned, each with its number of components.
     pub set: Vec<(String, usize)>,
-    /// Integer variables, such as loop counters. Their values are tracked while they are known.
+    /// Counters of loops. Their values are tracked while they are known.
+    pub counters: FxHashSet<String>,
+    /// Integer variables.
     pub integers: FxHashSet<String>,
+    /// Declarations so far, each with the earlier meaning of its name.
+    pub declared: Vec<Declared>,
     /// Number of enclosing branches and loops.
     pub nested: usize,
     /// Number of enclosing inlined calls.
@@ -44,15 +51,30 @@ pub(crate) struct Frame {
     pub has_result: bool,
 }
 
-/// A function that changes its arguments or returns nothing. Calls to it are inlined.
+/// A function whose body replaces calls of it: it changes variables of its caller, returns nothing,
+/// or has default values.
 pub(crate) struct Procedure {
     pub parameters: Vec<ProcedureParameter>,
     pub body: Vec<ProgramStep>,
+    /// True if the body uses variables outside functions that some function changes.
+    pub uses_globals: bool,
+    /// True if the body changes such variables.
+    pub changes_globals: bool,
+}
+
+impl Procedure {
+    /// A function that only computes its value.
+    pub(crate) fn of_values(parameters: Vec<ProcedureParameter>, body: Vec<ProgramStep>) -> Self {
+        Self { parameters, body, uses_globals: false, changes_globals: false }
+    }
 }
 
 pub(crate) struct ProcedureParameter {
     pub name: Name,
     pub size: usize,
+    /// True if the parameter is an integer.
+    pub is_whole: bool,
+    pub default: Option<Vec<Token>>,
     /// True if the argument's value is copied to the parameter when the function begins.
     pub is_in: bool,
     /// True if the parameter's final value is copied back to the argument.
@@ -70,9 +92,26 @@ pub(crate) struct ProgramReader<'a> {
     pub limits: &'a Limits,
     /// Names that the text uses, and names that were generated.
     pub taken: FxHashSet<String>,
-    /// Integer variables. Quotients of integers that contain one are errors: programs truncate
-    /// them.
+    pub language: Language,
+    /// Integer variables outside functions.
     pub integers: FxHashSet<String>,
+    /// Variables that the current expression read so far.
+    pub reads: Vec<String>,
+    /// Nesting depth of the current expression.
+    pub expression_depth: usize,
+    /// Number of saved values.
+    pub saved_count: u32,
+    /// Numbers of the saved values that are integers.
+    pub whole_values: FxHashSet<u32>,
+    /// Numbers of components of the parameters of typed functions.
+    pub signatures: FxHashMap<String, Vec<usize>>,
+    /// Functions that return integers.
+    pub whole_functions: FxHashSet<String>,
+    /// Variables outside functions that functions change.
+    pub mutable: FxHashSet<String>,
+    /// Bodies of functions that are also defined. A call with names of parameters, or with
+    /// default values of some, is replaced by the body.
+    pub bodies: FxHashMap<String, Rc<Procedure>>,
     /// Names that have a definition.
     pub defined_names: FxHashSet<String>,
     pub macros: FxHashMap<String, Macro>,
@@ -112,12 +151,26 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
         .collect::<FxHashSet<_>>();
     let in_steps = statements.iter().any(|tokens| words.is_step(tokens));
     let is_y_up = statements.iter().any(|tokens| words.is_of_shaders(tokens));
+    let language = Language::of(words, &statements);
+    if language.has_double_bars() {
+        statements.iter_mut().for_each(join_bars);
+    }
+    let mutable = words.mutable_globals(&statements, language);
     let mut reader = ProgramReader {
         words,
         limits,
+        language,
+        integers: FxHashSet::default(),
+        reads: Vec::new(),
+        expression_depth: 0,
+        saved_count: 0,
+        whole_values: FxHashSet::default(),
+        signatures: FxHashMap::default(),
+        whole_functions: FxHashSet::default(),
+        mutable,
+        bodies: FxHashMap::default(),
         taken: taken.into_iter().map(str::to_owned).collect(),
         defined_names: FxHashSet::default(),
-        integers: FxHashSet::default(),
         macros: FxHashMap::default(),
         procedures: FxHashMap::default(),
         arities: FxHashMap::default(),
@@ -127,7 +180,13 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
         constants: FxHashMap::default(),
         steps: 0,
         expanded_tokens: Cell::new(0),
-        program: PastedProgram { in_steps, is_y_up, notes, ..PastedProgram::default() },
+        program: PastedProgram {
+            in_steps,
+            is_y_up,
+            in_degrees: language == Language::OpenScad,
+            notes,
+            ..PastedProgram::default()
+        },
     };
     let mut top = Frame::default();
     let mut statements = statements.into_iter();
@@ -171,7 +230,8 @@ impl ProgramReader<'_> {
         if self.of_other_system(&tokens, frame, following)? {
             return Ok(());
         }
-        match self.words.word(first) {
+        let word = self.words.word(first);
+        match word {
             "import" | "from" if begins_name(tokens.get(1)) => return Ok(()),
             "for" | "while" | "if" if self.words.is_control(&tokens) => {
                 return self.control(tokens, frame, following);
@@ -187,6 +247,7 @@ impl ProgramReader<'_> {
             "def" if tokens.len() > 3 => return self.python_function(&tokens, following),
             "return" if tokens.len() > 1 => {
                 tokens.remove(0);
+                let tokens = self.settled(tokens, frame)?;
                 return self.result(tokens, frame);
             }
             "#define" if tokens.len() > 1 => {
@@ -226,17 +287,11 @@ impl ProgramReader<'_> {
         if self.words.has_body(&tokens) {
             return self.functions(tokens, frame, following);
         }
-        if let Some((procedure, arguments)) = self.called(&tokens) {
-            self.inline(first, &procedure, &arguments, frame)?;
-            return Ok(());
-        }
         let types = self.words.types(&tokens);
         if types > 0 {
-            let size = tokens[..types].iter().map(|t| size_of(self.words.word(*t))).max();
-            let is_whole = tokens[..types].iter().any(|t| is_whole_type(self.words.word(*t)));
-            return self.declarations(&tokens[types..], size.unwrap_or(1), is_whole, frame);
+            return self.typed(&tokens, types, frame);
         }
-        if self.counts(&tokens, frame) {
+        if self.runs(&tokens, frame)? {
             return Ok(());
         }
         let in_steps = self.program.in_steps || frame.function.is_some();
@@ -247,6 +302,49 @@ impl ProgramReader<'_> {
             return self.lambda(name, parameters, value, frame);
         }
         self.plain(tokens, frame, true)
+    }
+
+    /// Reads a declaration whose first tokens are `types`.
+    fn typed(&mut self, tokens: &[Token], types: usize, frame: &mut Frame) -> Fallible<()> {
+        let word = self.words.word(tokens[0]);
+        let size = tokens[..types].iter().map(|t| size_of(self.words.word(*t))).max();
+        let is_whole = tokens[..types].iter().any(|t| is_whole_type(self.words.word(*t)));
+        // Python's `global` would change a variable of another function. JavaScript's `var`
+        // has the scope of the whole function.
+        if self.language == Language::Python && matches!(word, "global" | "nonlocal") {
+            return Err(self.words.unsupported(tokens[0]));
+        }
+        let mark = frame.declared.len();
+        self.declarations(&tokens[types..], size.unwrap_or(1), is_whole, frame)?;
+        if word == "var" && self.language == Language::Script {
+            frame.declared.truncate(mark);
+        }
+        Ok(())
+    }
+
+    /// Runs a statement that assigns or changes variables. Returns false for any other statement.
+    fn runs(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
+        match self.language {
+            Language::Typed | Language::Script
+                if frame.is_inner() || (0..tokens.len()).any(|at| is_doubled(tokens, at)) =>
+            {
+                self.run_expression(tokens, frame)
+            }
+            Language::Python if frame.is_inner() => self.run_python(tokens, frame),
+            Language::OpenScad if !frame.is_inner() => {
+                let Some((_, None, value)) = self.words.assignment(tokens) else {
+                    return Ok(false);
+                };
+                if self.words.lambda(tokens).is_some() || tokens[0].kind.is_axis() {
+                    return Ok(false);
+                }
+                let mut all = tokens[..tokens.len() - value.len()].to_vec();
+                all.extend(self.assignment(&value, frame)?.tokens);
+                self.reads.clear();
+                self.plain(all, frame, true).map(|()| true)
+            }
+            _ => Ok(self.counts(tokens, frame)),
+        }
     }
 
     /// The statement of a curve or a point, if `tokens` are one.
@@ -304,7 +402,8 @@ impl ProgramReader<'_> {
         if let [name, equals, number] = tokens.as_slice()
             && equals.kind == Equals
             && number.kind == Number
-            && let Some(value) = self.known(&[*number], &mut Frame::default())
+            && !self.mutable.contains(self.words.word(*name))
+            && let Some(value) = self.known(&[*number], &Frame::default())
         {
             self.constants.insert(self.words.word(*name).to_owned(), value);
         }
@@ -328,9 +427,6 @@ impl ProgramReader<'_> {
             let procedure = self.procedures.get(self.words.word(**token));
             procedure.is_some_and(|procedure| procedure.parameters.iter().any(|given| given.is_out))
         };
-        if let Some(span) = self.truncated_quotient(&tokens) {
-            return Err(Error::new(span, ErrorKind::WholeQuotient));
-        }
         if let Some(token) = tokens.iter().find(changing) {
             let name = self.words.word(*token).to_owned();
             return Err(Error::new(token.span, ErrorKind::OutParameter { name }));

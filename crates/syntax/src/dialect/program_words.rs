@@ -24,7 +24,12 @@ const MAX_AT_SIGNS: usize = 20;
 
 /// Returns whether `word` is an integer type.
 pub(crate) fn is_whole_type(word: &str) -> bool {
-    matches!(word, "int" | "uint" | "long" | "unsigned")
+    matches!(word, "int" | "uint" | "long" | "unsigned") || is_whole_vector(word)
+}
+
+/// Returns whether `word` is a type of vectors of integers.
+pub(crate) fn is_whole_vector(word: &str) -> bool {
+    (word.starts_with("ivec") || word.starts_with("uvec")) && size_of(word) > 1
 }
 
 /// Returns whether `word` is a type or a modifier before a declared name.
@@ -351,15 +356,6 @@ impl<'a> Words<'a> {
                 && self.text[part[1].span.end..].starts_with(char::is_whitespace)
         });
         found.map(|part| part[1])
-    }
-
-    /// Returns whether `tokens` contain `++` or `--`.
-    pub(crate) fn steps_by_one(tokens: &[Token]) -> bool {
-        tokens.windows(2).any(|pair| {
-            matches!(pair[0].kind, Plus | Minus)
-                && pair[0].kind == pair[1].kind
-                && pair[0].span.end == pair[1].span.start
-        })
     }
 
     /// Returns whether a statement is only a value: no assignment, no declaration and no `return`.

@@ -7,14 +7,18 @@ use crate::span::Span;
 use crate::tree::ast::{Definition, Expr, ExprKind, Function, NamedValue, Statement};
 use crate::tree::built_statement::BuiltStatement;
 use crate::tree::statement::is_plain_number;
+use rustc_hash::FxHashSet;
 use zeroset_ir::Axis;
 
 /// Returns the drawing of a text that has only definitions. The last function of (x, y, z) or (x,
-/// y) is drawn: its zero set for (x, y, z), its graph for (x, y).
+/// y) is drawn: its zero set for (x, y, z), its graph for (x, y). Functions with `generated` names
+/// do not count.
 pub(crate) fn implied_drawing(
     definitions: &[(&Definition, &BuiltStatement)],
+    generated: &FxHashSet<String>,
 ) -> Fallible<(BuiltStatement, Note)> {
-    for (definition, built) in definitions.iter().rev() {
+    let typed = definitions.iter().filter(|(one, _)| !generated.contains(&one.name.text));
+    for (definition, built) in typed.rev() {
         let parameters: Vec<&str> =
             definition.parameters.iter().flatten().map(|name| name.text.as_str()).collect();
         let span = definition.name.span;

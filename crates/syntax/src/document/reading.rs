@@ -204,6 +204,8 @@ pub(crate) struct DocumentReader<'a> {
     pub errors: Vec<Error>,
     pub(crate) settings: CollectedLines,
     is_y_up: bool,
+    /// Names of definitions that are not in the text.
+    generated: FxHashSet<String>,
 }
 
 impl<'a> DocumentReader<'a> {
@@ -215,6 +217,7 @@ impl<'a> DocumentReader<'a> {
             errors: Vec::new(),
             settings: CollectedLines::default(),
             is_y_up: false,
+            generated: FxHashSet::default(),
         }
     }
 
@@ -279,6 +282,7 @@ impl<'a> DocumentReader<'a> {
         self.check()?;
         built.extend(program.synthesized.iter().cloned());
         let mut built = needed(built, &program.generated);
+        self.generated.clone_from(&program.generated);
         if let Some((drawn, note)) = drawn_by_program(&program, &built) {
             built.push(drawn);
             self.notes.push(note);
@@ -343,7 +347,7 @@ impl<'a> DocumentReader<'a> {
         let used: FxHashSet<&str> =
             built.iter().flat_map(|b| &b.used).chain(&settings.used).map(String::as_str).collect();
         let drawn: Vec<&BuiltStatement> = drawings.iter().chain(&curves).copied().collect();
-        let implied = drawn.is_empty().then(|| implied_drawing(&definitions));
+        let implied = drawn.is_empty().then(|| implied_drawing(&definitions, &self.generated));
         let drawn_name = match &implied {
             Some(Ok((statement, _))) => statement.used.iter().next(),
             _ => None,
@@ -364,9 +368,11 @@ impl<'a> DocumentReader<'a> {
         let limits =
             Limits { nodes: self.options.limits.nodes_for(self.text.len()), ..self.options.limits };
         let values = PointValues::new(names.clone(), points, time, &limits);
-        let mut curves =
-            self.curves(&curves, Lowering::new(names.clone(), time, &limits), points)?;
+        let mut lowering = Lowering::new(names.clone(), time, &limits);
+        lowering.multiplies_to_numbers = scope.in_degrees;
+        let mut curves = self.curves(&curves, lowering, points)?;
         let mut lowering = Lowering::new(names, time, &limits);
+        lowering.multiplies_to_numbers = scope.in_degrees;
         let mut surfaces = Vec::new();
         let limit = self.options.limits.surfaces;
         if let Some(drawing) = drawings.get(limit) {

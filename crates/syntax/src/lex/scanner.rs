@@ -58,11 +58,12 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
     // Number of open LaTeX environments in which `&` aligns and `\\` ends a line.
     let mut aligned = 0_usize;
     let mut starts_line = true;
-    let mut count = 0;
-    let mut end = 0;
+    let is_python = is_python(text);
+    let (mut count, mut end) = (0, 0);
     while end < text.len() {
         let rest = &text[end..];
         if rest.starts_with("//")
+            && !is_python
             && is_comment(rest, &tokens, open.last().map(|index| tokens[*index]), text)
         {
             end += line_length(rest);
@@ -151,6 +152,11 @@ pub(crate) fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
         statements.push(tokens);
     }
     Ok(statements)
+}
+
+/// Returns whether a text has a function of Python, in which `//` divides.
+fn is_python(text: &str) -> bool {
+    text.lines().any(|line| line.trim_start().starts_with("def ") && line.contains("):"))
 }
 
 /// The place of a `title` line's text. `word` is the place of its first word, and `before` has the

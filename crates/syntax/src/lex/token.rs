@@ -10,11 +10,13 @@ pub(crate) struct Token {
     pub span: Span,
     /// Byte offset of the token's character in the `symbols` of its statement.
     pub at: usize,
+    /// Number of the value that the token stands for, if the kind is `Saved`.
+    pub number: u32,
 }
 
 impl Token {
     pub(crate) fn new(kind: TokenKind, span: Span) -> Self {
-        Self { kind, span, at: 0 }
+        Self { kind, span, at: 0, number: 0 }
     }
 }
 

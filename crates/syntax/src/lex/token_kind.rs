@@ -37,6 +37,8 @@ token_kinds! {
     Name = 'a', X = 'x', Y = 'y', Z = 'z', Number = '0', VulgarFraction = '½',
     /// A single digit as a part of a fraction or as a radicand.
     Digit = '1',
+    /// A value that a program computed before the statement.
+    Saved = 'e',
     /// Superscript digits, perhaps after a superscript sign.
     Superscript = '²',
 
@@ -173,14 +175,16 @@ impl TokenKind {
 
     /// Returns whether an operand can end with a token of this kind.
     pub(crate) fn ends_operand(self) -> bool {
-        matches!(self, Number | Digit | VulgarFraction | Superscript | Component | Factorial)
-            || self.is_name()
+        matches!(
+            self,
+            Number | Digit | VulgarFraction | Superscript | Component | Factorial | Saved
+        ) || self.is_name()
             || self.is_closer()
     }
 
     /// Returns whether an operand can begin with a token of this kind.
     pub(crate) fn begins_operand(self) -> bool {
-        matches!(self, Number | VulgarFraction | Fraction | SquareRoot | CubeRoot | Not)
+        matches!(self, Number | VulgarFraction | Fraction | SquareRoot | CubeRoot | Not | Saved)
             || matches!(self, BigSum | BigProduct)
             || self.is_name()
             || self.closer().is_some()

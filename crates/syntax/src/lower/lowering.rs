@@ -69,6 +69,8 @@ pub(crate) struct Lowering<'a> {
     pub(crate) names: FxHashMap<&'a str, NameBinding<'a>>,
     pub(crate) time: Option<u32>,
     pub(crate) is_constant: bool,
+    /// True if the product of two vectors is their scalar product, as in `OpenSCAD`.
+    pub(crate) multiplies_to_numbers: bool,
     pub(crate) limits: &'a Limits,
     /// Functions of solids that are evaluated at other points.
     pub(crate) moves: Moves,
@@ -102,6 +104,7 @@ impl<'a> Lowering<'a> {
             names: FxHashMap::default(),
             time: None,
             is_constant: true,
+            multiplies_to_numbers: false,
             limits,
             moves: Moves::default(),
             calls: FxHashMap::default(),
@@ -364,7 +367,12 @@ impl<'a> Lowering<'a> {
             let op = kind.op(*sign);
             let operands = [all, self.value_of(next, locals)?];
             self.note_product(op, &operands[0], &operands[1], first.span.to(next.span));
-            all = self.native(op, &operands, next.span)?;
+            let are_vectors = operands.iter().all(|one| matches!(one, Tensor::Vector(_)));
+            all = if self.multiplies_to_numbers && are_vectors && op == Op::Mul {
+                Tensor::Number(self.dot(&operands[0], &operands[1], next.span)?)
+            } else {
+                self.native(op, &operands, next.span)?
+            };
         }
         Ok(all)
     }

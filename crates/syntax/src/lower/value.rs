@@ -194,7 +194,7 @@ impl Lowering<'_> {
         }
     }
 
-    fn dot(&mut self, left: &Tensor, right: &Tensor, span: Span) -> Fallible<NodeId> {
+    pub(crate) fn dot(&mut self, left: &Tensor, right: &Tensor, span: Span) -> Fallible<NodeId> {
         if left.is_complex() || right.is_complex() {
             return Err(Error::new(span, ErrorKind::ComplexAmongVectors));
         }

@@ -173,8 +173,16 @@ pub enum ErrorKind {
     RestrictionInside,
     #[error("there are no arrays")]
     Array,
-    #[error("programs cut this quotient of whole numbers")]
-    WholeQuotient,
+    #[error("only a variable or its components can be set here")]
+    Target,
+    #[error("this changes `{name}`, which the same expression reads before")]
+    Order { name: String },
+    #[error("this call changes the outer `{name}`, but a variable here has the same name")]
+    Hidden { name: String },
+    #[error("`{name}` is defined twice, for different types")]
+    Overloaded { name: String },
+    #[error("operators on the bits of integers are not read")]
+    Bits,
     #[error("this statement sets nothing")]
     NoEffect,
     #[error("`//` is no integer division")]

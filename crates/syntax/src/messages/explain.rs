@@ -370,7 +370,10 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         RangeNotWhole => "write the number in digits, as in `sum(k = 1..5, sin(k x)/k)`",
         Prefix => "what is `(+ a b)` in prefix notation is `a + b` here",
         RestrictionInside => "write a choice there, as in `z = {x > 0: x, 0} + y`",
-        WholeQuotient => "write `floor(i/2)`, or `float(i)/2.` for all of it",
+        Target => "give a variable on the left of the sign, as in `d = 1.` or `p.xz = q`",
+        Order { .. } => "write two statements: the order in one is not defined",
+        Hidden { .. } | Overloaded { .. } => "give each of them a name of its own",
+        Bits => "write `pow(a, b)` for a power, or arithmetic with `floor` and `mod`",
         NumberInSequence { .. } => "write the number in digits, or the formula itself",
         Parametric => {
             "eliminate the parameters: what is a ball for `x = cos u cos v, …` is `x^2 + y^2 + z^2 = 1`"

@@ -89,6 +89,10 @@ pub enum NoteKind {
     ArcTanOfPoint { read: String },
     #[error("the angles of this text are in degrees, as in OpenSCAD")]
     DegreesOfOpenscad,
+    #[error(
+        "the angles of this function are in radians, as in R; OpenSCAD has `;` after a function"
+    )]
+    RadiansOfR,
     #[error("`E` is read as Euler's number e")]
     CapitalE,
     #[error("{system}: `{definitions}`; for others, define them")]
@@ -159,6 +163,7 @@ impl NoteKind {
                 | Self::TimeOfShaders { .. }
                 | Self::ProductOfVectors
                 | Self::DegreesOfOpenscad
+                | Self::RadiansOfR
                 | Self::DividedByGradient { .. }
                 | Self::Sequence { .. }
         )

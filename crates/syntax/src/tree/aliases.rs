@@ -16,6 +16,11 @@ struct AliasEntry {
     count: usize,
 }
 
+/// The name of a saved value, which no variable has.
+pub(crate) fn saved_name(number: u32) -> String {
+    format!("#{number}")
+}
+
 impl Aliases {
     pub(crate) fn len(&self) -> usize {
         self.0.as_ref().map_or(0, |entry| entry.count)

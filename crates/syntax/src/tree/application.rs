@@ -298,6 +298,11 @@ impl Builder<'_> {
             *argument = product_of([pi_at(argument.span), argument.clone()])?;
             self.note(span.to(place), NoteKind::SincOfNumpy);
         }
+        let is_decimal = matches!(callee, Callee::BuiltIn(name) if name == "log")
+            && self.scope.in_degrees
+            && arguments.len() == 1;
+        // In OpenSCAD, `log` has the base 10.
+        let function = if is_decimal { Function::Native(Op::Log10) } else { function };
         let call = |arguments| Expr::new(ExprKind::Call(function, arguments), span.to(place));
         if let Callee::BuiltIn(name) = callee
             && self.scope.in_degrees

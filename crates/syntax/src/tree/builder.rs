@@ -61,8 +61,11 @@ impl<'a> Builder<'a> {
         if hidden.is_some_and(|at| at >= self.parameters) {
             return None;
         }
-        self.used.extend(kind.defined().map(str::to_owned));
-        Some(kind.clone())
+        let kind = kind.clone();
+        let parts = Expr::new(kind.clone(), Span::default());
+        let used = parts.all_parts().into_iter().filter_map(|part| part.kind.defined());
+        self.used.extend(used.map(str::to_owned));
+        Some(kind)
     }
 
     pub(crate) fn span(&self, pair: &Pair<'_>) -> Span {

@@ -87,17 +87,19 @@ impl Builder<'_> {
                 Expr::new(ExprKind::Call(function, vec![first, one]), place)
             }
             ForeignFunction::Boole | ForeignFunction::Reshape => first,
-            ForeignFunction::Remainder => remainder(first, values.next(), place)?,
+            ForeignFunction::Remainder => match values.next() {
+                Some(divisor) => remainder(Op::Trunc, first, divisor, place)?,
+                None => first,
+            },
         };
         Ok(Expr::new(expr.kind, place))
     }
 }
 
-/// The remainder a − b trunc(a/b).
-fn remainder(a: Expr, divisor: Option<Expr>, span: Span) -> Fallible<Expr> {
-    let Some(b) = divisor else { return Ok(a) };
+/// The remainder a − b r(a/b), where `op` is the rounding r.
+pub(crate) fn remainder(op: Op, a: Expr, b: Expr, span: Span) -> Fallible<Expr> {
     let quotient = quotient_of([a.clone(), b.clone()])?;
-    let whole = Expr::new(ExprKind::Call(Function::Native(Op::Trunc), vec![quotient]), span);
+    let whole = Expr::new(ExprKind::Call(Function::Native(op), vec![quotient]), span);
     let multiple = product_of([b, whole])?;
     chain_of(Chain::Sum, vec![(ChainSign::Direct, a), (ChainSign::Inverse, multiple)])
 }

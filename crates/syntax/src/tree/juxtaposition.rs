@@ -6,10 +6,11 @@
 
 use crate::lex::lexer::method;
 use crate::lex::spelling::{PRIMES, decimal, is_name_char, plain_name, superscript_digit};
-use crate::lex::token_kind::TokenKind::Slash;
+use crate::lex::token_kind::TokenKind::{Saved, Slash};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::NoteKind;
 use crate::span::Span;
+use crate::tree::aliases::saved_name;
 use crate::tree::ast::{Expr, ExprKind, LETTERS, NamedValue};
 use crate::tree::builder::{Builder, Signs, number_only, root_text};
 use crate::tree::delimited::native;
@@ -96,7 +97,14 @@ impl Builder<'_> {
         let span = self.span(&pair);
         let typed = self.typed(&pair);
         items.push_back(match pair.as_rule() {
-            Rule::name => return self.name(typed, span, items),
+            Rule::name => {
+                let token = self.lexed.tokens[self.lexed.index(pair.as_span().start())];
+                let saved = Some(token.number).filter(|_| token.kind == Saved);
+                match saved.and_then(|number| self.alias(&saved_name(number))) {
+                    Some(kind) => FactorItem::Leaf(Expr::new(kind, span)),
+                    None => return self.name(typed, span, items),
+                }
+            }
             Rule::number => FactorItem::Leaf(Expr::of_digits(decimal(typed), span)),
             Rule::superscript => {
                 // The entity `&sup2;` contains an ordinary digit.

@@ -508,3 +508,26 @@ fn derivatives_and_complex_numbers_are_bounded() {
         });
     }
 }
+
+#[test]
+fn expressions_of_programs_are_bounded() {
+    let many = 20_000;
+    let program = |value: String| format!("float map(vec3 p) {{ float d = 1.; return {value}; }}");
+    assert!(is_too_deep(program(format!("{}p.x", "d = ".repeat(many)))));
+    assert!(is_too_deep(program(format!("{}p.x", "p.y > 0. ? 1. : ".repeat(many)))));
+    assert!(is_too_deep(program(format!("float(p.y > 0. {})", "|| d++ > p.y ".repeat(many)))));
+    assert!(is_too_deep(program(format!("p.x{}", "^2.".repeat(many)))));
+    let depth = Limits::default().depth - 20;
+    for (open, close) in [("(", ")"), ("sin(", ")"), ("(d++, ", ")"), ("(d > 0. ? d : ", ")")] {
+        for levels in [depth / 4, depth / 2] {
+            let nested = format!("{}p.x{}", open.repeat(levels), close.repeat(levels));
+            // Read or refused, without a panic.
+            on_a_small_stack({
+                let text = program(nested);
+                move || read(&text, &Options::default()).is_ok()
+            });
+        }
+        let nested = format!("{}p.x{}", open.repeat(depth / 4), close.repeat(depth / 4));
+        assert!(accepted(program(nested)) > 0, "{open}");
+    }
+}

@@ -10,8 +10,10 @@ use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, simplify};
 use zeroset_ops::Op;
 use zeroset_syntax::{CurveShape, Document, Limits, Options, SurfaceKind, parse, read};
 
-/// The corpus used in developing the language, and two corpora that were not used for it.
-const CORPORA: [&str; 3] = ["words.txt", "words_held_out.txt", "words_third.txt"];
+/// The corpus used in developing the language, two corpora that were not used for it, and programs
+/// whose statements have effects in unusual places.
+const CORPORA: [&str; 4] =
+    ["words.txt", "words_held_out.txt", "words_third.txt", "words_programs.txt"];
 
 /// Number of points at which functions are compared.
 const POINTS: usize = 60;

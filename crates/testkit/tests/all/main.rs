@@ -8,6 +8,7 @@ mod exact;
 mod exhaustive;
 mod findings;
 mod forms;
+mod programs;
 mod properties;
 mod reference;
 mod reproduce;
