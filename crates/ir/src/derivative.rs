@@ -368,8 +368,8 @@ mod tests {
 
     #[test]
     fn derivatives_at_zero_are_those_of_the_series() {
-        // Jₙ(x) = Σ (-1)ᵏ (x/2)²ᵏ⁺ⁿ/(k! (k + n)!). From the fifth derivative on, it may be undefined
-        // at 0, but not wrong.
+        // Jₙ(x) = Σ (-1)ᵏ (x/2)²ᵏ⁺ⁿ/(k! (k + n)!). From the fifth derivative on, it may be
+        // undefined at 0, but not wrong.
         let exact = [
             (Op::BesselJ0, [0.0, -0.5, 0.0, 0.375, 0.0, -0.3125]),
             (Op::BesselJ1, [0.5, 0.0, -0.375, 0.0, 0.3125, 0.0]),

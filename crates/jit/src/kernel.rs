@@ -105,8 +105,8 @@ impl<Q: Query, T: Real> Compiled<Q, T> {
     /// Binds values to the parameters of the code.
     ///
     /// # Panics
-    /// If `binding` has more or fewer parameters than the tape, or if a parameter's value is outside
-    /// the range that the tape assumes.
+    /// If `binding` has more or fewer parameters than the tape, or if a parameter's value is
+    /// outside the range that the tape assumes.
     pub fn bind(&self, binding: Binding<T>) -> Native<Q, T> {
         Q::check(&self.tape, &binding);
         Native { compiled: self.clone(), binding }

@@ -102,8 +102,9 @@ fn restore(
     polygons.iter().filter(is_moved).map(|polygon| polygon.leaf).collect()
 }
 
-/// The pairs of leaves that hold two triangles which are not proven to be apart, at corners of
-/// `changed` leaves, or anywhere. A leaf with such a triangle, or one without area, may be paired with itself.
+/// The pairs of leaves with two triangles that are not proven to be apart. Leaves at corners of
+/// `changed` ones are compared, or all. A leaf may be paired with itself, also for a triangle
+/// without area.
 fn crossed_leaves(
     mesh: &Extracted,
     leaves: &[Leaf],
@@ -186,7 +187,7 @@ struct Numbered {
 struct Added {
     /// True if rounding may have changed them.
     is_uncertain: bool,
-    /// True if each connected part of them is a disk, also with those that cut the surface.
+    /// True if each connected part is a disk. Polygons that cut the surface count, too.
     are_disks: bool,
 }
 
@@ -238,7 +239,7 @@ fn are_disks(polygons: &[Polygon]) -> bool {
         return true;
     }
     let (mut vertices, mut edges) = (Vec::new(), Vec::new());
-    // Of each vertex, another of its part. The first of a part is its own.
+    // For each vertex, another vertex of its part. The first one of a part is its own.
     let mut part: Vec<usize> = Vec::new();
     let first = |part: &[usize], mut vertex: usize| {
         while part[vertex] != vertex {

@@ -224,8 +224,8 @@ impl Refined {
         cell.numbers.iter().any(|corner| self.failing.get(*corner as usize) == Some(&true))
     }
 
-    /// Moves values apart in another way at the corners of some leaves. `None` once `wanted` returns
-    /// false.
+    /// Moves values apart in another way at the corners of some leaves. `None` once `wanted`
+    /// returns false.
     pub fn move_again(
         &mut self,
         leaves: &[usize],
@@ -253,8 +253,8 @@ impl Refined {
         self.prove(space, grid, &|_, leaf| is_moved(leaf), wanted)
     }
 
-    /// Looks for vectors at the corners of the leaves that `changed` is true for. Returns the leaves
-    /// at corners where none is found, in order. `None` once `wanted` returns false.
+    /// Looks for vectors at the corners of the leaves that `changed` is true for. Returns the
+    /// leaves at corners where none is found, in order. `None` once `wanted` returns false.
     fn prove(
         &mut self,
         space: &Space,

@@ -28,7 +28,8 @@ pub struct Driver<'a> {
     /// The tracer that follows the rays.
     pub tracer: &'a dyn Tracer,
     /// Progress callback. Its argument is the number of pixels finished since the last call. It
-    /// returns `false` to end the work early. Pixels not reached are then undecided and not painted.
+    /// returns `false` to end the work early. Pixels not reached are then undecided and not
+    /// painted.
     pub advance: &'a (dyn Fn(usize) -> bool + Sync),
 }
 

@@ -1,9 +1,9 @@
 //! Runs the side effects inside of expressions, in the order of their evaluation: assignments,
 //! `++` and `--`, commas, and calls of functions that change variables.
 //!
-//! Each function here returns the tokens of an expression's value. All its
-//! effects have then happened in the frame, and a saved value stands for each part with an effect. A part
-//! that only sometimes runs, such as the right side of `&&`, becomes a side of a branch.
+//! Each function here returns the tokens of an expression's value. All its effects have then
+//! happened in the frame, and a saved value stands for each part with an effect. A part that only
+//! sometimes runs, such as the right side of `&&`, becomes a side of a branch.
 
 use crate::dialect::control_flow::more_than;
 use crate::dialect::known_numbers::number_expr;

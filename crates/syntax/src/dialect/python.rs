@@ -158,7 +158,8 @@ impl ProgramReader<'_> {
         Ok(values)
     }
 
-    /// The values of `for (i = [0:3]) if (c) a` in `OpenSCAD`; `None` if `tokens` have another form.
+    /// The values of `for (i = [0:3]) if (c) a` in `OpenSCAD`. `None` if `tokens` have another
+    /// form.
     pub(crate) fn openscad_values(
         &mut self,
         tokens: &[Token],

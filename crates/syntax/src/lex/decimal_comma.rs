@@ -12,8 +12,8 @@ use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
 
 /// The text with points in place of all decimal commas, and a note on each. All places stay the
-/// same. `None` if there is no decimal comma, or if a list such as `1,2,3`, `x,0,1` or `(1,2)` shows
-/// that commas separate.
+/// same. `None` if there is no decimal comma, or if a list such as `1,2,3`, `x,0,1` or `(1,2)`
+/// shows that commas separate.
 pub(crate) fn with_points(text: &str, limits: &Limits) -> Option<(String, Vec<Note>)> {
     let mut points = text.as_bytes().to_vec();
     let mut notes = Vec::new();

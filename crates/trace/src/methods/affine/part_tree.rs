@@ -176,8 +176,9 @@ impl<T: Scalar> Pass<'_, '_, '_, T> {
             let Self { method, state, rays, band, work, .. } = self;
             return parts::trace(method, surface.as_deref(), state, rays, band, &own, work);
         }
-        // Areas overlap. In each range of depth, a tile is traced in the first area around it. Areas
-        // are in order from left to right. A tile around which there is no area would stay unseen.
+        // Areas overlap. In each range of depth, a tile is traced in the first area around it.
+        // Areas are in order from left to right. A tile around which there is no area would stay
+        // unseen.
         let (mut first, mut span) = (columns.start, None);
         for inner in inner {
             if span != Some(inner.span) {
