@@ -133,8 +133,7 @@ impl Words<'_> {
                 return None;
             }
         }
-        let is_relation = |token: &Token| token.kind.is_relation();
-        if ends.iter().any(|end| end.is_empty() || end.iter().any(is_relation)) {
+        if ends.iter().any(Vec::is_empty) {
             return None;
         }
         let half = ends.len() / 2;
