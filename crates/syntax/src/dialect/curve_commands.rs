@@ -175,8 +175,11 @@ impl Words<'_> {
         }
         if let Some((_, value)) = self.option(arguments, RANGES)
             && let Some((inner, _)) = bracketed(&value)
-            && let [low, high, ..] = split(inner, Comma).as_slice()
+            && let [low, high, steps @ ..] = split(inner, Comma).as_slice()
         {
+            for step in steps {
+                arguments.leave(step.clone());
+            }
             return vec![PlotRange { name: None, low: low.clone(), high: high.clone() }];
         }
         self.ranges(arguments, count, 1)

@@ -1,7 +1,7 @@
 //! Reads ranges and grids that a program defines before a plot, and draws the program's plots.
 
 use crate::dialect::plot_arguments::{PlotRange, axes_of};
-use crate::dialect::plot_commands::Plot;
+use crate::dialect::plot_commands::{AXES, Plot};
 use crate::dialect::program_reader::{Frame, ProgramReader};
 use crate::lex::token::{Token, bracketed, split};
 use crate::lex::token_kind::TokenKind::{self, *};
@@ -18,7 +18,7 @@ use zeroset_ir::Axis;
 const MAX_RANGE: usize = 200;
 
 /// Functions that make grids of coordinates, each with the ranges as arguments.
-const GRIDS: [&str; 4] = ["meshgrid", "ndgrid", "mgrid", "ogrid"];
+pub(crate) const GRIDS: [&str; 4] = ["meshgrid", "ndgrid", "mgrid", "ogrid"];
 
 /// Largest number of functions whose names stand for their calls. Each name is searched among them.
 const MAX_ALIASES: usize = 200;
@@ -31,6 +31,16 @@ fn coordinate(axis: TokenKind) -> ExprKind {
         _ => Axis::Z,
     };
     ExprKind::Name(NamedValue::Coordinate(axis))
+}
+
+/// The axis that the name of a grid's coordinate says.
+fn named_axis(name: &str) -> Option<TokenKind> {
+    match name {
+        "x" | "X" => Some(X),
+        "y" | "Y" => Some(Y),
+        "z" | "Z" => Some(Z),
+        _ => None,
+    }
 }
 
 impl ProgramReader<'_> {
@@ -110,9 +120,12 @@ impl ProgramReader<'_> {
         steps_last: bool,
         frame: &mut Frame,
     ) -> Fallible<()> {
-        let axes = axes_of(&vec![None; names.len()], false)?;
+        let own = |name: &Token| named_axis(self.words.word(*name));
+        let own_axes: Vec<Option<Token>> =
+            names.iter().map(|name| Some(Token::new(own(name)?, name.span))).collect();
+        let axes = axes_of(&own_axes, false)?;
         for (name, axis) in names.iter().zip(&axes) {
-            if !name.kind.is_axis() && !matches!(self.words.word(*name), "X" | "Y" | "Z") {
+            if own(name).is_none() {
                 frame.aliases.push(self.words.name(*name).text, coordinate(*axis));
             }
         }
@@ -154,11 +167,19 @@ impl ProgramReader<'_> {
 
     /// Adds the formulas and the domain of a plot.
     pub(crate) fn draw(&mut self, plot: Plot, place: Span, frame: &Frame) -> Fallible<()> {
-        let Plot { formulas, is_height, mut domain, notes, renamed } = plot;
+        let Plot { formulas, is_height, mut domain, notes, renamed, grid } = plot;
         self.program.notes.extend(notes);
         let mut aliases = frame.aliases.clone();
         let words = self.words;
         let word = |token: &Token| words.word(*token);
+        // In another order, the plot would be a mirror image of the formula's surface.
+        let is_another = |(name, axis): &(&Token, TokenKind)| {
+            let own = named_axis(word(name)).map(coordinate);
+            own.as_ref().or(aliases.find(word(name))).is_some_and(|own| *own != coordinate(*axis))
+        };
+        if let Some((name, _)) = grid.iter().zip(AXES).find(is_another) {
+            return Err(Error::new(name.span, ErrorKind::PlotVariables));
+        }
         let mut read = Vec::new();
         for (name, axis) in renamed {
             let text = self.words.name(name).text;

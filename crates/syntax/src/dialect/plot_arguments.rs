@@ -25,6 +25,7 @@ const CHANGES: &[&str] =
 const MAX_NOTED: usize = 6;
 
 /// The range of a variable.
+#[derive(Clone)]
 pub(crate) struct PlotRange {
     /// The variable; `None` if the order of the ranges decides.
     pub name: Option<Token>,
@@ -38,11 +39,14 @@ pub(crate) struct Arguments {
     is_read: Vec<bool>,
     /// Parts of arguments that were taken and then not used.
     unused: Vec<Vec<Token>>,
+    /// Names that were taken as the grid of the coordinates.
+    pub grid: Vec<Token>,
 }
 
 impl Arguments {
     pub(crate) fn new(parts: Vec<Vec<Token>>) -> Self {
-        Self { is_read: vec![false; parts.len()], parts, unused: Vec::new() }
+        let is_read = vec![false; parts.len()];
+        Self { parts, is_read, unused: Vec::new(), grid: Vec::new() }
     }
 
     /// All arguments, whether they were read or not.
@@ -135,10 +139,10 @@ impl Words<'_> {
         let Some((name, value)) = self.option(arguments, LEVELS) else { return Ok(Vec::new()) };
         let is_list = value.first().is_some_and(|first| first.kind != OpenParen);
         match bracketed(&value).filter(|(_, rest)| is_list && rest.is_empty()) {
-            Some((inner, _)) => Ok(split(inner, Comma)),
+            Some((inner, _)) if !inner.is_empty() => Ok(split(inner, Comma)),
             // In Mathematica, a number without braces is the number of levels.
-            None if self.word(name) == "Contours" => Err(self.refused_option(name)),
-            None => Ok(vec![value]),
+            None if self.word(name) != "Contours" => Ok(vec![value]),
+            _ => Err(self.refused_option(name)),
         }
     }
 
@@ -181,7 +185,7 @@ impl Words<'_> {
                 {
                     ranges.push(PlotRange { name, low, high });
                 } else if let Some(numbers) = self.numbers(inner) {
-                    ranges.extend(in_order(&numbers, most));
+                    ranges.extend(in_order(&numbers));
                 }
             } else if let [name, equals, ends @ ..] = part.as_slice()
                 && equals.kind == Equals
@@ -213,13 +217,17 @@ impl Words<'_> {
             && ends.iter().all(|(_, end)| end.iter().all(is_number))
         {
             let numbers: Vec<Vec<Token>> = ends.iter().map(|(_, end)| (*end).clone()).collect();
-            ranges = in_order(&numbers, most);
+            ranges = in_order(&numbers);
             read.extend(ends.iter().map(|(index, _)| index));
         }
         for index in read {
             arguments.is_read[index] = true;
         }
         ranges.retain(|range| !range.low.is_empty() && !range.high.is_empty());
+        if let [range @ PlotRange { name: None, .. }] = ranges.as_slice() {
+            // A range alone, as in `[-2 2]`, serves all coordinates.
+            ranges = vec![range.clone(); most];
+        }
         if ranges.iter().all(|range| range.name.is_none()) && ranges.len() > most {
             for PlotRange { mut low, high, .. } in ranges.drain(most..) {
                 low.extend(high);
@@ -258,13 +266,11 @@ impl Words<'_> {
     }
 }
 
-/// Makes ranges in order from pairs of values. One pair serves all `most` coordinates.
-fn in_order(numbers: &[Vec<Token>], most: usize) -> Vec<PlotRange> {
-    let count = if numbers.len() == 2 { most } else { numbers.len() / 2 };
-    let end = |at: usize| numbers[at % numbers.len()].clone();
+/// Makes ranges in order from pairs of values.
+fn in_order(numbers: &[Vec<Token>]) -> Vec<PlotRange> {
     let range =
-        |index: usize| PlotRange { name: None, low: end(2 * index), high: end(2 * index + 1) };
-    (0..count).map(range).collect()
+        |ends: &[Vec<Token>]| PlotRange { name: None, low: ends[0].clone(), high: ends[1].clone() };
+    numbers.chunks_exact(2).map(range).collect()
 }
 
 /// The axes of the variables of a plot, in order. A coordinate keeps its axis, and any other name

@@ -50,7 +50,7 @@ impl Words<'_> {
             }
         }
         let notes = note.into_iter().chain(self.left_of_plot(&left)).collect();
-        Plot { formulas, is_height: true, domain, notes, renamed: Vec::new() }
+        Plot { formulas, is_height: true, domain, notes, renamed: Vec::new(), grid: Vec::new() }
     }
 
     /// Reads POV-Ray's `isosurface { function { … } threshold 1 contained_by { … } }`. `tokens`
@@ -85,7 +85,14 @@ impl Words<'_> {
         };
         let notes = note.into_iter().chain(self.left_of_plot(&left)).collect();
         let formulas = vec![body];
-        Some(Plot { formulas, is_height: false, domain, notes, renamed: Vec::new() })
+        Some(Plot {
+            formulas,
+            is_height: false,
+            domain,
+            notes,
+            renamed: Vec::new(),
+            grid: Vec::new(),
+        })
     }
 
     /// Splits the contents of a block into its items. Each begins with a name that follows a value
@@ -116,11 +123,17 @@ impl Words<'_> {
         let (inner, _) = bracketed(tokens)?;
         let (ends, _) = bracketed(inner.get(1..)?).filter(|_| self.word(inner[0]) == "box")?;
         let mut ends = split(ends, Comma);
-        // The lexer reads the `<` and `>` around a corner as relations. They are dropped.
-        for end in &mut ends {
-            end.retain(|token| !matches!(token.kind, Less | Greater));
+        if !matches!(ends.len(), 2 | 6) {
+            return None;
         }
-        if ends.iter().any(Vec::is_empty) || !matches!(ends.len(), 2 | 6) {
+        // The lexer reads the `<` and `>` around a corner as relations. They are dropped.
+        for corner in ends.chunks_exact_mut(3) {
+            let (first, last) = (corner[0].remove(0), corner[2].pop()?);
+            if (first.kind, last.kind) != (Less, Greater) {
+                return None;
+            }
+        }
+        if ends.iter().any(Vec::is_empty) {
             return None;
         }
         let half = ends.len() / 2;

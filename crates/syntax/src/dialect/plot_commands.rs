@@ -90,6 +90,8 @@ pub(crate) struct Plot {
     pub notes: Vec<Note>,
     /// Names of the formulas that stand for coordinates.
     pub renamed: Vec<(Token, TokenKind)>,
+    /// Names given as the grid of x, y and z, as in `surf(X, Y, Z)`.
+    pub grid: Vec<Token>,
 }
 
 pub(crate) const AXES: [TokenKind; 3] = [X, Y, Z];
@@ -230,11 +232,13 @@ impl Words<'_> {
                 formula.push(Token::new(CloseBrace, end));
             }
         }
-        if LEVELED.contains(&word) && levels.is_empty() {
+        let is_function = |formula: &Vec<Token>| outside(formula, Equals).is_none();
+        if LEVELED.contains(&word) && levels.is_empty() && formulas.iter().any(is_function) {
             notes.push(Note { span: place, kind: NoteKind::PlotWithoutLevel });
         }
+        let grid = std::mem::take(&mut arguments.grid);
         notes.extend(self.left_of_plot(&arguments.left()));
-        Ok(vec![Plot { formulas, is_height, domain, notes, renamed }])
+        Ok(vec![Plot { formulas, is_height, domain, notes, renamed, grid }])
     }
 
     /// The arguments in `inner`. A comma between parameters, as in `lambda x, y: …`, is no end.
@@ -266,7 +270,10 @@ impl Words<'_> {
     ) -> Fallible<Option<Vec<Token>>> {
         let parts = arguments.all();
         let is_name = |part: &Vec<Token>| part.len() == 1 && part[0].kind.is_name();
-        let is_function = |part: &Vec<Token>| is_name(part) && part[0].kind == TokenKind::Name;
+        let is_function = |part: &Vec<Token>| {
+            is_name(part) && part[0].kind == TokenKind::Name
+                || matches!(self.lambda(part), Some((None, ..)))
+        };
         let are_three = parts.len() > 2 && parts[..3].iter().all(is_function);
         let is_tuple = |part: &Vec<Token>| {
             matches!(part[0].kind, OpenBracket | OpenParen)
@@ -309,9 +316,10 @@ impl Words<'_> {
             arguments.take(0);
             return Ok(Some(Vec::new()));
         }
-        for grid in 0..grids {
-            if is_name(&arguments.all()[grid]) {
-                arguments.take(grid);
+        for index in 0..grids {
+            if is_name(&arguments.all()[index]) {
+                let name = arguments.take(index)[0];
+                arguments.grid.push(name);
             }
         }
         let at = lambda.unwrap_or(grids + usize::from(has_list));
@@ -377,10 +385,11 @@ impl Words<'_> {
             !matches!(token.kind, X | Y | Z | TokenKind::Name) || CONSTANTS.contains(&name.as_str())
         };
         let ends = || ranges.iter().flat_map(|range| range.low.iter().chain(&range.high));
-        let line = ranges
+        let mut ordered: Vec<_> = axes.iter().zip(ranges).collect();
+        ordered.sort_by_key(|(axis, _)| axis.as_char());
+        let line = ordered
             .iter()
-            .zip(axes)
-            .map(|(r, axis)| {
+            .map(|(axis, r)| {
                 format!("{} in [{}, {}]", axis.as_char(), typed(&r.low), typed(&r.high))
             })
             .collect::<Vec<_>>()
@@ -391,8 +400,6 @@ impl Words<'_> {
         }
         let sign = |kind: TokenKind, at: usize| Token::new(kind, Span::at(at));
         let mut tokens = vec![Token::new(DomainWord, at)];
-        let mut ordered: Vec<_> = axes.iter().zip(ranges).collect();
-        ordered.sort_by_key(|(axis, _)| axis.as_char());
         for (index, (axis, PlotRange { low, high, .. })) in ordered.into_iter().enumerate() {
             let (start, end) = (low[0].span.start, high[high.len() - 1].span.end);
             if index > 0 {

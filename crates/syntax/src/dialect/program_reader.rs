@@ -9,6 +9,7 @@ use crate::dialect::program_words::{Words, begins_name, is_whole_type, size_of};
 use crate::dialect::scopes::Declared;
 use crate::lex::arrangement::{arrange, trim};
 use crate::lex::curve_form::marked_curve;
+use crate::lex::decimal_comma::doubts;
 use crate::lex::scanner::scan;
 use crate::lex::token_kind::TokenKind::{Equals, Number, OpenBrace, OpenParen};
 use crate::tree::raw_statement::{Head, RawStatement, ValueConversion};
@@ -137,7 +138,9 @@ pub(crate) type Statements = std::vec::IntoIter<Vec<Token>>;
 
 /// Translates a text, whether it is a program or not.
 pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
-    let (mut statements, notes) = match foreign_text(text, limits)? {
+    let foreign = foreign_text(text, limits)?;
+    let is_foreign = foreign.is_some();
+    let (mut statements, mut notes) = match foreign {
         Some(found) => found,
         None => (scan(text, limits)?, Vec::new()),
     };
@@ -150,6 +153,9 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
         .map(|token| &text[token.span.range()])
         .collect::<FxHashSet<_>>();
     let in_steps = statements.iter().any(|tokens| words.is_step(tokens));
+    if !in_steps && !is_foreign {
+        notes.extend(statements.iter().flat_map(|tokens| doubts(text, tokens)));
+    }
     let is_y_up = statements.iter().any(|tokens| words.is_of_shaders(tokens));
     let language = Language::of(words, &statements);
     if language.has_double_bars() {
@@ -194,7 +200,21 @@ pub(crate) fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
         reader.statement(tokens, &mut top, &mut statements)?;
     }
     reader.end(&top, Span::at(text.len()));
-    Ok(reader.program)
+    let mut program = reader.program;
+    say_later_domains(&mut program.notes);
+    Ok(program)
+}
+
+/// Corrects the notes on the domains of plots: only the first domain counts.
+fn say_later_domains(notes: &mut [Note]) {
+    let mut first = None;
+    for note in notes {
+        let NoteKind::PlotDomain { domain } = &note.kind else { continue };
+        let domain = domain.clone();
+        if domain != *first.get_or_insert(domain.clone()) {
+            note.kind = NoteKind::PlotDomainLeftOut { domain };
+        }
+    }
 }
 
 impl ProgramReader<'_> {

@@ -1,5 +1,6 @@
 //! Removes what other systems put around formulas: plot commands, declarations of names, braces.
 
+use crate::dialect::grids::GRIDS;
 use crate::dialect::program_words::Words;
 use crate::lex::token_kind::TokenKind::{self, *};
 
@@ -39,9 +40,6 @@ const SETUP_CALLS: &[&str] = &["var", "with", "load", "library", "require", "res
 
 /// Functions that create symbols.
 const SYMBOLS: &[&str] = &["symbols", "Symbol", "var", "sym", "PolynomialRing", "require"];
-
-/// Functions that create grids of coordinates.
-const GRIDS: &[&str] = &["meshgrid", "ndgrid", "mgrid", "ogrid"];
 
 /// Words that may stand before a formula to draw.
 const PLOT_WORDS: &[&str] = &["plot", "graph", "draw", "Plot", "Graph", "Draw"];

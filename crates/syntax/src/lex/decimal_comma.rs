@@ -32,6 +32,47 @@ pub(crate) fn with_points(text: &str, limits: &Limits) -> Option<(String, Vec<No
     (!notes.is_empty()).then_some((points, notes))
 }
 
+/// The commas directly inside one pair of brackets.
+#[derive(Default)]
+struct Commas {
+    /// Notes on those between digits.
+    doubts: Vec<Note>,
+    /// True if a comma elsewhere has a blank after it.
+    has_spaced: bool,
+    /// True if a comma elsewhere has no blank after it.
+    has_tight: bool,
+}
+
+/// Notes on commas that separate, where a decimal comma may be meant. These are commas between
+/// digits whose brackets have other commas, all with a blank after them, as in `max(0,5x, y)`.
+pub(crate) fn doubts(text: &str, tokens: &[Token]) -> Vec<Note> {
+    let mut notes = Vec::new();
+    let mut open: Vec<Commas> = Vec::new();
+    for (at, token) in tokens.iter().enumerate() {
+        if token.kind.closer().is_some() {
+            open.push(Commas::default());
+        } else if token.kind.is_closer() {
+            let closed = open.pop().filter(|commas| commas.has_spaced && !commas.has_tight);
+            notes.extend(closed.into_iter().flat_map(|commas| commas.doubts));
+        }
+        let (Comma, Some(commas), Some(next)) = (token.kind, open.last_mut(), tokens.get(at + 1))
+        else {
+            continue;
+        };
+        if let Some(span) = decimal_around(text, tokens, at).filter(|_| !is_listed(tokens, at)) {
+            let typed = text[span.range()].to_owned();
+            let decimal = decimal(&typed.replace(',', "."));
+            commas.doubts.push(Note { span, kind: NoteKind::DoubtfulComma { typed, decimal } });
+        } else if touch(token, next) {
+            commas.has_tight = true;
+        } else {
+            let blank = text.get(token.span.end..next.span.start);
+            commas.has_spaced |= blank.is_some_and(|blank| !blank.contains('\n'));
+        }
+    }
+    notes
+}
+
 /// The place of digits, a comma and digits without blanks between, if the comma is token `at`. An
 /// exponent may follow.
 pub(crate) fn decimal_around(text: &str, tokens: &[Token], at: usize) -> Option<Span> {

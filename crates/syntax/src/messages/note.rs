@@ -118,6 +118,10 @@ pub enum NoteKind {
     )]
     PlotDomain { domain: String },
     #[error(
+        "only the ranges of the first plot are the domain; these have no effect here: `{domain}`"
+    )]
+    PlotDomainLeftOut { domain: String },
+    #[error(
         "the ranges of the plot are not read; write them as `domain x in [-2, 2], y in [-1, 1]`"
     )]
     PlotWithoutRanges,
@@ -125,6 +129,8 @@ pub enum NoteKind {
         "what contains the surface is not read; write it as `domain x in [-2, 2], y in [-1, 1]`"
     )]
     ContainerIgnored,
+    #[error("`{typed}` is read as two values; for a decimal number write `{decimal}`")]
+    DoubtfulComma { typed: String, decimal: String },
     #[error("these parts of the plot have no effect here: {left}")]
     PlotPartsLeftOut { left: String },
     #[error("the plot gives no level, so this is drawn where the function is 0")]

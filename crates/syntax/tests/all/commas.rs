@@ -37,6 +37,11 @@ fn misread(row: &Row) -> Option<String> {
     if is_decimal != row.notes.iter().any(|note| note == "decimal") {
         return Some(format!("decimal commas: {is_decimal}"));
     }
+    let doubtful = |kind: &NoteKind| matches!(kind, NoteKind::DoubtfulComma { .. });
+    let doubts = document.notes.iter().filter(|note| doubtful(&note.kind)).count();
+    if doubts != row.notes.iter().filter(|note| note.contains("two values")).count() {
+        return Some(format!("{doubts} doubtful commas: {:?}", document.notes));
+    }
     let meant = read(&row.meant, &Options::default()).ok()?;
     let (own, other) = (settings(&document), settings(&meant));
     (own != other).then(|| format!("settings\n{own}\nnot\n{other}"))

@@ -15,6 +15,8 @@ fn misread(row: &Row) -> Option<String> {
             kind,
             NoteKind::PlotPartsLeftOut { .. }
                 | NoteKind::PlotWithoutLevel
+                | NoteKind::PlotDomainLeftOut { .. }
+                | NoteKind::ContainerIgnored
                 | NoteKind::FileLeftOut { .. }
                 | NoteKind::ShapeAtZero { .. }
                 | NoteKind::StyleLeftOut { .. }
