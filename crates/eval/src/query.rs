@@ -56,8 +56,17 @@ pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
     /// domain that the tape assumes.
     #[inline]
     fn check_input<T: Real>(tape: &Tape<T>, input: &Self::Input<T>) {
-        assert!((1..=LANES).contains(&input.count()), "{} lanes in use", input.count());
+        Self::check_count(input);
         assert!(input.is_within(&tape.assumptions().domain), "a box reaches out of the domain");
+    }
+
+    /// Checks the number of lanes in use.
+    ///
+    /// # Panics
+    /// If no lanes are in use, or more than [`LANES`].
+    #[inline]
+    fn check_count<T: Real>(input: &Self::Input<T>) {
+        assert!((1..=LANES).contains(&input.count()), "{} lanes in use", input.count());
     }
 
     /// Computes the result from the values of the expressions. `is_bounded` states that the first
@@ -108,6 +117,12 @@ pub trait Kernel<Q: Query, T: Real = f32>: Send + Sync {
     /// If no lanes are in use, or more than [`LANES`], or if a box reaches out of the domain for
     /// which the kernel was compiled.
     fn eval(&self, input: &Q::Input<T>, output: &mut Q::Output<T>);
+
+    /// As [`Kernel::eval`], for boxes that the caller has clipped to the domain. Only debug builds
+    /// compare them again: in `knoll` that takes an eighth of a picture's time.
+    fn eval_clipped(&self, input: &Q::Input<T>, output: &mut Q::Output<T>) {
+        self.eval(input, output);
+    }
 
     /// Returns the results for all `inputs`, in order.
     ///

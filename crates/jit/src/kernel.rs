@@ -162,11 +162,18 @@ impl<Q: Query, T: Real> fmt::Debug for Native<Q, T> {
 impl<Q: Query, T: Real> Kernel<Q, T> for Native<Q, T> {
     #[inline]
     fn eval(&self, input: &Q::Input<T>, output: &mut Q::Output<T>) {
+        Q::check_input(&self.compiled.tape, input);
+        self.eval_clipped(input, output);
+    }
+
+    #[inline]
+    fn eval_clipped(&self, input: &Q::Input<T>, output: &mut Q::Output<T>) {
         let Compiled { code, tape, .. } = &self.compiled;
-        Q::check_input(tape, input);
+        Q::check_count(input);
+        debug_assert!(input.is_within(&tape.assumptions().domain), "a box is not clipped");
         // SAFETY: the code was compiled for this query and format. It reads and writes batches in
-        // the layout of the sealed trait `Batch`, and only the lanes that `check_input` has
-        // checked. `bind` has checked that there are as many parameters as in the tape. Batches are
+        // the layout of the sealed trait `Batch`, and only as many lanes as `check_count` allows.
+        // `bind` has checked that there are as many parameters as in the tape. Batches are
         // aligned by their type. Kernels do not unwind.
         unsafe {
             call_rounding_up(

@@ -151,8 +151,9 @@ fn bounds(
     }
     let batch = &Boxes::around(boxes)[0];
     let (mut zeros, mut bounds) = (Zeros::default(), GradientEnclosures::<f64>::default());
-    kernels.zeros.eval(batch, &mut zeros);
-    kernels.gradients.eval(batch, &mut bounds);
+    // Cells lie within the domain.
+    kernels.zeros.eval_clipped(batch, &mut zeros);
+    kernels.gradients.eval_clipped(batch, &mut bounds);
     let of = |lane: usize| {
         let slopes = || {
             [0, 1, 2].map(|axis| Interval {

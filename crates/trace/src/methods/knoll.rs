@@ -44,7 +44,7 @@ impl<T: Scalar> SlabTest<T> for IntervalTest<'_, T> {
         work.interval.called(rays.count_ones());
         packet.boxes(simd, planes, rays, boxes);
         let mut zeros = Zeros::default();
-        self.kernel.eval(boxes, &mut zeros);
+        self.kernel.eval_clipped(boxes, &mut zeros);
         zeros
     }
 }

@@ -77,7 +77,7 @@ impl<T: Scalar> SlabTest<T> for FormTest<'_, T> {
             work.interval.called(rays.count_ones());
             packet.boxes(simd, planes, rays, &mut batch.boxes);
             let mut zeros = Zeros::default();
-            kernel.eval(&batch.boxes, &mut zeros);
+            kernel.eval_clipped(&batch.boxes, &mut zeros);
             result.unbounded = zeros.unbounded;
         }
         result

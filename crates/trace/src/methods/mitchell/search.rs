@@ -101,7 +101,7 @@ impl<'a, T: Scalar> Searcher<'a, T> {
             return parts;
         }
         let mut zeros = Zeros::default();
-        self.zeros.eval(&self.slopes.batch(&cuboids(&parts)), &mut zeros);
+        self.zeros.eval_clipped(&self.slopes.batch(&cuboids(&parts)), &mut zeros);
         work.interval.called(parts.len() as u32);
         let mut lane = 0;
         parts.retain_mut(|part| {
