@@ -129,6 +129,10 @@ pub fn mesh(
 ) -> Result<Option<Mesh>, ProgramError> {
     let &Options { region, tolerance, is_solid, is_estimated, most_cells } = options;
     let bounds = domain(&region);
+    // Once for all cells, which lie within it.
+    let is_within =
+        |(inner, outer): (&Interval, &Interval)| outer.lo <= inner.lo && inner.hi <= outer.hi;
+    assert!(bounds.iter().zip(&program.domain()).all(is_within), "a mesh beyond the domain");
     let [low, high] = [bounds.map(|along| along.lo), bounds.map(|along| along.hi)];
     let (low, high) = (DVec3::from_array(low), DVec3::from_array(high));
     let Choices { choice, parts, first_cut } = program.choices(surface, &region)?;
