@@ -33,7 +33,8 @@ pub use enclosure::{enclose, enclose_all};
 pub use lanes::{LANES, Lanes};
 pub use query::{
     ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros, FindZerosInBranch,
-    Kernel, Query, QueryContext, QueryResult, QueryValue, Sample, SampleForward, SampleGradient,
+    Kernel, Query, QueryContext, QueryNumber, QueryResult, QueryTask, QueryValue, Sample,
+    SampleForward, SampleGradient,
 };
 pub use real::Real;
 pub use reference::Reference;

@@ -17,10 +17,12 @@ use crate::real::Real;
 use crate::shorten::LaneSet;
 use crate::tape::{Tape, may_vanish};
 use crate::value_kind::{Forms, Intervals, Loader, Numbers, ValueKind};
-use zeroset_interval::{Enclosure, Fact, Form, Machine};
+use zeroset_interval::{Enclosure, Fact, Form, Format, Machine};
 
 /// A query, represented by a type.
 pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {
+    /// The query as a value.
+    const NUMBER: QueryNumber;
     /// Name of the query for reports, one or two words long.
     const NAME: &'static str;
     /// Number of expressions that a tape must compute for the query.
@@ -107,6 +109,62 @@ pub struct QueryResult<V> {
     pub quantities: Vec<V>,
     /// The facts, in the order of the output's masks.
     pub masks: Vec<Fact<V>>,
+}
+
+/// The queries as values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum QueryNumber {
+    /// [`Enclose`].
+    Enclose,
+    /// [`FindZeros`].
+    FindZeros,
+    /// [`FindZerosInBranch`].
+    FindZerosInBranch,
+    /// [`EncloseGradient`].
+    EncloseGradient,
+    /// [`ContractSegments`].
+    ContractSegments,
+    /// [`ContractTiles`].
+    ContractTiles,
+    /// [`Sample`].
+    Sample,
+    /// [`SampleGradient`].
+    SampleGradient,
+    /// [`SampleForward`].
+    SampleForward,
+}
+
+/// A task that is the same for all queries in both precisions. A function that is not generic
+/// [calls](QueryNumber::run) it, so that no other crate compiles the task again.
+pub trait QueryTask {
+    /// The result of the task.
+    type Result;
+
+    /// Carries out the task for one query in one precision.
+    fn run<Q: Query, T: Real>(self) -> Self::Result;
+}
+
+impl QueryNumber {
+    /// Carries out a task for this query.
+    pub fn run<K: QueryTask>(self, format: Format, task: K) -> K::Result {
+        fn run<Q: Query, K: QueryTask>(format: Format, task: K) -> K::Result {
+            match format {
+                Format::F32 => task.run::<Q, f32>(),
+                Format::F64 => task.run::<Q, f64>(),
+            }
+        }
+        match self {
+            Self::Enclose => run::<Enclose, K>(format, task),
+            Self::FindZeros => run::<FindZeros, K>(format, task),
+            Self::FindZerosInBranch => run::<FindZerosInBranch, K>(format, task),
+            Self::EncloseGradient => run::<EncloseGradient, K>(format, task),
+            Self::ContractSegments => run::<ContractSegments, K>(format, task),
+            Self::ContractTiles => run::<ContractTiles, K>(format, task),
+            Self::Sample => run::<Sample, K>(format, task),
+            Self::SampleGradient => run::<SampleGradient, K>(format, task),
+            Self::SampleForward => run::<SampleForward, K>(format, task),
+        }
+    }
 }
 
 /// An evaluator of one query about one function.
@@ -211,6 +269,7 @@ pub struct SampleGradient;
 pub struct SampleForward;
 
 impl Query for Enclose {
+    const NUMBER: QueryNumber = QueryNumber::Enclose;
     const NAME: &'static str = "bounds";
     const OUTPUTS: usize = 1;
     type Kind = Intervals;
@@ -231,6 +290,7 @@ impl Query for Enclose {
 }
 
 impl Query for FindZeros {
+    const NUMBER: QueryNumber = QueryNumber::FindZeros;
     const NAME: &'static str = "zeros";
     const OUTPUTS: usize = 1;
     type Kind = Intervals;
@@ -259,6 +319,7 @@ impl Query for FindZeros {
 }
 
 impl Query for FindZerosInBranch {
+    const NUMBER: QueryNumber = QueryNumber::FindZerosInBranch;
     const NAME: &'static str = "zeros";
     const OUTPUTS: usize = 1;
     type Kind = Intervals;
@@ -290,6 +351,7 @@ impl Query for FindZerosInBranch {
 }
 
 impl Query for EncloseGradient {
+    const NUMBER: QueryNumber = QueryNumber::EncloseGradient;
     const NAME: &'static str = "gradient bounds";
     const OUTPUTS: usize = 4;
     type Kind = Smoothness;
@@ -319,6 +381,7 @@ impl Query for EncloseGradient {
 }
 
 impl Query for ContractSegments {
+    const NUMBER: QueryNumber = QueryNumber::ContractSegments;
     const NAME: &'static str = "segments";
     const OUTPUTS: usize = 1;
     type Kind = Forms<SegmentPath, 1>;
@@ -338,6 +401,7 @@ impl Query for ContractSegments {
 }
 
 impl Query for ContractTiles {
+    const NUMBER: QueryNumber = QueryNumber::ContractTiles;
     const NAME: &'static str = "tiles";
     const OUTPUTS: usize = 1;
     type Kind = Forms<TilePath, 3>;
@@ -363,6 +427,7 @@ impl Query for ContractTiles {
 }
 
 impl Query for Sample {
+    const NUMBER: QueryNumber = QueryNumber::Sample;
     const NAME: &'static str = "values";
     const OUTPUTS: usize = 1;
     type Kind = Numbers;
@@ -381,6 +446,7 @@ impl Query for Sample {
 }
 
 impl Query for SampleGradient {
+    const NUMBER: QueryNumber = QueryNumber::SampleGradient;
     const NAME: &'static str = "gradients";
     const OUTPUTS: usize = 4;
     type Kind = Numbers;
@@ -399,6 +465,7 @@ impl Query for SampleGradient {
 }
 
 impl Query for SampleForward {
+    const NUMBER: QueryNumber = QueryNumber::SampleForward;
     const NAME: &'static str = "gradients";
     const OUTPUTS: usize = 1;
     type Kind = Duals;

@@ -2,12 +2,13 @@
 
 use crate::batch::{Batch, Input, Output};
 use crate::binding::Binding;
-use crate::query::{Kernel, Query, QueryResult};
+use crate::query::{Kernel, Query, QueryNumber, QueryResult, QueryTask};
 use crate::real::Real;
 use crate::tape::Tape;
 use crate::value_kind::Loader;
+use std::any::Any;
 use std::marker::PhantomData;
-use zeroset_interval::{Software, Vector128 as Vector};
+use zeroset_interval::{Format, Software, Vector128 as Vector};
 
 /// Answers a query in software, with a tape and its bound parameters.
 ///
@@ -56,7 +57,7 @@ impl<Q: Query, T: Real> Kernel<Q, T> for Reference<Q, T> {
         for vector in 0..input.count().div_ceil(T::VECTOR_LANES) {
             let mut cursor = BatchReader::<Q, T> { input, binding: &self.binding, vector };
             let QueryResult { quantities, masks } =
-                Q::answer(&self.tape, &mut Software::new(), &mut cursor);
+                answer(Q::NUMBER, T::FORMAT, &self.tape, &mut cursor);
             for (number, value) in quantities.into_iter().enumerate() {
                 T::store(value, vector, output.quantity_mut(number));
             }
@@ -65,5 +66,30 @@ impl<Q: Query, T: Real> Kernel<Q, T> for Reference<Q, T> {
                 *output.mask_mut(number) |= (bits << (T::VECTOR_LANES * vector)) as u16;
             }
         }
+    }
+}
+
+/// Answers a query in one vector of lanes. It is compiled in this crate alone.
+fn answer(
+    query: QueryNumber,
+    format: Format,
+    tape: &dyn Any,
+    loader: &mut dyn Loader<Software>,
+) -> QueryResult<Vector> {
+    query.run(format, Answer { tape, loader })
+}
+
+struct Answer<'a> {
+    /// A tape in the precision of the task.
+    tape: &'a dyn Any,
+    loader: &'a mut dyn Loader<Software>,
+}
+
+impl QueryTask for Answer<'_> {
+    type Result = QueryResult<Vector>;
+
+    fn run<Q: Query, T: Real>(mut self) -> QueryResult<Vector> {
+        let tape = self.tape.downcast_ref::<Tape<T>>().expect("a tape in this precision");
+        Q::answer(tape, &mut Software::new(), &mut self.loader)
     }
 }

@@ -12,7 +12,7 @@ use std::marker::PhantomData;
 use std::sync::Arc;
 use zeroset_interval::{
     Enclosure, Exponent, Fact, Format, Interval, Machine, Operand, Software, Term,
-    Vector128 as Vector, enclose,
+    Vector128 as Vector,
 };
 use zeroset_ir::{Axis, Graph, Node, NodeId};
 use zeroset_ops::Op;
@@ -331,7 +331,7 @@ fn range_of<T: Real>(
         Step::Constant(bounds, exponent) => Operand { exponent: *exponent, ..given(*bounds) },
         Step::Apply(op, operands) => {
             let operands: Vec<_> = operands.iter().map(|&i| values[i]).collect();
-            let value = enclose(&mut Software::new(), T::FORMAT, *op, &operands);
+            let value = Software::enclose(T::FORMAT, *op, &operands);
             // The subtraction and the addition of 0 turn a zero of either sign into +0.
             let (lo, hi) = (0.0 - first::<T>(value.neg_lo), 0.0 + first::<T>(value.hi));
             let nowhere =

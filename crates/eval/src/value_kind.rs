@@ -91,6 +91,16 @@ pub trait Loader<M: Machine> {
     fn parameter(&mut self, m: &mut M, quantity: usize) -> M::V;
 }
 
+impl<M: Machine, L: Loader<M> + ?Sized> Loader<M> for &mut L {
+    fn input(&mut self, m: &mut M, quantity: usize) -> M::V {
+        (**self).input(m, quantity)
+    }
+
+    fn parameter(&mut self, m: &mut M, quantity: usize) -> M::V {
+        (**self).parameter(m, quantity)
+    }
+}
+
 /// Intervals with facts.
 #[derive(Clone, Copy, Debug)]
 pub struct Intervals;

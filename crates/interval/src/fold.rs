@@ -4,7 +4,6 @@ use crate::bounds::Interval;
 use crate::enclosure::{Claims, Exponent, Fact, Operand};
 use crate::facts::Facts;
 use crate::machine::Format;
-use crate::rules;
 use crate::software::{Software, Vector128};
 use crate::unbounded::{product, quotient};
 use zeroset_ops::{Class, Op};
@@ -47,6 +46,10 @@ impl From<(Interval, Facts)> for Decorated {
 /// If the number of operands is not the arity of `op`.
 pub fn fold<V: Copy + Into<Decorated>>(op: Op, operands: &[V]) -> (Interval, Facts) {
     let values: Vec<Decorated> = operands.iter().map(|&operand| operand.into()).collect();
+    fold_decorated(op, &values)
+}
+
+fn fold_decorated(op: Op, values: &[Decorated]) -> (Interval, Facts) {
     let operands: Vec<Operand<Vector128>> = values
         .iter()
         .map(|&Decorated { bounds: range, facts, exponent }| {
@@ -62,7 +65,7 @@ pub fn fold<V: Copy + Into<Decorated>>(op: Op, operands: &[V]) -> (Interval, Fac
             Operand { value: facts.with(bounds), range, exponent }
         })
         .collect();
-    let value = rules::enclose(&mut Software::new(), Format::F64, op, &operands);
+    let value = Software::enclose(Format::F64, op, &operands);
     let (neg_lo, hi) = (value.neg_lo.f64()[0], value.hi.f64()[0]);
     let facts = [
         (value.facts.nowhere, Facts::NOWHERE),

@@ -1,7 +1,11 @@
 //! The machine that computes in software: the reference for every kernel.
 
+use crate::enclosure::{Enclosure, Exponent, Operand};
 use crate::machine::{Format, Machine, has_fma};
+use crate::point::evaluate;
 use crate::round::{f32_up, f64_up};
+use crate::rules::enclose;
+use zeroset_ops::Op;
 
 /// The lanes of a vector, as bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,6 +80,32 @@ impl Software {
     #[must_use]
     pub fn new() -> Self {
         Self { fuses: has_fma() }
+    }
+
+    /// Encloses `op` as [`enclose`] does. Unlike that function, it is compiled in this crate alone.
+    ///
+    /// # Panics
+    /// If the number of operands is not the arity of `op`.
+    pub fn enclose(
+        format: Format,
+        op: Op,
+        operands: &[Operand<Vector128>],
+    ) -> Enclosure<Vector128> {
+        enclose(&mut Self::new(), format, op, operands)
+    }
+
+    /// Evaluates `op` as [`evaluate`] does. Unlike that function, it is compiled in this crate
+    /// alone.
+    ///
+    /// # Panics
+    /// If the number of operands is not the arity of `op`.
+    pub fn evaluate(
+        format: Format,
+        op: Op,
+        operands: &[Vector128],
+        exponent: Exponent,
+    ) -> Vector128 {
+        evaluate(&mut Self::new(), format, op, operands, exponent)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Kernels in other arithmetics than [`Native`](crate::Native) uses, to measure what rigor costs.
 //!
-//! A picture must never be based on results of these kernels. So they have their own type and exist
-//! only with the feature `comparison`. They use the same rules as [`Native`](crate::Native), but
+//! A picture must never be based on results of these kernels. So they have their own type, and CI
+//! checks that the program holds none of this code. They use the same rules as [`Native`](crate::Native), but
 //! their [`Machine`] rounds differently.
 
 use crate::code::Code;

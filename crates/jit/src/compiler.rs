@@ -18,10 +18,13 @@ use cranelift_codegen::{CompiledCode, Context};
 use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{Module, default_libcall_names};
+use std::any::Any;
 use std::marker::PhantomData;
 use std::sync::OnceLock;
-use zeroset_eval::{Batch, LANES, Lanes, Loader, Output, Query, QueryResult, Real, Tape};
-use zeroset_interval::Fact;
+use zeroset_eval::{
+    Batch, LANES, Lanes, Loader, Output, Query, QueryNumber, QueryResult, QueryTask, Real, Tape,
+};
+use zeroset_interval::{Fact, Format};
 
 /// Largest number of operations in a kernel. More would take too long to compile, even in
 /// [`Tier::Fast`].
@@ -148,7 +151,6 @@ fn is_large(function: &Function) -> bool {
 
 /// Like [`compile`], but `other` computes the result, on a machine that wraps the emitter. Always
 /// uses the optimizing tier.
-#[cfg(feature = "comparison")]
 pub fn compile_for_comparison<Q: Query, T: Real>(
     tape: &Tape<T>,
     other: impl Fn(&mut Emitter<'_, '_>, &mut BatchPointers<T>) -> QueryResult<LaneVector>,
@@ -322,7 +324,32 @@ pub fn trusted() -> MemFlagsData {
 
 /// Builds a kernel's intermediate code for vectors of `width` bytes.
 fn build<Q: Query, T: Real>(tape: &Tape<T>, width: usize) -> Result<Function, Error> {
-    build_with::<Q, T>(tape, width, |emitter, cursor| Q::answer(tape, emitter, cursor))
+    build_any(Q::NUMBER, T::FORMAT, tape, width)
+}
+
+/// As [`build`]. It is compiled in this crate alone.
+fn build_any(
+    query: QueryNumber,
+    format: Format,
+    tape: &dyn Any,
+    width: usize,
+) -> Result<Function, Error> {
+    query.run(format, Build { tape, width })
+}
+
+struct Build<'a> {
+    /// A tape in the precision of the task.
+    tape: &'a dyn Any,
+    width: usize,
+}
+
+impl QueryTask for Build<'_> {
+    type Result = Result<Function, Error>;
+
+    fn run<Q: Query, T: Real>(self) -> Result<Function, Error> {
+        let tape = self.tape.downcast_ref::<Tape<T>>().expect("a tape in this precision");
+        build_with::<Q, T>(tape, self.width, |emitter, cursor| Q::answer(tape, emitter, cursor))
+    }
 }
 
 /// Like [`build`], but `write` emits the code that computes the result.

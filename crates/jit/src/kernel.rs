@@ -87,7 +87,6 @@ impl<Q: Query, T: Real> Compiled<Q, T> {
     ///
     /// # Panics
     /// As for [`Compiled::new`].
-    #[cfg(feature = "comparison")]
     pub fn narrow(tape: Tape<T>, widest: usize) -> Result<Self, Error> {
         Self::of_width(tape, widest)
     }

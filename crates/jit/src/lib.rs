@@ -4,10 +4,10 @@
 //!
 //! This is the only crate with unsafe code, in four files: `rounding` (the call), `code` (the
 //! memory), `kernel` and `threaded` (the safe handles). A fifth, `comparison`, is for measurements
-//! only. The crate knows nothing of rays or text.
+//! only: it is generic, so what does not use it does not contain it. The crate knows nothing of rays
+//! or text.
 
 mod code;
-#[cfg(feature = "comparison")]
 pub mod comparison;
 mod compiler;
 mod count;

@@ -16,7 +16,6 @@ static ROUND_NEAREST: u32 = 0x1f80;
 ///
 /// # Safety
 /// See [`call_rounding_up`].
-#[cfg(feature = "comparison")]
 #[inline]
 pub unsafe fn call_rounding_to_nearest(
     entry: KernelEntry,

@@ -17,8 +17,8 @@ use std::marker::PhantomData;
 use std::sync::{
     LazyLock, Mutex, OnceLock, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard,
 };
-use zeroset_eval::{Query, QueryValue, Real, Tape, ValueKind};
-use zeroset_interval::{Exponent, Interval, Term};
+use zeroset_eval::{Query, QueryNumber, QueryTask, QueryValue, Real, Tape, ValueKind};
+use zeroset_interval::{Exponent, Format, Interval, Term};
 use zeroset_ir::Axis;
 use zeroset_ops::Op;
 
@@ -200,8 +200,10 @@ impl<Q: Query, T: Real> StencilFinder<Q, T> {
             key.3.iter().map(|&number| cache.operands[number as usize]).collect();
         // Compiling must not keep others from reading.
         self.guard = None;
-        let stencil = make::<Q, T>(step, &operands, self.width)?;
-        Ok(self.write().stencils.entry(key).or_insert_with(|| Box::leak(Box::new(stencil))))
+        let stencil =
+            make_any(Q::NUMBER, T::FORMAT, Make { step, operands: &operands, width: self.width })?;
+        let stencil = stencil.downcast().expect("a stencil for the query");
+        Ok(self.write().stencils.entry(key).or_insert_with(|| Box::leak(stencil)))
     }
 }
 
@@ -223,6 +225,29 @@ fn load<Q: Query, T: Real>(
         values.push(Term { value, range: operand.range, exponent: operand.exponent });
     }
     values
+}
+
+/// Compiles a stencil. It is compiled in this crate alone.
+fn make_any(query: QueryNumber, format: Format, task: Make<'_>) -> Result<Box<dyn Any>, Error> {
+    query.run(format, task)
+}
+
+struct Make<'a> {
+    step: &'a StencilStep<'a>,
+    /// A vector of operands of the task's query.
+    operands: &'a dyn Any,
+    width: usize,
+}
+
+impl QueryTask for Make<'_> {
+    /// A stencil for the task's query.
+    type Result = Result<Box<dyn Any>, Error>;
+
+    fn run<Q: Query, T: Real>(self) -> Result<Box<dyn Any>, Error> {
+        let operands = self.operands.downcast_ref::<Vec<StencilOperand<Q>>>();
+        let operands = operands.expect("operands of this query");
+        Ok(Box::new(make::<Q, T>(self.step, operands, self.width)?))
+    }
 }
 
 /// Compiles a stencil.

@@ -282,7 +282,6 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
     ///
     /// # Panics
     /// As for [`Threaded::new`].
-    #[cfg(feature = "comparison")]
     pub fn narrow(tape: Tape<T>, binding: &Binding<T>, width: usize) -> Result<Self, Error> {
         let tape = Arc::new(tape.coarse());
         let stencils = Arc::new(StencilTape::of_width(&tape, binding, width)?);

@@ -3,7 +3,7 @@
 //! They are computed in ordinary floats. No proof depends on them.
 
 use crate::view::nearest;
-use zeroset_interval::{Exponent, Format, Software, Vector128, evaluate};
+use zeroset_interval::{Exponent, Format, Software, Vector128};
 use zeroset_ir::{Constant, Node, NodeId};
 use zeroset_syntax::{POINT_NAMES, PointValue};
 
@@ -64,7 +64,7 @@ impl<'a> PointValues<'a> {
                     let exponent = last.map_or(Exponent::Real, Constant::exponent);
                     inputs.clear();
                     inputs.extend(operands.iter().map(|id| known[id.index()]));
-                    evaluate(&mut Software::new(), Format::F64, *op, inputs, exponent)
+                    Software::evaluate(Format::F64, *op, inputs, exponent)
                 }
             };
         }
