@@ -39,15 +39,6 @@ pub enum ChartCommand {
     /// row of `certified` is 0 for no root, 1 for a root or 2 for open, then the two bounds of the
     /// first root. Distances are from the origin in world units; a missing distance is NaN.
     Rays(RaysArguments),
-    /// Time kernels and pictures in three arithmetics: unsound, widened and rounded up
-    ///
-    /// Writes `rigour.svg` and `rigour.csv`. A row of the table is one kernel or picture of a
-    /// surface in one arithmetic.
-    Rigour(RigourArguments),
-    /// Time compilation by formula size, for the gallery and for generated sums and products
-    ///
-    /// Writes `compile-time.svg`, `compile-code.svg` and `compile.csv`, with a row per formula.
-    Compile(CompileArguments),
     /// Draw time against the number of parts, from the rows that `benches/rivals` has measured
     ///
     /// Writes `parts.svg`.
@@ -155,42 +146,6 @@ pub struct RaysArguments {
     #[arg(long, default_value_t = 1e-6, value_name = "SHARE", value_parser = tolerance)]
     pub within: f64,
     /// Directory for the files
-    #[arg(short, long, value_name = "DIRECTORY")]
-    pub output: PathBuf,
-}
-
-/// Arguments of `rigour`.
-#[derive(Args, Debug)]
-pub struct RigourArguments {
-    /// Surfaces without parameters and poles, named as for `run`; the ten of `run` if none is given
-    pub surfaces: Vec<String>,
-    /// Side of the square pictures, in pixels
-    #[arg(long, default_value_t = 256, value_name = "PIXELS", value_parser = number(8..=8192))]
-    pub size: usize,
-    /// Number of times that each kernel and each picture is measured
-    #[arg(long, default_value_t = 15, value_parser = number(1..=100_000))]
-    pub repeats: usize,
-    /// Seed of the boxes and the order of measurements
-    #[arg(long, default_value_t = 1)]
-    pub seed: u64,
-    /// Directory for the rows and the chart
-    #[arg(short, long, value_name = "DIRECTORY")]
-    pub output: PathBuf,
-}
-
-/// Arguments of `compile`.
-#[derive(Args, Debug)]
-pub struct CompileArguments {
-    /// Approximate number of nodes of the largest sum and product
-    #[arg(long, default_value_t = 3000, value_parser = number(12..=100_000))]
-    pub nodes: usize,
-    /// Number of times that each formula is compiled
-    #[arg(long, default_value_t = 15, value_parser = number(1..=100_000))]
-    pub repeats: usize,
-    /// Seed of the numbers in sums and products, and of the order of measurements
-    #[arg(long, default_value_t = 1)]
-    pub seed: u64,
-    /// Directory for the rows and the charts
     #[arg(short, long, value_name = "DIRECTORY")]
     pub output: PathBuf,
 }

@@ -9,11 +9,9 @@ use std::process::ExitCode;
 use zeroset_chart::arguments::{ChartArguments, ChartCommand};
 use zeroset_chart::charts::draw_all;
 use zeroset_chart::check::check;
-use zeroset_chart::growth::growth;
 use zeroset_chart::page::write_page;
 use zeroset_chart::parts::parts;
 use zeroset_chart::rays::rays;
-use zeroset_chart::rigour::rigour;
 use zeroset_chart::run::run;
 use zeroset_chart::stability::stability;
 use zeroset_chart::store::Store;
@@ -58,8 +56,6 @@ fn dispatch(arguments: &ChartArguments, text: &mut String) -> Result<ExitCode> {
             draw(&arguments.output, text)?;
         }
         ChartCommand::Stability(arguments) => text.push_str(&stability(arguments)?),
-        ChartCommand::Rigour(arguments) => text.push_str(&rigour(arguments)?),
-        ChartCommand::Compile(arguments) => text.push_str(&growth(arguments)?),
         ChartCommand::Parts(arguments) => text.push_str(&parts(arguments)?),
         ChartCommand::Rays(arguments) => text.push_str(&rays(arguments)?),
         ChartCommand::Draw { directory } => draw(directory, text)?,

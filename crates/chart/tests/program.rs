@@ -3,8 +3,6 @@
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
-use zeroset_chart::growth;
-use zeroset_chart::rigour::{self, Workload};
 
 fn chart(arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_zeroset-chart")).args(arguments).output().expect("it runs")
@@ -111,77 +109,11 @@ fn difficult_formulas_are_named_after_what_becomes_of_them() {
     assert_eq!(rows[4]["errors"]["roots"], 400, "{}", rows[4]);
 }
 
-/// The rows of a CSV file.
-fn parsed<T: serde::de::DeserializeOwned>(path: &Path) -> Vec<T> {
-    let mut reader = csv::Reader::from_path(path).expect("a file");
-    reader.deserialize().collect::<Result<_, _>>().expect("rows")
-}
-
-#[test]
-fn rigour_has_a_price() {
-    let directory = tempfile::tempdir().expect("a directory");
-    let path = directory.path().to_str().expect("UTF-8");
-    let output =
-        chart(&["rigour", "sphere", "gyroid", "--size", "64", "--repeats", "3", "-o", path]);
-    assert!(output.status.success(), "{output:?}");
-    let rows: Vec<rigour::RigourRow> = parsed(&directory.path().join("rigour.csv"));
-    // A row for each of 2 surfaces, 4 workloads (3 kernels and a picture), 2 precisions, 3
-    // arithmetics.
-    assert_eq!(rows.len(), 2 * 4 * 2 * 3, "{rows:?}");
-    for row in &rows {
-        assert!(row.ns > 0.0 && row.ns_lower <= row.ns && row.ns <= row.ns_upper, "{row:?}");
-        assert_eq!(row.code_bytes.is_some(), row.asked != Workload::Picture, "{row:?}");
-        match row.arithmetic.as_str() {
-            "unsound" => assert_eq!(row.times_unsound, 1.0),
-            "upward" => assert!(row.width.is_none_or(|width| width == 1.0), "{row:?}"),
-            // The widened arithmetic has at least the width of the rounded-up one.
-            _ => assert!(row.width.is_none_or(|width| width >= 1.0), "{row:?}"),
-        }
-    }
-    // At points, all width comes from rounding. Compared with rounding up, the unsound arithmetic
-    // has less width, and the widened one has more.
-    let of = |arithmetic: &'static str| rows.iter().filter(move |row| row.arithmetic == arithmetic);
-    for ((unsound, widened), upward) in of("unsound").zip(of("widened")).zip(of("upward")) {
-        if unsound.asked == Workload::Boxes {
-            let [unsound, widened] = [unsound, widened].map(|row| row.width_at_points);
-            assert!(unsound < Some(1.0) && widened > Some(1.5), "{unsound:?} {widened:?}");
-        }
-        if let (Some(own), Some(more)) = (upward.code_bytes, widened.code_bytes) {
-            assert!(own < more, "{upward:?} {widened:?}");
-        }
-    }
-    let drawn = fs::read_to_string(directory.path().join("rigour.svg")).expect("a chart");
-    assert!(drawn.contains("rounded up") && drawn.contains("picture f64"));
-}
-
-#[test]
-fn compiling_takes_longer_the_larger_the_formula_is() {
-    let directory = tempfile::tempdir().expect("a directory");
-    let path = directory.path().to_str().expect("UTF-8");
-    let output = chart(&["compile", "--nodes", "300", "--repeats", "2", "-o", path]);
-    assert!(output.status.success(), "{output:?}");
-    let rows: Vec<growth::GrowthRow> = parsed(&directory.path().join("compile.csv"));
-    for source in [growth::FormulaSource::Sum, growth::FormulaSource::Product] {
-        let of_source: Vec<_> = rows.iter().filter(|row| row.source == source).collect();
-        assert!(of_source.len() > 5, "{of_source:?}");
-        let [first, last] = [of_source[0], of_source[of_source.len() - 1]];
-        assert!(first.nodes < 20 && last.nodes > 150, "{first:?} {last:?}");
-        assert!(of_source.iter().all(|row| row.forms && row.kernels > 1), "{of_source:?}");
-        assert!(of_source.is_sorted_by_key(|row| row.code_bytes), "{of_source:?}");
-        assert!(last.compile_ms > first.compile_ms, "{first:?} {last:?}");
-    }
-    assert!(rows.iter().filter(|row| row.source == growth::FormulaSource::Gallery).count() > 60);
-    for name in ["compile-time.svg", "compile-code.svg"] {
-        let drawn = fs::read_to_string(directory.path().join(name)).expect(name);
-        assert!(drawn.contains("nodes^"), "{name}");
-    }
-}
-
 #[test]
 fn what_cannot_be_done_is_said_once() {
     let directory = tempfile::tempdir().expect("a directory");
     let path = directory.path().to_str().expect("UTF-8");
-    let wrong: [(&[&str], &str); 10] = [
+    let wrong: [(&[&str], &str); 8] = [
         (&["stability", "no-such-case", "-o", path], "there is no case 'no-such-case'"),
         (&["stability", "--budget", "0", "-o", path], "a number of seconds"),
         (&["run", "no-such-surface", "-o", path], "there is no surface 'no-such-surface'"),
@@ -189,8 +121,6 @@ fn what_cannot_be_done_is_said_once() {
         (&["run", "sphere", "--tolerances", "0", "-o", path], "a tolerance is a number of pixels"),
         (&["run", "sphere", "--precision", "f16", "-o", path], "f32, f64, auto"),
         (&["run", "sphere"], "--output"),
-        (&["rigour", "no-such-surface", "-o", path], "there is no surface 'no-such-surface'"),
-        (&["rigour", "enneper-minimal", "-o", path], "without parameters and poles"),
         (&["check", path], "rows.json"),
     ];
     for (arguments, expected) in wrong {

@@ -98,7 +98,6 @@ impl<T: Real> Tape<T> {
                 }
             };
             let (range, exponent) = (self.range(index), step.exponent());
-            let value = Intervals::clamp_to::<T, M>(m, value, range);
             values.push(Operand { value, range, exponent });
         }
         let outputs = self.outputs_at().iter().map(|&output| values[output].value).collect();

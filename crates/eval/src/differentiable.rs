@@ -77,15 +77,6 @@ impl ValueKind for Smoothness {
         Some(both.map(|value| smooth::<T, M>(m, op, &[*operand], value)))
     }
 
-    fn clamp_to<T: Real, M: Machine>(
-        m: &mut M,
-        value: Smooth<M::V>,
-        range: Interval,
-    ) -> Smooth<M::V> {
-        let bounds = Intervals::clamp_to::<T, M>(m, value.value, range);
-        Smooth { value: bounds, ..value }
-    }
-
     fn bounds<T: Real, M: Machine>(
         _: &mut M,
         value: &Term<Smooth<M::V>>,

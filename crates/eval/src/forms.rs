@@ -42,10 +42,8 @@ impl<V: Copy> RayRange<V> {
     ) -> Self {
         let ends = P::ENDS.map(|quantity| loader.input(m, quantity));
         let half = m.number(format, 0.5);
-        let middle = m.unrounded(|m| {
-            let sum = m.add(ends[0], ends[1]);
-            m.mul(sum, half)
-        });
+        let sum = m.add(ends[0], ends[1]);
+        let middle = m.mul(sum, half);
         let (after, before) = (m.sub(ends[1], middle), m.sub(middle, ends[0]));
         Self { middle, half: m.max(after, before) }
     }
@@ -63,10 +61,8 @@ impl Path<1> for SegmentPath {
         let [origin, direction, error] =
             [0, 3, 6].map(|first| loader.input(m, first + axis as usize));
         // `error` already includes the rounding of these operations.
-        let (centre, slope) = m.unrounded(|m| {
-            let slope = m.mul(depth.half, direction);
-            (m.mul_add(direction, depth.middle, origin), slope)
-        });
+        let slope = m.mul(depth.half, direction);
+        let centre = m.mul_add(direction, depth.middle, origin);
         Form::coordinate(centre, [slope], error)
     }
 }
@@ -95,20 +91,18 @@ impl Path<3> for TilePath {
         let spread = m.mul_add(sizes[1], reach[1], spread);
         let error = m.mul_add(spread, half, error);
         // `error` already includes the rounding of these operations.
-        let (centre, slopes) = m.unrounded(|m| {
-            let [across, upward] = [(o_a, d_a, 0), (o_b, d_b, 1)].map(|(o, d, axis)| {
-                let per_unit = m.mul_add(middle, d, o);
-                m.mul(reach[axis], per_unit)
-            });
-            let mut through_centre = |base, a, b| {
-                let sum = m.mul_add(a, centre[0], base);
-                m.mul_add(b, centre[1], sum)
-            };
-            let (origin, direction) = (through_centre(o, o_a, o_b), through_centre(d, d_a, d_b));
-            let depth = m.mul(half, direction);
-            (m.mul_add(direction, middle, origin), [across, upward, depth])
+        let [across, upward] = [(o_a, d_a, 0), (o_b, d_b, 1)].map(|(o, d, axis)| {
+            let per_unit = m.mul_add(middle, d, o);
+            m.mul(reach[axis], per_unit)
         });
-        Form::coordinate(centre, slopes, error)
+        let mut through_centre = |base, a, b| {
+            let sum = m.mul_add(a, centre[0], base);
+            m.mul_add(b, centre[1], sum)
+        };
+        let (origin, direction) = (through_centre(o, o_a, o_b), through_centre(d, d_a, d_b));
+        let depth = m.mul(half, direction);
+        let centre = m.mul_add(direction, middle, origin);
+        Form::coordinate(centre, [across, upward, depth], error)
     }
 }
 

@@ -252,10 +252,7 @@ impl<T: Real> Tape<T> {
                     }
                 }
             };
-            let mut value = Q::Kind::clamp_to::<T, M>(m, value, range);
-            if self.is_coarse {
-                value = Q::Kind::settled::<T, M>(m, value);
-            }
+            let value = if self.is_coarse { Q::Kind::settled::<T, M>(m, value) } else { value };
             terms.push(Term { value, range, exponent: step.exponent() });
         }
         self.outputs.iter().map(|&output| terms[output].value).collect()

@@ -50,14 +50,6 @@ pub trait ValueKind: Copy + Send + Sync + 'static {
         op: Op,
         operand: &Term<Self::Value<M::V>>,
     ) -> Option<[Self::Value<M::V>; 2]>;
-    /// Returns a value that is known to be within `range`, see [`Machine::clamp_to`].
-    fn clamp_to<T: Real, M: Machine>(
-        _m: &mut M,
-        value: Self::Value<M::V>,
-        _range: Interval,
-    ) -> Self::Value<M::V> {
-        value
-    }
     /// Returns the value with all delayed work done, so that few shapes of values exist.
     fn settled<T: Real, M: Machine>(_m: &mut M, value: Self::Value<M::V>) -> Self::Value<M::V> {
         value
@@ -182,16 +174,6 @@ impl ValueKind for Intervals {
         enclose_sincos(m, T::FORMAT, op, operand)
     }
 
-    fn clamp_to<T: Real, M: Machine>(
-        m: &mut M,
-        value: Enclosure<M::V>,
-        range: Interval,
-    ) -> Enclosure<M::V> {
-        let neg_lo = m.clamp_to(T::FORMAT, value.neg_lo, -range.lo);
-        let hi = m.clamp_to(T::FORMAT, value.hi, range.hi);
-        Enclosure { neg_lo, hi, ..value }
-    }
-
     fn bounds<T: Real, M: Machine>(
         _: &mut M,
         value: &Term<Enclosure<M::V>>,
@@ -306,14 +288,6 @@ impl<P: Path<N>, const N: usize> ValueKind for Forms<P, N> {
         operand: &Term<Form<M::V, N>>,
     ) -> Option<[Form<M::V, N>; 2]> {
         linearise_sincos(m, T::FORMAT, op, operand)
-    }
-
-    fn clamp_to<T: Real, M: Machine>(
-        m: &mut M,
-        value: Form<M::V, N>,
-        range: Interval,
-    ) -> Form<M::V, N> {
-        value.clamp_to(m, T::FORMAT, range)
     }
 
     fn settled<T: Real, M: Machine>(m: &mut M, value: Form<M::V, N>) -> Form<M::V, N> {

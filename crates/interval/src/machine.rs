@@ -129,30 +129,4 @@ pub trait Machine {
     {
         inputs.map(|row| routine(self, row))
     }
-
-    // The methods below have no effect on a machine that rounds up. They serve a machine that
-    // rounds to nearest and widens each result: they tell it which results to widen.
-
-    /// Runs `routine`, whose results are exact or have their rounding counted by the caller. So a
-    /// machine that rounds to nearest need not widen them.
-    fn unrounded<R>(&mut self, routine: impl FnOnce(&mut Self) -> R) -> R
-    where
-        Self: Sized,
-    {
-        routine(self)
-    }
-    /// Rounds a bound from [`Machine::unrounded`] outward. Needed for a bound whose last rounding
-    /// the caller does not count.
-    fn outward(&mut self, bound: Self::V) -> Self::V {
-        bound
-    }
-    /// Clamps `bound` to `most`, a limit that rules rely on. A machine that rounds up never exceeds
-    /// it, so only other machines clamp. `most` is exact in `format`.
-    fn clamp_to(&mut self, _format: Format, bound: Self::V, _most: f64) -> Self::V {
-        bound
-    }
-    /// Returns whether affine forms include rounding in their errors.
-    fn counts_rounding(&self) -> bool {
-        true
-    }
 }

@@ -149,16 +149,6 @@ fn is_large(function: &Function) -> bool {
     function.dfg.num_insts() > FAST_TIER_FROM
 }
 
-/// Like [`compile`], but `other` computes the result, on a machine that wraps the emitter. Always
-/// uses the optimizing tier.
-pub fn compile_for_comparison<Q: Query, T: Real>(
-    tape: &Tape<T>,
-    other: impl Fn(&mut Emitter<'_, '_>, &mut BatchPointers<T>) -> QueryResult<LaneVector>,
-) -> Result<Code, Error> {
-    let write = |width| build_with::<Q, T>(tape, width, &other);
-    generate(write, Some(Tier::Optimizing), usize::MAX)
-}
-
 /// Generates code in memory. `write` creates intermediate code for vectors of a given number of
 /// bytes. The widest vectors up to `widest` bytes are tried first. Without a `tier`, the code's
 /// size decides which tier to use.
@@ -348,26 +338,19 @@ impl QueryTask for Build<'_> {
 
     fn run<Q: Query, T: Real>(self) -> Result<Function, Error> {
         let tape = self.tape.downcast_ref::<Tape<T>>().expect("a tape in this precision");
-        build_with::<Q, T>(tape, self.width, |emitter, cursor| Q::answer(tape, emitter, cursor))
+        assert_eq!(tape.outputs(), Q::OUTPUTS, "expressions that answer for {}", Q::NAME);
+        if tape.operations() > OPERATION_LIMIT {
+            return Err(Error::TooLarge { operations: tape.operations(), limit: OPERATION_LIMIT });
+        }
+        let mut counter = Counter::default();
+        Q::answer(tape, &mut counter, &mut NullLoader);
+        if counter.0 > INSTRUCTION_LIMIT {
+            return Err(Error::TooLong { instructions: counter.0, limit: INSTRUCTION_LIMIT });
+        }
+        write_function(|builder, arguments| {
+            write_kernel::<Q, T>(builder, arguments, self.width, tape);
+        })
     }
-}
-
-/// Like [`build`], but `write` emits the code that computes the result.
-fn build_with<Q: Query, T: Real>(
-    tape: &Tape<T>,
-    width: usize,
-    write: impl Fn(&mut Emitter<'_, '_>, &mut BatchPointers<T>) -> QueryResult<LaneVector>,
-) -> Result<Function, Error> {
-    assert_eq!(tape.outputs(), Q::OUTPUTS, "expressions that answer for {}", Q::NAME);
-    if tape.operations() > OPERATION_LIMIT {
-        return Err(Error::TooLarge { operations: tape.operations(), limit: OPERATION_LIMIT });
-    }
-    let mut counter = Counter::default();
-    Q::answer(tape, &mut counter, &mut NullLoader);
-    if counter.0 > INSTRUCTION_LIMIT {
-        return Err(Error::TooLong { instructions: counter.0, limit: INSTRUCTION_LIMIT });
-    }
-    write_function(|builder, arguments| write_kernel::<Q, T>(builder, arguments, width, write))
 }
 
 /// Writes intermediate code of a function with `N` arguments, up to its return.
@@ -394,7 +377,7 @@ fn write_kernel<Q: Query, T: Real>(
     builder: &mut FunctionBuilder<'_>,
     [inputs, outputs, count, parameters, _guards]: [Value; KERNEL_ARGUMENTS],
     width: usize,
-    write: impl Fn(&mut Emitter<'_, '_>, &mut BatchPointers<T>) -> QueryResult<LaneVector>,
+    tape: &Tape<T>,
 ) {
     let (body, end) = (builder.create_block(), builder.create_block());
     // Parameters of the loop's block: the addresses of the next lanes in the input and output
@@ -406,7 +389,7 @@ fn write_kernel<Q: Query, T: Real>(
     builder.switch_to_block(body);
     let mut cursor = BatchPointers::<T>::new(input, parameters);
     let mut emitter = Emitter::new(builder, width);
-    let answer = write(&mut emitter, &mut cursor);
+    let answer = Q::answer(tape, &mut emitter, &mut cursor);
     let (known, found) = store_result::<T>(&mut emitter, answer, output);
     let mut all = masks;
     if let Some(found) = found {

@@ -3,12 +3,9 @@
 //! by stencils: code for single steps, which is never freed.
 //!
 //! This is the only crate with unsafe code, in four files: `rounding` (the call), `code` (the
-//! memory), `kernel` and `threaded` (the safe handles). A fifth, `comparison`, is for measurements
-//! only: it is generic, so what does not use it does not contain it. The crate knows nothing of rays
-//! or text.
+//! memory), `kernel` and `threaded` (the safe handles). The crate knows nothing of rays or text.
 
 mod code;
-pub mod comparison;
 mod compiler;
 mod count;
 mod error;

@@ -12,30 +12,6 @@ static ROUND_UP: u32 = 0x5f80;
 #[cfg(target_arch = "x86_64")]
 static ROUND_NEAREST: u32 = 0x1f80;
 
-/// Calls `entry` in the current rounding mode, which is to nearest.
-///
-/// # Safety
-/// See [`call_rounding_up`].
-#[inline]
-pub unsafe fn call_rounding_to_nearest(
-    entry: KernelEntry,
-    input: *const u8,
-    output: *mut u8,
-    count: usize,
-    parameters: *const u8,
-) {
-    #[cfg(not(target_arch = "x86_64"))]
-    type KernelFn = unsafe extern "C" fn(*const u8, *mut u8, usize, *const u8, usize);
-    #[cfg(target_arch = "x86_64")]
-    type KernelFn = unsafe extern "sysv64" fn(*const u8, *mut u8, usize, *const u8, usize);
-    // SAFETY: the caller vouches for the kernel and the pointers. Kernels have this signature and
-    // convention, whatever the rounding mode.
-    unsafe {
-        let kernel: KernelFn = std::mem::transmute(entry);
-        kernel(input, output, count, parameters, 0);
-    }
-}
-
 /// Calls `entry` with the rounding mode set to +∞, then restores the default mode.
 ///
 /// # Safety

@@ -22,7 +22,7 @@ mod vanishing;
 
 pub use agreement::{KernelKind, agree};
 pub use contracting::{ContractionTally, Engine, KernelOptions, check_contraction};
-pub use enclosing::{compared_interval, enclose, native_interval};
+pub use enclosing::{enclose, native_interval};
 pub use linear::{FormTally, linear};
 pub use narrowing::check_narrowing;
 pub use picturing::{Pixel, RayClaim, picture};

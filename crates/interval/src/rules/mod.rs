@@ -20,7 +20,7 @@ pub(crate) use elementary::trigonometric::HalfPi;
 use crate::branch::Branch;
 use crate::enclosure::{Enclosure, Operand};
 use crate::machine::{Format, Machine};
-use zeroset_ops::{Class, Op};
+use zeroset_ops::Op;
 
 /// Encloses `op` over lanes of operands, all in `format`.
 ///
@@ -52,13 +52,7 @@ pub fn enclose_branch<M: Machine>(
 ) -> Enclosure<M::V> {
     assert_eq!(operands.len(), op.arity(), "{op:?}");
     let mut rule = Rule { m, format };
-    let row = op.row();
-    // The rule of powers calls `unrounded` and `outward` itself, where it needs them.
-    if row.excess.is_none() || row.class == Class::Power {
-        return rule.enclose(op, operands, branch);
-    }
-    let [value] = rule.approximated(|rule| [rule.enclose(op, operands, branch)]);
-    value
+    rule.enclose(op, operands, branch)
 }
 
 impl<M: Machine> Rule<'_, M> {
@@ -136,7 +130,7 @@ pub fn enclose_sincos<M: Machine>(
     if op.row().twin.is_none() || !rule.is_near(a.range) {
         return None;
     }
-    let [sin, cos] = rule.approximated(|rule| rule.near_waves(a));
+    let [sin, cos] = rule.near_waves(a);
     Some(if op == Op::Sin { [sin, cos] } else { [cos, sin] })
 }
 
@@ -204,22 +198,7 @@ impl<M: Machine> Rule<'_, M> {
     /// Computes −a exactly; a zero becomes +0.
     fn opposite_exactly(&mut self, a: M::V) -> M::V {
         let zero = self.zero();
-        self.m.unrounded(|m| m.sub(zero, a))
-    }
-
-    /// Runs `routine`, which encloses by approximations. Their stated errors include all rounding
-    /// but the last of each bound, which is rounded outward here.
-    pub(crate) fn approximated<const N: usize>(
-        &mut self,
-        routine: impl FnOnce(&mut Rule<'_, M>) -> [Enclosure<M::V>; N],
-    ) -> [Enclosure<M::V>; N] {
-        let format = self.format;
-        let values = self.m.unrounded(|m| routine(&mut Rule { m, format }));
-        values.map(|value| Enclosure {
-            neg_lo: self.m.outward(value.neg_lo),
-            hi: self.m.outward(value.hi),
-            ..value
-        })
+        self.m.sub(zero, a)
     }
 }
 

@@ -31,14 +31,11 @@ impl<M: Machine> Rule<'_, M> {
         let hi = self.m.sqrt(hi);
         // The root `up` is rounded up. If its square exceeds the operand, `up` is one float too
         // high for a lower bound. Else `up` is exact.
-        let neg_lo = self.m.unrounded(|m| {
-            let up = m.sqrt(lo);
-            let square = m.mul(up, up);
-            let inexact = m.lt(lo, square);
-            let down = m.int_add(up, inexact); // a set mask is −1
-            m.neg(down)
-        });
-        let neg_lo = self.m.outward(neg_lo);
+        let up = self.m.sqrt(lo);
+        let square = self.m.mul(up, up);
+        let inexact = self.m.lt(lo, square);
+        let down = self.m.int_add(up, inexact); // a set mask is −1
+        let neg_lo = self.m.neg(down);
         let own = self.nonneg(a);
         a.value.facts.and(self.m, &own).with([neg_lo, hi])
     }
@@ -191,15 +188,8 @@ impl<M: Machine> Rule<'_, M> {
     }
 
     /// Bounds of a power as −lo and hi, for a base that may be positive.
+    /// Both formats compute in `f64`.
     fn real_power_ends(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> (M::V, M::V) {
-        let format = self.format;
-        let (neg_lo, hi) = self.m.unrounded(|m| Rule { m, format }.approximated_power_ends(a, b));
-        (self.m.outward(neg_lo), self.m.outward(hi))
-    }
-
-    /// Like [`Self::real_power_ends`], but without the last rounding. Both formats compute in
-    /// `f64`.
-    fn approximated_power_ends(&mut self, a: &Operand<M::V>, b: &Operand<M::V>) -> (M::V, M::V) {
         // For a base that reaches 0, the logarithm starts at the least positive number. The result
         // is corrected below.
         let [base_lo, base_hi] = self.positive_ends(a);

@@ -11,7 +11,6 @@ use zeroset_eval::{
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
 use zeroset_jit::Native;
-use zeroset_jit::comparison::{Arithmetic, ComparisonKernel};
 use zeroset_ops::Op;
 
 /// Number of points checked in each tile.
@@ -61,8 +60,6 @@ pub enum Engine {
     Reference,
     /// Native code.
     Native,
-    /// Native code in this arithmetic.
-    ComparisonKernel(Arithmetic),
 }
 
 impl KernelOptions {
@@ -72,9 +69,6 @@ impl KernelOptions {
         Some(match self.engine {
             Engine::Reference => Box::new(Reference::new(tape, binding)),
             Engine::Native => Box::new(Native::new(tape, binding).expect("compiles")),
-            Engine::ComparisonKernel(arithmetic) => {
-                Box::new(ComparisonKernel::new(tape, binding, arithmetic).expect("compiles"))
-            }
         })
     }
 }
@@ -133,7 +127,7 @@ pub fn check_contraction<T: Adversarial>(
         // The reference evaluator gives the same bits as native code, and needs no compiling.
         let kernel_options = match kernel_options.engine {
             Engine::Native => KernelOptions { engine: Engine::Reference, ..kernel_options },
-            Engine::Reference | Engine::ComparisonKernel(_) => kernel_options,
+            Engine::Reference => kernel_options,
         };
         if let Some(lost) = lost_root::<T>(kernel_options, case, &tiles, probe, *claim, &mut all) {
             return Err(explain_root::<T>(kernel_options, case, &tiles[lost], probe, values));

@@ -5,7 +5,6 @@ use crate::{Adversarial, Case, Rng};
 use zeroset_eval::{Binding, Enclose, Kernel, Real, Tape};
 use zeroset_ir::{rewrite, simplify};
 use zeroset_jit::Native;
-use zeroset_jit::comparison::{Arithmetic, ComparisonKernel};
 
 /// Compiles a case to native code in the same steps as a document: simplified over its domain, with
 /// parameters bound. Returns `None` if the graph is too large.
@@ -15,18 +14,6 @@ use zeroset_jit::comparison::{Arithmetic, ComparisonKernel};
 pub fn native_interval<T: Real>(case: &Case) -> Option<Box<dyn Kernel<Enclose, T>>> {
     let tape = tape_of::<T>(case)?;
     Some(Box::new(Native::new(tape, Binding::new(&case.parameters)).expect("compiles")))
-}
-
-/// Compiles a case like [`native_interval`], but in an arithmetic that only measurements use.
-///
-/// # Panics
-/// If the code does not compile.
-pub fn compared_interval<T: Real>(
-    case: &Case,
-    arithmetic: Arithmetic,
-) -> Option<Box<dyn Kernel<Enclose, T>>> {
-    let (tape, binding) = (tape_of::<T>(case)?, Binding::new(&case.parameters));
-    Some(Box::new(ComparisonKernel::new(tape, binding, arithmetic).expect("compiles")))
 }
 
 /// Returns the tape of a case, simplified over its domain.

@@ -12,7 +12,6 @@ mod programs;
 mod properties;
 mod reference;
 mod reproduce;
-mod rigour;
 mod shortening;
 mod simplify;
 mod slopes;

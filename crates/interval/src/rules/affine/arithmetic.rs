@@ -38,9 +38,6 @@ impl<M: Machine> Rule<'_, M> {
 
     /// Adds the rounding error of `units` units of `magnitude` to `error`.
     pub(super) fn rounded(&mut self, error: Option<M::V>, units: f64, magnitude: M::V) -> M::V {
-        if !self.m.counts_rounding() {
-            return error.unwrap_or_else(|| self.zero());
-        }
         let units = self.number(units * self.unit());
         match error {
             Some(error) => self.m.mul_add(magnitude, units, error),
@@ -149,7 +146,7 @@ impl<M: Machine> Rule<'_, M> {
         let magnitude = self.m.mul(a_magnitude, size);
         let mut error = self.tiny();
         if let Some(a_error) = a.error {
-            error = Some(self.product_plus(a_error, size, error));
+            error = self.m.mul_add(a_error, size, error);
         }
         if exact.is_none()
             && let Some(factor_error) = b.error
@@ -159,12 +156,12 @@ impl<M: Machine> Rule<'_, M> {
                 Some(error) => self.m.add(a_magnitude, error),
                 None => a_magnitude,
             };
-            error = Some(self.product_plus(most, factor_error, error));
+            error = self.m.mul_add(most, factor_error, error);
         }
         Form {
-            centre: self.m.unrounded(|m| m.mul(a.centre, by)),
+            centre: self.m.mul(a.centre, by),
             slopes,
-            error,
+            error: Some(error),
             magnitude: Some(magnitude),
             units: a.units + 1.25,
             ..a
@@ -184,25 +181,22 @@ impl<M: Machine> Rule<'_, M> {
         // The last symbol runs along the ray, and its square is in [0, 1]. Half the coefficient of
         // this square is added to the center.
         let half = self.number(0.5);
-        let (depth, centre, slopes) = self.m.unrounded(|m| {
-            let depth = m.mul(a_slopes[N - 1], b_slopes[N - 1]);
-            let centre = m.mul(a.centre, b.centre);
-            let centre = m.mul_add(depth, half, centre);
-            let slopes = std::array::from_fn(|k| {
-                let first = m.mul(a.centre, b_slopes[k]);
-                m.mul_add(a_slopes[k], b.centre, first)
-            });
-            (depth, centre, slopes)
+        let depth = self.m.mul(a_slopes[N - 1], b_slopes[N - 1]);
+        let centre = self.m.mul(a.centre, b.centre);
+        let centre = self.m.mul_add(depth, half, centre);
+        let slopes = std::array::from_fn(|k| {
+            let first = self.m.mul(a.centre, b_slopes[k]);
+            self.m.mul_add(a_slopes[k], b.centre, first)
         });
         // The error bounds all products of symbols, less the half that was added to the center. It
         // still counts the rounding of that half.
         let size = self.m.abs(depth);
         let tiny = self.tiny();
         let mut error = if N == 1 {
-            self.product_plus(size, half, tiny)
+            self.m.mul_add(size, half, tiny)
         } else {
             // The order matters: if `depth` is ∞, so are the spreads, and the error is NaN.
-            let spreads = self.product_plus(a_spread, b_spread, tiny);
+            let spreads = self.m.mul_add(a_spread, b_spread, tiny);
             let share = self.number(-0.5 * (1.0 - 8.0 * self.unit()));
             self.m.mul_add(size, share, spreads)
         };
@@ -245,14 +239,14 @@ impl<M: Machine> Rule<'_, M> {
         let curved = self.m.mul(spread, spread);
         let curved = self.m.mul(curved, half);
         let [twice] = self.pairwise([a.centre], [a.centre], M::add);
-        let mut error = self.plus_tiny(Some(curved)).expect("an error");
+        let mut error = self.plus_tiny(curved);
         let magnitude = self.m.mul_add(most, most, error);
         if let Some(a_error) = self.error_of(a) {
             let two = self.number(2.0);
             let both = self.m.mul_add(most, two, a_error);
             error = self.m.mul_add(both, a_error, error);
         }
-        let centre = self.m.unrounded(|m| m.mul_add(a.centre, a.centre, curved));
+        let centre = self.m.mul_add(a.centre, a.centre, curved);
         let slopes = self.pairwise([twice; N], slopes, M::mul);
         let form = Form::total(centre, Some(slopes), Some(error));
         Form { magnitude: Some(magnitude), units: 3.0, facts: a.facts, ..form }
@@ -333,10 +327,10 @@ impl<M: Machine> Rule<'_, M> {
         if let Some(a_error) = self.error_of(a) {
             error = self.m.mul_add(a_error, size, error);
         }
-        let error = self.plus_tiny(Some(error));
-        let centre = self.m.unrounded(|m| m.mul_add(a.centre, slope, middle));
+        let error = self.plus_tiny(error);
+        let centre = self.m.mul_add(a.centre, slope, middle);
         let slopes = a.slopes.map(|slopes| self.pairwise(slopes, [slope; N], M::mul));
-        let form = Form::total(centre, slopes, error);
+        let form = Form::total(centre, slopes, Some(error));
         Form { magnitude: Some(magnitude), units: 2.5, facts: a.facts, ..form }
     }
 

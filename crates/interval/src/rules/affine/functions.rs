@@ -366,7 +366,7 @@ impl<M: Machine> Rule<'_, M> {
         let size = self.m.abs(slope);
         let (off, more) = (self.m.mul(size, share), self.m.mul(bend, share));
         let bend = self.m.add(bend, more);
-        let off = self.plus_tiny(Some(off)).expect("a bound");
+        let off = self.plus_tiny(off);
         Derivatives { slope, off, bend: [bend, bend] }
     }
 }

@@ -63,15 +63,6 @@ impl<V: Copy, const N: usize> Form<V, N> {
         Rule { m, format }.error_of(self)
     }
 
-    /// Clamps the bounds of a form whose value is known to lie in `range`.
-    #[must_use]
-    pub fn clamp_to<M: Machine<V = V>>(self, m: &mut M, format: Format, range: Interval) -> Self {
-        let ends = [-range.lo, range.hi];
-        let bounds =
-            self.bounds.map(|bounds| [0, 1].map(|k| m.clamp_to(format, bounds[k], ends[k])));
-        Self { bounds, ..self }
-    }
-
     /// The form with delayed rounding included in its error.
     #[must_use]
     pub fn settled<M: Machine<V = V>>(self, m: &mut M, format: Format) -> Self {
@@ -268,23 +259,14 @@ impl<M: Machine> Rule<'_, M> {
         2f64.powi(self.format.pick(-23, -52))
     }
 
-    fn plus_tiny(&mut self, error: Option<M::V>) -> Option<M::V> {
+    fn plus_tiny(&mut self, error: M::V) -> M::V {
         let tiny = self.tiny();
-        self.sum_of(error, tiny)
+        self.m.add(error, tiny)
     }
 
-    /// More than the sum of the errors of a dozen results below the normal numbers. `None` if the
-    /// machine does not count rounding.
-    fn tiny(&mut self) -> Option<M::V> {
-        self.m.counts_rounding().then(|| self.m.bits(self.format, 64))
-    }
-
-    /// a · b + `more`, where `None` stands for 0.
-    fn product_plus(&mut self, a: M::V, b: M::V, more: Option<M::V>) -> M::V {
-        match more {
-            Some(more) => self.m.mul_add(a, b, more),
-            None => self.m.mul(a, b),
-        }
+    /// More than the sum of the errors of a dozen results below the normal numbers.
+    fn tiny(&mut self) -> M::V {
+        self.m.bits(self.format, 64)
     }
 
     /// The form that has only the bounds from the operation's interval rule.
@@ -311,10 +293,8 @@ impl<M: Machine> Rule<'_, M> {
     /// The middle of bounds, and at least half their width: lo and hi are within middle ± half.
     fn middle(&mut self, neg_lo: M::V, hi: M::V) -> (M::V, M::V) {
         let half = self.number(0.5);
-        let middle = self.m.unrounded(|m| {
-            let sum = m.sub(hi, neg_lo);
-            m.mul(sum, half)
-        });
+        let sum = self.m.sub(hi, neg_lo);
+        let middle = self.m.mul(sum, half);
         let above = self.m.sub(hi, middle);
         let below = self.m.add(neg_lo, middle);
         (middle, self.m.max(above, below))
@@ -373,7 +353,7 @@ impl<M: Machine> Rule<'_, M> {
         b: [M::V; N],
         op: impl Fn(&mut M, M::V, M::V) -> M::V,
     ) -> [M::V; N] {
-        self.m.unrounded(|m| std::array::from_fn(|k| op(m, a[k], b[k])))
+        std::array::from_fn(|k| op(self.m, a[k], b[k]))
     }
 
     /// The operand's bounds for an interval rule. For a form that depends on a symbol, they are the

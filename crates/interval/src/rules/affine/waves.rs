@@ -32,19 +32,16 @@ impl<M: Machine> Rule<'_, M> {
     ) -> [Form<M::V, N>; 2] {
         let bounds = self.operand(a);
         let (middle, reach) = self.middle(bounds.value.neg_lo, bounds.value.hi);
-        let format = self.format;
         let [sin, cos] = if self.is_near(a.range) {
             let share = self.number(NEAR_UNITS * self.unit());
-            let values = self.m.unrounded(|m| Rule { m, format }.near_waves_at(middle));
+            let values = self.near_waves_at(middle);
             values.map(|value| {
                 let size = self.m.abs(value);
                 WaveValue { value, size, off: self.m.mul(size, share) }
             })
         } else {
             let point = self.point(middle, &bounds);
-            let bounds = self.m.unrounded(|m| Rule { m, format }.waves_of_point(&point));
-            bounds.map(|ends| {
-                let [neg_lo, hi] = ends.map(|end| self.m.outward(end));
+            self.waves_of_point(&point).map(|[neg_lo, hi]| {
                 let (value, off) = self.middle(neg_lo, hi);
                 WaveValue { value, size: self.m.abs(value), off }
             })
@@ -81,10 +78,8 @@ impl<M: Machine> Rule<'_, M> {
             let bend = self.m.max(bend, zero);
             self.m.mul(bend, place.square)
         });
-        let offset = self.m.unrounded(|m| {
-            let shift = m.sub(q, p);
-            m.add(here.value, shift)
-        });
+        let shift = self.m.sub(q, p);
+        let offset = self.m.add(here.value, shift);
         let curved = self.m.add(q, p);
         let with_rounding = self.number(1.0 + 4.0 * self.unit());
         let mut error = self.m.mul_add(curved, with_rounding, here.off);
@@ -92,11 +87,11 @@ impl<M: Machine> Rule<'_, M> {
         if let Some(a_error) = self.error_of(a) {
             error = self.m.mul_add(a_error, slope.size, error);
         }
-        let error = self.plus_tiny(Some(error));
+        let error = self.plus_tiny(error);
         let magnitude = self.magnitude_of(a);
         let magnitude = self.m.mul_add(magnitude, slope.size, here.size);
-        let error = self.rounded(error, 2.5, magnitude);
-        let centre = self.m.unrounded(|m| m.mul_add(a.centre, slope.value, offset));
+        let error = self.rounded(Some(error), 2.5, magnitude);
+        let centre = self.m.mul_add(a.centre, slope.value, offset);
         let slopes = a.slopes.map(|slopes| self.pairwise(slopes, [slope.value; N], M::mul));
         let value = a.facts.with(wide);
         self.with_bounds(&Form::total(centre, slopes, Some(error)), &value)

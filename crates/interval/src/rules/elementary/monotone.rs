@@ -56,10 +56,8 @@ impl<M: Machine> Rule<'_, M> {
             [approx.negated_lower(&near), approx.upper(&near)]
         };
         let format = self.format;
-        let bounds = self
-            .m
-            .unrounded(|m| at_ends(m, format, ends, bounds_at, |_, [a, b], [c, d]| [a, b, c, d]));
-        let [neg_first, first, neg_last, last] = bounds.map(|bound| self.m.outward(bound));
+        let [neg_first, first, neg_last, last] =
+            at_ends(self.m, format, ends, bounds_at, |_, [a, b], [c, d]| [a, b, c, d]);
         [[neg_first, first], [neg_last, last]]
     }
 
