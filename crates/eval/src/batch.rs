@@ -492,16 +492,26 @@ impl<T: Real> Points<T> {
     /// Returns batches of all `points` in order, with coordinates rounded to nearest.
     pub fn near<P: Copy + Into<[f64; 3]>>(points: &[P]) -> Vec<Self> {
         let batches = points.chunks(LANES).map(|chunk| {
-            let mut batch = Self { count: chunk.len() as u32, ..Self::default() };
-            for (lane, point) in chunk.iter().enumerate() {
-                let point: [f64; 3] = (*point).into();
-                for (axis, coordinate) in point.into_iter().enumerate() {
-                    batch.at[axis][lane] = T::nearest(coordinate);
-                }
-            }
+            let mut batch = Self::default();
+            batch.set_near(chunk.iter().copied());
             batch
         });
         batches.collect()
+    }
+
+    /// Makes this a batch of `points`, with coordinates rounded to nearest.
+    ///
+    /// # Panics
+    /// If there are more than [`LANES`] points.
+    pub fn set_near<P: Into<[f64; 3]>>(&mut self, points: impl Iterator<Item = P>) {
+        self.count = 0;
+        for (lane, point) in points.enumerate() {
+            let point: [f64; 3] = point.into();
+            for (axis, coordinate) in point.into_iter().enumerate() {
+                self.at[axis][lane] = T::nearest(coordinate);
+            }
+            self.count += 1;
+        }
     }
 }
 

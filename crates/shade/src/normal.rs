@@ -19,7 +19,7 @@ use at_roots::{Start, gradients_at_roots, mean_normal};
 use glam::DVec3;
 use zeroset_eval::{Kernel, Kernels, LANES, Points, Real, Sample, SampleGradient};
 use zeroset_space::Ray;
-use zeroset_trace::painted::SHADED_ROWS;
+use zeroset_trace::painted::{PixelWindow, SHADED_ROWS};
 use zeroset_trace::{GBuffer, KernelStats, RayGrid, Rows, Status};
 
 /// The kernel that normals are computed with.
@@ -79,9 +79,17 @@ struct Rest {
 struct BandNormals<'a> {
     /// The picture's normals; empty if it does not keep them.
     kept: &'a mut [[f32; 3]],
-    /// Normals that are needed only until colors are computed. Empty until one is stored.
-    own: Vec<[f32; 3]>,
-    pixels: usize,
+    /// If the picture keeps no normals: those of the windows that wait for some of them.
+    waiting: Vec<[[f32; 3]; LANES]>,
+}
+
+/// A painted pixel without a normal.
+#[derive(Clone, Copy)]
+struct OpenPixel {
+    /// Its index in the rows.
+    pixel: usize,
+    /// The index of its normal in [`BandNormals::all`].
+    place: usize,
 }
 
 impl BandNormals<'_> {
@@ -89,12 +97,27 @@ impl BandNormals<'_> {
         !self.kept.is_empty()
     }
 
+    /// Adds a window that waits for the normals of its wanted lanes. `known` has those of its other
+    /// lanes, unless normals are kept. Then they are stored already.
+    #[inline(always)]
+    fn wait(
+        &mut self,
+        window: PixelWindow,
+        known: impl FnOnce() -> [[f32; 3]; LANES],
+        open: &mut Vec<OpenPixel>,
+    ) {
+        let first = if self.is_kept() {
+            window.index
+        } else {
+            self.waiting.push(known());
+            LANES * (self.waiting.len() - 1)
+        };
+        let pixel = |lane| OpenPixel { pixel: window.index + lane, place: first + lane };
+        open.extend(window.lanes().map(pixel));
+    }
+
     fn all(&mut self) -> &mut [[f32; 3]] {
-        if self.is_kept() {
-            return self.kept;
-        }
-        self.own.resize(self.pixels, [0.0; 3]);
-        &mut self.own
+        if self.is_kept() { self.kept } else { self.waiting.as_flattened_mut() }
     }
 }
 
@@ -113,7 +136,7 @@ impl<T: Real> NormalSource<'_, T> {
         let windows = rows.windows();
         let (kept, columns) = rows.columns();
         let seen = ShadingInput { columns, paint: &[] };
-        let mut normals = BandNormals { kept, own: Vec::new(), pixels: seen.columns.drawn.len() };
+        let mut normals = BandNormals { kept, waiting: Vec::new() };
         let open = self.of_band(&seen, &mut normals, rays, &windows, canvas.as_mut(), &mut work);
         let rest = |pixel: usize| {
             let ray = rays.ray_of(start_of_rows + pixel);
@@ -127,14 +150,16 @@ impl<T: Real> NormalSource<'_, T> {
             }
         };
         for open in open.chunks(BATCH) {
-            let rests: Vec<Rest> = open.iter().map(|&pixel| rest(pixel)).collect();
-            for (&pixel, found) in open.iter().zip(self.of_batch(&rests, rays, step, &mut work)) {
-                normals.all()[pixel] = found;
+            let rests: Vec<Rest> = open.iter().map(|open| rest(open.pixel)).collect();
+            let found = self.of_batch(&rests, rays, step, &mut work);
+            for (open, found) in open.iter().zip(found) {
+                normals.all()[open.place] = found;
             }
         }
-        if let Some(canvas) = canvas {
-            let normals = if canvas.left.is_empty() { &[][..] } else { normals.all() };
-            canvas.finish(&seen, normals);
+        match canvas {
+            Some(canvas) if normals.is_kept() => canvas.finish(&seen, normals.kept),
+            Some(canvas) => canvas.finish_waiting(&seen, &normals.waiting),
+            None => {}
         }
         work
     }
@@ -167,9 +192,12 @@ impl<T: Real> NormalSource<'_, T> {
             });
             reach *= STEP_GROWTH;
         }
-        let before: Vec<DVec3> = rests.iter().map(|rest| rest.ray.at(-rest.step)).collect();
-        let unresolved = normals.iter().any(Option::is_none);
-        let values = if unresolved { self.sample(&before, work) } else { Vec::new() };
+        let values = if normals.iter().all(Option::is_some) {
+            Vec::new()
+        } else {
+            let before: Vec<DVec3> = rests.iter().map(|rest| rest.ray.at(-rest.step)).collect();
+            self.sample(&before, work)
+        };
         normals
             .into_iter()
             .enumerate()
@@ -277,15 +305,6 @@ fn gradients<T: Real>(
     points: impl Iterator<Item = DVec3>,
     work: &mut KernelStats,
 ) -> Vec<DVec3> {
-    gradients_and_values(kernel, points, work).into_iter().map(|(_, gradient)| gradient).collect()
-}
-
-/// Samples of the function and its gradient at points.
-fn gradients_and_values<T: Real>(
-    kernel: &dyn Kernel<SampleGradient, T>,
-    points: impl Iterator<Item = DVec3>,
-    work: &mut KernelStats,
-) -> Vec<(f64, DVec3)> {
     let points: Vec<DVec3> = points.collect();
     let batches = Points::near(&points);
     for batch in &batches {
@@ -295,8 +314,7 @@ fn gradients_and_values<T: Real>(
     (0..points.len())
         .map(|k| {
             let gradient = out[k / LANES].gradient.each_ref();
-            let value: f64 = out[k / LANES].value[k % LANES].into();
-            (value, DVec3::from_array(gradient.map(|axis| axis[k % LANES].into())))
+            DVec3::from_array(gradient.map(|axis| axis[k % LANES].into()))
         })
         .collect()
 }

@@ -4,9 +4,9 @@
 //! close by its direction changes quickly. So the zero is found by Newton's method along the ray.
 //! At a multiple zero itself, the gradients at simple zeros beside it are averaged.
 
-use super::{gradients_and_values, unit};
+use super::unit;
 use glam::DVec3;
-use zeroset_eval::{Kernel, SampleGradient};
+use zeroset_eval::{Gradients, Kernel, LANES, Points, SampleGradient};
 use zeroset_space::Ray;
 use zeroset_trace::KernelStats;
 
@@ -37,26 +37,33 @@ pub(super) fn gradients_at_roots(
     work: &mut KernelStats,
 ) -> Vec<Option<DVec3>> {
     let mut found = vec![None; starts.len()];
+    // The number of a start, the ray's t of the next sample, and the length of the last step.
     let mut open: Vec<(usize, f64, f64)> = (0..starts.len()).map(|k| (k, 0.0, f64::MAX)).collect();
+    let (mut points, mut samples) = (Points::default(), Gradients::default());
     for _ in 0..STEPS {
-        if open.is_empty() {
-            break;
-        }
-        let points = open.iter().map(|&(k, t, _)| starts[k].ray.at(t));
-        let samples = gradients_and_values(kernel, points, work);
-        let mut left = Vec::with_capacity(open.len());
-        for ((k, t, last), (value, gradient)) in open.into_iter().zip(samples) {
-            let Start { ray, pixel } = &starts[k];
-            let step = -value / gradient.dot(ray.direction);
-            let length = step.abs() / pixel;
-            let simple = length <= SHRINKING * last || length <= ROUNDING;
-            if length <= CLOSE && simple {
-                found[k] = Some(gradient);
-            } else if (t + step).abs() <= REACH * pixel {
-                left.push((k, t + step, length));
+        let mut left = 0;
+        for first in (0..open.len()).step_by(LANES) {
+            let lanes = first..open.len().min(first + LANES);
+            points.set_near(open[lanes.clone()].iter().map(|&(k, t, _)| starts[k].ray.at(t)));
+            work.gradient.called(points.count);
+            kernel.eval(&points, &mut samples);
+            for (lane, number) in lanes.enumerate() {
+                let (k, t, last) = open[number];
+                let Start { ray, pixel } = &starts[k];
+                let gradient =
+                    DVec3::from_array(samples.gradient.each_ref().map(|axis| axis[lane]));
+                let step = -samples.value[lane] / gradient.dot(ray.direction);
+                let length = step.abs() / pixel;
+                let simple = length <= SHRINKING * last || length <= ROUNDING;
+                if length <= CLOSE && simple {
+                    found[k] = Some(gradient);
+                } else if (t + step).abs() <= REACH * pixel {
+                    open[left] = (k, t + step, length);
+                    left += 1;
+                }
             }
         }
-        open = left;
+        open.truncate(left);
     }
     found
 }

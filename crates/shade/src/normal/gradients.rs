@@ -1,7 +1,7 @@
 //! Normals from gradients, for sixteen pixels of a window at a time. Colors are computed while the
 //! normals are in registers.
 
-use super::{BandNormals, NormalSource};
+use super::{BandNormals, NormalSource, OpenPixel};
 use crate::shade::{ColoredRows, ShadingInput, ViewAndNormals};
 use fearless_simd::{Level, dispatch, f32x16, prelude::*, u32x16};
 use zeroset_eval::{Gradients, Kernel, LANES, Lanes, Points, Real, SampleGradient};
@@ -26,7 +26,7 @@ impl<T: Real> NormalSource<'_, T> {
         windows: &[PixelWindow],
         canvas: Option<&mut ColoredRows<'_>>,
         work: &mut KernelStats,
-    ) -> Vec<usize> {
+    ) -> Vec<OpenPixel> {
         if let Self::Refined { double, everywhere: true, .. } = self
             && let Ok(kernel) = double.gradients()
         {
@@ -40,9 +40,23 @@ impl<T: Real> NormalSource<'_, T> {
         if let Some(canvas) = canvas {
             canvas.left.extend(windows);
         }
-        let is_faced = |pixel: &usize| !seen.columns.cap.get(*pixel).is_some_and(|cap| *cap);
-        windows.iter().flat_map(|window| window.pixels()).filter(is_faced).collect()
+        let mut open = Vec::new();
+        for &window in windows {
+            let missing = PixelWindow { wanted: window.wanted & !caps(seen, window), ..window };
+            normals.wait(missing, || [[0.0; 3]; LANES], &mut open);
+        }
+        open
     }
+}
+
+/// The lanes of a window that are on a cap.
+#[inline(always)]
+fn caps(seen: &ShadingInput<'_>, window: PixelWindow) -> u32 {
+    if seen.columns.cap.is_empty() {
+        return 0;
+    }
+    let cap = *window.load(seen.columns.cap, &mut [false; LANES]);
+    bits(|lane| cap[lane])
 }
 
 struct BandGradients<'a, 'c, 'n, T: Real> {
@@ -52,14 +66,13 @@ struct BandGradients<'a, 'c, 'n, T: Real> {
     seen: &'a ShadingInput<'a>,
     normals: &'a mut BandNormals<'n>,
     canvas: Option<&'a mut ColoredRows<'c>>,
-    /// Pixels whose normals are not found.
-    open: Vec<usize>,
+    open: Vec<OpenPixel>,
     work: &'a mut KernelStats,
 }
 
 impl<T: Real> BandGradients<'_, '_, '_, T> {
     /// Computes the normals of all pixels that have a gradient. Returns the pixels without one.
-    fn found(mut self, windows: &[PixelWindow]) -> Vec<usize> {
+    fn found(mut self, windows: &[PixelWindow]) -> Vec<OpenPixel> {
         dispatch!(Level::new(), simd => self.compute_normals(simd, windows));
         self.open
     }
@@ -76,7 +89,7 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
             for (k, (&window, to_eye)) in some.iter().zip(&mut eyes).enumerate() {
                 let ways = self.rays.ways(simd, window);
                 *to_eye = ways.to_eye;
-                open[k] = window.wanted & !self.caps(window);
+                open[k] = window.wanted & !caps(self.seen, window);
                 let window = PixelWindow { wanted: open[k], ..window };
                 if window.wanted != 0 {
                     self.place(simd, window, &ways, &mut points[k]);
@@ -99,16 +112,6 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
         }
     }
 
-    /// The lanes of a window that are on a cap.
-    #[inline(always)]
-    fn caps(&self, window: PixelWindow) -> u32 {
-        if self.seen.columns.cap.is_empty() {
-            return 0;
-        }
-        let cap = *window.load(self.seen.columns.cap, &mut [false; LANES]);
-        bits(|lane| cap[lane])
-    }
-
     /// The lanes of a window whose gradients change near the painted point.
     #[inline(always)]
     fn uneven(&self, window: PixelWindow) -> u32 {
@@ -128,13 +131,17 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
         found: u32,
     ) {
         let is_faced = found == window.wanted;
-        // Normals of a window that is painted right away are not needed later.
-        if open != 0 && (self.normals.is_kept() || !is_faced) {
-            store(&faced.1, PixelWindow { wanted: found, ..window }, self.normals.all());
+        if open != 0 && self.normals.is_kept() {
+            PixelWindow { wanted: found, ..window }.store(by_lane(&faced.1), self.normals.kept);
         }
-        if found != open {
+        if !is_faced {
             let missing = PixelWindow { wanted: open & !found, ..window };
-            self.open.extend(missing.pixels());
+            self.normals.wait(
+                missing,
+                #[inline(always)]
+                || by_lane(&faced.1),
+                &mut self.open,
+            );
         }
         if let Some(canvas) = &mut self.canvas {
             if is_faced {
@@ -221,9 +228,9 @@ fn units<S: Simd, T: Real>(simd: S, vectors: &[Lanes<T>; 3]) -> ([f32x16<S>; 3],
     ([x * scale, y * scale, z * scale], found.to_bitmask() as u32)
 }
 
-/// Stores a window's vectors.
+/// The vectors of a window, lane by lane.
 #[inline(always)]
-fn store<S: Simd>(units: &[f32x16<S>; 3], window: PixelWindow, all: &mut [[f32; 3]]) {
+fn by_lane<S: Simd>(units: &[f32x16<S>; 3]) -> [[f32; 3]; LANES] {
     let mut axes = [[0.0; LANES]; 3];
     for (lanes, unit) in axes.iter_mut().zip(units) {
         unit.store_slice(lanes);
@@ -232,5 +239,5 @@ fn store<S: Simd>(units: &[f32x16<S>; 3], window: PixelWindow, all: &mut [[f32; 
     for (lane, vector) in vectors.iter_mut().enumerate() {
         *vector = [axes[0][lane], axes[1][lane], axes[2][lane]];
     }
-    window.store(vectors, all);
+    vectors
 }

@@ -101,6 +101,18 @@ impl ColoredRows<'_> {
         );
     }
 
+    /// As [`ColoredRows::finish`], with the normals of each of the windows, lane by lane.
+    pub(crate) fn finish_waiting(self, seen: &ShadingInput<'_>, normals: &[[[f32; 3]; LANES]]) {
+        let Self { shader, mut colors, left } = self;
+        dispatch!(shader.level, simd => {
+            for (&window, normals) in left.iter().zip(normals) {
+                let to_eye = shader.rays.ways(simd, window).to_eye;
+                let faced = (to_eye, by_axis(simd, normals));
+                shader.paint(simd, seen, window, Some(faced), &mut colors);
+            }
+        });
+    }
+
     /// Paints windows whose normals are in the G-buffer `seen`.
     pub(super) fn windows(&mut self, seen: &ShadingInput<'_>, windows: &[PixelWindow]) {
         let Self { shader, colors, .. } = self;
