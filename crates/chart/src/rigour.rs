@@ -31,7 +31,7 @@ use zeroset_eval::{ContractSegments, ContractTiles, Enclose, Input, Kernel, Kern
 use zeroset_jit::comparison::Arithmetic;
 use zeroset_scene::program::Program;
 use zeroset_scene::view;
-use zeroset_trace::{Driver, GBuffer, Method, Precision, TraceOptions};
+use zeroset_trace::{Driver, GBuffer, Method, Precision, RayGrid, TraceOptions};
 
 /// Least time that a kernel runs between two readings of the clock.
 const MIN_RUN: Duration = Duration::from_micros(300);
@@ -218,7 +218,7 @@ impl Plan<'_> {
         let tracer = affine
             .prepare(set, &self.surface.region, options)
             .map_err(ChartError::of_surface(&self.surface.name))?;
-        let rays = self.view.camera.rays(size, size);
+        let rays = RayGrid::new(&self.view.camera, size, size);
         let mut buffer = GBuffer::new(size, size, 0);
         Driver { rays: &rays, tracer: &*tracer, advance: &|_| true }.picture(&mut buffer);
         let undecided = buffer.counts().undecided;

@@ -24,9 +24,8 @@ use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::blank::Blank;
 use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::view::{CameraChoice, ClipChoice, DomainChoice, SceneError};
-use zeroset_space::Region;
+use zeroset_space::{Camera, Region};
 use zeroset_syntax::{Document, ErrorKind, Errors, Options};
-use zeroset_trace::Camera;
 
 /// Choice of axes around the region's box. With axes, an automatic view shows the whole box.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -217,8 +217,7 @@ mod tests {
     use crate::picture::Settings;
     use glam::DVec3;
     use zeroset_scene::curves::TracedCurves;
-    use zeroset_space::Region;
-    use zeroset_trace::{Camera, Projection};
+    use zeroset_space::{Camera, Projection, Region};
 
     fn picture(text: &str) -> (Picture, Camera, Region) {
         let document = zeroset_syntax::read(text, &zeroset_syntax::Options::default());

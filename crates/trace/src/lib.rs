@@ -1,4 +1,4 @@
-//! Tracing: cameras, rays, methods and the G-buffer that their results go to.
+//! Tracing: pictures' rays, methods and the G-buffer that their results go to.
 //!
 //! A method evaluates kernels to find where each ray first meets the zero set. The driver writes
 //! the results into a [`GBuffer`]. [`cap_rows`] adds the faces where a region cuts a solid. This
@@ -7,7 +7,6 @@
 
 mod band;
 pub mod buffer_pool;
-mod camera;
 mod driver;
 mod gbuffer;
 mod grid;
@@ -26,7 +25,6 @@ mod squares;
 mod surface_ids;
 
 pub use band::Band;
-pub use camera::{Camera, CameraError, Projection};
 pub use driver::{BAND_ROWS, Driver};
 pub use gbuffer::{GBuffer, Kept, PixelCounts};
 pub use grid::{Patch, RayDirections, RayGrid, SIDE, Window};

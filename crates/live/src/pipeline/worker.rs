@@ -13,9 +13,9 @@ use zeroset_scene::blank::Blank;
 use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::program::Program;
 use zeroset_scene::view::{self, CameraChoice, SceneError};
-use zeroset_space::Region;
+use zeroset_space::{Camera, Region};
 use zeroset_syntax::{Document, Errors};
-use zeroset_trace::{Camera, Proves, TraceOptions};
+use zeroset_trace::{Proves, TraceOptions};
 
 /// Least depth of a coarse picture. The depth is the number of halvings along a ray.
 const LEAST_DEPTH: u32 = 6;

@@ -2,9 +2,9 @@
 //!
 //! A long run: `ZEROSET_CASES=100000 cargo test --release -p zeroset-trace edges -- --nocapture`.
 
-use crate::camera::{Camera, Projection};
 use crate::driver::Driver;
 use crate::gbuffer::GBuffer;
+use crate::grid::RayGrid;
 use crate::method::Method;
 use crate::options::{Precision, TraceOptions};
 use crate::packet::tests::{exact, inside};
@@ -18,7 +18,7 @@ use zeroset_eval::{
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Constant, Graph, NodeId};
 use zeroset_ops::Op;
-use zeroset_space::{HalfSpace, Ray, Region};
+use zeroset_space::{Camera, HalfSpace, Projection, Ray, Region};
 use zeroset_testkit::{Adversarial, Effort, Rng};
 
 /// Number of columns, and of rows, of a picture.
@@ -173,7 +173,7 @@ fn statuses(region: &Region, shape: &Shape, rng: &mut Rng) -> Option<Vec<(Ray, S
     let options = TraceOptions { precision, tiles: rng.bool(), ..TraceOptions::default() };
     let affine = Method::named("affine").expect("a row");
     let tracer = affine.prepare(&kernels, region, options).expect("kernels");
-    let rays = camera.rays(SIDE, SIDE);
+    let rays = RayGrid::new(&camera, SIDE, SIDE);
     let mut buffer = GBuffer::new(SIDE, SIDE, 0);
     Driver { rays: &rays, tracer: &*tracer, advance: &|_| true }.picture(&mut buffer);
     Some((0..SIDE * SIDE).map(|pixel| (rays.ray_of(pixel), buffer.status[pixel])).collect())

@@ -6,7 +6,6 @@
 use super::frame::RayFrame;
 use super::plane::PlaneLanes;
 use super::screens::outward;
-use crate::camera::{Camera, Projection};
 use crate::grid::RayGrid;
 use crate::packet::tests::{exact, inside};
 use crate::scalar::Scalar;
@@ -14,7 +13,7 @@ use fearless_simd::{Level, dispatch};
 use glam::DVec3;
 use num_rational::BigRational;
 use zeroset_eval::{LANES, Lanes, Planes, Segments, Tiles};
-use zeroset_space::{Ray, Region};
+use zeroset_space::{Camera, Projection, Ray, Region};
 use zeroset_testkit::simd::levels;
 use zeroset_testkit::{Adversarial, Effort, Ends, Rng};
 
@@ -109,7 +108,7 @@ fn picture(rng: &mut Rng) -> Option<(Region, RayGrid, RayFrame)> {
     };
     let up = [DVec3::Y, DVec3::Z, DVec3::new(1.0, 2.0, -1.0)][rng.u32(0..3) as usize];
     let camera = Camera::new(eye, target, up, projection).ok()?;
-    let rays = camera.rays(SIDE as usize, SIDE as usize);
+    let rays = RayGrid::new(&camera, SIDE as usize, SIDE as usize);
     let frame = RayFrame::new(&rays, &region);
     Some((region, rays, frame))
 }
