@@ -3,10 +3,10 @@
 //!
 //! A long run: `ZEROSET_CASES=100000 cargo test --release -p zeroset-trace exact -- --nocapture`.
 
-use super::frame::RayFrame;
-use super::plane::PlaneLanes;
-use super::screens::outward;
 use crate::grid::RayGrid;
+use crate::methods::affine::frame::RayFrame;
+use crate::methods::affine::plane::PlaneLanes;
+use crate::methods::affine::screens::outward;
 use crate::packet::tests::{exact, inside};
 use crate::scalar::Scalar;
 use fearless_simd::{Level, dispatch};
