@@ -5,12 +5,13 @@ use serde_json::json;
 use std::fmt::Write as _;
 use zeroset_interval::Interval;
 use zeroset_live::{Rendering, Request, quote};
+use zeroset_parser::Limits;
+use zeroset_parser::tree::ast::Statement;
 use zeroset_render::model::{Located, true_digits};
 use zeroset_render::picture::Precision;
 use zeroset_scene::view::nearest;
 use zeroset_space::Ray;
-use zeroset_syntax::ast::Statement;
-use zeroset_syntax::{Document, Limits, Parameter, ParameterKind, parse};
+use zeroset_syntax::{Document, Parameter, ParameterKind, parse};
 use zeroset_trace::{Proves, RayGrid, Status, UndecidedReason};
 
 /// A pixel of a rendering, and the surface point that is visible in it.

@@ -14,6 +14,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use zeroset_parser::{ErrorKind, Errors};
 use zeroset_render::model::Model;
 use zeroset_render::overlay::{Overlay, PictureView};
 use zeroset_render::picture::{ColorDepth, Picture, Settings};
@@ -21,7 +22,7 @@ use zeroset_render::png_file::PngFormat;
 use zeroset_render::sequence::{Sequence, Stage, Sweep};
 use zeroset_scene::{proportions, view};
 use zeroset_space::Camera;
-use zeroset_syntax::{ErrorKind, Errors, Options};
+use zeroset_syntax::Options;
 use zeroset_trace::{Method, RayGrid};
 
 /// Largest number of frames. An hour at 60 frames per second has less than a quarter as many.

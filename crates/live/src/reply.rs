@@ -1,8 +1,8 @@
 //! The reply to an entered line, or its refusal. Knows neither documents nor commands.
 
 use super::pipeline::missing_letter;
+use zeroset_parser::Errors;
 use zeroset_scene::program::ProgramError;
-use zeroset_syntax::Errors;
 
 /// The reply to an entered line. Some replies ask the caller to do something.
 #[derive(Clone, Debug, PartialEq)]
