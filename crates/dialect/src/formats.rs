@@ -2,6 +2,7 @@
 //! scanned in a copy of the text in which all else is blank, so places stay the same.
 
 use crate::plot_arguments::PlotRange;
+use crate::program::ForeignText;
 use crate::program_words::Words;
 use crate::scheme::scheme;
 use std::ops::Range;
@@ -10,9 +11,6 @@ use zeroset_parser::lex::spelling::short_name;
 use zeroset_parser::lex::token::Token;
 use zeroset_parser::lex::token_kind::TokenKind::{self, Equals, X, Y, Z};
 use zeroset_parser::{Error, ErrorKind, Fallible, Limits, Note, NoteKind, Span};
-
-/// The statements of a text of another format, and notes on its domain and on what is not read.
-pub(crate) type ForeignText = (Vec<Vec<Token>>, Vec<Note>);
 
 /// Number of keys that a note quotes.
 const MAX_KEYS: usize = 6;

@@ -7,6 +7,7 @@
 
 use rustc_hash::FxHashSet;
 use zeroset_parser::Note;
+use zeroset_parser::lex::token::Token;
 use zeroset_parser::tree::ast::Name;
 use zeroset_parser::tree::built_statement::BuiltStatement;
 use zeroset_parser::tree::raw_statement::RawStatement;
@@ -36,3 +37,6 @@ pub struct PastedProgram {
     /// Notes on what was left out or changed.
     pub notes: Vec<Note>,
 }
+
+/// The statements of a text of another format, and notes on its domain and on what is not read.
+pub(crate) type ForeignText = (Vec<Vec<Token>>, Vec<Note>);

@@ -1,7 +1,7 @@
 //! Reads formulas in the prefix notation of libfive, such as `(- (+ (square x) (square y)) 1)`.
 
-use crate::formats::ForeignText;
 use crate::plot_arguments::PlotRange;
+use crate::program::ForeignText;
 use crate::program_words::Words;
 use zeroset_parser::lex::scanner::scan;
 use zeroset_parser::lex::spelling::short_name;

@@ -5,10 +5,9 @@ use super::draft::{
     completes, drawing, draws, draws_function, entered, with_drawing, without_scenery,
 };
 use super::pipeline::Request;
-use super::reply::{Refusal, Reply, refused};
+use super::reply::{Refusal, Reply, no_such, refused};
 use super::session::Live;
 use super::source::DocumentSource;
-use super::surfaces::no_such;
 use super::undo::{Checkpoint, Gesture};
 use super::values::{self, TIME, defined};
 use std::borrow::Cow;

@@ -86,3 +86,12 @@ pub(super) fn say(text: String) -> Result<Reply, Refusal> {
 pub(super) fn refused<T>(message: String) -> Result<T, Refusal> {
     Err(Refusal::Command(message))
 }
+
+/// The error for a number outside 1 to `count`. `noun` says what is counted, such as surfaces.
+pub(super) fn no_such(noun: &str, number: usize, count: usize) -> Refusal {
+    Refusal::Command(match count {
+        0 => "nothing is drawn".to_owned(),
+        1 => format!("there is no {noun} {number}; there is only {noun} 1"),
+        _ => format!("there is no {noun} {number}; they are numbered 1 to {count}"),
+    })
+}

@@ -3,16 +3,15 @@
 mod axes;
 mod canvas;
 mod curves;
-mod legend;
 mod letters;
 mod projector;
 mod ticks;
 
 pub use canvas::{Canvas, Rgb};
-pub use legend::{Legend, round_step};
 pub use letters::with_minus;
 pub use projector::PictureView;
 
+use crate::legend::Legend;
 use crate::picture::Picture;
 use crate::pixels::Pixels;
 use axes::draw_box;

@@ -1,6 +1,5 @@
 //! The grid of rays of one picture: a camera together with a size in pixels.
 
-use crate::driver::BAND_ROWS;
 use crate::painted::PixelWindow;
 use crate::scalar::Scalar;
 use fearless_simd::{f32x16, f64x8, prelude::*};
@@ -9,6 +8,10 @@ use std::ops::Range;
 use std::sync::Arc;
 use zeroset_eval::{LANES, Lanes};
 use zeroset_space::{Basis, Camera, Projection, Ray};
+
+/// Number of rows in a band, which is the unit of a thread's work and of cancellation. It is also
+/// the side of the largest tiles, in pixels.
+pub const BAND_ROWS: usize = 16;
 
 /// Number of pixels on the side of a [`Patch`].
 pub const SIDE: usize = LANES.isqrt();

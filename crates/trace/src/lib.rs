@@ -25,9 +25,9 @@ mod squares;
 mod surface_ids;
 
 pub use band::Band;
-pub use driver::{BAND_ROWS, Driver};
+pub use driver::Driver;
 pub use gbuffer::{GBuffer, Kept, PixelCounts};
-pub use grid::{Patch, RayDirections, RayGrid, SIDE, Window};
+pub use grid::{BAND_ROWS, Patch, RayDirections, RayGrid, SIDE, Window};
 pub use kernel_stats::{Count, KernelStats};
 pub use method::{Fallback, Method, Proves, Segment, Start, Tracer};
 pub use methods::{METHODS, MOST_STEPS};

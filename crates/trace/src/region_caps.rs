@@ -3,9 +3,8 @@
 //! A tracer finds the boundary f = 0 of a solid f ≤ 0. The solid is also visible where a ray enters
 //! the region inside the solid.
 
-use crate::driver::BAND_ROWS;
 use crate::gbuffer::GBuffer;
-use crate::grid::RayGrid;
+use crate::grid::{BAND_ROWS, RayGrid};
 use crate::kernel_stats::KernelStats;
 use crate::ray_result::{RayResult, Status, UndecidedReason};
 use crate::rows::{Rows, for_each_part};

@@ -4,7 +4,7 @@
 
 use super::Model;
 use super::trace::Advance;
-use crate::overlay::{Legend, round_step};
+use crate::legend::{Legend, round_step};
 use glam::Vec4;
 use rayon::prelude::*;
 use std::borrow::Cow;

@@ -7,8 +7,8 @@ use zeroset_style::{COLOR_MAPS, ColorMap};
 
 use crate::lower::constant::{evaluate, evaluate_range};
 use crate::lower::lowering::{Lowering, NameBinding};
-use crate::picture::lines::LineReader;
-use crate::picture::scene::{SrgbColor, bad_setting};
+use crate::picture::line_reader::{LineReader, bad_setting};
+use crate::picture::scene::SrgbColor;
 use rustc_hash::FxHashMap;
 use zeroset_ir::{Constant, Graph, NodeId};
 use zeroset_parser::tree::ast::Expr;

@@ -5,11 +5,10 @@ use zeroset_parser::tree::grammar::{Pair, Rule};
 use zeroset_style::{COLOR_MAPS, LOOKS, Look, StandardView};
 
 use crate::lower::constant::{evaluate, evaluate_range};
-use crate::picture::lines::LineReader;
+use crate::picture::line_reader::{LineReader, bad_setting};
 use csscolorparser::NAMED_COLORS;
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
-use zeroset_parser::settings::setting;
 use zeroset_parser::tree::ast::Expr;
 use zeroset_parser::tree::scope::nearest;
 use zeroset_parser::{Error, ErrorKind, Fallible, Limits, Span};
@@ -227,12 +226,6 @@ impl LineReader<'_> {
             Error::new(span, ErrorKind::BadColor).suggest_optional(span, meant)
         })
     }
-}
-
-/// The error for a line about the picture whose contents do not fit its `word`.
-pub(crate) fn bad_setting(word: &'static str, span: Span) -> Box<Error> {
-    let hint = setting(word).map_or("", |setting| setting.hint);
-    Error::new(span, ErrorKind::BadSetting { word, hint })
 }
 
 /// The ranges of a `domain` line with one number, as in `domain 3`, or with six numbers.
