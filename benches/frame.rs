@@ -14,8 +14,9 @@ use std::time::Duration;
 use zeroset_render::model::Model;
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::view::{self, DomainChoice};
+use zeroset_space::{Camera, Projection};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, METHODS, Method, Precision, Projection, TraceOptions};
+use zeroset_trace::{METHODS, Method, Precision, TraceOptions};
 
 /// Default of `--rounds`.
 const ROUNDS: usize = 15;

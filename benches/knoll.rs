@@ -11,12 +11,10 @@ use std::hint::black_box;
 use zeroset_eval::SurfaceKernels;
 use zeroset_interval::Interval;
 use zeroset_scene::program::Program;
-use zeroset_space::Region;
+use zeroset_space::{Camera, Projection, Region};
 use zeroset_style::{FOV, VIEWS};
 use zeroset_syntax::read;
-use zeroset_trace::{
-    Camera, Driver, GBuffer, Method, Precision, Projection, RayGrid, TraceOptions,
-};
+use zeroset_trace::{Driver, GBuffer, Method, Precision, RayGrid, TraceOptions};
 
 const SIZE: usize = 512;
 const ROUNDS: usize = 41;
@@ -58,7 +56,7 @@ fn main() {
         let (offset, up) = (DVec3::from(VIEWS[0].offset), DVec3::from(VIEWS[0].up));
         let projection = Projection::Perspective { fov: FOV };
         let camera = Camera::new(offset * half, DVec3::ZERO, up, projection).expect(name);
-        let rays = camera.rays(SIZE, SIZE);
+        let rays = RayGrid::new(&camera, SIZE, SIZE);
         let native = program.surface(0);
         let result = match name {
             "sphere" => time(native, &Rival(sphere), &rays, &region),

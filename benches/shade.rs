@@ -13,10 +13,11 @@ use std::hint::black_box;
 use std::time::Instant;
 use zeroset_eval::{Gradients, Kernel, Points, Real, SampleGradient};
 use zeroset_shade::{Appearance, ColorDepth, Colors, Light, NormalSource, Shader, normals, shade};
+use zeroset_space::{Camera, Projection};
 use zeroset_style::{FOV, VIEWS};
 use zeroset_trace::{
-    BAND_ROWS, Band, Camera, Driver, GBuffer, Kept, KernelStats, Projection, RayGrid, RayResult,
-    Segment, Start, Status, Tracer,
+    BAND_ROWS, Band, Driver, GBuffer, Kept, KernelStats, RayGrid, RayResult, Segment, Start,
+    Status, Tracer,
 };
 
 const SIZE: usize = 512;
@@ -160,7 +161,7 @@ fn main() {
     let (offset, up) = (DVec3::from(VIEWS[0].offset), DVec3::from(VIEWS[0].up));
     let projection = Projection::Perspective { fov: FOV };
     let camera = Camera::new(offset, DVec3::ZERO, up, projection).expect("valid");
-    let rays = camera.rays(SIZE, SIZE);
+    let rays = RayGrid::new(&camera, SIZE, SIZE);
     println!("{:20}{:>9}{}", "ns per pixel", "pixels", STAGES.map(|s| format!("{s:>13}")).concat());
     let print = |name: &str, pixels: usize, times: [f64; STAGES.len()]| {
         let columns = times.map(|time| format!("{:13.2}", 1e9 * time / pixels as f64)).concat();

@@ -3,9 +3,9 @@
 use std::fmt;
 use std::ops::Range;
 use std::path::Path;
+use zeroset_parser::{Errors, Note, Span};
 use zeroset_render::limit::Limit;
 use zeroset_scene::view::SceneError;
-use zeroset_syntax::{Errors, Note, Span};
 
 /// Name of a text in messages. The command line uses the same name for a formula.
 const TEXT_NAME: &str = "formula";
@@ -95,7 +95,7 @@ impl Error {
     }
 
     pub(crate) fn syntax(errors: &Errors, text: &str) -> Self {
-        let diagnostic = |error: &zeroset_syntax::Error| Diagnostic {
+        let diagnostic = |error: &zeroset_parser::Error| Diagnostic {
             message: error.message(),
             span: error.span.range(),
             suggestion: error.suggestion.as_ref().map(|s| (s.span.range(), s.replacement.clone())),

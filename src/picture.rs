@@ -13,8 +13,8 @@ use zeroset_render::picture;
 use zeroset_render::pixels::samples;
 use zeroset_render::png_file::{PngFormat, check_png, write_png};
 use zeroset_scene::view::bounds;
-use zeroset_space::Region;
-use zeroset_trace::{PixelCounts, Projection, RayGrid, UndecidedReason};
+use zeroset_space::{Projection, Region};
+use zeroset_trace::{PixelCounts, RayGrid, UndecidedReason};
 
 /// A claim about the ray through a pixel's center, with its proof.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -57,8 +57,8 @@ pub struct Viewpoint {
     pub orthographic: Option<f64>,
 }
 
-impl From<zeroset_trace::Camera> for Viewpoint {
-    fn from(camera: zeroset_trace::Camera) -> Self {
+impl From<zeroset_space::Camera> for Viewpoint {
+    fn from(camera: zeroset_space::Camera) -> Self {
         let (fov, orthographic) = match camera.projection() {
             Projection::Perspective { fov } => (Some(fov), None),
             Projection::Orthographic { height } => (None, Some(height)),
@@ -85,7 +85,7 @@ impl From<zeroset_trace::Camera> for Viewpoint {
 /// ```
 #[derive(Clone)]
 pub struct Picture {
-    camera: zeroset_trace::Camera,
+    camera: zeroset_space::Camera,
     rays: RayGrid,
     domain: [Interval; 3],
     rows: PictureArrays,
@@ -134,7 +134,7 @@ impl PictureArrays {
 impl Picture {
     /// Makes a picture from its finished rows. Statistics, method and remarks are those of `whole`.
     pub(crate) fn new(
-        camera: zeroset_trace::Camera,
+        camera: zeroset_space::Camera,
         rays: RayGrid,
         region: &Region,
         rows: PictureArrays,

@@ -13,6 +13,7 @@ use zeroset_render::model::{Model, Strip};
 use zeroset_render::overlay::{Overlay, PictureView};
 use zeroset_scene::program::ProgramError;
 use zeroset_scene::view::{Clipping, region};
+use zeroset_trace::RayGrid;
 
 /// A text that draws one or more surfaces or solids.
 ///
@@ -111,7 +112,7 @@ impl Scene {
             Ok(())
         };
         let whole = model.strips(&camera, &settings, &|_, _| {}, &mut add);
-        let rays = camera.rays(settings.width, settings.height);
+        let rays = RayGrid::new(&camera, settings.width, settings.height);
         Ok(Picture::new(camera, rays, &region, rows, whole.map_err(Error::formula)?))
     }
 

@@ -10,10 +10,10 @@ use zeroset_render::limit::StopFlag;
 use zeroset_render::picture::{self, ColorDepth};
 use zeroset_scene::view::{CameraChoice, DomainChoice};
 use zeroset_shade::Pattern;
-use zeroset_space::Region;
+use zeroset_space::{Projection, Region};
 use zeroset_style::{LOOKS, StandardView, VIEWS};
 use zeroset_syntax::SrgbColor;
-use zeroset_trace::{METHODS, Projection, TraceOptions};
+use zeroset_trace::{METHODS, TraceOptions};
 
 /// Largest number of pixels of a picture. A pixel takes some fifty bytes.
 const MOST_PIXELS: usize = 1 << 26;

@@ -9,8 +9,9 @@ use zeroset_render::model::Model;
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::gallery::examples;
 use zeroset_scene::view::{self, CameraChoice, DomainChoice};
+use zeroset_space::Camera;
 use zeroset_syntax::{Document, Options, read};
-use zeroset_trace::{Camera, GBuffer};
+use zeroset_trace::GBuffer;
 
 /// Formulas beside the gallery: a solid, a pole, jumps, choices, and a union of many parts.
 const MORE: [&str; 5] = [

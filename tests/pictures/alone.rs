@@ -4,11 +4,9 @@ use glam::DVec3;
 use zeroset_scene::program::Program;
 use zeroset_scene::view::{DomainChoice, bounds, region};
 use zeroset_shade::{Light, turn};
+use zeroset_space::{Camera, Projection};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{
-    Camera, Driver, GBuffer, KernelStats, METHODS, Projection, Proves, RayGrid, Status,
-    TraceOptions,
-};
+use zeroset_trace::{Driver, GBuffer, KernelStats, METHODS, Proves, RayGrid, Status, TraceOptions};
 
 const SIZE: [usize; 2] = [96, 80];
 
@@ -39,7 +37,7 @@ fn a_pixel_is_the_same_whichever_others_are_followed() {
             let eye = DVec3::from_array(eye);
             let target = if eye.x == inside[0] { DVec3::new(0.2, -0.6, 0.0) } else { DVec3::ZERO };
             let camera = Camera::new(eye, target, DVec3::Y, projection).expect(text);
-            let rays = camera.rays(SIZE[0], SIZE[1]);
+            let rays = RayGrid::new(&camera, SIZE[0], SIZE[1]);
             let options = TraceOptions { tolerance, ..TraceOptions::default() };
             let tracer = affine.prepare(program.surface(0), &region, options).expect(text);
             let advance = |_| true;
@@ -81,7 +79,7 @@ fn a_very_wide_picture_is_as_its_parts() {
     // The rays pass the tube's outline, where they are followed one by one.
     let eye = DVec3::new(0.0, -5.0, 0.45);
     let camera = Camera::new(eye, eye + DVec3::Y, DVec3::Z, projection).expect(text);
-    let rays = camera.rays(WIDE[0], WIDE[1]);
+    let rays = RayGrid::new(&camera, WIDE[0], WIDE[1]);
     for method in METHODS.iter().filter(|method| method.proves == Proves::HitsAndMisses) {
         let tracer = method.prepare(program.surface(0), &region, TraceOptions::default());
         let tracer = tracer.expect(text);
@@ -113,7 +111,7 @@ fn what_is_dark_already_is_followed_to_the_light_no_more() {
     let projection = Projection::Perspective { fov: 50.0 };
     let eye = DVec3::new(4.0, -6.0, 4.0);
     let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect(text);
-    let rays = camera.rays(SIZE[0], SIZE[1]);
+    let rays = RayGrid::new(&camera, SIZE[0], SIZE[1]);
     let lights = Light::Positional(DVec3::new(0.5, 0.5, 9.0)).widened(region.centre());
     for method in METHODS {
         let advance = |_| true;

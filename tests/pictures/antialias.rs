@@ -6,8 +6,9 @@ use zeroset_render::picture::{Normals, Picture, Settings};
 use zeroset_scene::gallery::example;
 use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 use zeroset_shade::{LinearRgb, Pattern, edges};
+use zeroset_space::Camera;
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, METHODS, Precision, TraceOptions};
+use zeroset_trace::{METHODS, Precision, RayGrid, TraceOptions};
 
 fn scene(text: &str, settings: &Settings) -> (Model, Camera) {
     let text = example(text).map_or(text, |example| example.text);
@@ -46,7 +47,7 @@ fn more_rays_bring_edges_nearer_to_what_they_are() {
         let (model, camera) = scene(text, &settings(1));
         let pictures = Pattern::COUNTS.map(|count| picture(&model, &camera, &settings(count)));
         let [plain, four, sixteen, many] = &pictures;
-        let edges = edges(&plain.buffer, &camera.rays(96, 80));
+        let edges = edges(&plain.buffer, &RayGrid::new(&camera, 96, 80));
         let count = edges.iter().filter(|edge| **edge).count();
         let [without, four, sixteen] = [plain, four, sixteen].map(|one| off(one, many, &edges));
         println!(
@@ -177,7 +178,7 @@ fn every_method_smooths_edges() {
             picture(&model, &camera, &Settings { antialias, ..settings.clone() })
         });
         let [plain, some, many] = &pictures;
-        let edges = edges(&plain.buffer, &camera.rays(48, 40));
+        let edges = edges(&plain.buffer, &RayGrid::new(&camera, 48, 40));
         let share = off(some, many, &edges) / off(plain, many, &edges);
         println!("{}: {share:.3}", method.name);
         assert!(share < 0.2, "{}", method.name);

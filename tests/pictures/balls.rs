@@ -7,11 +7,9 @@ use zeroset_render::picture::Settings;
 use zeroset_scene::kernels::Evaluator;
 use zeroset_scene::program::Program;
 use zeroset_scene::view::bounds;
-use zeroset_space::Region;
+use zeroset_space::{Camera, Projection, Region};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{
-    Camera, Driver, GBuffer, METHODS, Projection, Proves, RayGrid, Status, TraceOptions,
-};
+use zeroset_trace::{Driver, GBuffer, METHODS, Proves, RayGrid, Status, TraceOptions};
 
 /// A picture of this size has tiles of both sizes, and incomplete tiles.
 const SIZE: [usize; 2] = [46, 38];
@@ -71,7 +69,7 @@ fn what_is_claimed_is_true_of_the_ball() {
         let boxed = Region::new(region.low(), region.high()).expect("a box");
         for (method, view) in METHODS.iter().flat_map(|method| [(method, number % 3), (method, 2)])
         {
-            let rays = camera(view).rays(SIZE[0], SIZE[1]);
+            let rays = RayGrid::new(&camera(view), SIZE[0], SIZE[1]);
             let picture = |region: &Region| {
                 let tracer = method.prepare(program.surface(0), region, TraceOptions::default());
                 let tracer = tracer.expect(method.name);
@@ -132,7 +130,7 @@ fn the_reference_evaluator_draws_the_same_balls() {
     for (number, (text, _)) in SURFACES.into_iter().enumerate() {
         let document = read(text, &Options::default()).expect(text);
         let program = Program::new(&document, bounds(&region)).expect(text);
-        let rays = camera(number % 3).rays(22, 18);
+        let rays = RayGrid::new(&camera(number % 3), 22, 18);
         for method in &METHODS {
             let options = TraceOptions { depth: 7, tolerance: 0.1, ..TraceOptions::default() };
             let [native, software] = [Evaluator::Native, Evaluator::Reference].map(|evaluator| {
@@ -157,7 +155,7 @@ fn a_solid_is_capped_by_the_sphere() {
     let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection).expect("one");
     let settings = Settings { width: 32, height: 32, ..Settings::default() };
     let picture = render(&document, &region, &camera, &settings, &|_, _| {}).expect("a picture");
-    let rays = camera.rays(32, 32);
+    let rays = RayGrid::new(&camera, 32, 32);
     let (mut hits, buffer) = (0, &picture.buffer);
     for pixel in 0..32 * 32 {
         let ray = rays.ray_of(pixel);

@@ -4,11 +4,9 @@
 use glam::DVec3;
 use zeroset_render::model::render;
 use zeroset_render::picture::{Picture, Settings};
-use zeroset_space::Region;
+use zeroset_space::{Camera, Projection, Region};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{
-    Camera, METHODS, Method, Projection, Proves, RayGrid, Status, UndecidedReason,
-};
+use zeroset_trace::{METHODS, Method, Proves, RayGrid, Status, UndecidedReason};
 
 const SIDE: usize = 48;
 const SPHERE: &str = "x^2+y^2+z^2-1";
@@ -36,7 +34,7 @@ fn picture_from(
         Settings { width: SIDE, height: SIDE, method, normals: None, ..Settings::default() };
     change(&mut settings);
     let picture = render(&document, &region(2.0), &camera, &settings, &|_, _| {});
-    (camera.rays(SIDE, SIDE), picture.expect("a picture"))
+    (RayGrid::new(&camera, SIDE, SIDE), picture.expect("a picture"))
 }
 
 fn drawn(picture: &Picture) -> usize {

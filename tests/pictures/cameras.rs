@@ -11,7 +11,7 @@ use zeroset_scene::view::{DomainChoice, region};
 use zeroset_syntax::{Options, read};
 use zeroset_testkit::property::{Formula, Pixel, RayClaim, Scene, picture as check_claims};
 use zeroset_testkit::{Adversarial, Effort, Rng};
-use zeroset_trace::METHODS;
+use zeroset_trace::{METHODS, RayGrid};
 
 /// Width and height of a picture. It has tiles of every size, and incomplete tiles.
 const SIZE: [usize; 2] = [84, 60];
@@ -74,7 +74,7 @@ fn painted(scene: &Scene, rng: &mut Rng) -> Option<([f64; 3], [f64; 3])> {
     let buffer = &picture.buffer;
     let painted: Vec<usize> = (0..buffer.drawn.len()).filter(|&k| buffer.is_drawn(k)).collect();
     let pixel = *painted.get(rng.u64(0..painted.len().max(1) as u64) as usize)?;
-    let ray = camera.rays(SIZE[0], SIZE[1]).ray_of(pixel);
+    let ray = RayGrid::new(&camera, SIZE[0], SIZE[1]).ray_of(pixel);
     let point = ray.at(ray.parameter(buffer.drawn[pixel]));
     Some((point.to_array(), buffer.normal[pixel].map(f64::from)))
 }

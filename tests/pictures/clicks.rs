@@ -12,7 +12,7 @@ use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 use zeroset_space::Ray;
 use zeroset_syntax::{Options, read};
 use zeroset_testkit::{Adversarial, Effort, Oracle, Rng};
-use zeroset_trace::Status;
+use zeroset_trace::{RayGrid, Status};
 
 fn exact(value: f64) -> BigRational {
     BigRational::from_float(value).expect("finite")
@@ -119,7 +119,7 @@ fn every_digit_of_a_click_on_the_gallery_is_true() {
         let oracle = Oracle::new(&document.graph, &[document.surfaces[0].root]);
         let values = document.parameters.iter().map(|parameter| parameter.value.bounds());
         let values: Vec<_> = values.map(|value| (value.lo, value.hi)).collect();
-        let rays = camera.rays(SIDE, SIDE);
+        let rays = RayGrid::new(&camera, SIDE, SIDE);
         let (hits_before, located_before) = (hits, located);
         for pixel in (0..SIDE * SIDE).filter(|n| picture.buffer.status[*n] == Status::Hit) {
             hits += 1;

@@ -4,9 +4,9 @@
 use glam::DVec3;
 use zeroset_render::model::render;
 use zeroset_render::picture::{Picture, Settings};
-use zeroset_space::Region;
+use zeroset_space::{Camera, Projection, Region};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, Projection, Status, TraceOptions};
+use zeroset_trace::{Status, TraceOptions};
 
 const SIDE: usize = 64;
 

@@ -4,8 +4,9 @@ use glam::DVec3;
 use zeroset_render::model::Model;
 use zeroset_render::picture::Settings;
 use zeroset_scene::view::{self, DomainChoice};
+use zeroset_space::{Camera, Projection};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, METHODS, Projection, TraceOptions};
+use zeroset_trace::{METHODS, TraceOptions};
 
 const SIZE: usize = 72;
 

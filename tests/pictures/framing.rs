@@ -11,8 +11,9 @@ use zeroset_render::model::Model;
 use zeroset_render::picture::Settings;
 use zeroset_scene::gallery::examples;
 use zeroset_scene::view::{CameraChoice, DomainChoice, region};
+use zeroset_space::{Camera, Projection};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, Projection};
+use zeroset_trace::RayGrid;
 
 /// Pixels of the picture's shorter side.
 const SIDE: usize = 96;
@@ -89,7 +90,7 @@ fn graphs_fill_the_picture_and_show_their_upper_side() {
         let camera = camera.expect(text);
         let (share, _) = share(&model, &camera, SIDE, SIDE);
         let buffer = model.trace(&camera, &settings, &|_| true).expect(text).buffer;
-        let rays = camera.rays(SIDE, SIDE);
+        let rays = RayGrid::new(&camera, SIDE, SIDE);
         let drawn: Vec<usize> = (0..SIDE * SIDE).filter(|n| buffer.is_drawn(*n)).collect();
         let shows_upper = |pixel: &&usize| {
             let normal = glam::DVec3::from_array(buffer.normal[**pixel].map(f64::from));

@@ -5,9 +5,9 @@ use zeroset_render::model::{Model, Strip};
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::program::ProgramError;
 use zeroset_scene::view::{CameraChoice, DomainChoice, region};
+use zeroset_space::Camera;
 use zeroset_style::MATERIALS;
 use zeroset_syntax::{Options, read};
-use zeroset_trace::Camera;
 
 /// Columns and rows of the pictures.
 const SIDE: usize = 96;

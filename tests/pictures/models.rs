@@ -8,7 +8,7 @@ use zeroset_scene::gallery::models;
 use zeroset_scene::view::{CameraChoice, DomainChoice, region};
 use zeroset_syntax::{Options, SurfaceKind, read};
 use zeroset_testkit::{Defined, Oracle};
-use zeroset_trace::Status;
+use zeroset_trace::{RayGrid, Status};
 
 /// Pixels of a picture's side.
 const SIDE: usize = 128;
@@ -41,7 +41,7 @@ fn models_are_decided_and_their_pictures_are_those_of_what_is_typed() {
         assert!(1000 * counts.undecided <= counts.hit + counts.undecided, "{name}: {counts:?}");
         let roots: Vec<_> = document.surfaces.iter().map(|surface| surface.root).collect();
         let oracle = Oracle::new(&document.graph, &roots);
-        let rays = camera.rays(SIDE, SIDE);
+        let rays = RayGrid::new(&camera, SIDE, SIDE);
         for pixel in (0..SIDE * SIDE).step_by(STRIDE) {
             let ray = rays.ray_of(pixel);
             // Values at a point that lies about at this distance, of which rounding changes little.

@@ -3,9 +3,9 @@
 use glam::DVec3;
 use zeroset_render::model::render;
 use zeroset_render::picture::Settings;
-use zeroset_space::Region;
+use zeroset_space::{Camera, Projection, Region};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, Projection};
+use zeroset_trace::RayGrid;
 
 const SIDE: usize = 48;
 
@@ -19,7 +19,7 @@ fn worst(formula: &str, centre: DVec3, radius: f64) -> f64 {
     let region = Region::new(centre - half, centre + half).expect("a cube");
     let settings = Settings { width: SIDE, height: SIDE, ..Settings::default() };
     let picture = render(&document, &region, &camera, &settings, &|_, _| {}).expect("a picture");
-    let (rays, buffer) = (camera.rays(SIDE, SIDE), &picture.buffer);
+    let (rays, buffer) = (RayGrid::new(&camera, SIDE, SIDE), &picture.buffer);
     let drawn: Vec<usize> = (0..SIDE * SIDE).filter(|&pixel| buffer.is_drawn(pixel)).collect();
     assert!(drawn.len() > 300, "{formula}: {} drawn", drawn.len());
     let angle = |&pixel: &usize| {
@@ -86,7 +86,8 @@ fn normals_at_multiple_zeros_are_their_limits() {
             let region = Region::new(DVec3::splat(-1.5), DVec3::splat(1.5)).expect("a cube");
             let settings = Settings { width: SIDE, height: SIDE, ..Settings::default() };
             let picture = render(&document, &region, &camera, &settings, &|_, _| {});
-            let (rays, buffer) = (camera.rays(SIDE, SIDE), picture.expect("a picture").buffer);
+            let (rays, buffer) =
+                (RayGrid::new(&camera, SIDE, SIDE), picture.expect("a picture").buffer);
             for pixel in (0..SIDE * SIDE).filter(|&pixel| buffer.is_drawn(pixel)) {
                 let ray = rays.ray_of(pixel);
                 let mut t = ray.parameter(buffer.drawn[pixel]);

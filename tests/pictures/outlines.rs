@@ -5,8 +5,8 @@ use zeroset_render::model::{Model, Strip};
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::program::ProgramError;
 use zeroset_scene::view::{DomainChoice, region};
+use zeroset_space::{Camera, Projection};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, Projection};
 
 /// Columns and rows of the pictures.
 const SIDE: usize = 96;

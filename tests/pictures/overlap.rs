@@ -4,8 +4,9 @@ use glam::DVec3;
 use zeroset_render::model::Model;
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::view::{self, DomainChoice};
+use zeroset_space::{Camera, Projection};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, GBuffer, Projection, Status};
+use zeroset_trace::{GBuffer, Status};
 
 const SIZE: usize = 128;
 

@@ -7,10 +7,10 @@ use zeroset_render::model::{Model, render};
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::view::{self, DomainChoice};
 use zeroset_shade::{LinearRgb, Pattern};
-use zeroset_space::{HalfSpace, Region};
+use zeroset_space::{Camera, HalfSpace, Projection, Region};
 use zeroset_style::ColorMap;
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, Projection, RayGrid, TraceOptions};
+use zeroset_trace::{RayGrid, TraceOptions};
 
 const SIDE: usize = 48;
 
@@ -30,7 +30,7 @@ fn camera() -> Camera {
 }
 
 fn rays() -> RayGrid {
-    camera().rays(SIDE, SIDE)
+    RayGrid::new(&camera(), SIDE, SIDE)
 }
 
 fn picture_of(text: &str, clip: Option<HalfSpace>, settings: &Settings) -> Picture {
@@ -223,7 +223,7 @@ fn contours_are_dark_where_a_value_is_a_multiple() {
     let lined = picture_of("contours z, 0.5\nx=y/4", None, &settings);
     let same = picture_of("color viridis(z, -2, 2)\ncontours 0.5\nx=y/4", None, &settings);
     assert_eq!(same.legends[0].step, Some(0.5));
-    let rays = camera().rays(settings.width, settings.height);
+    let rays = RayGrid::new(&camera(), settings.width, settings.height);
     let mut lines = 0;
     for row in 0..settings.height {
         let n = row * settings.width + settings.width / 2;

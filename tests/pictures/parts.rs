@@ -13,12 +13,12 @@ use zeroset_render::picture::Precision;
 use zeroset_scene::kernels::Evaluator;
 use zeroset_scene::program::Program;
 use zeroset_scene::view::{DomainChoice, bounds, region};
-use zeroset_space::Region;
+use zeroset_space::{Camera, Projection, Region};
 use zeroset_syntax::{Options, read};
 use zeroset_testkit::property::random_choices;
 use zeroset_testkit::{Effort, Rng};
 use zeroset_trace::{
-    Camera, Driver, GBuffer, Method, Patch, Projection, Status, TraceOptions, UndecidedReason,
+    Driver, GBuffer, Method, Patch, RayGrid, Status, TraceOptions, UndecidedReason,
 };
 
 const SIZE: usize = 48;
@@ -59,7 +59,7 @@ impl Scene {
         evaluator: Evaluator,
         advance: &(dyn Fn(usize) -> bool + Sync),
     ) -> Vec<Status> {
-        let rays = self.camera.rays(SIZE, SIZE);
+        let rays = RayGrid::new(&self.camera, SIZE, SIZE);
         let method = Method::named("affine").expect("the default method");
         let program = self.program.on(evaluator);
         let mut buffer = GBuffer::new(SIZE, SIZE, 0);
@@ -287,7 +287,7 @@ fn steps_prove_nothing_beyond_their_part() {
 fn a_part_that_is_left_out_proves_nothing() {
     let scene = Scene::new(&spheres(80, false, &mut Rng::with_seed(0x5eed_c501)));
     let method = Method::named("affine").expect("the default method");
-    let rays = scene.camera.rays(4 * SIZE, 4 * SIZE);
+    let rays = RayGrid::new(&scene.camera, 4 * SIZE, 4 * SIZE);
     let lent = Lent(scene.program.surface(0));
     let lacking = LeavesOut(Box::new(Lent(scene.program.surface(0))));
     let surfaces: [&dyn SurfaceKernels; 2] = [&lent, &lacking];
@@ -331,7 +331,7 @@ fn patches_of_any_size_are_traced() {
                 let columns = (0..size).step_by(size / (SIZE / 4));
                 columns.map(move |column| Patch { column, row, between })
             });
-            let rays = scene.camera.rays(size, size).patches(patches.collect());
+            let rays = RayGrid::new(&scene.camera, size, size).patches(patches.collect());
             let mut buffer = GBuffer::new(rays.width(), rays.height(), 0);
             Driver { rays: &rays, tracer: &*tracer, advance: &|_| true }.picture(&mut buffer);
             buffer.status

@@ -7,8 +7,9 @@ use zeroset_scene::gallery::examples;
 use zeroset_scene::kernels::Evaluator;
 use zeroset_scene::program::Program;
 use zeroset_scene::view::{DomainChoice, bounds, region};
+use zeroset_space::{Camera, Projection};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, Driver, GBuffer, METHODS, Projection, TraceOptions};
+use zeroset_trace::{Driver, GBuffer, METHODS, RayGrid, TraceOptions};
 
 /// A picture of this size has tiles of both sizes, and incomplete tiles.
 const SIZE: [usize; 2] = [22, 18];
@@ -24,7 +25,7 @@ fn the_reference_evaluator_draws_the_same_pictures() {
         let eye = region.centre() + DVec3::new(2.0, 1.5, 3.0) * half;
         let projection = Projection::Perspective { fov: 40.0 };
         let camera = Camera::new(eye, region.centre(), DVec3::Y, projection).expect(example.slug);
-        let rays = camera.rays(SIZE[0], SIZE[1]);
+        let rays = RayGrid::new(&camera, SIZE[0], SIZE[1]);
         // The default method runs in all precisions. Each other method runs in one, which changes
         // from example to example.
         let precisions = [Precision::Auto, Precision::F32, Precision::F64];

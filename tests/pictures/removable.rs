@@ -7,7 +7,7 @@ use zeroset_render::model::Model;
 use zeroset_render::picture::Settings;
 use zeroset_scene::view::{CameraChoice, DomainChoice, region};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::Status;
+use zeroset_trace::{RayGrid, Status};
 
 /// Pixels of a picture's side.
 const SIDE: usize = 256;
@@ -152,7 +152,7 @@ fn compare((side, (text, function)): (&str, Row)) {
     let buffer = model.trace(&camera, &settings, &|_| true).expect("kernels").buffer;
     let counts = buffer.counts();
     assert!(counts.undecided <= SIDE * SIDE / 500, "{text}: {counts:?}");
-    let rays = camera.rays(SIDE, SIDE);
+    let rays = RayGrid::new(&camera, SIDE, SIDE);
     let (low, high) = (region.low(), region.high());
     let (mut hits, mut misses) = (0, 0);
     for pixel in (0..SIDE * SIDE).step_by(STRIDE) {

@@ -4,8 +4,8 @@ use glam::DVec3;
 use zeroset_render::model::Model;
 use zeroset_render::picture::Settings;
 use zeroset_scene::view::{self, DomainChoice};
+use zeroset_space::{Camera, Projection};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, Projection};
 
 #[test]
 fn a_settled_preview_is_the_picture_of_one_pass() {

@@ -8,11 +8,9 @@ use std::fmt::Write;
 use std::fs::File;
 use zeroset_render::model::render;
 use zeroset_render::picture::{Picture, Precision, Settings};
-use zeroset_space::Region;
+use zeroset_space::{Camera, Projection, Region};
 use zeroset_syntax::{Document, Options};
-use zeroset_trace::{
-    Camera, METHODS, Method, Projection, Proves, RayGrid, Status, TraceOptions, UndecidedReason,
-};
+use zeroset_trace::{METHODS, Method, Proves, RayGrid, Status, TraceOptions, UndecidedReason};
 
 /// The depth with which the method `knoll` draws the pictures for the table of results.
 const DEPTH: u32 = 12;
@@ -249,7 +247,7 @@ fn what_has_no_single_roots_is_refused_or_undecided() {
         println!("{}: {counts:?}; wanted: {}", case.slug, case.want);
         match case.expect.as_str() {
             "undecided-from-entry" => {
-                check_zero_throughout(&case, &camera.rays(SIDE, SIDE), &picture);
+                check_zero_throughout(&case, &RayGrid::new(&camera, SIDE, SIDE), &picture);
             }
             "refused-or-undecided" => {
                 assert_eq!(counts.hit, 0, "{}", case.slug);

@@ -7,8 +7,9 @@ use crate::truth_support::{Pixel, SIDE, read};
 use zeroset_render::model::render;
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::view::{self, CameraChoice};
+use zeroset_space::{Camera, Projection};
 use zeroset_testkit::property::{Formula, Scene, picture as check_claims};
-use zeroset_trace::{Camera, Projection, Status, TraceOptions, UndecidedReason};
+use zeroset_trace::{RayGrid, Status, TraceOptions, UndecidedReason};
 
 /// Settings with a tolerance near the reference's accuracy.
 fn settings() -> Settings {
@@ -127,7 +128,7 @@ fn what_has_no_single_roots_is_refused_or_undecided() {
         println!("{}: {counts:?} {:?}", case.slug, picture.why_undecided());
         match case.expect.as_str() {
             "undecided-from-entry" => {
-                check_zero_throughout(&case, &camera.rays(SIDE, SIDE), &picture);
+                check_zero_throughout(&case, &RayGrid::new(&camera, SIDE, SIDE), &picture);
             }
             "refused-or-undecided" => {
                 assert!(counts.hit + counts.undecided > 0, "{}", case.slug);

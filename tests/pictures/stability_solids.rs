@@ -3,9 +3,9 @@
 use glam::DVec3;
 use zeroset_render::model::render;
 use zeroset_render::picture::{Picture, Settings};
-use zeroset_space::Region;
+use zeroset_space::{Camera, Projection, Region};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, METHODS, Method, Projection, RayGrid, TraceOptions, UndecidedReason};
+use zeroset_trace::{METHODS, Method, RayGrid, TraceOptions, UndecidedReason};
 
 const SIDE: usize = 41;
 
@@ -24,7 +24,7 @@ fn picture(formula: &str, along: DVec3, method: &'static Method) -> (RayGrid, Pi
         ..plain
     };
     let picture = render(&document, &region, &camera, &settings, &|_, _| {}).expect("a picture");
-    (camera.rays(SIDE, SIDE), picture)
+    (RayGrid::new(&camera, SIDE, SIDE), picture)
 }
 
 /// Checks the first face on each ray in the direction `along`, by all methods. `expected` takes the

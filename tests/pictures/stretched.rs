@@ -5,9 +5,9 @@ use zeroset_render::framing;
 use zeroset_render::model::Model;
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::view::{CameraChoice, DomainChoice, region};
-use zeroset_space::Region;
+use zeroset_space::{Camera, Region};
 use zeroset_syntax::{Document, Options, read};
-use zeroset_trace::{Camera, Status};
+use zeroset_trace::{RayGrid, Status};
 
 /// Columns and rows of the pictures.
 const SIDE: usize = 128;
@@ -64,7 +64,7 @@ fn a_stretched_graph_looks_like_the_graph_of_stretched_heights() {
 fn distances_and_brackets_are_those_of_space() {
     let (region, camera, picture) = drawn("z = 1000 sin(x)*cos(y)");
     assert!(region.stretch().z < 0.1, "{region:?}");
-    let rays = camera.rays(SIDE, SIDE);
+    let rays = RayGrid::new(&camera, SIDE, SIDE);
     let displayed = rays.displayed();
     let mut hits = 0;
     for pixel in 0..SIDE * SIDE {

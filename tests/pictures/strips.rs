@@ -5,8 +5,9 @@ use zeroset_render::picture::{ColorDepth, Picture, Precision, Settings};
 use zeroset_scene::program::ProgramError;
 use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 use zeroset_shade::{Pattern, UndecidedStyle};
+use zeroset_space::Camera;
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, GBuffer, RayResult, TraceOptions};
+use zeroset_trace::{GBuffer, RayResult, TraceOptions};
 
 fn scene(text: &str, settings: &Settings) -> (Model, Camera) {
     let document = read(text, &Options::default()).expect("reads");

@@ -10,10 +10,9 @@ use zeroset_render::picture::{Precision, Settings};
 use zeroset_scene::gallery::example;
 use zeroset_scene::program::Program;
 use zeroset_scene::view::{DomainChoice, bounds, region};
+use zeroset_space::{Camera, Projection};
 use zeroset_syntax::{Options, read as read_document};
-use zeroset_trace::{
-    Camera, GBuffer, Method, Projection, RayGrid, RayResult, Status, TraceOptions,
-};
+use zeroset_trace::{GBuffer, Method, RayGrid, RayResult, Status, TraceOptions};
 
 /// The depth with which the method `knoll` draws the pictures for the table of results.
 const DEPTH: u32 = 12;
@@ -55,7 +54,7 @@ fn picture(truth: &Truth, settings: &Settings) -> (RayGrid, GBuffer) {
     let settings = Settings { width, height, normals: None, ..settings.clone() };
     let picture = render(&document, &region, &camera, &settings, &|_, _| {})
         .unwrap_or_else(|error| panic!("{}: {error}", view.slug));
-    (camera.rays(SIDE, SIDE), picture.buffer)
+    (RayGrid::new(&camera, SIDE, SIDE), picture.buffer)
 }
 
 /// Whether the drawn function was replaced by a simpler one with the same zeros. The simpler

@@ -4,9 +4,9 @@
 use glam::DVec3;
 use zeroset_render::model::render;
 use zeroset_render::picture::Settings;
-use zeroset_space::Region;
+use zeroset_space::{Camera, Projection, Region};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, GBuffer, Projection, RayGrid, Status};
+use zeroset_trace::{GBuffer, RayGrid, Status};
 
 const SIDE: usize = 64;
 
@@ -22,7 +22,7 @@ fn picture(formula: &str) -> (RayGrid, GBuffer) {
     let settings = Settings { width: SIDE, height: SIDE, normals: None, ..Settings::default() };
     let region = Region::new(DVec3::splat(-2.0), DVec3::splat(2.0)).expect("a cube");
     let picture = render(&document, &region, &camera, &settings, &|_, _| {}).expect("a picture");
-    (camera.rays(SIDE, SIDE), picture.buffer)
+    (RayGrid::new(&camera, SIDE, SIDE), picture.buffer)
 }
 
 /// The painted points, and the number of undecided pixels.

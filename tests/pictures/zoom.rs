@@ -6,10 +6,10 @@ use std::cell::Cell;
 use zeroset_render::model::{Model, render};
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::view::{DomainChoice, region};
-use zeroset_space::Region;
+use zeroset_space::{Camera, Projection, Region};
 use zeroset_syntax::{Document, Options, read};
 use zeroset_testkit::property::{Formula, Scene, picture as check_claims};
-use zeroset_trace::{Camera, METHODS, Precision, Projection, Status, TraceOptions};
+use zeroset_trace::{METHODS, Precision, RayGrid, Status, TraceOptions};
 
 const SURFACES: [&str; 5] = [
     "domain 2\nx^2+y^2+z^2 = 1",
@@ -114,7 +114,7 @@ fn a_function_of_subnormal_numbers_is_drawn_where_it_is() {
         };
         let picture =
             render(&document, &region, &camera, &settings, &|_, _| {}).expect("a picture");
-        let (rays, buffer) = (camera.rays(128, 128), &picture.buffer);
+        let (rays, buffer) = (RayGrid::new(&camera, 128, 128), &picture.buffer);
         let hits: Vec<usize> =
             (0..buffer.status.len()).filter(|&pixel| buffer.status[pixel] == Status::Hit).collect();
         println!("{precision:?}: {} hits", hits.len());

@@ -5,7 +5,8 @@ use crate::surfaces::Surface;
 use anyhow::Result;
 use zeroset_render::model::Model;
 use zeroset_render::picture::{Normals, Picture, Settings};
-use zeroset_trace::{Camera, Method, PixelCounts, TraceOptions};
+use zeroset_space::Camera;
+use zeroset_trace::{Method, PixelCounts, TraceOptions};
 
 /// A compiled surface, with its last picture.
 pub struct ZerosetSide {

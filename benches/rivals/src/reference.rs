@@ -6,6 +6,7 @@ use crate::surfaces::{Surface, line};
 use anyhow::Result;
 use rayon::prelude::*;
 use zeroset_testkit::certified::{BUDGET, Certificate, Function};
+use zeroset_trace::RayGrid;
 
 /// The certified result of a ray. Distances are in world units.
 enum Truth {
@@ -75,7 +76,7 @@ impl Reference {
     /// If the surface has no valid document, domain or camera.
     pub fn new(surface: &Surface, size: usize, samples: usize) -> Result<Self> {
         let (function, bounds) = (function(surface)?, surface.bounds());
-        let rays = surface.camera()?.rays(size, size);
+        let rays = RayGrid::new(&surface.camera()?, size, size);
         let truth = |pixel: usize| {
             let certificate = function.trace(&line(&rays, pixel), &bounds, BUDGET);
             (pixel, Truth::new(&certificate, rays.ray_of(pixel).direction.length()))
@@ -126,7 +127,7 @@ impl Entries {
     /// If the surface has no valid document, domain or camera.
     pub fn new(surface: &Surface, samples: usize) -> Result<Self> {
         let (function, bounds) = (function(surface)?, surface.bounds());
-        let rays = surface.camera()?.rays(samples, samples);
+        let rays = RayGrid::new(&surface.camera()?, samples, samples);
         let below = (0..samples * samples).into_par_iter().filter_map(|pixel| {
             function.entry(&line(&rays, pixel), &bounds).and_then(|entry| entry.below)
         });

@@ -6,10 +6,10 @@ use anyhow::{Context, Result, ensure};
 use glam::DVec3;
 use std::borrow::Cow;
 use zeroset_scene::view::{self, DomainChoice};
-use zeroset_space::Region;
+use zeroset_space::{Camera, Projection, Region};
 use zeroset_syntax::{Document, Options, read};
 use zeroset_testkit::certified::Line;
-use zeroset_trace::{Camera, Projection, RayGrid};
+use zeroset_trace::RayGrid;
 
 /// A surface with its domain.
 pub struct Surface {

@@ -71,7 +71,7 @@ impl<F: MathFunction> Voxels<F> {
                 tree = tree.max(axis.abs() - surface.half as f32);
             }
         }
-        let rays = surface.camera()?.rays(size, size);
+        let rays = RayGrid::new(&surface.camera()?, size, size);
         let (matrix, depth) = match surface.view {
             View::Oblique => oblique(&rays, surface.half),
             View::Front => front(&rays, surface.half),

@@ -8,7 +8,7 @@ use crate::views::rng;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::time::{Duration, Instant};
 use zeroset_render::picture::Picture;
-use zeroset_trace::Camera;
+use zeroset_space::Camera;
 
 /// Times of one configuration in milliseconds, and its picture.
 pub struct Measured {

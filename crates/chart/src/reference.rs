@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use std::fs;
 use std::path::Path;
 use zeroset_space::Ray;
+use zeroset_trace::RayGrid;
 
 /// The pixels that are checked, and the effort for each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,7 +71,7 @@ impl RootReference {
         if let Some(kept) = kept.filter(|kept| kept.origin == origin) {
             return Ok(kept);
         }
-        let (rays, pixels) = (view.camera.rays(size, size), sampled(sampling));
+        let (rays, pixels) = (RayGrid::new(&view.camera, size, size), sampled(sampling));
         let own: Vec<Ray> = pixels.iter().map(|&pixel| rays.ray_of(pixel)).collect();
         let truths = certify(surface, &own, sampling.budget)?;
         let reference = Self { origin, pixels: pixels.into_iter().zip(truths).collect() };

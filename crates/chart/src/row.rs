@@ -10,7 +10,8 @@ use crate::views::View;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use zeroset_render::names::Named;
-use zeroset_trace::{Camera, GBuffer, KernelStats, Method, Precision, Projection};
+use zeroset_space::{Camera, Projection};
+use zeroset_trace::{GBuffer, KernelStats, Method, Precision};
 
 /// Conditions that the rows of one view of one surface share.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

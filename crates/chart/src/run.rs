@@ -15,6 +15,7 @@ use crate::views::{View, views};
 use rayon::ThreadPool;
 use std::path::Path;
 use zeroset_testkit::certified::BUDGET;
+use zeroset_trace::RayGrid;
 
 /// Measures the rows that the directory lacks, and stores them view by view. Returns the number of
 /// new rows.
@@ -100,7 +101,7 @@ impl RunBatch<'_> {
         let measured = pool.install(|| {
             measure(surface, &view.camera, size, configurations, repeats, seed, &advance)
         })?;
-        let rays = view.camera.rays(size, size);
+        let rays = RayGrid::new(&view.camera, size, size);
         let rows = configurations.iter().zip(measured).map(|(configuration, measured)| {
             let errors = PixelErrors::new(&reference, &rays, &measured.picture.buffer);
             let row =

@@ -25,7 +25,7 @@ use sheet::Sheet;
 use std::time::{Duration, Instant};
 use zeroset_render::limit::Limit;
 use zeroset_render::picture::Settings;
-use zeroset_trace::Method;
+use zeroset_trace::{Method, RayGrid};
 
 /// Side of the square pictures in pixels, as in the stored roots.
 pub const SIDE: usize = 64;
@@ -118,7 +118,8 @@ fn judged(
         Ok(drawn) => drawn,
         Err(error) => return (refused(case, method, error.to_string()), None),
     };
-    let errors = PixelErrors::new(reference, &view.camera.rays(SIDE, SIDE), &picture.buffer);
+    let errors =
+        PixelErrors::new(reference, &RayGrid::new(&view.camera, SIDE, SIDE), &picture.buffer);
     let wrong = difference(reference, &picture.buffer);
     let shown = RgbImage::from_raw(SIDE as u32, SIDE as u32, picture.rgb).unwrap_or_default();
     let verdict = Verdict {

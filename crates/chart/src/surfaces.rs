@@ -7,9 +7,8 @@ use zeroset_render::model::Model;
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::gallery::example;
 use zeroset_scene::view::{self, DomainChoice};
-use zeroset_space::Region;
+use zeroset_space::{Camera, Region};
 use zeroset_syntax::{Document, Options, SurfaceKind, read};
-use zeroset_trace::Camera;
 
 /// Function files of Knoll et al. 2007's surfaces, and of the gyroid.
 static FILES: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/data");

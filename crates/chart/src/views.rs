@@ -8,9 +8,8 @@ use crate::surfaces::ChartSurface;
 use crate::truth::Certifier;
 use fastrand::Rng;
 use glam::DVec3;
-use zeroset_space::Ray;
+use zeroset_space::{Camera, Projection, Ray};
 use zeroset_testkit::certified::BUDGET;
-use zeroset_trace::{Camera, Projection};
 
 /// Field of view in degrees, in every view.
 const FOV: f64 = 40.0;

@@ -14,9 +14,10 @@ use zeroset_render::overlay::Overlay;
 use zeroset_render::picture::{ColorDepth, Normals, Precision};
 use zeroset_scene::view::{self, CameraChoice, ClipChoice, ClipShape, Clipping, DomainChoice};
 use zeroset_shade::UndecidedStyle;
+use zeroset_space::Projection;
 use zeroset_style::{LOOKS, Look, StandardView, VIEWS};
 use zeroset_syntax::{Document, Format};
-use zeroset_trace::{METHODS, Method, MethodOption, OPTIONS, Projection, TraceOptions};
+use zeroset_trace::{METHODS, Method, MethodOption, OPTIONS, TraceOptions};
 
 /// Default number of rays traced in a pixel that lies on an edge.
 pub const DEFAULT_AA: usize = 16;

@@ -5,13 +5,14 @@ use serde_json::json;
 use std::fmt::Write as _;
 use zeroset_interval::Interval;
 use zeroset_live::{Rendering, Request, quote};
+use zeroset_parser::Limits;
+use zeroset_parser::tree::ast::Statement;
 use zeroset_render::model::{Located, true_digits};
 use zeroset_render::picture::Precision;
 use zeroset_scene::view::nearest;
 use zeroset_space::Ray;
-use zeroset_syntax::ast::Statement;
-use zeroset_syntax::{Document, Limits, Parameter, ParameterKind, parse};
-use zeroset_trace::{Proves, Status, UndecidedReason};
+use zeroset_syntax::{Document, Parameter, ParameterKind, parse};
+use zeroset_trace::{Proves, RayGrid, Status, UndecidedReason};
 
 /// A pixel of a rendering, and the surface point that is visible in it.
 pub struct Pick<'a> {
@@ -35,7 +36,7 @@ impl<'a> Pick<'a> {
         let column = scaled(place.0, window.0, buffer.width)?;
         let row = scaled(place.1, window.1, buffer.height)?;
         let pixel = row * buffer.width + column;
-        let rays = rendering.camera.rays(buffer.width, buffer.height);
+        let rays = RayGrid::new(&rendering.camera, buffer.width, buffer.height);
         let ray = rays.ray_of(pixel);
         let distance = buffer.drawn[pixel];
         let point = distance.is_finite().then(|| ray.at(ray.parameter(distance)));
@@ -48,7 +49,7 @@ impl<'a> Pick<'a> {
     /// shows a cap.
     fn located(&self) -> Option<Located> {
         let Rendering { model, picture, camera, request, .. } = self.rendering;
-        let rays = camera.rays(picture.buffer.width, picture.buffer.height);
+        let rays = RayGrid::new(camera, picture.buffer.width, picture.buffer.height);
         model.locate_pixel(picture, &rays, &request.settings, self.pixel)
     }
 

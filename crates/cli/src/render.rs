@@ -30,7 +30,7 @@ use zeroset_scene::view::{self, Clipping, DomainChoice};
 use zeroset_shade::Pattern;
 use zeroset_space::Region;
 use zeroset_syntax::{Background, Document};
-use zeroset_trace::{DEPTH, check_depth};
+use zeroset_trace::{DEPTH, RayGrid, check_depth};
 
 /// Half the side of the cube that is drawn if the search for a domain runs out of time.
 const FALLBACK_HALF_SIDE: f64 = 2.0;
@@ -65,7 +65,7 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         let has_alpha = model.is_transparent(&settings);
         let format = PngFormat { has_alpha, depth: settings.depth };
         let mut files = files.begin(size, format, settings.options.precision, &origin)?;
-        let rays = camera.rays(settings.width, settings.height);
+        let rays = RayGrid::new(&camera, settings.width, settings.height);
         let mut marks = None;
         let mut write = |Strip { top, picture, overview }: Strip<'_>| -> Result<()> {
             let seen = overview.unwrap_or(&*picture);

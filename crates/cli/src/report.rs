@@ -4,8 +4,8 @@ use super::subject::Subject;
 use serde_json::{Map, Number, Value, json};
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::domain::AutoDomain;
-use zeroset_space::Region;
-use zeroset_trace::{Camera, Count, Fallback, OPTIONS, Projection, UndecidedReason};
+use zeroset_space::{Camera, Projection, Region};
+use zeroset_trace::{Count, Fallback, OPTIONS, UndecidedReason};
 
 /// Returns times, counts, camera and domain of a picture.
 pub fn object(

@@ -14,14 +14,16 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use zeroset_parser::{ErrorKind, Errors};
 use zeroset_render::model::Model;
 use zeroset_render::overlay::{Overlay, PictureView};
 use zeroset_render::picture::{ColorDepth, Picture, Settings};
 use zeroset_render::png_file::PngFormat;
 use zeroset_render::sequence::{Sequence, Stage, Sweep};
 use zeroset_scene::{proportions, view};
-use zeroset_syntax::{ErrorKind, Errors, Options};
-use zeroset_trace::{Camera, Method};
+use zeroset_space::Camera;
+use zeroset_syntax::Options;
+use zeroset_trace::{Method, RayGrid};
 
 /// Largest number of frames. An hour at 60 frames per second has less than a quarter as many.
 const MOST_FRAMES: usize = 1_000_000;
@@ -375,7 +377,7 @@ impl<'a> FrameRenderer<'a> {
             let opened = Files::create(&files)?;
             let (camera, picture) = self.render_frame(frame, &mut last)?;
             let held = interrupt::hold();
-            let rays = camera.rays(picture.buffer.width, picture.buffer.height);
+            let rays = RayGrid::new(&camera, picture.buffer.width, picture.buffer.height);
             opened.finish(&picture, &rays, &origin)?;
             if wanted.json {
                 let Stage { region, searched, .. } = &self.stage;

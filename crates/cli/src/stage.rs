@@ -6,8 +6,8 @@ use zeroset_render::model::Model;
 use zeroset_render::picture::Settings;
 use zeroset_scene::gallery::Example;
 use zeroset_scene::view::{self, CameraChoice, DomainChoice};
+use zeroset_space::Camera;
 use zeroset_syntax::Options;
-use zeroset_trace::Camera;
 
 /// Returns the example's model and a camera, for pictures with these settings. Returns `None` if
 /// `wanted` returns false before both are ready.

@@ -5,10 +5,11 @@ use super::notes;
 use super::source::{self, Source};
 use anyhow::Result;
 use std::time::{Duration, Instant};
+use zeroset_parser::Errors;
 use zeroset_scene::coordinate::coordinate;
 use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::view::{self, DomainChoice};
-use zeroset_syntax::{Document, Errors, Options};
+use zeroset_syntax::{Document, Options};
 
 /// A document to draw or explain.
 pub struct Subject {

@@ -269,7 +269,7 @@ mod tests {
             file.follows(&text);
         }
         let last = file.live.snapshot().rendering.expect("a picture").camera;
-        let turn = |camera: &zeroset_trace::Camera| camera.rays(1, 1).forward();
+        let turn = |camera: &zeroset_space::Camera| camera.basis().forward;
         assert!((turn(&camera) - turn(&last)).length() < 1e-9, "the view has moved");
     }
 

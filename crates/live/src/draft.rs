@@ -3,9 +3,12 @@
 
 use super::values::{Place, kept_range, name, place, right_side};
 use std::ops::Range;
+use zeroset_dialect::is_scene_function;
+use zeroset_parser::Limits;
+use zeroset_parser::settings::setting_word;
+use zeroset_parser::tree::ast::{ExprKind, Function, Statement};
 use zeroset_scene::view::number;
-use zeroset_syntax::ast::{ExprKind, Function, Statement};
-use zeroset_syntax::{Limits, is_expression_list, is_scene_function, parse, setting_word};
+use zeroset_syntax::{is_expression_list, parse};
 
 /// Returns `text` after `line` is entered.
 ///

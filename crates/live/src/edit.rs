@@ -5,19 +5,19 @@ use super::draft::{
     completes, drawing, draws, draws_function, entered, with_drawing, without_scenery,
 };
 use super::pipeline::Request;
-use super::reply::{Refusal, Reply, refused};
+use super::reply::{Refusal, Reply, no_such, refused};
 use super::session::Live;
 use super::source::DocumentSource;
-use super::surfaces::no_such;
 use super::undo::{Checkpoint, Gesture};
 use super::values::{self, TIME, defined};
 use std::borrow::Cow;
 use std::sync::Arc;
 use zeroset_interval::Interval;
+use zeroset_parser::tree::ast::Statement;
+use zeroset_parser::{ErrorKind, Limits, Note, NoteKind};
 use zeroset_scene::program::Program;
 use zeroset_scene::view::is_idle;
-use zeroset_syntax::ast::Statement;
-use zeroset_syntax::{Document, ErrorKind, Limits, Note, NoteKind, parse};
+use zeroset_syntax::{Document, parse};
 
 /// What a typed line does to the formulas of the document.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -213,7 +213,7 @@ pub(super) fn base<'a>(request: &'a Request, readable: &'a str, line: &str) -> C
     if is_read(&completed) { Cow::Owned(completed) } else { Cow::Borrowed(readable) }
 }
 
-fn is_nothing_to_draw(error: &zeroset_syntax::Error) -> bool {
+fn is_nothing_to_draw(error: &zeroset_parser::Error) -> bool {
     matches!(error.kind, ErrorKind::NothingToDraw { .. })
 }
 

@@ -6,8 +6,9 @@ use super::reply::{Refusal, Reply, refused, say};
 use super::{equivalents, status_words};
 use std::collections::HashSet;
 use std::fmt::Write as _;
+use zeroset_parser::settings::setting_word;
 use zeroset_style::COLOR_MAPS;
-use zeroset_syntax::{WordKind, language_names, setting_word, word_help, words};
+use zeroset_syntax::{WordKind, language_names, word_help, words};
 
 /// The topic that lists equivalents in other programs.
 const EQUIVALENTS_TOPIC: &str = "coming";

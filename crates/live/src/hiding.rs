@@ -2,9 +2,9 @@
 
 use super::edit::{Edit, base};
 use super::pipeline::Request;
-use super::reply::{Refusal, refused};
+use super::reply::{Refusal, no_such, refused};
 use super::session::Live;
-use super::surfaces::{no_such, whole};
+use super::surfaces::whole;
 use std::ops::Range;
 use zeroset_syntax::{Document, Options};
 

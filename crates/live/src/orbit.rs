@@ -3,8 +3,7 @@
 
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI};
-use zeroset_space::Region;
-use zeroset_trace::{Camera, CameraError, Projection};
+use zeroset_space::{Camera, CameraError, Projection, Region};
 
 /// A camera that turns around its target, about an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,18 +36,18 @@ impl Orbit {
         let (camera, region) = (camera.displayed(), region.displayed());
         let scale = region.half_extent();
         let back = camera.eye() - camera.target();
-        let frame = camera.rays(1, 1);
+        let basis = camera.basis();
         // Use z as the pole if that keeps the horizon level, or else the camera's own up direction.
-        let level = frame.right().z.abs() < 1e-9;
+        let level = basis.right.z.abs() < 1e-9;
         let pole = match level {
-            true if frame.up().z < -1e-9 => DVec3::NEG_Z,
+            true if basis.up.z < -1e-9 => DVec3::NEG_Z,
             true => DVec3::Z,
             false => camera.up().normalize(),
         };
-        let elevation = frame.forward().dot(-pole).clamp(-1.0, 1.0).asin();
+        let elevation = basis.forward.dot(-pole).clamp(-1.0, 1.0).asin();
         // If the camera looks straight up or down, the azimuth follows from its up direction.
         let lying = if back.cross(pole).length() < 1e-9 * back.length() {
-            frame.up() * -elevation.signum()
+            basis.up * -elevation.signum()
         } else {
             back
         };
@@ -184,6 +183,7 @@ mod tests {
     use super::*;
     use zeroset_scene::view::standard_camera;
     use zeroset_style::VIEWS;
+    use zeroset_trace::RayGrid;
 
     const PERSPECTIVE: Projection = Projection::Perspective { fov: 40.0 };
 
@@ -192,7 +192,7 @@ mod tests {
     }
 
     fn same(one: &Camera, other: &Camera) {
-        let (a, b) = (one.rays(9, 7), other.rays(9, 7));
+        let (a, b) = (RayGrid::new(one, 9, 7), RayGrid::new(other, 9, 7));
         for (p, q) in [(a.eye(), b.eye()), (a.right(), b.right()), (a.up(), b.up())] {
             assert!((p - q).length() < 1e-9, "{one:?} and {other:?}");
         }
@@ -230,24 +230,24 @@ mod tests {
         assert!((turned.eye().z - start.eye().z).abs() < 1e-9);
         assert!((turned.eye() - start.eye()).length() > 1.0);
         // The near side follows the pointer to the right, so the eye moves to the left.
-        assert!((turned.eye() - start.eye()).dot(start.rays(1, 1).right()) < 0.0);
+        assert!((turned.eye() - start.eye()).dot(start.basis().right) < 0.0);
         orbit.turn(0.0, 1e6, 400);
         let top = orbit.camera(&region).expect("straight down is a view");
-        assert!(top.rays(1, 1).forward().z < -0.999_999);
+        assert!(top.basis().forward.z < -0.999_999);
     }
 
     /// Position of a point in pixels, to the right of and below the picture's middle.
     fn pixel(camera: &Camera, point: DVec3, height: f64) -> (f64, f64) {
-        let frame = camera.rays(1, 1);
+        let basis = camera.basis();
         let way = point - camera.eye();
         let half = match camera.projection() {
             Projection::Perspective { fov } => {
-                way.dot(frame.forward()) * (fov.to_radians() / 2.0).tan()
+                way.dot(basis.forward) * (fov.to_radians() / 2.0).tan()
             }
             Projection::Orthographic { height } => height / 2.0,
         };
         let scale = height / 2.0 / half;
-        (way.dot(frame.right()) * scale, -way.dot(frame.up()) * scale)
+        (way.dot(basis.right) * scale, -way.dot(basis.up) * scale)
     }
 
     #[test]
@@ -255,8 +255,8 @@ mod tests {
         let region = region();
         for projection in [PERSPECTIVE, Projection::Orthographic { height: 5.0 }] {
             let camera = standard_camera(&VIEWS[0], &region, projection).expect("valid");
-            let frame = camera.rays(1, 1);
-            let point = camera.target() + 0.4 * frame.right() - 0.3 * frame.up();
+            let basis = camera.basis();
+            let point = camera.target() + 0.4 * basis.right - 0.3 * basis.up;
             let at = pixel(&camera, point, 480.0);
             let mut orbit = Orbit::from_camera(&camera, &region);
             orbit.zoom(0.7, at.0, at.1, 480);
@@ -299,7 +299,7 @@ mod tests {
     fn projections_change_without_a_jump() {
         let region = region();
         let camera = standard_camera(&VIEWS[0], &region, PERSPECTIVE).expect("valid");
-        let point = camera.target() + 0.5 * camera.rays(1, 1).right();
+        let point = camera.target() + 0.5 * camera.basis().right;
         let mut orbit = Orbit::from_camera(&camera, &region);
         let before = pixel(&camera, point, 480.0).0;
         for _ in 0..2 {

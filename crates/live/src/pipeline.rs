@@ -18,15 +18,15 @@ use super::values::TIME;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
+use zeroset_parser::{ErrorKind, Errors};
 use zeroset_render::model::Model;
 use zeroset_render::overlay::PictureView;
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::blank::Blank;
 use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::view::{CameraChoice, ClipChoice, DomainChoice, SceneError};
-use zeroset_space::Region;
-use zeroset_syntax::{Document, ErrorKind, Errors, Options};
-use zeroset_trace::Camera;
+use zeroset_space::{Camera, Region};
+use zeroset_syntax::{Document, Options};
 
 /// Choice of axes around the region's box. With axes, an automatic view shows the whole box.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -343,7 +343,7 @@ impl Drop for Pipeline {
 
 /// The undefined single letter, if no other error exists.
 pub(super) fn missing_letter(errors: &Errors) -> Option<char> {
-    let letter = |error: &zeroset_syntax::Error| match &error.kind {
+    let letter = |error: &zeroset_parser::Error| match &error.kind {
         ErrorKind::UnknownName { name, letter } => {
             let mut letters = name.chars();
             letter.or(letters.next().filter(|_| letters.next().is_none()))

@@ -1,8 +1,8 @@
 //! The reply to an entered line, or its refusal. Knows neither documents nor commands.
 
 use super::pipeline::missing_letter;
+use zeroset_parser::Errors;
 use zeroset_scene::program::ProgramError;
-use zeroset_syntax::Errors;
 
 /// The reply to an entered line. Some replies ask the caller to do something.
 #[derive(Clone, Debug, PartialEq)]
@@ -85,4 +85,13 @@ pub(super) fn say(text: String) -> Result<Reply, Refusal> {
 
 pub(super) fn refused<T>(message: String) -> Result<T, Refusal> {
     Err(Refusal::Command(message))
+}
+
+/// The error for a number outside 1 to `count`. `noun` says what is counted, such as surfaces.
+pub(super) fn no_such(noun: &str, number: usize, count: usize) -> Refusal {
+    Refusal::Command(match count {
+        0 => "nothing is drawn".to_owned(),
+        1 => format!("there is no {noun} {number}; there is only {noun} 1"),
+        _ => format!("there is no {noun} {number}; they are numbered 1 to {count}"),
+    })
 }

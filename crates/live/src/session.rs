@@ -11,10 +11,11 @@ use std::mem;
 use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
+use zeroset_parser::Limits;
 use zeroset_render::picture::Settings;
 use zeroset_scene::view::CameraChoice;
 use zeroset_shade::UndecidedStyle;
-use zeroset_syntax::{Limits, parse};
+use zeroset_syntax::parse;
 
 /// A live document and its picture.
 ///

@@ -11,7 +11,8 @@ use zeroset_scene::coordinate::coordinate;
 use zeroset_scene::proportions;
 use zeroset_scene::view::{self, ClipChoice, DomainChoice};
 use zeroset_shade::UndecidedStyle;
-use zeroset_trace::{MethodOption, OPTIONS, Projection};
+use zeroset_space::Projection;
+use zeroset_trace::{MethodOption, OPTIONS};
 
 /// Note on a picture whose function may be 0 everywhere.
 pub const FLAT: &str =

@@ -125,7 +125,7 @@ mod tests {
     use glam::DVec3;
     use std::time::Duration;
     use zeroset_scene::view::CameraChoice;
-    use zeroset_trace::Projection;
+    use zeroset_space::Projection;
 
     fn said(text: &str, method: &str) -> String {
         let settings = Settings { width: 40, height: 30, ..Settings::default() };

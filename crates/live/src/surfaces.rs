@@ -4,7 +4,7 @@
 use super::draft::without_drawing;
 use super::edit::{Edit, base, nothing_drawn};
 use super::pipeline::{Rendering, Request};
-use super::reply::{Refusal, Reply, refused};
+use super::reply::{Refusal, Reply, no_such, refused};
 use super::session::Live;
 use super::undo::Gesture;
 use std::ops::Range;
@@ -309,15 +309,6 @@ pub(super) fn without(text: &str, options: &Options<'_>, number: usize) -> Resul
     });
     let moved = last.and_then(|(text, _)| without_drawing(&text, wanted.len() + 1).ok());
     Ok(moved.filter(|text| look(text).as_ref() == Some(&wanted)).unwrap_or(plain))
-}
-
-/// The error for a number outside 1 to `count`. `noun` says what is counted, such as surfaces.
-pub(super) fn no_such(noun: &str, number: usize, count: usize) -> Refusal {
-    Refusal::Command(match count {
-        0 => "nothing is drawn".to_owned(),
-        1 => format!("there is no {noun} {number}; there is only {noun} 1"),
-        _ => format!("there is no {noun} {number}; they are numbered 1 to {count}"),
-    })
 }
 
 #[cfg(test)]

@@ -2,9 +2,10 @@
 //! ranges, but no pictures.
 
 use std::ops::Range;
+use zeroset_parser::Limits;
+use zeroset_parser::tree::ast::Statement;
 use zeroset_scene::view::number;
-use zeroset_syntax::ast::Statement;
-use zeroset_syntax::{Limits, parse};
+use zeroset_syntax::parse;
 
 /// Name of the time.
 pub(super) const TIME: &str = "t";

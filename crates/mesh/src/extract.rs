@@ -5,9 +5,10 @@
 use crate::cells::Question;
 use crate::embedding::{Triangle, least_distance};
 use crate::grid::{Corner, Grid};
+use crate::leaf::{Kind, Leaf};
 use crate::place::Vertices;
 use crate::polygon::{Linear, NO_PART, Polygon};
-use crate::refine::{Kind, Leaf, Refined, size};
+use crate::refine::{Refined, size};
 use crate::space::Space;
 use glam::DVec3;
 use rayon::prelude::*;

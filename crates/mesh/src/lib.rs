@@ -8,6 +8,7 @@ mod embedding;
 mod extract;
 mod fit;
 mod grid;
+mod leaf;
 mod place;
 mod polygon;
 mod proof;
@@ -17,7 +18,8 @@ mod values;
 
 use cells::{PartKernels, Question};
 use glam::DVec3;
-use refine::{Kind, Limits};
+use leaf::Kind;
+use refine::Limits;
 use space::Space;
 use zeroset_interval::Interval;
 use zeroset_scene::choices::Choices;

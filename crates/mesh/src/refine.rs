@@ -1,7 +1,8 @@
 //! Refines a grid until the shape of the surface in it is proven, and the mesh is near enough.
 
-use crate::cells::{Answer, Cell, Local, PartBounds, PartKernels, Question, ask};
+use crate::cells::{Answer, Cell, PartBounds, PartKernels, Question, ask};
 use crate::grid::{Corner, Grid, Tetrahedron};
+use crate::leaf::{Kind, Leaf};
 use crate::proof::{Slopes, bend, common_vector, least_slope, linear_gradient, middle};
 use crate::space::Space;
 use crate::values::CornerValues;
@@ -25,19 +26,6 @@ const BOUNDARY: f64 = 1.0 / 1024.0;
 /// The value of a part where it is undefined: far above 0, since a solid is not there. Products of
 /// three are finite.
 const UNDEFINED: f64 = 1e100;
-/// A tetrahedron of the refined grid.
-pub struct Leaf {
-    pub cell: Tetrahedron,
-    pub kind: Kind,
-}
-
-/// The part that a tetrahedron has in the mesh.
-pub enum Kind {
-    /// The surface may be in it. `near` states that the mesh is proven to be within the tolerance.
-    Open { local: Arc<Local>, near: bool },
-    /// It is inside a solid, and has a face on the boundary of the domain.
-    Inside(Arc<Choice>),
-}
 
 /// The proof fails at a corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -206,16 +194,6 @@ fn is_near(space: &Space, cell: &Tetrahedron, parts: &[PartBounds], distance: f6
     let reach = distance * least.fold(f64::INFINITY, f64::min);
     // False for NaN.
     slopes.iter().all(|part| bend(&part.gradient, &corners) <= reach)
-}
-
-impl Leaf {
-    /// The function in the tetrahedron.
-    pub fn choice(&self) -> &Arc<Choice> {
-        match &self.kind {
-            Kind::Open { local, .. } => &local.choice,
-            Kind::Inside(choice) => choice,
-        }
-    }
 }
 
 impl Refined {

@@ -4,8 +4,8 @@
 
 use crate::cells::PartBounds;
 use crate::grid::{Corner, Grid};
+use crate::leaf::{Kind, Leaf};
 use crate::proof::MOVED;
-use crate::refine::{Kind, Leaf};
 use rustc_hash::FxHashMap;
 use smallvec::{SmallVec, smallvec};
 

@@ -10,10 +10,10 @@ use crate::picture::Settings;
 use glam::{DQuat, DVec3};
 use zeroset_scene::view::{self, CameraChoice, SceneError};
 use zeroset_shade::Light;
-use zeroset_space::Region;
+use zeroset_space::{Basis, Camera, CameraError, Projection, Region};
 use zeroset_style::StandardView;
 use zeroset_syntax::Document;
-use zeroset_trace::{Camera, CameraError, Projection, TraceOptions};
+use zeroset_trace::{RayGrid, TraceOptions};
 
 /// Rows and columns of the small picture.
 const SIDE: usize = 64;
@@ -112,7 +112,8 @@ pub fn camera_over(
     let add_shadows = |back: DVec3, spots: &mut Vec<Spot>| {
         let Some(ground) = ground_height(models, settings) else { return };
         let Ok(camera) = view.fitted(back, spots, FILLED) else { return };
-        let light = models[0].key_light(settings, &camera.in_stretched(stretch).rays(SIDE, SIDE));
+        let light =
+            models[0].key_light(settings, &RayGrid::new(&camera.in_stretched(stretch), SIDE, SIDE));
         spots.extend(shadows(spots, ground * stretch.z, &light));
     };
     if is_turned {
@@ -317,7 +318,7 @@ impl FreeView {
         };
         let stretch = region.stretch();
         let in_space = camera.in_stretched(stretch);
-        let rays = in_space.rays(SIDE, SIDE);
+        let rays = RayGrid::new(&in_space, SIDE, SIDE);
         let forward = rays.forward();
         let slope = self.slope();
         let (mut spots, mut area) = (Vec::new(), 0.0);
@@ -401,8 +402,7 @@ impl FreeView {
         let size = spots.iter().map(|spot| (spot.at - middle).length()).fold(0.0, f64::max);
         let trial =
             Camera::new(middle + back * size.max(f64::MIN_POSITIVE), middle, self.up, projection)?;
-        let frame = trial.rays(1, 1);
-        let (forward, right, up) = (frame.forward(), frame.right(), frame.up());
+        let Basis { forward, right, up } = trial.basis();
         // Distance by which a plane through the eye and an edge of the picture must be moved
         // outward to contain all spots.
         let edge = |side: DVec3, slope: f64| {

@@ -6,6 +6,7 @@
 
 pub mod atomic_file;
 pub mod framing;
+pub mod legend;
 pub mod limit;
 pub mod model;
 pub mod names;

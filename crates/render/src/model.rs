@@ -28,10 +28,10 @@ use zeroset_scene::kernels::Evaluator;
 use zeroset_scene::program::{Program, ProgramError};
 use zeroset_scene::{proportions, view};
 use zeroset_shade::Light;
-use zeroset_space::{Cell, Region};
+use zeroset_space::{Camera, Cell, Region};
 use zeroset_style::Look;
 use zeroset_syntax::{Background, Document, PictureLines, PointValue, SurfaceKind};
-use zeroset_trace::{Camera, RayGrid, TraceOptions};
+use zeroset_trace::{RayGrid, TraceOptions};
 
 /// All surfaces of a document over one region. Kernels are compiled when first needed, and freed
 /// with the last model that shares them.

@@ -3,16 +3,15 @@
 mod axes;
 mod canvas;
 mod curves;
-mod legend;
 mod letters;
 mod projector;
 mod ticks;
 
 pub use canvas::{Canvas, Rgb};
-pub use legend::{Legend, round_step};
 pub use letters::with_minus;
 pub use projector::PictureView;
 
+use crate::legend::Legend;
 use crate::picture::Picture;
 use crate::pixels::Pixels;
 use axes::draw_box;
@@ -217,8 +216,7 @@ mod tests {
     use crate::picture::Settings;
     use glam::DVec3;
     use zeroset_scene::curves::TracedCurves;
-    use zeroset_space::Region;
-    use zeroset_trace::{Camera, Projection};
+    use zeroset_space::{Camera, Projection, Region};
 
     fn picture(text: &str) -> (Picture, Camera, Region) {
         let document = zeroset_syntax::read(text, &zeroset_syntax::Options::default());

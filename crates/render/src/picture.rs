@@ -1,7 +1,7 @@
 //! Settings of a picture, the finished picture, and its statistics.
 
+use crate::legend::Legend;
 use crate::limit::Limit;
-use crate::overlay::Legend;
 use crate::pixels::{flattened, samples};
 use crate::png_file::PngFormat;
 use glam::DVec3;

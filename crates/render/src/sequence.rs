@@ -10,11 +10,11 @@ use crate::picture::Settings;
 use glam::{DQuat, DVec3};
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
+use zeroset_parser::Errors;
 use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::view::{self, CameraChoice, Clipping, DomainChoice, SceneError};
-use zeroset_space::Region;
-use zeroset_syntax::{Document, Errors, Options};
-use zeroset_trace::{Camera, CameraError};
+use zeroset_space::{Camera, CameraError, Region};
+use zeroset_syntax::{Document, Options};
 
 /// Number of frames, spread evenly over the sequence, from which region and camera are chosen.
 const SAMPLES: usize = 33;

@@ -11,10 +11,11 @@ use std::str::FromStr;
 
 use zeroset_interval::Interval;
 use zeroset_ir::{Constant, Node, NodeId};
-use zeroset_space::{HalfSpace, LARGEST_COORDINATE, Region, RegionError};
+use zeroset_space::{
+    Camera, CameraError, HalfSpace, LARGEST_COORDINATE, Projection, Region, RegionError,
+};
 use zeroset_style::{FOV, StandardView};
 use zeroset_syntax::{Document, DomainLine, Parameter, ParameterKind, PointValue, SurfaceColor};
-use zeroset_trace::{Camera, CameraError, Projection};
 
 /// The caller's choice of a domain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

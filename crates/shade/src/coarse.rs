@@ -80,7 +80,7 @@ pub fn neighbors(
 mod tests {
     use super::*;
     use glam::DVec3;
-    use zeroset_trace::{Camera, Projection};
+    use zeroset_space::{Camera, Projection};
 
     fn wall(width: usize, height: usize) -> (GBuffer, RayGrid) {
         let projection = Projection::Orthographic { height: 2.0 };
@@ -88,7 +88,7 @@ mod tests {
         let mut buffer = GBuffer::new(width, height, 0);
         buffer.drawn.fill(4.0);
         buffer.normal.fill([0.0, -1.0, 0.0]);
-        (buffer, camera.expect("valid").rays(width, height))
+        (buffer, RayGrid::new(&camera.expect("valid"), width, height))
     }
 
     #[test]

@@ -251,12 +251,12 @@ pub fn is_smooth(buffer: &GBuffer, rays: &RayGrid, row: usize, normal: [f32; 3])
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zeroset_trace::{Camera, Projection};
+    use zeroset_space::{Camera, Projection};
 
     fn rays(width: usize, height: usize) -> RayGrid {
         let projection = Projection::Orthographic { height: 2.0 };
         let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
-        camera.expect("valid").rays(width, height)
+        RayGrid::new(&camera.expect("valid"), width, height)
     }
 
     /// A wall at distance 4 that faces the eye.

@@ -102,14 +102,15 @@ impl Light {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zeroset_trace::{Camera, Projection};
+    use zeroset_space::{Camera, Projection};
 
     #[test]
     fn the_default_light_stands_above_and_left_of_the_eye() {
         let eye = DVec3::new(0.0, -5.0, 0.0);
         let projection = Projection::Perspective { fov: 40.0 };
         let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("valid");
-        let (direction, distance) = Light::above_left(&camera.rays(2, 2)).towards(DVec3::ZERO);
+        let (direction, distance) =
+            Light::above_left(&RayGrid::new(&camera, 2, 2)).towards(DVec3::ZERO);
         assert!(direction.x < 0.0 && direction.y < 0.0 && direction.z > 0.0);
         assert!((direction.length() - 1.0).abs() < 1e-12 && distance == f64::INFINITY);
     }

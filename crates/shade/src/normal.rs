@@ -334,8 +334,8 @@ fn unit(vector: DVec3) -> Option<[f32; 3]> {
 mod tests {
     use super::*;
     use zeroset_eval::{Gradients, Lanes, Values};
+    use zeroset_space::{Camera, Projection};
     use zeroset_trace::Status;
-    use zeroset_trace::{Camera, Projection};
 
     /// A function with values and, optionally, gradients.
     struct Plain<F, G>(F, G);
@@ -378,7 +378,7 @@ mod tests {
         let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
         let mut buffer = GBuffer::new(1, 1, 0);
         (buffer.status[0], buffer.drawn[0]) = (Status::Hit, 4.0);
-        normals(&mut buffer, &camera.expect("valid").rays(1, 1), source, 1e-3);
+        normals(&mut buffer, &RayGrid::new(&camera.expect("valid"), 1, 1), source, 1e-3);
         buffer.normal[0]
     }
 
@@ -464,7 +464,7 @@ mod tests {
         for pixel in (0..80 * 20).filter(|pixel| pixel % 3 != 0) {
             (buffer.status[pixel], buffer.drawn[pixel]) = (Status::Hit, 5.0);
         }
-        (buffer, camera.expect("valid").rays(80, 20))
+        (buffer, RayGrid::new(&camera.expect("valid"), 80, 20))
     }
 
     #[test]

@@ -284,14 +284,14 @@ impl ShadedPoint {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zeroset_trace::{Camera, Projection};
+    use zeroset_space::{Camera, Projection};
 
     /// Two walls that meet at a right angle along the middle column. If `inward`, the camera is
     /// inside the corner, and otherwise outside.
     fn corner(inward: bool) -> (GBuffer, RayGrid) {
         let projection = Projection::Orthographic { height: 4.0 };
         let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
-        let rays = camera.expect("valid").rays(64, 64);
+        let rays = RayGrid::new(&camera.expect("valid"), 64, 64);
         let mut buffer = GBuffer::new(64, 64, 0);
         let sign = if inward { 1.0 } else { -1.0 };
         for pixel in 0..64 * 64 {

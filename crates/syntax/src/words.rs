@@ -2,9 +2,9 @@
 //! from the tables that the parser uses. Nothing here knows how words are displayed.
 
 use crate::picture::paint::POINT_NAMES;
-use crate::settings::SETTINGS;
-use crate::tree::scope::{ROOT_NAMES, meaning};
 use zeroset_ir::NamedConstant;
+use zeroset_parser::settings::SETTINGS;
+use zeroset_parser::tree::scope::{ROOT_NAMES, meaning};
 use zeroset_style::{COLOR_MAPS, LOOKS, VIEWS};
 
 /// Kind of a word.
@@ -131,7 +131,8 @@ pub fn word_help(word: &str) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Limits, parse};
+    use crate::parse;
+    use zeroset_parser::Limits;
 
     #[test]
     fn examples_read_and_hold_their_words() {

@@ -3,7 +3,7 @@
 //! It does not know how a ray is followed.
 
 use crate::gbuffer::{GBuffer, Kept};
-use crate::grid::RayGrid;
+use crate::grid::{BAND_ROWS, RayGrid};
 use crate::kernel_stats::KernelStats;
 use crate::method::{Segment, Start, Tracer};
 use crate::ray_result::{RayResult, Status};
@@ -14,9 +14,6 @@ use rayon::prelude::*;
 use std::cell::Cell;
 use zeroset_space::{Ray, Region};
 
-/// Number of rows in a band, which is the unit of a thread's work and of cancellation. It is also
-/// the side of the largest tiles, in pixels.
-pub const BAND_ROWS: usize = 16;
 /// Number of pixels that one thread takes from a list at a time.
 const LIST: usize = 1024;
 

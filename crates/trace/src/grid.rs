@@ -1,7 +1,5 @@
 //! The grid of rays of one picture: a camera together with a size in pixels.
 
-use crate::camera::{Basis, Camera, Projection};
-use crate::driver::BAND_ROWS;
 use crate::painted::PixelWindow;
 use crate::scalar::Scalar;
 use fearless_simd::{f32x16, f64x8, prelude::*};
@@ -9,7 +7,11 @@ use glam::{DVec3, Vec3};
 use std::ops::Range;
 use std::sync::Arc;
 use zeroset_eval::{LANES, Lanes};
-use zeroset_space::Ray;
+use zeroset_space::{Basis, Camera, Projection, Ray};
+
+/// Number of rows in a band, which is the unit of a thread's work and of cancellation. It is also
+/// the side of the largest tiles, in pixels.
+pub const BAND_ROWS: usize = 16;
 
 /// Number of pixels on the side of a [`Patch`].
 pub const SIDE: usize = LANES.isqrt();
@@ -96,20 +98,20 @@ impl Window {
     }
 }
 
-impl Camera {
+impl RayGrid {
     /// The rays of a picture of `width` × `height` pixels.
-    pub fn rays(&self, width: usize, height: usize) -> RayGrid {
-        let (scale, parallel) = match self.projection() {
+    pub fn new(camera: &Camera, width: usize, height: usize) -> Self {
+        let (scale, parallel) = match camera.projection() {
             Projection::Perspective { fov } => (half_tangent(fov), false),
             Projection::Orthographic { height } => (height / 2.0, true),
         };
         let unit = scale / height as f64;
-        let (eye, stretch, basis) = (self.eye(), self.stretch, self.basis);
+        let (eye, stretch, basis) = (camera.eye(), camera.stretch(), camera.basis());
         let axes = basis.divided(stretch);
         let reach = [width as f64 * unit, height as f64 * unit];
         let (first, patches) = ([1 - width as i64, height as i64 - 1], None);
         let (corner, steps) = ([0; 2], steps(&basis, unit));
-        RayGrid {
+        Self {
             width,
             height,
             first,
@@ -125,9 +127,7 @@ impl Camera {
             patches,
         }
     }
-}
 
-impl RayGrid {
     /// The rays of some columns and rows, counted from the left and upper edges of `self`. They
     /// equal the same rays of `self`, bit for bit.
     ///

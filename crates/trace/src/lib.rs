@@ -1,4 +1,4 @@
-//! Tracing: cameras, rays, methods and the G-buffer that their results go to.
+//! Tracing: pictures' rays, methods and the G-buffer that their results go to.
 //!
 //! A method evaluates kernels to find where each ray first meets the zero set. The driver writes
 //! the results into a [`GBuffer`]. [`cap_rows`] adds the faces where a region cuts a solid. This
@@ -7,7 +7,6 @@
 
 mod band;
 pub mod buffer_pool;
-mod camera;
 mod driver;
 mod gbuffer;
 mod grid;
@@ -26,10 +25,9 @@ mod squares;
 mod surface_ids;
 
 pub use band::Band;
-pub use camera::{Camera, CameraError, Projection};
-pub use driver::{BAND_ROWS, Driver};
+pub use driver::Driver;
 pub use gbuffer::{GBuffer, Kept, PixelCounts};
-pub use grid::{Patch, RayDirections, RayGrid, SIDE, Window};
+pub use grid::{BAND_ROWS, Patch, RayDirections, RayGrid, SIDE, Window};
 pub use kernel_stats::{Count, KernelStats};
 pub use method::{Fallback, Method, Proves, Segment, Start, Tracer};
 pub use methods::{METHODS, MOST_STEPS};

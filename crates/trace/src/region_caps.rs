@@ -3,9 +3,8 @@
 //! A tracer finds the boundary f = 0 of a solid f ≤ 0. The solid is also visible where a ray enters
 //! the region inside the solid.
 
-use crate::driver::BAND_ROWS;
 use crate::gbuffer::GBuffer;
-use crate::grid::RayGrid;
+use crate::grid::{BAND_ROWS, RayGrid};
 use crate::kernel_stats::KernelStats;
 use crate::ray_result::{RayResult, Status, UndecidedReason};
 use crate::rows::{Rows, for_each_part};
@@ -229,11 +228,10 @@ fn enclosed(ray: &Ray, entry: &Entry, region: &Region, axis: usize) -> Interval 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{Camera, Projection};
     use glam::DVec3;
     use std::sync::atomic::{AtomicUsize, Ordering};
     use zeroset_eval::Enclosures;
-    use zeroset_space::HalfSpace;
+    use zeroset_space::{Camera, HalfSpace, Projection};
 
     /// The half-space x ≤ 0.25, as the function x − 0.25.
     struct LeftHalf;
@@ -251,7 +249,7 @@ mod tests {
     fn picture(region: &Region) -> GBuffer {
         let projection = Projection::Orthographic { height: 2.0 };
         let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
-        let rays = camera.expect("valid").rays(8, 8);
+        let rays = RayGrid::new(&camera.expect("valid"), 8, 8);
         let mut buffer = GBuffer::of_nothing(8, 8);
         cap(&mut buffer, &rays, region, &LeftHalf, &[]);
         buffer

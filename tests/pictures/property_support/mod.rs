@@ -10,10 +10,10 @@ use zeroset_render::model::render;
 use zeroset_render::picture::{Picture, Precision, Settings};
 use zeroset_scene::kernels::Evaluator;
 use zeroset_scene::program::Program;
-use zeroset_space::Region;
+use zeroset_space::{Camera, Projection, Region};
 use zeroset_testkit::certified::Line;
 use zeroset_testkit::property::{Formula, Pixel, RayClaim, Scene};
-use zeroset_trace::{Camera, METHODS, Method, Projection, Status, TraceOptions};
+use zeroset_trace::{METHODS, Method, RayGrid, Status, TraceOptions};
 
 /// Returns the claims of every method's picture about the rays of its pixels. `None` if the scene's
 /// camera is invalid or its formula has no surface.
@@ -71,7 +71,7 @@ pub fn picture_with(
 /// The claims of a picture about each pixel's ray.
 pub fn claims(scene: &Scene, camera: &Camera, picture: &Picture) -> Vec<Pixel> {
     let [width, height] = scene.size;
-    let frame = camera.rays(width, height);
+    let frame = RayGrid::new(camera, width, height);
     let pixels = (0..width * height).map(|index| {
         let ray = frame.ray_of(index);
         let line = Line { eye: ray.origin.to_array(), direction: ray.direction.to_array() };

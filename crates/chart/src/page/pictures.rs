@@ -16,7 +16,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use image::RgbImage;
 use zeroset_testkit::certified::BUDGET;
-use zeroset_trace::{METHODS, Method, Precision};
+use zeroset_trace::{METHODS, Method, Precision, RayGrid};
 
 /// Side of a picture in pixels. The certified tracer checks every pixel.
 const SIZE: usize = 96;
@@ -55,7 +55,7 @@ fn of_surface(store: &Store, rows: &[&Row]) -> Result<String, ChartError> {
     let view = View { name: format!("{}-page", row.view), camera: row.camera()? };
     let sampling = Sampling { size: SIZE, samples: 0, seed: row.seed, budget: BUDGET };
     let reference = RootReference::kept(&store.path("reference"), &surface, &view, sampling)?;
-    let rays = view.camera.rays(SIZE, SIZE);
+    let rays = RayGrid::new(&view.camera, SIZE, SIZE);
     let name = escaped(&surface.name);
     let mut text = vec![format!("<h3>{name}</h3>\n<div class=\"pictures\">\n")];
     for configuration in middle_configurations(rows) {

@@ -10,9 +10,8 @@ use glam::DVec3;
 use serde::Deserialize;
 use std::path::Path;
 use zeroset_scene::view::{self, CameraChoice};
-use zeroset_space::Region;
+use zeroset_space::{Camera, Projection, Region};
 use zeroset_testkit::npy::{read_f64, read_u8};
-use zeroset_trace::{Camera, Projection};
 
 /// A formula with its domain and camera.
 #[derive(Clone, Debug, Deserialize)]
@@ -149,6 +148,7 @@ impl Case {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zeroset_trace::RayGrid;
 
     #[test]
     fn stored_roots_are_those_of_their_case() {
@@ -159,7 +159,7 @@ mod tests {
         for slug in ["double-sphere", "abs-sphere"] {
             let case = cases.iter().find(|case| case.slug == slug).expect("there");
             let (_, view) = case.view().expect("a view");
-            let rays = view.camera.rays(SIDE, SIDE);
+            let rays = RayGrid::new(&view.camera, SIDE, SIDE);
             let stored = stored(case.place.expect("stored")).expect("valid");
             let mut roots = 0;
             for (pixel, truth) in stored.iter().enumerate() {

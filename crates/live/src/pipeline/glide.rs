@@ -1,7 +1,7 @@
 //! The animation from one automatic view to the next, so that the eye can follow the change.
 
 use std::time::{Duration, Instant};
-use zeroset_trace::{Camera, Projection};
+use zeroset_space::{Camera, Projection};
 
 const GLIDE_TIME: Duration = Duration::from_millis(240);
 

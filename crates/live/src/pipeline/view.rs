@@ -7,7 +7,7 @@ use super::{FaultReason, NextView, Request};
 use std::sync::Arc;
 use zeroset_render::framing;
 use zeroset_scene::view::SceneError;
-use zeroset_trace::Camera;
+use zeroset_space::Camera;
 
 impl Worker {
     /// Returns the camera for a request. If a glide is due, draws its pictures first. `None` if the

@@ -7,15 +7,16 @@ use super::{
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, PoisonError, Weak};
 use std::time::{Duration, Instant};
+use zeroset_parser::Errors;
 use zeroset_render::model::Model;
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::blank::Blank;
 use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::program::Program;
 use zeroset_scene::view::{self, CameraChoice, SceneError};
-use zeroset_space::Region;
-use zeroset_syntax::{Document, Errors};
-use zeroset_trace::{Camera, Proves, TraceOptions};
+use zeroset_space::{Camera, Region};
+use zeroset_syntax::Document;
+use zeroset_trace::{Proves, TraceOptions};
 
 /// Least depth of a coarse picture. The depth is the number of halvings along a ray.
 const LEAST_DEPTH: u32 = 6;

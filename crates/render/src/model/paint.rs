@@ -4,7 +4,7 @@
 
 use super::Model;
 use super::trace::Advance;
-use crate::overlay::{Legend, round_step};
+use crate::legend::{Legend, round_step};
 use glam::Vec4;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -300,7 +300,7 @@ impl Lines {
 mod tests {
     use super::*;
     use glam::DVec3;
-    use zeroset_trace::{Camera, Projection};
+    use zeroset_space::{Camera, Projection};
 
     #[test]
     fn lines_are_as_wide_whatever_the_slope() {
@@ -326,6 +326,6 @@ mod tests {
     fn rays(width: usize, height: usize) -> RayGrid {
         let projection = Projection::Orthographic { height: 2.0 };
         let camera = Camera::new(DVec3::NEG_Y, DVec3::ZERO, DVec3::Z, projection);
-        camera.expect("valid").rays(width, height)
+        RayGrid::new(&camera.expect("valid"), width, height)
     }
 }

@@ -9,7 +9,8 @@ use crate::picture::{Picture, Settings};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use zeroset_scene::program::ProgramError;
 use zeroset_shade::{ColorDepth, Pattern};
-use zeroset_trace::{Camera, RayGrid};
+use zeroset_space::Camera;
+use zeroset_trace::RayGrid;
 
 /// Strips begin at multiples of this many rows, and are drawn with this many extra rows above and
 /// below. Methods trace bands of this height. Antialiasing and outlines need fewer extra rows.
@@ -96,10 +97,10 @@ impl Model {
             progress(done.fetch_add(now, Ordering::Relaxed) + now, pixels);
             wanted()
         };
-        let whole = camera.rays(width, height);
+        let whole = RayGrid::new(camera, width, height);
         let mut overview = None;
         if settings.normals.is_some() {
-            let rays = camera.rays(small.width, small.height);
+            let rays = RayGrid::new(camera, small.width, small.height);
             let picture = self.along(&rays, &small, &advance, None, None)?;
             overview = Some(Overview { picture, rays });
         }

@@ -19,9 +19,10 @@ use std::time::Duration;
 use zeroset_eval::{Enclose, Kernel, KernelFloat};
 use zeroset_scene::program::ProgramError;
 use zeroset_shade::{Colors, ColorsMut, NormalSource, Pattern, Shader, normals};
+use zeroset_space::Camera;
 use zeroset_syntax::SurfaceKind;
 use zeroset_trace::{
-    BAND_ROWS, Camera, Driver, Fallback, GBuffer, Kept, KernelStats, PixelCounts, RayGrid, Rows,
+    BAND_ROWS, Driver, Fallback, GBuffer, Kept, KernelStats, PixelCounts, RayGrid, Rows,
     TraceOptions, Tracer, Window, cap, cap_rows, may_cut,
 };
 
@@ -66,7 +67,7 @@ impl Model {
     ) -> Result<Picture, ProgramError> {
         let wanted = settings.limit.wanted();
         let advance = |done| advance(done) && wanted();
-        let rays = camera.rays(settings.width, settings.height);
+        let rays = RayGrid::new(camera, settings.width, settings.height);
         self.along(&rays, settings, &advance, None, None)
     }
 
@@ -98,7 +99,7 @@ impl Model {
         settings: &Settings,
         advance: Advance<'_>,
     ) -> Result<Option<Picture>, ProgramError> {
-        let rays = camera.rays(settings.width, settings.height);
+        let rays = RayGrid::new(camera, settings.width, settings.height);
         in_precision!(self, settings, advance, |pass| pass.settle(picture, &rays))
     }
 
@@ -118,7 +119,7 @@ impl Model {
         if picture.buffer.normal.is_empty() {
             return self.trace(camera, settings, advance);
         }
-        let rays = camera.rays(settings.width, settings.height);
+        let rays = RayGrid::new(camera, settings.width, settings.height);
         in_precision!(self, settings, advance, |pass| pass.relight(picture, &rays))
     }
 }

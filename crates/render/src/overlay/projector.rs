@@ -6,8 +6,8 @@ use crate::picture::Picture;
 use crate::pixels::is_dark;
 use glam::{DVec2, DVec3};
 use zeroset_scene::curves::TracedCurves;
-use zeroset_space::Region;
-use zeroset_trace::{Camera, Projection, RayGrid};
+use zeroset_space::{Camera, Projection, Region};
+use zeroset_trace::RayGrid;
 
 /// Colors of lines and letters, for light and dark backgrounds.
 const INKS: [Rgb; 2] = [0x0030_3038, 0x00d8_d8e0];
@@ -46,7 +46,7 @@ pub struct Projector<'a> {
 impl<'a> Projector<'a> {
     /// A projector for a picture of this size. The shown picture may be smaller.
     pub fn new(shown: PictureView<'a>, width: usize, height: usize) -> Self {
-        Self { shown, rays: shown.camera.rays(width, height) }
+        Self { shown, rays: RayGrid::new(shown.camera, width, height) }
     }
 
     /// Position of a point in pixels, and its distance from the ray's origin. `None` behind the

@@ -1,7 +1,7 @@
 //! Positions and texts of axis ticks. Ticks are at multiples of π if both ends of the axis are
 //! multiples of π/2, and else at round numbers. Does not know how texts are drawn.
 
-use super::legend::round_step;
+use crate::legend::round_step;
 use std::f64::consts::{FRAC_PI_2, PI};
 use zeroset_scene::coordinate::multiple_of_pi;
 

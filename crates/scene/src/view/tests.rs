@@ -1,6 +1,7 @@
 //! Domains and cameras chosen by the caller, by the document and by default.
 
 use super::*;
+use zeroset_space::Basis;
 use zeroset_style::VIEWS;
 use zeroset_syntax::{Options, read};
 
@@ -167,7 +168,7 @@ fn looks_along(name: &str) -> DVec3 {
     let projection = Projection::Perspective { fov: FOV };
     let camera = standard_camera(view, &region, projection).expect("valid");
     assert_eq!(camera.target(), DVec3::X);
-    camera.rays(2, 2).forward()
+    camera.basis().forward
 }
 
 #[test]
@@ -188,13 +189,13 @@ fn the_six_sides_show_the_whole_cube() {
     for view in &VIEWS[1..] {
         let projection = Projection::Perspective { fov: FOV };
         let camera = standard_camera(view, &region, projection).expect("valid");
-        let rays = camera.rays(32, 32);
+        let Basis { forward, right, up } = camera.basis();
         for corner in 0..8 {
             let sign = |bit: usize| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
             let to = DVec3::new(sign(0), sign(1), sign(2)) - camera.eye();
-            let depth = to.dot(rays.forward());
+            let depth = to.dot(forward);
             let reach = depth * (FOV / 2.0).to_radians().tan();
-            let inside = to.dot(rays.up()).abs() < reach && to.dot(rays.right()).abs() < reach;
+            let inside = to.dot(up).abs() < reach && to.dot(right).abs() < reach;
             assert!(inside, "{} loses corner {corner}", view.name);
         }
     }

@@ -3,9 +3,10 @@
 use super::*;
 use crate::colors::hand_back_colors;
 use glam::DVec3;
+use zeroset_space::{Camera, Projection};
 use zeroset_style::{LOOKS, MATERIALS};
 use zeroset_testkit::simd::{is_fused, levels};
-use zeroset_trace::{Camera, Projection, Status};
+use zeroset_trace::{RayGrid, Status};
 
 /// One pixel painted at distance 4 on the way along +y from (0, −5, 0).
 fn painted(normal: [f32; 3]) -> (GBuffer, RayGrid) {
@@ -15,7 +16,7 @@ fn painted(normal: [f32; 3]) -> (GBuffer, RayGrid) {
     buffer.status[0] = Status::Hit;
     buffer.drawn[0] = 4.0;
     buffer.normal[0] = normal;
-    (buffer, camera.expect("valid").rays(1, 1))
+    (buffer, RayGrid::new(&camera.expect("valid"), 1, 1))
 }
 
 fn bytes(buffer: &GBuffer, rays: &RayGrid, appearance: &Appearance) -> Vec<u8> {
@@ -186,7 +187,7 @@ fn every_pixel_is_lit_as_if_it_were_alone() {
     let projection = Projection::Perspective { fov: 60.0 };
     let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection);
     let (width, height) = (53, 19);
-    let rays = camera.expect("valid").rays(width, height);
+    let rays = RayGrid::new(&camera.expect("valid"), width, height);
     let mut buffer = GBuffer::new(width, height, 0);
     let mut state = 1_u32;
     let mut random = |below: u32| {

@@ -4,15 +4,14 @@ use crate::document::reading::DocumentReader;
 use crate::lower::constant::values;
 use crate::lower::lowering::Lowering;
 use crate::lower::value::Tensor;
-use crate::messages::error::{Error, ErrorKind, Errors, Fallible};
 use crate::picture::paint::SurfaceColor;
-use crate::span::Span;
-use crate::tree::ast::{
-    CurveForm, CurveStatement, Expr, ExprKind, NamedValue, Relation, Statement,
-};
-use crate::tree::built_statement::BuiltStatement;
 use zeroset_ir::{Axis, Graph, Node, NodeId, compact};
 use zeroset_ops::Op;
+use zeroset_parser::tree::ast::{
+    CurveForm, CurveStatement, Expr, ExprKind, NamedValue, Relation, Statement,
+};
+use zeroset_parser::tree::built_statement::BuiltStatement;
+use zeroset_parser::{Error, ErrorKind, Errors, Fallible, Span};
 
 /// The curves and points of a document, in one graph.
 #[derive(Clone, Debug, Default)]

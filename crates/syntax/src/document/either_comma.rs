@@ -1,8 +1,8 @@
 //! Reads a text whose commas separate, or else are decimal.
 
 use crate::document::reading::{DocumentReader, Options};
-use crate::lex::decimal_comma::with_points;
-use crate::messages::error::Errors;
+use zeroset_parser::Errors;
+use zeroset_parser::lex::decimal_comma::with_points;
 
 /// Reads `text` by `read`. If that fails, and a reading with decimal commas throughout succeeds,
 /// returns the latter. Otherwise the errors are those of the first reading.

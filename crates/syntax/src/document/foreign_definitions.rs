@@ -2,12 +2,11 @@
 //! such a function without defining it gets the definition.
 
 use crate::document::implied_coordinates::define;
-use crate::lex::spelling::plain_name;
-use crate::limits::Limits;
-use crate::messages::note::{Note, NoteKind};
-use crate::tree::built_statement::BuiltStatement;
-use crate::tree::scope::Scope;
-use crate::tree::statement::ParsedStatement;
+use zeroset_parser::lex::spelling::plain_name;
+use zeroset_parser::tree::built_statement::BuiltStatement;
+use zeroset_parser::tree::scope::Scope;
+use zeroset_parser::tree::statement::ParsedStatement;
+use zeroset_parser::{Limits, Note, NoteKind};
 
 /// A system, and the name, the parameters and the value of a function that it has.
 type ForeignDefinition = (&'static str, &'static str, &'static [&'static str], &'static str);

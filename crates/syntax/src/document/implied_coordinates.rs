@@ -4,20 +4,18 @@
 //! The used names together determine the coordinate system, and a note states the definitions. A
 //! definition in the text takes precedence.
 
-use crate::lex::arrangement::statements;
-use crate::lex::spelling::plain_name;
-use crate::lex::token_kind::TokenKind::{self, Component, X, Y, Z};
-use crate::limits::Limits;
-use crate::messages::note::{Note, NoteKind};
-use crate::span::Span;
-use crate::tree::ast::{Definition, ExprKind, Name, NamedValue, Statement};
-use crate::tree::builder::Builder;
-use crate::tree::built_statement::BuiltStatement;
-use crate::tree::grammar::Rule;
-use crate::tree::raw_statement::ValueConversion;
-use crate::tree::scope::{Scope, canonical};
-use crate::tree::statement::ParsedStatement;
 use rustc_hash::{FxHashMap, FxHashSet};
+use zeroset_parser::lex::arrangement::statements;
+use zeroset_parser::lex::spelling::plain_name;
+use zeroset_parser::lex::token_kind::TokenKind::{self, Component, X, Y, Z};
+use zeroset_parser::tree::ast::{Definition, ExprKind, Name, NamedValue, Statement};
+use zeroset_parser::tree::builder::Builder;
+use zeroset_parser::tree::built_statement::BuiltStatement;
+use zeroset_parser::tree::grammar::Rule;
+use zeroset_parser::tree::raw_statement::ValueConversion;
+use zeroset_parser::tree::scope::{Scope, canonical};
+use zeroset_parser::tree::statement::ParsedStatement;
+use zeroset_parser::{Limits, Note, NoteKind, Span};
 
 /// A name, and the text of the name's definition.
 type ImpliedDefinition = (&'static str, &'static str);

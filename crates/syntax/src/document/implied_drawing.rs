@@ -1,14 +1,12 @@
 //! The implied drawing of a text that contains definitions only.
 
-use crate::dialect::program::PastedProgram;
-use crate::messages::error::{Error, ErrorKind, Fallible};
-use crate::messages::note::{Note, NoteKind};
-use crate::span::Span;
-use crate::tree::ast::{Definition, Expr, ExprKind, Function, NamedValue, Statement};
-use crate::tree::built_statement::BuiltStatement;
-use crate::tree::statement::is_plain_number;
 use rustc_hash::FxHashSet;
+use zeroset_dialect::PastedProgram;
 use zeroset_ir::Axis;
+use zeroset_parser::tree::ast::{Definition, Expr, ExprKind, Function, NamedValue, Statement};
+use zeroset_parser::tree::built_statement::BuiltStatement;
+use zeroset_parser::tree::statement::is_plain_number;
+use zeroset_parser::{Error, ErrorKind, Fallible, Note, NoteKind, Span};
 
 /// Returns the drawing of a text that has only definitions. The last function of (x, y, z) or (x,
 /// y) is drawn: its zero set for (x, y, z), its graph for (x, y). Functions with `generated` names

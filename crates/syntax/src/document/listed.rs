@@ -3,16 +3,15 @@
 use crate::document::reading::{
     Document, DocumentReader, Options, ParameterKind, Surface, SurfaceKind, picture, style,
 };
-use crate::lex::spelling::short_name;
 use crate::list::line::{Line, is_list};
 use crate::list::reader::ExpressionList;
 use crate::lower::builders::Moves;
 use crate::lower::condition::or_outside;
-use crate::messages::error::Errors;
-use crate::messages::note::{Note, NoteKind};
 use crate::picture::paint::PointValues;
 use rustc_hash::FxHashSet;
 use zeroset_ir::display;
+use zeroset_parser::lex::spelling::short_name;
+use zeroset_parser::{Errors, Note, NoteKind};
 
 /// Longest formula that stands for a list where the surface is named, in bytes.
 const LONGEST_ECHO: usize = 200;

@@ -1,9 +1,8 @@
 //! Reads a text into a [`Document`](crate::Document): runs all stages, and decides which names are
 //! parameters and what a text without formulas draws.
 //!
-//! This is the only folder that calls `dialect`. `listed` turns expression lists into documents.
-//! `parameters` and `listed` add methods to the `DocumentReader`
-//! of `reading`.
+//! This is the only folder that calls the crate `dialect`. `listed` turns expression lists into
+//! documents. `parameters` and `listed` add methods to the `DocumentReader` of `reading`.
 
 pub(crate) mod curves;
 pub(crate) mod either_comma;

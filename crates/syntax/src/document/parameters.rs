@@ -1,22 +1,19 @@
 //! Decides which names are parameters, and computes the parameters' values.
 
 use crate::document::reading::{DocumentReader, Parameter, ParameterKind};
-use crate::lex::spelling::is_definable;
-use crate::limits::Limits;
 use crate::lower::constant::{evaluate, evaluate_range, evaluate_text};
 use crate::lower::lowering::NameBinding;
-use crate::messages::error::{Error, ErrorKind, Fallible, Origin};
-use crate::messages::note::{Note, NoteKind};
 use crate::picture::scene::ConstantRange;
-use crate::span::Span;
-use crate::tree::ast::Definition;
-use crate::tree::built_statement::BuiltStatement;
-use crate::tree::scope::{coordinate, nearest};
-use crate::tree::statement::is_plain_number;
-use crate::tree::whole_numbers::term_count_names;
 use rustc_hash::{FxHashMap, FxHashSet};
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
+use zeroset_parser::lex::spelling::is_definable;
+use zeroset_parser::tree::ast::Definition;
+use zeroset_parser::tree::built_statement::BuiltStatement;
+use zeroset_parser::tree::scope::{coordinate, nearest};
+use zeroset_parser::tree::statement::is_plain_number;
+use zeroset_parser::tree::whole_numbers::term_count_names;
+use zeroset_parser::{Error, ErrorKind, Fallible, Limits, Note, NoteKind, Origin, Span};
 
 impl<'a> DocumentReader<'a> {
     /// Evaluates the overrides. Returns their values by name, and records errors.

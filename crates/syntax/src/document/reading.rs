@@ -1,6 +1,5 @@
 //! Reads a whole text: its surfaces in one graph, parameters, domain, view and notes.
 
-use crate::dialect::program_reader::program;
 use crate::document::curves::{Curve, Curves};
 use crate::document::either_comma::with_either_comma;
 use crate::document::foreign_definitions::foreign_definitions;
@@ -9,26 +8,26 @@ use crate::document::implied_coordinates;
 use crate::document::implied_drawing::{drawn_by_program, implied_drawing};
 use crate::document::listed::{self, is_expression_list};
 use crate::document::recursion::no_recursion;
-use crate::lex::spelling::short_name;
-use crate::limits::Limits;
 use crate::lower::condition::holds_zeros;
 use crate::lower::constant::near_integers;
 use crate::lower::lowering::Lowering;
-use crate::messages::error::{Error, ErrorKind, Errors, Fallible, MAX_ERRORS};
-use crate::messages::note::{MAX_NOTES, Note, NoteKind};
 use crate::picture::lines::{CollectedLines, PictureLines, SettingLine, setting_for};
 use crate::picture::paint::{Contours, PointValues, SurfaceColor};
 use crate::picture::scene::{Background, DomainLine, ViewLine};
-use crate::span::Span;
-use crate::tree::ast::{Definition, Expr, Name, Statement};
-use crate::tree::built_statement::BuiltStatement;
-use crate::tree::curve_statement::curve;
-use crate::tree::grammar::Rule;
-use crate::tree::print::Drawing;
-use crate::tree::scope::{NameMeaning, Scope};
-use crate::tree::statement::{build, lines, resolve_heads};
 use rustc_hash::{FxHashMap, FxHashSet};
+use zeroset_dialect::program;
 use zeroset_ir::{Constant, Graph, NodeId};
+use zeroset_parser::lex::spelling::short_name;
+use zeroset_parser::tree::ast::{Definition, Expr, Name, Statement};
+use zeroset_parser::tree::built_statement::BuiltStatement;
+use zeroset_parser::tree::curve_statement::curve;
+use zeroset_parser::tree::grammar::Rule;
+use zeroset_parser::tree::print::Drawing;
+use zeroset_parser::tree::scope::{NameMeaning, Scope};
+use zeroset_parser::tree::statement::{build, lines, resolve_heads};
+use zeroset_parser::{
+    Error, ErrorKind, Errors, Fallible, Limits, MAX_ERRORS, MAX_NOTES, Note, NoteKind, Span,
+};
 use zeroset_style::Material;
 
 /// Options for reading a text.

@@ -1,9 +1,9 @@
 //! Finds definitions that depend on themselves.
 
-use crate::messages::error::{Error, ErrorKind, Fallible};
-use crate::tree::ast::Definition;
-use crate::tree::built_statement::BuiltStatement;
 use rustc_hash::FxHashMap;
+use zeroset_parser::tree::ast::Definition;
+use zeroset_parser::tree::built_statement::BuiltStatement;
+use zeroset_parser::{Error, ErrorKind, Fallible};
 
 /// Fails if a definition depends on itself, directly or through other definitions.
 pub(crate) fn no_recursion(definitions: &[(&Definition, &BuiltStatement)]) -> Fallible<()> {

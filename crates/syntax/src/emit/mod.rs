@@ -88,7 +88,7 @@ impl EmitError {
 /// let document = read(text, &Options::default())?;
 /// let list = emit(&document, text, Format::Vm).unwrap();
 /// assert!(list.starts_with("_0 var-x\n"));
-/// # Ok::<(), zeroset_syntax::Errors>(())
+/// # Ok::<(), zeroset_parser::Errors>(())
 /// ```
 pub fn emit(document: &Document, text: &str, format: Format) -> Result<String, EmitError> {
     if !document.curves.is_empty() {

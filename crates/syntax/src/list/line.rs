@@ -1,8 +1,8 @@
 //! Splits an expression list into lines and words, and recognizes a list by its first line.
 
-use crate::lex::spelling::typed_setting;
 use crate::list::opcode::opcode;
-use crate::span::Span;
+use zeroset_parser::Span;
+use zeroset_parser::lex::spelling::typed_setting;
 
 /// A line of a list, with its place in the text.
 #[derive(Clone, Copy)]

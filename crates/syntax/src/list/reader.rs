@@ -1,15 +1,13 @@
 //! Reads an expression list to nodes of a graph, line by line.
 
-use crate::lex::spelling::short_name;
-use crate::limits::Limits;
 use crate::list::line::{Line, lines};
 use crate::list::opcode::{Meaning, OPCODES, opcode};
-use crate::messages::error::{Error, ErrorKind, Fallible};
-use crate::span::Span;
-use crate::tree::scope::nearest;
 use rustc_hash::FxHashMap;
 use zeroset_interval::Interval;
 use zeroset_ir::{Constant, Graph, NodeId};
+use zeroset_parser::lex::spelling::short_name;
+use zeroset_parser::tree::scope::nearest;
+use zeroset_parser::{Error, ErrorKind, Fallible, Limits, Span};
 
 /// A list as it was read.
 pub(crate) struct ExpressionList<'a> {

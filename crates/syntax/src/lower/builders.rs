@@ -5,19 +5,16 @@
 //! The function is then visited once for each point at which it is evaluated. So nested moves cost
 //! what the result costs, and equal moves of one solid cost nothing more.
 
-use crate::limits::Limits;
 use crate::lower::choice::integer_of;
 use crate::lower::lowering::{Lowering, VISITS, move_to_use};
 use crate::lower::prelude;
 use crate::lower::value::Tensor;
-use crate::messages::error::{Error, ErrorKind, Fallible};
-use crate::messages::note::{Note, NoteKind};
-use crate::span::Span;
-use crate::tree::ast::Function;
-use crate::tree::series::MAX_TERMS;
 use rustc_hash::{FxHashMap, FxHashSet};
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId};
 use zeroset_ops::{BUILDERS, Builder, Op, Role};
+use zeroset_parser::tree::ast::Function;
+use zeroset_parser::tree::series::MAX_TERMS;
+use zeroset_parser::{Error, ErrorKind, Fallible, Limits, Note, NoteKind, Span};
 
 /// Placeholders are parameters from this number on. No document has as many parameters.
 const FIRST_PLACEHOLDER: u32 = 1 << 31;

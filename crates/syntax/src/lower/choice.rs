@@ -10,13 +10,12 @@ use crate::lower::condition::{Purpose, comparisons, has_one_sign, sides};
 use crate::lower::lowering::{Locals, Lowering};
 use crate::lower::prelude;
 use crate::lower::value::Tensor;
-use crate::messages::error::{Error, ErrorKind, Fallible};
-use crate::span::Span;
-use crate::tree::ast::{Expr, ExprKind, Function, Relation, Series};
-use crate::tree::scope::signatures;
-use crate::tree::series::MAX_TERMS;
 use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::{Op, Sequence};
+use zeroset_parser::tree::ast::{Expr, ExprKind, Function, Relation, Series};
+use zeroset_parser::tree::scope::signatures;
+use zeroset_parser::tree::series::MAX_TERMS;
+use zeroset_parser::{Error, ErrorKind, Fallible, Span};
 
 /// Largest number of nodes to visit to find a whole number.
 const MAX_STEPS: usize = 256;

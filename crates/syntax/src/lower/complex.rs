@@ -8,11 +8,10 @@ use crate::lower::constant::values;
 use crate::lower::lowering::Lowering;
 use crate::lower::prelude;
 use crate::lower::value::Tensor;
-use crate::messages::error::{Error, ErrorKind, Fallible};
-use crate::span::Span;
-use crate::tree::ast::Function;
 use zeroset_ir::{Constant, NamedConstant, NodeId};
 use zeroset_ops::Op;
+use zeroset_parser::tree::ast::Function;
+use zeroset_parser::{Error, ErrorKind, Fallible, Span};
 
 /// Largest exponent of a power that is written as products.
 const MAX_EXPONENT: u64 = 1000;

@@ -5,10 +5,10 @@
 
 use crate::lower::builders::Moves;
 use crate::lower::lowering::{Locals, Lowering};
-use crate::messages::error::{Error, ErrorKind, Fallible};
-use crate::tree::ast::{Expr, ExprKind, Relation};
 use zeroset_ir::{Constant, Graph, Node, NodeId};
 use zeroset_ops::{Domain, Op};
+use zeroset_parser::tree::ast::{Expr, ExprKind, Relation};
+use zeroset_parser::{Error, ErrorKind, Fallible};
 
 impl<'a> Lowering<'a> {
     /// The function of a solid: ≤ 0 inside the solid, above 0 outside, and defined everywhere.

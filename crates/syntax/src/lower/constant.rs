@@ -1,17 +1,15 @@
 //! Evaluates constant expressions: slider values, ranges, overrides.
 
-use crate::lex::arrangement::statements;
-use crate::lex::spelling::short_name;
-use crate::limits::Limits;
 use crate::lower::lowering::Lowering;
-use crate::messages::error::{Error, ErrorKind, Errors, Fallible};
-use crate::span::Span;
-use crate::tree::ast::Expr;
-use crate::tree::builder::Builder;
-use crate::tree::scope::Scope;
 use zeroset_interval::Interval;
 use zeroset_ir::{Constant, Graph, Node, NodeId, Variability, simplify, variabilities};
 use zeroset_ops::Op;
+use zeroset_parser::lex::arrangement::statements;
+use zeroset_parser::lex::spelling::short_name;
+use zeroset_parser::tree::ast::Expr;
+use zeroset_parser::tree::builder::Builder;
+use zeroset_parser::tree::scope::Scope;
+use zeroset_parser::{Error, ErrorKind, Errors, Fallible, Limits, Span};
 
 /// The value of a constant expression such as `1/3` or `2*pi`.
 ///
@@ -21,7 +19,7 @@ use zeroset_ops::Op;
 /// ```
 /// use zeroset_syntax::constant;
 /// assert_eq!(constant("0.5^2")?, zeroset_ir::Constant::ratio(1, 4).unwrap());
-/// # Ok::<(), zeroset_syntax::Errors>(())
+/// # Ok::<(), zeroset_parser::Errors>(())
 /// ```
 pub fn constant(text: &str) -> Result<Constant, Errors> {
     evaluate_text(text, &Limits::default()).map_err(Errors::from)

@@ -6,12 +6,11 @@
 use crate::lower::condition::extend_total;
 use crate::lower::lowering::{Locals, Lowering, NameBinding};
 use crate::lower::value::{Tensor, numbers};
-use crate::messages::error::{Error, ErrorKind, Fallible};
-use crate::span::Span;
-use crate::tree::ast::{Expr, Function, NamedValue};
 use rustc_hash::FxHashMap;
 use zeroset_ir::{Axis, Node, NodeId, derivative, substitute};
 use zeroset_ops::{Differential, Op};
+use zeroset_parser::tree::ast::{Expr, Function, NamedValue};
+use zeroset_parser::{Error, ErrorKind, Fallible, Span};
 
 /// Variables of differentiation are parameters from this number on. No document has as many
 /// parameters, and no lowering as many moves.

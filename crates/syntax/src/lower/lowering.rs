@@ -5,19 +5,16 @@
 //! from their far end by a loop. Stack is added when little is left. Expansions are cached by
 //! function and arguments, so equal calls are expanded once.
 
-use crate::limits::Limits;
 use crate::lower::builders::Moves;
 use crate::lower::prelude;
 use crate::lower::value::{Tensor, component, numbers, vector};
-use crate::messages::error::{Error, ErrorKind, Fallible};
-use crate::messages::note::Note;
-use crate::span::Span;
-use crate::tree::ast::{
-    Chain, ChainSign, Definition, Expr, ExprKind, Function, NamedValue, Relation,
-};
 use rustc_hash::FxHashMap;
 use zeroset_ir::{Constant, Graph, NodeId};
 use zeroset_ops::Op;
+use zeroset_parser::tree::ast::{
+    Chain, ChainSign, Definition, Expr, ExprKind, Function, NamedValue, Relation,
+};
+use zeroset_parser::{Error, ErrorKind, Fallible, Limits, Note, Span};
 
 /// Largest number of definitions that are lowered within one another by recursion. Where a chain is
 /// longer, lowering starts again after the part beyond was lowered.

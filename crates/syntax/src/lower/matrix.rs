@@ -5,10 +5,9 @@
 
 use crate::lower::lowering::Lowering;
 use crate::lower::value::Tensor;
-use crate::messages::error::{Error, ErrorKind, Fallible};
-use crate::span::Span;
 use zeroset_ir::NodeId;
 use zeroset_ops::Op;
+use zeroset_parser::{Error, ErrorKind, Fallible, Span};
 
 impl Lowering<'_> {
     /// Creates a matrix from its elements, from a number for the diagonal, or from another matrix.

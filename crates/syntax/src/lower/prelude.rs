@@ -1,13 +1,12 @@
 //! Parses the formulas of composed functions, of functions of complex numbers and of builders once.
 
-use crate::lex::arrangement::statements;
-use crate::limits::Limits;
-use crate::span::Span;
-use crate::tree::ast::{Expr, Name};
-use crate::tree::builder::Builder;
-use crate::tree::scope::Scope;
 use std::sync::LazyLock;
 use zeroset_ops::{BUILDERS, COMPOSED, Composed, Op, Sequence, TABLE};
+use zeroset_parser::lex::arrangement::statements;
+use zeroset_parser::tree::ast::{Expr, Name};
+use zeroset_parser::tree::builder::Builder;
+use zeroset_parser::tree::scope::Scope;
+use zeroset_parser::{Limits, Span};
 
 /// The parameter of functions of complex numbers.
 pub(crate) const COMPLEX: &str = "w";

@@ -5,12 +5,10 @@
 
 use crate::lower::complex::parts;
 use crate::lower::lowering::Lowering;
-use crate::messages::error::{Error, ErrorKind, Fallible};
-use crate::messages::note::{Note, NoteKind};
-use crate::span::Span;
-use crate::tree::ast::LETTERS;
 use zeroset_ir::NodeId;
 use zeroset_ops::{Op, VectorFunction};
+use zeroset_parser::tree::ast::LETTERS;
+use zeroset_parser::{Error, ErrorKind, Fallible, Note, NoteKind, Span};
 
 /// Value of an expression. Each component is a node of the graph.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]

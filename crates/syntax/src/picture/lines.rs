@@ -3,23 +3,22 @@
 //!
 //! Nothing here decides what a line means for a picture.
 
-use crate::lex::spelling::typed_setting;
-use crate::lex::token_kind::TokenKind;
-use crate::limits::Limits;
 use crate::lower::constant::evaluate;
-use crate::messages::error::{Error, ErrorKind, Fallible};
+use crate::picture::line_reader::{LineReader, bad_setting};
 use crate::picture::paint::{Contours, ParsedColor, with_point_names};
-use crate::picture::scene::{Background, DomainLine, ViewLine, bad_setting};
-use crate::settings::{SETTINGS, SettingKind, setting_word};
-use crate::span::Span;
-use crate::tree::ast::Expr;
-use crate::tree::builder::Builder;
-use crate::tree::grammar::{Pair, Rule, parts};
-use crate::tree::scope::{Scope, nearest};
-use crate::tree::statement::ParsedStatement;
+use crate::picture::scene::{Background, DomainLine, ViewLine};
 use rustc_hash::FxHashSet;
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
+use zeroset_parser::lex::spelling::typed_setting;
+use zeroset_parser::lex::token_kind::TokenKind;
+use zeroset_parser::settings::{SETTINGS, SettingKind, setting_word};
+use zeroset_parser::tree::ast::Expr;
+use zeroset_parser::tree::builder::Builder;
+use zeroset_parser::tree::grammar::{Pair, Rule, parts};
+use zeroset_parser::tree::scope::Scope;
+use zeroset_parser::tree::statement::ParsedStatement;
+use zeroset_parser::{Error, ErrorKind, Fallible, Limits, Span};
 use zeroset_style::{MATERIALS, Material};
 
 /// Largest width of a curve, in pixels.
@@ -114,52 +113,53 @@ impl CollectedLines {
             }
             _ => scope,
         };
-        let mut builder = Builder::new(text, &line.raw.lexed, scope, &[], limits);
+        let builder = Builder::new(text, &line.raw.lexed, scope, &[], limits);
+        let mut reader = LineReader { builder };
         let (pair, at, word) = (line.pair, span.start, setting.word);
         let mut share = None;
         match setting.kind {
             SettingKind::Domain => {
-                let domain = builder.domain(pair)?;
+                let domain = reader.domain(pair)?;
                 if !is_from_plot || self.domain.is_none() {
                     self.domain = Some(domain);
                 }
             }
-            SettingKind::View => self.view = Some(builder.view(pair)?),
+            SettingKind::View => self.view = Some(reader.view(pair)?),
             SettingKind::Color => {
-                let (color, opacity) = builder.color_line(pair)?;
+                let (color, opacity) = reader.color_line(pair)?;
                 share = opacity.map(|(_, span)| span);
                 self.colors.push((at, (color, opacity.map(|(opacity, _)| opacity))));
             }
-            SettingKind::Look => self.look = Some(builder.look(pair)?),
-            SettingKind::Background => self.background = Some(builder.background(pair)?),
-            SettingKind::Clip => self.picture.clip = Some(builder.numbers(pair, word)?),
-            SettingKind::Light => self.picture.light = Some(builder.numbers(pair, word)?),
+            SettingKind::Look => self.look = Some(reader.look(pair)?),
+            SettingKind::Background => self.background = Some(reader.background(pair)?),
+            SettingKind::Clip => self.picture.clip = Some(reader.numbers(pair, word)?),
+            SettingKind::Light => self.picture.light = Some(reader.numbers(pair, word)?),
             SettingKind::Opacity => {
                 let share = pair.into_inner().find(|part| part.as_rule() == Rule::opacity);
                 let share = share.ok_or_else(|| bad_setting("opacity", span))?;
-                self.opacities.push((at, builder.opacity(share)?));
+                self.opacities.push((at, reader.opacity(share)?));
             }
             SettingKind::Material => {
                 let names = MATERIALS.each_ref().map(|row| row.name);
-                let row = builder.one_of(pair, word, names, 0)?;
+                let row = reader.one_of(pair, word, names, 0)?;
                 self.materials.push((at, &MATERIALS[row]));
             }
-            SettingKind::Hidden => self.hidden.push((at, builder.switch(pair, word)?)),
-            SettingKind::Shadows => self.picture.shadows = Some(builder.switch(pair, word)?),
-            SettingKind::Ground => self.picture.ground = Some(builder.switch(pair, word)?),
-            SettingKind::Haze => self.picture.haze = Some(builder.haze(pair)?),
-            SettingKind::Outlines => self.picture.outlines = Some(builder.switch(pair, word)?),
-            SettingKind::Mesh => self.picture.mesh = Some(builder.switch(pair, word)?),
-            SettingKind::Axes => self.picture.axes = Some(builder.switch(pair, word)?),
-            SettingKind::Legend => self.picture.legend = Some(builder.switch(pair, word)?),
-            SettingKind::Title => self.picture.title = Some(builder.title(pair)?),
+            SettingKind::Hidden => self.hidden.push((at, reader.switch(pair, word)?)),
+            SettingKind::Shadows => self.picture.shadows = Some(reader.switch(pair, word)?),
+            SettingKind::Ground => self.picture.ground = Some(reader.switch(pair, word)?),
+            SettingKind::Haze => self.picture.haze = Some(reader.haze(pair)?),
+            SettingKind::Outlines => self.picture.outlines = Some(reader.switch(pair, word)?),
+            SettingKind::Mesh => self.picture.mesh = Some(reader.switch(pair, word)?),
+            SettingKind::Axes => self.picture.axes = Some(reader.switch(pair, word)?),
+            SettingKind::Legend => self.picture.legend = Some(reader.switch(pair, word)?),
+            SettingKind::Title => self.picture.title = Some(reader.title(pair)?),
             SettingKind::Aspect => {
-                self.picture.is_equal = builder.one_of(pair, word, ["auto", "equal"], 1)? == 1;
+                self.picture.is_equal = reader.one_of(pair, word, ["auto", "equal"], 1)? == 1;
             }
-            SettingKind::Width => self.widths.push((at, builder.width(pair)?)),
-            SettingKind::Contours => self.contours = Some(builder.contours(pair)?),
+            SettingKind::Width => self.widths.push((at, reader.width(pair)?)),
+            SettingKind::Contours => self.contours = Some(reader.contours(pair)?),
         }
-        self.used.extend(builder.used);
+        self.used.extend(reader.builder.used);
         let word = setting_word(setting.word).unwrap_or(setting.word);
         self.lines.push(SettingLine { word, span, share });
         Ok(())
@@ -178,35 +178,12 @@ pub(crate) fn setting_for<T>(lines: &[(usize, T)], place: usize, last: usize) ->
     found.map(|(_, said)| said)
 }
 
-impl Builder<'_> {
-    /// Reads `COUNT` numbers from a line that begins with `word`.
-    fn numbers<const COUNT: usize>(
-        &mut self,
-        line: Pair<'_>,
-        word: &'static str,
-    ) -> Fallible<[Constant; COUNT]> {
-        let mut parts = parts(line);
-        if let [point] = &parts[..]
-            && point.as_rule() == Rule::point
-        {
-            parts = point.clone().into_inner().collect();
-        }
-        let mut numbers = Vec::new();
-        for part in parts {
-            if !matches!(part.as_rule(), Rule::expression) {
-                return Err(bad_setting(word, self.span(&part)));
-            }
-            let number = self.value(part)?;
-            numbers.push(evaluate(&number, self.limits)?);
-        }
-        <[Constant; COUNT]>::try_from(numbers).map_err(|_| bad_setting(word, self.lexed.span))
-    }
-
+impl LineReader<'_> {
     /// Reads the strength of haze.
     fn haze(&mut self, line: Pair<'_>) -> Fallible<f64> {
         match &parts(line.clone())[..] {
             [share] if share.as_rule() == Rule::opacity => {
-                let place = self.span(share);
+                let place = self.builder.span(share);
                 self.opacity(share.clone()).map_err(|_| bad_setting("haze", place))
             }
             _ => Ok([HAZE, 0.0][self.one_of(line, "haze", ["on", "off"], 0)?]),
@@ -216,82 +193,28 @@ impl Builder<'_> {
     /// Reads a line of text. Blanks become single spaces, and quotes around the text are left out.
     fn title(&self, line: Pair<'_>) -> Fallible<String> {
         let words = match &parts(line)[..] {
-            [text] if text.as_rule() == Rule::label => self.typed(text).trim_matches('"'),
+            [text] if text.as_rule() == Rule::label => self.builder.typed(text).trim_matches('"'),
             _ => "",
         };
         let text = words.split_whitespace().collect::<Vec<_>>().join(" ");
-        if text.is_empty() { Err(bad_setting("title", self.lexed.span)) } else { Ok(text) }
+        if text.is_empty() { Err(bad_setting("title", self.builder.lexed.span)) } else { Ok(text) }
     }
 
     /// Reads the width of curves, in pixels.
     fn width(&mut self, line: Pair<'_>) -> Fallible<f64> {
-        let span = self.lexed.span;
+        let span = self.builder.lexed.span;
         let amounts = |part: &Pair<'_>| part.as_rule() == Rule::opacity;
         let width = match &parts(line)[..] {
             [amount] if amounts(amount) => match &parts(amount.clone())[..] {
-                [number] => self.term(&mut number.clone().into_inner())?,
+                [number] => self.builder.term(&mut number.clone().into_inner())?,
                 _ => return Err(bad_setting("width", span)),
             },
-            [value] if value.as_rule() == Rule::expression => self.value(value.clone())?,
+            [value] if value.as_rule() == Rule::expression => self.builder.value(value.clone())?,
             _ => return Err(bad_setting("width", span)),
         };
-        let Interval { lo, hi } = evaluate(&width, self.limits)?.bounds();
+        let Interval { lo, hi } = evaluate(&width, self.builder.limits)?.bounds();
         let width = lo.midpoint(hi);
         if (0.1..=MAX_WIDTH).contains(&width) { Ok(width) } else { Err(bad_setting("width", span)) }
-    }
-
-    /// Reads expressions from a line that begins with `word`.
-    pub(crate) fn values<'i>(
-        &mut self,
-        word: &'static str,
-        parts: impl IntoIterator<Item = Pair<'i>>,
-    ) -> Fallible<Vec<Expr>> {
-        let value = |part: Pair<'i>| match part.as_rule() {
-            Rule::expression => self.value(part),
-            _ => Err(bad_setting(word, self.span(&part))),
-        };
-        parts.into_iter().map(value).collect()
-    }
-
-    /// Reads `on` or `off`. A line without either means `on`.
-    fn switch(&mut self, line: Pair<'_>, word: &'static str) -> Fallible<bool> {
-        Ok(self.one_of(line, word, ["on", "off"], 0)? == 0)
-    }
-
-    /// Reads one of `words`, and returns its index. A line without a word means word `usual`.
-    fn one_of<const COUNT: usize>(
-        &mut self,
-        line: Pair<'_>,
-        word: &'static str,
-        words: [&str; COUNT],
-        usual: usize,
-    ) -> Fallible<usize> {
-        match &parts(line)[..] {
-            [] => Ok(usual),
-            [part] => {
-                let place = self.span(part);
-                let typed = self.word(part);
-                words.iter().position(|word| *word == typed).ok_or_else(|| {
-                    let meant = nearest(&typed, words.into_iter());
-                    bad_setting(word, place).suggest_optional(place, meant)
-                })
-            }
-            _ => Err(bad_setting(word, self.lexed.span)),
-        }
-    }
-
-    /// Reads an opacity from 0 to 1, or from 0 % to 100 %.
-    pub(crate) fn opacity(&mut self, pair: Pair<'_>) -> Fallible<f64> {
-        let span = self.span(&pair);
-        let mut parts = pair.into_inner();
-        let number = self.term(&mut parts.next().expect("an opacity has a number").into_inner());
-        let value = evaluate(&number?, self.limits)?.bounds();
-        let whole = match parts.next() {
-            Some(_) => 100.0,
-            None => 1.0,
-        };
-        let share = value.lo.midpoint(value.hi) / whole;
-        if (0.0..=1.0).contains(&share) { Ok(share) } else { Err(bad_setting("opacity", span)) }
     }
 }
 

@@ -2,20 +2,18 @@
 //!
 //! Nothing here computes these values.
 
-use crate::tree::grammar::{Pair, Rule, parts};
+use zeroset_parser::tree::grammar::{Pair, Rule, parts};
 use zeroset_style::{COLOR_MAPS, ColorMap};
 
-use crate::limits::Limits;
 use crate::lower::constant::{evaluate, evaluate_range};
 use crate::lower::lowering::{Lowering, NameBinding};
-use crate::messages::error::{ErrorKind, Fallible};
-use crate::picture::scene::{SrgbColor, bad_setting};
-use crate::span::Span;
-use crate::tree::ast::Expr;
-use crate::tree::builder::Builder;
-use crate::tree::scope::{NameMeaning, Scope};
+use crate::picture::line_reader::{LineReader, bad_setting};
+use crate::picture::scene::SrgbColor;
 use rustc_hash::FxHashMap;
 use zeroset_ir::{Constant, Graph, NodeId};
+use zeroset_parser::tree::ast::Expr;
+use zeroset_parser::tree::scope::{NameMeaning, Scope};
+use zeroset_parser::{ErrorKind, Fallible, Limits, Span};
 
 /// Names for values at a point of a surface, besides x, y and z: the unit normal and the distance
 /// from the eye. In a [`PointValue`] they are parameters, numbered after the document's parameters.
@@ -119,7 +117,7 @@ impl<'a> PointValues<'a> {
     }
 }
 
-impl Builder<'_> {
+impl LineReader<'_> {
     /// Reads a `color` line. Returns the color, and the opacity with its place if there is one.
     pub(crate) fn color_line(
         &mut self,
@@ -129,7 +127,7 @@ impl Builder<'_> {
         for part in line.into_inner() {
             match part.as_rule() {
                 Rule::opacity => {
-                    let place = self.span(&part);
+                    let place = self.builder.span(&part);
                     opacity = Some((self.opacity(part)?, place));
                 }
                 Rule::automatic => color = Some(None),
@@ -140,13 +138,13 @@ impl Builder<'_> {
                 _ => {}
             }
         }
-        let color = color.ok_or_else(|| bad_setting("color", self.lexed.span))?;
+        let color = color.ok_or_else(|| bad_setting("color", self.builder.lexed.span))?;
         Ok((color, opacity))
     }
 
     /// Reads a color by a value, such as `viridis(z)` or `viridis(z, -1, 1)`.
     fn mapped(&mut self, pair: Pair<'_>) -> Fallible<MappedColor<Expr>> {
-        let span = self.span(&pair);
+        let span = self.builder.span(&pair);
         let mut parts = pair.into_inner();
         let name = parts.next().expect("a color map has a name");
         let map = self.row_named(&name, &COLOR_MAPS, |map| map.name, ErrorKind::BadColorMap)?;
@@ -155,7 +153,7 @@ impl Builder<'_> {
             [_] => None,
             [_, low, high] => {
                 let span = low.span.to(high.span);
-                Some(evaluate_range(low, high, span, self.limits)?.into())
+                Some(evaluate_range(low, high, span, self.builder.limits)?.into())
             }
             _ => return Err(bad_setting("color", span)),
         };
@@ -167,21 +165,21 @@ impl Builder<'_> {
         if let [amount] = &all[..]
             && amount.as_rule() == Rule::opacity
         {
-            let span = self.span(amount);
+            let span = self.builder.span(amount);
             let [number] = &parts(amount.clone())[..] else {
                 return Err(bad_setting("contours", span));
             };
-            let number = self.term(&mut number.clone().into_inner())?;
-            return Ok(Contours { value: None, step: Some(step(self.limits, &number)?) });
+            let number = self.builder.term(&mut number.clone().into_inner())?;
+            return Ok(Contours { value: None, step: Some(step(self.builder.limits, &number)?) });
         }
         let values = self.values("contours", all)?;
         let step = match &values[..] {
-            [one] if evaluate(one, self.limits).is_ok() => {
-                return Ok(Contours { value: None, step: Some(step(self.limits, one)?) });
+            [one] if evaluate(one, self.builder.limits).is_ok() => {
+                return Ok(Contours { value: None, step: Some(step(self.builder.limits, one)?) });
             }
             [] | [_] => None,
-            [_, other] => Some(step(self.limits, other)?),
-            _ => return Err(bad_setting("contours", self.lexed.span)),
+            [_, other] => Some(step(self.builder.limits, other)?),
+            _ => return Err(bad_setting("contours", self.builder.lexed.span)),
         };
         Ok(Contours { value: values.into_iter().next(), step })
     }

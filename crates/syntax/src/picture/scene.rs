@@ -1,20 +1,17 @@
 //! Reads `domain`, `view`, `look` and `background` lines and plain colors. Nothing here decides
 //! what a line means for a picture.
 
-use crate::tree::grammar::{Pair, Rule};
+use zeroset_parser::tree::grammar::{Pair, Rule};
 use zeroset_style::{COLOR_MAPS, LOOKS, Look, StandardView};
 
-use crate::limits::Limits;
 use crate::lower::constant::{evaluate, evaluate_range};
-use crate::messages::error::{Error, ErrorKind, Fallible};
-use crate::settings::setting;
-use crate::span::Span;
-use crate::tree::ast::Expr;
-use crate::tree::builder::Builder;
-use crate::tree::scope::nearest;
+use crate::picture::line_reader::{LineReader, bad_setting};
 use csscolorparser::NAMED_COLORS;
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
+use zeroset_parser::tree::ast::Expr;
+use zeroset_parser::tree::scope::nearest;
+use zeroset_parser::{Error, ErrorKind, Fallible, Limits, Span};
 
 /// A range from a lower to a higher number, in world units.
 pub type ConstantRange = (Constant, Constant);
@@ -97,49 +94,49 @@ impl SrgbColor {
     }
 }
 
-impl Builder<'_> {
+impl LineReader<'_> {
     pub(crate) fn domain(&mut self, line: Pair<'_>) -> Fallible<DomainLine> {
         let mut axes = [const { None }; 3];
         let mut numbers = Vec::new();
         for part in line.into_inner() {
-            let span = self.span(&part);
+            let span = self.builder.span(&part);
             match part.as_rule() {
                 Rule::automatic => return Ok(DomainLine::Auto),
                 Rule::bounds => {
-                    let (low, high) = self.bounds(part)?;
-                    let bounds = evaluate_range(&low, &high, span, self.limits)?;
+                    let (low, high) = self.builder.bounds(part)?;
+                    let bounds = evaluate_range(&low, &high, span, self.builder.limits)?;
                     return Ok(DomainLine::Box([0; 3].map(|_| Some(bounds.clone()))));
                 }
                 Rule::axis_range => {
                     let axis = part.as_str().chars().next().unwrap_or('x');
                     let bounds = part.into_inner().last().expect("an axis has bounds");
-                    let place = self.span(&bounds);
-                    let (low, high) = self.bounds(bounds)?;
-                    let bounds = evaluate_range(&low, &high, place, self.limits)?;
+                    let place = self.builder.span(&bounds);
+                    let (low, high) = self.builder.bounds(bounds)?;
+                    let bounds = evaluate_range(&low, &high, place, self.builder.limits)?;
                     if axes[axis as usize - 'x' as usize].replace(bounds).is_some() {
                         return Err(Error::new(span, ErrorKind::RepeatedAxis { axis }));
                     }
                 }
                 Rule::ball => return self.ball(part).map(DomainLine::Ball),
-                Rule::expression => numbers.push(self.value(part)?),
+                Rule::expression => numbers.push(self.builder.value(part)?),
                 _ => {}
             }
         }
         if let (Some(first), Some(last)) = (numbers.first(), numbers.last()) {
-            axes = plain_domain(&numbers, first.span.to(last.span), self.limits)?;
+            axes = plain_domain(&numbers, first.span.to(last.span), self.builder.limits)?;
         }
         Ok(DomainLine::Box(axes))
     }
 
     fn ball(&mut self, pair: Pair<'_>) -> Fallible<Constant> {
-        let span = self.span(&pair);
+        let span = self.builder.span(&pair);
         let mut parts = pair.into_inner();
         let word = parts.next().expect("a ball has a name");
-        if self.word(&word) != "ball" {
+        if self.builder.word(&word) != "ball" {
             return Err(Error::new(span, ErrorKind::BadDomain));
         }
-        let radius = self.sum(parts.next().expect("a ball has a radius"))?;
-        let radius = evaluate(&radius, self.limits)?;
+        let radius = self.builder.sum(parts.next().expect("a ball has a radius"))?;
+        let radius = evaluate(&radius, self.builder.limits)?;
         if radius.bounds().lo <= 0.0 {
             return Err(Error::new(span, ErrorKind::EmptyDomain));
         }
@@ -151,7 +148,7 @@ impl Builder<'_> {
         for part in line.into_inner() {
             match part.as_rule() {
                 Rule::preset => {
-                    view.preset = StandardView::named(&self.word(&part));
+                    view.preset = StandardView::named(&self.builder.word(&part));
                 }
                 Rule::setting => self.setting(part, &mut view)?,
                 _ => {}
@@ -161,21 +158,22 @@ impl Builder<'_> {
     }
 
     fn setting(&mut self, pair: Pair<'_>, view: &mut ViewLine) -> Fallible<()> {
-        let span = self.span(&pair);
+        let span = self.builder.span(&pair);
         let mut inner = pair.into_inner();
         let key = inner.next().expect("a setting has a key");
-        let name = self.word(&key);
+        let name = self.builder.word(&key);
         if key.as_rule() == Rule::number_key {
-            let mut number = self.term(&mut inner)?;
+            let mut number = self.builder.term(&mut inner)?;
             number.span = span;
-            let value = Some(evaluate(&number, self.limits)?);
+            let value = Some(evaluate(&number, self.builder.limits)?);
             match name.as_str() {
                 "fov" => view.fov = value,
                 _ => view.ortho = value,
             }
             return Ok(());
         }
-        let numbers = inner.map(|number| evaluate(&self.value(number)?, self.limits));
+        let numbers =
+            inner.map(|number| evaluate(&self.builder.value(number)?, self.builder.limits));
         let Ok(vector) = <[Constant; 3]>::try_from(numbers.collect::<Fallible<Vec<_>>>()?) else {
             return Err(Error::new(span, ErrorKind::BadVector { key: name }));
         };
@@ -200,7 +198,7 @@ impl Builder<'_> {
         name: fn(&T) -> &'static str,
         kind: ErrorKind,
     ) -> Fallible<&'static T> {
-        let (span, typed) = (self.span(given), self.word(given));
+        let (span, typed) = (self.builder.span(given), self.builder.word(given));
         let found = rows.iter().find(|row| name(row).eq_ignore_ascii_case(&typed));
         found.ok_or_else(|| {
             Error::new(span, kind).suggest_optional(span, nearest(&typed, rows.iter().map(name)))
@@ -209,7 +207,7 @@ impl Builder<'_> {
 
     pub(crate) fn background(&self, line: Pair<'_>) -> Fallible<Background> {
         let given = line.into_inner().next().expect("a background line has a color");
-        let (span, typed) = (self.span(&given), self.word(&given));
+        let (span, typed) = (self.builder.span(&given), self.builder.word(&given));
         Background::typed(&typed).ok_or_else(|| {
             let colors = NAMED_COLORS.keys().map(|known| known.as_str());
             let meant = nearest(&typed, colors.chain([Background::TRANSPARENT]));
@@ -219,7 +217,7 @@ impl Builder<'_> {
 
     /// Reads a color that is the same everywhere.
     pub(crate) fn plain(&self, given: &Pair<'_>) -> Fallible<SrgbColor> {
-        let (span, typed) = (self.span(given), self.word(given));
+        let (span, typed) = (self.builder.span(given), self.builder.word(given));
         SrgbColor::typed(&typed).ok_or_else(|| {
             if let Some(map) = COLOR_MAPS.iter().find(|map| map.name.eq_ignore_ascii_case(&typed)) {
                 return bad_setting("color", span).suggest(span, format!("{}(z)", map.name));
@@ -228,12 +226,6 @@ impl Builder<'_> {
             Error::new(span, ErrorKind::BadColor).suggest_optional(span, meant)
         })
     }
-}
-
-/// The error for a line about the picture whose contents do not fit its `word`.
-pub(crate) fn bad_setting(word: &'static str, span: Span) -> Box<Error> {
-    let hint = setting(word).map_or("", |setting| setting.hint);
-    Error::new(span, ErrorKind::BadSetting { word, hint })
 }
 
 /// The ranges of a `domain` line with one number, as in `domain 3`, or with six numbers.

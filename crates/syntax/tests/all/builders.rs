@@ -1,7 +1,8 @@
 //! Errors in calls of builders name the argument and point at it.
 
 use zeroset_ops::{BUILDERS, Role};
-use zeroset_syntax::{ErrorKind, Limits, Options, parse, read};
+use zeroset_parser::{ErrorKind, Limits};
+use zeroset_syntax::{Options, parse, read};
 
 /// The part of a text at which its only error points, and the error's message with its help.
 fn error(text: &str) -> (String, String) {

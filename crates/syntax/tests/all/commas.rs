@@ -2,7 +2,8 @@
 
 use crate::words::{Row, points, rows, wrong};
 use std::fmt::Write as _;
-use zeroset_syntax::{Document, NoteKind, Options, read};
+use zeroset_parser::NoteKind;
+use zeroset_syntax::{Document, Options, read};
 
 /// The lines about the picture and the sliders of a document, as text.
 fn settings(document: &Document) -> String {

@@ -5,9 +5,10 @@
 
 use std::fmt::Write as _;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId};
+use zeroset_parser::Limits;
 use zeroset_syntax::{
-    Contours, CurveShape, Document, DomainLine, Limits, MappedColor, Options, ParameterKind,
-    PictureLines, SurfaceColor, SurfaceKind, parse, read,
+    Contours, CurveShape, Document, DomainLine, MappedColor, Options, ParameterKind, PictureLines,
+    SurfaceColor, SurfaceKind, parse, read,
 };
 
 const CORPUS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/language.txt");

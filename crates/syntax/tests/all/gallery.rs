@@ -1,7 +1,8 @@
 //! Checks that each example file is read without an error, draws one surface, uses all its
 //! definitions, and has a title and a domain.
 
-use zeroset_syntax::{Note, NoteKind, Options, read};
+use zeroset_parser::{Note, NoteKind};
+use zeroset_syntax::{Options, read};
 
 #[test]
 fn every_example_reads() {

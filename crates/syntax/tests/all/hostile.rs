@@ -1,7 +1,8 @@
 //! Checks that texts designed to overflow, hang or panic are read or refused, on a small stack.
 
 use std::fmt::Write as _;
-use zeroset_syntax::{ErrorKind, Errors, Limits, Options, read, read_bytes};
+use zeroset_parser::{ErrorKind, Errors, Limits};
+use zeroset_syntax::{Options, read, read_bytes};
 
 /// Stack of a test thread, in bytes. It is less than a third of the usual size, so compilers with
 /// larger frames still fit the usual size. Reading brackets takes up to 460 KiB, in test and

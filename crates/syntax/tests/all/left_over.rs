@@ -2,7 +2,8 @@
 
 use crate::words::{Row, points, rows, wrong};
 use std::fmt::Write as _;
-use zeroset_syntax::{NoteKind, Options, read};
+use zeroset_parser::NoteKind;
+use zeroset_syntax::{Options, read};
 
 /// Describes how a row is read otherwise than it says, if it is.
 fn misread(row: &Row) -> Option<String> {

@@ -3,9 +3,8 @@
 use std::fmt::Write as _;
 use zeroset_ir::{Graph, Node, display};
 use zeroset_ops::Op;
-use zeroset_syntax::{
-    Document, ErrorKind, NoteKind, Options, SurfaceKind, is_expression_list, parse, read,
-};
+use zeroset_parser::{ErrorKind, NoteKind};
+use zeroset_syntax::{Document, Options, SurfaceKind, is_expression_list, parse, read};
 
 fn document(text: &str) -> Document {
     read(text, &Options::default()).unwrap_or_else(|e| panic!("{}", e.render(None, text, false)))
@@ -27,7 +26,7 @@ fn a_list_is_one_solid_of_its_last_line() {
     let typed = document("square(x) + square(y) - 1 <= 0");
     let shown = |document: &Document| display(&document.graph, document.surfaces[0].root, &[]);
     assert_eq!(shown(&list), shown(&typed));
-    assert_eq!(parse(text, &zeroset_syntax::Limits::default()).expect("reads"), []);
+    assert_eq!(parse(text, &zeroset_parser::Limits::default()).expect("reads"), []);
 }
 
 #[test]

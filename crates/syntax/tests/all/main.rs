@@ -10,5 +10,6 @@ mod left_over;
 mod lists;
 mod render;
 mod round_trip;
+mod signs;
 mod values;
 mod words;

@@ -6,11 +6,12 @@ use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 use zeroset_ir::{Axis, NamedConstant};
 use zeroset_ops::{COMPOSED, Notation, TABLE, VectorFunction};
-use zeroset_syntax::ast::{
+use zeroset_parser::tree::ast::{
     Chain, ChainSign, CurveForm, CurveStatement, Expr, ExprKind, Function, Name, NamedValue,
     Relation, Series, Statement,
 };
-use zeroset_syntax::{Limits, Options, Span, parse, read, read_bytes};
+use zeroset_parser::{Limits, Span};
+use zeroset_syntax::{Options, parse, read, read_bytes};
 
 /// Settings for `cases` cases. `ZEROSET_CASES` replaces their number, and `ZEROSET_SEED` the seed.
 fn config(cases: u32) -> ProptestConfig {

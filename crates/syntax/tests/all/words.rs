@@ -8,7 +8,8 @@ use std::fmt::Write as _;
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, simplify};
 use zeroset_ops::Op;
-use zeroset_syntax::{CurveShape, Document, Limits, Options, SurfaceKind, parse, read};
+use zeroset_parser::Limits;
+use zeroset_syntax::{CurveShape, Document, Options, SurfaceKind, parse, read};
 
 /// The corpus used in developing the language, two corpora that were not used for it, and programs
 /// whose statements have effects in unusual places.
@@ -262,7 +263,7 @@ pub(crate) fn wrong(row: &Row, points: &[[Constant; 3]]) -> Option<String> {
         (Err(errors), None) => return Some(errors.render(None, &row.text, false)),
         (Ok(document), None) => document,
     };
-    let notes: Vec<String> = document.notes.iter().map(zeroset_syntax::Note::message).collect();
+    let notes: Vec<String> = document.notes.iter().map(zeroset_parser::Note::message).collect();
     if let Some(missing) =
         row.notes.iter().find(|wanted| !notes.iter().any(|note| note.contains(wanted.as_str())))
     {

@@ -2,7 +2,8 @@
 
 use crate::suite::{Failure, Tally};
 use zeroset_ir::Graph;
-use zeroset_syntax::{Document, Limits, Options, parse, read, read_bytes};
+use zeroset_parser::Limits;
+use zeroset_syntax::{Document, Options, parse, read, read_bytes};
 
 /// Small limits, so that a fuzzer loses little time on texts that expand to large graphs.
 const LIMITS: Limits = Limits {

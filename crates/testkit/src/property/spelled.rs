@@ -5,7 +5,8 @@ use crate::random::{random_domain, random_text};
 use crate::suite::{Failure, Tally};
 use crate::{Case, Rng};
 use zeroset_eval::Assumptions;
-use zeroset_syntax::{Limits, Options, read};
+use zeroset_parser::Limits;
+use zeroset_syntax::{Options, read};
 
 /// Greatest nesting depth of a text.
 const DEEPEST: u32 = 3;

@@ -1,10 +1,10 @@
 //! Rays of ordinary and extreme cameras, compared with real geometry in exact arithmetic.
 
 use super::*;
-use crate::camera::CameraError;
 use fearless_simd::{Level, dispatch};
 use num_bigint::BigInt;
 use num_rational::BigRational;
+use zeroset_space::CameraError;
 use zeroset_testkit::Adversarial;
 
 type Exact = [BigRational; 3];
@@ -127,6 +127,53 @@ impl Random {
     }
 }
 
+const FOV_40: Projection = Projection::Perspective { fov: 40.0 };
+
+fn camera(projection: Projection) -> Camera {
+    Camera::new(DVec3::new(4.0, 3.0, 6.0), DVec3::ZERO, DVec3::Y, projection).expect("valid")
+}
+
+#[test]
+fn rays_follow_the_stated_formula() {
+    // The formula in scalar arithmetic, for one pixel off the axes of symmetry.
+    let (i, j, width, height) = (5.0, 11.0, 64.0, 48.0);
+    let norm = |v: [f64; 3]| {
+        let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+        v.map(|c| c / length)
+    };
+    let cross = |a: [f64; 3], b: [f64; 3]| {
+        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    };
+    let forward = norm([-4.0, -3.0, -6.0]);
+    let right = norm(cross(forward, [0.0, 1.0, 0.0]));
+    let up = cross(right, forward);
+    let s = (20.0_f64).to_radians().tan();
+    let a = (2.0 * (i + 0.5) / width - 1.0) * s * (width / height);
+    let b = (1.0 - 2.0 * (j + 0.5) / height) * s;
+    let expected = norm([0, 1, 2].map(|k| forward[k] + a * right[k] + b * up[k]));
+    let ray = RayGrid::new(&camera(FOV_40), 64, 48).ray(5, 11);
+    assert!((ray.direction.normalize() - DVec3::from(expected)).length() < 1e-15);
+    assert_eq!(ray.origin, DVec3::new(4.0, 3.0, 6.0));
+}
+
+#[test]
+fn row_0_is_on_top_and_column_0_on_the_left() {
+    let camera =
+        Camera::new(DVec3::new(0.0, -5.0, 0.0), DVec3::ZERO, DVec3::Z, FOV_40).expect("valid");
+    let corner = RayGrid::new(&camera, 8, 8).ray(0, 0).direction;
+    assert!(corner.x < 0.0 && corner.z > 0.0 && corner.y > 0.0);
+}
+
+#[test]
+fn orthographic_rays_are_parallel_and_span_the_height() {
+    let camera = camera(Projection::Orthographic { height: 3.0 });
+    let rays = RayGrid::new(&camera, 4, 6);
+    let (top, bottom) = (rays.ray(2, 0), rays.ray(2, 5));
+    assert_eq!(top.direction, bottom.direction);
+    // Six rows have a height of half a unit each, so the outer rows' centers are 2.5 apart.
+    assert!(((top.origin - bottom.origin).length() - 2.5).abs() < 1e-14);
+}
+
 #[test]
 fn axes_are_those_of_real_geometry() {
     let mut random = Random(0x5eed_7003);
@@ -151,7 +198,8 @@ fn axes_are_those_of_real_geometry() {
             }
             Err(error) => panic!("{eye} to {target}, up {up}: {error}"),
         };
-        let stored = [camera.basis.forward, camera.basis.right, camera.basis.up];
+        let Basis { forward, right, up: upward } = camera.basis();
+        let stored = [forward, right, upward];
         for (stored, ideal) in stored.iter().zip(ideal(eye, target, up)) {
             let error = sine_squared(&vector(*stored), &ideal);
             let same_way = dot(&vector(*stored), &ideal) > exact(0.0);
@@ -179,7 +227,7 @@ fn perspective_rays_are_within_the_stated_angle() {
             let [forward, right, up] = ideal(eye, target, up);
             let (width, height) = [(512, 512), (65, 64), (8000, 1), (1, 8000)][checked % 4];
             let (i, j) = (random.next() as usize % width, random.next() as usize % height);
-            let ray = camera.rays(width, height).ray(i, j);
+            let ray = RayGrid::new(&camera, width, height).ray(i, j);
             let integer = |n: usize| exact(n as f64);
             let share = |n: usize, of: usize| (exact(2.0) * integer(n) + exact(1.0)) / integer(of);
             let across = (share(i, width) - exact(1.0)) * integer(width) / integer(height);
@@ -213,7 +261,7 @@ fn parallel_rays_are_within_the_stated_share_of_the_height() {
         };
         let [forward, right, up] = ideal(eye, target, up);
         let (i, j) = (random.next() as usize % 64, random.next() as usize % 64);
-        let ray = camera.rays(64, 64).ray(i, j);
+        let ray = RayGrid::new(&camera, 64, 64).ray(i, j);
         let share = |n: usize| exact((2 * n + 1) as f64 / 128.0 - 0.5) * exact(height);
         let origin = sum(&vector(eye), &right, &share(i));
         let origin = sum(&origin, &up, &-share(j));
@@ -249,7 +297,8 @@ fn windows_have_the_rays_of_their_pixels() {
     let perspective = Projection::Perspective { fov: 100.0 };
     for projection in [perspective, Projection::Orthographic { height: 3.0 }] {
         let (eye, target) = (DVec3::new(2.0, -3.0, 1.5), DVec3::new(0.1, 0.2, 0.3));
-        let rays = Camera::new(eye, target, DVec3::Z, projection).expect("valid").rays(37, 5);
+        let rays =
+            RayGrid::new(&Camera::new(eye, target, DVec3::Z, projection).expect("valid"), 37, 5);
         for (column, row) in [(0, 0), (21, 2), (7, 4)] {
             let window = PixelWindow { column, row, index: 0, wanted: 1 };
             let distances = std::array::from_fn(|lane| 1.0 + 0.3 * lane as f64);
@@ -278,7 +327,7 @@ fn points_in_f32_are_near_however_far_the_eye_is() {
     let views = [1e-5, 0.01, 1.0, 40.0, 120.0, 170.0].map(of_angle);
     for (distance, projection) in views.into_iter().chain([(3.0, parallel), (1e6, parallel)]) {
         let camera = Camera::new(target + distance * way, target, DVec3::Z, projection);
-        let rays = camera.expect("valid").rays(64, 48);
+        let rays = RayGrid::new(&camera.expect("valid"), 64, 48);
         for (column, row) in [(0, 0), (21, 20), (48, 47)] {
             let window = PixelWindow { column, row, index: 0, wanted: 1 };
             let distances = std::array::from_fn(|lane| {
@@ -310,7 +359,7 @@ fn rays_of_a_part_are_those_of_the_picture() {
     {
         let eye = DVec3::new(2.0, -5.0, 1.0);
         let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("valid");
-        let rays = camera.rays(61, 40);
+        let rays = RayGrid::new(&camera, 61, 40);
         let part = rays.part(7..40, 16..31);
         assert_eq!((part.width(), part.height(), part.reach), (33, 15, rays.reach));
         let whole: [usize; 2] = [7, 16];
@@ -338,7 +387,7 @@ fn rays_of_patches_are_those_of_the_picture() {
         [Projection::Perspective { fov: 50.0 }, Projection::Orthographic { height: 3.0 }]
     {
         let camera = Camera::new(DVec3::new(3.0, -4.0, 2.0), DVec3::ZERO, DVec3::Z, projection);
-        let rays = camera.expect("valid").rays(40, 24);
+        let rays = RayGrid::new(&camera.expect("valid"), 40, 24);
         let places = [[8, 4], [0, 0], [36, 20], [5, 3]];
         let patch =
             |[column, row]: [usize; 2]| Patch { column, row, between: [0.0, f64::INFINITY] };
@@ -371,7 +420,7 @@ fn rays_of_patches_are_those_of_the_picture() {
 fn neighbours_are_in_the_picture_and_in_the_patch() {
     let projection = Projection::Orthographic { height: 3.0 };
     let camera = Camera::new(DVec3::NEG_Y, DVec3::ZERO, DVec3::Z, projection).expect("valid");
-    let rays = camera.rays(8, 6);
+    let rays = RayGrid::new(&camera, 8, 6);
     assert_eq!(rays.beside(0), [None, Some(1), None, Some(8)]);
     assert_eq!(rays.beside(47), [Some(46), None, Some(39), None]);
     assert_eq!(rays.beside(20), [Some(19), Some(21), Some(12), Some(28)]);
@@ -396,7 +445,8 @@ fn a_window_has_all_pixels_whose_rays_may_meet_the_box_and_few_others() {
             1 => Projection::Perspective { fov: 100.0 },
             _ => Projection::Perspective { fov: 30.0 },
         };
-        let rays = Camera::new(eye, target, up, projection).expect("a camera").rays(64, 48);
+        let rays =
+            RayGrid::new(&Camera::new(eye, target, up, projection).expect("a camera"), 64, 48);
         // A part of a picture has its part of the window.
         let rays = if case % 2 == 0 { rays } else { rays.part(16..64, 16..48) };
         let region = zeroset_space::Region::new(low, high).expect("a box");

@@ -17,10 +17,6 @@
 mod bundle;
 mod classify;
 mod coverage;
-#[cfg(test)]
-mod edges;
-#[cfg(test)]
-mod exact;
 mod frame;
 mod level;
 mod narrow;
@@ -32,6 +28,8 @@ mod pool;
 mod pooled;
 mod rays;
 mod screens;
+#[cfg(test)]
+mod tests;
 mod tiles;
 mod tracer;
 

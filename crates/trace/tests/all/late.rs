@@ -7,8 +7,8 @@ use zeroset_eval::{
     ContractSegments, ContractTiles, Contractions, Enclose, Kernel, KernelError, KernelResult,
     Kernels, Planes, Real, Segments, SurfaceKernels, Tiles,
 };
-use zeroset_space::Region;
-use zeroset_trace::{Camera, Driver, GBuffer, Method, Precision, Projection, Status, TraceOptions};
+use zeroset_space::{Camera, Projection, Region};
+use zeroset_trace::{Driver, GBuffer, Method, Precision, RayGrid, Status, TraceOptions};
 
 /// A function without zeros, whose kernels take time to compile.
 struct SlowKernels;
@@ -58,7 +58,7 @@ fn bands_do_not_wait_for_each_other() {
         let region = Region::new(-DVec3::ONE, DVec3::ONE).expect("valid");
         let parallel = Projection::Orthographic { height: 2.0 };
         let camera = Camera::new(DVec3::Z * -5.0, DVec3::ZERO, DVec3::Y, parallel);
-        let rays = camera.expect("valid").rays(SIZE, SIZE);
+        let rays = RayGrid::new(&camera.expect("valid"), SIZE, SIZE);
         // The tolerance is so small that all rays are followed in `f64`.
         let options =
             TraceOptions { precision: Precision::Auto, tolerance: 1e-6, ..TraceOptions::default() };

@@ -7,10 +7,10 @@ use zeroset_eval::{
     Boxes, ContractSegments, Contractions, FindZeros, Kernel, KernelResult, Kernels, Segments,
     SurfaceKernels, Zeros,
 };
-use zeroset_space::{Ray, Region};
+use zeroset_space::{Camera, Projection, Ray, Region};
 use zeroset_trace::{
-    Camera, Driver, GBuffer, KernelStats, MOST_STEPS, Method, Precision, Projection, RayGrid,
-    RayResult, Segment, Start, Status, TraceOptions,
+    Driver, GBuffer, KernelStats, MOST_STEPS, Method, Precision, RayGrid, RayResult, Segment,
+    Start, Status, TraceOptions,
 };
 
 /// A function of z that may be 0 above `top` and has no zero below. Its bounds exclude zeros only
@@ -133,7 +133,7 @@ const PACKETS: u64 = (SIZE * SIZE / 16) as u64;
 fn frame() -> RayGrid {
     let parallel = Projection::Orthographic { height: 1.0 };
     let camera = Camera::new(DVec3::Z * -5.0, DVec3::ZERO, DVec3::Y, parallel);
-    camera.expect("valid").rays(SIZE, SIZE)
+    RayGrid::new(&camera.expect("valid"), SIZE, SIZE)
 }
 
 fn trace(kernel: &Stubborn, depth: u32) -> (GBuffer, KernelStats) {

@@ -6,17 +6,17 @@ use zeroset_eval::{
     ContractSegments, ContractTiles, Contractions, Enclose, Kernel, KernelError, KernelResult,
     Kernels, PartSurface, Planes, Real, Segments, SurfaceKernels, Tiles,
 };
-use zeroset_space::Region;
+use zeroset_space::{Camera, Projection, Region};
 use zeroset_trace::{
-    Camera, Driver, GBuffer, Kept, KernelStats, Method, Patch, PixelCounts, Projection, RayGrid,
-    RayResult, Segment, Start, Status, TraceOptions, Tracer, UndecidedReason,
+    Driver, GBuffer, Kept, KernelStats, Method, Patch, PixelCounts, RayGrid, RayResult, Segment,
+    Start, Status, TraceOptions, Tracer, UndecidedReason,
 };
 
 /// The rays of a camera that looks along z at a cube, which fills the picture's height.
 fn grid(width: usize, height: usize) -> RayGrid {
     let parallel = Projection::Orthographic { height: 2.0 };
     let camera = Camera::new(DVec3::Z * -5.0, DVec3::ZERO, DVec3::Y, parallel);
-    camera.expect("valid").rays(width, height)
+    RayGrid::new(&camera.expect("valid"), width, height)
 }
 
 fn cube() -> Region {

@@ -7,8 +7,9 @@ use fastrand::Rng;
 use glam::DVec3;
 use zeroset_scene::view::{self, DomainChoice};
 use zeroset_shade::Pattern;
+use zeroset_space::{Camera, Projection};
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, Projection, Status};
+use zeroset_trace::{RayGrid, Status};
 
 /// Number of random documents: `ZEROSET_CASES`, or a few.
 fn cases() -> u64 {
@@ -62,7 +63,7 @@ fn surfaces_are_the_same_in_boxes_around_them() {
         let shadow_depth = (rng.u32(..3) == 0).then_some(9);
         let settings =
             Settings { width: 70, height: 52, antialias, shadow_depth, ..Settings::default() };
-        let rays = camera(rng).rays(settings.width, settings.height);
+        let rays = RayGrid::new(&camera(rng), settings.width, settings.height);
         let Ok(model) = Model::new(&document, &region, &settings) else { continue };
         let [bounded, everywhere]: [Picture; 2] = [false, true].map(|whole| {
             let mut pass = RenderPass::<f32>::new(&model, &settings, &|_| true);

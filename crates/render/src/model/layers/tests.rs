@@ -7,8 +7,9 @@ use super::block::Block;
 use crate::picture::{Picture, Settings};
 use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 use zeroset_shade::Pattern;
+use zeroset_space::Camera;
 use zeroset_syntax::{Options, read};
-use zeroset_trace::{Camera, RayGrid};
+use zeroset_trace::RayGrid;
 
 /// Texts with colored values, contour lines, solids, opaque and undecided surfaces.
 const TEXTS: [&str; 3] = [
@@ -25,7 +26,7 @@ fn scene(text: &str, settings: &Settings) -> (Model, RayGrid) {
     let camera: Camera =
         view::camera(&document, &region, &CameraChoice::default()).expect("a camera");
     let model = Model::new(&document, &region, settings).expect("compiles");
-    (model, camera.rays(settings.width, settings.height))
+    (model, RayGrid::new(&camera, settings.width, settings.height))
 }
 
 #[test]

@@ -6,7 +6,7 @@ use super::super::layers::Layered;
 use super::super::outlines;
 use super::super::paint::{Coloring, Painter};
 use super::RenderPass;
-use crate::overlay::Legend;
+use crate::legend::Legend;
 use crate::picture::{Normals, Times};
 use crate::pixels::ColorBuffer;
 use glam::DVec3;

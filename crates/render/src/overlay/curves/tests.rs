@@ -2,8 +2,8 @@ use super::*;
 use crate::model::Model;
 use crate::picture::{Picture, Settings};
 use zeroset_scene::view::{self, DomainChoice};
+use zeroset_space::{Camera, Projection};
 use zeroset_syntax::{Document, Options, read};
-use zeroset_trace::{Camera, Projection};
 
 const SIZE: usize = 256;
 

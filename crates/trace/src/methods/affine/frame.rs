@@ -5,14 +5,13 @@
 //! through the region's center. So `f32` resolves the region, however far away the eye is.
 
 use super::screens::{Ends, ScreenRays};
-use crate::camera::Basis;
 use crate::grid::RayGrid;
 use crate::scalar::{HALF, Scalar};
 use crate::simd_chunks::parts;
 use fearless_simd::{f64x8, prelude::*};
 use glam::DVec3;
 use zeroset_eval::{LANES, Lanes, Segments, Tiles};
-use zeroset_space::Region;
+use zeroset_space::{Basis, Region};
 
 /// Error of forms as a multiple of the rounding error of coordinates in them.
 pub(super) const FORM_BLUR: f64 = 4.0;
@@ -360,9 +359,9 @@ impl<S: Simd> TileVectors<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::{Camera, Projection};
     use crate::methods::local_ray;
     use fearless_simd::dispatch;
+    use zeroset_space::{Camera, Projection};
     use zeroset_testkit::simd::levels;
 
     #[test]
@@ -380,7 +379,7 @@ mod tests {
             (DVec3::new(0.0, -5.0, 0.0), parallel),
         ] {
             let rays = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("valid");
-            let rays = rays.rays(24, 24);
+            let rays = RayGrid::new(&rays, 24, 24);
             let frame = RayFrame::new(&rays, &region);
             for (column, row) in (0..24).step_by(4).flat_map(|i| (0..24).map(move |j| (i, j))) {
                 let [mut across, mut down] = [Lanes::splat(0.0); 2];

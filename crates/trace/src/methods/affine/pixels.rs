@@ -5,7 +5,6 @@ use super::plane::Plane;
 use super::pool::{TilePlace, TileRay, place_of, tile_place};
 use super::screens::spread;
 use super::tracer::BandTracer;
-use crate::camera::Basis;
 use crate::method::Start;
 use crate::painted::ones;
 use crate::scalar::Scalar;
@@ -13,6 +12,7 @@ use fearless_simd::{f64x8, prelude::*};
 use glam::DVec3;
 use std::cmp::Ordering;
 use zeroset_eval::{Contractions, LANES, Lanes};
+use zeroset_space::Basis;
 
 /// Bound of the relative rounding error of a bracket's distance. Brackets are far longer than that.
 pub(super) const ROUNDED: f64 = 1e-13;

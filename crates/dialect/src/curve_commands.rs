@@ -1,0 +1,244 @@
+//! Reads commands of other systems that plot a curve: the three coordinates, and the parameter with
+//! its range. They become a statement such as `(cos t, sin t, t) for t in [0, 20]`.
+
+use crate::plot_arguments::{Arguments, PlotRange};
+use crate::program_words::Words;
+use zeroset_parser::lex::curve_form::parameter_range;
+use zeroset_parser::lex::spelling::{is_name_char, prefix_length};
+use zeroset_parser::lex::token::{Token, bracketed, closing, span_of, split};
+use zeroset_parser::lex::token_kind::TokenKind::{self, *};
+use zeroset_parser::{Error, ErrorKind, Fallible, Note, Span};
+
+/// Commands that plot a curve.
+pub(crate) const COMMANDS: &[&str] = &[
+    "ParametricPlot3D",
+    "spacecurve",
+    "parametric_plot3d",
+    "plot3d_parametric_line",
+    "Curve",
+    "fplot3",
+    "ParametricFunction",
+    "ParametricCurve",
+];
+
+/// Commands that plot a surface given by two parameters.
+const SURFACES: &[&str] =
+    &["Surface", "ParametricSurface", "plot3d_parametric_surface", "parametricplot3d"];
+
+/// Options with the range of the parameter.
+const RANGES: &[&str] = &["t_range", "u_range"];
+
+/// Words before the list in which Python and manim write a point.
+const LISTS: &[&str] = &["array", "stack", "Vector", "vector", "Matrix"];
+
+impl Words<'_> {
+    /// The statement of a command that plots a curve, and a note on what has no effect; `None` if
+    /// `tokens` are no such command.
+    pub(crate) fn curve_command(
+        self,
+        tokens: &[Token],
+    ) -> Fallible<Option<(Vec<Token>, Option<Note>)>> {
+        let at = tokens.iter().take(8).position(|token| {
+            let word = self.word(*token);
+            COMMANDS.contains(&word) || SURFACES.contains(&word)
+        });
+        let Some(at) = at else { return Ok(None) };
+        let is_before = |token: &Token| {
+            token.kind.is_name() || matches!(token.kind, Equals | Comma) || self.is_dot(*token)
+        };
+        let Some((inner, rest)) = bracketed(&tokens[at + 1..]) else { return Ok(None) };
+        let is_end = |token: &Token| matches!(token.kind, Colon | Unknown | Semicolon);
+        let is_whole = tokens[..at].iter().all(is_before)
+            && (rest.iter().all(is_end) || self.is_style_tail(rest));
+        if !is_whole {
+            return Ok(None);
+        }
+        let (word, place) = (self.word(tokens[at]), tokens[at].span);
+        if SURFACES.contains(&word) {
+            return Err(Error::new(place, ErrorKind::Parametric));
+        }
+        let mut arguments = Arguments::new(split(inner, Comma));
+        if !rest.iter().all(is_end) {
+            arguments.leave(rest.to_vec());
+        }
+        let Some((parts, count)) = self.coordinates(&mut arguments) else { return Ok(None) };
+        let ranges = self.parameter_ranges(&mut arguments, count);
+        if ranges.len() > 1 || self.has_range_of_v(arguments.all()) {
+            return Err(Error::new(place, ErrorKind::Parametric));
+        }
+        let Some(range) = ranges.into_iter().next() else {
+            return Err(Error::new(place, ErrorKind::CurveRange));
+        };
+        let own = parts.iter().find_map(|(name, _)| *name);
+        let Some(name) = range.name.or(own).or_else(|| self.handle_parameter()) else {
+            return Err(Error::new(place, ErrorKind::CurveRange));
+        };
+        let note = self.left_of_plot(&arguments.left());
+        Ok(Some((self.path(place, &parts, name, &range), note)))
+    }
+
+    /// Joins the equations `x = cos t`, `y = sin t` and `z = t`, and the range of t behind them, to
+    /// the statement of a curve.
+    pub(crate) fn join_coordinates(self, statements: &mut Vec<Vec<Token>>) {
+        let mut at = 0;
+        while at < statements.len() {
+            if let Some((count, curve)) = self.coordinate_equations(&statements[at..]) {
+                statements.splice(at..at + count, [curve]);
+            }
+            at += 1;
+        }
+    }
+
+    /// The curve whose equations begin the first of `statements`, and its number of statements.
+    fn coordinate_equations(self, statements: &[Vec<Token>]) -> Option<(usize, Vec<Token>)> {
+        let place = statements.first()?.first().filter(|first| first.kind == X)?.span;
+        let is_lead = |token: &Token| matches!(self.word(*token), "for" | "where" | "with");
+        let (mut parts, mut count) = (Vec::new(), 0);
+        while parts.len() < 4 && count < 4 {
+            for part in split(statements.get(count)?, Comma) {
+                let pieces = part.split(is_lead).filter(|piece| !piece.is_empty());
+                parts.extend(pieces.map(<[Token]>::to_vec));
+            }
+            count += 1;
+        }
+        let [x, y, z, range] = parts.as_slice() else { return None };
+        let value = |part: &[Token], axis: TokenKind| {
+            let equals = part.iter().position(|token| token.kind == Equals)?;
+            let is_own = part[0].kind == axis && matches!(equals, 1 | 4) && equals + 1 < part.len();
+            is_own.then(|| (None, part[equals + 1..].to_vec()))
+        };
+        let parts = [value(x, X)?, value(y, Y)?, value(z, Z)?];
+        let (name, low, high) = parameter_range(range).filter(|(name, ..)| !name.kind.is_axis())?;
+        let range = PlotRange { name: None, low: low.to_vec(), high: high.to_vec() };
+        Some((count, self.path(place, &parts, name, &range)))
+    }
+
+    /// Takes the three coordinates, each with its own parameter if it is a function. Returns also
+    /// the number of arguments that hold them.
+    #[allow(clippy::type_complexity)] // the caller destructures it
+    fn coordinates(
+        self,
+        arguments: &mut Arguments,
+    ) -> Option<(Vec<(Option<Token>, Vec<Token>)>, usize)> {
+        let first = self.unwrapped(arguments.all().first()?);
+        let list = self.listed_point(&first.1);
+        if let Some(parts) = list {
+            arguments.take(0);
+            let parts = parts.into_iter().map(|part| {
+                let (own, value) = self.unwrapped(&part);
+                (own.or(first.0), value)
+            });
+            return Some((parts.collect(), 1));
+        }
+        let three = arguments.all().get(..3)?;
+        let is_option = |part: &Vec<Token>| part.get(1).is_some_and(|sign| sign.kind == Equals);
+        if three.iter().any(is_option) {
+            return None;
+        }
+        Some(((0..3).map(|index| self.unwrapped(&arguments.take(index))).collect(), 3))
+    }
+
+    /// The parameter and the value of an anonymous function; any other value as it is.
+    fn unwrapped(self, part: &[Token]) -> (Option<Token>, Vec<Token>) {
+        match self.lambda(part) {
+            Some((None, parameters, value)) => {
+                (parameters.first().and_then(|first| first.first()).copied(), value)
+            }
+            _ => (None, part.to_vec()),
+        }
+    }
+
+    /// The coordinates of a point that is a list, perhaps as in `np.array([a, b, c])`.
+    fn listed_point(self, part: &[Token]) -> Option<Vec<Vec<Token>>> {
+        let part = match part {
+            [word, rest @ ..] if LISTS.contains(&self.word(*word)) => bracketed(rest)?.0,
+            part => part,
+        };
+        let is_list = matches!(part.first()?.kind, OpenBrace | OpenBracket | OpenParen | OpenList);
+        let is_whole = closing(part).is_some_and(|end| end + 1 == part.len());
+        let parts = split(bracketed(part)?.0, Comma);
+        (is_list && is_whole && parts.len() == 3).then_some(parts)
+    }
+
+    /// Takes the ranges behind the coordinates, which are the first `count` arguments.
+    fn parameter_ranges(self, arguments: &mut Arguments, count: usize) -> Vec<PlotRange> {
+        // GeoGebra writes the parameter and the ends as arguments.
+        if let [name, _, _, ..] = &arguments.all()[count..]
+            && let ([name], true) = (name.as_slice(), name.iter().all(|name| name.kind.is_name()))
+        {
+            let name = Some(*name);
+            arguments.take(count);
+            let (low, high) = (arguments.take(count + 1), arguments.take(count + 2));
+            return vec![PlotRange { name, low, high }];
+        }
+        if let Some((_, value)) = self.option(arguments, RANGES)
+            && let Some((inner, _)) = bracketed(&value)
+            && let [low, high, steps @ ..] = split(inner, Comma).as_slice()
+        {
+            for step in steps {
+                arguments.leave(step.clone());
+            }
+            return vec![PlotRange { name: None, low: low.clone(), high: high.clone() }];
+        }
+        self.ranges(arguments, count, 1)
+    }
+
+    /// Returns whether an option gives the range of a second parameter, as in manim.
+    fn has_range_of_v(self, arguments: &[Vec<Token>]) -> bool {
+        arguments.iter().any(|part| self.word(part[0]) == "v_range")
+    }
+
+    /// The parameter of the text's first anonymous function, as in `@(t) cos(t)`.
+    fn handle_parameter(self) -> Option<Token> {
+        let start = self.text.find("@(")? + 2;
+        let length = prefix_length(&self.text[start..], is_name_char);
+        let span = Span::new(start, start + length);
+        (length > 0).then(|| Token::new(TokenKind::Name, span))
+    }
+
+    /// The tokens of the statement. A coordinate that is the name of a function is called.
+    fn path(
+        self,
+        place: Span,
+        parts: &[(Option<Token>, Vec<Token>)],
+        name: Token,
+        range: &PlotRange,
+    ) -> Vec<Token> {
+        let sign = |kind: TokenKind, at: usize| Token::new(kind, Span::at(at));
+        let start = place.start;
+        let mut all = vec![sign(CurveWord, start), sign(OpenParen, start)];
+        for (index, (_, part)) in parts.iter().enumerate() {
+            let span = span_of(part).unwrap_or(place);
+            if index > 0 {
+                all.push(sign(Comma, span.start));
+            }
+            all.extend(part);
+            if let [function] = part.as_slice()
+                && self.is_function(*function)
+            {
+                all.extend([sign(OpenParen, span.end), name, sign(CloseParen, span.end)]);
+            }
+        }
+        let (low, high) = (&range.low, &range.high);
+        let (from, to) = (low[0].span.start, high[high.len() - 1].span.end);
+        all.extend([sign(CloseParen, from), sign(For, from), name, sign(In, from)]);
+        all.push(sign(OpenBracket, from));
+        all.extend(low);
+        all.push(sign(Comma, high[0].span.start));
+        all.extend(high);
+        all.push(sign(CloseBracket, to));
+        all
+    }
+
+    /// Returns whether the text defines a name as an anonymous function.
+    fn is_function(self, name: Token) -> bool {
+        let typed = self.word(name);
+        let defines = |line: &str| {
+            let line = line.trim_start();
+            let rest = line.strip_prefix(typed).map(str::trim_start);
+            let value = rest.and_then(|rest| rest.strip_prefix('=')).map(str::trim_start);
+            value.is_some_and(|value| value.starts_with("@(") || value.starts_with("lambda "))
+        };
+        !typed.is_empty() && self.text.lines().any(defines)
+    }
+}

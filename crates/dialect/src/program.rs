@@ -1,0 +1,42 @@
+//! The result of translating a pasted program. A program may have functions with bodies, typed
+//! declarations, repeated assignments and `return`.
+//!
+//! A variable of a function becomes a function with the same parameters. For example, `vec2 q =
+//! p.xz;` in `f(p)` becomes `f_q(p) = p.xz`, and a later `q` becomes `f_q(p)`. Each assignment to a
+//! variable defines another name, so the order of the resulting statements has no effect.
+
+use rustc_hash::FxHashSet;
+use zeroset_parser::Note;
+use zeroset_parser::lex::token::Token;
+use zeroset_parser::tree::ast::Name;
+use zeroset_parser::tree::built_statement::BuiltStatement;
+use zeroset_parser::tree::raw_statement::RawStatement;
+
+/// A text, translated to statements of this language.
+#[derive(Default)]
+#[allow(clippy::struct_excessive_bools)] // independent observations
+pub struct PastedProgram {
+    /// The statements of the text, translated.
+    pub statements: Vec<RawStatement>,
+    /// True if the text has declarations or assignments that occur only in programs.
+    pub in_steps: bool,
+    /// True if the text is a program in the manner of shaders or of POV-Ray, in which y points up.
+    pub is_y_up: bool,
+    /// True if the trigonometry of the text is in degrees, as in `OpenSCAD`.
+    pub in_degrees: bool,
+    /// True if the function to draw returns a vector, whose first component is drawn.
+    pub draws_first_component: bool,
+    /// Name of the function to draw: the last one that takes a point of space.
+    pub last_function: Option<Name>,
+    /// The variable last assigned outside functions. Assignments of plain numbers do not count.
+    pub last_value: Option<Name>,
+    /// Definitions and drawings that are not in the text.
+    pub synthesized: Vec<BuiltStatement>,
+    /// Names generated in branches and loops. Definitions of such names are dropped if unused.
+    pub generated: FxHashSet<String>,
+    /// Notes on what was left out or changed.
+    pub notes: Vec<Note>,
+}
+
+/// The statements of a text of another format, and notes on its domain and on what is not read.
+pub(crate) type ForeignText = (Vec<Vec<Token>>, Vec<Note>);

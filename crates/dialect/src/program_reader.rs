@@ -1,0 +1,515 @@
+//! Translates the statements of a program, in order, to statements of this language.
+
+use crate::blocks::ProgramStep;
+use crate::effects::is_doubled;
+use crate::formats::foreign_text;
+use crate::language::{Language, join_bars};
+use crate::program::PastedProgram;
+use crate::program_words::{Words, begins_name, is_whole_type, size_of};
+use crate::scopes::Declared;
+use zeroset_parser::lex::arrangement::{arrange, trim};
+use zeroset_parser::lex::curve_form::marked_curve;
+use zeroset_parser::lex::decimal_comma::doubts;
+use zeroset_parser::lex::scanner::scan;
+use zeroset_parser::lex::token_kind::TokenKind::{Equals, Number, OpenBrace, OpenParen};
+use zeroset_parser::tree::raw_statement::{Head, RawStatement, ValueConversion};
+
+use rustc_hash::{FxHashMap, FxHashSet};
+use std::cell::Cell;
+use std::rc::Rc;
+use zeroset_parser::lex::spelling::short_name;
+use zeroset_parser::lex::token::{Token, closing};
+use zeroset_parser::tree::aliases::Aliases;
+use zeroset_parser::tree::ast::{Expr, ExprKind, LETTERS, Name, NamedValue, Statement};
+use zeroset_parser::tree::built_statement::BuiltStatement;
+use zeroset_parser::tree::scope::coordinate;
+use zeroset_parser::{Error, ErrorKind, Fallible, Limits, Note, NoteKind, Span};
+
+/// The variables of a function's body, or of the text outside functions.
+#[derive(Clone, Default)]
+pub(crate) struct Frame {
+    /// Name and parameters of the function; `None` outside functions.
+    pub function: Option<Head>,
+    pub aliases: Aliases,
+    /// Variables that were declared or assigned, each with its number of components.
+    pub set: Vec<(String, usize)>,
+    /// Counters of loops. Their values are tracked while they are known.
+    pub counters: FxHashSet<String>,
+    /// Integer variables.
+    pub integers: FxHashSet<String>,
+    /// Declarations so far, each with the earlier meaning of its name.
+    pub declared: Vec<Declared>,
+    /// Number of enclosing branches and loops.
+    pub nested: usize,
+    /// Number of enclosing inlined calls.
+    pub depth: usize,
+    /// Prefix of the names that an inlined call generates.
+    pub prefix: Option<String>,
+    /// True if a statement for the function's result was already added.
+    pub has_result: bool,
+}
+
+/// A function whose body replaces calls of it: it changes variables of its caller, returns nothing,
+/// or has default values.
+pub(crate) struct Procedure {
+    pub parameters: Vec<ProcedureParameter>,
+    pub body: Vec<ProgramStep>,
+    /// True if the body uses variables outside functions that some function changes.
+    pub uses_globals: bool,
+    /// True if the body changes such variables.
+    pub changes_globals: bool,
+}
+
+impl Procedure {
+    /// A function that only computes its value.
+    pub(crate) fn of_values(parameters: Vec<ProcedureParameter>, body: Vec<ProgramStep>) -> Self {
+        Self { parameters, body, uses_globals: false, changes_globals: false }
+    }
+}
+
+pub(crate) struct ProcedureParameter {
+    pub name: Name,
+    pub size: usize,
+    /// True if the parameter is an integer.
+    pub is_whole: bool,
+    pub default: Option<Vec<Token>>,
+    /// True if the argument's value is copied to the parameter when the function begins.
+    pub is_in: bool,
+    /// True if the parameter's final value is copied back to the argument.
+    pub is_out: bool,
+}
+
+/// A macro. Its body replaces each call.
+pub(crate) struct Macro {
+    pub parameters: Option<Vec<String>>,
+    pub body: Vec<Token>,
+}
+
+pub(crate) struct ProgramReader<'a> {
+    pub words: Words<'a>,
+    pub limits: &'a Limits,
+    /// Names that the text uses, and names that were generated.
+    pub taken: FxHashSet<String>,
+    pub language: Language,
+    /// Integer variables outside functions.
+    pub integers: FxHashSet<String>,
+    /// Variables that the current expression read so far.
+    pub reads: Vec<String>,
+    /// Nesting depth of the current expression.
+    pub expression_depth: usize,
+    /// Number of saved values.
+    pub saved_count: u32,
+    /// Numbers of the saved values that are integers.
+    pub whole_values: FxHashSet<u32>,
+    /// Numbers of components of the parameters of typed functions.
+    pub signatures: FxHashMap<String, Vec<usize>>,
+    /// Functions that return integers.
+    pub whole_functions: FxHashSet<String>,
+    /// Variables outside functions that functions change.
+    pub mutable: FxHashSet<String>,
+    /// Bodies of functions that are also defined. A call with names of parameters, or with
+    /// default values of some, is replaced by the body.
+    pub bodies: FxHashMap<String, Rc<Procedure>>,
+    /// Names that have a definition.
+    pub defined_names: FxHashSet<String>,
+    pub macros: FxHashMap<String, Macro>,
+    pub procedures: FxHashMap<String, Rc<Procedure>>,
+    /// Names that the text defines, each with its number of parameters.
+    pub arities: FxHashMap<String, usize>,
+    /// True if the text makes a grid of coordinates.
+    pub has_grid: bool,
+    /// Ends of the ranges that names stand for.
+    pub ranges: FxHashMap<String, [Vec<Token>; 2]>,
+    /// Rows of numbers that names stand for.
+    pub rows: FxHashMap<String, Vec<Token>>,
+    /// Known values of variables outside functions.
+    pub constants: FxHashMap<String, f64>,
+    /// Number of statements and iterations that ran in loops, branches and inlined calls.
+    pub steps: usize,
+    /// Number of tokens that macros expanded to.
+    pub expanded_tokens: Cell<usize>,
+    pub program: PastedProgram,
+}
+
+pub(crate) type Statements = std::vec::IntoIter<Vec<Token>>;
+
+/// Translates a text, whether it is a program or not.
+///
+/// # Errors
+/// If the text exceeds a limit, or a statement of a program cannot be translated.
+pub fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
+    let foreign = foreign_text(text, limits)?;
+    let is_foreign = foreign.is_some();
+    let (mut statements, mut notes) = match foreign {
+        Some(found) => found,
+        None => (scan(text, limits)?, Vec::new()),
+    };
+    let words = Words { text };
+    words.join_bodies(&mut statements);
+    words.join_coordinates(&mut statements);
+    let taken = statements
+        .iter()
+        .flatten()
+        .map(|token| &text[token.span.range()])
+        .collect::<FxHashSet<_>>();
+    let in_steps = statements.iter().any(|tokens| words.is_step(tokens));
+    if !in_steps && !is_foreign {
+        notes.extend(statements.iter().flat_map(|tokens| doubts(text, tokens)));
+    }
+    let is_y_up = statements.iter().any(|tokens| words.is_of_shaders(tokens));
+    let language = Language::of(words, &statements);
+    if language.has_double_bars() {
+        statements.iter_mut().for_each(join_bars);
+    }
+    let mutable = words.mutable_globals(&statements, language);
+    let mut reader = ProgramReader {
+        words,
+        limits,
+        language,
+        integers: FxHashSet::default(),
+        reads: Vec::new(),
+        expression_depth: 0,
+        saved_count: 0,
+        whole_values: FxHashSet::default(),
+        signatures: FxHashMap::default(),
+        whole_functions: FxHashSet::default(),
+        mutable,
+        bodies: FxHashMap::default(),
+        taken: taken.into_iter().map(str::to_owned).collect(),
+        defined_names: FxHashSet::default(),
+        macros: FxHashMap::default(),
+        procedures: FxHashMap::default(),
+        arities: FxHashMap::default(),
+        has_grid: text.contains("meshgrid"),
+        ranges: FxHashMap::default(),
+        rows: FxHashMap::default(),
+        constants: FxHashMap::default(),
+        steps: 0,
+        expanded_tokens: Cell::new(0),
+        program: PastedProgram {
+            in_steps,
+            is_y_up,
+            in_degrees: language == Language::OpenScad,
+            notes,
+            ..PastedProgram::default()
+        },
+    };
+    let mut top = Frame::default();
+    let mut statements = statements.into_iter();
+    while let Some(tokens) = statements.next() {
+        reader.statement(tokens, &mut top, &mut statements)?;
+    }
+    reader.end(&top, Span::at(text.len()));
+    let mut program = reader.program;
+    say_later_domains(&mut program.notes);
+    Ok(program)
+}
+
+/// Corrects the notes on the domains of plots: only the first domain counts.
+fn say_later_domains(notes: &mut [Note]) {
+    let mut first = None;
+    for note in notes {
+        let NoteKind::PlotDomain { domain } = &note.kind else { continue };
+        let domain = domain.clone();
+        if domain != *first.get_or_insert(domain.clone()) {
+            note.kind = NoteKind::PlotDomainLeftOut { domain };
+        }
+    }
+}
+
+impl ProgramReader<'_> {
+    /// Reads a statement. A function or loop may take more statements from `following` as its body.
+    pub(crate) fn statement(
+        &mut self,
+        tokens: Vec<Token>,
+        frame: &mut Frame,
+        following: &mut Statements,
+    ) -> Fallible<()> {
+        let mut tokens = self.expanded(tokens, 0)?;
+        let Some(first) = tokens.first().copied() else {
+            return Ok(());
+        };
+        self.words.apply_signs(&mut tokens);
+        if frame.function.is_none() && self.outside_of_formulas(&tokens, frame)? {
+            return Ok(());
+        }
+        if let Some(sign) = self.words.prefixed(&tokens) {
+            return Err(Error::new(sign.span, ErrorKind::Prefix));
+        }
+        if first.kind.is_setting() && frame.function.is_none() {
+            return self.plain(tokens, frame, false);
+        }
+        if frame.function.is_none()
+            && let Some(statements) = self.words.unwrap_statement(&tokens)
+        {
+            // Each unwrapped statement has fewer wrappers, so the recursion ends.
+            return statements
+                .into_iter()
+                .try_for_each(|tokens| self.statement(tokens, frame, &mut Statements::default()));
+        }
+        if self.of_other_system(&tokens, frame, following)? {
+            return Ok(());
+        }
+        let word = self.words.word(first);
+        match word {
+            "import" | "from" if begins_name(tokens.get(1)) => return Ok(()),
+            "for" | "while" | "if" if self.words.is_control(&tokens) => {
+                return self.control(tokens, frame, following);
+            }
+            "for" | "while" | "if" if self.words.is_indented_control(&tokens) => {
+                return self.indented_control(tokens, frame, following);
+            }
+            "struct" | "switch" | "do" | "else" | "elif"
+                if Words::is_command(&tokens) || self.words.is_control(&tokens) =>
+            {
+                return Err(self.words.unsupported(first));
+            }
+            "def" if tokens.len() > 3 => return self.python_function(&tokens, following),
+            "return" if tokens.len() > 1 => {
+                tokens.remove(0);
+                let tokens = self.settled(tokens, frame)?;
+                return self.result(tokens, frame);
+            }
+            "#define" if tokens.len() > 1 => {
+                self.macro_of(&tokens[1..]);
+                return Ok(());
+            }
+            "function"
+                if tokens.len() > 2
+                    && !self.words.has_body(&tokens)
+                    && begins_name(tokens.get(1)) =>
+            {
+                tokens.remove(0);
+                return self.openscad_function(tokens, frame);
+            }
+            "difference" | "union" | "intersection" | "translate" | "rotate" | "hull"
+                if tokens.get(1..).and_then(closing).is_some_and(|end| {
+                    tokens.get(end + 2).is_some_and(|next| next.kind == OpenBrace)
+                }) =>
+            {
+                let formula = "write `subtract(a, b)`, `union(a, b)` or `intersect(a, b)` of solids such as `sphere(1)`; a move is `translate(a, 1, 0, 0)`";
+                return Err(Error::new(first.span, ErrorKind::Solid { formula }));
+            }
+            "draw_surface"
+                if tokens.len() == 1 && frame.function.is_none() && self.words.sets_surface() =>
+            {
+                let value = NamedValue::Defined("surface".to_owned());
+                let expr = Expr::new(ExprKind::Name(value), first.span);
+                let statement = Statement::Draw { expr, restrictions: Vec::new() };
+                self.program.synthesized.push(BuiltStatement::synthesized(statement, first.span));
+                return Ok(());
+            }
+            "let" if tokens.get(1).is_some_and(|token| token.kind == OpenParen) => {
+                return self.bindings(tokens, frame);
+            }
+            _ => {}
+        }
+        if self.words.has_body(&tokens) {
+            return self.functions(tokens, frame, following);
+        }
+        let types = self.words.types(&tokens);
+        if types > 0 {
+            return self.typed(&tokens, types, frame);
+        }
+        if self.runs(&tokens, frame)? {
+            return Ok(());
+        }
+        let in_steps = self.program.in_steps || frame.function.is_some();
+        if in_steps && self.step(&tokens, frame)? {
+            return Ok(());
+        }
+        if let Some((name, parameters, value)) = self.words.lambda(&tokens) {
+            return self.lambda(name, parameters, value, frame);
+        }
+        self.plain(tokens, frame, true)
+    }
+
+    /// Reads a declaration whose first tokens are `types`.
+    fn typed(&mut self, tokens: &[Token], types: usize, frame: &mut Frame) -> Fallible<()> {
+        let word = self.words.word(tokens[0]);
+        let size = tokens[..types].iter().map(|t| size_of(self.words.word(*t))).max();
+        let is_whole = tokens[..types].iter().any(|t| is_whole_type(self.words.word(*t)));
+        // Python's `global` would change a variable of another function. JavaScript's `var`
+        // has the scope of the whole function.
+        if self.language == Language::Python && matches!(word, "global" | "nonlocal") {
+            return Err(self.words.unsupported(tokens[0]));
+        }
+        let mark = frame.declared.len();
+        self.declarations(&tokens[types..], size.unwrap_or(1), is_whole, frame)?;
+        if word == "var" && self.language == Language::Script {
+            frame.declared.truncate(mark);
+        }
+        Ok(())
+    }
+
+    /// Runs a statement that assigns or changes variables. Returns false for any other statement.
+    fn runs(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
+        match self.language {
+            Language::Typed | Language::Script
+                if frame.is_inner() || (0..tokens.len()).any(|at| is_doubled(tokens, at)) =>
+            {
+                self.run_expression(tokens, frame)
+            }
+            Language::Python if frame.is_inner() => self.run_python(tokens, frame),
+            Language::OpenScad if !frame.is_inner() => {
+                let Some((_, None, value)) = self.words.assignment(tokens) else {
+                    return Ok(false);
+                };
+                if self.words.lambda(tokens).is_some() || tokens[0].kind.is_axis() {
+                    return Ok(false);
+                }
+                let mut all = tokens[..tokens.len() - value.len()].to_vec();
+                all.extend(self.assignment(&value, frame)?.tokens);
+                self.reads.clear();
+                self.plain(all, frame, true).map(|()| true)
+            }
+            _ => Ok(self.counts(tokens, frame)),
+        }
+    }
+
+    /// The statement of a curve or a point, if `tokens` are one.
+    fn curve(&self, tokens: &[Token]) -> Fallible<Option<Vec<Token>>> {
+        let mut tokens = tokens.to_vec();
+        trim(self.words.text, &mut tokens);
+        let is_defined = self.arity(tokens[0]).is_some();
+        if is_defined { Ok(None) } else { marked_curve(self.words.text, &tokens) }
+    }
+
+    /// Reads a plot, a grid, or a statement that only styles the picture. Returns false for any
+    /// other statement.
+    fn outside_of_formulas(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
+        let curve = match self.curve(tokens)? {
+            None if self.arity(tokens[0]).is_none() => self.words.curve_command(tokens)?,
+            found => found.map(|curve| (curve, None)),
+        };
+        if let Some((curve, note)) = curve {
+            self.program.notes.extend(note);
+            return self.plain(curve, frame, false).map(|()| true);
+        }
+        let plots = self.words.plots(&self.with_rows(tokens.to_vec()))?;
+        // The text may define the name of a plot command otherwise.
+        if !plots.is_empty() && self.arity(tokens[0]).is_none() {
+            let place = tokens[0].span;
+            plots.into_iter().try_for_each(|plot| self.draw(plot, place, frame))?;
+            return Ok(true);
+        }
+        if self.grid(tokens, frame)? {
+            return Ok(true);
+        }
+        if !self.words.is_style(tokens) || self.arity(tokens[0]).is_some() {
+            return Ok(false);
+        }
+        let span = tokens[0].span.to(tokens[tokens.len() - 1].span);
+        let is_style = |note: &Note| matches!(note.kind, NoteKind::StyleLeftOut { .. });
+        if !self.program.notes.iter().any(is_style) {
+            let example = short_name(&self.words.text[span.range()]);
+            self.program.notes.push(Note { span, kind: NoteKind::StyleLeftOut { example } });
+        }
+        Ok(true)
+    }
+
+    /// Adds a statement unchanged. With `is_step`, a function's body may not hold a mere value.
+    pub(crate) fn plain(
+        &mut self,
+        tokens: Vec<Token>,
+        frame: &Frame,
+        is_step: bool,
+    ) -> Fallible<()> {
+        let mut tokens = tokens;
+        if frame.function.is_some() && is_step && self.words.assignment(&tokens).is_none() {
+            return Err(Error::new(tokens[0].span, ErrorKind::NoEffect));
+        }
+        if let [name, equals, number] = tokens.as_slice()
+            && equals.kind == Equals
+            && number.kind == Number
+            && !self.mutable.contains(self.words.word(*name))
+            && let Some(value) = self.known(&[*number], &Frame::default())
+        {
+            self.constants.insert(self.words.word(*name).to_owned(), value);
+        }
+        self.words.patterns(&mut tokens);
+        self.push(tokens, None, None, &frame.aliases, false)
+    }
+
+    pub(crate) fn push(
+        &mut self,
+        tokens: Vec<Token>,
+        head: Option<Head>,
+        conversion: Option<ValueConversion>,
+        aliases: &Aliases,
+        is_height: bool,
+    ) -> Fallible<()> {
+        if tokens.is_empty() {
+            let unfinished = |head: Head| Err(Error::new(head.name.span, ErrorKind::Unfinished));
+            return head.map_or(Ok(()), unfinished);
+        }
+        let changing = |token: &&Token| {
+            let procedure = self.procedures.get(self.words.word(**token));
+            procedure.is_some_and(|procedure| procedure.parameters.iter().any(|given| given.is_out))
+        };
+        if let Some(token) = tokens.iter().find(changing) {
+            let name = self.words.word(*token).to_owned();
+            return Err(Error::new(token.span, ErrorKind::OutParameter { name }));
+        }
+        self.record_arity(&tokens, head.as_ref());
+        if let Some(lexed) = arrange(self.words.text, tokens, self.limits)? {
+            let aliases = aliases.clone();
+            self.defined_names.extend(head.iter().map(|head| head.name.text.clone()));
+            self.program.statements.push(RawStatement {
+                lexed,
+                head,
+                aliases,
+                conversion,
+                is_height,
+            });
+        }
+        Ok(())
+    }
+
+    /// Reads an assignment of a program. Returns false if `tokens` must be read as a formula.
+    fn step(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
+        if let Some((left, right)) = Words::parallel(tokens) {
+            // All values are computed before any variable changes.
+            let within = frame.aliases.clone();
+            for (name, value) in left.into_iter().zip(right) {
+                self.assign_within(self.words.name(name), 1, value, None, &within, frame)?;
+            }
+            return Ok(true);
+        }
+        if let Some((names, value)) = Words::unpacked(tokens) {
+            let within = frame.aliases.clone();
+            for (name, letter) in names.into_iter().zip(LETTERS.chars()) {
+                let (name, part) = (self.words.name(name), Some(ValueConversion::Part(letter)));
+                self.assign_within(name, 1, value.to_vec(), part, &within, frame)?;
+            }
+            return Ok(true);
+        }
+        if let Some((name, letters, value)) = self.words.assignment(tokens) {
+            let name = self.words.name(name);
+            let known = frame.set.iter().rfind(|(set, _)| *set == name.text);
+            let size = known.map_or(3, |(_, size)| *size);
+            let is_set = frame.function.is_some() || known.is_some() || letters.is_some();
+            // `x = 3` is an equation unless the program has declared x.
+            let is_coordinate = name.text == "t" || coordinate(&name.text).is_some();
+            if is_coordinate && !is_set {
+                return self.plain(tokens.to_vec(), frame, true).map(|()| true);
+            }
+            // `tz = …` names a value in a program. Elsewhere `tz` is a product.
+            let is_product =
+                name.text.len() > 1 && name.text.chars().all(|letter| "xyzt".contains(letter));
+            let is_steps = is_set || is_product || self.words.is_step(tokens);
+            if is_steps || self.words.has(&value, &name.text) {
+                let within = frame.aliases.clone();
+                let before = frame.meaning(&name.text);
+                let write = letters.map(|letters| ValueConversion::Write { letters, before, size });
+                return self.assign_within(name, size, value, write, &within, frame).map(|()| true);
+            }
+            let is_number = matches!(value.as_slice(), [only] if only.kind == Number);
+            if frame.function.is_none() && !is_number && self.words.lambda(tokens).is_none() {
+                self.program.last_value = Some(name.clone());
+            }
+            frame.set.push((name.text, size));
+        }
+        Ok(false)
+    }
+}

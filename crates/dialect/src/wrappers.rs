@@ -1,0 +1,351 @@
+//! Removes what other systems put around formulas: plot commands, declarations of names, braces.
+
+use crate::grids::GRIDS;
+use crate::program_words::Words;
+use zeroset_parser::lex::token_kind::TokenKind::{self, *};
+
+use crate::plot_commands::less;
+use zeroset_parser::Span;
+use zeroset_parser::lex::spelling::plain_name;
+use zeroset_parser::lex::token::{Token, bracketed, closing, in_brackets, outside, split};
+use zeroset_parser::tree::scope::{NameMeaning, built_in};
+
+/// Largest number of tokens after names were replaced by values.
+const MAX_SUBSTITUTED: usize = 10_000;
+
+/// Commands of other systems that only declare names or change settings.
+const SETUP: &[&str] = &[
+    "syms",
+    "restart",
+    "clc",
+    "clear",
+    "close",
+    "hold",
+    "figure",
+    "ring",
+    "LIB",
+    "Clear",
+    "ClearAll",
+    "Needs",
+    "draw_curve",
+    "clear_screen",
+    "using",
+    "namespace",
+    "package",
+    "precision",
+];
+
+/// Setup commands whose arguments are in brackets.
+const SETUP_CALLS: &[&str] = &["var", "with", "load", "library", "require", "reset", "kill"];
+
+/// Functions that create symbols.
+const SYMBOLS: &[&str] = &["symbols", "Symbol", "var", "sym", "PolynomialRing", "require"];
+
+/// Words that may stand before a formula to draw.
+const PLOT_WORDS: &[&str] = &["plot", "graph", "draw", "Plot", "Graph", "Draw"];
+
+impl Words<'_> {
+    /// The statements in a wrapper, perhaps none. `None` if `tokens` have no wrapper.
+    pub(crate) fn unwrap_statement(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
+        let first = *tokens.first()?;
+        let next = tokens.get(1);
+        let word = self.word(first);
+        let opens = next.is_some_and(|next| matches!(next.kind, OpenParen | OpenBracket));
+        let is_setting = next.is_some_and(|next| matches!(next.kind, Equals | Colon | Comma));
+        if word == "template" && next.is_some_and(|next| next.kind == Less) {
+            let end = tokens.iter().position(|token| token.kind == Greater)?;
+            return Some(vec![tokens[end + 1..].to_vec()]);
+        }
+        if word == "SPACE" && next.is_some_and(|next| next.kind == Equals)
+            || word == r"\clean" && opens
+            || SETUP.contains(&word)
+                && (next.is_none_or(|next| next.kind.is_name()) || word == "Needs")
+            || SETUP_CALLS.contains(&word) && opens && !is_setting && Self::is_whole_call(tokens)
+        {
+            return Some(Vec::new());
+        }
+        if let Some(named) = self.named_equation(tokens) {
+            return Some(vec![named]);
+        }
+        if let Some(equals) = tokens.iter().position(|token| token.kind == Equals)
+            && let [callee, open, ..] = &tokens[equals + 1..]
+            && (SYMBOLS.contains(&self.word(*callee)) && open.kind == OpenParen
+                || GRIDS.contains(&self.word(*callee)))
+        {
+            return Some(Vec::new());
+        }
+        let found = self.behind_mark(tokens).map(|rest| vec![rest]);
+        let found = found.or_else(|| self.with_rules(tokens));
+        let found = found.or_else(|| self.with_values(tokens));
+        if let Some(found) = found.or_else(|| self.of_surfer(tokens)) {
+            return Some(found);
+        }
+        if first.kind == OpenBrace {
+            return self.in_braces(tokens).map(|inner| vec![inner]);
+        }
+        match word {
+            "With" | "Module" | "Block" if opens => return self.with(tokens),
+            "function" if next.is_some_and(|next| next.kind == OpenBrace) => {
+                let (inner, rest) = bracketed(&tokens[1..])?;
+                return rest.is_empty().then(|| vec![inner.to_vec()]);
+            }
+            // These functions only rewrite the formula in their brackets.
+            "Simplify" | "FullSimplify" | "Evaluate" | "N" | "Expand" | "Factor" | "simplify"
+            | "expand"
+                if opens && Self::is_whole_call(tokens) =>
+            {
+                let (inner, _) = bracketed(&tokens[1..])?;
+                return Some(vec![inner.to_vec()]);
+            }
+            _ if PLOT_WORDS.contains(&word)
+                && tokens.get(2).is_some()
+                && next.is_some_and(|next| self.word(*next) == "of") =>
+            {
+                return Some(vec![tokens[2..].to_vec()]);
+            }
+            _ if PLOT_WORDS.contains(&word)
+                && next
+                    .is_some_and(|next| next.kind != OpenParen && next.kind.begins_operand()) =>
+            {
+                return Some(vec![tokens[1..].to_vec()]);
+            }
+            _ => {}
+        }
+        if let [name, less, minus, function, ..] = tokens
+            && less.kind == Less
+            && minus.kind == Minus
+            && self.word(*function) == "function"
+        {
+            let mut all = vec![*name, Token::new(Equals, Span::at(less.span.start))];
+            all.extend(&tokens[3..]);
+            return Some(vec![all]);
+        }
+        self.of_maple(tokens)
+    }
+
+    /// The tokens after a setup command such as `with(plots):`, or after a prompt: `In[1]:=`,
+    /// `(%i1)` or `>>>`.
+    fn behind_mark(self, tokens: &[Token]) -> Option<Vec<Token>> {
+        let rest = match tokens {
+            [first, open, ..]
+                if matches!(self.word(*first), "In" | "Out") && open.kind == OpenBracket =>
+            {
+                let (_, rest) = bracketed(&tokens[1..])?;
+                rest.first().filter(|sign| sign.kind == Equals)?;
+                rest[1..].to_vec()
+            }
+            [open, percent, mark, close, ..]
+                if open.kind == OpenParen
+                    && &self.text[percent.span.range()] == "%"
+                    && self.word(*mark).starts_with(['i', 'o'])
+                    && close.kind == CloseParen =>
+            {
+                tokens[4..].to_vec()
+            }
+            [a, b, c, ..] if [a, b, c].iter().all(|sign| sign.kind == Greater) => {
+                tokens[3..].to_vec()
+            }
+            [first, ..] if SETUP_CALLS.contains(&self.word(*first)) => {
+                let (_, rest) = bracketed(&tokens[1..])?;
+                rest.first().filter(|colon| colon.kind == Colon)?;
+                rest[1..].to_vec()
+            }
+            _ => return None,
+        };
+        (!rest.is_empty()).then_some(rest)
+    }
+
+    /// Turns `name = left == right` into `name = (left) - (right)`, which a plot then draws.
+    fn named_equation(self, tokens: &[Token]) -> Option<Vec<Token>> {
+        let [name, equals, sides @ ..] = tokens else { return None };
+        let at = outside(sides, Equals).filter(|at| *at > 0 && at + 1 < sides.len())?;
+        let is_named = name.kind == TokenKind::Name
+            && equals.kind == Equals
+            && &self.text[equals.span.range()] != "=="
+            && &self.text[sides[at].span.range()] == "=="
+            && outside(&sides[at + 1..], Equals).is_none();
+        let mut all = vec![*name, *equals];
+        all.extend(less(&sides[..at], &sides[at + 1..]));
+        is_named.then_some(all)
+    }
+
+    /// Replaces names in `tokens` by values. `None` if the result is too long.
+    fn substituted(
+        tokens: &[Token],
+        rules: &[(Token, Vec<Token>)],
+        text: &str,
+    ) -> Option<Vec<Token>> {
+        let mut all = Vec::new();
+        for token in tokens {
+            let typed = &text[token.span.range()];
+            let rule = rules.iter().find(|(name, _)| &text[name.span.range()] == typed);
+            match rule {
+                Some((_, value)) => all.extend(in_brackets(value)),
+                None => all.push(*token),
+            }
+            if all.len() > MAX_SUBSTITUTED {
+                return None;
+            }
+        }
+        Some(all)
+    }
+
+    /// Splits Mathematica's `formula /. {a -> 2, b -> 3}` into the formula and two definitions. A
+    /// coordinate is replaced in the formula instead, which may then use no other definition.
+    fn with_rules(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
+        let is_sign = |pair: &[Token]| {
+            pair[0].kind == Slash && &self.text[pair[0].span.to(pair[1].span).range()] == "/."
+        };
+        let at = tokens.windows(2).position(is_sign)?;
+        let rules = &tokens[at + 2..];
+        let rules = bracketed(rules).map_or(rules, |(inner, _)| inner);
+        let mut all = vec![tokens[..at].to_vec()];
+        let mut substitutions = Vec::new();
+        for rule in split(rules, Comma) {
+            let [name, minus, arrow, value @ ..] = rule.as_slice() else { return None };
+            if minus.kind != Minus || arrow.kind != Greater || !name.kind.is_name() {
+                return None;
+            }
+            if name.kind.is_axis() {
+                substitutions.push((*name, value.to_vec()));
+                continue;
+            }
+            let mut line = vec![*name, Token::new(Equals, minus.span)];
+            line.extend(value);
+            all.push(line);
+        }
+        let is_known = |token: &Token| {
+            token.kind != TokenKind::Name
+                || built_in(&plain_name(self.word(*token))) != NameMeaning::Unknown
+        };
+        if !substitutions.is_empty() {
+            let is_read = rules.windows(2).all(|pair| !is_sign(pair))
+                && all.len() == 1
+                && all[0].iter().all(is_known);
+            all[0] = Self::substituted(&all[0], &substitutions, self.text).filter(|_| is_read)?;
+        }
+        (at > 0).then_some(all)
+    }
+
+    /// Splits `formula where a = 2, b = 3` into the formula and two definitions.
+    fn with_values(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
+        let is_word = |token: &Token| {
+            token.kind == TokenKind::Name && matches!(self.word(*token), "where" | "with" | "for")
+        };
+        let at = tokens.iter().position(is_word)?;
+        let mut formula = tokens[..at].to_vec();
+        while formula.last().is_some_and(|last| last.kind == Comma) {
+            formula.pop();
+        }
+        let mut all = vec![formula];
+        for part in split(&tokens[at + 1..], Comma) {
+            all.extend(split(&part, And));
+        }
+        let is_value = |part: &Vec<Token>| match part.as_slice() {
+            [name, equals, value, ..] => {
+                name.kind == TokenKind::Name && equals.kind == Equals && value.kind != Equals
+            }
+            _ => false,
+        };
+        let count = |is: fn(TokenKind) -> bool| tokens[..at].iter().filter(|t| is(t.kind)).count();
+        let is_outside = count(|kind| kind.closer().is_some()) == count(TokenKind::is_closer);
+        let (formula, values) = all.split_first()?;
+        let is_read = is_outside && !formula.is_empty() && !values.is_empty();
+        (is_read && values.iter().all(is_value)).then_some(all)
+    }
+
+    /// The formula or parameter on a line of a Surfer file.
+    fn of_surfer(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
+        const PARAMETER: &str = "surface_parameter_";
+        let (first, rest) = tokens.split_first()?;
+        let equals = rest.first().filter(|equals| equals.kind == Equals)?;
+        let word = self.word(*first);
+        if word == "surface_equation" {
+            return Some(vec![rest[1..].to_vec()]);
+        }
+        // Few lines begin like this, so the text is rarely searched.
+        let name = word.strip_prefix(PARAMETER).filter(|name| !name.is_empty())?;
+        if !self.text.contains("surface_equation") {
+            return None;
+        }
+        let end = first.span.end;
+        let mut all = vec![Token::new(TokenKind::Name, Span::new(end - name.len(), end)), *equals];
+        all.extend(&rest[1..]);
+        Some(vec![all])
+    }
+
+    /// Returns whether the text assigns `surface`, which is drawn by Surfer's `draw_surface`.
+    pub(crate) fn sets_surface(self) -> bool {
+        let mut places = self.text.match_indices("surface");
+        places.any(|(at, word)| self.text[at + word.len()..].trim_start().starts_with('='))
+    }
+
+    /// Returns whether a statement consists of a single call.
+    fn is_whole_call(tokens: &[Token]) -> bool {
+        let end = closing(&tokens[1..]);
+        end.is_some_and(|end| {
+            tokens[end + 2..].iter().all(|token| matches!(token.kind, Colon | Unknown | Comma))
+        })
+    }
+
+    /// The equation in `{x^2 + y^2 = 1}`, or the condition in `{(x, y, z) : x > y}`.
+    fn in_braces(self, tokens: &[Token]) -> Option<Vec<Token>> {
+        let end = closing(tokens)?;
+        if tokens[end + 1..].iter().any(|token| !matches!(token.kind, Comma | Unknown)) {
+            return None;
+        }
+        let inner = &tokens[1..end];
+        let has = |sign| outside(inner, sign);
+        if let (Some(within), Some(colon)) = (has(In), has(Colon).or_else(|| has(Bar)))
+            && within < colon
+        {
+            return Some(inner[colon + 1..].to_vec());
+        }
+        // A set such as `{(x, y, z) : …}`. A bar may replace the colon.
+        let point = closing(inner).filter(|_| inner[0].kind == OpenParen);
+        if let Some(end) = point
+            && inner[..=end]
+                .iter()
+                .all(|token| matches!(token.kind, OpenParen | X | Y | Z | Comma | CloseParen))
+            && let Some(sign) = inner.get(end + 1)
+            && matches!(sign.kind, Colon | Bar)
+        {
+            return Some(inner[end + 2..].to_vec()).filter(|condition| !condition.is_empty());
+        }
+        if self.text[tokens[0].span.end..].trim_start().starts_with(r"\displaystyle") {
+            return Some(inner.to_vec());
+        }
+        let is_choice = has(Colon).is_some() || has(QuestionMark).is_some() || has(Comma).is_some();
+        (has(Equals).is_some() && !is_choice).then(|| inner.to_vec())
+    }
+
+    /// The definitions and the body of Mathematica's `With[{a = 2}, body]`.
+    fn with(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
+        let (inner, rest) = bracketed(&tokens[1..])?;
+        let [names, body] = <[_; 2]>::try_from(split(inner, Comma)).ok()?;
+        let (names, more) = bracketed(&names).filter(|_| names[0].kind == OpenBrace)?;
+        if !rest.is_empty() || !more.is_empty() {
+            return None;
+        }
+        let mut all = split(names, Comma);
+        all.retain(|tokens| tokens.len() > 1);
+        // A coordinate is replaced in the body, because it cannot be defined.
+        let is_axis = |tokens: &Vec<Token>| tokens[0].kind.is_axis() && tokens[1].kind == Equals;
+        let (axes, mut all): (Vec<_>, Vec<_>) = all.into_iter().partition(is_axis);
+        let rules: Vec<(Token, Vec<Token>)> =
+            axes.into_iter().map(|tokens| (tokens[0], tokens[2..].to_vec())).collect();
+        let body = Self::substituted(&body, &rules, self.text)?;
+        all.extend(split(&body, Semicolon));
+        Some(all)
+    }
+
+    /// The two statements of Maple's `a := 2: b := 3`, in which a colon ends a statement.
+    fn of_maple(self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
+        let sets = tokens
+            .get(1)
+            .is_some_and(|next| next.kind == Equals && &self.text[next.span.range()] == ":=");
+        let colon = outside(tokens, Colon).filter(|colon| sets && colon + 1 < tokens.len())?;
+        let is_choice = outside(tokens, QuestionMark).is_some();
+        (!is_choice).then(|| vec![tokens[..colon].to_vec(), tokens[colon + 1..].to_vec()])
+    }
+}

@@ -1,0 +1,188 @@
+//! Notes on how a text was read, for cases in which the writer may have meant something else.
+
+use crate::span::Span;
+
+/// Largest number of notes on one document.
+pub const MAX_NOTES: usize = 40;
+
+/// A note on how a place in a text was read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Note {
+    /// The place that the note's caret marks.
+    pub span: Span,
+    /// Kind of the note.
+    pub kind: NoteKind,
+}
+
+/// Kind of a note. Its `Display` is the note's message.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, thiserror::Error)]
+#[allow(missing_docs)] // each message says what its variant means
+pub enum NoteKind {
+    #[error("read as `{read}`; for the other reading, write `{other}`")]
+    ImplicitDivision { read: String, other: String },
+    #[error("read as `{read}`; for the other reading, write `{other}`")]
+    PowerScope { read: String, other: String },
+    #[error("read as `{read}`; for the root, write `{root}`")]
+    DividedPower { read: String, root: String },
+    #[error(
+        "`{name}^-1` is read as the inverse function `{inverse}`; \
+         for the reciprocal, write `1/{name}(…)`"
+    )]
+    InverseFunction { name: String, inverse: String },
+    #[error("`{name}` is read as the product `{product}`")]
+    ProductOfNames { name: String, product: String },
+    #[error("`{name}` is read as `{read}`")]
+    ReadAs { name: String, read: &'static str },
+    #[error("`{name}` is {meaning}")]
+    ConstantUsed { name: &'static str, meaning: &'static str },
+    #[error(
+        "a power with exponent {exponent} is defined only for values >= 0; \
+         `{other}` accepts negative values too"
+    )]
+    OddRoot { exponent: String, other: String },
+    #[error(
+        "`{name}` divides a function that is no distance by the length of its gradient, \
+         so lengths are right to first order"
+    )]
+    DividedByGradient { name: &'static str },
+    #[error("`{name}` is read as a function of the sequence `{read}`")]
+    Sequence { name: String, read: String },
+    #[error("`{radical}` applies only to the factor after it; use brackets to cover more")]
+    RadicalScope { radical: char },
+    #[error("`{name}` is defined again below; the last definition applies everywhere")]
+    Redefined { name: String },
+    #[error("`{name}` is defined and never used{}", did_you_mean(.meant.as_deref()))]
+    Unused { name: String, meant: Option<String> },
+    #[error("`{name}` is set to a value outside its range")]
+    OutsideRange { name: String },
+    #[error("`{name}` says how many terms there are, so it is a constant and no slider")]
+    CountsTerms { name: String },
+    #[error("only definitions here: drawing `{drawn}`")]
+    DrawsFunction { drawn: String },
+    #[error("`{name}` is built in, so this is drawn as an equation and defines nothing")]
+    BuiltInOnTheLeft { name: String },
+    #[error(
+        "the exponent `{exponent}` may be a whole number but is not known to be one, \
+         so the power is defined only for values >= 0; write it in digits to allow negative values"
+    )]
+    NearInteger { exponent: String },
+    #[error("the comma is read as a decimal point: `{read}`")]
+    DecimalComma { read: String },
+    #[error(
+        "the product of two vectors is taken component by component; \
+         for the scalar product, write `dot(p, q)`"
+    )]
+    ProductOfVectors,
+    #[error("it is 0 where no condition holds, as in Mathematica")]
+    ZeroElsewhere,
+    #[error("`X`, `Y` and `Z` are read as the coordinates x, y and z")]
+    CapitalCoordinates,
+    #[error("`sinc(a)` is sin(a)/a, and 1 at 0; for sin(pi*a)/(pi*a), write `sinc(pi*a)`")]
+    Sinc,
+    #[error(
+        "the arc cotangent is pi/2 - atan(a), in (0, pi); for the other one, write `atan(1/a)`"
+    )]
+    ArcCotangent,
+    #[error("numpy's `sinc(a)` is read as `sinc(pi*a)`, that is sin(pi*a)/(pi*a)")]
+    SincOfNumpy,
+    #[error("the angle of a point, as in Mathematica: `{read}`")]
+    ArcTanOfPoint { read: String },
+    #[error("the angles of this text are in degrees, as in OpenSCAD")]
+    DegreesOfOpenscad,
+    #[error(
+        "the angles of this function are in radians, as in R; OpenSCAD has `;` after a function"
+    )]
+    RadiansOfR,
+    #[error("`E` is read as Euler's number e")]
+    CapitalE,
+    #[error("{system}: `{definitions}`; for others, define them")]
+    Coordinates { system: &'static str, definitions: String },
+    #[error(
+        "`{name}` is read as the point of space, `{name} = vec3(x, y, z)`; for another, define it"
+    )]
+    PointOfSpace { name: String },
+    #[error("read as `{name}({read})`; brackets tell where the argument ends")]
+    FunctionOfProduct { name: String, read: String },
+    #[error("`a % b` is read as `mod(a, b)`, which has the sign of b")]
+    Remainder,
+    #[error("`{name}` is read as the time `t`")]
+    TimeOfShaders { name: String },
+    #[error("`log` is the natural logarithm; for the one to base 10, write `log10`")]
+    NaturalLogarithm,
+    #[error("`{name}` is left out: what is drawn is the distance function")]
+    MainLeftOut { name: String },
+    #[error("`{name}` is defined above, so this is drawn: where it has that value")]
+    LevelOf { name: String },
+    #[error(
+        "the ranges of the plot are the domain: `domain {domain}`; such a line below gives another"
+    )]
+    PlotDomain { domain: String },
+    #[error(
+        "only the ranges of the first plot are the domain; these have no effect here: `{domain}`"
+    )]
+    PlotDomainLeftOut { domain: String },
+    #[error(
+        "the ranges of the plot are not read; write them as `domain x in [-2, 2], y in [-1, 1]`"
+    )]
+    PlotWithoutRanges,
+    #[error(
+        "what contains the surface is not read; write it as `domain x in [-2, 2], y in [-1, 1]`"
+    )]
+    ContainerIgnored,
+    #[error("`{typed}` is read as two values; for a decimal number write `{decimal}`")]
+    DoubtfulComma { typed: String, decimal: String },
+    #[error("these parts of the plot have no effect here: {left}")]
+    PlotPartsLeftOut { left: String },
+    #[error("the plot gives no level, so this is drawn where the function is 0")]
+    PlotWithoutLevel,
+    #[error("only the formula and its ranges are read; these have no effect here: {left}")]
+    FileLeftOut { left: String },
+    #[error("`{name}` takes its shape at {axis} = 0, so {axis} has no effect within it")]
+    ShapeAtZero { name: &'static str, axis: char },
+    #[error("an expression list: drawn is the solid `{name} <= 0`, as in fidget")]
+    ExpressionList { name: String },
+    #[error("what only styles the picture, such as `{example}`, is left out")]
+    StyleLeftOut { example: String },
+    #[error("the names of the plot are the coordinates: `{read}`")]
+    PlotNames { read: String },
+    #[error("read as in {system}: `{read}`; for another, define it")]
+    ForeignDefinition { system: &'static str, read: String },
+    #[error("further notes omitted")]
+    More,
+}
+
+impl NoteKind {
+    /// Returns whether the note explains a name. One such note serves for all uses of the name.
+    pub fn explains_a_name(&self) -> bool {
+        matches!(
+            self,
+            Self::ConstantUsed { .. }
+                | Self::ProductOfNames { .. }
+                | Self::ReadAs { .. }
+                | Self::CapitalCoordinates
+                | Self::CapitalE
+                | Self::Sinc
+                | Self::ArcCotangent
+                | Self::ZeroElsewhere
+                | Self::NaturalLogarithm
+                | Self::Remainder
+                | Self::TimeOfShaders { .. }
+                | Self::ProductOfVectors
+                | Self::DegreesOfOpenscad
+                | Self::RadiansOfR
+                | Self::DividedByGradient { .. }
+                | Self::Sequence { .. }
+        )
+    }
+}
+
+fn did_you_mean(meant: Option<&str>) -> String {
+    meant.map_or_else(String::new, |meant| format!("; did you mean `{meant}`?"))
+}
+
+impl Note {
+    /// The note's message, in one line.
+    pub fn message(&self) -> String {
+        self.kind.to_string()
+    }
+}
