@@ -1,5 +1,5 @@
-//! Towers of definitions, in which each storey uses the one before several times. Whatever walks
-//! over a formula takes time in proportion to its operations: a walk along all paths never ends.
+//! Towers of definitions: each storey uses the one before several times. Each pass over formulas
+//! takes time in proportion to their operations. A walk along all paths would never end.
 
 use glam::DVec3;
 use std::fmt::Write as _;

@@ -254,7 +254,9 @@ impl<T: Real> NeedFinder<'_, T> {
     fn pass_on_product(&mut self, index: usize, operands: [SelectedOperand; 2]) {
         for lane in lanes(self.needs.of[index].lanes) {
             if self.thresholds(index, lane) != Interval::ZERO {
-                operands.into_iter().for_each(|operand| self.need_exact(operand, 1 << lane));
+                for operand in operands {
+                    self.need_exact(operand, 1 << lane);
+                }
                 continue;
             }
             let factors = operands.map(|operand| self.known(operand, lane));
