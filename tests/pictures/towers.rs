@@ -56,9 +56,9 @@ const WALKS: &[Pass] = &[
         }
     }),
     ("program and tapes", |_, document, region| {
+        use KernelSource::{Branches, Denominator, Function, Gradient, Numerator};
         let Ok(program) = Program::drawn(document, bounds(region)) else { return };
         _ = program.cleared(0);
-        use KernelSource::{Branches, Denominator, Function, Gradient, Numerator};
         for form in [Function, Numerator, Denominator, Branches, Gradient] {
             _ = program.tape::<f32>(0, form);
             _ = program.tape::<f64>(0, form);
