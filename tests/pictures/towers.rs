@@ -96,7 +96,7 @@ const WITH_CODE: &[Pass] = &[
         let Ok(program) = Program::drawn(document, zeroset_mesh::domain(region)) else { return };
         program.hurry();
         let options = zeroset_mesh::Options {
-            region: region.clone(),
+            region: *region,
             tolerance: 1.0,
             is_solid: program.is_solid(0),
             is_estimated: false,
@@ -177,7 +177,7 @@ fn no_walk_takes_all_paths() {
     for (step, passes) in all {
         for (name, pass) in passes {
             let case = format!("{name}: {step}");
-            let (text, region, clock) = (tower(step), region.clone(), Instant::now());
+            let (text, clock) = (tower(step), Instant::now());
             let (done, ended) = channel();
             // A walk that does not end is left to its thread.
             std::thread::spawn(move || {
