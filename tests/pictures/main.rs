@@ -32,6 +32,7 @@ mod stability_proofs;
 mod stability_solids;
 mod stretched;
 mod strips;
+mod towers;
 mod transparent;
 mod truth;
 mod truth_support;

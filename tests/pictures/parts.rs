@@ -205,6 +205,21 @@ fn unions_of_spheres_are_the_same() {
 }
 
 #[test]
+fn products_of_planes_are_the_same() {
+    let mut rng = Rng::with_seed(0x5eed_c200);
+    let mut number = || f64::from(rng.i32(-100..=100)) / 100.0;
+    let mut plane = || {
+        let [a, b, c, d] = [(); 4].map(|()| number());
+        format!("({a:.2}*x+{b:.2}*y+{c:.2}*z-{d:.2})")
+    };
+    let factors: Vec<String> = (0..60).map(|_| plane()).collect();
+    let text = format!("0 = {}", factors.join("*"));
+    let mut counts = Counts::default();
+    counts.add(&text, &both(&text, TraceOptions::default()).expect("a surface"));
+    assert!(counts.hit > 500 && counts.undecided == [0, 0], "{counts:?}");
+}
+
+#[test]
 fn random_solids_are_the_same() {
     let effort = Effort::from_environment(0x5eed_c100, 8);
     let mut counts = Counts::default();

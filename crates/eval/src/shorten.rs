@@ -107,6 +107,12 @@ impl SelectedStep {
         Self { origin: if is_changed { origin | Self::CHANGED } else { origin }, operands }
     }
 
+    /// The step that negates an operand.
+    fn negation(of: Place) -> Self {
+        let operands = [of.operand(), SelectedOperand::NONE, SelectedOperand::NONE];
+        Self { origin: Self::NEGATION, operands }
+    }
+
     /// Index in the tape; `None` for an added step, which negates its operand.
     #[inline]
     pub fn origin(&self) -> Option<usize> {
@@ -156,9 +162,9 @@ impl Selection {
     /// Selects all steps.
     ///
     /// # Panics
-    /// If an operation has more than three operands, or the tape 2³⁰ steps.
+    /// If an operation has more than three operands, or the tape 2²⁹ steps.
     pub fn all<T: Real>(tape: &Tape<T>) -> Self {
-        assert!(tape.steps().len() < Place::CHANGED as usize, "indices of 30 bits");
+        assert!(tape.steps().len() < Place::NEGATED as usize, "indices of 29 bits");
         let (mut steps, mut place) = (Vec::new(), Vec::with_capacity(tape.steps().len()));
         for (index, step) in tape.steps().iter().enumerate() {
             let mut operands = [SelectedOperand::NONE; 3];
@@ -218,7 +224,9 @@ impl Shortener {
         for step in &selection.steps {
             let [first, second, _] = step.operands;
             match step.origin().map_or(StepRule::Neg, |origin| self.rules.of[origin]) {
-                StepRule::Min | StepRule::Max => [first, second].into_iter().for_each(&mut mark),
+                StepRule::Min | StepRule::Max | StepRule::Product => {
+                    [first, second].into_iter().for_each(&mut mark);
+                }
                 StepRule::Abs | StepRule::Choice => mark(first),
                 StepRule::Blend(number) => {
                     let extremum = self.rules.blends[number as usize].extremum;
@@ -269,44 +277,53 @@ impl Shortener {
         for (index, (step, need)) in from.steps.iter().zip(&needs.of).enumerate() {
             let mut candidates = None;
             for lane in lanes(need.lanes & short) {
-                let place = |operand: SelectedOperand| match operand.position() {
-                    Some(position) => places[position][lane],
-                    None => Place(operand.0),
-                };
                 let chosen = &mut chosen[lane];
                 let mut push = |step: SelectedStep| {
                     let flag = if step.is_changed() { Place::CHANGED } else { 0 };
                     chosen.push(step);
                     Place((chosen.len() as u32 - 1) | flag)
                 };
+                let place = |operand: SelectedOperand| match operand.position() {
+                    Some(position) => places[position][lane],
+                    None => Place(operand.0),
+                };
                 let replaced = need.replaced.iter().position(|lanes| lanes >> lane & 1 == 1);
                 places[index][lane] = if let Some(k) = replaced {
-                    let (candidates, is_negated) =
-                        candidates.get_or_insert_with(|| self.candidates(from, step));
+                    let candidates = candidates.get_or_insert_with(|| self.candidates(from, step));
                     let substitute = place(candidates[k]).changed();
-                    if *is_negated {
-                        let operands =
-                            [substitute.operand(), SelectedOperand::NONE, SelectedOperand::NONE];
-                        push(SelectedStep { origin: SelectedStep::NEGATION, operands })
-                    } else {
-                        substitute
-                    }
+                    let is_negated = need.negated >> lane & 1 == 1;
+                    if is_negated { substitute.negated() } else { substitute }
+                } else if step.origin().is_none() {
+                    // Added again where it is needed.
+                    place(step.operands[0]).negated()
                 } else {
-                    let mut is_changed = step.is_changed();
+                    let (mut is_changed, mut is_negated) = (step.is_changed(), false);
                     let operands = step.operands.map(|operand| {
                         let place = place(operand);
                         is_changed |= place.is_changed();
-                        place.operand()
+                        if !place.is_negated() {
+                            place.operand()
+                        } else if self.is_product(step) {
+                            is_negated = !is_negated;
+                            place.operand()
+                        } else {
+                            push(SelectedStep::negation(place)).operand()
+                        }
                     });
-                    push(SelectedStep::new(step.origin, operands, is_changed))
+                    let place = push(SelectedStep::new(step.origin, operands, is_changed));
+                    if is_negated { place.negated() } else { place }
                 };
             }
         }
         let mut lane = 0;
-        let selections = chosen.map(|steps| {
+        let selections = chosen.map(|mut steps| {
             lane += 1;
             (short >> (lane - 1) & 1 == 1).then(|| {
                 let output = match from.outputs[0].position() {
+                    Some(position) if places[position][lane - 1].is_negated() => {
+                        steps.push(SelectedStep::negation(places[position][lane - 1]));
+                        SelectedOperand(steps.len() as u32 - 1)
+                    }
                     Some(position) => places[position][lane - 1].operand(),
                     None => from.outputs[0],
                 };
@@ -320,29 +337,35 @@ impl Shortener {
         selections
     }
 
-    /// The two operands that may replace a step, and whether their negative does.
-    fn candidates(&self, from: &Selection, step: &SelectedStep) -> ([SelectedOperand; 2], bool) {
+    /// The two operands that may replace a step.
+    fn candidates(&self, from: &Selection, step: &SelectedStep) -> [SelectedOperand; 2] {
         let [first, second, third] = step.operands;
         match step.origin().map(|origin| self.rules.of[origin]) {
-            Some(StepRule::Choice) => ([second, third], false),
+            Some(StepRule::Choice) => [second, third],
             Some(StepRule::Blend(number)) => {
                 let blend = &self.rules.blends[number as usize];
                 let extremum = step.operands[blend.extremum].position().expect("an operation");
                 let [a, b, _] = from.steps[extremum].operands;
-                ([a, b], blend.is_negated)
+                [a, b]
             }
-            _ => ([first, second], false),
+            _ => [first, second],
         }
+    }
+
+    fn is_product(&self, step: &SelectedStep) -> bool {
+        step.origin().is_some_and(|origin| self.rules.of[origin] == StepRule::Product)
     }
 }
 
 /// An operand in a shorter selection, and whether its value may differ from the one that the tape
-/// has in its place.
+/// has in its place. Its negative may be meant: the step that negates it is added only for a user
+/// that needs it.
 #[derive(Clone, Copy)]
 struct Place(u32);
 
 impl Place {
     const CHANGED: u32 = 1 << 30;
+    const NEGATED: u32 = 1 << 29;
 
     fn changed(self) -> Self {
         Self(self.0 | Self::CHANGED)
@@ -352,11 +375,19 @@ impl Place {
         self.0 & Self::CHANGED != 0 && self.0 != SelectedOperand::NONE.0
     }
 
+    fn negated(self) -> Self {
+        Self(self.0 ^ Self::NEGATED).changed()
+    }
+
+    fn is_negated(self) -> bool {
+        self.0 & Self::NEGATED != 0 && self.0 != SelectedOperand::NONE.0
+    }
+
     fn operand(self) -> SelectedOperand {
         if self.0 == SelectedOperand::NONE.0 {
             SelectedOperand::NONE
         } else {
-            SelectedOperand(self.0 & !Self::CHANGED)
+            SelectedOperand(self.0 & !(Self::CHANGED | Self::NEGATED))
         }
     }
 }

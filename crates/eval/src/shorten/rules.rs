@@ -22,6 +22,8 @@ pub enum StepRule {
     Choice,
     /// An operand, changed by a constant.
     Shift(Shift),
+    /// The product of two operands, of which only zeros and sign matter.
+    Product,
     /// A blend of two operands: its number among [`Rules::blends`].
     Blend(u32),
     /// A step inside a blend. The blend passes thresholds on to its operands.
@@ -101,7 +103,35 @@ impl Rules {
                 blends.push(blend);
             }
         }
+        find_products(tape, &mut of);
         Self { of, blends }
+    }
+}
+
+/// Finds the products of which only zeros and sign matter, wherever the tape is evaluated. They
+/// have thresholds of 0.
+fn find_products<T: Real>(tape: &Tape<T>, rules: &mut [StepRule]) {
+    // Steps with a user whose operands may have other thresholds.
+    let mut has_width = vec![false; rules.len()];
+    for (index, step) in tape.steps().iter().enumerate().rev() {
+        let Step::Apply(op, operands) = step else { continue };
+        if *op == Op::Mul && rules[index] == StepRule::Exact && !has_width[index] {
+            rules[index] = StepRule::Product;
+        }
+        let passes_zero = match rules[index] {
+            StepRule::Product
+            | StepRule::Min
+            | StepRule::Max
+            | StepRule::Neg
+            | StepRule::Abs
+            | StepRule::Choice
+            | StepRule::Shift(Shift::Times(_) | Shift::TimesSecond(_) | Shift::Over(_)) => true,
+            StepRule::Exact | StepRule::Shift(_) | StepRule::Blend(_) | StepRule::InBlend => false,
+        };
+        for (place, operand) in operands.iter().enumerate() {
+            let is_condition = rules[index] == StepRule::Choice && place == 0;
+            has_width[*operand] |= !passes_zero || has_width[index] && !is_condition;
+        }
     }
 }
 

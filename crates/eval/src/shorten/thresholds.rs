@@ -29,6 +29,13 @@ struct Known {
     is_defined: bool,
 }
 
+impl Known {
+    /// Whether the operand has a value throughout, which is nowhere 0.
+    fn is_apart(&self) -> bool {
+        self.is_defined && !self.values.contains(0.0)
+    }
+}
+
 /// Lanes in which a step is needed.
 #[derive(Clone, Copy, Default)]
 pub struct StepNeed {
@@ -38,6 +45,8 @@ pub struct StepNeed {
     exact: LaneSet,
     /// Lanes in which an operand replaces the step, for each of the two that may do so.
     pub replaced: [LaneSet; 2],
+    /// Lanes in which the negative of the operand replaces the step.
+    pub negated: LaneSet,
     /// The place of its thresholds for the other lanes, plus 1; 0 if there are no thresholds.
     thresholds: u32,
 }
@@ -195,6 +204,7 @@ impl<T: Real> NeedFinder<'_, T> {
                 }
             }
             StepRule::Choice => self.pass_on_choice(index, operands),
+            StepRule::Product => self.pass_on_product(index, [operands[0], operands[1]]),
             StepRule::Blend(number) => {
                 self.pass_on_blend(index, &shortener.rules.blends[number as usize]);
             }
@@ -241,6 +251,24 @@ impl<T: Real> NeedFinder<'_, T> {
         }
     }
 
+    fn pass_on_product(&mut self, index: usize, operands: [SelectedOperand; 2]) {
+        for lane in lanes(self.needs.of[index].lanes) {
+            if self.thresholds(index, lane) != Interval::ZERO {
+                for operand in operands {
+                    self.need_exact(operand, 1 << lane);
+                }
+                continue;
+            }
+            let factors = operands.map(|operand| self.known(operand, lane));
+            let beyond = [factors[1].is_apart(), factors[0].is_apart()];
+            let other = if beyond[0] { factors[1] } else { factors[0] };
+            if (beyond[0] || beyond[1]) && other.values.hi < 0.0 {
+                self.needs.of[index].negated |= 1 << lane;
+            }
+            self.pass_on_either(index, lane, operands, beyond, [Interval::ZERO; 2]);
+        }
+    }
+
     fn pass_on_blend(&mut self, index: usize, blend: &Blend) {
         let Blend { extremum, is_max, is_negated, width, reach } = *blend;
         let inner = self.choosing.from.steps[index].operands;
@@ -269,6 +297,9 @@ impl<T: Real> NeedFinder<'_, T> {
             };
             let [first, second] = operands.map(|operand| is_beyond(self.known(operand, lane)));
             let beyond = [second, first && !second];
+            if is_negated && (first || second) {
+                self.needs.of[index].negated |= 1 << lane;
+            }
             self.pass_on_either(index, lane, operands, beyond, [thresholds, by(reach)]);
         }
         let StepNeed { lanes: set, replaced: [first, second], .. } = self.needs.of[index];

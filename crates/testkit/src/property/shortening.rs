@@ -110,6 +110,15 @@ pub fn check_shortening<T: Adversarial>(rng: &mut Rng) -> Result<Tally, Failure>
     if at.facts(0).has(Facts::DEFINED) && at.hi[0].abs() < 1e3 {
         text = format!("{text}-({:.6})", at.hi[0]);
     }
+    if rng.u32(0..3) == 0 {
+        // Only zeros and sign of a product matter, unless something is added to it.
+        let (factor, third) = (random_choices(rng, depth / 2), random_choices(rng, 0));
+        text = match rng.u32(0..3) {
+            0 => format!("({text})*{factor}"),
+            1 => format!("{third}*(({text})*{factor})"),
+            _ => format!("min({third},max({factor}*({text}),{third}-1))*-{factor}"),
+        };
+    }
     let Some((single, exact)) = tapes::<T>(&text, simple) else { return Ok(Tally::default()) };
     let shortener = Shortener::new(&single);
     let from = Selection::all(&single);

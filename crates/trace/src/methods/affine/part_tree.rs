@@ -1,9 +1,8 @@
 //! A tree of parts of a picture.
 //!
 //! A part is a range of the screen over a segment of the rays. It keeps its surface and its own
-//! parts, which are created when rays in them are first traced. Bands share the large parts.
-//! Patches share small ones too: they lie along the edges of what is visible, many in the same few
-//! parts.
+//! parts, which are created when rays in them are first traced. All bands share them, and all
+//! patches.
 
 use super::frame::RayFrame;
 use super::tiles::{BandPart, BandState};
@@ -86,13 +85,12 @@ impl PartTree {
         pass.trace_patches(&self.root, &areas, u16::MAX >> (LANES - areas.len()))
     }
 
-    /// Returns whether the parts of a part are for patches only.
-    fn is_low(&self, part: &Part) -> bool {
-        part.area[1][1] <= LOW * self.unit
-    }
-
-    /// Divides a part into sixteen. The list is empty if the surface has too few choices.
+    /// Divides a part into sixteen. The list is empty if the part is low, or if the surface has too
+    /// few choices.
     fn divided<T: Scalar>(&self, part: &Part, rays: &RayGrid, task: Task<'_>) -> Vec<Part> {
+        if part.area[1][1] <= LOW * self.unit {
+            return Vec::new();
+        }
         let frame = &self.frame;
         let [near, far] = part.span;
         let middle = if rays.parallel { 1.0 } else { (frame.start + 0.5 * (near + far)).max(0.0) };
@@ -103,7 +101,7 @@ impl PartTree {
             counts[longest] *= 2;
             sizes[longest] /= 2.0;
         }
-        let margin = self.unit * if self.is_low(part) { PATCH_MARGIN } else { TILE_MARGIN };
+        let margin = TILE_MARGIN * self.unit;
         let range = |axis: usize, k: usize| {
             let [centre, half] = part.area[axis];
             let step = 2.0 * half / counts[axis] as f64;
@@ -171,7 +169,7 @@ impl<T: Scalar> Pass<'_, '_, '_, T> {
             return !self.band.is_wanted();
         }
         let divide = || self.tree.divided::<T>(part, self.rays, self.method.task);
-        let inner = if self.tree.is_low(part) { &[][..] } else { part.parts.get_or_init(divide) };
+        let inner = part.parts.get_or_init(divide);
         if inner.is_empty() {
             let Self { method, state, rays, band, work, .. } = self;
             return parts::trace(method, surface.as_deref(), state, rays, band, &own, work);
@@ -295,14 +293,14 @@ impl<T: Scalar> Pass<'_, '_, '_, T> {
 /// Number of divisions that may bring no simpler surface. The first parts of a picture are large.
 const IN_VAIN: u32 = 1;
 
-/// Parts at most this high have parts for patches only. In units, from the middle.
+/// Parts at most this high are not divided. In units, from the middle. Smaller ones serve so few
+/// tiles and patches that choosing their steps takes longer than it saves, and where every pixel
+/// has an edge they would fill the memory.
 const LOW: f64 = 40.0;
 /// How far the area of a part reaches beyond its share of the screen, in units. It is more than
-/// half the extent of a tile of 16×16 pixels, whose rays are two units apart. So each tile lies in
-/// at least one area.
+/// half the extent of a tile of 16×16 pixels, whose rays are two units apart, or of a patch. So
+/// each of them lies in at least one area.
 const TILE_MARGIN: f64 = 16.0;
-/// As [`TILE_MARGIN`], for patches of 4×4 rays.
-const PATCH_MARGIN: f64 = 4.0;
 
 /// The patches in some rows of a band.
 fn patches(first: usize, end: usize, span: [f64; 2]) -> BandPart {
