@@ -210,6 +210,11 @@ impl Shortener {
         Self { rules: Rules::new(tape) }
     }
 
+    /// Number of products of which only zeros and sign matter.
+    pub fn products(&self) -> usize {
+        self.rules.of.iter().filter(|rule| **rule == StepRule::Product).count()
+    }
+
     /// Finds the steps of a selection whose bounds decide which others can be dropped.
     ///
     /// # Panics
