@@ -55,9 +55,11 @@ impl Real for f32 {
     const LEAST_NORMAL: Self = Self::MIN_POSITIVE;
     const UNIT: f64 = Self::EPSILON as f64;
 
+    #[inline(always)]
     fn nearest(value: f64) -> Self {
         value as Self
     }
+    #[inline(always)]
     fn above(value: f64) -> Self {
         f32_up::from_f64(value)
     }
@@ -79,9 +81,11 @@ impl Real for f64 {
     const LEAST_NORMAL: Self = Self::MIN_POSITIVE;
     const UNIT: f64 = Self::EPSILON;
 
+    #[inline(always)]
     fn nearest(value: f64) -> Self {
         value
     }
+    #[inline(always)]
     fn above(value: f64) -> Self {
         value
     }

@@ -186,8 +186,8 @@ impl Band<'_> {
     }
 
     /// As [`Band::add_hit`], for a square of 4×4 pixels whose first pixel is in this column and
-    /// row, of which none is uneven. If one of the pixels is not unseen or the band keeps brackets,
-    /// writes nothing and returns `false`.
+    /// row. None is marked as uneven. If one of the pixels is not unseen or the band keeps
+    /// brackets, writes nothing and returns `false`.
     #[inline]
     pub fn add_square_of_hits(
         &mut self,

@@ -60,6 +60,8 @@ pub struct RayGrid {
     pub unit: f64,
     /// Whether the picture is orthographic.
     pub(crate) parallel: bool,
+    /// Whether space is stretched for display.
+    is_stretched: bool,
     patches: Option<Arc<[Patch]>>,
 }
 
@@ -119,6 +121,7 @@ impl RayGrid {
             reach,
             eye,
             stretch,
+            is_stretched: stretch != DVec3::ONE,
             basis,
             axes,
             steps,
@@ -263,8 +266,9 @@ impl RayGrid {
     }
 
     /// Returns whether space is stretched for display.
+    #[inline]
     pub fn is_stretched(&self) -> bool {
-        self.stretch != DVec3::ONE
+        self.is_stretched
     }
 
     /// The rays of the same picture in the displayed space. A point on a ray has the same t in both
@@ -272,7 +276,7 @@ impl RayGrid {
     #[must_use]
     pub fn displayed(&self) -> Self {
         let (eye, stretch, axes) = (self.eye * self.stretch, DVec3::ONE, self.basis);
-        Self { eye, stretch, axes, ..self.clone() }
+        Self { eye, stretch, is_stretched: false, axes, ..self.clone() }
     }
 
     /// The direction of view, of length 1.

@@ -246,7 +246,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
     /// Draws the picture of these rays. Only the rows `own` are kept.
     pub fn draw(&self, rays: &RayGrid) -> Result<Picture, ProgramError> {
         let mut times = self.model.times.unwrap_or_default();
-        let appearance = self.is_plain(rays).then(|| self.appearance(rays, true));
+        let appearance = self.is_plain(rays).then(|| self.appearance(rays, &|| true));
         let shader = appearance.as_ref().map(|appearance| Shader::new(rays, appearance));
         let found = self.surfaces(rays, &[], shader.as_ref(), &mut times)?;
         self.finished(rays, found, times)

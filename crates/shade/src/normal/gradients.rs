@@ -3,7 +3,7 @@
 
 use super::{BandNormals, NormalSource, OpenPixel};
 use crate::shade::{ColoredRows, ShadingInput, ViewAndNormals};
-use fearless_simd::{Level, dispatch, f32x16, prelude::*, u32x16};
+use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*, u8x16, u32x16};
 use zeroset_eval::{Gradients, Kernel, LANES, Lanes, Points, Real, SampleGradient};
 use zeroset_interval::Format;
 use zeroset_trace::painted::{PixelWindow, bits};
@@ -13,6 +13,12 @@ use zeroset_trace::{KernelStats, RayDirections, RayGrid, Status};
 /// rounding mode for a kernel waits for all earlier arithmetic. Reading a kernel's output right
 /// away is slow.
 const TOGETHER: usize = 8;
+
+/// Greatest distance of a zero from the painted point, in pixels.
+const REACH: f64 = 4.0;
+/// If normals at the painted point and nearer to the zero differ by no more than this, as 1 less the
+/// cosine of their angle, the normal at the zero is not sought.
+const TURN: f32 = 1e-5;
 
 impl<T: Real> NormalSource<'_, T> {
     /// Sets the normals of some rows where the gradient exists, except on caps, which have normals
@@ -105,18 +111,81 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
                 let (mut units, mut found) = (zero, 0);
                 if open[k] != 0 {
                     (units, found) = self::units(simd, &gradients[k].gradient);
-                    found &= open[k] & !self.uneven(window);
+                    found &= open[k];
+                    let uneven = found & self.uneven(simd, window);
+                    if uneven != 0 {
+                        found &= !uneven;
+                        let at = (&mut points[k], &mut gradients[k]);
+                        let (nearer, steady) =
+                            self.nearer_zeros(simd, window, uneven, &to_eye, units, at);
+                        let is_steady = mask32x16::from_bitmask(simd, steady.into());
+                        for (unit, nearer) in units.iter_mut().zip(nearer) {
+                            *unit = is_steady.select(nearer, *unit);
+                        }
+                        found |= steady;
+                    }
                 }
                 self.finish(simd, window, open[k], (to_eye, units), found);
             }
         }
     }
 
-    /// The lanes of a window whose gradients change near the painted point.
+    /// The lanes of a window whose gradients may change near the painted point.
     #[inline(always)]
-    fn uneven(&self, window: PixelWindow) -> u32 {
-        let uneven = *window.load(self.seen.columns.uneven, &mut [false; LANES]);
-        bits(|lane| uneven[lane])
+    fn uneven<S: Simd>(&self, simd: S, window: PixelWindow) -> u32 {
+        let uneven = window.load(self.seen.columns.uneven, &mut [false; LANES]).map(u8::from);
+        u8x16::simd_from(simd, uneven).simd_eq(1).to_bitmask() as u32
+    }
+
+    /// Takes a step of Newton's method along the rays of hits among the `uneven` lanes, whose
+    /// normals at the painted points are `units`. Returns the normals there, and the lanes in which
+    /// they are hardly others than before: then they are those of the zero. The batches `at` hold
+    /// the painted points and their gradients, and are overwritten.
+    #[inline(always)]
+    fn nearer_zeros<S: Simd>(
+        &mut self,
+        simd: S,
+        window: PixelWindow,
+        uneven: u32,
+        to_eye: &[f32x16<S>; 3],
+        units: [f32x16<S>; 3],
+        (points, samples): (&mut Points<T>, &mut Gradients<T>),
+    ) -> ([f32x16<S>; 3], u32) {
+        if self.rays.is_stretched() {
+            return (units, 0);
+        }
+        let mut spare = ([Status::Miss; LANES], [0.0; LANES]);
+        let status = window.load(self.seen.columns.status, &mut spare.0);
+        let drawn = window.load(self.seen.columns.drawn, &mut spare.1);
+        let mut ways = [[0.0; LANES]; 3];
+        for (way, to_eye) in ways.iter_mut().zip(to_eye) {
+            to_eye.store_slice(way);
+        }
+        let mut reached = 0_u32;
+        for lane in (PixelWindow { wanted: uneven, ..window }).lanes() {
+            if status[lane] != Status::Hit {
+                continue;
+            }
+            let slopes = samples.gradient.each_ref().map(|slopes| slopes[lane].into());
+            let slope: f64 = (0..3).map(|axis| -slopes[axis] * f64::from(ways[axis][lane])).sum();
+            let step = -samples.value[lane].into() / slope;
+            if step.abs() <= REACH * self.rays.footprint(drawn[lane]) {
+                for (coordinates, way) in points.at.iter_mut().zip(&ways) {
+                    let moved = coordinates[lane].into() - step * f64::from(way[lane]);
+                    coordinates[lane] = T::nearest(moved);
+                }
+                reached |= 1 << lane;
+            }
+        }
+        if reached == 0 {
+            return (units, 0);
+        }
+        self.work.gradient.called(reached.count_ones());
+        self.kernel.eval(points, samples);
+        let (nearer, found) = self::units(simd, &samples.gradient);
+        let [x, y, z] = [0, 1, 2].map(|axis| nearer[axis] * units[axis]);
+        let same = (x + y + z).simd_ge(1.0 - TURN).to_bitmask() as u32;
+        (nearer, reached & found & same)
     }
 
     /// Stores the normals of the lanes in `found`. The lanes in `open` need a normal. Paints the

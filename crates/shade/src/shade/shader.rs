@@ -37,7 +37,7 @@ const TINT: LinearRgb = LinearRgb([0.6, 0.0, 0.6]);
 pub struct Shader<'a> {
     rays: &'a RayGrid,
     appearance: &'a Appearance,
-    palette: Vec<SurfaceColors>,
+    palette: Vec<PaletteColors>,
     lamps: CameraLights,
     /// Light of the background behind the surfaces, which they reflect at grazing angles.
     backdrop: f32,
@@ -51,7 +51,7 @@ impl<'a> Shader<'a> {
         Self {
             rays,
             appearance,
-            palette: appearance.palette(),
+            palette: appearance.palette().into_iter().map(PaletteColors::new).collect(),
             lamps: CameraLights::new(rays),
             backdrop: BACKDROP * appearance.background.0.iter().sum::<f32>() / 3.0,
             codes: SrgbTable::get(),
@@ -68,6 +68,18 @@ impl<'a> Shader<'a> {
     pub fn canvas<'b>(&'b self, mut colors: ColorsMut<'b>) -> ColoredRows<'b> {
         colors.fill(self.appearance.background);
         ColoredRows { shader: self, colors, left: Vec::new() }
+    }
+}
+
+/// The colors of a surface, and whether its material is the default one.
+struct PaletteColors {
+    colors: SurfaceColors,
+    is_plain: bool,
+}
+
+impl PaletteColors {
+    fn new(colors: SurfaceColors) -> Self {
+        Self { colors, is_plain: colors.material == <&Material>::default() }
     }
 }
 
@@ -273,12 +285,13 @@ impl Shader<'_> {
             let differ = surface.iter().fold(0, |any, number| any | (number ^ surface[first]));
             let of_surface =
                 if differ == 0 { FULL } else { bits(|lane| surface[lane] == surface[first]) };
-            let colors = &self.palette[usize::from(surface[first]) % self.palette.len()];
+            let entry = usize::from(surface[first]) % self.palette.len();
+            let PaletteColors { colors, is_plain } = &self.palette[entry];
             // The loop mostly runs once. Finding the rare quantities before it would take longer.
             let own = RareQuantities::of(seen, window, marks, self.appearance.haze);
             let none = &RareQuantities::NONE;
             let amounts = match &own {
-                None if colors.material == <&Material>::default() => {
+                None if *is_plain => {
                     self.light::<S, false>(simd, seen, window, faced, colors, none)
                 }
                 own => {

@@ -73,8 +73,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 }
                 None => Painter::new(self.model, buffer, rays, self.advance),
             };
-            let is_seen = buffer.drawn.iter().any(|drawn| drawn.is_finite());
-            let appearance = self.appearance(rays, is_seen);
+            let is_seen = || buffer.drawn.iter().any(|drawn| drawn.is_finite());
+            let appearance = self.appearance(rays, &is_seen);
             let Ground { colors, light, work: cost } = self.ground(rays, buffer, &appearance)?;
             if self.overview.is_none() {
                 ground = light;
@@ -264,9 +264,9 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         (strength > 0.0).then_some(Haze { color, between, strength: strength as f32 })
     }
 
-    /// The light and the colors of surfaces. Unless `is_seen`, no surface is painted, and their
-    /// sides need not be told apart.
-    pub(super) fn appearance(&self, rays: &RayGrid, is_seen: bool) -> Appearance {
+    /// The light and the colors of surfaces. `is_seen` is asked before the sides of a surface are
+    /// told apart, which takes a kernel: whether any surface is painted.
+    pub(super) fn appearance(&self, rays: &RayGrid, is_seen: &dyn Fn() -> bool) -> Appearance {
         let settings = self.settings;
         let plain =
             Appearance::new(self.model.look(settings), self.model.key_light(self.settings, rays));
@@ -278,9 +278,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         // A hidden surface may not have been compiled.
         let turned = |surface: usize| {
             let known = &self.model.turned[surface];
-            is_seen
-                && !self.model.styles[surface].hidden
-                && *known.get_or_init(|| self.is_negative_outside(surface))
+            let find = || is_seen() && *known.get_or_init(|| self.is_negative_outside(surface));
+            !self.model.styles[surface].hidden && known.get().copied().unwrap_or_else(find)
         };
         let surface = |(index, style): (usize, &zeroset_syntax::Surface)| {
             let colors = match &style.color {

@@ -199,11 +199,15 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
     ) {
         let [distance, off] = [distance.as_chunks::<4>().0, off.as_chunks::<4>().0];
         let [column, row] = patch.first;
-        let is_whole = bits == u16::MAX && uneven == 0 && patch.next == [0, 1];
+        let is_whole = bits == u16::MAX && patch.next == [0, 1];
         if is_whole
             && let Some(distance) = distance.first_chunk()
             && self.band.add_square_of_hits(column, row, distance)
         {
+            for bit in ones(uneven) {
+                let [column, row] = patch.pixel(bit);
+                self.band.mark_uneven(column, row);
+            }
             return;
         }
         for bit in ones(bits) {
