@@ -171,6 +171,7 @@ fn a_view_does_not_jump_while_a_value_moves() {
         if Some(&far(&seen)) != way.last() {
             way.push(far(&seen));
         }
+        // Shorter than a picture takes, so that no step of the way is missed.
         std::thread::sleep(std::time::Duration::from_millis(1));
     }
     let last = settled(&live);

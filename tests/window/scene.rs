@@ -1,10 +1,15 @@
 //! A window with a picture, and functions that operate it.
 
 use crate::display::Display;
-use crate::terminal_support::{Terminal, until};
+use crate::terminal_support::{Pulse, Terminal, until};
 use image::RgbImage;
+use std::time::Duration;
 
 pub const CUBE: &[&str] = &["max(abs(x),abs(y),abs(z)) = 1", "--size", "400x320"];
+
+/// Waits of the main thread in which the window has surely polled and drawn. It waits for the
+/// server's answers a few times in each of its turns, and then until the next.
+const WAITS: u64 = 32;
 
 /// A window that shows a cube, with its terminal and display.
 pub struct Scene {
@@ -36,18 +41,45 @@ impl Scene {
         image::imageops::crop_imm(&picture, 0, 24, width, height - 90).to_image()
     }
 
-    /// Waits until the picture stops changing, and returns it.
+    /// Waits until the window has polled mouse and keys several times, and has drawn what that
+    /// changed.
+    pub fn turn(&self) {
+        let Some(start) = self.terminal.pulse() else {
+            // Nothing else tells it on this system.
+            return std::thread::sleep(Duration::from_millis(100));
+        };
+        until("the window polls", || {
+            self.terminal.pulse().is_some_and(|now| now.main >= start.main + WAITS)
+        });
+    }
+
+    /// Waits until no thread works and the picture stops changing, and returns it.
     pub fn rest(&self) -> RgbImage {
-        let mut last = self.middle();
-        let mut same = 0;
+        self.stands(|now, last| now == last && !now.is_some_and(|pulse| pulse.is_busy))
+    }
+
+    /// Waits until the picture stops changing while threads may work, and returns it.
+    pub fn still(&self) -> RgbImage {
+        self.stands(|_, _| true)
+    }
+
+    fn stands(&self, is_over: impl Fn(Option<Pulse>, Option<Pulse>) -> bool) -> RgbImage {
+        let others = || self.terminal.pulse().map(|pulse| Pulse { main: 0, reporter: 0, ..pulse });
+        let (mut last, mut worked) = (self.middle(), others());
         until("the picture comes to rest", || {
-            std::thread::sleep(std::time::Duration::from_millis(100));
-            let now = self.middle();
-            same = if now == last { same + 1 } else { 0 };
-            last = now;
-            same >= 3
+            self.turn();
+            let (now, works) = (self.middle(), others());
+            let is_same = now == last && is_over(works, worked);
+            (last, worked) = (now, works);
+            is_same
         });
         last
+    }
+
+    /// Returns whether the border says that the text has a fault.
+    pub fn is_faulty(&self) -> bool {
+        let [r, _, b] = self.picture().get_pixel(0, 100).0;
+        r > 180 && b < 80
     }
 
     pub fn point(&self, x: i32, y: i32) {
@@ -72,12 +104,21 @@ impl Scene {
         self.point(from.0, from.1);
         self.display.tool(&["mousedown", button]);
         for step in 1..=5 {
-            std::thread::sleep(std::time::Duration::from_millis(40));
+            self.turn();
             let at = |a: i32, b: i32| a + (b - a) * step / 5;
             self.point(at(from.0, to.0), at(from.1, to.1));
         }
-        std::thread::sleep(std::time::Duration::from_millis(60));
+        self.turn();
         self.display.tool(&["mouseup", button]);
+        self.turn();
+    }
+
+    /// Presses and releases a button where the pointer is, as slowly as a finger does.
+    pub fn press(&self, button: &str) {
+        self.display.tool(&["mousedown", button]);
+        self.turn();
+        self.display.tool(&["mouseup", button]);
+        self.turn();
     }
 }
 
