@@ -1,6 +1,6 @@
 //! Tests of typing, errors, commands and the view of the live picture.
 
-use crate::live_support::{LIMIT, settled, start};
+use super::live_support::{LIMIT, settled, start};
 use std::sync::Arc;
 use std::time::Instant;
 use zeroset_live::{DocumentSource, Live, Rendering, Reply, Request};

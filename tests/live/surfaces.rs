@@ -1,7 +1,7 @@
 //! Surfaces are hidden, made translucent, moved and deleted. These edits of the text compile no
 //! kernel. A line of a document may also hide a surface.
 
-use crate::live_support::{settled, start};
+use super::live_support::{settled, start};
 use zeroset_live::{Axes, Live, Rendering};
 use zeroset_render::model::{Model, render};
 use zeroset_scene::view::{self, CameraChoice, DomainChoice};

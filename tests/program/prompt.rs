@@ -349,8 +349,9 @@ fn terminals_that_take_pixels_get_them() {
     assert!(!has_letters(&shown), "letters too");
 }
 
-#[cfg(feature = "sixel")]
+/// Run it by `cargo test --features sixel --test program -- --ignored sixels`.
 #[test]
+#[ignore = "needs a program with the feature `sixel`"]
 fn terminals_that_answer_so_get_sixels_that_are_the_picture() {
     let mut terminal = Terminal::answering("\u{1b}[?62;4;22c", &["--preview", "x^2+y^2+z^2 = 1"]);
     terminal.shows("undecided");

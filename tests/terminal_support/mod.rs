@@ -1,6 +1,5 @@
 //! Runs the program in a pseudo-terminal, for several test binaries.
 
-#[cfg(feature = "sixel")]
 pub mod sixel;
 
 use crate::surroundings::zeroset;
@@ -202,7 +201,6 @@ impl Terminal {
     }
 
     /// All output of the terminal, as the raw bytes.
-    #[cfg(feature = "sixel")]
     pub fn bytes(&self) -> Vec<u8> {
         self.log.lock().expect("whole").shown.clone()
     }
