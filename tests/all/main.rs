@@ -7,3 +7,5 @@ mod library;
 mod live;
 #[path = "../pictures/mod.rs"]
 mod pictures;
+#[path = "../surroundings/mod.rs"]
+mod surroundings;

@@ -2,9 +2,9 @@
 //! of others does not count.
 
 mod drags;
-mod edits;
 #[path = "../edit_support/mod.rs"]
 mod edit_support;
+mod edits;
 #[cfg(target_os = "linux")]
 mod kernels;
 

@@ -179,7 +179,7 @@ fn a_program_that_is_to_ignore_it_goes_on() {
     while started.is_running() && begun.elapsed() < LIMIT {
         started.interrupt();
         interrupts += 1;
-        // How often it is interrupted does not matter.
+        // The number of interrupts does not matter.
         sleep(Duration::from_millis(20));
     }
     let (code, messages) = started.end();

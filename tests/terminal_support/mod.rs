@@ -32,8 +32,8 @@ fn field<'a>(status: &'a str, name: &str) -> Option<&'a str> {
     status.lines().find_map(|line| line.strip_prefix(name)).map(str::trim)
 }
 
-/// How often the program's threads have waited. A thread that works is running, or has to wait at
-/// its end.
+/// Counts of the times that the program's threads have waited. A thread that works is running, or
+/// waits when its work is done.
 #[derive(Clone, Copy, Default, PartialEq)]
 pub struct Pulse {
     /// Waits of the main thread, which polls all the time if it has a window.
@@ -245,14 +245,16 @@ impl Terminal {
         })
     }
 
-    /// How far the program's threads have come. `None` on systems other than Linux.
+    /// Counts how often the program's threads have waited so far. `None` on systems other than Linux.
     pub fn pulse(&self) -> Option<Pulse> {
         let main = self.child.id().to_string();
         let threads = std::fs::read_dir(format!("/proc/{main}/task")).ok()?;
         let mut pulse = Pulse::default();
         for thread in threads.filter_map(Result::ok) {
             // A thread may end before its file is read.
-            let Ok(status) = std::fs::read_to_string(thread.path().join("status")) else { continue };
+            let Ok(status) = std::fs::read_to_string(thread.path().join("status")) else {
+                continue;
+            };
             let number = |what: &str| field(&status, what)?.parse::<u64>().ok();
             let waits = number("voluntary_ctxt_switches:").unwrap_or_default();
             if thread.file_name().to_str() == Some(&main) {

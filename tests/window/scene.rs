@@ -7,9 +7,9 @@ use std::time::Duration;
 
 pub const CUBE: &[&str] = &["max(abs(x),abs(y),abs(z)) = 1", "--size", "400x320"];
 
-/// Waits of the main thread in which the window has surely polled and drawn. It waits for the
-/// server's answers a few times in each of its turns, and then until the next.
-const WAITS: u64 = 32;
+/// Waits of the main thread in which the window polls several times and draws at least once, whether
+/// or not it is idle: in each of its turns it waits for the server two or three times.
+const WAITS: u64 = 16;
 
 /// A window that shows a cube, with its terminal and display.
 pub struct Scene {
@@ -19,14 +19,21 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// A window whose picture rests.
     pub fn start(arguments: &[&str]) -> Self {
+        let scene = Self::start_working(arguments);
+        scene.rest();
+        scene
+    }
+
+    /// A window that shows a picture, and may work on a finer one.
+    pub fn start_working(arguments: &[&str]) -> Self {
         let display = Display::start();
         let terminal = Terminal::start(arguments, Some(&display.name));
         let window = display.window();
         let scene = Self { terminal, display, window };
         scene.point(200, 160);
         until("the picture is there", || painted(&scene.picture()).is_some());
-        scene.rest();
         scene
     }
 
@@ -90,10 +97,21 @@ impl Scene {
     /// Calls `act`, and waits until the picture has changed and rests again. Returns the picture.
     pub fn changes(&self, what: &str, act: impl FnOnce()) -> RgbImage {
         let before = self.rest();
-        act();
-        until(&format!("{what} changes the picture"), || self.middle() != before);
-        self.display.keep(&self.window, what);
+        self.differs(what, &before, act);
         self.rest()
+    }
+
+    /// Like [`Scene::changes`], while threads work.
+    pub fn changes_meanwhile(&self, what: &str, act: impl FnOnce()) -> RgbImage {
+        let before = self.still();
+        self.differs(what, &before, act);
+        self.still()
+    }
+
+    fn differs(&self, what: &str, before: &RgbImage, act: impl FnOnce()) {
+        act();
+        until(&format!("{what} changes the picture"), || self.middle() != *before);
+        self.display.keep(&self.window, what);
     }
 
     pub fn key(&self, key: &str) {

@@ -135,7 +135,9 @@ pub fn a_click_and_a_saved_picture_can_be_repeated_from_the_terminal() {
 pub fn a_key_and_enter_save_a_mesh() {
     let mut scene = Scene::start(CUBE);
     scene.rest();
-    scene.display.tool(&["key", "--delay", "300", "ctrl+e", "Return"]);
+    scene.key("ctrl+e");
+    scene.turn();
+    scene.key("Return");
     let file = scene.terminal.place().join("zeroset-1.stl");
     let triangles = || {
         let bytes = std::fs::read(&file).unwrap_or_default();
@@ -152,10 +154,10 @@ pub fn saving_a_slow_picture_does_not_hold_the_window() {
     let terms = (1..80).map(|k| format!("sin({k}*x+y)*cos({k}*y-z)"));
     let formula = format!("{} = 5", terms.collect::<Vec<_>>().join("+"));
     let fine = ["--size", "900x700", "--precision", "f64", "--max-depth", "20", "--domain", "1"];
-    let mut scene = Scene::start(&[&[formula.as_str()][..], &fine[..]].concat());
+    let mut scene = Scene::start_working(&[&[formula.as_str()][..], &fine[..]].concat());
     scene.key("ctrl+p");
-    scene.changes("help", || scene.key("F1"));
-    scene.changes("no help", || scene.key("Escape"));
+    scene.changes_meanwhile("help", || scene.key("F1"));
+    scene.changes_meanwhile("no help", || scene.key("Escape"));
     assert!(!scene.terminal.place().join("zeroset-1.png").exists(), "that was no slow picture");
     // Ctrl-C in the terminal gives up the picture, and not the program.
     scene.terminal.type_in("\u{3}");
