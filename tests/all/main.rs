@@ -1,5 +1,5 @@
-//! Tests that call the library: its public interface, live pictures, and pictures of all kinds. They
-//! are one program, since linking it takes longer than most of them.
+//! Tests that call the library: its public interface, live pictures, and pictures of all kinds.
+//! They are one program, since linking it takes longer than most of them.
 
 #[path = "../library/mod.rs"]
 mod library;
