@@ -2,7 +2,7 @@
 //!
 //! `cargo test` builds these programs unless it is told which targets to test.
 
-use crate::errors::Sandbox;
+use super::errors::Sandbox;
 use std::path::PathBuf;
 use std::process::Command;
 

@@ -1,6 +1,6 @@
 //! Library pictures equal those of the command line, whatever was rendered before.
 
-use crate::errors::{Sandbox, run};
+use super::errors::{Sandbox, run};
 use std::fs::File;
 use std::io::BufReader;
 use std::time::Duration;

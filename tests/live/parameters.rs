@@ -1,6 +1,6 @@
 //! Sliders and time change the picture without compiling. A fresh compilation gives the same one.
 
-use crate::live_support::{LIMIT, settled, start};
+use super::live_support::{LIMIT, settled, start};
 use std::time::Duration;
 use zeroset_live::{DocumentSource, Rendering};
 use zeroset_render::model::render;

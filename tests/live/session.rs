@@ -1,6 +1,6 @@
 //! Tests of typing, errors, commands and the view of the live picture.
 
-use crate::live_support::{LIMIT, settled, start};
+use super::live_support::{LIMIT, settled, start};
 use std::sync::Arc;
 use std::time::Instant;
 use zeroset_live::{DocumentSource, Live, Rendering, Reply, Request};
@@ -109,9 +109,7 @@ fn a_mistake_keeps_the_last_good_picture_and_says_what_is_wrong() {
 fn while_a_line_is_wrong_the_picture_before_is_finished_and_turned() {
     // This surface is so slow that the full picture is not finished at once.
     let live = start("(x^2+y^2+z^2-1)^2", 200);
-    while live.snapshot().rendering.is_none() {
-        std::thread::sleep(std::time::Duration::from_millis(1));
-    }
+    assert!(live.wait_for_news(LIMIT, 0), "there is no picture");
     live.type_line("x^2:y");
     assert!(live.wait(LIMIT));
     let seen = live.snapshot();

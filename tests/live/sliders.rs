@@ -1,6 +1,6 @@
 //! Dragging a value, or running time, changes only the text and compiles nothing.
 
-use crate::live_support::{LIMIT, settled, start};
+use super::live_support::{LIMIT, settled, start};
 use zeroset_live::{DocumentSource, Live, Rendering, Request, Slider};
 use zeroset_render::picture::Settings;
 

@@ -1,7 +1,7 @@
 //! Surfaces are hidden, made translucent, moved and deleted. These edits of the text compile no
 //! kernel. A line of a document may also hide a surface.
 
-use crate::live_support::{settled, start};
+use super::live_support::{settled, start};
 use zeroset_live::{Axes, Live, Rendering};
 use zeroset_render::model::{Model, render};
 use zeroset_scene::view::{self, CameraChoice, DomainChoice};
@@ -171,6 +171,7 @@ fn a_view_does_not_jump_while_a_value_moves() {
         if Some(&far(&seen)) != way.last() {
             way.push(far(&seen));
         }
+        // Shorter than a picture takes, so that no step of the way is missed.
         std::thread::sleep(std::time::Duration::from_millis(1));
     }
     let last = settled(&live);

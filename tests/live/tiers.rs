@@ -1,7 +1,7 @@
 //! The first picture of a formula is drawn by kernels that were compiled in a hurry. They are then
 //! compiled again. Pictures do not tell which kernels drew them.
 
-use crate::live_support::{LIMIT, settled, start};
+use super::live_support::{LIMIT, settled, start};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;

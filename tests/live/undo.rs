@@ -1,7 +1,7 @@
 //! Undo and redo of every edit, removal of surfaces and of the document, and the cut that removes
 //! the front of the scene.
 
-use crate::live_support::{LIMIT, settled, start};
+use super::live_support::{LIMIT, settled, start};
 use glam::DVec3;
 use zeroset_live::{DocumentSource, Live, Reply};
 use zeroset_scene::view::ClipChoice;

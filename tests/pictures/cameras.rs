@@ -1,9 +1,9 @@
 //! Claims of gallery pictures are compared with the certified tracer. Random cameras are far,
 //! close, grazing and inside.
 //!
-//! The full run: `ZEROSET_CASES=200 cargo test --release --test pictures cameras -- --nocapture`.
+//! The full run: `ZEROSET_CASES=200 cargo test --release --test all cameras -- --nocapture`.
 
-use crate::property_support::{claims, picture};
+use super::property_support::{claims, picture};
 use std::collections::BTreeMap;
 use std::fmt::{Display, Formatter};
 use zeroset_scene::gallery::examples;

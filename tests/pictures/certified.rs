@@ -1,9 +1,9 @@
 //! Comparison of the certified tracer with the exact first roots of the gallery and of difficult
 //! formulas. The exact roots were found by different methods, without this project's kernels.
 //!
-//! All rays: `ZEROSET_STRIDE=1 cargo test --release --test pictures certified -- --nocapture`.
+//! All rays: `ZEROSET_STRIDE=1 cargo test --release --test all certified -- --nocapture`.
 
-use crate::truth_support::{Pixel, SIDE, Truth, View, path, read};
+use super::truth_support::{Pixel, SIDE, Truth, View, path, read};
 use rayon::prelude::*;
 use serde::Deserialize;
 use std::collections::BTreeMap;

@@ -1,7 +1,7 @@
 //! The automatic domain against the one that a mathematician would choose, for a hundred typed
 //! equations.
 //!
-//! All rows with their results: `cargo test --release --test pictures domains -- --nocapture`.
+//! All rows with their results: `cargo test --release --test all domains -- --nocapture`.
 
 use fastrand::Rng;
 use std::fmt::Write as _;

@@ -1,7 +1,7 @@
 //! Formulas in which an operation jumps where the whole function does not: remainders, rounding and
 //! angles that fold space.
 //!
-//! A long run: `ZEROSET_CASES=200 cargo test --test pictures fold -- --nocapture`.
+//! A long run: `ZEROSET_CASES=200 cargo test --test all fold -- --nocapture`.
 
 use glam::DVec3;
 use zeroset_render::model::Model;

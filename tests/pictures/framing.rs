@@ -1,9 +1,9 @@
 //! With the automatic camera, the visible part fills most of the picture. This is checked for the
 //! gallery and the hundred typed equations.
 //!
-//! All rows: `cargo test --release --test pictures framing -- --nocapture`.
+//! All rows: `cargo test --release --test all framing -- --nocapture`.
 
-use crate::domains::rows;
+use super::domains::rows;
 use std::fmt::Write as _;
 use std::time::Instant;
 use zeroset_render::framing;

@@ -1,6 +1,6 @@
 //! Pictures of large formulas by the steps that matter in each part equal pictures by all steps.
 //!
-//! A long run: `ZEROSET_CASES=200 cargo test --test pictures random_solids -- --nocapture`.
+//! A long run: `ZEROSET_CASES=200 cargo test --test all random_solids -- --nocapture`.
 
 use glam::DVec3;
 use std::fmt::Write as _;

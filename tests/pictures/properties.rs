@@ -1,10 +1,10 @@
 //! The properties of whole pictures that fuzz targets attack, checked on random bytes and on the
 //! fuzzers' seeds.
 //!
-//! A long run of one property: `ZEROSET_CASES=100000 cargo test --release --test pictures
+//! A long run of one property: `ZEROSET_CASES=100000 cargo test --release --test all
 //! properties::pictures`.
 
-use crate::property_support::{draw, interpreted_zero_kernel, zero_kernel};
+use super::property_support::{draw, interpreted_zero_kernel, zero_kernel};
 use std::path::{Path, PathBuf};
 use zeroset_testkit::property::{render, seam_pictures, seam_zeros, zeros};
 use zeroset_testkit::{Effort, attack};

@@ -2,10 +2,10 @@
 //! finds. The surfaces hide, meet and touch one another, coincide or nearly do, and some are
 //! solids.
 //!
-//! A long run: `ZEROSET_CASES=2000 cargo test --release --test pictures several -- --nocapture`.
+//! A long run: `ZEROSET_CASES=2000 cargo test --release --test all several -- --nocapture`.
 
-use crate::cameras::{Survey, scene};
-use crate::property_support::picture_with;
+use super::cameras::{Survey, scene};
+use super::property_support::picture_with;
 use zeroset_testkit::property::{Formula, Scene};
 use zeroset_testkit::{Adversarial, Effort, Rng};
 use zeroset_trace::{GBuffer, METHODS};

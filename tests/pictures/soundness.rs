@@ -2,7 +2,7 @@
 //! enclosures must hold the oracle's values of the graph. Parameters become sliders of the
 //! document.
 //!
-//! A long run: `ZEROSET_CASES=100000000 cargo test --release --test pictures soundness`.
+//! A long run: `ZEROSET_CASES=100000000 cargo test --release --test all soundness`.
 
 use zeroset_eval::{Boxes, Enclose, Enclosures, Kernel};
 use zeroset_ops::{Notation, TABLE};

@@ -1,7 +1,7 @@
 //! Formulas on which methods for implicit surfaces are known to fail. Claims about these formulas
 //! must be true. Points painted without a root are counted.
 
-use crate::truth_support::{Pixel, SIDE, Truth, compare, path, read, rounding};
+use super::truth_support::{Pixel, SIDE, Truth, compare, path, read, rounding};
 use glam::DVec3;
 use serde::Deserialize;
 use std::fmt::Write;
@@ -185,7 +185,7 @@ fn no_claim_is_false_and_the_table_is_as_before() {
 
 const HEAD: &str = "\
 Formulas on which other methods fail, 64x64 rays, depth 12, compared with exact first roots.
-The test `stability` compares this table; ZEROSET_BLESS=1 cargo test --test pictures stability:: writes it.
+The test `stability` compares this table; ZEROSET_BLESS=1 cargo test --test all stability:: writes it.
 
   open   rays that the reference could not decide; they count in no other column
   roots  rays with a root

@@ -1,9 +1,9 @@
 //! The default method on the formulas of `stability`: no proof is false, and no more pixels are
 //! undecided than wanted.
 
-use crate::property_support::claims;
-use crate::stability::{Case, cases, check_zero_throughout, document, picture_with, region};
-use crate::truth_support::{Pixel, SIDE, read};
+use super::property_support::claims;
+use super::stability::{Case, cases, check_zero_throughout, document, picture_with, region};
+use super::truth_support::{Pixel, SIDE, read};
 use zeroset_render::model::render;
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::view::{self, CameraChoice};

@@ -16,9 +16,8 @@ use zeroset_scene::curves;
 use zeroset_scene::kernels::Evaluator;
 use zeroset_scene::program::{KernelSource, Program};
 use zeroset_scene::view::{DomainChoice, bounds, region};
-use zeroset_space::Region;
+use zeroset_space::{Camera, Projection, Region};
 use zeroset_syntax::{Document, Format, Options, emit, read};
-use zeroset_trace::{Camera, Projection};
 
 /// Number of storeys. A tower has at least 2⁶⁰ paths, and fewer than a thousand operations.
 const STOREYS: usize = 60;

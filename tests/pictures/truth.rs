@@ -1,8 +1,8 @@
 //! Pictures of the whole gallery against exact first roots: no claim is false, and the errors of
 //! painted points are bounded.
 
-use crate::truth_support::table::{Row, Table};
-use crate::truth_support::{Pixel, SIDE, Truth, compare, read, rounding};
+use super::truth_support::table::{Row, Table};
+use super::truth_support::{Pixel, SIDE, Truth, compare, read, rounding};
 use glam::DVec3;
 use std::fmt;
 use zeroset_render::model::render;

@@ -1,7 +1,7 @@
 //! The automatic domain against the windows that a mathematician would choose for solids, graphs
 //! and periodic surfaces.
 //!
-//! All texts with their results: `cargo test --release --test pictures windows -- --nocapture`.
+//! All texts with their results: `cargo test --release --test all windows -- --nocapture`.
 
 use super::domains::holds;
 use std::fmt::Write as _;

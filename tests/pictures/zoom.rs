@@ -1,6 +1,6 @@
 //! Close views of parts that are far smaller than their distance from the origin.
 
-use crate::property_support::{claims, picture as picture_of};
+use super::property_support::{claims, picture as picture_of};
 use glam::DVec3;
 use std::cell::Cell;
 use zeroset_render::model::{Model, render};

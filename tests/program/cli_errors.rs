@@ -369,9 +369,18 @@ fn an_interrupted_run_leaves_nothing() {
         .stderr(std::process::Stdio::null())
         .spawn()
         .expect("runs");
-    std::thread::sleep(std::time::Duration::from_millis(300));
+    // Both files are there without names, or under other names, until they are whole.
+    let place_of_files = place.path(".").canonicalize().expect("there");
+    let opened = || {
+        let files = std::fs::read_dir(format!("/proc/{}/fd", child.id())).ok()?;
+        let paths = files.filter_map(|file| std::fs::read_link(file.ok()?.path()).ok());
+        Some(paths.filter(|path| path.starts_with(&place_of_files)).count())
+    };
+    crate::terminal_support::until("both files are open", || {
+        opened().is_none_or(|count| count >= 2)
+    });
     let early = child.try_wait().expect("known").is_none();
-    assert!(early, "the run was meant to take longer than the wait before it is ended");
+    assert!(early, "the run was meant to take longer than opening its files");
     child.kill().expect("ends");
     child.wait().expect("ended");
     assert!(place.files().is_empty(), "{:?}", place.files());

@@ -66,6 +66,7 @@ fn interrupted_when(arguments: &[&str], is_hit: impl Fn(&str) -> bool) -> (Sandb
         let place = Sandbox::new();
         place.write("bulb.zset", BULB);
         let started = Started::new(&place, arguments);
+        // The program does not tell in which stage it is, so a time is searched for that hits it.
         sleep(wait);
         started.interrupt();
         let (code, messages) = started.end();
@@ -116,7 +117,7 @@ fn the_second_kills() {
     let mut reader = File::open(&pipe).expect("opened");
     reader.read_exact(&mut begun).expect("a picture");
     started.interrupt();
-    // Longer than an answer takes.
+    // Nothing tells that there is no answer, so time must pass: more than an answer takes.
     sleep(Duration::from_millis(1500));
     assert!(started.is_running());
     started.interrupt();
@@ -178,6 +179,7 @@ fn a_program_that_is_to_ignore_it_goes_on() {
     while started.is_running() && begun.elapsed() < LIMIT {
         started.interrupt();
         interrupts += 1;
+        // The number of interrupts does not matter.
         sleep(Duration::from_millis(20));
     }
     let (code, messages) = started.end();

@@ -100,7 +100,6 @@ fn the_prompt_survives_thousands_of_edits_and_saves() {
     let file = terminal.shown().len();
     until("the small picture is there again", || {
         terminal.type_in(":status\r");
-        std::thread::sleep(std::time::Duration::from_millis(200));
         terminal.shown()[file..].contains("pixels      90x52")
     });
     // The memory of the large picture is released as small ones follow.
@@ -109,7 +108,6 @@ fn the_prompt_survives_thousands_of_edits_and_saves() {
         let before = terminal.shown().len();
         until("it is drawn", || {
             terminal.type_in(":status\r");
-            std::thread::sleep(std::time::Duration::from_millis(100));
             terminal.shown()[before..].contains(&format!("surface     {line}"))
         });
     }

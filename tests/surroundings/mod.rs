@@ -36,7 +36,10 @@ const READ: [&str; 21] = [
 pub fn zeroset(by: &[&str], data: &Path) -> Command {
     // Without unsafe code, only the program `env` can undo that a signal is ignored.
     let env: &[&str] = if cfg!(target_os = "linux") { &["env", "--default-signal"] } else { &[] };
-    let words = [env, by, &[env!("CARGO_BIN_EXE_zeroset")]].concat();
+    // A program with other features may take the place of the usual one.
+    let program = std::env::var("ZEROSET_PROGRAM");
+    let program = program.as_deref().unwrap_or(env!("CARGO_BIN_EXE_zeroset"));
+    let words = [env, by, &[program]].concat();
     let mut command = Command::new(words[0]);
     command.args(&words[1..]);
     for name in READ {

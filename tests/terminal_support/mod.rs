@@ -1,6 +1,5 @@
 //! Runs the program in a pseudo-terminal, for several test binaries.
 
-#[cfg(feature = "sixel")]
 pub mod sixel;
 
 use crate::surroundings::zeroset;
@@ -17,13 +16,34 @@ use tempfile::TempDir;
 /// Time limit far above every duration here, even on a slow and busy machine.
 pub const LIMIT: Duration = Duration::from_mins(1);
 
-/// Polls until `holds` returns true.
+/// Polls until `holds` returns true, at first often.
 pub fn until(what: &str, mut holds: impl FnMut() -> bool) {
     let end = Instant::now() + LIMIT;
+    let mut pause = Duration::from_millis(1);
     while !holds() {
         assert!(Instant::now() < end, "waited in vain until {what}");
-        std::thread::sleep(Duration::from_millis(30));
+        std::thread::sleep(pause);
+        pause = (pause * 2).min(Duration::from_millis(30));
     }
+}
+
+/// The value of a field in a file of `/proc`.
+fn field<'a>(status: &'a str, name: &str) -> Option<&'a str> {
+    status.lines().find_map(|line| line.strip_prefix(name)).map(str::trim)
+}
+
+/// Counts of the times that the program's threads have waited. A thread that works is running, or
+/// waits when its work is done.
+#[derive(Clone, Copy, Default, PartialEq)]
+pub struct Pulse {
+    /// Waits of the main thread, which polls all the time if it has a window.
+    pub main: u64,
+    /// Waits of the thread that looks for faults to report, which polls, too.
+    pub reporter: u64,
+    /// Waits of all other threads.
+    pub others: u64,
+    /// Whether another thread than the main one runs, or would if there were a processor for it.
+    pub is_busy: bool,
 }
 
 /// The output of a terminal.
@@ -181,7 +201,6 @@ impl Terminal {
     }
 
     /// All output of the terminal, as the raw bytes.
-    #[cfg(feature = "sixel")]
     pub fn bytes(&self) -> Vec<u8> {
         self.log.lock().expect("whole").shown.clone()
     }
@@ -221,9 +240,33 @@ impl Terminal {
         cfg!(target_os = "linux").then(|| {
             let path = format!("/proc/{}/status", self.child.id());
             let status = std::fs::read_to_string(path).expect("readable");
-            let line = status.lines().find_map(|line| line.strip_prefix(what)).expect("a line");
-            line.trim().trim_end_matches("kB").trim().parse().expect("a number")
+            let value = field(&status, what).expect("a line");
+            value.trim_end_matches("kB").trim().parse().expect("a number")
         })
+    }
+
+    /// Counts how often the program's threads have waited so far. `None` on systems other than Linux.
+    pub fn pulse(&self) -> Option<Pulse> {
+        let main = self.child.id().to_string();
+        let threads = std::fs::read_dir(format!("/proc/{main}/task")).ok()?;
+        let mut pulse = Pulse::default();
+        for thread in threads.filter_map(Result::ok) {
+            // A thread may end before its file is read.
+            let Ok(status) = std::fs::read_to_string(thread.path().join("status")) else {
+                continue;
+            };
+            let number = |what: &str| field(&status, what)?.parse::<u64>().ok();
+            let waits = number("voluntary_ctxt_switches:").unwrap_or_default();
+            if thread.file_name().to_str() == Some(&main) {
+                pulse.main = waits;
+            } else if field(&status, "Name:") == Some("faults") {
+                pulse.reporter = waits;
+            } else {
+                pulse.others += waits;
+                pulse.is_busy |= field(&status, "State:").is_some_and(|it| it.starts_with('R'));
+            }
+        }
+        Some(pulse)
     }
 
     /// Waits until the terminal shows a text.

@@ -2,15 +2,20 @@
 
 use crate::terminal_support::until;
 use image::RgbImage;
-use std::ffi::OsStr;
 use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
+use x11rb::connection::Connection as _;
+use x11rb::errors::ReplyError;
+use x11rb::protocol::xproto::{ConnectionExt as _, ImageFormat, Window};
+use x11rb::rust_connection::RustConnection;
 
 /// A virtual display.
 pub struct Display {
     server: Child,
     pub name: String,
+    /// A connection for screenshots.
+    connection: RustConnection,
 }
 
 impl Display {
@@ -32,7 +37,9 @@ impl Display {
         let mut number = String::new();
         let output = server.stdout.take().expect("piped");
         BufReader::new(output).read_line(&mut number).expect("a display number");
-        Self { server, name: format!(":{}", number.trim()) }
+        let name = format!(":{}", number.trim());
+        let (connection, _) = x11rb::connect(Some(&name)).expect("connected");
+        Self { server, name, connection }
     }
 
     /// Sets the display's resource for dots per inch.
@@ -73,14 +80,37 @@ impl Display {
         window.lines().next().unwrap_or_default().to_owned()
     }
 
-    /// A screenshot of a window.
+    /// A screenshot of the part of a window that is on the screen.
     pub fn picture(&self, window: &str) -> RgbImage {
-        let run = Command::new("import")
-            .env("DISPLAY", &self.name)
-            .args(["-window", window, "png:-"].map(OsStr::new))
-            .output()
-            .expect("import runs");
-        image::load_from_memory(&run.stdout).expect("a picture").to_rgb8()
+        let id = window.parse().expect("a number");
+        // While a window manager moves or resizes the window, its place is out of date.
+        let mut picture = None;
+        until("there is a screenshot", || {
+            picture = self.screenshot(id).ok();
+            picture.is_some()
+        });
+        picture.expect("waited for")
+    }
+
+    fn screenshot(&self, window: Window) -> Result<RgbImage, ReplyError> {
+        let server = &self.connection;
+        let root = server.setup().roots[0].root;
+        let geometry = server.get_geometry(window)?.reply()?;
+        let place = server.translate_coordinates(window, root, 0, 0)?.reply()?;
+        let screen = server.get_geometry(root)?.reply()?;
+        let part = |start: i16, length: u16, limit: u16| {
+            let end = (i32::from(start) + i32::from(length)).clamp(0, limit.into());
+            let start = i32::from(start).clamp(0, end);
+            (start as i16, (end - start) as u16)
+        };
+        let (x, width) = part(place.dst_x, geometry.width, screen.width);
+        let (y, height) = part(place.dst_y, geometry.height, screen.height);
+        let image = server.get_image(ImageFormat::Z_PIXMAP, root, x, y, width, height, !0)?;
+        // A pixel has four bytes: blue, green, red, and one that is not used.
+        let data = image.reply()?.data;
+        let pixels = data.chunks_exact(4).flat_map(|pixel| [pixel[2], pixel[1], pixel[0]]);
+        let picture = RgbImage::from_raw(width.into(), height.into(), pixels.collect());
+        Ok(picture.expect("24 bits per pixel"))
     }
 
     /// Saves a screenshot for people to look at, in the directory given by `ZEROSET_SCREENSHOTS`.

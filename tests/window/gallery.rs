@@ -54,9 +54,7 @@ pub fn a_surface_is_chosen_by_its_picture() {
     until("it is open once more", || has_pictures(&scene));
     scene.point(60, 200);
     let known = scene.terminal.shown().matches("| zeroset eval").count();
-    scene.display.tool(&["mousedown", "1"]);
-    std::thread::sleep(std::time::Duration::from_millis(60));
-    scene.display.tool(&["mouseup", "1"]);
+    scene.press("1");
     let shown = |scene: &Scene| title(scene);
     until("a third is there", || !shown(&scene).starts_with("barth-decic"));
     scene.rest();

@@ -17,8 +17,6 @@ impl Program {
     /// The X server, with the libraries by which the window speaks to it.
     pub const XVFB: Self = Self { name: "Xvfb", packages: "xvfb libx11-6 libxcursor1" };
     pub const XDOTOOL: Self = Self { name: "xdotool", packages: "xdotool" };
-    /// The program of `ImageMagick` for screenshots.
-    pub const IMPORT: Self = Self { name: "import", packages: "imagemagick" };
     /// Puts texts on the clipboard, and reads them from there.
     pub const XCLIP: Self = Self { name: "xclip", packages: "xclip" };
     /// A window manager.

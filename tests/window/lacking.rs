@@ -22,7 +22,7 @@ pub fn tests_without_their_programs_are_ignored_with_the_reason() {
     assert!(number > 0);
     let (code, stdout, stderr) = run(&["gallery::"], false);
     assert_eq!(code, Some(0), "{stdout}");
-    let reason = "ignored (needs Xvfb, xdotool, import)\n";
+    let reason = "ignored (needs Xvfb, xdotool)\n";
     assert_eq!(stdout.matches(reason).count(), number, "{stdout}");
     assert!(stdout.contains(&format!("0 passed; 0 failed; {number} ignored")), "{stdout}");
     assert!(stderr.contains("apt-get install xvfb "), "{stderr}");
@@ -37,7 +37,7 @@ pub fn tests_that_must_run_fail_without_their_programs() {
         let (code, stdout, stderr) = run(arguments, ci);
         assert_eq!(code, Some(101), "{stdout}");
         assert!(stdout.contains(&format!("0 passed; {number} failed; 0 ignored")), "{stdout}");
-        assert!(stdout.contains("\nneeds Xvfb, xdotool, import\n"), "{stdout}");
+        assert!(stdout.contains("\nneeds Xvfb, xdotool\n"), "{stdout}");
         assert!(stderr.contains("apt-get install xvfb "), "{stderr}");
     }
     let (_, listed, _) = run(&["gallery::", "--list", "--ignored"], true);

@@ -65,7 +65,6 @@ const TESTS: &[Group] = &[
         programs: &[
             Program::XVFB,
             Program::XDOTOOL,
-            Program::IMPORT,
             Program::XCLIP,
             Program::XPROP,
             Program::OPENBOX,
@@ -77,15 +76,15 @@ const TESTS: &[Group] = &[
         ],
     },
     Group {
-        programs: &[Program::XVFB, Program::XDOTOOL, Program::IMPORT, Program::OPENBOX],
+        programs: &[Program::XVFB, Program::XDOTOOL, Program::OPENBOX],
         tests: tests![frame::f11_takes_the_whole_screen_and_gives_it_back,],
     },
     Group {
-        programs: &[Program::XVFB, Program::XDOTOOL, Program::IMPORT, Program::XPROP],
+        programs: &[Program::XVFB, Program::XDOTOOL, Program::XPROP],
         tests: tests![frame::a_display_s_scale_is_followed,],
     },
     Group {
-        programs: &[Program::XVFB, Program::XDOTOOL, Program::IMPORT, Program::XCLIP],
+        programs: &[Program::XVFB, Program::XDOTOOL, Program::XCLIP],
         tests: tests![
             typing::fifty_formulas_typed_blind_are_drawn,
             typing::a_line_is_selected_copied_cut_pasted_and_undone,
@@ -93,7 +92,7 @@ const TESTS: &[Group] = &[
         ],
     },
     Group {
-        programs: &[Program::XVFB, Program::XDOTOOL, Program::IMPORT],
+        programs: &[Program::XVFB, Program::XDOTOOL],
         tests: tests![
             frame::shift_drag_moves_as_the_right_button_does,
             frame::the_picture_fills_a_window_that_grows_or_shrinks,

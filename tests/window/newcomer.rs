@@ -4,7 +4,6 @@
 use crate::display::Display;
 use crate::scene::Scene;
 use crate::terminal_support::{Terminal, until};
-use std::time::Duration;
 
 pub fn a_newcomer_is_at_home_on_a_small_screen() {
     first_day("800x500", "96", 1);
@@ -33,12 +32,6 @@ impl Scene {
     fn has_keyboard(&self) {
         until("it has the keyboard", || self.display.tool(&["getactivewindow"]) == self.window);
         self.rest();
-    }
-
-    /// Returns whether the border says that the typed line has a fault.
-    fn is_faulty(&self) -> bool {
-        let [r, _, b] = self.picture().get_pixel(0, 150).0;
-        r > 180 && b < 80
     }
 
     /// Quits, and starts again in the same directory.
@@ -88,7 +81,7 @@ impl Scene {
         self.key("Return");
         self.terminal.shows("`(` is never closed");
         until("the mistake is marked", || self.is_faulty());
-        std::thread::sleep(Duration::from_millis(300));
+        until("the line is back", || self.copied() == "z = sin(x)*cos(y");
         self.key("Right");
         self.type_text(")");
         self.key("Return");
@@ -122,7 +115,6 @@ impl Scene {
             self.display.tool(&["mousedown", "1"]);
             self.point(120 * scale, middle);
             // Hold the button until the window has seen where the pointer is.
-            std::thread::sleep(Duration::from_millis(300));
             self.rest();
             self.display.tool(&["mouseup", "1"]);
         });

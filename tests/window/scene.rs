@@ -1,10 +1,15 @@
 //! A window with a picture, and functions that operate it.
 
 use crate::display::Display;
-use crate::terminal_support::{Terminal, until};
+use crate::terminal_support::{Pulse, Terminal, until};
 use image::RgbImage;
+use std::time::Duration;
 
 pub const CUBE: &[&str] = &["max(abs(x),abs(y),abs(z)) = 1", "--size", "400x320"];
+
+/// Waits of the main thread in which the window polls several times and draws at least once, whether
+/// or not it is idle: in each of its turns it waits for the server two or three times.
+const WAITS: u64 = 16;
 
 /// A window that shows a cube, with its terminal and display.
 pub struct Scene {
@@ -14,14 +19,21 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// A window whose picture rests.
     pub fn start(arguments: &[&str]) -> Self {
+        let scene = Self::start_working(arguments);
+        scene.rest();
+        scene
+    }
+
+    /// A window that shows a picture, and may work on a finer one.
+    pub fn start_working(arguments: &[&str]) -> Self {
         let display = Display::start();
         let terminal = Terminal::start(arguments, Some(&display.name));
         let window = display.window();
         let scene = Self { terminal, display, window };
         scene.point(200, 160);
         until("the picture is there", || painted(&scene.picture()).is_some());
-        scene.rest();
         scene
     }
 
@@ -36,18 +48,45 @@ impl Scene {
         image::imageops::crop_imm(&picture, 0, 24, width, height - 90).to_image()
     }
 
-    /// Waits until the picture stops changing, and returns it.
+    /// Waits until the window has polled mouse and keys several times, and has drawn what that
+    /// changed.
+    pub fn turn(&self) {
+        let Some(start) = self.terminal.pulse() else {
+            // Nothing else tells it on this system.
+            return std::thread::sleep(Duration::from_millis(100));
+        };
+        until("the window polls", || {
+            self.terminal.pulse().is_some_and(|now| now.main >= start.main + WAITS)
+        });
+    }
+
+    /// Waits until no thread works and the picture stops changing, and returns it.
     pub fn rest(&self) -> RgbImage {
-        let mut last = self.middle();
-        let mut same = 0;
+        self.stands(|now, last| now == last && !now.is_some_and(|pulse| pulse.is_busy))
+    }
+
+    /// Waits until the picture stops changing while threads may work, and returns it.
+    pub fn still(&self) -> RgbImage {
+        self.stands(|_, _| true)
+    }
+
+    fn stands(&self, is_over: impl Fn(Option<Pulse>, Option<Pulse>) -> bool) -> RgbImage {
+        let others = || self.terminal.pulse().map(|pulse| Pulse { main: 0, reporter: 0, ..pulse });
+        let (mut last, mut worked) = (self.middle(), others());
         until("the picture comes to rest", || {
-            std::thread::sleep(std::time::Duration::from_millis(100));
-            let now = self.middle();
-            same = if now == last { same + 1 } else { 0 };
-            last = now;
-            same >= 3
+            self.turn();
+            let (now, works) = (self.middle(), others());
+            let is_same = now == last && is_over(works, worked);
+            (last, worked) = (now, works);
+            is_same
         });
         last
+    }
+
+    /// Returns whether the border says that the text has a fault.
+    pub fn is_faulty(&self) -> bool {
+        let [r, _, b] = self.picture().get_pixel(0, 100).0;
+        r > 180 && b < 80
     }
 
     pub fn point(&self, x: i32, y: i32) {
@@ -58,10 +97,21 @@ impl Scene {
     /// Calls `act`, and waits until the picture has changed and rests again. Returns the picture.
     pub fn changes(&self, what: &str, act: impl FnOnce()) -> RgbImage {
         let before = self.rest();
-        act();
-        until(&format!("{what} changes the picture"), || self.middle() != before);
-        self.display.keep(&self.window, what);
+        self.differs(what, &before, act);
         self.rest()
+    }
+
+    /// Like [`Scene::changes`], while threads work.
+    pub fn changes_meanwhile(&self, what: &str, act: impl FnOnce()) -> RgbImage {
+        let before = self.still();
+        self.differs(what, &before, act);
+        self.still()
+    }
+
+    fn differs(&self, what: &str, before: &RgbImage, act: impl FnOnce()) {
+        act();
+        until(&format!("{what} changes the picture"), || self.middle() != *before);
+        self.display.keep(&self.window, what);
     }
 
     pub fn key(&self, key: &str) {
@@ -72,12 +122,21 @@ impl Scene {
         self.point(from.0, from.1);
         self.display.tool(&["mousedown", button]);
         for step in 1..=5 {
-            std::thread::sleep(std::time::Duration::from_millis(40));
+            self.turn();
             let at = |a: i32, b: i32| a + (b - a) * step / 5;
             self.point(at(from.0, to.0), at(from.1, to.1));
         }
-        std::thread::sleep(std::time::Duration::from_millis(60));
+        self.turn();
         self.display.tool(&["mouseup", button]);
+        self.turn();
+    }
+
+    /// Presses and releases a button where the pointer is, as slowly as a finger does.
+    pub fn press(&self, button: &str) {
+        self.display.tool(&["mousedown", button]);
+        self.turn();
+        self.display.tool(&["mouseup", button]);
+        self.turn();
     }
 }
 

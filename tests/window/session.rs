@@ -49,7 +49,7 @@ pub fn one_step_of_the_wheel_zooms_as_far_as_a_key() {
     // In a slow step, one poll of the mouse sees the button pressed, and another sees it released.
     let slow = scene.changes("a slow step", || {
         scene.display.tool(&["mousedown", "4"]);
-        std::thread::sleep(std::time::Duration::from_millis(200));
+        scene.turn();
         scene.display.tool(&["mouseup", "4"]);
     });
     assert!(slow == zoomed, "a slow step is another");
@@ -73,9 +73,7 @@ pub fn a_line_is_typed_corrected_and_entered_in_the_window() {
     scene.changes("typing", || type_in(&scene, "z = x^2"));
     // After an error the picture stays. The border and one line show the error.
     type_in(&scene, " + q(");
-    std::thread::sleep(std::time::Duration::from_millis(800));
-    let shown = scene.picture();
-    assert!(shown.get_pixel(0, 100).0[0] > 180 && shown.get_pixel(0, 100).0[2] < 80, "no border");
+    until("there is a border", || scene.is_faulty());
     scene.display.keep(&scene.window, "mistake");
     assert!(scene.changes("closing", || scene.key("Escape")) == start, "not as before");
     scene.changes("another", || {
@@ -100,10 +98,8 @@ pub fn a_click_and_a_saved_picture_can_be_repeated_from_the_terminal() {
     let mut scene = Scene::start(CUBE);
     scene.changes("turning", || scene.drag("1", (200, 160), (170, 150)));
     scene.point(200, 160);
-    std::thread::sleep(std::time::Duration::from_millis(100));
-    scene.display.tool(&["mousedown", "1"]);
-    std::thread::sleep(std::time::Duration::from_millis(60));
-    scene.display.tool(&["mouseup", "1"]);
+    scene.turn();
+    scene.press("1");
     scene.terminal.shows("| zeroset eval");
     scene.key("ctrl+p");
     scene.terminal.shows("-o zeroset-1.png");
@@ -139,7 +135,9 @@ pub fn a_click_and_a_saved_picture_can_be_repeated_from_the_terminal() {
 pub fn a_key_and_enter_save_a_mesh() {
     let mut scene = Scene::start(CUBE);
     scene.rest();
-    scene.display.tool(&["key", "--delay", "300", "ctrl+e", "Return"]);
+    scene.key("ctrl+e");
+    scene.turn();
+    scene.key("Return");
     let file = scene.terminal.place().join("zeroset-1.stl");
     let triangles = || {
         let bytes = std::fs::read(&file).unwrap_or_default();
@@ -156,10 +154,10 @@ pub fn saving_a_slow_picture_does_not_hold_the_window() {
     let terms = (1..80).map(|k| format!("sin({k}*x+y)*cos({k}*y-z)"));
     let formula = format!("{} = 5", terms.collect::<Vec<_>>().join("+"));
     let fine = ["--size", "900x700", "--precision", "f64", "--max-depth", "20", "--domain", "1"];
-    let mut scene = Scene::start(&[&[formula.as_str()][..], &fine[..]].concat());
+    let mut scene = Scene::start_working(&[&[formula.as_str()][..], &fine[..]].concat());
     scene.key("ctrl+p");
-    scene.changes("help", || scene.key("F1"));
-    scene.changes("no help", || scene.key("Escape"));
+    scene.changes_meanwhile("help", || scene.key("F1"));
+    scene.changes_meanwhile("no help", || scene.key("Escape"));
     assert!(!scene.terminal.place().join("zeroset-1.png").exists(), "that was no slow picture");
     // Ctrl-C in the terminal gives up the picture, and not the program.
     scene.terminal.type_in("\u{3}");

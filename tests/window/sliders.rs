@@ -2,7 +2,6 @@
 
 use crate::scene::{CUBE, Scene};
 use crate::terminal_support::until;
-use std::time::Duration;
 
 const BALL: &[&str] =
     &["domain 3\nr = 1 in [0, 2]\nx^2+y^2+z^2 = r^2 + 0.3*sin(5*t)", "--size", "640x320"];
@@ -15,10 +14,6 @@ const ROWS: [i32; 2] = [16, 36];
 fn listed(scene: &mut Scene, expected: &str) {
     scene.terminal.type_in(":list\r");
     scene.terminal.shows(expected);
-}
-
-fn wait(milliseconds: u64) {
-    std::thread::sleep(Duration::from_millis(milliseconds));
 }
 
 pub fn a_slider_that_is_dragged_changes_picture_and_document_and_is_taken_back() {
@@ -40,21 +35,17 @@ pub fn a_slider_that_is_dragged_changes_picture_and_document_and_is_taken_back()
     assert!(scene.changes("redo", || scene.key("ctrl+y")) == dragged, "not as it was dragged");
     // A double click resets the value.
     scene.point(middle + 40, ROWS[0]);
-    wait(100);
+    scene.turn();
     scene.changes("double click", || {
-        for _ in 0..2 {
-            scene.display.tool(&["mousedown", "1"]);
-            wait(50);
-            scene.display.tool(&["mouseup", "1"]);
-            wait(50);
-        }
+        // Time is what makes a double click, so one call of xdotool waits between the presses.
+        scene.display.tool(&["click", "--repeat", "2", "--delay", "100", "1"]);
     });
     scene.point(300, 250);
     assert!(scene.rest() == start, "not as at the start");
     // While the pointer is over the slider, an arrow key moves it by a hundredth of the range.
     scene.changes("arrow", || {
         scene.point(middle, ROWS[0]);
-        wait(100);
+        scene.turn();
         scene.key("Right");
     });
     listed(&mut scene, "r = 1.02 in [0, 2]");
@@ -66,15 +57,16 @@ pub fn a_slider_that_is_held_while_the_gallery_opens_is_let_go() {
     let mut scene = Scene::start(BALL);
     let middle = i32::midpoint(TRACK.0, TRACK.1);
     scene.point(middle, ROWS[0]);
-    wait(100);
+    scene.turn();
+    let start = scene.rest();
     scene.display.tool(&["mousedown", "1"]);
-    wait(100);
+    scene.turn();
     scene.key("ctrl+o");
-    wait(300);
+    until("the gallery is open", || scene.middle() != start);
     scene.display.tool(&["mouseup", "1"]);
-    wait(100);
+    scene.turn();
     scene.key("Escape");
-    wait(300);
+    until("the gallery is closed", || scene.middle() == start);
     // Away from the slider, an arrow key turns the view.
     scene.point(300, 250);
     scene.changes("turned", || scene.key("Right"));
@@ -102,7 +94,7 @@ pub fn a_surface_that_outgrows_the_view_is_fitted_when_the_slider_is_let_go() {
     scene.display.tool(&["mousedown", "1"]);
     for x in [40, 50, 60, 75, 90] {
         scene.point(TRACK.0 + x, ROWS[0]);
-        wait(60);
+        scene.turn();
     }
     until("it outgrows the view", || width() > 2 * before);
     scene.display.keep(&scene.window, "outgrown");
@@ -158,13 +150,12 @@ pub fn clicks_however_short_are_seen_and_each_once() {
     for number in 1..=10 {
         scene.display.tool(&["click", "1"]);
         until("the click is seen", || said() >= number);
-        wait(100);
+        scene.turn();
     }
     // A click as long as that of a finger counts once, too.
-    scene.display.tool(&["mousedown", "1"]);
-    wait(60);
-    scene.display.tool(&["mouseup", "1"]);
-    wait(300);
+    scene.press("1");
+    until("the long click is seen", || said() >= 11);
+    scene.turn();
     assert_eq!(said(), 11);
     scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
@@ -175,13 +166,17 @@ pub fn what_is_typed_in_the_window_prints_nothing_in_the_terminal() {
     let before = scene.terminal.shown();
     for part in ["x^2+", "y^2 = (", "q*z", ")"] {
         scene.display.tool(&["type", "--delay", "30", part]);
-        wait(500);
+        until("the fault is marked", || scene.is_faulty());
+        // The prompt finds the fault, too, and leaves it to the window.
+        let polls = || scene.terminal.pulse().map_or(u64::MAX, |pulse| pulse.reporter);
+        let before = polls();
+        until("the prompt looks for faults", || polls() >= before.saturating_add(2));
     }
     assert_eq!(scene.terminal.shown(), before);
     // F2 gives a value to `q`, which lacks one.
     scene.changes("a value for q", || scene.key("F2"));
     scene.key("Return");
-    wait(500);
+    scene.rest();
     listed(&mut scene, "q = 1");
     let shown = scene.terminal.shown();
     assert!(!shown.contains("error") && !shown.contains("never used"), "{shown}");

@@ -62,7 +62,7 @@ pub fn surfaces_are_hidden_seen_through_moved_and_taken_away() {
     assert!(scene.changes("undo opacity", || scene.key("ctrl+z")) == start);
     scene.changes("arrow opacity", || {
         scene.point(FORMULA, ROWS[1]);
-        std::thread::sleep(std::time::Duration::from_millis(100));
+        scene.turn();
         scene.key("Left");
     });
     listed(&mut scene, "opacity 95%\r\nz = 1.2");

@@ -145,7 +145,7 @@ pub fn a_line_is_selected_copied_cut_pasted_and_undone() {
     scene.type_text("z = x + foo");
     scene.key("Return");
     scene.terminal.shows("`foo` is not defined");
-    std::thread::sleep(std::time::Duration::from_millis(300));
+    until("the line is back", || scene.copied() == "z = x + foo");
     scene.type_text("z = 7");
     scene.key("Return");
     scene.is_document("z = 7");
@@ -171,10 +171,7 @@ pub fn other_programs_texts_are_pasted() {
     scene.is_document("z = 4x");
     // The middle button pastes what is selected elsewhere.
     scene.put("primary", "z = 5x");
-    scene.display.tool(&["mousedown", "2"]);
-    std::thread::sleep(std::time::Duration::from_millis(80));
-    scene.display.tool(&["mouseup", "2"]);
-    std::thread::sleep(std::time::Duration::from_millis(80));
+    scene.press("2");
     scene.key("Return");
     scene.is_document("z = 5x");
     // Several lines are a document, which is undone in one step.

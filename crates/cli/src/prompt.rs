@@ -76,7 +76,8 @@ fn read_lines(session: &Arc<Session>, preview: bool) -> rustyline::Result<()> {
         session.print_with(Some(Box::new(print)));
         let session = Arc::clone(session);
         let typing = Arc::clone(&typing);
-        std::thread::spawn(move || report_faults(&session, &typing));
+        let reporter = std::thread::Builder::new().name("faults".to_owned());
+        reporter.spawn(move || report_faults(&session, &typing))?;
     }
     while !session.has_ended() {
         learn(session, &mut editor, &mut known)?;

@@ -243,6 +243,7 @@ mod tests {
     fn piecemeal(path: &Path, text: &str) {
         let mut file = File::create(path).expect("created");
         for half in [&text[..text.len() / 2], &text[text.len() / 2..]] {
+            // Time is what makes pieces of one write.
             std::thread::sleep(QUIET * 2);
             file.write_all(half.as_bytes()).expect("written");
             file.flush().expect("written");
@@ -251,6 +252,7 @@ mod tests {
 
     fn delete_and_return(path: &Path, text: &str) {
         std::fs::remove_file(path).expect("removed");
+        // Time is what makes a file gone, and not just replaced.
         std::thread::sleep(QUIET * 2);
         overwrite(path, text);
     }
@@ -288,6 +290,7 @@ mod tests {
             assert_eq!(file.live.snapshot().rendering.expect("kept").picture.rgb, good);
         }
         overwrite(&file.path(), "");
+        // Nothing tells that a file is not taken over, so time must pass.
         std::thread::sleep(QUIET * 4);
         std::fs::remove_file(file.path()).expect("removed");
         std::thread::sleep(QUIET * 4);

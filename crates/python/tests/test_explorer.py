@@ -201,6 +201,7 @@ def test_widget_is_driven_in_a_browser(server, browser, place):
     page.mouse.down()
     for step in range(120):
         page.mouse.move(x + 2 * step, y + step / 2)
+        # A hand takes time, in which frames are drawn.
         time.sleep(0.01)
     drawn, spent = widget.frames() - before, time.perf_counter() - start
     page.mouse.up()

@@ -1,6 +1,6 @@
 //! A text table of the method `knoll`'s results on the gallery.
 
-use crate::truth_support::Truth;
+use super::Truth;
 use std::fmt::{Display, Formatter, Result};
 use zeroset_trace::{GBuffer, Status};
 
@@ -231,7 +231,7 @@ impl Display for Table<'_> {
 
 const TITLE: &str = "\
 Pictures of the gallery by the method `knoll`, 64x64 rays, depth 12, compared with exact first roots.
-The test `truth` compares this table; ZEROSET_BLESS=1 cargo test --test pictures truth:: writes it.
+The test `truth` compares this table; ZEROSET_BLESS=1 cargo test --test all truth:: writes it.
 
 Numbers of rays:";
 

@@ -32,8 +32,8 @@ fn check<T: Adversarial>(seed: u64, subject: KernelKind, simple: bool, options: 
         seed,
         match subject {
             // Affine forms have longer code, and few formulas have branches.
-            KernelKind::Segments | KernelKind::Tiles | KernelKind::Branches => 20_000,
-            _ => 50_000,
+            KernelKind::Segments | KernelKind::Tiles | KernelKind::Branches => 6_000,
+            _ => 15_000,
         },
     );
     let mut compared = 0;

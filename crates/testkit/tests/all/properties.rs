@@ -43,7 +43,7 @@ fn simplifying_keeps_values_and_domains() {
 
 #[test]
 fn native_code_gives_the_bits_of_the_reference() {
-    hold(jit_vs_reference, "jit_vs_reference", 0x5eed_0710, 3000);
+    hold(jit_vs_reference, "jit_vs_reference", 0x5eed_0710, 1000);
 }
 
 #[test]

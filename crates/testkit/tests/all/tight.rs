@@ -14,7 +14,7 @@ use zeroset_ops::Op;
 use zeroset_testkit::Rng;
 
 const SEED: u64 = 0x0071_9475;
-const POINTS: usize = 100_000;
+const POINTS: usize = 30_000;
 
 /// A function, its correctly rounded value, and numbers close to which operands are drawn.
 struct TestFunction {

@@ -29,6 +29,7 @@ impl<T: Real> Kernels<T> for SlowKernels {
     fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError> {
         Ok(None)
     }
+    // Compiling takes time, in which threads that need the kernels wait for each other.
     fn segments(&self) -> KernelResult<'_, ContractSegments, T> {
         std::thread::sleep(Duration::from_millis(30));
         Ok(self)

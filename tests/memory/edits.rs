@@ -1,11 +1,10 @@
 //! Thousands of random edits of the live picture, bounded in time and memory. At the end the
 //! picture shows the last valid text.
 //!
-//! A long run: `ZEROSET_CASES=10000 cargo test --release --test live_edits -- --nocapture`.
+//! A long run: `ZEROSET_CASES=10000 cargo test --release --test memory edits -- --nocapture`.
 
-mod edit_support;
-
-use edit_support::{beginnings, edit};
+use super::edit_support::{beginnings, edit};
+use super::{alone, resident};
 use std::time::{Duration, Instant};
 use zeroset_live::{DocumentSource, Live, Request};
 use zeroset_render::picture::Settings;
@@ -16,17 +15,12 @@ const EDITS: u64 = 2_000;
 const SEED: u64 = 20_070_002;
 const LIMIT: Duration = Duration::from_mins(2);
 
-/// Resident memory of this process in bytes. `None` on systems other than Linux.
-fn resident() -> Option<usize> {
-    cfg!(target_os = "linux").then(|| {
-        let statm = std::fs::read_to_string("/proc/self/statm").expect("readable");
-        let pages = statm.split_whitespace().nth(1).expect("a size");
-        pages.parse::<usize>().expect("a number") * 4096
-    })
-}
-
 #[test]
 fn no_edit_leaves_a_stale_picture() {
+    alone("edits::no_edit_leaves_a_stale_picture", edit_and_measure);
+}
+
+fn edit_and_measure() {
     let Effort { seed, cases: edits } = Effort::from_environment(SEED, EDITS);
     let mut random = fastrand::Rng::with_seed(seed);
     let settings = Settings {

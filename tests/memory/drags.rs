@@ -1,7 +1,8 @@
 //! Thousands of slider drags compile no code, and memory does not grow.
 //!
-//! A long run: `ZEROSET_CASES=100000 cargo test --release --test live_drags -- --nocapture`.
+//! A long run: `ZEROSET_CASES=100000 cargo test --release --test memory drags -- --nocapture`.
 
+use super::{alone, resident};
 use std::time::{Duration, Instant};
 use zeroset_live::{Live, Request};
 use zeroset_render::picture::Settings;
@@ -12,17 +13,12 @@ const SEED: u64 = 20_070_003;
 const LIMIT: Duration = Duration::from_mins(2);
 const ALLOWED_BYTES: usize = 10 << 20;
 
-/// Resident memory of this process in bytes. `None` on systems other than Linux.
-fn resident() -> Option<usize> {
-    cfg!(target_os = "linux").then(|| {
-        let statm = std::fs::read_to_string("/proc/self/statm").expect("readable");
-        let pages = statm.split_whitespace().nth(1).expect("a size");
-        pages.parse::<usize>().expect("a number") * 4096
-    })
-}
-
 #[test]
 fn no_drag_compiles_or_keeps_memory() {
+    alone("drags::no_drag_compiles_or_keeps_memory", drag_and_measure);
+}
+
+fn drag_and_measure() {
     let Effort { seed, cases: drags } = Effort::from_environment(SEED, DRAGS);
     let mut random = fastrand::Rng::with_seed(seed);
     let settings = Settings { width: 64, height: 64, ..Settings::default() };

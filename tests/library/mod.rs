@@ -5,5 +5,3 @@ mod errors;
 mod examples;
 mod functions;
 mod scenes;
-#[path = "../surroundings/mod.rs"]
-mod surroundings;

@@ -1,9 +1,7 @@
 //! Compiling and dropping kernels leaks no memory, and a picture's memory does not grow with the
-//! number of its translucent surfaces. The test has a process of its own, so that the memory of
-//! other tests does not count.
+//! number of its translucent surfaces.
 
-#![cfg(target_os = "linux")]
-
+use super::alone;
 use std::fmt::Write as _;
 use std::fs;
 use zeroset_eval::Boxes;
@@ -42,7 +40,12 @@ fn cycle(document: &Document) -> usize {
     program.made().iter().map(|made| made.bytes).sum()
 }
 
+#[test]
 fn a_thousand_cycles_leave_resident_memory_within_half_a_megabyte() {
+    alone("kernels::a_thousand_cycles_leave_resident_memory_within_half_a_megabyte", repeat_cycles);
+}
+
+fn repeat_cycles() {
     let read = |text: &str| read(text, &Options::default()).expect("reads");
     let documents: Vec<Document> = examples().iter().map(|example| read(example.text)).collect();
     // A first pass fills tables and the allocator's pools.
@@ -56,8 +59,14 @@ fn a_thousand_cycles_leave_resident_memory_within_half_a_megabyte() {
     assert!(grown <= ALLOWED_KILOBYTES, "{grown} kB more than {before} kB");
 }
 
-/// Each of the spheres has a front and a back that cover much of the picture.
+#[test]
 fn a_hundred_translucent_spheres_need_no_more_than_a_hundred_megabytes() {
+    let name = "kernels::a_hundred_translucent_spheres_need_no_more_than_a_hundred_megabytes";
+    alone(name, draw_spheres);
+}
+
+/// Each of the spheres has a front and a back that cover much of the picture.
+fn draw_spheres() {
     let mut text = "opacity 5%\ndomain 2\n".to_owned();
     for n in 1..=SPHERES {
         let place = n as f64;
@@ -75,11 +84,4 @@ fn a_hundred_translucent_spheres_need_no_more_than_a_hundred_megabytes() {
     let grown = kilobytes("VmHWM:") - before;
     println!("{SPHERES} spheres: {grown} kB more than {before} kB");
     assert!(grown <= ALLOWED_PEAK_KILOBYTES, "{grown} kB more than {before} kB");
-}
-
-/// The steps run one after another, since each measures the whole process.
-#[test]
-fn memory_is_bounded() {
-    a_thousand_cycles_leave_resident_memory_within_half_a_megabyte();
-    a_hundred_translucent_spheres_need_no_more_than_a_hundred_megabytes();
 }
