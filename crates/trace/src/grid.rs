@@ -349,12 +349,14 @@ impl RayGrid {
 
     /// The approximate width of a pixel at a distance from the eye. Width and distance are both in
     /// units of t, or both in world units.
+    #[inline]
     pub fn footprint(&self, distance: f64) -> f64 {
         let [at_eye, growth] = self.pixel();
         at_eye + growth * distance
     }
 
     /// The approximate width of a pixel at t = 0, and its growth per t, both in units of t.
+    #[inline]
     pub fn pixel(&self) -> [f64; 2] {
         let width = 2.0 * self.unit;
         if self.parallel { [width, 0.0] } else { [0.0, width] }

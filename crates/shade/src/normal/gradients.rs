@@ -18,7 +18,7 @@ const TOGETHER: usize = 8;
 const REACH: f64 = 4.0;
 /// If normals at the painted point and nearer to the zero differ by no more than this, as 1 less the
 /// cosine of their angle, the normal at the zero is not sought.
-const TURN: f32 = 1e-5;
+const TURN: f32 = 1.0 / 2048.0;
 
 impl<T: Real> NormalSource<'_, T> {
     /// Sets the normals of some rows where the gradient exists, except on caps, which have normals
@@ -133,8 +133,13 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
     /// The lanes of a window whose gradients may change near the painted point.
     #[inline(always)]
     fn uneven<S: Simd>(&self, simd: S, window: PixelWindow) -> u32 {
-        let uneven = window.load(self.seen.columns.uneven, &mut [false; LANES]).map(u8::from);
-        u8x16::simd_from(simd, uneven).simd_eq(1).to_bitmask() as u32
+        let mut spare = [false; LANES];
+        let uneven = window.load(self.seen.columns.uneven, &mut spare);
+        let mut bytes = [0; LANES];
+        for (byte, uneven) in bytes.iter_mut().zip(uneven) {
+            *byte = u8::from(*uneven);
+        }
+        lanes(simd, bytes)
     }
 
     /// Takes a step of Newton's method along the rays of hits among the `uneven` lanes, whose
@@ -161,24 +166,27 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
         for (way, to_eye) in ways.iter_mut().zip(to_eye) {
             to_eye.store_slice(way);
         }
-        let mut reached = 0_u32;
-        for lane in (PixelWindow { wanted: uneven, ..window }).lanes() {
-            if status[lane] != Status::Hit {
-                continue;
-            }
-            let slopes = samples.gradient.each_ref().map(|slopes| slopes[lane].into());
-            let slope: f64 = (0..3).map(|axis| -slopes[axis] * f64::from(ways[axis][lane])).sum();
-            let step = -samples.value[lane].into() / slope;
-            if step.abs() <= REACH * self.rays.footprint(drawn[lane]) {
-                for (coordinates, way) in points.at.iter_mut().zip(&ways) {
-                    let moved = coordinates[lane].into() - step * f64::from(way[lane]);
-                    coordinates[lane] = T::nearest(moved);
-                }
-                reached |= 1 << lane;
-            }
+        let ([x, y, z], values) = (&samples.gradient, &samples.value);
+        let (mut steps, mut within) = ([0.0; LANES], [0_u8; LANES]);
+        for lane in 0..LANES {
+            let slope = x[lane].into() * f64::from(ways[0][lane])
+                + y[lane].into() * f64::from(ways[1][lane])
+                + z[lane].into() * f64::from(ways[2][lane]);
+            // Toward the eye. If the slope is 0, the step is infinite or NaN.
+            steps[lane] = values[lane].into() / slope;
+            let is_near = steps[lane].abs() <= REACH * self.rays.footprint(drawn[lane]);
+            within[lane] = u8::from(status[lane] == Status::Hit) & u8::from(is_near);
         }
+        let reached = uneven & self::lanes(simd, within);
         if reached == 0 {
             return (units, 0);
+        }
+        for (coordinates, way) in points.at.iter_mut().zip(&ways) {
+            for lane in 0..LANES {
+                let moved = coordinates[lane].into() - steps[lane] * f64::from(way[lane]);
+                coordinates[lane] =
+                    if within[lane] == 1 { T::nearest(moved) } else { coordinates[lane] };
+            }
         }
         self.work.gradient.called(reached.count_ones());
         self.kernel.eval(points, samples);
@@ -248,6 +256,12 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
         }
         points.count = window.count();
     }
+}
+
+/// The lanes with a 1, as bits.
+#[inline(always)]
+fn lanes<S: Simd>(simd: S, ones: [u8; LANES]) -> u32 {
+    u8x16::simd_from(simd, ones).simd_eq(1).to_bitmask() as u32
 }
 
 /// Writes coordinates, rounded to the nearest float.
