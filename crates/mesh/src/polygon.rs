@@ -180,8 +180,8 @@ impl Linear {
         Some(Polygon { vertices, between: ALL, part, is_joined: false })
     }
 
-    /// The vertex at which the given parts are 0. It lies in the simplex of the corners in the bit set
-    /// `between`, and on the line `next` of the polygon.
+    /// The vertex at which the given parts are 0. It lies in the simplex of the corners in the bit
+    /// set `between`. The edge that follows it lies on the line `next`.
     fn vertex(&self, between: u8, parts: &[u16], next: Line) -> Vertex {
         let count = parts.len();
         let mut key = [NO_PART; 3];
@@ -236,8 +236,8 @@ impl Linear {
         polygon.vertices.iter().map(|vertex| self.key(vertex))
     }
 
-    /// Cuts a polygon along the zeros of all parts, and keeps the pieces in which the choice has this
-    /// sign.
+    /// Cuts a polygon along the zeros of all parts, and keeps the pieces in which the choice has
+    /// this sign.
     fn cut_by_sign(
         &self,
         choice: &Choice,

@@ -16,8 +16,8 @@ const TOGETHER: usize = 8;
 
 /// Greatest distance of a zero from the painted point, in pixels.
 const REACH: f64 = 4.0;
-/// If normals at the painted point and nearer to the zero differ by no more than this, as 1 less the
-/// cosine of their angle, the normal at the zero is not sought.
+/// Greatest turn of the normal between the painted point and a point nearer to the zero, as 1 less
+/// its cosine. If it turns no more, the normal at the zero is not sought.
 const TURN: f32 = 1.0 / 2048.0;
 
 impl<T: Real> NormalSource<'_, T> {
