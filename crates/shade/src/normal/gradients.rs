@@ -173,8 +173,9 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
                 + y[lane].into() * f64::from(ways[1][lane])
                 + z[lane].into() * f64::from(ways[2][lane]);
             // Toward the eye. If the slope is 0, the step is infinite or NaN.
-            steps[lane] = values[lane].into() / slope;
-            let is_near = steps[lane].abs() <= REACH * self.rays.footprint(drawn[lane]);
+            let step = values[lane].into() / slope;
+            let is_near = step.abs() <= REACH * self.rays.footprint(drawn[lane]);
+            steps[lane] = if is_near { step } else { 0.0 };
             within[lane] = u8::from(status[lane] == Status::Hit) & u8::from(is_near);
         }
         let reached = uneven & self::lanes(simd, within);
@@ -184,15 +185,15 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
         for (coordinates, way) in points.at.iter_mut().zip(&ways) {
             for lane in 0..LANES {
                 let moved = coordinates[lane].into() - steps[lane] * f64::from(way[lane]);
-                coordinates[lane] =
-                    if within[lane] == 1 { T::nearest(moved) } else { coordinates[lane] };
+                coordinates[lane] = T::nearest(moved);
             }
         }
         self.work.gradient.called(reached.count_ones());
         self.kernel.eval(points, samples);
         let (nearer, found) = self::units(simd, &samples.gradient);
-        let [x, y, z] = [0, 1, 2].map(|axis| nearer[axis] * units[axis]);
-        let same = (x + y + z).simd_ge(1.0 - TURN).to_bitmask() as u32;
+        let ([x, y, z], [a, b, c]) = (nearer, units);
+        let cosine = z.mul_add(c, y.mul_add(b, x * a));
+        let same = cosine.simd_ge(1.0 - TURN).to_bitmask() as u32;
         (nearer, reached & found & same)
     }
 
