@@ -212,9 +212,10 @@ fn products_of_planes_are_the_same() {
         let [a, b, c, d] = [(); 4].map(|()| number());
         format!("({a:.2}*x+{b:.2}*y+{c:.2}*z-{d:.2})")
     };
-    // Below a minimum, only the sign of products matters.
+    // Below minima and maxima, only the sign of products matters.
     let mut product = || format!("{}*{}*{}", plane(), plane(), plane());
-    let text = (0..79).fold(product(), |all, _| format!("min({all}, {})", product()));
+    let choices = ["min", "max"].into_iter().cycle().take(60);
+    let text = choices.fold(product(), |all, word| format!("{word}({all}, {})", product()));
     let text = format!("0 = {text}");
     let mut counts = Counts::default();
     counts.add(&text, &both(&text, TraceOptions::default()).expect("a surface"));

@@ -40,7 +40,7 @@ fn stacked(parts: [&GBuffer; 2]) -> GBuffer {
     all
 }
 
-/// A picture joined from strips of `rows` rows, and the picture that `strips_of` returns.
+/// A picture joined from strips of `rows` rows, and the picture that `strips_of_height` returns.
 fn together(
     model: &Model,
     camera: &Camera,
@@ -61,7 +61,8 @@ fn together(
         all.light.extend(&picture.light);
         Ok(())
     };
-    let told = model.strips_of(rows, camera, settings, &|_, _| {}, &mut add).expect("compiled");
+    let told =
+        model.strips_of_height(rows, camera, settings, &|_, _| {}, &mut add).expect("compiled");
     (all.expect("a strip"), told)
 }
 

@@ -245,7 +245,8 @@ impl Terminal {
         })
     }
 
-    /// Counts how often the program's threads have waited so far. `None` on systems other than Linux.
+    /// Counts how often the program's threads have waited so far. `None` on systems other than
+    /// Linux.
     pub fn pulse(&self) -> Option<Pulse> {
         let main = self.child.id().to_string();
         let threads = std::fs::read_dir(format!("/proc/{main}/task")).ok()?;

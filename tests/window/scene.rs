@@ -7,8 +7,8 @@ use std::time::Duration;
 
 pub const CUBE: &[&str] = &["max(abs(x),abs(y),abs(z)) = 1", "--size", "400x320"];
 
-/// Waits of the main thread in which the window polls several times and draws at least once, whether
-/// or not it is idle: in each of its turns it waits for the server two or three times.
+/// Number of waits of the main thread in which the window polls several times and draws at least
+/// once, idle or not: in each of its turns it waits for the server two or three times.
 const WAITS: u64 = 16;
 
 /// A window that shows a cube, with its terminal and display.

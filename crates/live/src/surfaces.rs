@@ -250,7 +250,7 @@ impl Live {
     /// Deletes a surface. Numbers count from 1.
     pub(super) fn delete(&self, number: usize) -> Result<Reply, Refusal> {
         let document = self.edit(None, |request, readable| {
-            let text = without(&base(request, readable, ""), &request.options(), number)
+            let text = without_surface(&base(request, readable, ""), &request.options(), number)
                 .map_err(|count| no_such("surface", number, count))?;
             Edit::checked(request, text, Vec::new())
         })?;
@@ -286,7 +286,11 @@ impl Live {
 
 /// The text without one drawing. The other drawings keep their style. The errors are those of
 /// [`without_drawing`].
-pub(super) fn without(text: &str, options: &Options<'_>, number: usize) -> Result<String, usize> {
+pub(super) fn without_surface(
+    text: &str,
+    options: &Options<'_>,
+    number: usize,
+) -> Result<String, usize> {
     let plain = without_drawing(text, number)?;
     let look = |text: &str| {
         let document = zeroset_syntax::read(text, options).ok()?;
@@ -357,7 +361,7 @@ mod tests {
 
     #[test]
     fn what_is_left_looks_as_it_did() {
-        let take = |text: &str, number| without(text, &Options::default(), number);
+        let take = |text: &str, number| without_surface(text, &Options::default(), number);
         assert_eq!(take("x = 1\ncolor red\ny = 1", 2).as_deref(), Ok("x = 1"));
         assert_eq!(
             take("color red\nx = 1\ncolor blue\ny = 1\nhidden\nz = 1", 3).as_deref(),

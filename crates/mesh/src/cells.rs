@@ -17,7 +17,7 @@ use zeroset_scene::program::Program;
 pub struct PartKernels<'a> {
     zeros: &'a dyn Kernel<FindZeros, f64>,
     gradients: &'a dyn Kernel<EncloseGradient, f64>,
-    /// Samples the part.
+    /// The kernel for values of the part at points.
     pub samples: &'a dyn Kernel<Sample, f64>,
     /// All kernels.
     pub all: &'a dyn Kernels<f64>,

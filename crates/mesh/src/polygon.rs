@@ -113,7 +113,7 @@ impl Linear {
         // On a section, one part is 0. So is the choice where the other parts leave it at 0.
         let zeros = |section| match choice {
             Choice::Part(_) => smallvec![section],
-            several => merged(self.pieces(several, section, Ordering::Equal)),
+            several => merged(self.cut_by_sign(several, section, Ordering::Equal)),
         };
         sections.flat_map(zeros).collect()
     }
@@ -140,7 +140,7 @@ impl Linear {
         if self.parts.is_empty() {
             return smallvec![polygon];
         }
-        merged(self.pieces(choice, polygon, Ordering::Less))
+        merged(self.cut_by_sign(choice, polygon, Ordering::Less))
     }
 
     /// The polygon in which a part is 0.
@@ -180,7 +180,8 @@ impl Linear {
         Some(Polygon { vertices, between: ALL, part, is_joined: false })
     }
 
-    /// The vertex between some corners where some parts are 0.
+    /// The vertex at which the given parts are 0. It lies in the simplex of the corners in the bit
+    /// set `between`. The edge that follows it lies on the line `next`.
     fn vertex(&self, between: u8, parts: &[u16], next: Line) -> Vertex {
         let count = parts.len();
         let mut key = [NO_PART; 3];
@@ -235,8 +236,14 @@ impl Linear {
         polygon.vertices.iter().map(|vertex| self.key(vertex))
     }
 
-    /// The pieces of a polygon, cut along the zeros of all parts, in which the choice has a sign.
-    fn pieces(&self, choice: &Choice, polygon: Polygon, sign: Ordering) -> SmallVec<[Polygon; 1]> {
+    /// Cuts a polygon along the zeros of all parts, and keeps the pieces in which the choice has
+    /// this sign.
+    fn cut_by_sign(
+        &self,
+        choice: &Choice,
+        polygon: Polygon,
+        sign: Ordering,
+    ) -> SmallVec<[Polygon; 1]> {
         let mut pieces = vec![(polygon, Vec::new())];
         for (part, values) in &self.parts {
             let whole = std::mem::take(&mut pieces);

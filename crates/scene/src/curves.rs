@@ -134,10 +134,10 @@ fn line(
     let size = 2.0 * region.half_extent();
     let (pieces, problem) = match &curve.shape {
         CurveShape::Path { at, ends } => match path::Path::new(document, *at, *ends) {
-            Some(path) => path.pieces(region, size),
+            Some(path) => path.traced(region, size),
             None => (Vec::new(), Some("has no range, or is too large")),
         },
-        CurveShape::Intersection(both) => intersection::pieces(document, *both, region),
+        CurveShape::Intersection(both) => intersection::traced(document, *both, region),
         CurveShape::Point { .. } => (Vec::new(), None),
     };
     let pieces = pieces.iter().flat_map(|piece| shaped::clipped(region, piece));

@@ -169,7 +169,9 @@ impl Band<'_> {
         if self.is_free(pixel) {
             self.count(1);
             (self.status[pixel], self.drawn[pixel]) = (Status::Hit, distance);
-            self.uneven[pixel] = uneven;
+            if uneven {
+                self.uneven[pixel] = true;
+            }
             if let Some(bracket) = self.bracket.get_mut(pixel) {
                 // The bracket is extended by the rounding of the distance.
                 let off = off + LENGTH_ERROR * distance.abs();

@@ -171,8 +171,8 @@ impl Sets<'_> {
         }
         let opposite = Bound { side: !bound.side, ..bound.clone() };
         let parts = [
-            self.without(kind, first.set, [bound, &opposite])?,
-            self.without(kind, second.set, [&opposite, bound])?,
+            self.member_where_undecided(kind, first.set, [bound, &opposite])?,
+            self.member_where_undecided(kind, second.set, [&opposite, bound])?,
         ];
         let cover = self.group(!kind, parts);
         let cover = self.reduce(cover);
@@ -182,7 +182,12 @@ impl Sets<'_> {
     /// A member of a group of this kind at those points of a face where `held` decides nothing:
     /// in a union, where it holds. There the other bound is that of the other side. `None` if there
     /// is too much to do.
-    fn without(&mut self, kind: Kind, set: SetId, [held, other]: [&Bound; 2]) -> Option<SetId> {
+    fn member_where_undecided(
+        &mut self,
+        kind: Kind,
+        set: SetId,
+        [held, other]: [&Bound; 2],
+    ) -> Option<SetId> {
         self.work = self.work.checked_sub(1)?;
         match self.set(set) {
             Set::Bound(bound) if bound == held => Some(kind.absorbing()),
@@ -190,8 +195,10 @@ impl Sets<'_> {
             Set::All | Set::Nothing | Set::Bound(_) => Some(set),
             Set::Group(found, members) => {
                 let (found, members) = (*found, Rc::clone(members));
-                let left: Option<Vec<SetId>> =
-                    members.iter().map(|id| self.without(kind, *id, [held, other])).collect();
+                let left: Option<Vec<SetId>> = members
+                    .iter()
+                    .map(|id| self.member_where_undecided(kind, *id, [held, other]))
+                    .collect();
                 let left = left?;
                 Some(if left[..] == members[..] { set } else { self.group(found, left) })
             }

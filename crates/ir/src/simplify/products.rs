@@ -9,8 +9,8 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use zeroset_ops::{Class, Op, Restriction};
 
-/// Largest number of factors of a product that is stored with its node. A longer product counts as
-/// one factor, and its equal bases are merged late.
+/// Largest number of factors of a product that is stored with its node. A longer product is
+/// multiplied on as one factor, whatever its bases. Equal bases are merged once it is complete.
 const REMEMBERED_FACTORS: usize = 8;
 /// Largest number of restrictions that are lifted out of an operand. Further ones stay inside it.
 const LIFTED_CONDITIONS: usize = 16;

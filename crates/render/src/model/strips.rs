@@ -60,7 +60,7 @@ impl Model {
         if width * height > WHOLE {
             rows = (STRIP / width / ALIGNED).max(1) * ALIGNED;
         }
-        self.strips_of(rows, camera, settings, progress, each)
+        self.strips_of_height(rows, camera, settings, progress, each)
     }
 
     /// Like [`Model::strips`], with a given number of rows per strip.
@@ -70,7 +70,7 @@ impl Model {
     ///
     /// # Panics
     /// If `rows` is less than the picture's height and not a positive multiple of sixteen.
-    pub fn strips_of<E: From<ProgramError>>(
+    pub fn strips_of_height<E: From<ProgramError>>(
         &self,
         rows: usize,
         camera: &Camera,

@@ -69,8 +69,9 @@ struct Cover {
 struct PixelCover {
     x: u32,
     y: u32,
-    /// The nearest, and one behind it.
+    /// The tube or ball that is nearest to the eye.
     front: Cover,
+    /// The nearest of those behind it.
     back: Cover,
     /// A nearer tube has a gap beside it, in which tubes beyond this distance are left out. The
     /// second number is the nearer tube's position along the curves.

@@ -43,7 +43,7 @@ impl Grid {
 }
 
 /// The pieces of the curve on which two functions are 0, and what is wrong with them.
-pub fn pieces(
+pub fn traced(
     document: &Document,
     both: [NodeId; 2],
     region: &Region,

@@ -90,7 +90,7 @@ impl Path {
     }
 
     /// The curve's pieces, and what is wrong with them. Parts far from the region are coarse.
-    pub fn pieces(&self, region: &Region, size: f64) -> (Vec<Vec<DVec3>>, Option<&'static str>) {
+    pub fn traced(&self, region: &Region, size: f64) -> (Vec<Vec<DVec3>>, Option<&'static str>) {
         let mut all = self.first();
         let mut is_complete = true;
         for _ in 0..ROUNDS {
@@ -120,7 +120,7 @@ impl Path {
             all = next;
         }
         (
-            pieces(&all, size, is_complete),
+            split(&all, size, is_complete),
             (!is_complete).then_some("bends too often to be drawn exactly"),
         )
     }
@@ -149,7 +149,7 @@ fn is_settled(region: &Region, size: f64, [from, middle, to]: [DVec3; 3]) -> boo
 }
 
 /// Splits samples where the curve has no value or jumps, and leaves out samples on straight parts.
-fn pieces(all: &[Sample], size: f64, is_complete: bool) -> Vec<Vec<DVec3>> {
+fn split(all: &[Sample], size: f64, is_complete: bool) -> Vec<Vec<DVec3>> {
     let mut pieces: Vec<Vec<DVec3>> = Vec::new();
     let mut piece: Vec<DVec3> = Vec::new();
     for (n, sample) in all.iter().enumerate() {

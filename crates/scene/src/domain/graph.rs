@@ -4,7 +4,7 @@
 //! depends neither on cameras nor on pictures.
 
 use super::ground::{self, Ground};
-use super::heights::{Grid, Heights, ROUNDING, ShownHeights, shown};
+use super::heights::{Grid, Heights, ROUNDING, ShownHeights, choose_heights};
 use super::shape::Growth;
 use super::tops::around_tops;
 use super::window::{WindowChooser, few_digits};
@@ -211,7 +211,7 @@ impl WindowChooser<'_> {
         let proven = [self.bounds.low[up], self.bounds.high[up]];
         let mut thin = FLAT;
         if let Some(ShownHeights { ends, is_cut }) =
-            shown(&heights, &grid, &tops, &further, proven, self.is_stretched)
+            choose_heights(&heights, &grid, &tops, &further, proven, self.is_stretched)
         {
             let [low, high] = ends.map(few_digits);
             (window.low[up], window.high[up]) = (low, high);

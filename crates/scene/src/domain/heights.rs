@@ -285,7 +285,7 @@ pub struct ShownHeights {
 /// between those of the grid, and all heights lie within `proven`. If `is_stretched`, and that part
 /// would show little of a graph, all heights are shown, or most of them toward a pole. `None` if
 /// there are no heights.
-pub fn shown(
+pub fn choose_heights(
     heights: &Heights<'_>,
     grid: &Grid,
     tops: &[f64],

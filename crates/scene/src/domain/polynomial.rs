@@ -155,7 +155,7 @@ impl Polynomial {
                     let far = dot(along, wanted) / size;
                     place = [0, 1, 2].map(|axis| place[axis] + far * along[axis]);
                     pull.add(along, dot(place, along));
-                    free = without(free, along);
+                    free = without_direction(free, along);
                 }
             }
         }
@@ -198,7 +198,7 @@ impl DirectionalSum {
                 if size > LEAST_WEIGHT {
                     let far = dot(along, missing) / size;
                     place = [0, 1, 2].map(|axis| place[axis] + far * along[axis]);
-                    free = without(free, along);
+                    free = without_direction(free, along);
                 }
             }
         }
@@ -223,8 +223,8 @@ fn within(free: Symmetric, matrix: Symmetric) -> Symmetric {
     half.map(|row| times(free, row))
 }
 
-/// The projection `free` without the direction `along`.
-fn without(free: Symmetric, along: Coordinates) -> Symmetric {
+/// Removes the direction `along` from the projection `free`.
+fn without_direction(free: Symmetric, along: Coordinates) -> Symmetric {
     let gone = onto(along);
     [0, 1, 2].map(|axis| [0, 1, 2].map(|other| free[axis][other] - gone[axis][other]))
 }

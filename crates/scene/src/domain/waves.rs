@@ -27,7 +27,7 @@ const GROWS: f64 = 1.8;
 /// Half the side of the cube around `centre` in which a wave's argument stays small. The cube
 /// extends only along the axes for which `axes` is true. Uses the first wave whose argument grows
 /// with the distance; `None` if there is no such wave.
-pub fn resolvable_half(waves: &[&Wave<'_>], centre: [f64; 3], axes: [bool; 3]) -> Option<f64> {
+pub fn half_side_for_waves(waves: &[&Wave<'_>], centre: [f64; 3], axes: [bool; 3]) -> Option<f64> {
     let counted = |along: [f64; 3]| [0, 1, 2].map(|k| if axes[k] { along[k] } else { 0.0 });
     let largest = |wave: &Wave<'_>, half: f64| {
         let corners = places_about(counted(centre), counted([half; 3]));
@@ -39,6 +39,6 @@ pub fn resolvable_half(waves: &[&Wave<'_>], centre: [f64; 3], axes: [bool; 3]) -
     let wave = waves.iter().find(grows)?;
     let power = |k: i32| (f64::from(k) / f64::from(STEPS)).exp2();
     let halves: Vec<f64> = (STEPS * FIRST..=STEPS * LAST).map(power).collect();
-    let resolvable_half = halves.partition_point(|half| largest(wave, *half) <= WAVES);
-    Some(resolvable_half.checked_sub(1).map_or(DEFAULT_HALF, |last| halves[last]))
+    let count = halves.partition_point(|half| largest(wave, *half) <= WAVES);
+    Some(count.checked_sub(1).map_or(DEFAULT_HALF, |last| halves[last]))
 }

@@ -7,7 +7,7 @@
 
 use super::critical::{CriticalDistances, CriticalSearch};
 use super::shape::{GraphShape, Growth};
-use super::waves::{Wave, resolvable_half};
+use super::waves::{Wave, half_side_for_waves};
 use super::{BOX_DEPTH, DEFAULT_HALF, FLAT};
 use zeroset_eval::{Kernel, Sample};
 use zeroset_space::{Cell, CellSearch};
@@ -142,7 +142,7 @@ impl WindowChooser<'_> {
                 _ => longest,
             });
         }
-        if let Some(half) = resolvable_half(&self.waves, self.centre, on_ground) {
+        if let Some(half) = half_side_for_waves(&self.waves, self.centre, on_ground) {
             return [few_digits(half); 3];
         }
         if let Some(graph) = self.graph_axes() {

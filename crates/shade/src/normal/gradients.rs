@@ -16,8 +16,8 @@ const TOGETHER: usize = 8;
 
 /// Greatest distance of a zero from the painted point, in pixels.
 const REACH: f64 = 4.0;
-/// If normals at the painted point and nearer to the zero differ by no more than this, as 1 less the
-/// cosine of their angle, the normal at the zero is not sought.
+/// Greatest turn of the normal between the painted point and a point nearer to the zero, as 1 less
+/// its cosine. If it turns no more, the normal at the zero is not sought.
 const TURN: f32 = 1.0 / 2048.0;
 
 impl<T: Real> NormalSource<'_, T> {
@@ -173,8 +173,9 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
                 + y[lane].into() * f64::from(ways[1][lane])
                 + z[lane].into() * f64::from(ways[2][lane]);
             // Toward the eye. If the slope is 0, the step is infinite or NaN.
-            steps[lane] = values[lane].into() / slope;
-            let is_near = steps[lane].abs() <= REACH * self.rays.footprint(drawn[lane]);
+            let step = values[lane].into() / slope;
+            let is_near = step.abs() <= REACH * self.rays.footprint(drawn[lane]);
+            steps[lane] = if is_near { step } else { 0.0 };
             within[lane] = u8::from(status[lane] == Status::Hit) & u8::from(is_near);
         }
         let reached = uneven & self::lanes(simd, within);
@@ -184,15 +185,15 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
         for (coordinates, way) in points.at.iter_mut().zip(&ways) {
             for lane in 0..LANES {
                 let moved = coordinates[lane].into() - steps[lane] * f64::from(way[lane]);
-                coordinates[lane] =
-                    if within[lane] == 1 { T::nearest(moved) } else { coordinates[lane] };
+                coordinates[lane] = T::nearest(moved);
             }
         }
         self.work.gradient.called(reached.count_ones());
         self.kernel.eval(points, samples);
         let (nearer, found) = self::units(simd, &samples.gradient);
-        let [x, y, z] = [0, 1, 2].map(|axis| nearer[axis] * units[axis]);
-        let same = (x + y + z).simd_ge(1.0 - TURN).to_bitmask() as u32;
+        let ([x, y, z], [a, b, c]) = (nearer, units);
+        let cosine = z.mul_add(c, y.mul_add(b, x * a));
+        let same = cosine.simd_ge(1.0 - TURN).to_bitmask() as u32;
         (nearer, reached & found & same)
     }
 

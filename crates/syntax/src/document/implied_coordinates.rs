@@ -74,7 +74,11 @@ fn uses(text: &str, lines: &[ParsedStatement<'_>], scope: &Scope) -> Uses {
 /// Turns a definition of r, rho, theta or phi, such as `r = 1 + cos(theta)`, into an equation if no
 /// other line uses the defined name. The right side must contain another of these four names that
 /// is not defined, or z without x and y.
-pub(crate) fn turn_into_equations(text: &str, lines: &mut [ParsedStatement<'_>], scope: &Scope) {
+pub(crate) fn make_definitions_equations(
+    text: &str,
+    lines: &mut [ParsedStatement<'_>],
+    scope: &Scope,
+) {
     let defined: FxHashSet<String> = lines
         .iter()
         .filter_map(|line| line.head.as_ref())

@@ -231,7 +231,7 @@ impl<'a> DocumentReader<'a> {
         for (name, _) in self.options.overrides {
             scope.define(name, None);
         }
-        implied_coordinates::turn_into_equations(self.text, &mut lines, &scope);
+        implied_coordinates::make_definitions_equations(self.text, &mut lines, &scope);
         resolve_heads(self.text, &mut lines, &mut scope, &mut self.notes);
         for synthesized in &program.synthesized {
             if let Statement::Define(Definition { name, parameters, .. }) = &synthesized.statement {

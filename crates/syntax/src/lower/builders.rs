@@ -16,7 +16,7 @@ use zeroset_parser::tree::ast::Function;
 use zeroset_parser::tree::series::MAX_TERMS;
 use zeroset_parser::{Error, ErrorKind, Fallible, Limits, Note, NoteKind, Span};
 
-/// Placeholders are parameters from this number on. No document has as many parameters.
+/// Placeholders are parameters from this number on. A document has fewer parameters.
 const FIRST_PLACEHOLDER: u32 = 1 << 31;
 
 /// The center of a primitive, among the values of its parameters.

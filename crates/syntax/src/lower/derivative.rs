@@ -12,8 +12,8 @@ use zeroset_ops::{Differential, Op};
 use zeroset_parser::tree::ast::{Expr, Function, NamedValue};
 use zeroset_parser::{Error, ErrorKind, Fallible, Span};
 
-/// Variables of differentiation are parameters from this number on. No document has as many
-/// parameters, and no lowering as many moves.
+/// Variables of differentiation are parameters from this number on. The parameters of a document,
+/// and the placeholders of moved solids, have lower numbers.
 const FIRST_VARIABLE: u32 = 3 << 30;
 
 impl<'a> Lowering<'a> {
