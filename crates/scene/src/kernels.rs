@@ -369,11 +369,14 @@ impl BoundSurface {
     }
 }
 
+// If these were inlined in other crates, all kernels would be compiled there again.
 impl SurfaceKernels for BoundSurface {
+    #[inline(never)]
     fn single(&self) -> &dyn Kernels<f32> {
         &self.single
     }
 
+    #[inline(never)]
     fn double(&self) -> &dyn Kernels<f64> {
         &self.double
     }

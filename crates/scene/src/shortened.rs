@@ -155,11 +155,14 @@ impl ShortSurface {
     }
 }
 
+// If these were inlined in other crates, all kernels would be compiled there again.
 impl SurfaceKernels for ShortSurface {
+    #[inline(never)]
     fn single(&self) -> &dyn Kernels<f32> {
         &self.single
     }
 
+    #[inline(never)]
     fn double(&self) -> &dyn Kernels<f64> {
         &self.double
     }
