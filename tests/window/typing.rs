@@ -68,6 +68,8 @@ impl Scene {
     /// The document, as Ctrl-C in the window copies it.
     pub fn copied(&self) -> String {
         self.key("ctrl+c");
+        // Or it might copy after others have put something there.
+        self.turn();
         self.clipboard("clipboard")
     }
 
