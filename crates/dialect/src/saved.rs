@@ -91,6 +91,12 @@ impl ProgramReader<'_> {
         Ok(self.saved(kind, span, true, frame))
     }
 
+    /// Dividend and divisor, if both are known numbers and the divisor is not 0.
+    fn known_quotient(&self, left: &[Token], right: &[Token], frame: &Frame) -> Option<[f64; 2]> {
+        let known = [self.known(left, frame)?, self.known(right, frame)?];
+        (known[1] != 0.0).then_some(known)
+    }
+
     /// A saved value for the quotient of `left` by `right`, rounded by `op`.
     pub(crate) fn quotient(
         &mut self,
@@ -100,10 +106,8 @@ impl ProgramReader<'_> {
         is_whole: bool,
         frame: &mut Frame,
     ) -> Fallible<Token> {
-        let span = span_of(left).unwrap_or_default().to(span_of(right).unwrap_or_default());
-        if let (Some(a), Some(b)) = (self.known(left, frame), self.known(right, frame))
-            && b != 0.0
-        {
+        let span = span_of_both(left, right);
+        if let Some([a, b]) = self.known_quotient(left, right, frame) {
             let quotient = if op == Op::Trunc { (a / b).trunc() } else { (a / b).floor() };
             return Ok(self.saved(number_expr(quotient, span), span, is_whole, frame));
         }
@@ -122,9 +126,8 @@ impl ProgramReader<'_> {
         is_whole: bool,
         frame: &mut Frame,
     ) -> Fallible<Token> {
-        let span = span_of(left).unwrap_or_default().to(span_of(right).unwrap_or_default());
-        if let (Some(a), Some(b)) = (self.known(left, frame), self.known(right, frame))
-            && b != 0.0
+        let span = span_of_both(left, right);
+        if let Some([a, b]) = self.known_quotient(left, right, frame)
             && [a, b].iter().all(|number| number.fract() == 0.0)
         {
             let rest = if op == Op::Trunc { a % b } else { a - b * (a / b).floor() };
@@ -143,7 +146,7 @@ impl ProgramReader<'_> {
         right: &[Token],
         frame: &mut Frame,
     ) -> Fallible<Token> {
-        let span = span_of(left).unwrap_or_default().to(span_of(right).unwrap_or_default());
+        let span = span_of_both(left, right);
         let both = self.both(left, right, span, frame)?;
         let function = Function::OfVectors(VectorFunction::Dot);
         let kind = self.defined(ExprKind::Call(function, both.to_vec()), frame);
@@ -212,6 +215,10 @@ impl ProgramReader<'_> {
         matches!(key.as_str(), "true" | "false" | "True" | "False")
             || frame.aliases.find(&key).is_some_and(|kind| flag_of(kind).is_some())
     }
+}
+
+fn span_of_both(left: &[Token], right: &[Token]) -> Span {
+    span_of(left).unwrap_or_default().to(span_of(right).unwrap_or_default())
 }
 
 fn of_op(op: Op, value: Expr) -> ExprKind {

@@ -134,8 +134,8 @@ pub enum QueryNumber {
     SampleForward,
 }
 
-/// A task that is the same for all queries in both precisions. A function that is not generic
-/// [calls](QueryNumber::run) it, so that no other crate compiles the task again.
+/// A task for any query in any precision. It is [run](QueryNumber::run) from a function that is not
+/// generic, so that no other crate compiles the task again.
 pub trait QueryTask {
     /// The result of the task.
     type Result;

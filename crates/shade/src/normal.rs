@@ -1,8 +1,9 @@
 //! Normals of painted points. They are computed after the traversal, and only for painted pixels.
 //!
 //! For a hit, the gradient is taken at the painted point. If it may have another direction at the
-//! zero, the zero is found in `f64`, if the picture's precision allows it, and the gradient is
-//! taken there. If the zero is a multiple one, normals beside it are averaged.
+//! zero, it is taken again after one step of Newton's method. If that turned it, the zero is found
+//! in `f64`, if the picture's precision allows it, and the gradient is taken there. If the zero is
+//! a multiple one, normals beside it are averaged.
 //!
 //! For an undecided pixel, the gradient is taken half a pixel before the painted point: where f
 //! only touches 0, the gradient at the point is 0. A gradient may not exist (NaN, infinite or zero)

@@ -14,7 +14,7 @@ use zeroset_trace::KernelStats;
 /// one before.
 const STEPS: usize = 24;
 /// Greatest distance of the zero from the start, in pixels.
-const REACH: f64 = 4.0;
+pub(super) const REACH: f64 = 4.0;
 /// A zero is found if a step is shorter than this, in pixels. It is a simple zero if the step is
 /// also much shorter than the one before, or below rounding errors.
 const CLOSE: f64 = 1.0 / 4096.0;

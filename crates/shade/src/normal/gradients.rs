@@ -1,6 +1,7 @@
 //! Normals from gradients, for sixteen pixels of a window at a time. Colors are computed while the
 //! normals are in registers.
 
+use super::at_roots::REACH;
 use super::{BandNormals, NormalSource, OpenPixel};
 use crate::shade::{ColoredRows, ShadingInput, ViewAndNormals};
 use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*, u8x16, u32x16};
@@ -14,8 +15,6 @@ use zeroset_trace::{KernelStats, RayDirections, RayGrid, Status};
 /// away is slow.
 const TOGETHER: usize = 8;
 
-/// Greatest distance of a zero from the painted point, in pixels.
-const REACH: f64 = 4.0;
 /// Greatest turn of the normal between the painted point and a point nearer to the zero, as 1 less
 /// its cosine. If it turns no more, the normal at the zero is not sought.
 const TURN: f32 = 1.0 / 2048.0;
@@ -143,8 +142,8 @@ impl<T: Real> BandGradients<'_, '_, '_, T> {
     }
 
     /// Takes a step of Newton's method along the rays of hits among the `uneven` lanes, whose
-    /// normals at the painted points are `units`. Returns the normals there, and the lanes in which
-    /// they are hardly others than before: then they are those of the zero. The batches `at` hold
+    /// normals at the painted points are `units`. Returns the normals after the step, and the lanes
+    /// in which the step hardly turned them. There the zero has the same normal. The batches hold
     /// the painted points and their gradients, and are overwritten.
     #[inline(always)]
     fn nearer_zeros<S: Simd>(
