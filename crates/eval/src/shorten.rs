@@ -205,9 +205,10 @@ pub struct Shortener {
 }
 
 impl Shortener {
-    /// Examines the steps of a tape.
-    pub fn new<T: Real>(tape: &Tape<T>) -> Self {
-        Self { rules: Rules::new(tape) }
+    /// Examines the steps of a tape. Selections are for these values of its parameters; without
+    /// values, for all.
+    pub fn new<T: Real>(tape: &Tape<T>, values: &[Interval]) -> Self {
+        Self { rules: Rules::new(tape, values) }
     }
 
     /// Number of products of which only zeros and sign matter.
@@ -233,6 +234,7 @@ impl Shortener {
                     [first, second].into_iter().for_each(&mut mark);
                 }
                 StepRule::Abs | StepRule::Choice => mark(first),
+                StepRule::Sum(sum) => mark(step.operands[1 - sum.operand]),
                 StepRule::Blend(number) => {
                     let extremum = self.rules.blends[number as usize].extremum;
                     let extremum = step.operands[extremum].position().expect("an operation");

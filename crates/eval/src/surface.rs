@@ -46,6 +46,11 @@ pub trait Kernels<T: Real>: Sync {
     fn bounds(&self) -> KernelResult<'_, Enclose, T> {
         Err(Arc::new(NoKernel))
     }
+    /// The kernel that bounds the function by the steps that matter in a part of space, for points
+    /// there. Elsewhere, its answers mean nothing. `None` if these kernels are for all of space.
+    fn bounds_in_part(&self) -> Option<KernelResult<'_, Enclose, T>> {
+        None
+    }
     /// The kernels that bound the numerator and the denominator of the function's rational form, if
     /// it has one. Within its domain of definition, the function is 0 where the numerator is 0 and
     /// the denominator is not. The function has poles where the denominator is 0.

@@ -72,7 +72,7 @@ impl WholeFunction {
         double: impl FnOnce() -> Option<Tape<f64>>,
         values: &[Interval],
     ) -> Option<Self> {
-        let (all, shortener) = (Selection::all(&single), Shortener::new(&single));
+        let (all, shortener) = (Selection::all(&single), Shortener::new(&single, values));
         let deciding = shortener.deciding(&all).positions().len();
         let products = shortener.products();
         // A product has two factors.
@@ -173,6 +173,7 @@ pub(crate) struct ShortKernels<T: WholeFloat> {
     whole: Arc<WholeFunction>,
     selection: Arc<Selection>,
     zeros: OnceThreaded<FindZeros, T>,
+    bounds: OnceThreaded<Enclose, T>,
     segments: OnceThreaded<ContractSegments, T>,
     tiles: OnceThreaded<ContractTiles, T>,
     values: OnceThreaded<Sample, T>,
@@ -185,6 +186,7 @@ impl<T: WholeFloat> ShortKernels<T> {
             whole: Arc::clone(whole),
             selection: Arc::clone(selection),
             zeros: OnceLock::new(),
+            bounds: OnceLock::new(),
             segments: OnceLock::new(),
             tiles: OnceLock::new(),
             values: OnceLock::new(),
@@ -267,6 +269,10 @@ impl<T: WholeFloat> Kernels<T> for ShortKernels<T> {
             boxed(Threaded::selected(stencils, &self.whole.all))
         };
         known(whole.bounds.get_or_init(make))
+    }
+
+    fn bounds_in_part(&self) -> Option<KernelResult<'_, Enclose, T>> {
+        Some(self.kernel(&self.bounds, |stencils| &stencils.bounds))
     }
 
     fn cleared(&self) -> Result<Option<[&dyn Kernel<Enclose, T>; 2]>, KernelError> {

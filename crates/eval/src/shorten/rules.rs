@@ -22,6 +22,11 @@ pub enum StepRule {
     Choice,
     /// An operand, changed by a constant.
     Shift(Shift),
+    /// A sum or difference. The value of one operand is needed exactly; its bounds shift the
+    /// thresholds of the other.
+    Sum(Sum),
+    /// The first operand, defined only where the second meets a condition on its sign.
+    Restriction,
     /// The product of two operands, of which only zeros and sign matter.
     Product,
     /// A blend of two operands: its number among [`Rules::blends`].
@@ -48,7 +53,7 @@ pub enum Shift {
 }
 
 impl Shift {
-    /// The number of the operand that is not the constant.
+    /// The place of the operand that is not the constant.
     pub fn operand(&self) -> usize {
         usize::from(matches!(self, Self::PlusSecond(_) | Self::Minus(_) | Self::TimesSecond(_)))
     }
@@ -66,6 +71,27 @@ impl Shift {
     }
 }
 
+/// A sum or difference of two operands that are not constant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sum {
+    /// The place of the operand that gets thresholds: that with more choices.
+    pub operand: usize,
+    /// Whether the second operand is subtracted.
+    pub is_difference: bool,
+}
+
+impl Sum {
+    /// The rule of the operand that gets thresholds, if the other is between these bounds.
+    pub fn shift(&self, other: Interval) -> Shift {
+        match (self.operand, self.is_difference) {
+            (0, false) => Shift::Plus(other),
+            (0, true) => Shift::Plus(other.negated()),
+            (_, false) => Shift::PlusSecond(other),
+            (_, true) => Shift::Minus(other),
+        }
+    }
+}
+
 /// A quadratic blend of two values: min(a, b) − c·max(k − |a − b|, 0)².
 ///
 /// Or that of their negatives, negated: max(a, b) + c·max(k − |a − b|, 0)².
@@ -78,8 +104,8 @@ pub struct Blend {
     pub is_negated: bool,
     /// At least k.
     pub width: f64,
-    /// At least k + c·k².
-    pub reach: f64,
+    /// At least c·k²: how far the blend is at most from the minimum or maximum.
+    pub depth: f64,
 }
 
 /// The rules of all steps of a tape.
@@ -90,10 +116,12 @@ pub struct Rules {
 }
 
 impl Rules {
-    pub fn new<T: Real>(tape: &Tape<T>) -> Self {
-        let finder = BlendFinder { tape, users: users(tape) };
+    /// Finds the rules for these values of the parameters.
+    pub fn new<T: Real>(tape: &Tape<T>, values: &[Interval]) -> Self {
+        let constants = Constants { tape, values };
+        let mut of: Vec<StepRule> = tape.steps().iter().map(|step| constants.rule(step)).collect();
+        let finder = BlendFinder { constants, users: users(tape) };
         let mut blends = Vec::new();
-        let mut of: Vec<StepRule> = tape.steps().iter().map(|step| rule(tape, step)).collect();
         for index in 0..of.len() {
             if let Some((blend, within)) = finder.blend(index) {
                 for inner in within {
@@ -103,8 +131,34 @@ impl Rules {
                 blends.push(blend);
             }
         }
+        find_sums(tape, &mut of);
         find_products(tape, &mut of);
         Self { of, blends }
+    }
+}
+
+/// Least number of choices in an operand for which bounds of the other are worth their time.
+const LEAST_CHOICES: u32 = 16;
+
+/// Finds the sums with an operand that has many choices.
+fn find_sums<T: Real>(tape: &Tape<T>, rules: &mut [StepRule]) {
+    // Choices among a step and its operands; those of shared operands count more than once.
+    let mut choices = vec![0_u32; rules.len()];
+    for (index, step) in tape.steps().iter().enumerate() {
+        let Step::Apply(op, operands) = step else { continue };
+        if rules[index] == StepRule::Exact
+            && let (Op::Add | Op::Sub, &[a, b]) = (op, &operands[..])
+            && choices[a].max(choices[b]) >= LEAST_CHOICES
+        {
+            let operand = usize::from(choices[b] > choices[a]);
+            rules[index] = StepRule::Sum(Sum { operand, is_difference: *op == Op::Sub });
+        }
+        let own = match rules[index] {
+            StepRule::Min | StepRule::Max | StepRule::Choice | StepRule::Blend(_) => 1,
+            _ => 0,
+        };
+        let sum = |all: u32, &operand: &usize| all.saturating_add(choices[operand]);
+        choices[index] = operands.iter().fold(own, sum);
     }
 }
 
@@ -125,11 +179,20 @@ fn find_products<T: Real>(tape: &Tape<T>, rules: &mut [StepRule]) {
             | StepRule::Neg
             | StepRule::Abs
             | StepRule::Choice
+            | StepRule::Restriction
             | StepRule::Shift(Shift::Times(_) | Shift::TimesSecond(_) | Shift::Over(_)) => true,
-            StepRule::Exact | StepRule::Shift(_) | StepRule::Blend(_) | StepRule::InBlend => false,
+            StepRule::Exact
+            | StepRule::Shift(_)
+            | StepRule::Sum(_)
+            | StepRule::Blend(_)
+            | StepRule::InBlend => false,
         };
         for (place, operand) in operands.iter().enumerate() {
-            let is_condition = rules[index] == StepRule::Choice && place == 0;
+            let is_condition = match rules[index] {
+                StepRule::Choice => place == 0,
+                StepRule::Restriction => place == 1,
+                _ => false,
+            };
             has_width[*operand] |= !passes_zero || has_width[index] && !is_condition;
         }
     }
@@ -146,47 +209,59 @@ fn users<T: Real>(tape: &Tape<T>) -> Vec<u32> {
     users
 }
 
-fn constant<T: Real>(tape: &Tape<T>, index: usize) -> Option<Interval> {
-    match &tape.steps()[index] {
-        Step::Constant(bounds, _) => Some(*bounds),
-        _ => None,
-    }
+/// The constants of a tape, and the values of its parameters.
+struct Constants<'a, T: Real> {
+    tape: &'a Tape<T>,
+    values: &'a [Interval],
 }
 
-/// Returns the rule of a step that is no blend.
-fn rule<T: Real>(tape: &Tape<T>, step: &Step) -> StepRule {
-    let Step::Apply(op, operands) = step else { return StepRule::Exact };
-    let constants = operands.iter().map(|&operand| constant(tape, operand));
-    let constants: smallvec::SmallVec<[Option<Interval>; 3]> = constants.collect();
-    let is_apart = |constant: &Interval| !constant.contains(0.0);
-    let shift = match (op, &constants[..]) {
-        (Op::Min, _) => return StepRule::Min,
-        (Op::Max, _) => return StepRule::Max,
-        (Op::Neg, _) => return StepRule::Neg,
-        (Op::Abs, _) => return StepRule::Abs,
-        (Op::SelectNegative, _) => return StepRule::Choice,
-        (Op::Add, [_, Some(constant)]) => Shift::Plus(*constant),
-        (Op::Add, [Some(constant), _]) => Shift::PlusSecond(*constant),
-        (Op::Sub, [_, Some(constant)]) => Shift::Plus(constant.negated()),
-        (Op::Sub, [Some(constant), _]) => Shift::Minus(*constant),
-        (Op::Mul, [_, Some(factor)]) if is_apart(factor) => Shift::Times(*factor),
-        (Op::Mul, [Some(factor), _]) if is_apart(factor) => Shift::TimesSecond(*factor),
-        (Op::Div, [_, Some(divisor)]) if is_apart(divisor) => Shift::Over(*divisor),
-        _ => return StepRule::Exact,
-    };
-    StepRule::Shift(shift)
+impl<T: Real> Constants<'_, T> {
+    fn of(&self, index: usize) -> Option<Interval> {
+        match &self.tape.steps()[index] {
+            Step::Constant(bounds, _) => Some(*bounds),
+            Step::Parameter(number) => self.values.get(*number as usize).copied(),
+            _ => None,
+        }
+    }
+
+    /// Returns the rule of a step that is no blend.
+    fn rule(&self, step: &Step) -> StepRule {
+        let Step::Apply(op, operands) = step else { return StepRule::Exact };
+        let constants = operands.iter().map(|&operand| self.of(operand));
+        let constants: smallvec::SmallVec<[Option<Interval>; 3]> = constants.collect();
+        let is_apart = |constant: &Interval| !constant.contains(0.0);
+        let shift = match (op, &constants[..]) {
+            (Op::Min, _) => return StepRule::Min,
+            (Op::Max, _) => return StepRule::Max,
+            (Op::Neg, _) => return StepRule::Neg,
+            (Op::Abs, _) => return StepRule::Abs,
+            (Op::SelectNegative, _) => return StepRule::Choice,
+            (Op::WhereNonneg | Op::WherePositive | Op::WhereNonzero | Op::WhereDefined, _) => {
+                return StepRule::Restriction;
+            }
+            (Op::Add, [_, Some(constant)]) => Shift::Plus(*constant),
+            (Op::Add, [Some(constant), _]) => Shift::PlusSecond(*constant),
+            (Op::Sub, [_, Some(constant)]) => Shift::Plus(constant.negated()),
+            (Op::Sub, [Some(constant), _]) => Shift::Minus(*constant),
+            (Op::Mul, [_, Some(factor)]) if is_apart(factor) => Shift::Times(*factor),
+            (Op::Mul, [Some(factor), _]) if is_apart(factor) => Shift::TimesSecond(*factor),
+            (Op::Div, [_, Some(divisor)]) if is_apart(divisor) => Shift::Over(*divisor),
+            _ => return StepRule::Exact,
+        };
+        StepRule::Shift(shift)
+    }
 }
 
 /// Finds blends in a tape.
 struct BlendFinder<'a, T: Real> {
-    tape: &'a Tape<T>,
+    constants: Constants<'a, T>,
     users: Vec<u32>,
 }
 
 impl<'a, T: Real> BlendFinder<'a, T> {
     /// Returns the operands of a step if it is this operation and has one user.
     fn only(&self, index: usize, op: Op) -> Option<&'a [usize]> {
-        match &self.tape.steps()[index] {
+        match &self.constants.tape.steps()[index] {
             Step::Apply(other, operands) if *other == op && self.users[index] == 1 => {
                 Some(operands)
             }
@@ -197,14 +272,14 @@ impl<'a, T: Real> BlendFinder<'a, T> {
     /// Returns the constant among two operands, and the other operand.
     fn with_constant(&self, operands: &[usize]) -> Option<(Interval, usize)> {
         let &[a, b] = operands else { return None };
-        let of = |one: usize, other: usize| Some((constant(self.tape, one)?, other));
+        let of = |one: usize, other: usize| Some((self.constants.of(one)?, other));
         of(a, b).or_else(|| of(b, a))
     }
 
     /// Finds whether a step is a blend. Also returns the steps between it and its operands. None of
     /// them has another user.
     fn blend(&self, index: usize) -> Option<(Blend, [usize; 7])> {
-        let Step::Apply(op, operands) = &self.tape.steps()[index] else { return None };
+        let Step::Apply(op, operands) = &self.constants.tape.steps()[index] else { return None };
         let &[first, second] = &operands[..] else { return None };
         let is_negated = *op == Op::Sub && self.only(second, Op::Min).is_some();
         let (extremum, square, is_max) = match op {
@@ -219,24 +294,90 @@ impl<'a, T: Real> BlendFinder<'a, T> {
         let &[part] = self.only(squared, Op::Sqr)? else { return None };
         let (zeros, rest) = self.with_constant(self.only(part, Op::Max)?)?;
         let &[width, magnitude] = self.only(rest, Op::Sub)? else { return None };
-        let widths = constant(self.tape, width)?;
+        let widths = self.constants.of(width)?;
         let &[difference] = self.only(magnitude, Op::Abs)? else { return None };
         let of = self.only(difference, Op::Sub)?;
         let &[a, b] = ends else { return None };
         let is_of_them = of == [a, b] || of == [b, a];
-        // 0 ≤ 2·c·k ≤ 1
-        let twice = factors.times(widths).times(Interval { lo: 2.0, hi: 2.0 });
-        let is_monotone = factors.lo >= 0.0 && widths.lo >= 0.0 && twice.hi <= 1.0;
-        let reach = widths.plus(factors.times(widths.power(2)));
+        // The rules hold for 0 ≤ c·k ≤ 1.
+        let is_flat = factors.lo >= 0.0 && widths.lo >= 0.0 && factors.times(widths).hi <= 1.0;
+        let depth = factors.times(widths.power(2));
         let blend = Blend {
             extremum: usize::from(extremum == second),
             is_max,
             is_negated,
             width: widths.hi,
-            reach: reach.hi,
+            depth: depth.hi,
         };
         let within = [extremum, square, squared, part, rest, magnitude, difference];
-        (is_of_them && is_monotone && zeros == Interval::ZERO && reach.is_bounded())
-            .then_some((blend, within))
+        let is_bounded = widths.is_bounded() && depth.is_bounded();
+        (is_of_them && is_flat && zeros == Interval::ZERO && is_bounded).then_some((blend, within))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+    use std::path::Path;
+
+    /// The statements in the folder `proofs` on which a rule rests.
+    fn proofs(rule: &StepRule) -> &'static [&'static str] {
+        match rule {
+            // Wide thresholds are exact values. A step with several users has the widest.
+            StepRule::Exact | StepRule::InBlend => &["widen"],
+            StepRule::Min => &["min", "min-drop", "min-bounds", "clamp"],
+            StepRule::Max => &["max", "max-drop", "min-bounds", "clamp"],
+            StepRule::Neg => &["neg"],
+            StepRule::Abs => &["abs", "abs-drop"],
+            StepRule::Choice => &["choice", "choice-first", "choice-second"],
+            StepRule::Shift(Shift::Times(_) | Shift::TimesSecond(_)) => {
+                &["times-positive", "times-negative"]
+            }
+            StepRule::Shift(Shift::Over(_)) => &["over-positive", "over-negative"],
+            StepRule::Shift(Shift::Plus(_) | Shift::PlusSecond(_) | Shift::Minus(_))
+            | StepRule::Sum(_) => &["sum", "difference", "difference-second"],
+            StepRule::Restriction => &[
+                "restriction-defined",
+                "restriction-nonneg",
+                "restriction-nonzero",
+                "restriction-positive",
+            ],
+            StepRule::Product => &["product", "product-drop", "product-negated"],
+            StepRule::Blend(_) => {
+                &["blend", "blend-max", "blend-drop", "blend-max-drop", "blend-bounds", "clamp"]
+            }
+        }
+    }
+
+    #[test]
+    fn the_statements_that_are_proven_are_those_of_the_rules() {
+        let one = Interval { lo: 1.0, hi: 1.0 };
+        let rules = [
+            StepRule::Exact,
+            StepRule::Min,
+            StepRule::Max,
+            StepRule::Neg,
+            StepRule::Abs,
+            StepRule::Choice,
+            StepRule::Shift(Shift::Plus(one)),
+            StepRule::Shift(Shift::Times(one)),
+            StepRule::Shift(Shift::Over(one)),
+            StepRule::Sum(Sum { operand: 0, is_difference: false }),
+            StepRule::Restriction,
+            StepRule::Product,
+            StepRule::Blend(0),
+            StepRule::InBlend,
+        ];
+        let named: BTreeSet<String> =
+            rules.iter().flat_map(proofs).map(ToString::to_string).collect();
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../proofs");
+        let files = std::fs::read_dir(folder).expect("the folder of proofs");
+        let names = files.filter_map(|file| {
+            let name = file.expect("a file").file_name().into_string().expect("a name");
+            name.strip_suffix(".smt2").map(ToString::to_string)
+        });
+        let proven: BTreeSet<String> = names.filter(|name| name != "prelude").collect();
+        assert_eq!(named, proven);
     }
 }

@@ -36,6 +36,21 @@ impl Known {
     }
 }
 
+/// Returns thresholds that are not beyond the bounds of the step's value, which serve as well.
+fn clamped(thresholds: Interval, values: Interval) -> Interval {
+    let hi = thresholds.hi.min(values.hi).max(thresholds.lo);
+    Interval { lo: thresholds.lo.max(values.lo).min(hi), hi }
+}
+
+/// Bounds of the minimum, or if `is_max` of the maximum.
+fn extremum(is_max: bool, [a, b]: [Interval; 2]) -> Interval {
+    if is_max {
+        Interval { lo: a.lo.max(b.lo), hi: a.hi.max(b.hi) }
+    } else {
+        Interval { lo: a.lo.min(b.lo), hi: a.hi.min(b.hi) }
+    }
+}
+
 /// Lanes in which a step is needed.
 #[derive(Clone, Copy, Default)]
 pub struct StepNeed {
@@ -203,6 +218,23 @@ impl<T: Real> NeedFinder<'_, T> {
                     }
                 }
             }
+            StepRule::Sum(sum) => {
+                self.need_exact(operands[1 - sum.operand], set);
+                self.need_exact(operands[sum.operand], exact);
+                for lane in lanes(set & !exact) {
+                    let other = self.known(operands[1 - sum.operand], lane).values;
+                    let thresholds = sum.shift(other).of(self.thresholds(index, lane));
+                    self.need(operands[sum.operand], lane, thresholds);
+                }
+            }
+            StepRule::Restriction => {
+                self.need_exact(operands[0], exact);
+                for lane in lanes(set) {
+                    self.need(operands[0], lane, self.thresholds(index, lane));
+                    // Only the sign matters, and whether there is a value.
+                    self.need(operands[1], lane, Interval::ZERO);
+                }
+            }
             StepRule::Choice => self.pass_on_choice(index, operands),
             StepRule::Product => self.pass_on_product(index, [operands[0], operands[1]]),
             StepRule::Blend(number) => {
@@ -235,19 +267,20 @@ impl<T: Real> NeedFinder<'_, T> {
     /// The rule of the minimum, or if `is_max` of the maximum.
     fn pass_on_least(&mut self, index: usize, operands: [SelectedOperand; 2], is_max: bool) {
         for lane in lanes(self.needs.of[index].lanes) {
-            let thresholds = self.thresholds(index, lane);
             let [a, b] = operands.map(|operand| self.known(operand, lane));
-            let is_beyond = |one: &Known, other: &Known| {
-                // A dropped operand must not be where the result has no value.
-                one.is_defined
+            let own = extremum(is_max, [a.values, b.values]);
+            let thresholds = clamped(self.thresholds(index, lane), own);
+            // A dropped operand must not be where the result has no value.
+            let is_beyond = |known: &Known| {
+                known.is_defined
                     && if is_max {
-                        one.values.hi < thresholds.lo.max(other.values.lo)
+                        known.values.hi < thresholds.lo
                     } else {
-                        one.values.lo > thresholds.hi.min(other.values.hi)
+                        known.values.lo > thresholds.hi
                     }
             };
-            let beyond = [is_beyond(&b, &a), is_beyond(&a, &b)];
-            self.pass_on_either(index, lane, operands, beyond, [thresholds; 2]);
+            let [first, second] = [is_beyond(&a), is_beyond(&b)];
+            self.pass_on_either(index, lane, operands, [second, first], [thresholds; 2]);
         }
     }
 
@@ -270,37 +303,34 @@ impl<T: Real> NeedFinder<'_, T> {
     }
 
     fn pass_on_blend(&mut self, index: usize, blend: &Blend) {
-        let Blend { extremum, is_max, is_negated, width, reach } = *blend;
+        let Blend { extremum: place, is_max, is_negated, width, depth } = *blend;
         let inner = self.choosing.from.steps[index].operands;
-        let extremum = inner[extremum].position().expect("an operation");
-        let [a, b, _] = self.choosing.from.steps[extremum].operands;
+        let least = inner[place].position().expect("an operation");
+        let [a, b, _] = self.choosing.from.steps[least].operands;
         let operands = [a, b];
         for lane in lanes(self.needs.of[index].lanes) {
             let thresholds = self.thresholds(index, lane);
             let thresholds = if is_negated { thresholds.negated() } else { thresholds };
-            let by = |reach: f64| {
-                let all = Interval { lo: -reach, hi: reach }.plus(thresholds);
-                if is_max {
-                    Interval { lo: all.lo, hi: thresholds.hi }
-                } else {
-                    Interval { lo: thresholds.lo, hi: all.hi }
-                }
+            let known = operands.map(|operand| self.known(operand, lane));
+            let own = extremum(is_max, known.map(|known| known.values));
+            let reach = |lo: f64, hi: f64| Interval { lo: -lo, hi };
+            let [own, each] = if is_max {
+                let own = clamped(thresholds, own.plus(reach(0.0, depth)));
+                [own, own.plus(reach(width, 0.0))]
+            } else {
+                let own = clamped(thresholds, own.plus(reach(depth, 0.0)));
+                [own, own.plus(reach(0.0, width))]
             };
-            let farthest = by(width);
             let is_beyond = |known: Known| {
                 known.is_defined
-                    && if is_max {
-                        known.values.hi < farthest.lo
-                    } else {
-                        known.values.lo > farthest.hi
-                    }
+                    && if is_max { known.values.hi < each.lo } else { known.values.lo > each.hi }
             };
-            let [first, second] = operands.map(|operand| is_beyond(self.known(operand, lane)));
+            let [first, second] = known.map(is_beyond);
             let beyond = [second, first && !second];
             if is_negated && (first || second) {
                 self.needs.of[index].negated |= 1 << lane;
             }
-            self.pass_on_either(index, lane, operands, beyond, [thresholds, by(reach)]);
+            self.pass_on_either(index, lane, operands, beyond, [own, each]);
         }
         let StepNeed { lanes: set, replaced: [first, second], .. } = self.needs.of[index];
         self.keep(&inner, set & !first & !second);

@@ -22,7 +22,7 @@ pub fn random_choices(rng: &mut Rng, depth: u32) -> String {
     let number = |rng: &mut Rng| format!("{:.3}", f64::from(rng.i32(-1500..=1500)) / 1000.0);
     if depth == 0 {
         let [a, b, c, d] = [(); 4].map(|()| number(rng));
-        return match rng.u32(0..9) {
+        return match rng.u32(0..11) {
             0 | 1 => format!("(sqrt((x-{a})^2+(y-{b})^2+(z-{c})^2)-0.4)"),
             2 => format!("((x-{a})^2+(y-{b})^2+(z-{c})^2-0.3)"),
             3 => format!("({a}*x+{b}*y+{c}*z-{d})"),
@@ -30,6 +30,8 @@ pub fn random_choices(rng: &mut Rng, depth: u32) -> String {
             5 => format!("(ln(x-{a})+y)"),
             6 => format!("(sqrt(y-{b})-0.4)"),
             7 => format!("(x/(y-{c})-{d})"),
+            8 => format!("(y-{b}){{x < {a}}}"),
+            9 => format!("(min(max(x-{a},y-{b}),0)+sqrt(max(x-{a},0)^2+max(y-{b},0)^2))"),
             _ => format!("(sin(3*z)+x*y-{d})"),
         };
     }
@@ -42,7 +44,7 @@ pub fn random_choices(rng: &mut Rng, depth: u32) -> String {
     let k = f64::from(rng.u32(1..=800)) / 1000.0;
     // 2·c·k from 0 to 3: a blend with more than 1 does not grow with its operands.
     let c = f64::from(rng.u32(0..=15)) / 10.0 / k;
-    match rng.u32(0..17) {
+    match rng.u32(0..19) {
         0..=2 => format!("min({a},{b})"),
         3 | 4 => format!("max({a},{b})"),
         5 => format!("(-{a})"),
@@ -57,7 +59,42 @@ pub fn random_choices(rng: &mut Rng, depth: u32) -> String {
         14 => format!("(sqrt(max({a},{b}))-1.1)"),
         // A real exponent that is a whole number in places.
         15 => format!("(({a})^max({b},2)-0.4)"),
+        16 => format!("(({a}){{({b}) > {n}}})"),
+        // A solid that is displaced. The sum counts only if one side has many choices.
+        17 => format!("(({a})-0.2*sin(5*x+{n}))"),
         _ => format!("if({n}*x<y,{a},{b})"),
+    }
+}
+
+/// A formula of a few planes across the axes. Bounds of planes are tight, so that a part often ends
+/// just where an operand may be dropped.
+fn random_planes(rng: &mut Rng, depth: u32) -> String {
+    let share = |rng: &mut Rng| f64::from(rng.i32(-400..=400)) / 1000.0;
+    if depth == 0 {
+        let axis = ["x", "y", "z", "-x", "2*y"][rng.u32(0..5) as usize];
+        return format!("({axis}-{})", share(rng));
+    }
+    let (a, b) = (random_planes(rng, depth - 1), random_planes(rng, depth / 2));
+    let (n, k) = (share(rng), f64::from(rng.u32(100..=600)) / 1000.0);
+    // Blends with c·k near 1 need the widest thresholds.
+    let c = if rng.bool() { 0.9999 / k } else { f64::from(rng.u32(1..=13)) / 10.0 / k };
+    match rng.u32(0..16) {
+        12..=14 => format!("({a}){{max({b},{n}-z) > 0}}"),
+        15 => format!("(sin({a})-{n})"),
+        0..=2 => format!("(min({a},{b})-{c}*max({k}-abs({a}-{b}),0)^2)"),
+        3 | 4 => format!("(max({a},{b})+{c}*max({k}-abs({a}-{b}),0)^2)"),
+        5 => format!("min({a},{b})"),
+        6 => format!("max({a},{b})"),
+        7 => format!("abs({a})"),
+        8 => format!("({n}-{a})"),
+        9 => format!("if({b}<0,{a},{n}-{a})"),
+        10 => format!("({a}){{{b} > 0}}"),
+        _ => {
+            // A sum counts if one side has many choices.
+            let sum = format!("{}({b})", if rng.bool() { "+" } else { "-" });
+            let far = (0..16).fold(a, |all, n| format!("min({all},{}+x)", 9 + n));
+            if rng.bool() { format!("({far}{sum})") } else { format!("(({b})-{far})") }
+        }
     }
 }
 
@@ -96,9 +133,14 @@ fn enclosed(kernel: &Threaded<Enclose, f64>, points: &[[Interval; 3]]) -> Enclos
 /// # Panics
 /// If stencils cannot be compiled.
 pub fn check_shortening<T: Adversarial>(rng: &mut Rng) -> Result<Tally, Failure> {
-    let (depth, simple) = (rng.u32(2..=6), rng.bool());
-    let mut text = random_choices(rng, depth);
-    let middle = [(); 3].map(|()| f64::from(rng.i32(-1000..=1000)) / 1000.0 * HALF);
+    let (depth, simple, is_flat) = (rng.u32(2..=6), rng.bool(), rng.bool());
+    // Planes meet near the origin.
+    let (mut text, extent) = if is_flat {
+        (random_planes(rng, depth.min(5) - 1), 0.4)
+    } else {
+        (random_choices(rng, depth), HALF)
+    };
+    let middle = [(); 3].map(|()| f64::from(rng.i32(-1000..=1000)) / 1000.0 * extent);
     let stencils = |tape: &Arc<Tape<f64>>| {
         Arc::new(StencilTape::<Enclose, f64>::new(tape, &Binding::empty()).expect("stencils"))
     };
@@ -120,7 +162,7 @@ pub fn check_shortening<T: Adversarial>(rng: &mut Rng) -> Result<Tally, Failure>
         };
     }
     let Some((single, exact)) = tapes::<T>(&text, simple) else { return Ok(Tally::default()) };
-    let shortener = Shortener::new(&single);
+    let shortener = Shortener::new(&single, &[]);
     let from = Selection::all(&single);
     let deciding = shortener.deciding(&from);
     let traced = StencilTape::<Enclose, T>::new(&single, &Binding::empty());
@@ -141,7 +183,7 @@ pub fn check_shortening<T: Adversarial>(rng: &mut Rng) -> Result<Tally, Failure>
         .collect();
     // Other lanes get no selection, nor those in which nearly all steps matter.
     let open = 1 << rng.u32(0..16) | rng.u32(0..1 << 16) as LaneSet;
-    let most = from.steps().len() - 1;
+    let most = from.steps().len().saturating_sub(1);
     let select = |_: &Enclosures<T>, bounds: &[StepBounds<T>]| {
         shortener.select(&single, &from, &deciding, bounds, open, most)
     };

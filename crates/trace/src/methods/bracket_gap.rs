@@ -58,6 +58,17 @@ impl<T: Real> RayFunction<'_, T> {
         Some([near, behind])
     }
 
+    /// Returns whether the function has proven, opposite signs at the ends of a segment, and is
+    /// continuous between them unless it bounds a solid.
+    pub fn is_bracket(&self, segment: [f64; 2]) -> bool {
+        let [first, last] = self.inside();
+        if !(first <= segment[0] && segment[1] <= last) {
+            return false;
+        }
+        let [Some(before), Some(behind)] = self.signs(&segment)[..] else { return false };
+        before != behind && (self.is_solid || self.enclose(segment).facts(0).has(Facts::CONTINUOUS))
+    }
+
     /// Returns whether a segment is a gap, like that of sin(x)/x at 0, rather than a surface. The
     /// function has the same sign on both sides of a gap. Its `denominator` may vanish in or near
     /// the gap.

@@ -12,7 +12,9 @@ use crate::options::Precision;
 use crate::ray_result::UndecidedReason;
 use crate::scalar::Scalar;
 use std::sync::OnceLock;
-use zeroset_eval::{Boxes, Contractions, Enclose, Kernel, KernelError, LANES, Segments, Zeros};
+use zeroset_eval::{
+    Boxes, Contractions, Enclose, Kernel, KernelError, KernelFloat, LANES, Segments, Zeros,
+};
 use zeroset_interval::Facts;
 
 /// Returns whether a ray's bracket must be shorter than segments in `T` can be.
@@ -83,6 +85,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
             let rest = part(false);
             if rest.iter().any(Option::is_some) {
                 self.narrower.narrow(local_rays, &rest, scratch, &mut steps, work);
+                self.find_brackets(local_rays, &mut steps);
                 self.refine(local_rays, &mut steps, &mut stretch, work);
             }
             if let Some(double) = finer {
@@ -144,6 +147,36 @@ impl<'a, T: Scalar> Follower<'a, T> {
             }
         }
         outcomes
+    }
+
+    /// In a part of a surface of many parts, turns undecided segments at whose ends the function has
+    /// opposite signs into hits.
+    ///
+    /// Such surfaces have corners. Where a function has a corner at its zero, like
+    /// max(a, 0) + min(a, 0) at a = 0, no form gets nearly linear, however short the segment. Then
+    /// [`Self::refine`] finds nothing, and [`Self::bracket_across_gap`] evaluates all steps of the
+    /// function fifty times.
+    fn find_brackets(&self, local_rays: &[LocalRay], steps: &mut [FollowResult; LANES]) {
+        let Task { surface, options, .. } = self.task;
+        if !self.refines || !options.intervals || options.least > 0.0 {
+            return;
+        }
+        for (local_ray, step) in local_rays.iter().zip(steps) {
+            let FollowResult::Open([near, far], _) = *step else { continue };
+            // Ends may be rounded to outside of the ray's part.
+            let [first, last] = local_ray.span;
+            let segment = [near.max(first), far.min(last)];
+            let length = segment[1] - segment[0];
+            // Nor is a bracket around the ray's start wanted.
+            let is_short = length > 0.0 && length <= local_ray.longest;
+            if is_short
+                && local_ray.start < segment[0]
+                && let Some(Ok(kernel)) = f64::kernels(surface).bounds_in_part()
+                && self.along(kernel, local_ray).is_bracket(segment)
+            {
+                *step = FollowResult::Hit(segment);
+            }
+        }
     }
 
     /// Examines segments that are undecided in `f32` again in `f64`, each with a stretch behind it,

@@ -1,0 +1,12 @@
+; An operand of a blend of maxima is dropped: it has a value, and is beyond -s - k.
+(assert (= defined_f (and defined_a defined_b)))
+(assert (= defined_g defined_a2))
+(assert (= g a2))
+(assert (<= 0.0 k))
+(assert (<= 0.0 c))
+(assert (<= (* c k) 1.0))
+(assert (= f (- (blend (- a) (- b) k c))))
+(assert defined_b)
+(assert (< hi_b (- (- s) k)))
+(assert (fits defined_a a defined_a2 a2 s t))
+(assert (not (fits defined_f f defined_g g s t)))

@@ -1,0 +1,11 @@
+; A factor is dropped: it has a value, and is above 0.
+(assert (= s 0.0))
+(assert (= t 0.0))
+(assert (= defined_f (and defined_a defined_b)))
+(assert (= defined_g defined_a2))
+(assert (= g a2))
+(assert (= f (* a b)))
+(assert defined_b)
+(assert (> b 0.0))
+(assert (fits defined_a a defined_a2 a2 0.0 0.0))
+(assert (not (fits defined_f f defined_g g s t)))

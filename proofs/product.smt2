@@ -1,0 +1,10 @@
+; A product of which only zeros and sign matter is kept.
+(assert (= s 0.0))
+(assert (= t 0.0))
+(assert (= defined_f (and defined_a defined_b)))
+(assert (= defined_g (and defined_a2 defined_b2)))
+(assert (= f (* a b)))
+(assert (= g (* a2 b2)))
+(assert (fits defined_a a defined_a2 a2 0.0 0.0))
+(assert (fits defined_b b defined_b2 b2 0.0 0.0))
+(assert (not (fits defined_f f defined_g g s t)))

@@ -1,0 +1,11 @@
+; A blend whose factor is too large for its width.
+(assert (= defined_f (and defined_a defined_b)))
+(assert (= defined_g (and defined_a2 defined_b2)))
+(assert (<= 0.0 k))
+(assert (<= 0.0 c))
+(assert (<= (* c k) 1.3))
+(assert (= f (blend a b k c)))
+(assert (= g (blend a2 b2 k c)))
+(assert (fits defined_a a defined_a2 a2 s (+ t k)))
+(assert (fits defined_b b defined_b2 b2 s (+ t k)))
+(assert (not (fits defined_f f defined_g g s t)))
