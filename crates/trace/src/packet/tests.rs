@@ -1,8 +1,9 @@
 //! Compares boxes and ranges of τ with exact points of exact rays.
 
 use super::*;
+use crate::dispatch;
 use crate::painted::ones;
-use fearless_simd::{Level, dispatch};
+use fearless_simd::Level;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use zeroset_space::{HalfSpace, Ray};

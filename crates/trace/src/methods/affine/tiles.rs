@@ -9,13 +9,14 @@ use super::narrow::{MIN_BLUR_SHARE, STALL_LENGTH, are_progress};
 use super::pool::{MAX_COLUMNS, RayBuffers};
 use super::tracer::{BandTracer, LAST, SIDES};
 use crate::band::Band;
+use crate::dispatch;
 use crate::grid::RayGrid;
 use crate::kernel_stats::KernelStats;
 use crate::methods::local_ray::CUT;
 use crate::painted::ones;
 use crate::scalar::Scalar;
 use crate::simd_chunks::parts;
-use fearless_simd::{Level as Vectors, dispatch, prelude::*};
+use fearless_simd::{Level as Vectors, prelude::*};
 use std::ops::Range;
 use zeroset_eval::{LANES, Lanes, Tiles};
 
