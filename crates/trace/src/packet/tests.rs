@@ -103,7 +103,7 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
     let (mut random, levels) = (Random(seed), levels());
     let mut checked = 0_u32;
     let mut refused = 0_u32;
-    for _ in 0..3_000 {
+    for _ in 0..1_000 {
         let (region, segments) = scene(&mut random);
         let mut packet = Packet::<T>::new(&region);
         // A random width of vectors, so that each width is tested.
