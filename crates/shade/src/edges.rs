@@ -1,10 +1,11 @@
 //! Pixels for which one ray is not enough: those along visible edges.
 
-use fearless_simd::{Level, dispatch, f32x16, f64x8, prelude::*, u16x16};
+use fearless_simd::{Level, f32x16, f64x8, prelude::*, u16x16};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
 use zeroset_eval::LANES;
+use zeroset_trace::dispatch;
 use zeroset_trace::painted::SHADED_ROWS;
 use zeroset_trace::{GBuffer, RayGrid, SIDE};
 

@@ -10,14 +10,12 @@ pub fn is_fused(level: Level) -> bool {
     return !level.is_fallback();
 }
 
-/// All levels that this processor has. Those that are [fused](is_fused) compute the same bits.
+/// All levels that this processor has and code is compiled for. Those that are [fused](is_fused) compute the same bits.
 pub fn levels() -> Vec<Level> {
     let best = Level::new();
     #[allow(unused_mut, reason = "other processors have one kind")]
     let mut levels = vec![Level::baseline(), best];
     #[cfg(target_arch = "x86_64")]
-    levels.extend(
-        best.as_sse4_2().map(Level::Sse4_2).into_iter().chain(best.as_avx2().map(Level::Avx2)),
-    );
+    levels.extend(best.as_avx2().map(Level::Avx2));
     levels
 }

@@ -1,9 +1,10 @@
 //! Bands: rows of a picture. One thread fills a band at a time.
 
+use crate::dispatch;
 use crate::gbuffer::is_unseen;
 use crate::painted::are_unseen;
 use crate::ray_result::{LENGTH_ERROR, RayResult, Status, UndecidedReason};
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Level, Simd};
 use std::cell::Cell;
 use std::ops::Range;
 

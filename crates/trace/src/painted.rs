@@ -2,8 +2,9 @@
 //!
 //! This module does not depend on what is computed for the pixels.
 
+use crate::dispatch;
 use crate::ray_result::{Status, UndecidedReason};
-use fearless_simd::{Level, dispatch, f64x8, prelude::*, u8x16};
+use fearless_simd::{Level, f64x8, prelude::*, u8x16};
 use zeroset_eval::LANES;
 
 /// Number of rows that one thread shades at a time: few enough for the nearest caches. Neither this

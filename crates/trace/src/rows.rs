@@ -1,12 +1,13 @@
 //! Rows of a picture. One thread takes them from tracing to colors while they are in the caches.
 
 use crate::band::Band;
+use crate::dispatch;
 use crate::gbuffer::{GBuffer, PixelCounts, distance};
 use crate::kernel_stats::KernelStats;
 use crate::painted::{PixelWindow, are_misses, windows};
 use crate::ray_result::{Status, UndecidedReason};
 use crate::surface_ids::SurfaceIdSlice;
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Level, Simd};
 use std::cell::Cell;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};

@@ -6,10 +6,11 @@ use super::lanes::{
 use super::{Appearance, Haze, Paint, SurfaceColors, UndecidedStyle};
 use crate::color::{BLACK, LinearRgb, SrgbTable};
 use crate::colors::ColorsMut;
-use fearless_simd::{Level, dispatch, f32x16, mask32x16, prelude::*, u8x16};
+use fearless_simd::{Level, f32x16, mask32x16, prelude::*, u8x16};
 use glam::Vec3;
 use zeroset_eval::{LANES, Lanes};
 use zeroset_style::Material;
+use zeroset_trace::dispatch;
 use zeroset_trace::painted::{FULL, PixelWindow, bits};
 use zeroset_trace::{Columns, RayGrid, Status};
 

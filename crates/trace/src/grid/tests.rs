@@ -1,7 +1,8 @@
 //! Rays of ordinary and extreme cameras, compared with real geometry in exact arithmetic.
 
 use super::*;
-use fearless_simd::{Level, dispatch};
+use crate::dispatch;
+use fearless_simd::Level;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use zeroset_space::CameraError;

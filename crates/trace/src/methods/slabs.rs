@@ -8,13 +8,14 @@
 //! it. Such pixels are undecided. This module does not depend on how a slab is tested.
 
 use super::refine::{RayParts, Refiner};
+use crate::dispatch;
 use crate::kernel_stats::KernelStats;
 use crate::method::{Segment, Start, Task, Tracer};
 use crate::packet::{PACKET_RAYS, Packet, RayLanes};
 use crate::painted::ones;
 use crate::ray_result::{RayResult, Status, UndecidedReason};
 use crate::scalar::Scalar;
-use fearless_simd::{Level as Vectors, Simd, dispatch};
+use fearless_simd::{Level as Vectors, Simd};
 use std::ops::Range;
 use zeroset_eval::Zeros;
 use zeroset_space::Region;

@@ -1,8 +1,9 @@
 //! Compares boxes and ranges of τ with exact points of exact rays.
 
 use super::*;
+use crate::dispatch;
 use crate::painted::ones;
-use fearless_simd::{Level, dispatch};
+use fearless_simd::Level;
 use num_bigint::BigInt;
 use num_rational::BigRational;
 use zeroset_space::{HalfSpace, Ray};
@@ -102,7 +103,7 @@ fn points_lie_in_boxes<T: Scalar>(seed: u64) {
     let (mut random, levels) = (Random(seed), levels());
     let mut checked = 0_u32;
     let mut refused = 0_u32;
-    for _ in 0..3_000 {
+    for _ in 0..1_000 {
         let (region, segments) = scene(&mut random);
         let mut packet = Packet::<T>::new(&region);
         // A random width of vectors, so that each width is tested.

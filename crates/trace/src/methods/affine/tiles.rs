@@ -9,13 +9,14 @@ use super::narrow::{MIN_BLUR_SHARE, STALL_LENGTH, are_progress};
 use super::pool::{MAX_COLUMNS, RayBuffers};
 use super::tracer::{BandTracer, LAST, SIDES};
 use crate::band::Band;
+use crate::dispatch;
 use crate::grid::RayGrid;
 use crate::kernel_stats::KernelStats;
 use crate::methods::local_ray::CUT;
 use crate::painted::ones;
 use crate::scalar::Scalar;
 use crate::simd_chunks::parts;
-use fearless_simd::{Level as Vectors, dispatch, prelude::*};
+use fearless_simd::{Level as Vectors, prelude::*};
 use std::ops::Range;
 use zeroset_eval::{LANES, Lanes, Tiles};
 
@@ -241,7 +242,7 @@ fn trace_with<T: Scalar, S: Simd>(
             let down = start..rows.end.min(start + LANES / some.len().min(LANES));
             levels[*level].start(&tracer, [some.clone(), down], *level, *span, None, false);
             if *level == LAST {
-                tracer.run::<LAST>(&mut levels[LAST..]);
+                tracer.run_last(&mut levels[LAST..]);
             } else {
                 tracer.run::<0>(levels);
             }
@@ -341,6 +342,16 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
                 |place: usize, count: usize| finer * place..(finer * place + finer).min(count);
             self.coverage.extend([range(column, counts[0]), range(row, counts[1])], span);
         }
+    }
+
+    /// Examines tiles of the last level.
+    #[inline(always)]
+    fn run_last(&mut self, levels: &mut [Level<T>]) {
+        // Called from two places, so the code is kept out of line, compiled for the same vectors.
+        self.simd.vectorize(
+            #[inline(always)]
+            || self.run::<LAST>(levels),
+        );
     }
 
     #[inline(always)]
@@ -531,6 +542,6 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         let plane = self.method.task.options.contract;
         let plane = plane.then(|| level.planes.of(&level.batch, lane));
         finer[0].start(self, parts, LAST, segment, plane.as_ref(), within);
-        self.run::<LAST>(finer);
+        self.run_last(finer);
     }
 }

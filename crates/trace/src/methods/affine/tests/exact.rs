@@ -3,13 +3,14 @@
 //!
 //! A long run: `ZEROSET_CASES=100000 cargo test --release -p zeroset-trace exact -- --nocapture`.
 
+use crate::dispatch;
 use crate::grid::RayGrid;
 use crate::methods::affine::frame::RayFrame;
 use crate::methods::affine::plane::PlaneLanes;
 use crate::methods::affine::screens::outward;
 use crate::packet::tests::{exact, inside};
 use crate::scalar::Scalar;
-use fearless_simd::{Level, dispatch};
+use fearless_simd::Level;
 use glam::DVec3;
 use num_rational::BigRational;
 use zeroset_eval::{LANES, Lanes, Planes, Segments, Tiles};
