@@ -149,8 +149,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
         outcomes
     }
 
-    /// In a part of a surface of many parts, turns undecided segments at whose ends the function has
-    /// opposite signs into hits.
+    /// In a part of a surface of many parts, turns undecided segments into hits if the function has
+    /// opposite signs at their ends.
     ///
     /// Such surfaces have corners. Where a function has a corner at its zero, like
     /// max(a, 0) + min(a, 0) at a = 0, no form gets nearly linear, however short the segment. Then
