@@ -274,8 +274,19 @@ impl<'a, T: Scalar> Follower<'a, T> {
         if !self.task.options.intervals || self.task.options.least > 0.0 {
             return None;
         }
-        let kernel = U::kernels(self.task.surface).bounds().ok()?;
-        self.along(kernel, local_ray).bracket(segment)
+        let kernels = U::kernels(self.task.surface);
+        if let Some(Ok(kernel)) = kernels.bounds_in_part() {
+            // By the steps of the part, as far as the ray is in it, which takes far less time.
+            let [first, last] = local_ray.span;
+            let [near, far] = local_ray.inside;
+            let part = LocalRay { inside: [near.max(first), far.min(last)], ..*local_ray };
+            let segment = [segment[0].max(first), segment[1].min(last)];
+            let bracket = self.along(kernel, &part).bracket(segment);
+            if bracket.is_some() {
+                return bracket;
+            }
+        }
+        self.along(kernels.bounds().ok()?, local_ray).bracket(segment)
     }
 
     fn classify_open_in<U: Scalar>(
