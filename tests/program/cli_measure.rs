@@ -69,8 +69,7 @@ fn the_report_counts_pieces_as_the_text_does() {
 }
 
 /// Thinner than the cells of any mesh here.
-const SLAB: [&str; 5] =
-    ["(z-0.00001)*(z-0.00002) <= 0", "--domain", "1", "--relative", "10"];
+const SLAB: [&str; 5] = ["(z-0.00001)*(z-0.00002) <= 0", "--domain", "1", "--relative", "10"];
 
 #[test]
 fn a_solid_that_the_mesh_misses_is_not_said_to_be_nothing() {

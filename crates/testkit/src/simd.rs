@@ -10,8 +10,8 @@ pub fn is_fused(level: Level) -> bool {
     return !level.is_fallback();
 }
 
-/// All levels that this processor has and code is compiled for. Those that are [fused](is_fused)
-/// compute the same bits.
+/// All levels that this processor has and code is compiled for. Those that are
+/// [fused](is_fused) compute the same bits.
 pub fn levels() -> Vec<Level> {
     let best = Level::new();
     #[allow(unused_mut, reason = "other processors have one kind")]

@@ -1,4 +1,4 @@
-//! Which vectors code is compiled for.
+//! The choice of the vectors that code is compiled for.
 
 /// Runs `$op` with a token of the widest compiled vectors that a [`fearless_simd::Level`] allows.
 ///
