@@ -7,6 +7,7 @@
 //! both thresholds are 0, so that zeros, signs and the domain of definition stay.
 //! The module [`rules`] has the rule of each operation, and [`thresholds`] applies them.
 
+mod clauses;
 mod rules;
 mod thresholds;
 
@@ -16,9 +17,11 @@ use crate::tape::{Step, Tape};
 use rules::{Rules, StepRule};
 use smallvec::SmallVec;
 use std::cell::Cell;
+use std::sync::Arc;
 use thresholds::{Choosing, StepNeeds, lanes};
 use zeroset_interval::Interval;
 
+pub use clauses::{Clause, Clauses};
 pub use thresholds::LaneSet;
 
 /// Most bytes that a thread keeps for the next selection.
@@ -140,6 +143,8 @@ impl SelectedStep {
 #[derive(Clone, Debug)]
 pub struct Selection {
     steps: Vec<SelectedStep>,
+    /// Number of coordinates, which come first.
+    coordinates: usize,
     outputs: SmallVec<[SelectedOperand; 1]>,
 }
 
@@ -164,27 +169,48 @@ impl Selection {
     /// # Panics
     /// If an operation has more than three operands, or the tape 2²⁹ steps.
     pub fn all<T: Real>(tape: &Tape<T>) -> Self {
+        Self::of_clauses(tape, &Clauses::none(tape.steps().len()))
+    }
+
+    /// Selects all clauses, and all steps that are in none.
+    fn of_clauses<T: Real>(tape: &Tape<T>, clauses: &Clauses) -> Self {
         assert!(tape.steps().len() < Place::NEGATED as usize, "indices of 29 bits");
-        let (mut steps, mut place) = (Vec::new(), Vec::with_capacity(tape.steps().len()));
+        let mut steps = Vec::new();
+        let mut places = vec![SelectedOperand::NONE; tape.steps().len()];
+        for (index, step) in tape.steps().iter().enumerate() {
+            if let Step::Coordinate(_) = step {
+                places[index] = SelectedOperand(steps.len() as u32);
+                steps.push(SelectedStep::new(index as u32, [SelectedOperand::NONE; 3], false));
+            }
+        }
+        let coordinates = steps.len();
         for (index, step) in tape.steps().iter().enumerate() {
             let mut operands = [SelectedOperand::NONE; 3];
             match step {
                 Step::Constant(..) | Step::Parameter(_) => {
-                    place.push(SelectedOperand(index as u32 | SelectedOperand::CONSTANT));
+                    places[index] = SelectedOperand(index as u32 | SelectedOperand::CONSTANT);
                     continue;
                 }
-                Step::Coordinate(_) => {}
+                Step::Apply(..) if clauses.is_inside(index) => continue,
                 Step::Apply(_, used) => {
+                    let clause = clauses.ending_with(index);
+                    let used = clause.map_or(&**used, |clause| &clause.used);
                     for (operand, &used) in operands[..used.len()].iter_mut().zip(used) {
-                        *operand = place[used];
+                        *operand = places[used];
                     }
                 }
+                Step::Coordinate(_) => continue,
             }
-            place.push(SelectedOperand(steps.len() as u32));
+            places[index] = SelectedOperand(steps.len() as u32);
             steps.push(SelectedStep::new(index as u32, operands, false));
         }
-        let outputs = tape.outputs_at().iter().map(|&output| place[output]).collect();
-        Self { steps, outputs }
+        let outputs = tape.outputs_at().iter().map(|&output| places[output]).collect();
+        Self { steps, coordinates, outputs }
+    }
+
+    /// Positions of the coordinates. They are in every selection.
+    pub fn coordinates(&self) -> std::ops::Range<usize> {
+        0..self.coordinates
     }
 
     /// The steps.
@@ -202,18 +228,47 @@ impl Selection {
 #[derive(Clone, Debug)]
 pub struct Shortener {
     rules: Rules,
+    clauses: Arc<Clauses>,
+    /// Number of products of which only zeros and sign matter.
+    products: usize,
+    /// Number of steps whose bounds decide which others can be dropped, if no step is in a clause.
+    deciding: usize,
 }
 
 impl Shortener {
     /// Examines the steps of a tape. Selections are for these values of its parameters; without
     /// values, for all.
     pub fn new<T: Real>(tape: &Tape<T>, values: &[Interval]) -> Self {
-        Self { rules: Rules::new(tape, values) }
+        let rules = Rules::new(tape, values);
+        let products = rules.of.iter().filter(|rule| **rule == StepRule::Product).count();
+        let clauses = Arc::new(Clauses::none(tape.steps().len()));
+        let mut shortener = Self { rules, clauses, products, deciding: 0 };
+        shortener.deciding = shortener.deciding(&Selection::all(tape)).positions().len();
+        shortener.clauses = Arc::new(Clauses::find(tape, &mut shortener.rules));
+        shortener
     }
 
     /// Number of products of which only zeros and sign matter.
     pub fn products(&self) -> usize {
-        self.rules.of.iter().filter(|rule| **rule == StepRule::Product).count()
+        self.products
+    }
+
+    /// Number of steps of the tape whose bounds decide which others can be dropped.
+    pub fn choices(&self) -> usize {
+        self.deciding
+    }
+
+    /// The steps that are selected together.
+    pub fn clauses(&self) -> &Arc<Clauses> {
+        &self.clauses
+    }
+
+    /// Selects all clauses of the tape, and all steps that are in none.
+    ///
+    /// # Panics
+    /// If it is not the tape that was examined.
+    pub fn all<T: Real>(&self, tape: &Tape<T>) -> Selection {
+        Selection::of_clauses(tape, &self.clauses)
     }
 
     /// Finds the steps of a selection whose bounds decide which others can be dropped.
@@ -335,7 +390,7 @@ impl Shortener {
                     None => from.outputs[0],
                 };
                 let outputs = SmallVec::from_slice(&[output]);
-                Selection { steps, outputs }
+                Selection { steps, coordinates: from.coordinates, outputs }
             })
         });
         if scratch.bytes() <= SCRATCH_BYTES {

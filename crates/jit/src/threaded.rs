@@ -11,8 +11,8 @@ use std::fmt;
 use std::marker::PhantomData;
 use std::sync::Arc;
 use zeroset_eval::{
-    Binding, DecidingSteps, Input, Kernel, Loader, Output, Query, Real, SelectedOperand,
-    SelectedStep, Selection, Step, StepBounds, Tape, ValueKind,
+    Binding, Clause, Clauses, DecidingSteps, Input, Kernel, Loader, Output, Query, Real,
+    SelectedOperand, SelectedStep, Selection, Step, StepBounds, Tape, ValueKind,
 };
 use zeroset_interval::{Exponent, Software, Vector128};
 use zeroset_ops::Op;
@@ -51,6 +51,10 @@ const LAYOUT_STEPS: usize = 1 << 20;
 pub struct StencilTape<Q: Query, T: Real = f32> {
     tape: Arc<Tape<T>>,
     steps: Vec<TapeStep>,
+    /// Per step, the calls of the clause that ends with it.
+    clauses: Vec<Option<ClauseCalls>>,
+    /// Bytes for values inside of a clause.
+    inside: usize,
     /// Constants and parameters, repeated in all lanes.
     constants: Vec<Block>,
     width: usize,
@@ -83,8 +87,8 @@ unsafe impl<Q: Query, T: Real> Send for StencilTape<Q, T> {}
 unsafe impl<Q: Query, T: Real> Sync for StencilTape<Q, T> {}
 
 impl<Q: Query, T: Real> StencilTape<Q, T> {
-    /// Computes the constants of a [coarse](Tape::coarse) tape, and compiles the stencils that this
-    /// process has not needed before.
+    /// Computes the constants of a [coarse](Tape::coarse) tape, compiles the stencils that this
+    /// process has not needed before, and lays out the calls of clauses.
     ///
     /// # Errors
     /// If the processor is not supported, or the constants need more than 4 GiB.
@@ -93,10 +97,14 @@ impl<Q: Query, T: Real> StencilTape<Q, T> {
     /// If the tape is not coarse, if it computes another number of expressions than the query
     /// needs, if its number of parameters is not that of the binding, or if a value is outside its
     /// range.
-    pub fn new(tape: &Arc<Tape<T>>, binding: &Binding<T>) -> Result<Self, Error> {
+    pub fn new(
+        tape: &Arc<Tape<T>>,
+        binding: &Binding<T>,
+        clauses: &Clauses,
+    ) -> Result<Self, Error> {
         let mut result = Err(Error::Unsupported("vectors"));
         for width in vector_widths() {
-            result = Self::of_width(tape, binding, width);
+            result = Self::of_width(tape, binding, clauses, width);
             if result.is_ok() {
                 break;
             }
@@ -104,7 +112,12 @@ impl<Q: Query, T: Real> StencilTape<Q, T> {
         result
     }
 
-    fn of_width(tape: &Arc<Tape<T>>, binding: &Binding<T>, width: usize) -> Result<Self, Error> {
+    fn of_width(
+        tape: &Arc<Tape<T>>,
+        binding: &Binding<T>,
+        clauses: &Clauses,
+        width: usize,
+    ) -> Result<Self, Error> {
         assert!(tape.is_coarse(), "stencils rely on coarse ranges");
         Q::check(tape, binding);
         call_loop()?;
@@ -157,8 +170,26 @@ impl<Q: Query, T: Real> StencilTape<Q, T> {
             let value = StepValue { entry, number, parts: parts::<Q>(&shape) as u32 };
             steps.push(TapeStep { value, exponent, at });
         }
+        let mut slots = Slots::default();
+        let mut inside = 0;
+        let lay_out = |index: usize| {
+            let clause = clauses.ending_with(index)?;
+            let calls = ClauseCalls::new(tape, &steps, clause, width, &mut slots);
+            inside = inside.max(slots.end);
+            Some(calls)
+        };
+        let clauses = (0..steps.len()).map(lay_out).collect();
         let tape = Arc::clone(tape);
-        Ok(Self { tape, steps, constants: blocks(&bytes), width, query: PhantomData })
+        let constants = blocks(&bytes);
+        Ok(Self { tape, steps, clauses, inside, constants, width, query: PhantomData })
+    }
+
+    /// Returns the number of the axis of a coordinate.
+    fn axis(&self, step: &SelectedStep) -> usize {
+        match step.origin().map(|origin| &self.tape.steps()[origin]) {
+            Some(Step::Coordinate(axis)) => *axis as usize,
+            _ => unreachable!("a coordinate"),
+        }
     }
 
     /// Returns the operation of a step, which must have operands.
@@ -180,6 +211,103 @@ impl<Q: Query, T: Real> StencilTape<Q, T> {
             Step::Apply(Op::Pow, operands) => operands.get(1).copied(),
             _ => None,
         }
+    }
+}
+
+/// A place of a call in a clause.
+#[derive(Clone, Copy)]
+enum ClausePlace {
+    /// Among the constants.
+    Constant,
+    /// Among the values inside of clauses.
+    Inside,
+    /// The clause's own value.
+    Value,
+    /// A step that the clause uses, by its number there.
+    Used(u8),
+    /// The coordinate with this number.
+    Axis(u8),
+}
+
+/// The calls of a clause, from the last to the first. Their places are relative.
+struct ClauseCalls(Vec<(StencilCall, [ClausePlace; 4])>);
+
+impl ClauseCalls {
+    fn new<T: Real>(
+        tape: &Tape<T>,
+        steps: &[TapeStep],
+        clause: &Clause,
+        width: usize,
+        slots: &mut Slots,
+    ) -> Self {
+        let inside = &clause.steps;
+        slots.start(inside.len(), 0, width);
+        let mut calls = Vec::with_capacity(inside.len());
+        for (position, &index) in inside.iter().enumerate().rev() {
+            let value = steps[index as usize].value;
+            let is_last = position + 1 == inside.len();
+            let mut kinds = [ClausePlace::Constant; 4];
+            let mut call = StencilCall::new(value.entry, 0);
+            if is_last {
+                kinds[0] = ClausePlace::Value;
+            } else {
+                kinds[0] = ClausePlace::Inside;
+                call.places[0] = slots.place(position, value.parts);
+            }
+            let Step::Apply(_, operands) = &tape.steps()[index as usize] else {
+                unreachable!("an operation")
+            };
+            for ((at, kind), &operand) in
+                call.places[1..].iter_mut().zip(&mut kinds[1..]).zip(operands)
+            {
+                *kind = match &tape.steps()[operand] {
+                    Step::Constant(..) | Step::Parameter(_) => {
+                        *at = steps[operand].at;
+                        ClausePlace::Constant
+                    }
+                    Step::Coordinate(axis) => ClausePlace::Axis(*axis as u8),
+                    Step::Apply(..) => match inside.binary_search(&(operand as u32)) {
+                        Ok(position) => {
+                            *at = slots.place(position, steps[operand].value.parts);
+                            ClausePlace::Inside
+                        }
+                        Err(_) => {
+                            let number = clause.used.iter().position(|&used| used == operand);
+                            ClausePlace::Used(number.expect("a step that the clause uses") as u8)
+                        }
+                    },
+                };
+            }
+            if !is_last {
+                // As for calls outside of clauses.
+                slots.give(position, value.parts);
+            }
+            calls.push((call, kinds));
+        }
+        Self(calls)
+    }
+
+    /// The calls, from the last to the first, with the offsets of the values inside, of the
+    /// clause's value, of the steps that it uses, and of the coordinates.
+    fn calls(
+        &self,
+        inside: u32,
+        value: u32,
+        used: &[u32; 3],
+        axes: &[u32; 3],
+    ) -> impl Iterator<Item = StencilCall> {
+        self.0.iter().map(move |&(mut call, kinds)| {
+            for (place, kind) in call.places.iter_mut().zip(kinds) {
+                *place = match kind {
+                    ClausePlace::Constant => *place,
+                    ClausePlace::Inside => inside + *place,
+                    ClausePlace::Value => value,
+                    ClausePlace::Used(number) => used[number as usize],
+                    ClausePlace::Axis(axis) => axes[axis as usize],
+                };
+            }
+            call
+        })
     }
 }
 
@@ -271,7 +399,9 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
     /// As for [`StencilTape::new`].
     pub fn new(tape: Tape<T>, binding: &Binding<T>) -> Result<Self, Error> {
         let tape = Arc::new(tape.coarse());
-        Self::selected(&Arc::new(StencilTape::new(&tape, binding)?), &Selection::all(&tape))
+        let clauses = Clauses::none(tape.steps().len());
+        let stencils = StencilTape::new(&tape, binding, &clauses)?;
+        Self::selected(&Arc::new(stencils), &Selection::all(&tape))
     }
 
     /// Like [`Threaded::new`], but with vectors of `width` bytes, to compare with processors that
@@ -284,8 +414,9 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
     /// As for [`Threaded::new`].
     pub fn narrow(tape: Tape<T>, binding: &Binding<T>, width: usize) -> Result<Self, Error> {
         let tape = Arc::new(tape.coarse());
-        let stencils = Arc::new(StencilTape::of_width(&tape, binding, width)?);
-        Self::selected(&stencils, &Selection::all(&tape))
+        let clauses = Clauses::none(tape.steps().len());
+        let stencils = StencilTape::of_width(&tape, binding, &clauses, width)?;
+        Self::selected(&Arc::new(stencils), &Selection::all(&tape))
     }
 
     /// Lays out the calls for some steps of a tape.
@@ -337,7 +468,8 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
         let mut finder = StencilFinder::<Q, T>::new(tape.width);
         let Layout { values, slots } = layout;
         find_values(values, tape, selection, &mut finder)?;
-        slots.start(values.len(), traced.len() * size_of::<StepBounds<T>>(), tape.width);
+        let inside = traced.len() * size_of::<StepBounds<T>>();
+        slots.start(values.len(), inside + tape.inside, tape.width);
         let place = |slots: &mut Slots, operand: SelectedOperand| match operand.position() {
             Some(position) => slots.place(position, values[position].parts),
             None => tape.steps[operand.origin()].at,
@@ -365,6 +497,23 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
                 let mut call = StencilCall::new(stencil.code.entry(), to as u32);
                 call.operands().take(1).for_each(|operand| *operand = at);
                 calls.push(call);
+            }
+            let clause = step.origin().and_then(|origin| tape.clauses[origin].as_ref());
+            if let Some(clause) = clause {
+                // The steps that a clause uses are replaced by no others.
+                debug_assert!(!step.is_changed());
+                let mut used = [0; 3];
+                for (at, &operand) in used.iter_mut().zip(step.operands()) {
+                    *at = place(slots, operand);
+                }
+                let mut axes = [0; 3];
+                for position in selection.coordinates() {
+                    let axis = tape.axis(&selection.steps()[position]);
+                    axes[axis] = slots.place(position, values[position].parts);
+                }
+                calls.extend(clause.calls(inside as u32, at, &used, &axes));
+                slots.give(position, value.parts);
+                continue;
             }
             let mut call = StencilCall::new(value.entry, at);
             for (at, &operand) in call.operands().zip(step.operands()) {

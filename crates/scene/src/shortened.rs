@@ -2,16 +2,19 @@
 
 use std::sync::{Arc, OnceLock};
 use zeroset_eval::{
-    Binding, Boxes, ContractSegments, ContractTiles, Enclose, Enclosures, FindZeros, Kernel,
-    KernelError, KernelResult, Kernels, LANES, LaneSet, PartSurface, Query, Real, Sample,
+    Binding, Boxes, Clauses, ContractSegments, ContractTiles, Enclose, Enclosures, FindZeros,
+    Kernel, KernelError, KernelResult, Kernels, LANES, LaneSet, PartSurface, Query, Real, Sample,
     SampleForward, Selection, Shortener, SurfaceKernels, Tape, Tiles,
 };
 use zeroset_interval::Interval;
 use zeroset_jit::{StencilTape, Threaded};
 
-/// Least number of steps whose bounds decide what can be dropped. A formula with fewer has a kernel
-/// of its own that is faster than stencils.
-const LEAST_DECIDING: usize = 32;
+/// Least number of steps of a formula whose bounds decide what can be dropped. One with fewer has a
+/// kernel of its own that is faster than stencils.
+const LEAST_CHOICES: usize = 32;
+/// Least number of selected steps whose bounds decide what can be dropped. With fewer, choosing
+/// takes longer than it saves.
+const LEAST_DECIDING: usize = 12;
 /// Least number of products that count as choices. A product of 1,000 planes takes a third of the
 /// time by parts, but one of 300 takes a third more, and six times the memory.
 const LEAST_PRODUCTS: usize = 500;
@@ -34,15 +37,17 @@ pub(crate) struct WholeFunction {
 pub(crate) struct WholeTape<T: Real> {
     pub tape: Arc<Tape<T>>,
     binding: Binding<T>,
+    clauses: Arc<Clauses>,
     stencils: Stencils<T>,
     bounds: OnceThreaded<Enclose, T>,
 }
 
 impl<T: Real> WholeTape<T> {
-    fn new(tape: Tape<T>, values: &[Interval]) -> Self {
+    fn new(tape: Tape<T>, values: &[Interval], clauses: &Arc<Clauses>) -> Self {
         Self {
             tape: Arc::new(tape.coarse()),
             binding: Binding::new(values),
+            clauses: Arc::clone(clauses),
             stencils: Stencils::default(),
             bounds: OnceLock::new(),
         }
@@ -54,7 +59,7 @@ impl<T: Real> WholeTape<T> {
         of: impl Fn(&Stencils<T>) -> &OnceStencils<Q, T>,
     ) -> Result<&Arc<StencilTape<Q, T>>, KernelError> {
         let make = || {
-            let stencils = StencilTape::new(&self.tape, &self.binding).map(Arc::new);
+            let stencils = StencilTape::new(&self.tape, &self.binding, &self.clauses).map(Arc::new);
             stencils.map_err(|error| Arc::new(error) as _)
         };
         of(&self.stencils).get_or_init(make).as_ref().map_err(Arc::clone)
@@ -72,17 +77,19 @@ impl WholeFunction {
         double: impl FnOnce() -> Option<Tape<f64>>,
         values: &[Interval],
     ) -> Option<Self> {
-        let (all, shortener) = (Selection::all(&single), Shortener::new(&single, values));
-        let deciding = shortener.deciding(&all).positions().len();
+        let shortener = Shortener::new(&single, values);
         let products = shortener.products();
         // A product has two factors.
         let others = if products < LEAST_PRODUCTS { 2 * products } else { 0 };
-        if deciding < LEAST_DECIDING + others {
+        if shortener.choices() < LEAST_CHOICES + others {
             return None;
         }
         let double = double()?;
         assert!(single.has_steps_of(&double), "one selection is of both tapes");
-        let (single, double) = (WholeTape::new(single, values), WholeTape::new(double, values));
+        let all = shortener.all(&single);
+        let clauses = shortener.clauses();
+        let single = WholeTape::new(single, values, clauses);
+        let double = WholeTape::new(double, values, clauses);
         Some(Self { single, double, all: Arc::new(all), shortener })
     }
 

@@ -1,5 +1,6 @@
 //! The rule of thresholds for each step of a tape.
 
+use super::clauses::choices;
 use crate::real::Real;
 use crate::tape::{Step, Tape};
 use zeroset_interval::Interval;
@@ -142,23 +143,14 @@ const LEAST_CHOICES: u32 = 16;
 
 /// Finds the sums with an operand that has many choices.
 fn find_sums<T: Real>(tape: &Tape<T>, rules: &mut [StepRule]) {
-    // Choices among a step and its operands; those of shared operands count more than once.
-    let mut choices = vec![0_u32; rules.len()];
+    let choices = choices(tape, rules);
     for (index, step) in tape.steps().iter().enumerate() {
-        let Step::Apply(op, operands) = step else { continue };
-        if rules[index] == StepRule::Exact
-            && let (Op::Add | Op::Sub, &[a, b]) = (op, &operands[..])
-            && choices[a].max(choices[b]) >= LEAST_CHOICES
-        {
-            let operand = usize::from(choices[b] > choices[a]);
+        let Step::Apply(op @ (Op::Add | Op::Sub), operands) = step else { continue };
+        let (a, b) = (choices[operands[0]], choices[operands[1]]);
+        if rules[index] == StepRule::Exact && a.max(b) >= LEAST_CHOICES {
+            let operand = usize::from(b > a);
             rules[index] = StepRule::Sum(Sum { operand, is_difference: *op == Op::Sub });
         }
-        let own = match rules[index] {
-            StepRule::Min | StepRule::Max | StepRule::Choice | StepRule::Blend(_) => 1,
-            _ => 0,
-        };
-        let sum = |all: u32, &operand: &usize| all.saturating_add(choices[operand]);
-        choices[index] = operands.iter().fold(own, sum);
     }
 }
 

@@ -87,6 +87,11 @@ impl StepNeeds {
         for lane in lanes(open) {
             finder.need(from.outputs[0], lane, Interval::ZERO);
         }
+        // Clauses do not name the coordinates that they use.
+        for position in from.coordinates() {
+            finder.needs.of[position].lanes = open;
+            finder.needs.of[position].exact = open;
+        }
         for index in (0..from.steps.len()).rev() {
             if finder.needs.of[index].lanes != 0 {
                 finder.pass_on(index);

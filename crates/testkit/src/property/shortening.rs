@@ -5,7 +5,7 @@ use crate::{Adversarial, Rng};
 use std::fmt::Write as _;
 use std::sync::Arc;
 use zeroset_eval::{
-    Assumptions, Binding, Boxes, Enclose, Enclosures, Kernel, LANES, LaneSet, Selection, Shortener,
+    Assumptions, Binding, Boxes, Enclose, Enclosures, Kernel, LANES, LaneSet, Shortener,
     StepBounds, Tape,
 };
 use zeroset_interval::{Facts, Interval};
@@ -141,11 +141,8 @@ pub fn check_shortening<T: Adversarial>(rng: &mut Rng) -> Result<Tally, Failure>
         (random_choices(rng, depth), HALF)
     };
     let middle = [(); 3].map(|()| f64::from(rng.i32(-1000..=1000)) / 1000.0 * extent);
-    let stencils = |tape: &Arc<Tape<f64>>| {
-        Arc::new(StencilTape::<Enclose, f64>::new(tape, &Binding::empty()).expect("stencils"))
-    };
     let whole = |tape: &Arc<Tape<f64>>| {
-        Threaded::selected(&stencils(tape), &Selection::all(tape)).expect("calls")
+        Threaded::<Enclose, f64>::new((**tape).clone(), &Binding::empty()).expect("calls")
     };
     let Some((_, exact)) = tapes::<T>(&text, simple) else { return Ok(Tally::default()) };
     let at = enclosed(&whole(&exact), &[middle.map(|at| Interval { lo: at, hi: at })]);
@@ -163,12 +160,15 @@ pub fn check_shortening<T: Adversarial>(rng: &mut Rng) -> Result<Tally, Failure>
     }
     let Some((single, exact)) = tapes::<T>(&text, simple) else { return Ok(Tally::default()) };
     let shortener = Shortener::new(&single, &[]);
-    let from = Selection::all(&single);
+    let from = shortener.all(&single);
     let deciding = shortener.deciding(&from);
-    let traced = StencilTape::<Enclose, T>::new(&single, &Binding::empty());
+    let (clauses, binding) = (shortener.clauses(), Binding::empty());
+    let traced = StencilTape::<Enclose, T>::new(&single, &binding, clauses);
     let traced =
         Threaded::traced(&Arc::new(traced.expect("stencils")), &from, &deciding).expect("calls");
-    let (all, exact) = (whole(&exact), stencils(&exact));
+    let all = whole(&exact);
+    let exact = StencilTape::<Enclose, f64>::new(&exact, &Binding::empty(), clauses);
+    let exact = Arc::new(exact.expect("stencils"));
     let mut tally = Tally::default();
     let regions: Vec<[Interval; 3]> = (0..LANES)
         .map(|_| {

@@ -347,7 +347,11 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
     /// Examines tiles of the last level.
     #[inline(always)]
     fn run_last(&mut self, levels: &mut [Level<T>]) {
-        // Called from two places, so the code is kept out of line, compiled for the same vectors.
+        // Inlined in both places, frames take 2 % fewer instructions, and `trace` twice as long to
+        // compile.
+        #[cfg(not(debug_assertions))]
+        self.run::<LAST>(levels);
+        #[cfg(debug_assertions)]
         self.simd.vectorize(
             #[inline(always)]
             || self.run::<LAST>(levels),
