@@ -14,7 +14,7 @@ use zeroset_jit::{StencilTape, Threaded};
 const LEAST_CHOICES: usize = 32;
 /// Least number of selected steps whose bounds decide what can be dropped. With fewer, choosing
 /// takes longer than it saves.
-const LEAST_DECIDING: usize = 12;
+const LEAST_DECIDING: usize = 32;
 /// Least number of products that count as choices. A product of 1,000 planes takes a third of the
 /// time by parts, but one of 300 takes a third more, and six times the memory.
 const LEAST_PRODUCTS: usize = 500;
