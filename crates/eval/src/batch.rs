@@ -369,39 +369,62 @@ impl<T: Real> Tiles<T> {
     /// # Panics
     /// If no lanes are in use.
     pub fn boxes(&self, domain: &[Interval; 3]) -> (Boxes<T>, LaneSet) {
-        let point = |at: f64| Interval { lo: at, hi: at };
-        let around = |middle: T, half: T| {
-            let (middle, half) = (point(middle.into()), half.into());
-            middle.plus(Interval { lo: -half, hi: half })
-        };
+        assert!(self.count > 0, "a tile");
+        let mut boxes = Boxes { count: self.count, ..Boxes::default() };
+        let mut is_outside = [false; LANES];
+        for axis in 0..3 {
+            let Interval { lo: least, hi: most } = domain[axis];
+            for (lane, is_outside) in is_outside.iter_mut().enumerate() {
+                let [lo, hi] = self.bounds(axis, lane);
+                // In this order of operations, NaN becomes a bound of the domain.
+                let (lo, hi) = (lo.max(least), hi.min(most));
+                *is_outside |= lo > hi;
+                boxes.neg_lo[axis][lane] = T::above(-lo);
+                boxes.hi[axis][lane] = T::above(hi);
+            }
+        }
         let mut inside = 0;
-        let boxes: Vec<[Interval; 3]> = (0..self.count as usize)
-            .map(|lane| {
-                let screen = [0, 1].map(|k| around(self.centre[k][lane], self.half[k][lane]));
-                // For a fixed ray, coordinates grow or fall along t. So the ends of t suffice.
-                let at = |t: T, axis: usize| {
-                    let part = |k: usize| {
-                        let [start, along] = [&self.origin, &self.direction]
-                            .map(|parts| point(parts[3 * k + axis][lane].into()));
-                        start.plus(along.times(point(t.into())))
-                    };
-                    part(0).plus(screen[0].times(part(1))).plus(screen[1].times(part(2)))
-                };
-                let [near, far] = [self.near[lane], self.far[lane]];
-                let bounds: [Interval; 3] = std::array::from_fn(|axis| {
-                    let error: f64 = self.error[axis][lane].into();
-                    let all = at(near, axis).hull(at(far, axis));
-                    let Interval { lo, hi } = all.plus(Interval { lo: -error, hi: error });
-                    Interval { lo: lo.max(domain[axis].lo), hi: hi.min(domain[axis].hi) }
-                });
-                if bounds.iter().any(|bounds| bounds.lo > bounds.hi) {
-                    return *domain;
-                }
+        for lane in 0..self.count as usize {
+            if !is_outside[lane] {
                 inside |= 1 << lane;
-                bounds
-            })
-            .collect();
-        (Boxes::around(&boxes).swap_remove(0), inside)
+                continue;
+            }
+            for (axis, Interval { lo, hi }) in domain.iter().enumerate() {
+                boxes.neg_lo[axis][lane] = T::above(-lo);
+                boxes.hi[axis][lane] = T::above(*hi);
+            }
+        }
+        (boxes, inside)
+    }
+
+    /// Bounds of a coordinate of the points of a tile. They are NaN where numbers overflow.
+    #[inline(always)]
+    fn bounds(&self, axis: usize, lane: usize) -> [f64; 2] {
+        let origin: [f64; 3] = [0, 3, 6].map(|part| self.origin[part + axis][lane].into());
+        let direction: [f64; 3] = [0, 3, 6].map(|part| self.direction[part + axis][lane].into());
+        let centre: [f64; 2] = [0, 1].map(|k| self.centre[k][lane].into());
+        let half: [f64; 2] = [0, 1].map(|k| self.half[k][lane].into());
+        let ends: [f64; 2] = [self.near[lane].into(), self.far[lane].into()];
+        // For a fixed ray, coordinates grow or fall along t. So the ends of t suffice.
+        let [near, far] = ends.map(|t| {
+            let [base, across, upward]: [f64; 3] =
+                std::array::from_fn(|k| origin[k] + t * direction[k]);
+            let middle = base + centre[0] * across + centre[1] * upward;
+            let reach = half[0] * across.abs() + half[1] * upward.abs();
+            [middle - reach, middle + reach]
+        });
+        // The sum of the magnitudes of all terms. No term passes through more than eight roundings,
+        // of at most EPSILON / 2 each, and this sum through as many.
+        let t = ends[0].abs().max(ends[1].abs());
+        let [base, across, upward]: [f64; 3] =
+            std::array::from_fn(|k| origin[k].abs() + t * direction[k].abs());
+        let (a, b) = (centre[0].abs() + half[0], centre[1].abs() + half[1]);
+        let size = base + a * across + b * upward;
+        let error: f64 = self.error[axis][lane].into();
+        let slack = error * (1.0 + 4.0 * f64::EPSILON)
+            + 8.0 * f64::EPSILON * size
+            + f64::MIN_POSITIVE * (1.0 + a + b);
+        [near[0].min(far[0]) - slack, near[1].max(far[1]) + slack]
     }
 
     /// Adds bounds on the rounding errors of kernels to `error`.
