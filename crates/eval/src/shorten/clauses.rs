@@ -8,9 +8,9 @@ use crate::real::Real;
 use crate::tape::{Step, Tape};
 use smallvec::SmallVec;
 
-/// From this number of choices on, it pays to select among the steps below a step whose value is
-/// needed exactly.
-const LEAST_CHOICES: u32 = 16;
+/// Least number of choices below a step whose value is needed exactly for which it pays to select
+/// among them.
+pub(super) const LEAST_CHOICES: u32 = 16;
 
 /// Most other steps that a clause may use.
 const MOST_USED: usize = 3;

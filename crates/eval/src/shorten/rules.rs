@@ -1,6 +1,6 @@
 //! The rule of thresholds for each step of a tape.
 
-use super::clauses::choices;
+use super::clauses::{LEAST_CHOICES, choices};
 use crate::real::Real;
 use crate::tape::{Step, Tape};
 use zeroset_interval::Interval;
@@ -137,9 +137,6 @@ impl Rules {
         Self { of, blends }
     }
 }
-
-/// Least number of choices in an operand for which bounds of the other are worth their time.
-const LEAST_CHOICES: u32 = 16;
 
 /// Finds the sums with an operand that has many choices.
 fn find_sums<T: Real>(tape: &Tape<T>, rules: &mut [StepRule]) {
