@@ -12,7 +12,7 @@ use super::{cut, status};
 use std::sync::LazyLock;
 use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 use zeroset_space::Region;
-use zeroset_style::StandardView;
+use zeroset_style::{CHOICES, OPACITY, StandardView};
 use zeroset_trace::{OPTIONS, TraceOptions};
 
 enum Line<'a> {
@@ -79,7 +79,7 @@ const EDIT: &str = "edit";
 /// Name of the command that chooses the method. Commands of method options follow in [`COMMANDS`].
 const METHOD: &str = "method";
 
-/// All commands, in the order of the help, including one for each method option.
+/// All commands, in the order of the help, including those of choices and method options.
 pub static COMMANDS: LazyLock<Vec<CommandRow>> = LazyLock::new(|| {
     let options = OPTIONS.iter().filter(|option| !option.command.is_empty());
     let rows = options.map(|option| CommandRow {
@@ -91,12 +91,22 @@ pub static COMMANDS: LazyLock<Vec<CommandRow>> = LazyLock::new(|| {
         // Never called, since [`Live::enter`] sets method options itself.
         run: |_, _| None,
     });
+    let choices = CHOICES.iter().filter(|row| row.is_line);
+    let choices = choices.map(|row| CommandRow {
+        name: row.word,
+        arguments: row.values.notation(),
+        doc: row.help,
+        purpose: Purpose::View,
+        example: "",
+        // Never called, since [`Live::enter`] writes the line itself.
+        run: |_, _| None,
+    });
     let method = ROWS.iter().position(|row| row.name == METHOD).unwrap_or(0);
     let (before, after) = ROWS.split_at(method + 1);
-    before.iter().copied().chain(rows).chain(after.iter().copied()).collect()
+    before.iter().copied().chain(choices).chain(rows).chain(after.iter().copied()).collect()
 });
 
-/// The commands that do not set a method option.
+/// The commands that have a function of their own.
 #[rustfmt::skip]
 const ROWS: &[CommandRow] = &[
     CommandRow { name: "help", arguments: "[NAME]", doc: "what can be typed, or what a function or command is",
@@ -156,15 +166,6 @@ const ROWS: &[CommandRow] = &[
     CommandRow { name: "shadows", arguments: "[on|off]", doc: "cast shadows",
         purpose: Purpose::View, example: ":shadows on",
         run: |live, choice| Some(shadows(live, optional(choice, switch)?)) },
-    CommandRow { name: "axes", arguments: "on|off", doc: "draw axes with numbers",
-        purpose: Purpose::View, example: ":axes on",
-        run: axes },
-    CommandRow { name: "ground", arguments: "on|off", doc: "a ground below the surfaces, with soft shadows",
-        purpose: Purpose::View, example: ":ground on",
-        run: |live, rest| write(live, "ground", rest) },
-    CommandRow { name: "legend", arguments: "on|off", doc: "the color scale of each color map",
-        purpose: Purpose::View, example: ":legend on",
-        run: |live, rest| write(live, "legend", rest) },
     CommandRow { name: "aspect", arguments: "auto|equal", doc: "scale axes for display, or keep all alike",
         purpose: Purpose::View, example: ":aspect equal",
         run: |live, rest| write(live, "aspect", rest) },
@@ -186,12 +187,6 @@ const ROWS: &[CommandRow] = &[
     CommandRow { name: "width", arguments: "PIXELS", doc: "width of all curves",
         purpose: Purpose::View, example: ":width 3px",
         run: |live, rest| write(live, "width", rest) },
-    CommandRow { name: "haze", arguments: "on|off|SHARE", doc: "mix the background into points far away",
-        purpose: Purpose::View, example: ":haze 0.5",
-        run: |live, rest| write(live, "haze", rest) },
-    CommandRow { name: "outlines", arguments: "on|off", doc: "lines where surfaces end, bend sharply, meet or hide each other",
-        purpose: Purpose::View, example: ":outlines on",
-        run: |live, rest| write(live, "outlines", rest) },
     CommandRow { name: "title", arguments: "TEXT", doc: "a title at the top",
         purpose: Purpose::View, example: ":title A torus",
         run: |live, rest| write(live, "title", rest) },
@@ -282,8 +277,14 @@ impl Live {
                 if let Some(row) = OPTIONS.iter().find(|option| option.command == row.name) {
                     return option(self, row, arguments);
                 }
-                (row.run)(self, arguments)
-                    .unwrap_or_else(|| Err(Refusal::Command(format!("usage: {}", row.usage()))))
+                let is_choice =
+                    CHOICES.iter().any(|choice| choice.is_line && choice.word == row.name);
+                let result = if is_choice {
+                    write(self, row.name, arguments)
+                } else {
+                    (row.run)(self, arguments)
+                };
+                result.unwrap_or_else(|| Err(Refusal::Command(format!("usage: {}", row.usage()))))
             }
         }
     }
@@ -314,7 +315,7 @@ fn opacity(text: &str) -> Option<f64> {
         Some(hundredths) => view::number(hundredths)? / 100.0,
         None => view::number(text)?,
     };
-    (0.0..=1.0).contains(&share).then_some(share)
+    OPACITY.check(share).ok()
 }
 
 /// A number and the text after it.
@@ -364,17 +365,12 @@ fn delete(live: &Live, number: Option<usize>) -> Result<Reply, Refusal> {
     say(if lines.is_empty() { "nothing is drawn".to_owned() } else { lines.join("\n") })
 }
 
-/// Writes a setting's line into the document. Returns `None` without arguments.
+/// Writes a setting's line into the document. Returns `None` without arguments. After a line about
+/// axes, the window's key for axes no longer overrides the document.
 fn write(live: &Live, word: &str, arguments: &str) -> Option<Result<Reply, Refusal>> {
     let line = format!("{word} {}", given(arguments)?);
-    Some(live.commit(&line, LineGoal::Replace))
-}
-
-/// Writes an `axes` line. The window's key for axes no longer overrides the document.
-fn axes(live: &Live, choice: &str) -> Option<Result<Reply, Refusal>> {
-    switch(choice)?;
-    let written = write(live, "axes", choice)?;
-    if written.is_ok() && live.request().axes != Axes::Usual {
+    let written = live.commit(&line, LineGoal::Replace);
+    if word == "axes" && written.is_ok() && live.request().axes != Axes::Usual {
         live.set_axes(Axes::Usual);
     }
     Some(written)
@@ -422,9 +418,12 @@ impl CommandRow {
     /// Returns the command as it may be typed. The example of a method option is its default.
     pub(super) fn as_typed(&self) -> String {
         let option = OPTIONS.iter().find(|option| option.command == self.name);
-        option.map_or(self.example.to_owned(), |option| {
-            format!(":{} {}", self.name, (option.get)(&TraceOptions::default()))
-        })
+        let choice = CHOICES.iter().find(|choice| choice.word == self.name);
+        let option = option.map(|option| (option.get)(&TraceOptions::default()));
+        match option.or(choice.map(|choice| choice.example.to_owned())) {
+            Some(value) => format!(":{} {value}", self.name),
+            None => self.example.to_owned(),
+        }
     }
 }
 

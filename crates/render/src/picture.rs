@@ -10,7 +10,7 @@ use std::ops::AddAssign;
 use std::time::Duration;
 use zeroset_scene::kernels::CompiledKernel;
 use zeroset_shade::{Pattern, UndecidedStyle, hand_back_colors};
-use zeroset_style::Look;
+use zeroset_style::{Choices, Look};
 use zeroset_syntax::Background;
 use zeroset_trace::{
     Fallback, GBuffer, KernelStats, Method, PixelCounts, Proves, Status, TraceOptions,
@@ -57,17 +57,8 @@ pub struct Settings {
     pub antialias: Pattern,
     /// Position of the light. `None` for a light far above and to the left of the camera.
     pub light: Option<DVec3>,
-    /// Share of ambient light, within [0, 1]. `None` for the look's share.
-    pub ambient: Option<f32>,
-    /// Whether surfaces stand on a ground, on which they cast shadows. `None` for the document's
-    /// choice.
-    pub ground: Option<bool>,
-    /// How much of a far point's color is that of the background, within [0, 1]. `None` for the
-    /// document's choice.
-    pub haze: Option<f64>,
-    /// Whether lines are drawn where surfaces end, bend sharply, meet, or hide each other. `None`
-    /// for the document's choice.
-    pub outlines: Option<bool>,
+    /// Choices that override the document's.
+    pub choices: Choices,
     /// Background. `None` for the document's, or else the look's color.
     pub background: Option<Background>,
     /// Colors are kept as bytes, or as floats. With floats, the picture also has
@@ -102,10 +93,7 @@ impl Default for Settings {
             look: None,
             occlusion: false,
             antialias: Pattern::ONE,
-            ambient: None,
-            ground: None,
-            haze: None,
-            outlines: None,
+            choices: Choices::default(),
             background: None,
             depth: ColorDepth::Bytes,
         }
@@ -133,10 +121,7 @@ impl Settings {
             occlusion: others.occlusion,
             antialias: others.antialias,
             light: others.light,
-            ambient: others.ambient,
-            ground: others.ground,
-            haze: others.haze,
-            outlines: others.outlines,
+            choices: others.choices,
             background: others.background,
             depth: others.depth,
             ..self.clone()
