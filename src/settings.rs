@@ -220,7 +220,6 @@ pub struct Camera {
 pub struct Settings {
     trace: TraceSettings,
     pub(crate) camera: CameraChoice,
-    shadows: bool,
     antialias: usize,
     bits: usize,
     pub(crate) title: Option<String>,
@@ -343,7 +342,6 @@ impl Settings {
         Self {
             trace: TraceSettings::default(),
             camera: CameraChoice::default(),
-            shadows: false,
             antialias: RAYS,
             bits: 8,
             title: None,
@@ -377,9 +375,6 @@ impl Settings {
             });
         /// Sets the position of the light. Default: far above and to the left of the camera.
         light(point: [f64; 3]) => picture.light = Some(point.into());
-        /// Turns soft shadows on or off. A ray goes from every visible point to an area light.
-        /// Default: off.
-        shadows(shadows: bool) => shadows = shadows;
         /// Turns ambient occlusion on or off. It darkens points near other surfaces, if the look
         /// does so. Default: on.
         occlusion(occlusion: bool) => picture.occlusion = occlusion;
@@ -420,12 +415,10 @@ impl Settings {
     /// If there is no such setting, or it does not take the value.
     pub fn set(mut self, name: &str, value: &str) -> Result<Self, Error> {
         let row = CHOICES.iter().find(|row| row.word == name);
-        let (row, place) = row
-            .and_then(|row| Some((row, row.place?)))
-            .ok_or_else(|| Error::argument(format!("there is no setting '{name}'")))?;
-        let value =
-            row.values.read(value).map_err(|why| Error::argument(format!("{name} {why}")))?;
-        (place.set)(&mut self.picture.choices, value);
+        let row = row.ok_or_else(|| Error::argument(format!("there is no setting '{name}'")))?;
+        let value = row.values.read(value);
+        let value = value.map_err(|why| Error::argument(format!("{name} {why}")))?;
+        (row.set)(&mut self.picture.choices, value);
         Ok(self)
     }
 
@@ -454,15 +447,13 @@ impl Settings {
         self.picture.choices.check().map_err(Error::argument)?;
         ANTIALIAS.check(self.antialias as f64).map_err(Error::argument)?;
         BITS.check(self.bits as f64).map_err(Error::argument)?;
-        let settings = picture::Settings {
+        Ok(picture::Settings {
             depth: ColorDepth::of(self.bits),
             method: self.trace.method.0,
             options: self.trace.options()?,
             antialias: Pattern::of(self.antialias).unwrap_or(Pattern::ONE),
             limit: self.picture.limit.begin(),
             ..self.picture.clone()
-        };
-        let shadow_depth = self.shadows.then(|| settings.usual_shadow_depth());
-        Ok(picture::Settings { shadow_depth, ..settings })
+        })
     }
 }

@@ -498,8 +498,8 @@ impl FromArgMatches for ChoiceArgs {
                 Values::Switch => matches.get_flag(row.word).then_some(1.0),
                 _ => matches.get_one(row.word).copied(),
             };
-            if let (Some(value), Some(place)) = (value, row.place) {
-                (place.set)(&mut choices, value);
+            if let Some(value) = value {
+                (row.set)(&mut choices, value);
             }
         }
         Ok(Self(choices))
@@ -518,10 +518,6 @@ pub struct TracingArgs {
 
     #[command(flatten)]
     pub choices: ChoiceArgs,
-
-    /// Cast soft shadows: trace a ray from every visible point to an area light
-    #[arg(help_heading = LIGHT, long)]
-    pub shadows: bool,
 
     /// Halve a shadow ray's path this many times [default: one less than --max-depth]
     #[arg(help_heading = LIGHT, long, value_name = "N", requires = "shadows", hide_short_help = true)]

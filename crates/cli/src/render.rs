@@ -206,13 +206,15 @@ pub fn with_effects(settings: &Settings) -> Settings {
 /// If an option is invalid.
 pub fn method_settings(method: &TracingArgs, Size { width, height }: Size) -> Result<Settings> {
     let settings = kernel_settings(&method.kernels)?;
-    let shadow_depth = method.shadow_depth.unwrap_or_else(|| settings.usual_shadow_depth());
-    check_depth(shadow_depth, settings.options.precision)
-        .map_err(|why| anyhow!("--shadow-depth {shadow_depth}: {why}"))?;
+    let shadow_depth = method.shadow_depth;
+    if let Some(depth) = shadow_depth {
+        check_depth(depth, settings.options.precision)
+            .map_err(|why| anyhow!("--shadow-depth {depth}: {why}"))?;
+    }
     Ok(Settings {
         width,
         height,
-        shadow_depth: method.shadows.then_some(shadow_depth),
+        shadow_depth,
         choices: method.choices.0,
         normals: Some(method.normals),
         ..settings

@@ -91,8 +91,7 @@ pub static COMMANDS: LazyLock<Vec<CommandRow>> = LazyLock::new(|| {
         // Never called, since [`Live::enter`] sets method options itself.
         run: |_, _| None,
     });
-    let choices = CHOICES.iter().filter(|row| row.is_line);
-    let choices = choices.map(|row| CommandRow {
+    let choices = CHOICES.iter().filter(|row| is_written(row.word)).map(|row| CommandRow {
         name: row.word,
         arguments: row.values.notation(),
         doc: row.help,
@@ -135,7 +134,7 @@ const ROWS: &[CommandRow] = &[
         })) },
     CommandRow { name: "opacity", arguments: "N SHARE", doc: "how opaque the N-th surface is, as 50% or 0.5",
         purpose: Purpose::Document, example: ":opacity 1 50%",
-        run: |live, rest| { let (number, share) = rest.split_once(' ')?; Some(done(live.set_opacity(number.parse().ok()?, opacity(share.trim())?))) } },
+        run: |live, rest| { let (number, share) = rest.split_once(' ')?; Some(done(live.set_opacity(number.parse().ok()?, OPACITY.values.read(share.trim()).ok()?))) } },
     CommandRow { name: "move", arguments: "N TO", doc: "move the N-th surface to another place in the list",
         purpose: Purpose::Document, example: ":move 2 1",
         run: |live, rest| { let (from, to) = rest.split_once(' ')?; Some(done(live.move_surface(from.parse().ok().filter(|from| *from > 0)?, to.trim().parse().ok().filter(|to| *to > 0)?))) } },
@@ -277,9 +276,7 @@ impl Live {
                 if let Some(row) = OPTIONS.iter().find(|option| option.command == row.name) {
                     return option(self, row, arguments);
                 }
-                let is_choice =
-                    CHOICES.iter().any(|choice| choice.is_line && choice.word == row.name);
-                let result = if is_choice {
+                let result = if is_written(row.name) {
                     write(self, row.name, arguments)
                 } else {
                     (row.run)(self, arguments)
@@ -307,15 +304,6 @@ impl Live {
 
 fn done(result: Result<(), Refusal>) -> Result<Reply, Refusal> {
     result.map(|()| Reply::Done)
-}
-
-/// Parses an opacity, as a number in [0, 1] or in percent.
-fn opacity(text: &str) -> Option<f64> {
-    let share = match text.strip_suffix('%') {
-        Some(hundredths) => view::number(hundredths)? / 100.0,
-        None => view::number(text)?,
-    };
-    OPACITY.check(share).ok()
 }
 
 /// A number and the text after it.
@@ -363,6 +351,12 @@ fn delete(live: &Live, number: Option<usize>) -> Result<Reply, Refusal> {
         .map(|(number, echo): (usize, &String)| format!("{number}  {echo}"))
         .collect();
     say(if lines.is_empty() { "nothing is drawn".to_owned() } else { lines.join("\n") })
+}
+
+/// Returns whether a command without a function of its own writes the line of a choice.
+fn is_written(name: &str) -> bool {
+    CHOICES.iter().any(|row| row.is_line && row.word == name)
+        && ROWS.iter().all(|row| row.name != name)
 }
 
 /// Writes a setting's line into the document. Returns `None` without arguments. After a line about

@@ -207,9 +207,6 @@ impl Rendering {
         for flag in CHOICES.iter().filter_map(|row| row.typed_flag(&settings.choices)) {
             let _ = write!(command, " {flag}");
         }
-        if settings.shadow_depth.is_some() {
-            command.push_str(" --shadows");
-        }
         if axes && !says_axes {
             command.push_str(" --axes");
         }

@@ -38,8 +38,6 @@ pub enum SettingKind {
     Material,
     /// Leaves a drawing out of the picture.
     Hidden,
-    /// Turns shadows on or off.
-    Shadows,
     /// The picture's title.
     Title,
     /// Turns on or off lines of equal x, y and z on surfaces.
@@ -108,7 +106,6 @@ const OWN: &[SettingRow] = &[
         SettingKind::Hidden,
         "write `hidden` above what is not to be seen, and `hidden off` above what is",
     ),
-    plain("shadows", SettingKind::Shadows, "write `shadows on` or `shadows off`"),
     plain("mesh", SettingKind::Mesh, "write `mesh on` or `mesh off`"),
     plain(
         "title",

@@ -42,7 +42,7 @@ pub struct Settings {
     pub keeps_normals: bool,
     /// When tracing ends early. Pixels not reached by then are undecided and unpainted.
     pub limit: Limit,
-    /// Number of halvings along shadow rays. `None` for no shadows.
+    /// Number of halvings along shadow rays, of pictures with shadows. `None` for the usual number.
     pub shadow_depth: Option<u32>,
     /// Source of normals. `None` if neither colors nor normals are wanted.
     pub normals: Option<Normals>,
@@ -132,8 +132,8 @@ impl Settings {
     /// time.
     #[must_use]
     pub fn plain(&self) -> Self {
-        let antialias = Pattern::ONE;
-        Self { shadow_depth: None, occlusion: false, antialias, ..self.clone() }
+        let choices = Choices { shadows: None, ..self.choices };
+        Self { choices, occlusion: false, antialias: Pattern::ONE, ..self.clone() }
     }
 }
 

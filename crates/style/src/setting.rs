@@ -1,7 +1,11 @@
 //! What a setting of a picture is: its names, its values, and the messages about them.
 
+use crate::settings::Choices;
 use std::fmt;
 use std::ops::RangeInclusive;
+
+/// The name of a part of a whole.
+pub const SHARE: &str = "share";
 
 /// The values that a setting takes.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,7 +16,7 @@ pub enum Values {
     Number {
         /// The numbers that are accepted.
         range: RangeInclusive<f64>,
-        /// The name of such a number in messages, without its article. A `share` may be a
+        /// The name of such a number in messages, without its article. A [`SHARE`] may be a
         /// percentage.
         noun: &'static str,
         /// The notation of a value, as in help.
@@ -54,7 +58,13 @@ impl Values {
             ("on", Self::Number { on, .. }) => *on,
             _ => None,
         };
-        let number = || text.parse().ok().filter(|_| *self != Self::Switch);
+        let number = || match (text.strip_suffix('%'), self) {
+            (_, Self::Switch) => None,
+            (Some(percent), Self::Number { noun: SHARE, .. }) => {
+                Some(percent.parse::<f64>().ok()? / 100.0)
+            }
+            _ => text.parse().ok(),
+        };
         self.check(word.or_else(number).unwrap_or(f64::NAN))
     }
 
@@ -104,17 +114,10 @@ pub struct Setting {
     pub listing: Listing,
     /// Whether documents may have a line that begins with the word.
     pub is_line: bool,
-    /// The setting's place among choices; `None` if its value is kept elsewhere.
-    pub place: Option<Place>,
-}
-
-/// A setting's field of [`Choices`](crate::Choices).
-#[derive(Clone, Copy, Debug)]
-pub struct Place {
-    /// Returns the value; `None` if it is not chosen.
-    pub get: fn(&crate::Choices) -> Option<f64>,
-    /// Sets the value, which the setting takes.
-    pub set: fn(&mut crate::Choices, f64),
+    /// Returns the value; `None` if it is not chosen, or kept elsewhere.
+    pub get: fn(&Choices) -> Option<f64>,
+    /// Sets the value, which the setting takes. Does nothing if values are kept elsewhere.
+    pub set: fn(&mut Choices, f64),
 }
 
 /// Where help on the command line lists a flag.
@@ -159,8 +162,8 @@ impl Setting {
 
     /// The flag and its value, as typed. `None` if there is nothing to type: no flag turns a switch
     /// off.
-    pub fn typed_flag(&self, choices: &crate::Choices) -> Option<String> {
-        let value = (self.place?.get)(choices).filter(|_| !self.flag.is_empty())?;
+    pub fn typed_flag(&self, choices: &Choices) -> Option<String> {
+        let value = (self.get)(choices).filter(|_| !self.flag.is_empty())?;
         match self.values {
             Values::Switch => (value == 1.0).then(|| format!("--{}", self.flag)),
             _ => Some(format!("--{} {value}", self.flag)),

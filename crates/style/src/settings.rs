@@ -1,7 +1,7 @@
 //! The table of a picture's settings. The command line, the prompt, documents, the library and
 //! Python read it. Nothing here knows how a setting changes a picture.
 
-use crate::setting::{Listing, Place, Setting, Values};
+use crate::setting::{Listing, SHARE, Setting, Values};
 
 /// Passes the settings that are choices for a whole picture to the macro `$define`: for each, the
 /// documentation of its field and of the library's setter, its word, its type, and other columns of
@@ -12,53 +12,34 @@ macro_rules! choices {
         $define! {
             /// The ambient share of the light, from 0 to 1. Default: the look's share.
             ambient: f64 = Setting {
-                values: Values::Number { range: 0.0..=1.0, noun: "share", notation: "SHARE", on: None },
                 example: "0.4",
-                help: "set the ambient light",
                 default: "the look's",
                 listing: Listing::Rare,
                 is_line: false,
-                ..CHOICE
+                ..share("SHARE", None, "set the ambient light")
             };
             /// Whether a ground is below the surfaces: a plane on which they cast shadows. Default:
             /// the text's `ground` line, or else no.
-            ground: bool = Setting {
-                help: "draw a ground below the surfaces, on which they cast soft shadows",
-                ..CHOICE
-            };
+            ground: bool = switch("draw a ground below the surfaces, on which they cast soft shadows");
             /// The share of the background's color in points far away, from 0 to 1. Default: the
             /// text's `haze` line, or else 0.
-            haze: f64 = Setting {
-                values: Values::Number {
-                    range: 0.0..=1.0,
-                    noun: "share",
-                    notation: "on|off|SHARE",
-                    on: Some(0.6),
-                },
-                example: "0.5",
-                help: "mix the background into points far away",
-                ..CHOICE
-            };
+            haze: f64 = share("on|off|SHARE", Some(0.6), "mix the background into points far away");
             /// Whether lines are drawn where surfaces end, bend sharply, meet, or hide each other.
             /// Default: the text's `outlines` line, or else no.
-            outlines: bool = Setting {
-                help: "draw lines where surfaces end, bend sharply, meet or hide each other",
-                ..CHOICE
-            };
+            outlines: bool = switch("draw lines where surfaces end, bend sharply, meet or hide each other");
+            /// Whether surfaces cast soft shadows: a ray goes from every visible point to an area
+            /// light. Default: the text's `shadows` line, or else no.
+            shadows: bool =
+                switch("cast soft shadows: trace a ray from every visible point to an area light");
             /// Whether the domain's box is drawn with axes and ticks. The view makes room for it.
             /// Default: the text's `axes` line, or else no.
             axes: bool = Setting {
-                help: "draw the domain's box with axes and ticks, and fit all of it into the picture",
                 listing: Listing::First,
-                ..CHOICE
+                ..switch("draw the domain's box with axes and ticks, and fit it into the picture")
             };
             /// Whether a legend for colored values is drawn. Default: the text's `legend` line, or
             /// else whether there are axes.
-            legend: bool = Setting {
-                help: "draw the color scale of each color map",
-                default: "with --axes",
-                ..CHOICE
-            };
+            legend: bool = Setting { default: "with --axes", ..switch("draw the color scale of each color map") };
         }
     };
 }
@@ -83,11 +64,9 @@ macro_rules! define {
         /// The settings that are choices for a whole picture.
         pub static CHOICES: &[Setting] = &[$(Setting {
             word: stringify!($word),
-            flag: if $row.flag.is_empty() { stringify!($word) } else { $row.flag },
-            place: Some(Place {
-                get: |choices| choices.$word.map(Choice::number),
-                set: |choices, value| choices.$word = Some(Choice::of(value)),
-            }),
+            flag: stringify!($word),
+            get: |choices| choices.$word.map(Into::into),
+            set: |choices, value| choices.$word = Some(Choice::of(value)),
             ..$row
         }),*];
     };
@@ -95,26 +74,29 @@ macro_rules! define {
 
 choices!(define);
 
-/// Columns that most choices share.
-const CHOICE: Setting = Setting {
-    word: "",
-    values: Values::Switch,
-    example: "on",
-    help: "",
-    default: "",
-    flag: "",
-    listing: Listing::Light,
-    is_line: true,
-    place: None,
-};
+const fn switch(help: &'static str) -> Setting {
+    Setting {
+        word: "",
+        values: Values::Switch,
+        example: "on",
+        help,
+        default: "",
+        flag: "",
+        listing: Listing::Light,
+        is_line: true,
+        get: |_| None,
+        set: |_, _| {},
+    }
+}
+
+const fn share(notation: &'static str, on: Option<f64>, help: &'static str) -> Setting {
+    let values = Values::Number { range: 0.0..=1.0, noun: SHARE, notation, on };
+    Setting { values, example: "0.5", ..switch(help) }
+}
 
 /// How opaque a surface is.
-pub static OPACITY: Setting = Setting {
-    word: "opacity",
-    values: Values::Number { range: 0.0..=1.0, noun: "share", notation: "SHARE", on: None },
-    example: "50%",
-    ..CHOICE
-};
+pub static OPACITY: Setting =
+    Setting { word: "opacity", example: "50%", ..share("SHARE", None, "") };
 
 /// How wide a curve is.
 pub static WIDTH: Setting = Setting {
@@ -126,7 +108,7 @@ pub static WIDTH: Setting = Setting {
         on: None,
     },
     example: "3px",
-    ..CHOICE
+    ..switch("")
 };
 
 /// The numbers of rays that a pixel on an edge may have.
@@ -139,23 +121,18 @@ pub const RAYS: usize = 16;
 pub static ANTIALIAS: Setting = Setting {
     word: "antialias",
     values: Values::OneOf { all: &RAY_COUNTS, usual: RAYS },
-    example: "16",
-    help: "trace this many rays in a pixel on an edge (output arrays: center ray only)",
     flag: "aa",
     is_line: false,
-    ..CHOICE
+    ..switch("trace this many rays in a pixel on an edge (output arrays: center ray only)")
 };
 
 /// The number of bits per channel of a PNG file.
 pub static BITS: Setting = Setting {
     word: "bits",
     values: Values::OneOf { all: &[8, 16], usual: 8 },
-    example: "16",
-    help: "write PNG files with this many bits per channel",
     flag: "bits",
-    listing: Listing::Rare,
     is_line: false,
-    ..CHOICE
+    ..switch("write PNG files with this many bits per channel")
 };
 
 /// All settings: [`CHOICES`], and those whose values are kept elsewhere.
@@ -169,35 +146,25 @@ impl Choices {
     /// # Errors
     /// If one is not. The message begins with the setting's word.
     pub fn check(&self) -> Result<(), String> {
-        let value = |row: &Setting| (row.place?.get)(self);
-        CHOICES
-            .iter()
-            .try_for_each(|row| value(row).map_or(Ok(()), |value| row.check(value).map(drop)))
+        let check =
+            |row: &Setting| (row.get)(self).map_or(Ok(()), |value| row.check(value).map(drop));
+        CHOICES.iter().try_for_each(check)
     }
 }
 
 /// The type of a choice. A row holds its values as numbers.
-trait Choice {
+trait Choice: Into<f64> {
     fn of(value: f64) -> Self;
-    fn number(self) -> f64;
 }
 
 impl Choice for f64 {
     fn of(value: f64) -> Self {
         value
     }
-
-    fn number(self) -> f64 {
-        self
-    }
 }
 
 impl Choice for bool {
     fn of(value: f64) -> Self {
         value != 0.0
-    }
-
-    fn number(self) -> f64 {
-        self.into()
     }
 }

@@ -9,7 +9,7 @@ use zeroset_parser::tree::builder::Builder;
 use zeroset_parser::tree::grammar::{Pair, Rule, parts};
 use zeroset_parser::tree::scope::nearest;
 use zeroset_parser::{Error, ErrorKind, Fallible, Span};
-use zeroset_style::{Setting, Values};
+use zeroset_style::{SHARE, Setting, Values};
 
 /// Reads the parts of one line. `lines`, `scene` and `paint` add methods for their lines.
 pub(crate) struct LineReader<'a> {
@@ -102,7 +102,7 @@ impl LineReader<'_> {
         let (place, all) = (self.builder.span(pair), parts(pair.clone()));
         let whole = match (&all[1..], &row.values) {
             ([], _) => 1.0,
-            (_, Values::Number { noun: "share", .. }) => 100.0,
+            (_, Values::Number { noun: SHARE, .. }) => 100.0,
             _ => return Err(bad_setting(row.word, place)),
         };
         let value = self.builder.term(&mut all[0].clone().into_inner())?;

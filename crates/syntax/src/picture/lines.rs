@@ -28,8 +28,6 @@ pub struct PictureLines {
     pub clip: Option<[Constant; 4]>,
     /// Position of the light, in world units.
     pub light: Option<[Constant; 3]>,
-    /// Turns shadows on or off.
-    pub shadows: Option<bool>,
     /// Set if lengths along all axes are displayed alike, whatever the extents of a graph.
     pub is_equal: bool,
     /// A line of text at the top of the picture.
@@ -127,7 +125,6 @@ impl CollectedLines {
                 self.materials.push((at, &MATERIALS[row]));
             }
             SettingKind::Hidden => self.hidden.push((at, reader.switch(pair, word)?)),
-            SettingKind::Shadows => self.picture.shadows = Some(reader.switch(pair, word)?),
             SettingKind::Mesh => self.picture.mesh = Some(reader.switch(pair, word)?),
             SettingKind::Title => self.picture.title = Some(reader.title(pair)?),
             SettingKind::Aspect => {
@@ -136,7 +133,7 @@ impl CollectedLines {
             SettingKind::Width => self.widths.push((at, reader.setting_value(pair, &WIDTH)?)),
             SettingKind::Choice(row) => {
                 let value = reader.setting_value(pair, row)?;
-                row.place.iter().for_each(|place| (place.set)(&mut self.picture.choices, value));
+                (row.set)(&mut self.picture.choices, value);
             }
             SettingKind::Contours => self.contours = Some(reader.contours(pair)?),
         }

@@ -58,7 +58,7 @@ fn graph_text(graph: &Graph, id: NodeId) -> String {
 
 /// Describes all settings of the picture except domain, view, look and background.
 fn describe_picture(out: &mut String, picture: &PictureLines) {
-    let PictureLines { clip, light, shadows, choices, is_equal, title, mesh, contours } = picture;
+    let PictureLines { clip, light, choices, is_equal, title, mesh, contours } = picture;
     if let Some(title) = title {
         writeln!(out, "title of the picture: {title}").unwrap();
     }
@@ -69,13 +69,11 @@ fn describe_picture(out: &mut String, picture: &PictureLines) {
     if let Some(place) = light {
         writeln!(out, "light: {}", vector(place)).unwrap();
     }
-    for (word, on) in [("shadows", shadows), ("mesh", mesh)] {
-        if let Some(on) = on {
-            writeln!(out, "{word}: {on}").unwrap();
-        }
+    if let Some(on) = mesh {
+        writeln!(out, "mesh: {on}").unwrap();
     }
     for row in CHOICES {
-        match row.place.and_then(|place| (place.get)(choices)) {
+        match (row.get)(choices) {
             Some(value) if row.values == Values::Switch => {
                 writeln!(out, "{}: {}", row.word, value == 1.0).unwrap();
             }

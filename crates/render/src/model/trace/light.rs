@@ -160,8 +160,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
     /// Number of halvings along a shadow ray. `None` without shadows.
     pub(super) fn shadow_depth(&self) -> Option<u32> {
         let settings = self.settings;
-        let is_typed = self.model.setting.lines.shadows == Some(true);
-        settings.shadow_depth.or(is_typed.then(|| settings.usual_shadow_depth()))
+        let depth = || settings.shadow_depth.unwrap_or_else(|| settings.usual_shadow_depth());
+        (self.model.choices(settings).shadows == Some(true)).then(depth)
     }
 
     /// Returns whether ambient occlusion is computed.
