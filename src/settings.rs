@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 use zeroset_render::limit::StopFlag;
 use zeroset_render::picture::{self, ColorDepth};
-use zeroset_scene::view::{CameraChoice, DomainChoice};
+use zeroset_scene::view::{CameraChoice, DomainChoice, number};
 use zeroset_shade::Pattern;
 use zeroset_space::{Projection, Region};
 use zeroset_style::{ANTIALIAS, BITS, CHOICES, LOOKS, RAYS, StandardView, VIEWS};
@@ -416,7 +416,7 @@ impl Settings {
     pub fn set(mut self, name: &str, value: &str) -> Result<Self, Error> {
         let row = CHOICES.iter().find(|row| row.word == name);
         let row = row.ok_or_else(|| Error::argument(format!("there is no setting '{name}'")))?;
-        let value = row.values.read(value);
+        let value = row.values.read(value, number);
         let value = value.map_err(|why| Error::argument(format!("{name} {why}")))?;
         (row.set)(&mut self.picture.choices, value);
         Ok(self)

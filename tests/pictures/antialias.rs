@@ -7,7 +7,7 @@ use zeroset_scene::gallery::example;
 use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 use zeroset_shade::{LinearRgb, Pattern, edges};
 use zeroset_space::Camera;
-use zeroset_style::RAY_COUNTS;
+use zeroset_style::{Choices, RAY_COUNTS};
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{METHODS, Precision, RayGrid, TraceOptions};
 
@@ -105,7 +105,8 @@ fn what_f32_cannot_tell_is_not_painted_along_edges() {
 
 #[test]
 fn colors_do_not_depend_on_threads_or_on_when_they_are_made() {
-    let settings = Settings { shadow_depth: Some(8), ..settings(16) };
+    let choices = Choices { shadows: Some(true), ..Choices::default() };
+    let settings = Settings { choices, shadow_depth: Some(8), ..settings(16) };
     for text in SURFACES {
         let (model, camera) = scene(text, &settings);
         let whole = picture(&model, &camera, &settings);

@@ -480,7 +480,7 @@ impl Args for ChoiceArgs {
                 return arg.action(ArgAction::SetTrue);
             }
             let arg = arg.value_name(row.values.notation()).allow_hyphen_values(true);
-            arg.value_parser(|text: &str| row.values.read(text))
+            arg.value_parser(|text: &str| row.values.read(text, view::number))
         };
         command.args(CHOICES.iter().map(flag))
     }
@@ -808,7 +808,7 @@ pub struct GalleryArgs {
 
 /// Returns a parser that accepts the numbers of a setting.
 fn count(row: &'static Setting) -> impl TypedValueParser<Value = usize> {
-    move |text: &str| row.values.read(text).map(|number| number as usize)
+    move |text: &str| row.values.read(text, view::number).map(|number| number as usize)
 }
 
 /// Returns a parser that accepts the names in [`LOOKS`].

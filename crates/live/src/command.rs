@@ -12,7 +12,7 @@ use super::{cut, status};
 use std::sync::LazyLock;
 use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 use zeroset_space::Region;
-use zeroset_style::{CHOICES, OPACITY, StandardView};
+use zeroset_style::{OPACITY, StandardView, settings};
 use zeroset_trace::{OPTIONS, TraceOptions};
 
 enum Line<'a> {
@@ -79,7 +79,7 @@ const EDIT: &str = "edit";
 /// Name of the command that chooses the method. Commands of method options follow in [`COMMANDS`].
 const METHOD: &str = "method";
 
-/// All commands, in the order of the help, including those of choices and method options.
+/// All commands, in the order of the help, including those of settings and method options.
 pub static COMMANDS: LazyLock<Vec<CommandRow>> = LazyLock::new(|| {
     let options = OPTIONS.iter().filter(|option| !option.command.is_empty());
     let rows = options.map(|option| CommandRow {
@@ -91,7 +91,7 @@ pub static COMMANDS: LazyLock<Vec<CommandRow>> = LazyLock::new(|| {
         // Never called, since [`Live::enter`] sets method options itself.
         run: |_, _| None,
     });
-    let choices = CHOICES.iter().filter(|row| is_written(row.word)).map(|row| CommandRow {
+    let choices = settings().filter(|row| is_written(row.word)).map(|row| CommandRow {
         name: row.word,
         arguments: row.values.notation(),
         doc: row.help,
@@ -134,7 +134,7 @@ const ROWS: &[CommandRow] = &[
         })) },
     CommandRow { name: "opacity", arguments: "N SHARE", doc: "how opaque the N-th surface is, as 50% or 0.5",
         purpose: Purpose::Document, example: ":opacity 1 50%",
-        run: |live, rest| { let (number, share) = rest.split_once(' ')?; Some(done(live.set_opacity(number.parse().ok()?, OPACITY.values.read(share.trim()).ok()?))) } },
+        run: |live, rest| { let (number, share) = rest.split_once(' ')?; Some(done(live.set_opacity(number.parse().ok()?, OPACITY.values.read(share.trim(), view::number).ok()?))) } },
     CommandRow { name: "move", arguments: "N TO", doc: "move the N-th surface to another place in the list",
         purpose: Purpose::Document, example: ":move 2 1",
         run: |live, rest| { let (from, to) = rest.split_once(' ')?; Some(done(live.move_surface(from.parse().ok().filter(|from| *from > 0)?, to.trim().parse().ok().filter(|to| *to > 0)?))) } },
@@ -183,9 +183,6 @@ const ROWS: &[CommandRow] = &[
     CommandRow { name: "material", arguments: "matte|satin|gloss|metal|glass", doc: "how all surfaces reflect light",
         purpose: Purpose::View, example: ":material metal",
         run: |live, rest| write(live, "material", rest) },
-    CommandRow { name: "width", arguments: "PIXELS", doc: "width of all curves",
-        purpose: Purpose::View, example: ":width 3px",
-        run: |live, rest| write(live, "width", rest) },
     CommandRow { name: "title", arguments: "TEXT", doc: "a title at the top",
         purpose: Purpose::View, example: ":title A torus",
         run: |live, rest| write(live, "title", rest) },
@@ -353,10 +350,9 @@ fn delete(live: &Live, number: Option<usize>) -> Result<Reply, Refusal> {
     say(if lines.is_empty() { "nothing is drawn".to_owned() } else { lines.join("\n") })
 }
 
-/// Returns whether a command without a function of its own writes the line of a choice.
+/// Returns whether a command without a function of its own writes a setting's line.
 fn is_written(name: &str) -> bool {
-    CHOICES.iter().any(|row| row.is_line && row.word == name)
-        && ROWS.iter().all(|row| row.name != name)
+    settings().any(|row| row.is_line && row.word == name) && ROWS.iter().all(|row| row.name != name)
 }
 
 /// Writes a setting's line into the document. Returns `None` without arguments. After a line about
@@ -412,7 +408,7 @@ impl CommandRow {
     /// Returns the command as it may be typed. The example of a method option is its default.
     pub(super) fn as_typed(&self) -> String {
         let option = OPTIONS.iter().find(|option| option.command == self.name);
-        let choice = CHOICES.iter().find(|choice| choice.word == self.name);
+        let choice = settings().find(|choice| choice.word == self.name);
         let option = option.map(|option| (option.get)(&TraceOptions::default()));
         match option.or(choice.map(|choice| choice.example.to_owned())) {
             Some(value) => format!(":{} {value}", self.name),
@@ -536,14 +532,15 @@ mod tests {
     fn settings_of_the_document_have_commands() {
         let live = Live::new(Request::default());
         live.enter("x^2+y^2+z^2 = 1").expect("a surface");
-        for row in ROWS.iter().filter(|row| row.purpose == Purpose::View) {
+        for row in COMMANDS.iter().filter(|row| row.purpose == Purpose::View) {
             if matches!(row.name, "domain" | "view" | "look" | "clip" | "shadows" | "time") {
                 continue;
             }
-            let line = &row.example[1..];
+            let typed = row.as_typed();
+            let line = &typed[1..];
             live.clear();
             live.enter("x^2+y^2+z^2 = 1").expect("a surface");
-            live.enter(row.example).expect(row.example);
+            live.enter(&typed).expect(&typed);
             let with_colon = live.text();
             assert!(with_colon.lines().any(|one| one == line), "{with_colon}");
             live.enter(line).expect(line);

@@ -47,25 +47,22 @@ impl Values {
         if is_valid { Ok(value) } else { Err(format!("must be {self}")) }
     }
 
-    /// Reads a value as flags and options have it.
+    /// Reads a value as it is typed. `number` reads a number.
     ///
     /// # Errors
     /// If the setting does not take it. The message has no subject.
-    pub fn read(&self, text: &str) -> Result<f64, String> {
-        let word = match (text, self) {
-            ("off", Self::Switch | Self::Number { on: Some(_), .. }) => Some(0.0),
-            ("on", Self::Switch) => Some(1.0),
-            ("on", Self::Number { on, .. }) => *on,
-            _ => None,
-        };
-        let number = || match (text.strip_suffix('%'), self) {
-            (_, Self::Switch) => None,
-            (Some(percent), Self::Number { noun: SHARE, .. }) => {
-                Some(percent.parse::<f64>().ok()? / 100.0)
+    pub fn read(&self, text: &str, number: fn(&str) -> Option<f64>) -> Result<f64, String> {
+        let value = match (text, text.strip_suffix('%'), self) {
+            ("on", _, Self::Switch) => Some(1.0),
+            ("on", _, Self::Number { on: Some(on), .. }) => Some(*on),
+            ("off", _, Self::Switch | Self::Number { on: Some(_), .. }) => Some(0.0),
+            (_, _, Self::Switch) => None,
+            (_, Some(percent), Self::Number { noun: SHARE, .. }) => {
+                number(percent).map(|percent| percent / 100.0)
             }
-            _ => text.parse().ok(),
+            _ => number(text),
         };
-        self.check(word.or_else(number).unwrap_or(f64::NAN))
+        self.check(value.unwrap_or(f64::NAN))
     }
 
     /// The notation of a value, as in help.

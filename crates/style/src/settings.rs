@@ -95,8 +95,11 @@ const fn share(notation: &'static str, on: Option<f64>, help: &'static str) -> S
 }
 
 /// How opaque a surface is.
-pub static OPACITY: Setting =
-    Setting { word: "opacity", example: "50%", ..share("SHARE", None, "") };
+pub static OPACITY: Setting = Setting {
+    word: "opacity",
+    example: "50%",
+    ..share("SHARE", None, "set how opaque the drawings below are")
+};
 
 /// How wide a curve is.
 pub static WIDTH: Setting = Setting {
@@ -108,7 +111,7 @@ pub static WIDTH: Setting = Setting {
         on: None,
     },
     example: "3px",
-    ..switch("")
+    ..switch("set how wide curves and points are")
 };
 
 /// The numbers of rays that a pixel on an edge may have.
