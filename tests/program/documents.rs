@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use zeroset_live::COMMANDS;
-use zeroset_style::{COLOR_MAPS, LOOKS, settings};
+use zeroset_style::{COLOR_MAPS, LOOKS, Values, settings};
 use zeroset_trace::{METHODS, OPTIONS, TraceOptions};
 
 fn root() -> &'static Path {
@@ -74,6 +74,11 @@ fn every_setting_of_a_picture_has_its_rows() {
     let rows = lines
         .map(|row| format!("| `{} {}` | {}: {} |", row.word, row.example, row.help, row.values));
     check_table("docs/language.md", "| line of the picture |", rows);
+    for row in settings() {
+        if let Values::Number { on: Some(on), .. } = row.values {
+            assert!(text("docs/language.md").contains(&format!("`{}` alone is {on}", row.word)));
+        }
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 
 use crate::cli_support::Sandbox;
 use zeroset::{Scene, Settings};
-use zeroset_live::{Live, pipeline::Request};
+use zeroset_live::{Live, Request};
 use zeroset_style::{CHOICES, Setting, Values, settings};
 
 const SPHERE: &str = "x^2+y^2+z^2 = 1";

@@ -101,8 +101,16 @@ pub static COMMANDS: LazyLock<Vec<CommandRow>> = LazyLock::new(|| {
         run: |_, _| None,
     });
     let method = ROWS.iter().position(|row| row.name == METHOD).unwrap_or(0);
-    let (before, after) = ROWS.split_at(method + 1);
-    before.iter().copied().chain(choices).chain(rows).chain(after.iter().copied()).collect()
+    let (before, after) = ROWS.split_at(method);
+    let (method, after) = after.split_at(1);
+    let (before, method, after) = (before.iter(), method.iter(), after.iter());
+    before
+        .copied()
+        .chain(choices)
+        .chain(method.copied())
+        .chain(rows)
+        .chain(after.copied())
+        .collect()
 });
 
 /// The commands that have a function of their own.

@@ -30,7 +30,7 @@ macro_rules! choices {
             /// Whether surfaces cast soft shadows: a ray goes from every visible point to an area
             /// light. Default: the text's `shadows` line, or else no.
             shadows: bool =
-                switch("cast soft shadows: trace a ray from every visible point to an area light");
+                switch("cast soft shadows, by a ray from every visible point to an area light");
             /// Whether the domain's box is drawn with axes and ticks. The view makes room for it.
             /// Default: the text's `axes` line, or else no.
             axes: bool = Setting {
