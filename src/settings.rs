@@ -7,16 +7,13 @@ use std::str::FromStr;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 use zeroset_render::limit::StopFlag;
-use zeroset_render::picture::{self, ColorDepth};
+use zeroset_render::picture::{self, ColorDepth, MOST_PIXELS_HELD};
 use zeroset_scene::view::{CameraChoice, DomainChoice, number};
 use zeroset_shade::Pattern;
 use zeroset_space::{Projection, Region};
 use zeroset_style::{ANTIALIAS, BITS, CHOICES, LOOKS, RAYS, StandardView, VIEWS};
 use zeroset_syntax::SrgbColor;
 use zeroset_trace::{METHODS, TraceOptions};
-
-/// Largest number of pixels of a picture. A pixel takes some fifty bytes.
-const MOST_PIXELS: usize = 1 << 26;
 
 /// The default of [`TraceSettings::accuracy`], as a share of the domain's largest extent.
 const ACCURACY: f64 = 1e-6;
@@ -438,9 +435,9 @@ impl Settings {
     /// If a setting is out of range.
     pub(crate) fn checked(&self) -> Result<picture::Settings, Error> {
         let picture::Settings { width, height, light, .. } = self.picture;
-        let has_room = |pixels: usize| (1..=MOST_PIXELS).contains(&pixels);
+        let has_room = |pixels: usize| (1..=MOST_PIXELS_HELD).contains(&pixels);
         ensure(width.checked_mul(height).is_some_and(has_room), || {
-            format!("a picture has from 1 to {MOST_PIXELS} pixels, and not {width}×{height}")
+            format!("a picture has from 1 to {MOST_PIXELS_HELD} pixels, and not {width}×{height}")
         })?;
         let is_finite = light.is_none_or(|light| light.is_finite());
         ensure(is_finite, || "the position of the light must be finite")?;

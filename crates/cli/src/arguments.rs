@@ -16,7 +16,7 @@ use zeroset_scene::view::{self, CameraChoice, ClipChoice, ClipShape, Clipping, D
 use zeroset_shade::UndecidedStyle;
 use zeroset_space::Projection;
 use zeroset_style::{
-    ANTIALIAS, BITS, CHOICES, Choices, LOOKS, Listing, Look, Setting, StandardView, VIEWS, Values,
+    ANTIALIAS, BITS, CHOICES, Choices, LOOKS, Look, Setting, StandardView, VIEWS, Values,
 };
 use zeroset_syntax::{Document, Format};
 use zeroset_trace::{METHODS, Method, MethodOption, OPTIONS, TraceOptions};
@@ -470,19 +470,16 @@ pub struct ChoiceArgs(pub Choices);
 impl Args for ChoiceArgs {
     fn augment_args(command: clap::Command) -> clap::Command {
         let flag = |row: &'static Setting| {
-            let arg = Arg::new(row.word).long(row.flag).help(row.flag_help());
-            let arg = match row.listing {
-                Listing::First => arg.display_order(3),
-                Listing::Light => arg.help_heading(LIGHT),
-                Listing::Rare => arg.help_heading(LIGHT).hide_short_help(true),
-            };
+            let arg = Arg::new(row.word).long(row.flag).help(row.flag_help()).help_heading(LIGHT);
             if row.values == Values::Switch {
                 return arg.action(ArgAction::SetTrue);
             }
             let arg = arg.value_name(row.values.notation()).allow_hyphen_values(true);
             arg.value_parser(|text: &str| row.values.read(text, view::number))
         };
-        command.args(CHOICES.iter().map(flag))
+        let command = command.args(CHOICES.iter().map(flag));
+        let command = command.mut_arg("axes", |arg| arg.help_heading(None).display_order(3));
+        command.mut_arg("ambient", |arg| arg.hide_short_help(true))
     }
 
     fn augment_args_for_update(command: clap::Command) -> clap::Command {

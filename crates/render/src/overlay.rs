@@ -53,15 +53,19 @@ impl Overlay {
     /// An overlay with or without axes, and with the document's title. A legend comes with axes
     /// unless the document chooses otherwise.
     pub fn new(axes: bool, document: &Document) -> Self {
-        let legend = document.picture.choices.legend.unwrap_or(axes);
-        Self { axes, legend, title: document.picture.title.clone() }
+        Self::asked(Choices { axes: Some(axes), ..Choices::default() }, document)
+    }
+
+    /// An overlay without a title. A legend comes with axes unless these choices say otherwise.
+    pub fn of(Choices { axes, legend, .. }: Choices) -> Self {
+        let axes = axes == Some(true);
+        Self { axes, legend: legend.unwrap_or(axes), title: None }
     }
 
     /// An overlay with axes and legend as these choices have them, or else the document's.
     pub fn asked(choices: Choices, document: &Document) -> Self {
-        let Choices { axes, legend, .. } = choices.or(document.picture.choices);
-        let axes = axes == Some(true);
-        Self { legend: legend.unwrap_or(axes), ..Self::new(axes, document) }
+        let title = document.picture.title.clone();
+        Self { title, ..Self::of(choices.or(document.picture.choices)) }
     }
 
     /// This overlay with another title, if there is one. An empty title removes the document's.

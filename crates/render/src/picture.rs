@@ -20,6 +20,10 @@ use zeroset_trace::{
 pub use zeroset_shade::ColorDepth;
 pub use zeroset_trace::Precision;
 
+/// Largest number of pixels of a picture that is held whole. A pixel takes some fifty to a hundred
+/// bytes.
+pub const MOST_PIXELS_HELD: usize = 1 << 26;
+
 /// Settings of a picture.
 #[derive(Clone, Debug, PartialEq)]
 #[allow(clippy::struct_excessive_bools)] // choices that have nothing to do with each other

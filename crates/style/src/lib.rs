@@ -14,6 +14,6 @@ mod view;
 pub use color_map::{COLOR_MAPS, ColorMap};
 pub use look::{LOOKS, Look};
 pub use material::{MATERIALS, Material};
-pub use setting::{Listing, SHARE, Setting, Values};
+pub use setting::{SHARE, Setting, Values};
 pub use settings::{ANTIALIAS, BITS, CHOICES, Choices, OPACITY, RAY_COUNTS, RAYS, WIDTH, settings};
 pub use view::{FOV, StandardView, VIEWS};

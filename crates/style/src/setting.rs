@@ -107,25 +107,12 @@ pub struct Setting {
     pub default: &'static str,
     /// The flag's name on the command line, without its dashes; empty without a flag.
     pub flag: &'static str,
-    /// Where help lists the flag.
-    pub listing: Listing,
     /// Whether documents may have a line that begins with the word.
     pub is_line: bool,
     /// Returns the value; `None` if it is not chosen, or kept elsewhere.
     pub get: fn(&Choices) -> Option<f64>,
     /// Sets the value, which the setting takes. Does nothing if values are kept elsewhere.
     pub set: fn(&mut Choices, f64),
-}
-
-/// Where help on the command line lists a flag.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Listing {
-    /// Among the flags that are used most.
-    First,
-    /// Among those of light and color.
-    Light,
-    /// There, but only in the help on all flags.
-    Rare,
 }
 
 impl Setting {

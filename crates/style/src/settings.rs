@@ -1,7 +1,7 @@
 //! The table of a picture's settings. The command line, the prompt, documents, the library and
 //! Python read it. Nothing here knows how a setting changes a picture.
 
-use crate::setting::{Listing, SHARE, Setting, Values};
+use crate::setting::{SHARE, Setting, Values};
 
 /// Passes the settings that are choices for a whole picture to the macro `$define`: for each, the
 /// documentation of its field and of the library's setter, its word, its type, and other columns of
@@ -14,7 +14,6 @@ macro_rules! choices {
             ambient: f64 = Setting {
                 example: "0.4",
                 default: "the look's",
-                listing: Listing::Rare,
                 is_line: false,
                 ..share("SHARE", None, "set the ambient light")
             };
@@ -33,10 +32,7 @@ macro_rules! choices {
                 switch("cast soft shadows, by a ray from every visible point to an area light");
             /// Whether the domain's box is drawn with axes and ticks. The view makes room for it.
             /// Default: the text's `axes` line, or else no.
-            axes: bool = Setting {
-                listing: Listing::First,
-                ..switch("draw the domain's box with axes and ticks, and fit it into the picture")
-            };
+            axes: bool = switch("draw the domain's box with axes and ticks, and fit it into the picture");
             /// Whether a legend for colored values is drawn. Default: the text's `legend` line, or
             /// else whether there are axes.
             legend: bool = Setting { default: "with --axes", ..switch("draw the color scale of each color map") };
@@ -82,7 +78,6 @@ const fn switch(help: &'static str) -> Setting {
         help,
         default: "",
         flag: "",
-        listing: Listing::Light,
         is_line: true,
         get: |_| None,
         set: |_, _| {},
