@@ -289,8 +289,8 @@ class Surface:
         units of the surface. `look` is one of `looks()`, `method` one of `methods()`.
         `background` has bytes of red, green and blue, or is ``"transparent"``. `undecided`
         is the appearance of undecided pixels: ``"shade"``, ``"hatch"``, ``"tint"`` or ``"miss"``.
-        With 16 `bits` per channel, the picture also has ``light``. `choices` are rows of `choices()`,
-        such as ``haze=0.5`` and ``ground=True``.
+        With 16 `bits` per channel, the picture also has ``light``. `choices` are named by
+        `choices()`, such as ``haze=0.5`` and ``ground=True``.
         `precision` is ``"auto"``, ``"f32"`` or ``"f64"``; `budget` is in seconds. An interrupt
         from the keyboard ends the work.
         """
