@@ -88,7 +88,7 @@ impl Scene {
     pub fn render(&self, settings: &Settings) -> Result<Picture, Error> {
         let (document, choice) = (&self.text.document, &settings.camera);
         let domain = settings.domain_choice();
-        let around = Overlay::asked(settings.axes, settings.legend, document);
+        let around = Overlay::asked(settings.picture.choices, document);
         let around = around.titled(settings.title.as_deref());
         let settings = settings.checked()?;
         let (region, _) = region(document, domain, Clipping::default()).map_err(Error::scene)?;

@@ -7,19 +7,13 @@ use std::str::FromStr;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 use zeroset_render::limit::StopFlag;
-use zeroset_render::picture::{self, ColorDepth};
-use zeroset_scene::view::{CameraChoice, DomainChoice};
+use zeroset_render::picture::{self, ColorDepth, MOST_PIXELS_HELD};
+use zeroset_scene::view::{CameraChoice, DomainChoice, number};
 use zeroset_shade::Pattern;
 use zeroset_space::{Projection, Region};
-use zeroset_style::{LOOKS, StandardView, VIEWS};
+use zeroset_style::{ANTIALIAS, BITS, CHOICES, LOOKS, RAYS, StandardView, VIEWS};
 use zeroset_syntax::SrgbColor;
 use zeroset_trace::{METHODS, TraceOptions};
-
-/// Largest number of pixels of a picture. A pixel takes some fifty bytes.
-const MOST_PIXELS: usize = 1 << 26;
-
-/// Default number of rays traced in a pixel on an edge.
-const ANTIALIAS: usize = 16;
 
 /// The default of [`TraceSettings::accuracy`], as a share of the domain's largest extent.
 const ACCURACY: f64 = 1e-6;
@@ -223,14 +217,10 @@ pub struct Camera {
 pub struct Settings {
     trace: TraceSettings,
     pub(crate) camera: CameraChoice,
-    shadows: bool,
     antialias: usize,
     bits: usize,
-    ambient: Option<f64>,
-    pub(crate) axes: bool,
-    pub(crate) legend: bool,
     pub(crate) title: Option<String>,
-    picture: picture::Settings,
+    pub(crate) picture: picture::Settings,
 }
 
 /// Defines methods that set one field each.
@@ -330,18 +320,27 @@ impl Camera {
     }
 }
 
+/// Defines a method for each choice of a whole picture.
+macro_rules! choice_setters {
+    ($($(#[$doc:meta])+ $word:ident: $type:ty = $row:expr;)*) => {
+        impl Settings {
+            setters! {
+                $($(#[$doc])+ $word($word: $type) => picture.choices.$word = Some($word);)*
+            }
+        }
+    };
+}
+
+zeroset_style::choices!(choice_setters);
+
 impl Settings {
     /// Returns default settings for a picture that is `width` pixels wide and `height` pixels high.
     pub fn new(width: usize, height: usize) -> Self {
         Self {
             trace: TraceSettings::default(),
             camera: CameraChoice::default(),
-            shadows: false,
-            antialias: ANTIALIAS,
+            antialias: RAYS,
             bits: 8,
-            ambient: None,
-            axes: false,
-            legend: false,
             title: None,
             picture: picture::Settings {
                 width,
@@ -373,20 +372,6 @@ impl Settings {
             });
         /// Sets the position of the light. Default: far above and to the left of the camera.
         light(point: [f64; 3]) => picture.light = Some(point.into());
-        /// Sets the ambient share of the light, from 0 to 1. Default: the look's share.
-        ambient(share: f64) => ambient = Some(share);
-        /// Turns soft shadows on or off. A ray goes from every visible point to an area light.
-        /// Default: off.
-        shadows(shadows: bool) => shadows = shadows;
-        /// Turns the ground on or off: a plane below the surfaces, on which they cast shadows.
-        /// Default: the text's `ground` line, or else off.
-        ground(ground: bool) => picture.ground = Some(ground);
-        /// Mixes the background into points far away, up to this share, from 0 to 1. Default: the
-        /// text's `haze` line, or else none.
-        haze(share: f64) => picture.haze = Some(share);
-        /// Turns outlines on or off: lines where surfaces end, bend sharply, meet, or hide each
-        /// other. Default: the text's `outlines` line, or else off.
-        outlines(outlines: bool) => picture.outlines = Some(outlines);
         /// Turns ambient occlusion on or off. It darkens points near other surfaces, if the look
         /// does so. Default: on.
         occlusion(occlusion: bool) => picture.occlusion = occlusion;
@@ -403,12 +388,6 @@ impl Settings {
             UndecidedStyle::Tint => zeroset_shade::UndecidedStyle::Tint,
             UndecidedStyle::Miss => zeroset_shade::UndecidedStyle::Miss,
         };
-        /// Draws the domain's box with axes and ticks, like the text's line `axes on`. The view
-        /// makes room for the box. Default: no.
-        axes(axes: bool) => axes = axes;
-        /// Draws a legend for colored values, like the text's line `legend on`. With axes, it is
-        /// drawn unless the text has the line `legend off`. Default: no.
-        legend(legend: bool) => legend = legend;
         /// Writes a title at the top of the picture. Default: the text of the text's `title` line.
         title(title: impl Into<String>) => title = Some(title.into());
         /// Limits the time for finding surfaces. Pixels that are not reached in time are undecided
@@ -418,6 +397,32 @@ impl Settings {
         /// Ends the work once the flag is set. The picture is then as far as with a budget that is
         /// over. Default: none.
         stop(flag: &'static AtomicBool) => picture.limit.stop = Some(StopFlag(flag));
+    }
+
+    /// Sets a setting by its name, as the method of that name does: `on` or `off`, or a number. The
+    /// names are those of [`Settings::choices`].
+    ///
+    /// ```
+    /// let settings = zeroset::Settings::new(640, 480).set("haze", "0.5")?.set("ground", "on")?;
+    /// assert_eq!(settings, zeroset::Settings::new(640, 480).haze(0.5).ground(true));
+    /// # Ok::<(), zeroset::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If there is no such setting, or it does not take the value.
+    pub fn set(mut self, name: &str, value: &str) -> Result<Self, Error> {
+        let row = CHOICES.iter().find(|row| row.word == name);
+        let row = row.ok_or_else(|| Error::argument(format!("there is no setting '{name}'")))?;
+        let value = row.values.read(value, number);
+        let value = value.map_err(|why| Error::argument(format!("{name} {why}")))?;
+        (row.set)(&mut self.picture.choices, value);
+        Ok(self)
+    }
+
+    /// Returns the name of each setting that [`set`](Self::set) knows, and one line of help with
+    /// its values and its default.
+    pub fn choices() -> impl Iterator<Item = (&'static str, String)> {
+        CHOICES.iter().map(|row| (row.word, row.flag_help()))
     }
 
     pub(crate) fn domain_choice(&self) -> DomainChoice {
@@ -430,33 +435,22 @@ impl Settings {
     /// If a setting is out of range.
     pub(crate) fn checked(&self) -> Result<picture::Settings, Error> {
         let picture::Settings { width, height, light, .. } = self.picture;
-        let has_room = |pixels: usize| (1..=MOST_PIXELS).contains(&pixels);
+        let has_room = |pixels: usize| (1..=MOST_PIXELS_HELD).contains(&pixels);
         ensure(width.checked_mul(height).is_some_and(has_room), || {
-            format!("a picture has from 1 to {MOST_PIXELS} pixels, and not {width}×{height}")
+            format!("a picture has from 1 to {MOST_PIXELS_HELD} pixels, and not {width}×{height}")
         })?;
         let is_finite = light.is_none_or(|light| light.is_finite());
         ensure(is_finite, || "the position of the light must be finite")?;
-        let is_share = self.ambient.is_none_or(|share| (0.0..=1.0).contains(&share));
-        ensure(is_share, || "ambient must be between 0 and 1")?;
-        let is_share = self.picture.haze.is_none_or(|share| (0.0..=1.0).contains(&share));
-        ensure(is_share, || "haze must be between 0 and 1")?;
-        let antialias = Pattern::of(self.antialias)
-            .ok_or_else(|| Error::argument("antialias must be 1, 4, 16 or 64"))?;
-        let depth = match self.bits {
-            8 => ColorDepth::Bytes,
-            16 => ColorDepth::Floats,
-            _ => return Err(Error::argument("bits must be 8 or 16")),
-        };
-        let settings = picture::Settings {
-            depth,
+        self.picture.choices.check().map_err(Error::argument)?;
+        ANTIALIAS.check(self.antialias as f64).map_err(Error::argument)?;
+        BITS.check(self.bits as f64).map_err(Error::argument)?;
+        Ok(picture::Settings {
+            depth: ColorDepth::of(self.bits),
             method: self.trace.method.0,
             options: self.trace.options()?,
-            antialias,
-            ambient: self.ambient.map(|share| share as f32),
+            antialias: Pattern::of(self.antialias).unwrap_or(Pattern::ONE),
             limit: self.picture.limit.begin(),
             ..self.picture.clone()
-        };
-        let shadow_depth = self.shadows.then(|| settings.usual_shadow_depth());
-        Ok(picture::Settings { shadow_depth, ..settings })
+        })
     }
 }

@@ -7,6 +7,7 @@ use zeroset_render::model::Model;
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 use zeroset_space::Region;
+use zeroset_style::Choices;
 use zeroset_syntax::{Document, Options};
 use zeroset_trace::{METHODS, Status, TraceOptions, UndecidedReason};
 
@@ -57,7 +58,11 @@ fn shadows_end_between_tiles() {
         height: 256,
         ..Settings::default()
     };
-    let shadowed = Settings { shadow_depth: Some(7), ..plain.clone() };
+    let shadowed = Settings {
+        choices: Choices { shadows: Some(true), ..plain.choices },
+        shadow_depth: Some(7),
+        ..plain.clone()
+    };
     let dark = |picture: &Picture| picture.buffer.shadow.iter().filter(|dark| **dark > 0).count();
     let (_, before) = picture(&model, &plain, usize::MAX);
     let (whole, all) = picture(&model, &shadowed, usize::MAX);

@@ -7,6 +7,7 @@ use zeroset_scene::gallery::example;
 use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 use zeroset_shade::{LinearRgb, Pattern, edges};
 use zeroset_space::Camera;
+use zeroset_style::{Choices, RAY_COUNTS};
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{METHODS, Precision, RayGrid, TraceOptions};
 
@@ -45,7 +46,7 @@ const SURFACES: [&str; 4] =
 fn more_rays_bring_edges_nearer_to_what_they_are() {
     for text in SURFACES {
         let (model, camera) = scene(text, &settings(1));
-        let pictures = Pattern::COUNTS.map(|count| picture(&model, &camera, &settings(count)));
+        let pictures = RAY_COUNTS.map(|count| picture(&model, &camera, &settings(count)));
         let [plain, four, sixteen, many] = &pictures;
         let edges = edges(&plain.buffer, &RayGrid::new(&camera, 96, 80));
         let count = edges.iter().filter(|edge| **edge).count();
@@ -59,7 +60,7 @@ fn more_rays_bring_edges_nearer_to_what_they_are() {
         assert!(count > 100 && without > 0.03);
         assert!(four < 0.5 * without && sixteen < 0.2 * without);
         let others: Vec<bool> = edges.iter().map(|edge| !edge).collect();
-        for (picture, count) in pictures.iter().zip(Pattern::COUNTS) {
+        for (picture, count) in pictures.iter().zip(RAY_COUNTS) {
             assert_eq!(picture.buffer, plain.buffer, "what is known of pixels");
             assert!(off(picture, plain, &others) == 0.0, "elsewhere nothing changes");
             let rays = edges.iter().filter(|edge| **edge).count() * count;
@@ -104,7 +105,8 @@ fn what_f32_cannot_tell_is_not_painted_along_edges() {
 
 #[test]
 fn colors_do_not_depend_on_threads_or_on_when_they_are_made() {
-    let settings = Settings { shadow_depth: Some(8), ..settings(16) };
+    let choices = Choices { shadows: Some(true), ..Choices::default() };
+    let settings = Settings { choices, shadow_depth: Some(8), ..settings(16) };
     for text in SURFACES {
         let (model, camera) = scene(text, &settings);
         let whole = picture(&model, &camera, &settings);

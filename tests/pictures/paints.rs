@@ -8,7 +8,7 @@ use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::view::{self, DomainChoice};
 use zeroset_shade::{LinearRgb, Pattern};
 use zeroset_space::{Camera, HalfSpace, Projection, Region};
-use zeroset_style::ColorMap;
+use zeroset_style::{Choices, ColorMap};
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{RayGrid, TraceOptions};
 
@@ -248,8 +248,8 @@ fn lines_of_a_document_are_as_the_settings() {
     let plain = set(&settings());
     let light = Settings { light: Some(DVec3::new(-4.0, 3.0, 5.0)), ..settings() };
     assert_eq!(said("light -4, 3, 5"), set(&light));
-    let depth = settings().usual_shadow_depth();
-    let shadows = Settings { shadow_depth: Some(depth), ..settings() };
+    let shadows =
+        Settings { choices: Choices { shadows: Some(true), ..Choices::default() }, ..settings() };
     assert_eq!(said("shadows"), set(&shadows));
     assert_eq!(said("shadows off"), plain);
     let plane = HalfSpace { normal: DVec3::new(0.0, 1.0, 0.5), offset: 0.25 };

@@ -6,6 +6,7 @@ use zeroset_scene::program::ProgramError;
 use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 use zeroset_shade::{Pattern, UndecidedStyle};
 use zeroset_space::Camera;
+use zeroset_style::Choices;
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{GBuffer, RayResult, TraceOptions};
 
@@ -103,7 +104,9 @@ fn strips_are_parts_of_the_whole_bit_for_bit() {
     let plain = Settings { width: 130, height: 118, occlusion: true, ..Settings::default() };
     let sixteen = Pattern::of(16).expect("a pattern");
     let depth = ColorDepth::Floats;
-    let fine = Settings { antialias: sixteen, shadow_depth: Some(7), depth, ..plain.clone() };
+    let choices = Choices { shadows: Some(true), ..plain.choices };
+    let shadow_depth = Some(7);
+    let fine = Settings { antialias: sixteen, choices, shadow_depth, depth, ..plain.clone() };
     let marked = Settings { undecided: UndecidedStyle::Hatch, brackets: true, ..plain.clone() };
     let double = Settings {
         options: TraceOptions { precision: Precision::F64, ..fine.options },

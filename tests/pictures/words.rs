@@ -5,6 +5,7 @@ use glam::DVec3;
 use zeroset_render::model::render;
 use zeroset_render::picture::Settings;
 use zeroset_space::{Camera, Projection, Region};
+use zeroset_style::Choices;
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{GBuffer, RayGrid, Status};
 
@@ -175,7 +176,8 @@ fn shadows_of_jumps_in_the_faces_of_a_domain_end() {
         let eye = DVec3::new(6.0, -9.0, 5.0);
         let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("a camera");
         let plain = Settings { width: 16, height: 16, ..Settings::default() };
-        let settings = Settings { shadow_depth: Some(plain.usual_shadow_depth()), ..plain };
+        let settings =
+            Settings { choices: Choices { shadows: Some(true), ..Choices::default() }, ..plain };
         let region = Region::new(DVec3::splat(-3.0), DVec3::splat(3.0)).expect("a cube");
         let picture = render(&document, &region, &camera, &settings, &|_, _| {});
         done.send(picture.expect("a picture").buffer.counts()).expect("received");

@@ -302,7 +302,7 @@ fn numbers_out_of_range() {
         (["--budget", "inf"], "--budget inf: no such time"),
         (["--precision", "f16"], "possible values: auto, f32, f64"),
         (["--threads", "0"], "--threads must be between 1 and"),
-        (["--ambient", "nan"], "--ambient must be between 0 and 1"),
+        (["--ambient", "nan"], "'--ambient <SHARE>': must be a share from 0 to 1"),
         (["--background", "reddish"], "neither a color such as white"),
         (["--time", "soon"], "--time 'soon' is not a finite number"),
         (["-D", "r"], "not of the form name=value"),

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use zeroset_live::COMMANDS;
-use zeroset_style::{COLOR_MAPS, LOOKS};
+use zeroset_style::{COLOR_MAPS, LOOKS, Values, settings};
 use zeroset_trace::{METHODS, OPTIONS, TraceOptions};
 
 fn root() -> &'static Path {
@@ -63,6 +63,22 @@ fn every_option_of_a_method_has_its_row() {
 fn every_command_of_the_prompt_has_its_row() {
     let rows = COMMANDS.iter().map(|row| format!("| `{}` | {} |", cell(&row.usage()), row.doc));
     check_table("docs/window.md", "| command | meaning |", rows);
+}
+
+#[test]
+fn every_setting_of_a_picture_has_its_rows() {
+    let flags = settings().filter(|row| !row.flag.is_empty());
+    let rows = flags.map(|row| format!("| `--{}` | {} |", row.flag, row.flag_help()));
+    check_table("docs/command-line.md", "| flag of the picture |", rows);
+    let lines = settings().filter(|row| row.is_line);
+    let rows = lines
+        .map(|row| format!("| `{} {}` | {}: {} |", row.word, row.example, row.help, row.values));
+    check_table("docs/language.md", "| line of the picture |", rows);
+    for row in settings() {
+        if let Values::Number { on: Some(on), .. } = row.values {
+            assert!(text("docs/language.md").contains(&format!("`{}` alone is {on}", row.word)));
+        }
+    }
 }
 
 #[test]

@@ -23,6 +23,7 @@ mod interrupt;
 mod prompt;
 #[cfg(unix)]
 mod prompt_soak;
+mod settings;
 #[path = "../surroundings/mod.rs"]
 mod surroundings;
 #[cfg(unix)]

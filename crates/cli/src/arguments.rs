@@ -11,16 +11,15 @@ use std::path::PathBuf;
 use zeroset_export::{UNITS, Unit};
 use zeroset_render::names::Named;
 use zeroset_render::overlay::Overlay;
-use zeroset_render::picture::{ColorDepth, Normals, Precision};
+use zeroset_render::picture::{Normals, Precision};
 use zeroset_scene::view::{self, CameraChoice, ClipChoice, ClipShape, Clipping, DomainChoice};
 use zeroset_shade::UndecidedStyle;
 use zeroset_space::Projection;
-use zeroset_style::{LOOKS, Look, StandardView, VIEWS};
+use zeroset_style::{
+    ANTIALIAS, BITS, CHOICES, Choices, LOOKS, Look, Setting, StandardView, VIEWS, Values,
+};
 use zeroset_syntax::{Document, Format};
 use zeroset_trace::{METHODS, Method, MethodOption, OPTIONS, TraceOptions};
-
-/// Default number of rays traced in a pixel that lies on an edge.
-pub const DEFAULT_AA: usize = 16;
 
 /// Texts shown below the options of each command's help.
 mod examples {
@@ -299,6 +298,12 @@ impl RenderArgs {
     pub fn cut(&self) -> Clipping {
         Clipping { plane: self.camera.clip(), to: self.clip_to }
     }
+
+    /// Returns the overlay of pictures of this document.
+    pub fn overlay(&self, document: &Document) -> Overlay {
+        let around = Overlay::asked(self.tracing.choices.0, document);
+        around.titled(self.shading.title.as_deref())
+    }
 }
 
 /// Outputs, and the size of the picture.
@@ -458,26 +463,58 @@ fn flag(option: &'static MethodOption) -> Arg {
         .hide_short_help(!option.is_common)
 }
 
+/// The choices for a whole picture. The flags are those of [`CHOICES`].
+#[derive(Clone, Copy, Debug)]
+pub struct ChoiceArgs(pub Choices);
+
+impl Args for ChoiceArgs {
+    fn augment_args(command: clap::Command) -> clap::Command {
+        let flag = |row: &'static Setting| {
+            let arg = Arg::new(row.word).long(row.flag).help(row.flag_help()).help_heading(LIGHT);
+            if row.values == Values::Switch {
+                return arg.action(ArgAction::SetTrue);
+            }
+            let arg = arg.value_name(row.values.notation()).allow_hyphen_values(true);
+            arg.value_parser(|text: &str| row.values.read(text, view::number))
+        };
+        let command = command.args(CHOICES.iter().map(flag));
+        let command = command.mut_arg("axes", |arg| arg.help_heading(None).display_order(3));
+        command.mut_arg("ambient", |arg| arg.hide_short_help(true))
+    }
+
+    fn augment_args_for_update(command: clap::Command) -> clap::Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for ChoiceArgs {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let mut choices = Choices::default();
+        for row in CHOICES {
+            let value = match row.values {
+                Values::Switch => matches.get_flag(row.word).then_some(1.0),
+                _ => matches.get_one(row.word).copied(),
+            };
+            if let Some(value) = value {
+                (row.set)(&mut choices, value);
+            }
+        }
+        Ok(Self(choices))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
 #[derive(Debug, Args)]
 pub struct TracingArgs {
     #[command(flatten)]
     pub kernels: KernelArgs,
 
-    /// Stand on a ground that shows shadows
-    #[arg(help_heading = LIGHT, long)]
-    pub ground: bool,
-
-    /// Mix the background into points far away, up to this share, from 0 to 1
-    #[arg(help_heading = LIGHT, long, value_name = "SHARE", allow_hyphen_values = true)]
-    pub haze: Option<f64>,
-
-    /// Draw lines where surfaces end, bend sharply, meet or hide each other
-    #[arg(help_heading = LIGHT, long)]
-    pub outlines: bool,
-
-    /// Cast soft shadows: trace a ray from every visible point to an area light
-    #[arg(help_heading = LIGHT, long)]
-    pub shadows: bool,
+    #[command(flatten)]
+    pub choices: ChoiceArgs,
 
     /// Halve a shadow ray's path this many times [default: one less than --max-depth]
     #[arg(help_heading = LIGHT, long, value_name = "N", requires = "shadows", hide_short_help = true)]
@@ -537,45 +574,24 @@ pub struct ShadingArgs {
     #[arg(display_order = 2, long, value_parser = looks())]
     pub look: Option<&'static Look>,
 
-    /// Draw the domain's box with axes and ticks, and fit all of it into the picture
-    #[arg(display_order = 3, long)]
-    pub axes: bool,
-
-    /// Draw a legend for colored values (always drawn with --axes)
-    #[arg(help_heading = LIGHT, long)]
-    pub legend: bool,
-
     /// Write a title at the top of the picture; an empty one for none [default: the document's]
     #[arg(help_heading = LIGHT, long, value_name = "TEXT")]
     pub title: Option<String>,
 
-    /// Trace 1, 4, 16 or 64 rays in a pixel on an edge (output arrays: center ray only)
-    #[arg(help_heading = LIGHT, long, value_name = "N", default_value_t = DEFAULT_AA)]
-    pub aa: usize,
+    #[arg(help = ANTIALIAS.flag_help(), help_heading = LIGHT, long, value_name = "N", value_parser = count(&ANTIALIAS))]
+    pub aa: Option<usize>,
 
-    /// Write PNG files with this many bits per channel
-    #[arg(help_heading = LIGHT, long, value_name = "8|16", value_parser = bits(), default_value = "8", hide_short_help = true)]
-    pub bits: ColorDepth,
+    #[arg(help = BITS.flag_help(), help_heading = LIGHT, long, value_name = "N", value_parser = count(&BITS), hide_short_help = true)]
+    pub bits: Option<usize>,
 
     /// Set the position of the light [default: far above and to the left of the camera]
     #[arg(help_heading = LIGHT, long, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true, hide_short_help = true)]
     pub light: Option<DVec3>,
 
-    /// Set the ambient share of the light, from 0 to 1 [default: the look's]
-    #[arg(help_heading = LIGHT, long, value_name = "SHARE", allow_hyphen_values = true, hide_short_help = true)]
-    pub ambient: Option<f32>,
-
     /// Set the background to a CSS color such as white, to hexadecimal digits, or to transparent
     /// [default: the document's, else the look's]
     #[arg(help_heading = LIGHT, long, value_name = "RRGGBB|NAME")]
     pub background: Option<String>,
-}
-
-impl ShadingArgs {
-    /// Returns the overlay of pictures of this document.
-    pub fn overlay(&self, document: &Document) -> Overlay {
-        Overlay::asked(self.axes, self.legend, document).titled(self.title.as_deref())
-    }
 }
 
 /// Returns a parser that accepts the names of `T`.
@@ -787,10 +803,9 @@ pub struct GalleryArgs {
     pub tracing: TracingArgs,
 }
 
-/// Returns a parser that accepts the numbers of bits that a channel of a PNG may have.
-fn bits() -> impl TypedValueParser<Value = ColorDepth> {
-    let depth = |bits: String| if bits == "16" { ColorDepth::Floats } else { ColorDepth::Bytes };
-    PossibleValuesParser::new(["8", "16"]).map(depth)
+/// Returns a parser that accepts the numbers of a setting.
+fn count(row: &'static Setting) -> impl TypedValueParser<Value = usize> {
+    move |text: &str| row.values.read(text, view::number).map(|number| number as usize)
 }
 
 /// Returns a parser that accepts the names in [`LOOKS`].

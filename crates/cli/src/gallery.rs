@@ -12,6 +12,7 @@ use image::RgbImage;
 use std::fmt::Write;
 use std::path::Path;
 use std::process::ExitCode;
+use zeroset_render::overlay::{Overlay, PictureView};
 use zeroset_render::picture::Settings;
 use zeroset_render::png_file::{PngFormat, write_png};
 use zeroset_scene::gallery::{Example, examples, models};
@@ -67,7 +68,12 @@ fn all(examples: &[Example], directory: &Path, settings: &Settings) -> Result<()
 
 fn render(example: &Example, settings: &Settings) -> Result<RgbImage> {
     let (model, camera) = stage(example, settings, &|| true)?.context("wanted to the end")?;
-    let picture = model.picture(&camera, settings, &|_, _| {})?;
+    let mut picture = model.picture(&camera, settings, &|_, _| {})?;
+    if [settings.choices.axes, settings.choices.legend].contains(&Some(true)) {
+        let shown = PictureView::of(&model, &camera, &picture);
+        let size = [settings.width, settings.height];
+        Overlay::of(settings.choices).marks(shown, size).mix_into_picture(&mut picture, 0);
+    }
     RgbImage::from_raw(settings.width as u32, settings.height as u32, picture.opaque_rgb().into())
         .context("a picture of the wrong size")
 }

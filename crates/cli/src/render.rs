@@ -2,7 +2,7 @@
 
 mod abandoned;
 
-use super::arguments::{DEFAULT_AA, KernelArgs, RenderArgs, TracingArgs};
+use super::arguments::{KernelArgs, RenderArgs, TracingArgs};
 use super::files::Files;
 use super::output::print;
 use super::png_file::PictureOrigin;
@@ -20,7 +20,7 @@ use zeroset_render::framing;
 use zeroset_render::limit::Limit;
 use zeroset_render::model::{Model, Strip};
 use zeroset_render::overlay::PictureView;
-use zeroset_render::picture::{Picture, Precision, Settings, UndecidedStatistics};
+use zeroset_render::picture::{ColorDepth, Picture, Precision, Settings, UndecidedStatistics};
 use zeroset_render::png_file::PngFormat;
 use zeroset_scene::blank::Blank;
 use zeroset_scene::curves::UNPROVEN;
@@ -29,6 +29,7 @@ use zeroset_scene::proportions;
 use zeroset_scene::view::{self, Clipping, DomainChoice};
 use zeroset_shade::Pattern;
 use zeroset_space::Region;
+use zeroset_style::RAYS;
 use zeroset_syntax::{Background, Document};
 use zeroset_trace::{DEPTH, RayGrid, check_depth};
 
@@ -48,7 +49,7 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     let subject = Subject::read(&arguments.document)?;
     subject.show_notes();
 
-    let around = arguments.shading.overlay(&subject.document);
+    let around = arguments.overlay(&subject.document);
     let document = &subject.document;
     let threads = arguments.tracing.threads;
     let (region, searched) = chosen(&subject, cut, &settings, threads)?;
@@ -195,7 +196,7 @@ pub fn kernel_settings(kernels: &KernelArgs) -> Result<Settings> {
 
 /// Returns the settings with antialiasing and ambient occlusion added.
 pub fn with_effects(settings: &Settings) -> Settings {
-    let antialias = Pattern::of(DEFAULT_AA).expect("one of them");
+    let antialias = Pattern::of(RAYS).expect("one of them");
     Settings { occlusion: true, antialias, ..settings.clone() }
 }
 
@@ -205,20 +206,16 @@ pub fn with_effects(settings: &Settings) -> Settings {
 /// If an option is invalid.
 pub fn method_settings(method: &TracingArgs, Size { width, height }: Size) -> Result<Settings> {
     let settings = kernel_settings(&method.kernels)?;
-    let shadow_depth = method.shadow_depth.unwrap_or_else(|| settings.usual_shadow_depth());
-    check_depth(shadow_depth, settings.options.precision)
-        .map_err(|why| anyhow!("--shadow-depth {shadow_depth}: {why}"))?;
-    ensure!(
-        method.haze.is_none_or(|share| (0.0..=1.0).contains(&share)),
-        "--haze must be between 0 and 1"
-    );
+    let shadow_depth = method.shadow_depth;
+    if let Some(depth) = shadow_depth {
+        check_depth(depth, settings.options.precision)
+            .map_err(|why| anyhow!("--shadow-depth {depth}: {why}"))?;
+    }
     Ok(Settings {
         width,
         height,
-        shadow_depth: method.shadows.then_some(shadow_depth),
-        ground: method.ground.then_some(true),
-        haze: method.haze,
-        outlines: method.outlines.then_some(true),
+        shadow_depth,
+        choices: method.choices.0,
         normals: Some(method.normals),
         ..settings
     })
@@ -226,15 +223,6 @@ pub fn method_settings(method: &TracingArgs, Size { width, height }: Size) -> Re
 
 fn settings(arguments: &RenderArgs) -> Result<Settings> {
     let shading = &arguments.shading;
-    let ambient = shading.ambient;
-    ensure!(
-        ambient.is_none_or(|share| (0.0..=1.0).contains(&share)),
-        "--ambient must be between 0 and 1"
-    );
-    let aa = shading.aa;
-    let antialias = Pattern::of(aa).with_context(|| {
-        format!("--aa {aa}: there are 1, 4, 16 or 64 rays in a pixel with an edge")
-    })?;
     let background = |text: &String| {
         let hexadecimal = || Background::typed(&format!("#{text}"));
         Background::typed(text).or_else(hexadecimal).with_context(|| {
@@ -259,9 +247,8 @@ fn settings(arguments: &RenderArgs) -> Result<Settings> {
         light: shading.light,
         look: shading.look,
         occlusion: true,
-        antialias,
-        depth: shading.bits,
-        ambient: shading.ambient,
+        antialias: Pattern::of(shading.aa.unwrap_or(RAYS)).context("--aa")?,
+        depth: shading.bits.map_or(ColorDepth::Bytes, ColorDepth::of),
         background,
         ..method
     })

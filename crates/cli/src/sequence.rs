@@ -292,7 +292,7 @@ impl<'a> FrameRenderer<'a> {
         if let Some(Sweep { name, .. }) = idle {
             bail!("nothing that is drawn depends on '{name}', so all frames would be the same");
         }
-        let around = arguments.shading.overlay(&subject.document);
+        let around = arguments.overlay(&subject.document);
         let (text, place) = (&subject.source.text, (subject.domain, arguments.cut()));
         let choice = arguments.camera.choice();
         let stage = sequence.stage(text, &options, place, &choice, around.axes, settings)?;

@@ -27,6 +27,7 @@ pub fn stage(
         return Ok(None);
     };
     let choice = CameraChoice::default();
-    let camera = framing::camera_while(&model, &document, &choice, settings, false, wanted)?;
+    let axes = settings.choices.axes == Some(true);
+    let camera = framing::camera_while(&model, &document, &choice, settings, axes, wanted)?;
     Ok(camera.map(|camera| (model, camera)))
 }

@@ -3,6 +3,7 @@
 use anyhow::{Result, ensure};
 use glam::DVec3;
 use std::str::FromStr;
+use zeroset_render::picture::MOST_PIXELS_HELD;
 use zeroset_scene::view::numbers;
 
 /// Parses three numbers that are separated by commas.
@@ -26,9 +27,6 @@ pub struct Size {
 /// Largest number of pixels of a picture. Pictures are rendered in strips, so memory is no limit,
 /// but few programs can show larger ones.
 const MOST_PIXELS: usize = 1 << 28;
-
-/// Largest number of pixels of a picture that is held whole, at about a hundred bytes per pixel.
-const MOST_PIXELS_HELD: usize = 1 << 26;
 
 impl Size {
     /// Checks that a picture of this size may be held whole in memory.

@@ -12,7 +12,7 @@ use super::{cut, status};
 use std::sync::LazyLock;
 use zeroset_scene::view::{self, CameraChoice, DomainChoice};
 use zeroset_space::Region;
-use zeroset_style::StandardView;
+use zeroset_style::{OPACITY, StandardView, settings};
 use zeroset_trace::{OPTIONS, TraceOptions};
 
 enum Line<'a> {
@@ -79,7 +79,7 @@ const EDIT: &str = "edit";
 /// Name of the command that chooses the method. Commands of method options follow in [`COMMANDS`].
 const METHOD: &str = "method";
 
-/// All commands, in the order of the help, including one for each method option.
+/// All commands, in the order of the help, including those of settings and method options.
 pub static COMMANDS: LazyLock<Vec<CommandRow>> = LazyLock::new(|| {
     let options = OPTIONS.iter().filter(|option| !option.command.is_empty());
     let rows = options.map(|option| CommandRow {
@@ -91,12 +91,29 @@ pub static COMMANDS: LazyLock<Vec<CommandRow>> = LazyLock::new(|| {
         // Never called, since [`Live::enter`] sets method options itself.
         run: |_, _| None,
     });
+    let choices = settings().filter(|row| is_written(row.word)).map(|row| CommandRow {
+        name: row.word,
+        arguments: row.values.notation(),
+        doc: row.help,
+        purpose: Purpose::View,
+        example: "",
+        // Never called, since [`Live::enter`] writes the line itself.
+        run: |_, _| None,
+    });
     let method = ROWS.iter().position(|row| row.name == METHOD).unwrap_or(0);
-    let (before, after) = ROWS.split_at(method + 1);
-    before.iter().copied().chain(rows).chain(after.iter().copied()).collect()
+    let (before, after) = ROWS.split_at(method);
+    let (method, after) = after.split_at(1);
+    let (before, method, after) = (before.iter(), method.iter(), after.iter());
+    before
+        .copied()
+        .chain(choices)
+        .chain(method.copied())
+        .chain(rows)
+        .chain(after.copied())
+        .collect()
 });
 
-/// The commands that do not set a method option.
+/// The commands that have a function of their own.
 #[rustfmt::skip]
 const ROWS: &[CommandRow] = &[
     CommandRow { name: "help", arguments: "[NAME]", doc: "what can be typed, or what a function or command is",
@@ -125,7 +142,7 @@ const ROWS: &[CommandRow] = &[
         })) },
     CommandRow { name: "opacity", arguments: "N SHARE", doc: "how opaque the N-th surface is, as 50% or 0.5",
         purpose: Purpose::Document, example: ":opacity 1 50%",
-        run: |live, rest| { let (number, share) = rest.split_once(' ')?; Some(done(live.set_opacity(number.parse().ok()?, opacity(share.trim())?))) } },
+        run: |live, rest| { let (number, share) = rest.split_once(' ')?; Some(done(live.set_opacity(number.parse().ok()?, OPACITY.values.read(share.trim(), view::number).ok()?))) } },
     CommandRow { name: "move", arguments: "N TO", doc: "move the N-th surface to another place in the list",
         purpose: Purpose::Document, example: ":move 2 1",
         run: |live, rest| { let (from, to) = rest.split_once(' ')?; Some(done(live.move_surface(from.parse().ok().filter(|from| *from > 0)?, to.trim().parse().ok().filter(|to| *to > 0)?))) } },
@@ -156,15 +173,6 @@ const ROWS: &[CommandRow] = &[
     CommandRow { name: "shadows", arguments: "[on|off]", doc: "cast shadows",
         purpose: Purpose::View, example: ":shadows on",
         run: |live, choice| Some(shadows(live, optional(choice, switch)?)) },
-    CommandRow { name: "axes", arguments: "on|off", doc: "draw axes with numbers",
-        purpose: Purpose::View, example: ":axes on",
-        run: axes },
-    CommandRow { name: "ground", arguments: "on|off", doc: "a ground below the surfaces, with soft shadows",
-        purpose: Purpose::View, example: ":ground on",
-        run: |live, rest| write(live, "ground", rest) },
-    CommandRow { name: "legend", arguments: "on|off", doc: "the color scale of each color map",
-        purpose: Purpose::View, example: ":legend on",
-        run: |live, rest| write(live, "legend", rest) },
     CommandRow { name: "aspect", arguments: "auto|equal", doc: "scale axes for display, or keep all alike",
         purpose: Purpose::View, example: ":aspect equal",
         run: |live, rest| write(live, "aspect", rest) },
@@ -183,15 +191,6 @@ const ROWS: &[CommandRow] = &[
     CommandRow { name: "material", arguments: "matte|satin|gloss|metal|glass", doc: "how all surfaces reflect light",
         purpose: Purpose::View, example: ":material metal",
         run: |live, rest| write(live, "material", rest) },
-    CommandRow { name: "width", arguments: "PIXELS", doc: "width of all curves",
-        purpose: Purpose::View, example: ":width 3px",
-        run: |live, rest| write(live, "width", rest) },
-    CommandRow { name: "haze", arguments: "on|off|SHARE", doc: "mix the background into points far away",
-        purpose: Purpose::View, example: ":haze 0.5",
-        run: |live, rest| write(live, "haze", rest) },
-    CommandRow { name: "outlines", arguments: "on|off", doc: "lines where surfaces end, bend sharply, meet or hide each other",
-        purpose: Purpose::View, example: ":outlines on",
-        run: |live, rest| write(live, "outlines", rest) },
     CommandRow { name: "title", arguments: "TEXT", doc: "a title at the top",
         purpose: Purpose::View, example: ":title A torus",
         run: |live, rest| write(live, "title", rest) },
@@ -282,8 +281,12 @@ impl Live {
                 if let Some(row) = OPTIONS.iter().find(|option| option.command == row.name) {
                     return option(self, row, arguments);
                 }
-                (row.run)(self, arguments)
-                    .unwrap_or_else(|| Err(Refusal::Command(format!("usage: {}", row.usage()))))
+                let result = if is_written(row.name) {
+                    write(self, row.name, arguments)
+                } else {
+                    (row.run)(self, arguments)
+                };
+                result.unwrap_or_else(|| Err(Refusal::Command(format!("usage: {}", row.usage()))))
             }
         }
     }
@@ -306,15 +309,6 @@ impl Live {
 
 fn done(result: Result<(), Refusal>) -> Result<Reply, Refusal> {
     result.map(|()| Reply::Done)
-}
-
-/// Parses an opacity, as a number in [0, 1] or in percent.
-fn opacity(text: &str) -> Option<f64> {
-    let share = match text.strip_suffix('%') {
-        Some(hundredths) => view::number(hundredths)? / 100.0,
-        None => view::number(text)?,
-    };
-    (0.0..=1.0).contains(&share).then_some(share)
 }
 
 /// A number and the text after it.
@@ -364,17 +358,17 @@ fn delete(live: &Live, number: Option<usize>) -> Result<Reply, Refusal> {
     say(if lines.is_empty() { "nothing is drawn".to_owned() } else { lines.join("\n") })
 }
 
-/// Writes a setting's line into the document. Returns `None` without arguments.
-fn write(live: &Live, word: &str, arguments: &str) -> Option<Result<Reply, Refusal>> {
-    let line = format!("{word} {}", given(arguments)?);
-    Some(live.commit(&line, LineGoal::Replace))
+/// Returns whether a command without a function of its own writes a setting's line.
+fn is_written(name: &str) -> bool {
+    settings().any(|row| row.is_line && row.word == name) && ROWS.iter().all(|row| row.name != name)
 }
 
-/// Writes an `axes` line. The window's key for axes no longer overrides the document.
-fn axes(live: &Live, choice: &str) -> Option<Result<Reply, Refusal>> {
-    switch(choice)?;
-    let written = write(live, "axes", choice)?;
-    if written.is_ok() && live.request().axes != Axes::Usual {
+/// Writes a setting's line into the document. Returns `None` without arguments. After a line about
+/// axes, the window's key for axes no longer overrides the document.
+fn write(live: &Live, word: &str, arguments: &str) -> Option<Result<Reply, Refusal>> {
+    let line = format!("{word} {}", given(arguments)?);
+    let written = live.commit(&line, LineGoal::Replace);
+    if word == "axes" && written.is_ok() && live.request().axes != Axes::Usual {
         live.set_axes(Axes::Usual);
     }
     Some(written)
@@ -422,9 +416,12 @@ impl CommandRow {
     /// Returns the command as it may be typed. The example of a method option is its default.
     pub(super) fn as_typed(&self) -> String {
         let option = OPTIONS.iter().find(|option| option.command == self.name);
-        option.map_or(self.example.to_owned(), |option| {
-            format!(":{} {}", self.name, (option.get)(&TraceOptions::default()))
-        })
+        let choice = settings().find(|choice| choice.word == self.name);
+        let option = option.map(|option| (option.get)(&TraceOptions::default()));
+        match option.or(choice.map(|choice| choice.example.to_owned())) {
+            Some(value) => format!(":{} {value}", self.name),
+            None => self.example.to_owned(),
+        }
     }
 }
 
@@ -543,14 +540,15 @@ mod tests {
     fn settings_of_the_document_have_commands() {
         let live = Live::new(Request::default());
         live.enter("x^2+y^2+z^2 = 1").expect("a surface");
-        for row in ROWS.iter().filter(|row| row.purpose == Purpose::View) {
+        for row in COMMANDS.iter().filter(|row| row.purpose == Purpose::View) {
             if matches!(row.name, "domain" | "view" | "look" | "clip" | "shadows" | "time") {
                 continue;
             }
-            let line = &row.example[1..];
+            let typed = row.as_typed();
+            let line = &typed[1..];
             live.clear();
             live.enter("x^2+y^2+z^2 = 1").expect("a surface");
-            live.enter(row.example).expect(row.example);
+            live.enter(&typed).expect(&typed);
             let with_colon = live.text();
             assert!(with_colon.lines().any(|one| one == line), "{with_colon}");
             live.enter(line).expect(line);

@@ -46,7 +46,7 @@ impl Axes {
         match self {
             Self::Off => false,
             Self::On => true,
-            Self::Usual => document.picture.axes != Some(false),
+            Self::Usual => document.picture.choices.axes != Some(false),
         }
     }
 }

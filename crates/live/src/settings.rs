@@ -27,12 +27,9 @@ pub(super) fn look(live: &Live, name: &str) -> Result<Reply, Refusal> {
 
 pub(super) fn shadows(live: &Live, wanted: Option<bool>) -> Result<Reply, Refusal> {
     if let Some(wanted) = wanted {
-        live.change(|request| {
-            let settings = &mut request.settings;
-            settings.shadow_depth = wanted.then(|| settings.usual_shadow_depth());
-        });
+        live.change(|request| request.settings.choices.shadows = Some(wanted));
     }
-    let state = if live.settings().shadow_depth.is_some() { "on" } else { "off" };
+    let state = if live.settings().choices.shadows == Some(true) { "on" } else { "off" };
     say(format!("shadows {state}"))
 }
 

@@ -12,6 +12,7 @@ use zeroset_scene::proportions;
 use zeroset_scene::view::{self, ClipChoice, DomainChoice};
 use zeroset_shade::UndecidedStyle;
 use zeroset_space::Projection;
+use zeroset_style::CHOICES;
 use zeroset_trace::{MethodOption, OPTIONS};
 
 /// Note on a picture whose function may be 0 everywhere.
@@ -142,7 +143,7 @@ impl Rendering {
         let request = &self.request;
         let settings = &request.settings;
         let point = |p: DVec3| format!("{},{},{}", p.x, p.y, p.z);
-        let says_axes = self.document.picture.axes == Some(true);
+        let says_axes = self.document.picture.choices.axes == Some(true);
         // No option takes away axes that the document asks for.
         let against = if says_axes && !axes { "\naxes off" } else { "" };
         let mut command =
@@ -203,17 +204,8 @@ impl Rendering {
         if let Some(look) = settings.look {
             let _ = write!(command, " --look {}", look.name);
         }
-        if settings.ground == Some(true) {
-            command.push_str(" --ground");
-        }
-        if let Some(share) = settings.haze {
-            let _ = write!(command, " --haze {share}");
-        }
-        if settings.outlines == Some(true) {
-            command.push_str(" --outlines");
-        }
-        if settings.shadow_depth.is_some() {
-            command.push_str(" --shadows");
+        for flag in CHOICES.iter().filter_map(|row| row.typed_flag(&settings.choices)) {
+            let _ = write!(command, " {flag}");
         }
         if axes && !says_axes {
             command.push_str(" --axes");

@@ -1,13 +1,18 @@
 //! The table of settings. A setting is a line about the picture that begins with a known word.
 
+use std::borrow::Cow;
+use std::sync::LazyLock;
+use zeroset_style::{CHOICES, OPACITY, Setting, WIDTH};
+
 /// A row of the table: a word that begins a line about the picture.
+#[derive(Clone)]
 pub struct SettingRow {
     /// The word.
     pub word: &'static str,
     /// The setting that the line changes.
     pub kind: SettingKind,
     /// How to write the line, for error messages.
-    pub hint: &'static str,
+    pub hint: Cow<'static, str>,
 }
 
 /// The setting that a line about the picture changes.
@@ -33,18 +38,6 @@ pub enum SettingKind {
     Material,
     /// Leaves a drawing out of the picture.
     Hidden,
-    /// Turns shadows on or off.
-    Shadows,
-    /// Turns the ground on or off, on which surfaces stand.
-    Ground,
-    /// The strength of haze.
-    Haze,
-    /// Turns on or off lines where surfaces end, bend, meet or hide each other.
-    Outlines,
-    /// Turns the domain's box and axes on or off.
-    Axes,
-    /// Turns the legend on or off.
-    Legend,
     /// The picture's title.
     Title,
     /// Turns on or off lines of equal x, y and z on surfaces.
@@ -55,47 +48,54 @@ pub enum SettingKind {
     Contours,
     /// The width of curves.
     Width,
+    /// A choice for the whole picture.
+    Choice(&'static Setting),
 }
 
 const fn plain(word: &'static str, kind: SettingKind, hint: &'static str) -> SettingRow {
-    SettingRow { word, kind, hint }
+    SettingRow { word, kind, hint: Cow::Borrowed(hint) }
 }
 
-const COLOR: SettingRow = SettingRow {
-    word: "color",
-    kind: SettingKind::Color,
-    hint: "write a name of CSS such as `orange`, `#ff8800`, or a color map such as `viridis(z)`; \
-           perhaps how opaque it is behind that, as `50%`",
-};
+/// The row of a setting that other surfaces have, too.
+fn shared(row: &'static Setting, kind: SettingKind) -> SettingRow {
+    SettingRow { word: row.word, kind, hint: row.hint().into() }
+}
+
+/// How to write a color.
+const COLOR: &str = "write a name of CSS such as `orange`, `#ff8800`, or a color map such as \
+                     `viridis(z)`; perhaps how opaque it is behind that, as `50%`";
 
 /// All settings and their words.
-pub const SETTINGS: &[SettingRow] = &[
-    SettingRow {
-        word: "domain",
-        kind: SettingKind::Domain,
-        hint: "write `domain 3`, `domain ball 3`, `domain auto`, `domain [-2, 2]`, \
-               `domain x in [-2, 2], y in [-1, 1]` or six numbers",
-    },
-    SettingRow {
-        word: "view",
-        kind: SettingKind::View,
-        hint: "write a side such as `view front`, or `view eye (4, 3, 6) target (0, 0, 0) fov 40`",
-    },
-    COLOR,
-    SettingRow { word: "colour", ..COLOR },
-    SettingRow {
-        word: "look",
-        kind: SettingKind::Look,
-        hint: "write the name of a look, such as `paper`",
-    },
-    SettingRow {
-        word: "background",
-        kind: SettingKind::Background,
-        hint: "write a name of CSS such as `orange`, `#ff8800`, or `transparent`",
-    },
+pub static SETTINGS: LazyLock<Vec<SettingRow>> = LazyLock::new(|| {
+    let lines = CHOICES.iter().filter(|row| row.is_line);
+    let choices = lines.map(|row| shared(row, SettingKind::Choice(row)));
+    let others = [shared(&OPACITY, SettingKind::Opacity), shared(&WIDTH, SettingKind::Width)];
+    OWN.iter().cloned().chain(others).chain(choices).collect()
+});
+
+/// Settings that only documents have.
+const OWN: &[SettingRow] = &[
+    plain(
+        "domain",
+        SettingKind::Domain,
+        "write `domain 3`, `domain ball 3`, `domain auto`, `domain [-2, 2]`, \
+         `domain x in [-2, 2], y in [-1, 1]` or six numbers",
+    ),
+    plain(
+        "view",
+        SettingKind::View,
+        "write a side such as `view front`, or `view eye (4, 3, 6) target (0, 0, 0) fov 40`",
+    ),
+    plain("color", SettingKind::Color, COLOR),
+    plain("colour", SettingKind::Color, COLOR),
+    plain("look", SettingKind::Look, "write the name of a look, such as `paper`"),
+    plain(
+        "background",
+        SettingKind::Background,
+        "write a name of CSS such as `orange`, `#ff8800`, or `transparent`",
+    ),
     plain("clip", SettingKind::Clip, "write a, b, c and d: `clip 1, 0, 0, 0.5` keeps x <= 0.5"),
     plain("light", SettingKind::Light, "write where it is: `light 4, -3, 6`"),
-    plain("opacity", SettingKind::Opacity, "write a share from 0 to 1, or from `0%` to `100%`"),
     plain(
         "material",
         SettingKind::Material,
@@ -106,17 +106,7 @@ pub const SETTINGS: &[SettingRow] = &[
         SettingKind::Hidden,
         "write `hidden` above what is not to be seen, and `hidden off` above what is",
     ),
-    plain("shadows", SettingKind::Shadows, "write `shadows on` or `shadows off`"),
-    plain("ground", SettingKind::Ground, "write `ground on` or `ground off`"),
-    plain(
-        "haze",
-        SettingKind::Haze,
-        "write `haze on`, `haze off`, or its strength from 0 to 1: `haze 0.5`",
-    ),
-    plain("outlines", SettingKind::Outlines, "write `outlines on` or `outlines off`"),
-    plain("axes", SettingKind::Axes, "write `axes on` or `axes off`"),
     plain("mesh", SettingKind::Mesh, "write `mesh on` or `mesh off`"),
-    plain("legend", SettingKind::Legend, "write `legend on` or `legend off`"),
     plain(
         "title",
         SettingKind::Title,
@@ -128,12 +118,7 @@ pub const SETTINGS: &[SettingRow] = &[
         "contours",
         SettingKind::Contours,
         "write what is the same along a line, how far the lines are apart, or both: \
-               `contours z`, `contours 0.5`, `contours z, 0.5`",
-    ),
-    plain(
-        "width",
-        SettingKind::Width,
-        "write how wide curves are, from 0.1 to 100 pixels: `width 3px`",
+         `contours z`, `contours 0.5`, `contours z, 0.5`",
     ),
 ];
 

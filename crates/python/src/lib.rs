@@ -23,7 +23,7 @@ mod _zeroset {
     #[pymodule_export]
     use super::picture::Picture;
     #[pymodule_export]
-    use super::scene::{Scene, gallery, looks, methods, views};
+    use super::scene::{Scene, choices, gallery, looks, methods, views};
     #[pymodule_export]
     use super::work::Stop;
 }

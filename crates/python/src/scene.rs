@@ -11,6 +11,7 @@ use numpy::ndarray::{Array1, Array2};
 use numpy::{
     IntoPyArray, PyArray1, PyArray2, PyReadonlyArray1, PyReadonlyArray2, PyReadwriteArray1,
 };
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::{Arc, OnceLock, PoisonError, RwLock, RwLockReadGuard};
@@ -246,19 +247,19 @@ impl Scene {
                 "look" => options.look(named(&name()?)?),
                 "background" => options.background(background(&value)?),
                 "light" => options.light(point()?),
-                "ambient" => options.ambient(number()?),
-                "shadows" => options.shadows(is_on()?),
-                "ground" => options.ground(is_on()?),
-                "haze" => options.haze(number()?),
-                "outlines" => options.outlines(is_on()?),
                 "occlusion" => options.occlusion(is_on()?),
                 "antialias" => options.antialias(value.extract()?),
                 "bits" => options.bits(value.extract()?),
                 "undecided" => options.undecided(chosen("undecided", &name()?, &UNDECIDED)?),
-                "axes" => options.axes(is_on()?),
-                "legend" => options.legend(is_on()?),
                 "title" => options.title(name()?),
                 "budget" => options.budget(seconds(number()?)?),
+                key if Settings::choices().any(|(name, _)| name == key) => {
+                    let value = match is_on() {
+                        Ok(is_on) => ["off", "on"][usize::from(is_on)].to_owned(),
+                        Err(_) => number()?.to_string(),
+                    };
+                    options.set(key, &value).map_err(|error| exception(&error))?
+                }
                 _ => {
                     camera = match key.as_str() {
                         "view" => camera.view(named(&name()?)?),
@@ -267,7 +268,10 @@ impl Scene {
                         "up" => camera.up(point()?),
                         "fov" => camera.fov(number()?),
                         "orthographic" => camera.orthographic(number()?),
-                        _ => return Err(wrong(format!("render has no option {key:?}"))),
+                        _ => {
+                            let why = format!("render has no option {key:?}");
+                            return Err(PyTypeError::new_err(why));
+                        }
                     };
                     options
                 }
@@ -361,6 +365,12 @@ pub fn methods() -> Vec<(&'static str, &'static str)> {
 #[pyfunction]
 pub fn looks() -> Vec<(&'static str, &'static str)> {
     zeroset::Look::all().map(|look| (look.name(), look.help())).collect()
+}
+
+/// Names of the choices for a picture, each with a line of help.
+#[pyfunction]
+pub fn choices() -> Vec<(&'static str, String)> {
+    Settings::choices().collect()
 }
 
 /// Names of the views.

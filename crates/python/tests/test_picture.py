@@ -96,6 +96,7 @@ def test_images_of_pillow():
         {"undecided": "hatch", "axes": True, "legend": True, "method": "knoll", "max_depth": 8},
         {"precision": "f64", "tolerance": 0.1, "domain": "auto"},
         {"method": "march", "steps": 64, "budget": 60.0},
+        {"haze": 0.5, "ground": True, "outlines": False, "legend": None},
     ],
 )
 def test_options_of_pictures(options):
@@ -129,6 +130,9 @@ def test_light_is_what_the_bytes_encode():
         ({"budget": -1.0}, zs.Error),
         ({"antialias": 3}, zs.Error),
         ({"bits": 12}, zs.Error),
+        ({"haze": 1.5}, zs.Error),
+        ({"ground": 0.5}, zs.Error),
+        ({"ground": "maybe"}, TypeError),
         ({"eye": [1, 2]}, ValueError),
         ({"fov": "wide"}, TypeError),
         ({"background": (300, 0, 0)}, OverflowError),
@@ -140,6 +144,17 @@ def test_light_is_what_the_bytes_encode():
 def test_options_out_of_range(options, error):
     with pytest.raises(error):
         zs.Surface("x = y").render(**{"width": 8, "height": 8, **options})
+
+
+def test_choices_have_the_values_that_they_name():
+    surface = zs.Surface("x = y")
+    assert len(zs.choices()) >= 7
+    for name, help in zs.choices().items():
+        values = (0.0, 1.0) if "share from 0 to 1" in help else (False, True)
+        for value in values:
+            surface.render(8, 8, **{name: value})
+        with pytest.raises(zs.Error, match=f"{name} must be "):
+            surface.render(8, 8, **{name: 1.5})
 
 
 def test_names_of_files(tmp_path):

@@ -29,7 +29,7 @@ use zeroset_scene::program::{Program, ProgramError};
 use zeroset_scene::{proportions, view};
 use zeroset_shade::Light;
 use zeroset_space::{Camera, Cell, Region};
-use zeroset_style::Look;
+use zeroset_style::{Choices, Look};
 use zeroset_syntax::{Background, Document, PictureLines, PointValue, SurfaceKind};
 use zeroset_trace::{RayGrid, TraceOptions};
 
@@ -281,8 +281,12 @@ impl Model {
 
     /// Returns whether a picture with these settings has a ground.
     pub(crate) fn has_ground(&self, settings: &Settings) -> bool {
-        settings.ground.unwrap_or(self.setting.lines.ground == Some(true))
-            && settings.normals.is_some()
+        self.choices(settings).ground == Some(true) && settings.normals.is_some()
+    }
+
+    /// The choices of pictures with these settings.
+    pub(crate) fn choices(&self, settings: &Settings) -> Choices {
+        settings.choices.or(self.setting.lines.choices)
     }
 
     /// The light that casts shadows, in the displayed space.

@@ -17,6 +17,7 @@ use crate::pixels::Pixels;
 use axes::draw_box;
 use curves::draw_curves;
 use ticks::ticks;
+use zeroset_style::Choices;
 use zeroset_syntax::Document;
 
 /// Number of picture rows per unit of letter size. Smaller pictures have letters of that size, too.
@@ -52,14 +53,19 @@ impl Overlay {
     /// An overlay with or without axes, and with the document's title. A legend comes with axes
     /// unless the document chooses otherwise.
     pub fn new(axes: bool, document: &Document) -> Self {
-        let legend = document.picture.legend.unwrap_or(axes);
-        Self { axes, legend, title: document.picture.title.clone() }
+        Self::asked(Choices { axes: Some(axes), ..Choices::default() }, document)
     }
 
-    /// An overlay with axes, or with a legend, if the caller or the document wants them.
-    pub fn asked(axes: bool, legend: bool, document: &Document) -> Self {
-        let said = Self::new(axes || document.picture.axes == Some(true), document);
-        Self { legend: legend || said.legend, ..said }
+    /// An overlay without a title. A legend comes with axes unless these choices say otherwise.
+    pub fn of(Choices { axes, legend, .. }: Choices) -> Self {
+        let axes = axes == Some(true);
+        Self { axes, legend: legend.unwrap_or(axes), title: None }
+    }
+
+    /// An overlay with axes and legend as these choices have them, or else the document's.
+    pub fn asked(choices: Choices, document: &Document) -> Self {
+        let title = document.picture.title.clone();
+        Self { title, ..Self::of(choices.or(document.picture.choices)) }
     }
 
     /// This overlay with another title, if there is one. An empty title removes the document's.
@@ -71,7 +77,7 @@ impl Overlay {
 
     /// An overlay with axes and legend as the document chooses.
     pub fn said(document: &Document) -> Self {
-        Self::new(document.picture.axes == Some(true), document)
+        Self::asked(Choices::default(), document)
     }
 
     /// Draws curves and points, axes, legends and title over a picture in the upper `height` rows

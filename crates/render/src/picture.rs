@@ -10,7 +10,7 @@ use std::ops::AddAssign;
 use std::time::Duration;
 use zeroset_scene::kernels::CompiledKernel;
 use zeroset_shade::{Pattern, UndecidedStyle, hand_back_colors};
-use zeroset_style::Look;
+use zeroset_style::{Choices, Look};
 use zeroset_syntax::Background;
 use zeroset_trace::{
     Fallback, GBuffer, KernelStats, Method, PixelCounts, Proves, Status, TraceOptions,
@@ -19,6 +19,10 @@ use zeroset_trace::{
 
 pub use zeroset_shade::ColorDepth;
 pub use zeroset_trace::Precision;
+
+/// Largest number of pixels of a picture that is held whole. A pixel takes some fifty to a hundred
+/// bytes.
+pub const MOST_PIXELS_HELD: usize = 1 << 26;
 
 /// Settings of a picture.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,7 +46,7 @@ pub struct Settings {
     pub keeps_normals: bool,
     /// When tracing ends early. Pixels not reached by then are undecided and unpainted.
     pub limit: Limit,
-    /// Number of halvings along shadow rays. `None` for no shadows.
+    /// Number of halvings along shadow rays, of pictures with shadows. `None` for the usual number.
     pub shadow_depth: Option<u32>,
     /// Source of normals. `None` if neither colors nor normals are wanted.
     pub normals: Option<Normals>,
@@ -57,17 +61,8 @@ pub struct Settings {
     pub antialias: Pattern,
     /// Position of the light. `None` for a light far above and to the left of the camera.
     pub light: Option<DVec3>,
-    /// Share of ambient light, within [0, 1]. `None` for the look's share.
-    pub ambient: Option<f32>,
-    /// Whether surfaces stand on a ground, on which they cast shadows. `None` for the document's
-    /// choice.
-    pub ground: Option<bool>,
-    /// How much of a far point's color is that of the background, within [0, 1]. `None` for the
-    /// document's choice.
-    pub haze: Option<f64>,
-    /// Whether lines are drawn where surfaces end, bend sharply, meet, or hide each other. `None`
-    /// for the document's choice.
-    pub outlines: Option<bool>,
+    /// Choices that override the document's.
+    pub choices: Choices,
     /// Background. `None` for the document's, or else the look's color.
     pub background: Option<Background>,
     /// Colors are kept as bytes, or as floats. With floats, the picture also has
@@ -102,10 +97,7 @@ impl Default for Settings {
             look: None,
             occlusion: false,
             antialias: Pattern::ONE,
-            ambient: None,
-            ground: None,
-            haze: None,
-            outlines: None,
+            choices: Choices::default(),
             background: None,
             depth: ColorDepth::Bytes,
         }
@@ -133,10 +125,7 @@ impl Settings {
             occlusion: others.occlusion,
             antialias: others.antialias,
             light: others.light,
-            ambient: others.ambient,
-            ground: others.ground,
-            haze: others.haze,
-            outlines: others.outlines,
+            choices: others.choices,
             background: others.background,
             depth: others.depth,
             ..self.clone()
@@ -147,8 +136,8 @@ impl Settings {
     /// time.
     #[must_use]
     pub fn plain(&self) -> Self {
-        let antialias = Pattern::ONE;
-        Self { shadow_depth: None, occlusion: false, antialias, ..self.clone() }
+        let choices = Choices { shadows: None, ..self.choices };
+        Self { choices, occlusion: false, antialias: Pattern::ONE, ..self.clone() }
     }
 }
 

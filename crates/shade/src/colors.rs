@@ -17,6 +17,13 @@ pub enum ColorDepth {
     Floats,
 }
 
+impl ColorDepth {
+    /// The numbers that a PNG file with this many bits per channel needs.
+    pub fn of(bits: usize) -> Self {
+        if bits > 8 { Self::Floats } else { Self::Bytes }
+    }
+}
+
 /// The colors of pixels, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Colors {

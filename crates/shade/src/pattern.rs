@@ -20,9 +20,6 @@ impl Pattern {
     /// One ray through the center.
     pub const ONE: Self = Self { side: 1, places: None };
 
-    /// The numbers of rays that a pixel may have.
-    pub const COUNTS: [usize; 4] = [1, 4, 16, 64];
-
     /// The pattern with this number of rays; `None` if there is no such pattern.
     pub fn of(count: usize) -> Option<Self> {
         let (side, places): (_, Option<&'static [[usize; 2]]>) = match count {
@@ -80,10 +77,11 @@ impl Pattern {
 mod tests {
     use super::*;
     use zeroset_eval::LANES;
+    use zeroset_style::RAY_COUNTS;
 
     #[test]
     fn rays_are_spread_over_columns_and_rows() {
-        for count in Pattern::COUNTS {
+        for count in RAY_COUNTS {
             let pattern = Pattern::of(count).expect("listed");
             let all = |n: usize| [n % pattern.side, n / pattern.side];
             let places =
@@ -108,7 +106,7 @@ mod tests {
 
     #[test]
     fn means_are_over_all_rays() {
-        for count in Pattern::COUNTS.into_iter().skip(1) {
+        for count in RAY_COUNTS.into_iter().skip(1) {
             let pattern = Pattern::of(count).expect("listed");
             let corners: Vec<[usize; 2]> = pattern.patches().collect();
             let mean = |is_lit: &dyn Fn([usize; 2]) -> bool| {

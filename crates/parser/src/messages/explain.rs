@@ -223,8 +223,8 @@ impl Error {
                 VIEWS.map(|view| view.name).join(", ")
             ),
             BadVector { key } => format!("write `{key} (1, 2, 3)`"),
-            BadDomain => setting("domain")?.hint.to_owned(),
-            BadColor => setting("color")?.hint.to_owned(),
+            BadDomain => setting("domain")?.hint.to_string(),
+            BadColor => setting("color")?.hint.to_string(),
             BadLook => there_are(&LOOKS.map(|look| look.name)),
             BadSetting { hint, .. } => (*hint).to_owned(),
             BadColorMap => there_are(&COLOR_MAPS.map(|map| map.name)),

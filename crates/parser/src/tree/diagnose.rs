@@ -42,7 +42,7 @@ fn diagnose(text: &str, lexed: &LexedStatement, rule: Rule, next: usize) -> Box<
         Rule::color_line => Some(ErrorKind::BadColor),
         Rule::look_line => Some(ErrorKind::BadLook),
         Rule::background_line | Rule::setting_line => {
-            word.map(|setting| ErrorKind::BadSetting { word: setting.word, hint: setting.hint })
+            word.map(|setting| ErrorKind::BadSetting { word: setting.word, hint: &setting.hint })
         }
         _ => None,
     };

@@ -269,17 +269,10 @@ class Surface:
         look: str | None = None,
         background: tuple[int, int, int] | Literal["transparent"] | None = None,
         light: Sequence[float] | None = None,
-        ambient: float | None = None,
-        shadows: bool | None = None,
-        ground: bool | None = None,
-        haze: float | None = None,
-        outlines: bool | None = None,
         occlusion: bool | None = None,
         antialias: int | None = None,
         bits: int | None = None,
         undecided: str | None = None,
-        axes: bool | None = None,
-        legend: bool | None = None,
         title: str | None = None,
         method: str | None = None,
         precision: str | None = None,
@@ -287,6 +280,7 @@ class Surface:
         steps: int | None = None,
         tolerance: float | None = None,
         budget: float | None = None,
+        **choices: float | bool | None,
     ) -> Picture:
         """A picture, with what is proven of each pixel.
 
@@ -295,12 +289,14 @@ class Surface:
         units of the surface. `look` is one of `looks()`, `method` one of `methods()`.
         `background` has bytes of red, green and blue, or is ``"transparent"``. `undecided`
         is the appearance of undecided pixels: ``"shade"``, ``"hatch"``, ``"tint"`` or ``"miss"``.
-        With 16 `bits` per channel, the picture also has ``light``.
+        With 16 `bits` per channel, the picture also has ``light``. `choices` are named by
+        `choices()`, such as ``haze=0.5`` and ``ground=True``.
         `precision` is ``"auto"``, ``"f32"`` or ``"f64"``; `budget` is in seconds. An interrupt
         from the keyboard ends the work.
         """
-        own = {"self", "width", "height"}
-        options = {k: v for k, v in locals().items() if k not in own | {"own"} and v is not None}
+        own = {"self", "width", "height", "choices"}
+        named = {k: v for k, v in locals().items() if k not in own | {"own"}}
+        options = {k: v for k, v in (named | choices).items() if v is not None}
         return self._scene.render(width, height, options)
 
     def mesh(
@@ -414,6 +410,11 @@ def methods() -> dict[str, str]:
 def looks() -> dict[str, str]:
     """Names of the looks, each with a line of help."""
     return dict(_zeroset.looks())
+
+
+def choices() -> dict[str, str]:
+    """Names of the choices for a picture, each with its values and its default."""
+    return dict(_zeroset.choices())
 
 
 def views() -> list[str]:

@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use zeroset_scene::program::ProgramError;
 use zeroset_shade::{ColorDepth, Pattern};
 use zeroset_space::Camera;
+use zeroset_style::Choices;
 use zeroset_trace::RayGrid;
 
 /// Strips begin at multiples of this many rows, and are drawn with this many extra rows above and
@@ -135,7 +136,7 @@ fn overview_settings(settings: &Settings) -> Settings {
     Settings {
         width,
         height,
-        shadow_depth: None,
+        choices: Choices { shadows: None, ..settings.choices },
         brackets: false,
         keeps_normals: true,
         antialias: Pattern::ONE,

@@ -1,6 +1,7 @@
 //! Reads the parts of lines about the picture: numbers, words, opacities.
 
 use crate::lower::constant::evaluate;
+use zeroset_interval::Interval;
 use zeroset_ir::Constant;
 use zeroset_parser::settings::setting;
 use zeroset_parser::tree::ast::Expr;
@@ -8,6 +9,7 @@ use zeroset_parser::tree::builder::Builder;
 use zeroset_parser::tree::grammar::{Pair, Rule, parts};
 use zeroset_parser::tree::scope::nearest;
 use zeroset_parser::{Error, ErrorKind, Fallible, Span};
+use zeroset_style::{SHARE, Setting, Values};
 
 /// Reads the parts of one line. `lines`, `scene` and `paint` add methods for their lines.
 pub(crate) struct LineReader<'a> {
@@ -79,24 +81,49 @@ impl LineReader<'_> {
         }
     }
 
-    /// Reads an opacity from 0 to 1, or from 0 % to 100 %.
-    pub(crate) fn opacity(&mut self, pair: Pair<'_>) -> Fallible<f64> {
-        let span = self.builder.span(&pair);
-        let mut parts = pair.into_inner();
-        let number =
-            self.builder.term(&mut parts.next().expect("an opacity has a number").into_inner());
-        let value = evaluate(&number?, self.builder.limits)?.bounds();
-        let whole = match parts.next() {
-            Some(_) => 100.0,
-            None => 1.0,
+    /// Reads a value of a setting. A line without a value means `on`, if the setting has it.
+    pub(crate) fn setting_value(&mut self, line: Pair<'_>, row: &'static Setting) -> Fallible<f64> {
+        match (&parts(line.clone())[..], &row.values) {
+            ([number], _) if number.as_rule() == Rule::opacity => self.number(number, row),
+            (_, Values::Switch) => Ok(f64::from(self.switch(line, row.word)?)),
+            (_, Values::Number { on: Some(on), .. }) => {
+                Ok(if self.switch(line, row.word)? { *on } else { 0.0 })
+            }
+            ([value], _) if value.as_rule() == Rule::expression => {
+                let (place, value) = (self.builder.span(value), self.builder.value(value.clone())?);
+                self.checked(&value, 1.0, row, place)
+            }
+            _ => Err(bad_setting(row.word, self.builder.lexed.span)),
+        }
+    }
+
+    /// Reads a number. A share may be a percentage.
+    pub(crate) fn number(&mut self, pair: &Pair<'_>, row: &'static Setting) -> Fallible<f64> {
+        let (place, all) = (self.builder.span(pair), parts(pair.clone()));
+        let whole = match (&all[1..], &row.values) {
+            ([], _) => 1.0,
+            (_, Values::Number { noun: SHARE, .. }) => 100.0,
+            _ => return Err(bad_setting(row.word, place)),
         };
-        let share = value.lo.midpoint(value.hi) / whole;
-        if (0.0..=1.0).contains(&share) { Ok(share) } else { Err(bad_setting("opacity", span)) }
+        let value = self.builder.term(&mut all[0].clone().into_inner())?;
+        self.checked(&value, whole, row, place)
+    }
+
+    /// Returns this part of `whole`, if the setting takes it.
+    fn checked(
+        &self,
+        value: &Expr,
+        whole: f64,
+        row: &'static Setting,
+        place: Span,
+    ) -> Fallible<f64> {
+        let Interval { lo, hi } = evaluate(value, self.builder.limits)?.bounds();
+        row.values.check(lo.midpoint(hi) / whole).map_err(|_| bad_setting(row.word, place))
     }
 }
 
 /// The error for a line about the picture whose contents do not fit its `word`.
 pub(crate) fn bad_setting(word: &'static str, span: Span) -> Box<Error> {
-    let hint = setting(word).map_or("", |setting| setting.hint);
+    let hint = setting(word).map_or("", |setting| &*setting.hint);
     Error::new(span, ErrorKind::BadSetting { word, hint })
 }

@@ -3,12 +3,10 @@
 //!
 //! Nothing here decides what a line means for a picture.
 
-use crate::lower::constant::evaluate;
 use crate::picture::line_reader::{LineReader, bad_setting};
 use crate::picture::paint::{Contours, ParsedColor, with_point_names};
 use crate::picture::scene::{Background, DomainLine, ViewLine};
 use rustc_hash::FxHashSet;
-use zeroset_interval::Interval;
 use zeroset_ir::Constant;
 use zeroset_parser::lex::spelling::typed_setting;
 use zeroset_parser::lex::token_kind::TokenKind;
@@ -19,35 +17,19 @@ use zeroset_parser::tree::grammar::{Pair, Rule, parts};
 use zeroset_parser::tree::scope::Scope;
 use zeroset_parser::tree::statement::ParsedStatement;
 use zeroset_parser::{Error, ErrorKind, Fallible, Limits, Span};
-use zeroset_style::{MATERIALS, Material};
-
-/// Largest width of a curve, in pixels.
-const MAX_WIDTH: f64 = 100.0;
-
-/// Strength of haze that is only turned on.
-const HAZE: f64 = 0.6;
+use zeroset_style::{Choices, MATERIALS, Material, OPACITY, WIDTH};
 
 /// Settings without a field of their own in the document. A setting is `None` if no line sets it.
 #[derive(Clone, Debug, Default)]
 pub struct PictureLines {
+    /// Choices that other surfaces have, too.
+    pub choices: Choices,
     /// Coefficients a, b, c and d of the half-space a·x + b·y + c·z ≤ d that is not cut off.
     pub clip: Option<[Constant; 4]>,
     /// Position of the light, in world units.
     pub light: Option<[Constant; 3]>,
-    /// Turns shadows on or off.
-    pub shadows: Option<bool>,
-    /// Turns the ground on or off, on which surfaces stand.
-    pub ground: Option<bool>,
-    /// How much of a far point's color is that of the background, from 0 to 1.
-    pub haze: Option<f64>,
-    /// Turns on or off lines where surfaces end, bend sharply, meet, or hide each other.
-    pub outlines: Option<bool>,
-    /// Turns the domain's box and axes on or off.
-    pub axes: Option<bool>,
     /// Set if lengths along all axes are displayed alike, whatever the extents of a graph.
     pub is_equal: bool,
-    /// Turns on or off the legends, which show the color of each value.
-    pub legend: Option<bool>,
     /// A line of text at the top of the picture.
     pub title: Option<String>,
     /// Turns on or off lines of equal x, y and z on the surfaces. On a graph z = f(x, y), only
@@ -135,9 +117,7 @@ impl CollectedLines {
             SettingKind::Clip => self.picture.clip = Some(reader.numbers(pair, word)?),
             SettingKind::Light => self.picture.light = Some(reader.numbers(pair, word)?),
             SettingKind::Opacity => {
-                let share = pair.into_inner().find(|part| part.as_rule() == Rule::opacity);
-                let share = share.ok_or_else(|| bad_setting("opacity", span))?;
-                self.opacities.push((at, reader.opacity(share)?));
+                self.opacities.push((at, reader.setting_value(pair, &OPACITY)?))
             }
             SettingKind::Material => {
                 let names = MATERIALS.each_ref().map(|row| row.name);
@@ -145,18 +125,16 @@ impl CollectedLines {
                 self.materials.push((at, &MATERIALS[row]));
             }
             SettingKind::Hidden => self.hidden.push((at, reader.switch(pair, word)?)),
-            SettingKind::Shadows => self.picture.shadows = Some(reader.switch(pair, word)?),
-            SettingKind::Ground => self.picture.ground = Some(reader.switch(pair, word)?),
-            SettingKind::Haze => self.picture.haze = Some(reader.haze(pair)?),
-            SettingKind::Outlines => self.picture.outlines = Some(reader.switch(pair, word)?),
             SettingKind::Mesh => self.picture.mesh = Some(reader.switch(pair, word)?),
-            SettingKind::Axes => self.picture.axes = Some(reader.switch(pair, word)?),
-            SettingKind::Legend => self.picture.legend = Some(reader.switch(pair, word)?),
             SettingKind::Title => self.picture.title = Some(reader.title(pair)?),
             SettingKind::Aspect => {
                 self.picture.is_equal = reader.one_of(pair, word, ["auto", "equal"], 1)? == 1;
             }
-            SettingKind::Width => self.widths.push((at, reader.width(pair)?)),
+            SettingKind::Width => self.widths.push((at, reader.setting_value(pair, &WIDTH)?)),
+            SettingKind::Choice(row) => {
+                let value = reader.setting_value(pair, row)?;
+                (row.set)(&mut self.picture.choices, value);
+            }
             SettingKind::Contours => self.contours = Some(reader.contours(pair)?),
         }
         self.used.extend(reader.builder.used);
@@ -179,17 +157,6 @@ pub(crate) fn setting_for<T>(lines: &[(usize, T)], place: usize, last: usize) ->
 }
 
 impl LineReader<'_> {
-    /// Reads the strength of haze.
-    fn haze(&mut self, line: Pair<'_>) -> Fallible<f64> {
-        match &parts(line.clone())[..] {
-            [share] if share.as_rule() == Rule::opacity => {
-                let place = self.builder.span(share);
-                self.opacity(share.clone()).map_err(|_| bad_setting("haze", place))
-            }
-            _ => Ok([HAZE, 0.0][self.one_of(line, "haze", ["on", "off"], 0)?]),
-        }
-    }
-
     /// Reads a line of text. Blanks become single spaces, and quotes around the text are left out.
     fn title(&self, line: Pair<'_>) -> Fallible<String> {
         let words = match &parts(line)[..] {
@@ -198,23 +165,6 @@ impl LineReader<'_> {
         };
         let text = words.split_whitespace().collect::<Vec<_>>().join(" ");
         if text.is_empty() { Err(bad_setting("title", self.builder.lexed.span)) } else { Ok(text) }
-    }
-
-    /// Reads the width of curves, in pixels.
-    fn width(&mut self, line: Pair<'_>) -> Fallible<f64> {
-        let span = self.builder.lexed.span;
-        let amounts = |part: &Pair<'_>| part.as_rule() == Rule::opacity;
-        let width = match &parts(line)[..] {
-            [amount] if amounts(amount) => match &parts(amount.clone())[..] {
-                [number] => self.builder.term(&mut number.clone().into_inner())?,
-                _ => return Err(bad_setting("width", span)),
-            },
-            [value] if value.as_rule() == Rule::expression => self.builder.value(value.clone())?,
-            _ => return Err(bad_setting("width", span)),
-        };
-        let Interval { lo, hi } = evaluate(&width, self.builder.limits)?.bounds();
-        let width = lo.midpoint(hi);
-        if (0.1..=MAX_WIDTH).contains(&width) { Ok(width) } else { Err(bad_setting("width", span)) }
     }
 }
 

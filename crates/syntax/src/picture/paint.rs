@@ -3,7 +3,7 @@
 //! Nothing here computes these values.
 
 use zeroset_parser::tree::grammar::{Pair, Rule, parts};
-use zeroset_style::{COLOR_MAPS, ColorMap};
+use zeroset_style::{COLOR_MAPS, ColorMap, OPACITY};
 
 use crate::lower::constant::{evaluate, evaluate_range};
 use crate::lower::lowering::{Lowering, NameBinding};
@@ -128,7 +128,7 @@ impl LineReader<'_> {
             match part.as_rule() {
                 Rule::opacity => {
                     let place = self.builder.span(&part);
-                    opacity = Some((self.opacity(part)?, place));
+                    opacity = Some((self.number(&part, &OPACITY)?, place));
                 }
                 Rule::automatic => color = Some(None),
                 Rule::mapped => color = Some(Some(SurfaceColor::Mapped(self.mapped(part)?))),

@@ -6,6 +6,7 @@
 use std::fmt::Write as _;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId};
 use zeroset_parser::Limits;
+use zeroset_style::{CHOICES, Values};
 use zeroset_syntax::{
     Contours, CurveShape, Document, DomainLine, MappedColor, Options, ParameterKind, PictureLines,
     SurfaceColor, SurfaceKind, parse, read,
@@ -57,20 +58,7 @@ fn graph_text(graph: &Graph, id: NodeId) -> String {
 
 /// Describes all settings of the picture except domain, view, look and background.
 fn describe_picture(out: &mut String, picture: &PictureLines) {
-    let PictureLines {
-        clip,
-        light,
-        shadows,
-        ground,
-        haze,
-        outlines,
-        axes,
-        is_equal,
-        legend,
-        title,
-        mesh,
-        contours,
-    } = picture;
+    let PictureLines { clip, light, choices, is_equal, title, mesh, contours } = picture;
     if let Some(title) = title {
         writeln!(out, "title of the picture: {title}").unwrap();
     }
@@ -81,21 +69,17 @@ fn describe_picture(out: &mut String, picture: &PictureLines) {
     if let Some(place) = light {
         writeln!(out, "light: {}", vector(place)).unwrap();
     }
-    let switches = [
-        ("shadows", shadows),
-        ("ground", ground),
-        ("outlines", outlines),
-        ("axes", axes),
-        ("legend", legend),
-        ("mesh", mesh),
-    ];
-    for (word, on) in switches {
-        if let Some(on) = on {
-            writeln!(out, "{word}: {on}").unwrap();
-        }
+    if let Some(on) = mesh {
+        writeln!(out, "mesh: {on}").unwrap();
     }
-    if let Some(strength) = haze {
-        writeln!(out, "haze: {strength}").unwrap();
+    for row in CHOICES {
+        match (row.get)(choices) {
+            Some(value) if row.values == Values::Switch => {
+                writeln!(out, "{}: {}", row.word, value == 1.0).unwrap();
+            }
+            Some(value) => writeln!(out, "{}: {value}", row.word).unwrap(),
+            None => {}
+        }
     }
     if *is_equal {
         out.push_str("aspect: equal\n");

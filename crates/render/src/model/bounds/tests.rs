@@ -8,6 +8,7 @@ use glam::DVec3;
 use zeroset_scene::view::{self, DomainChoice};
 use zeroset_shade::Pattern;
 use zeroset_space::{Camera, Projection};
+use zeroset_style::Choices;
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{RayGrid, Status};
 
@@ -60,9 +61,10 @@ fn surfaces_are_the_same_in_boxes_around_them() {
         let document = read(&text, &Options::default()).expect(&text);
         let (region, _) = view::region(&document, DomainChoice::Document, None).expect("a region");
         let antialias = Pattern::of(if rng.bool() { 4 } else { 16 }).expect("a pattern");
-        let shadow_depth = (rng.u32(..3) == 0).then_some(9);
+        let shadows = (rng.u32(..3) == 0).then_some(true);
+        let choices = Choices { shadows, ..Choices::default() };
         let settings =
-            Settings { width: 70, height: 52, antialias, shadow_depth, ..Settings::default() };
+            Settings { width: 70, height: 52, antialias, choices, ..Settings::default() };
         let rays = RayGrid::new(&camera(rng), settings.width, settings.height);
         let Ok(model) = Model::new(&document, &region, &settings) else { continue };
         let [bounded, everywhere]: [Picture; 2] = [false, true].map(|whole| {

@@ -135,7 +135,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
 
     /// Returns whether lines are drawn at edges.
     pub(super) fn has_outlines(&self) -> bool {
-        self.settings.outlines.unwrap_or(self.model.setting.lines.outlines == Some(true))
+        self.model.choices(self.settings).outlines == Some(true)
     }
 
     /// Returns whether a pixel has a surface's color. Undecided pixels may be left out.
@@ -160,8 +160,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
     /// Number of halvings along a shadow ray. `None` without shadows.
     pub(super) fn shadow_depth(&self) -> Option<u32> {
         let settings = self.settings;
-        let is_typed = self.model.setting.lines.shadows == Some(true);
-        settings.shadow_depth.or(is_typed.then(|| settings.usual_shadow_depth()))
+        let depth = || settings.shadow_depth.unwrap_or_else(|| settings.usual_shadow_depth());
+        (self.model.choices(settings).shadows == Some(true)).then(depth)
     }
 
     /// Returns whether ambient occlusion is computed.
@@ -257,7 +257,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
     /// The haze of a picture, if it has any: it begins at the region's near side, and is strongest
     /// at its far side.
     fn haze(&self, rays: &RayGrid, color: LinearRgb) -> Option<Haze> {
-        let strength = self.settings.haze.or(self.model.setting.lines.haze).unwrap_or(0.0);
+        let strength = self.model.choices(self.settings).haze.unwrap_or(0.0);
         let (rays, region) = (rays.displayed(), self.model.region.displayed());
         let middle = (region.centre() - rays.eye()).dot(rays.forward());
         let between = [-1.0, 1.0].map(|side| middle + side * region.half_extent());
@@ -300,7 +300,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             // Light before black is light multiplied by the opacity.
             background: if self.model.is_transparent(settings) { BLACK } else { color },
             haze: self.haze(rays, color),
-            ambient: settings.ambient.unwrap_or(plain.ambient),
+            ambient: self.model.choices(settings).ambient.map_or(plain.ambient, |one| one as f32),
             undecided: settings.undecided,
             ..plain
         }
