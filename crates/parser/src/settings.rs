@@ -61,7 +61,7 @@ fn shared(row: &'static Setting, kind: SettingKind) -> SettingRow {
     SettingRow { word: row.word, kind, hint: row.hint().into() }
 }
 
-/// How to write a color.
+/// The hint for a color.
 const COLOR: &str = "write a name of CSS such as `orange`, `#ff8800`, or a color map such as \
                      `viridis(z)`; perhaps how opaque it is behind that, as `50%`";
 

@@ -1,5 +1,6 @@
 """Pictures and meshes: equal to those of the program, and right by other libraries."""
 
+import inspect
 import json
 import pickle
 import subprocess
@@ -149,6 +150,7 @@ def test_options_out_of_range(options, error):
 def test_choices_have_the_values_that_they_name():
     surface = zs.Surface("x = y")
     assert len(zs.choices()) >= 7
+    assert {"haze", "title"} <= set(inspect.signature(surface.render).parameters)
     for name, help in zs.choices().items():
         values = (0.0, 1.0) if "share from 0 to 1" in help else (False, True)
         for value in values:

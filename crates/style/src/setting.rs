@@ -1,4 +1,4 @@
-//! What a setting of a picture is: its names, its values, and the messages about them.
+//! The type of a picture's settings: names, values, and the messages about them.
 
 use crate::settings::Choices;
 use std::fmt;
@@ -107,7 +107,7 @@ pub struct Setting {
     pub default: &'static str,
     /// The flag's name on the command line, without its dashes; empty without a flag.
     pub flag: &'static str,
-    /// Whether documents may have a line that begins with the word.
+    /// Set if documents may have a line that begins with the word.
     pub is_line: bool,
     /// Returns the value; `None` if it is not chosen, or kept elsewhere.
     pub get: fn(&Choices) -> Option<f64>,

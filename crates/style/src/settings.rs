@@ -17,24 +17,24 @@ macro_rules! choices {
                 is_line: false,
                 ..share("SHARE", None, "set the ambient light")
             };
-            /// Whether a ground is below the surfaces: a plane on which they cast shadows. Default:
-            /// the text's `ground` line, or else no.
+            /// Draws a ground below the surfaces: a plane on which they cast shadows. Default: the
+            /// text's `ground` line, or else off.
             ground: bool = switch("draw a ground below the surfaces, on which they cast soft shadows");
             /// The share of the background's color in points far away, from 0 to 1. Default: the
             /// text's `haze` line, or else 0.
             haze: f64 = share("on|off|SHARE", Some(0.6), "mix the background into points far away");
-            /// Whether lines are drawn where surfaces end, bend sharply, meet, or hide each other.
-            /// Default: the text's `outlines` line, or else no.
+            /// Draws lines where surfaces end, bend sharply, meet, or hide each other. Default: the
+            /// text's `outlines` line, or else off.
             outlines: bool = switch("draw lines where surfaces end, bend sharply, meet or hide each other");
-            /// Whether surfaces cast soft shadows: a ray goes from every visible point to an area
-            /// light. Default: the text's `shadows` line, or else no.
+            /// Casts soft shadows: a ray goes from every visible point to an area light. Default: the
+            /// text's `shadows` line, or else off.
             shadows: bool =
                 switch("cast soft shadows, by a ray from every visible point to an area light");
-            /// Whether the domain's box is drawn with axes and ticks. The view makes room for it.
-            /// Default: the text's `axes` line, or else no.
+            /// Draws the domain's box with axes and ticks. The view makes room for it. Default: the
+            /// text's `axes` line, or else off.
             axes: bool = switch("draw the domain's box with axes and ticks, and fit it into the picture");
-            /// Whether a legend for colored values is drawn. Default: the text's `legend` line, or
-            /// else whether there are axes.
+            /// Draws a legend for colored values. Default: the text's `legend` line, or else on if there
+            /// are axes.
             legend: bool = Setting { default: "with --axes", ..switch("draw the color scale of each color map") };
         }
     };
@@ -50,7 +50,7 @@ macro_rules! define {
         }
 
         impl Choices {
-            /// These choices, and those of `other` where there is none.
+            /// Takes a choice that is missing here from `other`.
             #[must_use]
             pub fn or(self, other: Self) -> Self {
                 Self { $($word: self.$word.or(other.$word),)* }
@@ -89,14 +89,14 @@ const fn share(notation: &'static str, on: Option<f64>, help: &'static str) -> S
     Setting { values, example: "0.5", ..switch(help) }
 }
 
-/// How opaque a surface is.
+/// The opacity of a surface.
 pub static OPACITY: Setting = Setting {
     word: "opacity",
     example: "50%",
     ..share("SHARE", None, "set how opaque the drawings below are")
 };
 
-/// How wide a curve is.
+/// The width of a curve.
 pub static WIDTH: Setting = Setting {
     word: "width",
     values: Values::Number {

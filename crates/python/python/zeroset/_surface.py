@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
@@ -415,6 +416,18 @@ def looks() -> dict[str, str]:
 def choices() -> dict[str, str]:
     """Names of the choices for a picture, each with its values and its default."""
     return dict(_zeroset.choices())
+
+
+def _name_choices(function: Any) -> None:
+    """Names the choices in a function's signature, for help and completion."""
+    signature = inspect.signature(function)
+    *own, _ = signature.parameters.values()
+    kind = inspect.Parameter.KEYWORD_ONLY
+    named = [inspect.Parameter(name, kind, default=None) for name in choices()]
+    function.__signature__ = signature.replace(parameters=[*own, *named])
+
+
+_name_choices(Surface.render)
 
 
 def views() -> list[str]:

@@ -117,7 +117,7 @@ impl CollectedLines {
             SettingKind::Clip => self.picture.clip = Some(reader.numbers(pair, word)?),
             SettingKind::Light => self.picture.light = Some(reader.numbers(pair, word)?),
             SettingKind::Opacity => {
-                self.opacities.push((at, reader.setting_value(pair, &OPACITY)?))
+                self.opacities.push((at, reader.setting_value(pair, &OPACITY)?));
             }
             SettingKind::Material => {
                 let names = MATERIALS.each_ref().map(|row| row.name);
