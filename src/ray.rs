@@ -133,8 +133,8 @@ fn scaled(ray: &Ray, number: usize, accuracy: f64) -> Result<(Segment, f64), Err
 }
 
 impl RayResult {
-    /// Follows rays. If the method can tell, the t of a hit is within `accuracy` of its zero. The
-    /// accuracy is in world units.
+    /// Follows rays. If the method proves zeros, a hit is at most `accuracy`, in world units, from
+    /// its zero.
     pub(crate) fn follow(
         tracer: &dyn Tracer,
         rays: &[Ray],

@@ -95,7 +95,8 @@ impl ProgramReader<'_> {
         Ok(true)
     }
 
-    /// The ends of a range such as `-2:0.1:2`, `linspace(-2, 2, 50)` or the name of a range.
+    /// The ends of a range such as `-2:0.1:2`, `linspace(-2, 2, 50)` or the name of a range. A step
+    /// stands between the ends, or behind them if `steps_last`.
     fn range_ends(&self, value: &[Token], steps_last: bool) -> Option<[Vec<Token>; 2]> {
         if let [name] = value {
             return self.ranges.get(self.words.word(*name)).cloned();
@@ -105,11 +106,18 @@ impl ProgramReader<'_> {
             let parts = split(inner, Comma);
             return Some([parts.first()?.clone(), parts.get(1)?.clone()]);
         }
-        let value = bracketed(value).filter(|(_, rest)| rest.is_empty()).map_or(value, |(v, _)| v);
+        let value = match bracketed(value) {
+            Some((inner, [])) => inner,
+            _ => value,
+        };
         let parts = split(value, Colon);
-        let is_range = matches!(parts.len(), 2 | 3);
-        let high = if steps_last { 1 } else { parts.len().saturating_sub(1) };
-        is_range.then(|| [parts[0].clone(), parts[high].clone()])
+        let (low, high) = match &parts[..] {
+            [low, high] => (low, high),
+            [low, high, _] if steps_last => (low, high),
+            [low, _, high] => (low, high),
+            _ => return None,
+        };
+        Some([low.clone(), high.clone()])
     }
 
     /// Reads the names and the ranges of a grid.

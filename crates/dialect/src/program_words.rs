@@ -417,11 +417,11 @@ impl<'a> Words<'a> {
 
     /// Turns the left side `f[x_, y_]` of a definition in Mathematica into `f[x, y]`.
     pub(crate) fn patterns(self, tokens: &mut [Token]) {
-        let Some(end) = tokens.get(1..).and_then(closing).filter(|_| tokens[1].kind == OpenBracket)
-        else {
+        if tokens.get(1).is_none_or(|next| next.kind != OpenBracket) {
             return;
-        };
-        for token in &mut tokens[2..=end] {
+        }
+        let Some(length) = closing(&tokens[1..]) else { return };
+        for token in &mut tokens[2..=length] {
             let typed = &self.text[token.span.range()];
             if token.kind == TokenKind::Name && typed.len() > 1 && typed.ends_with('_') {
                 token.span = Span::new(token.span.start, token.span.end - 1);

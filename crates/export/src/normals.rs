@@ -84,7 +84,8 @@ impl Corners {
 struct Star {
     /// The group of each triangle.
     groups: Vec<usize>,
-    /// The sum of each group's areas, at last by their weights.
+    /// A vector for each group. While groups are formed, it is the sum of the triangles' areas as
+    /// vectors. In the end, it is the sum of the triangles' weighted normals.
     sums: Vec<DVec3>,
     /// The two neighbors of the vertex in each triangle, each with the triangle's place in
     /// `groups`.

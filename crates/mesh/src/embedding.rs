@@ -48,7 +48,7 @@ impl Triangle {
             2 => {
                 let (end, [from, to]) = self.around(|number| !other.numbers.contains(&number));
                 let (other_end, _) = other.around(|number| !self.numbers.contains(&number));
-                are_sides_apart([from, to], [end, other_end], least)
+                are_neighbors_apart([from, to], [end, other_end], least)
             }
             _ => false,
         }
@@ -127,8 +127,10 @@ fn are_cones_apart(left: [DVec3; 2], right: [DVec3; 2], least: f64) -> bool {
     ends.iter().all(|end| end.dot(normal) > least)
 }
 
-/// Returns whether two triangles that share an edge are not folded onto each other.
-fn are_sides_apart([from, to]: [DVec3; 2], ends: [DVec3; 2], least: f64) -> bool {
+/// Returns whether two triangles that share an edge meet only in that edge. `from` and `to` are the
+/// ends of the edge, `ends` the two other corners. `least` is the least distance that tells
+/// triangles apart.
+fn are_neighbors_apart([from, to]: [DVec3; 2], ends: [DVec3; 2], least: f64) -> bool {
     let edge = to - from;
     let length = edge.length();
     let along = edge / length;

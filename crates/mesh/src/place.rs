@@ -32,7 +32,7 @@ pub struct Vertices {
     /// The keys of all vertices.
     pub keys: Vec<VertexKey>,
     weights: Vec<[f64; 4]>,
-    /// The choice that matters in one of the tetrahedra around each vertex.
+    /// For each vertex, the choice that matters in the tetrahedron that added the vertex.
     choices: Vec<Arc<Choice>>,
     /// The vertices' places, once they are placed.
     pub places: Vec<DVec3>,

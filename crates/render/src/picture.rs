@@ -115,19 +115,20 @@ impl Settings {
         self.background.or(typed) == Some(Background::Transparent)
     }
 
-    /// These settings, with the light and antialiasing settings of `others`.
+    /// These settings, with those of `other` that only affect how a traced picture is painted:
+    /// light, look, background, antialiasing and color format.
     #[must_use]
-    pub fn lit_as(&self, others: &Self) -> Self {
+    pub fn painted_as(&self, other: &Self) -> Self {
         Self {
-            shadow_depth: others.shadow_depth,
-            undecided: others.undecided,
-            look: others.look,
-            occlusion: others.occlusion,
-            antialias: others.antialias,
-            light: others.light,
-            choices: others.choices,
-            background: others.background,
-            depth: others.depth,
+            shadow_depth: other.shadow_depth,
+            undecided: other.undecided,
+            look: other.look,
+            occlusion: other.occlusion,
+            antialias: other.antialias,
+            light: other.light,
+            choices: other.choices,
+            background: other.background,
+            depth: other.depth,
             ..self.clone()
         }
     }

@@ -337,9 +337,9 @@ impl Rewriter<'_> {
     }
 }
 
-/// The factor to take out of a sum. It is the first coefficient if all coefficients have the same
-/// magnitude, else only its sign. Sums that differ only by this factor then share a node (saves 37
-/// operations of gradients over the gallery).
+/// The factor to take out of a sum. If all coefficients have the same magnitude, it is the first
+/// coefficient, else the sign of the first. Sums that differ only by this factor then share a
+/// node. By this, all gradients of the gallery's formulas together lose 37 operations.
 fn content(terms: &[(NodeId, BigRational)], constant: &BigRational) -> BigRational {
     let first = &terms[0].1;
     let size = first.abs();

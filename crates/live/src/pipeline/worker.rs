@@ -276,7 +276,7 @@ impl Worker {
         let is_alike = !seen.coarse
             && Arc::ptr_eq(&seen.model, model)
             && seen.camera == *camera
-            && seen.request.settings.lit_as(settings) == *settings;
+            && seen.request.settings.painted_as(settings) == *settings;
         is_alike.then_some(seen)
     }
 

@@ -125,8 +125,9 @@ impl CriticalSearch<'_> {
         found
     }
 
-    /// Start `n`, from a sequence that fills the cube evenly: multiples, modulo 1, of 1/g, 1/g² and
-    /// 1/g³ with g⁴ = g + 1 (Roberts, 2018: the sequence R₃).
+    /// The point where path `n` starts. The points fill the cube evenly: their coordinates are the
+    /// multiples by `n`, modulo 1, of 1/g, 1/g² and 1/g³ with g⁴ = g + 1 (Roberts, 2018: the
+    /// sequence R₃).
     fn start(&self, n: u32) -> Coordinates {
         let strides = [0.819_172_513_396, 0.671_043_606_703, 0.549_700_477_901];
         [0, 1, 2].map(|axis| {

@@ -53,8 +53,8 @@ pub struct Homogeneous {
 const HIGHEST: i32 = 64;
 
 impl Homogeneous {
-    /// The function at `root` for parameters within bounds. `None` if one of its operations is no
-    /// [`Operation`], or if a degree is too high.
+    /// Reads the function at `root`, for parameters within the bounds `parameters`. `None` if
+    /// [`Operation`] has no variant for an operation of the graph, or if a degree is too high.
     pub fn new(
         graph: &Graph,
         root: NodeId,

@@ -30,8 +30,12 @@ impl<M: Machine> Approximator<'_, M> {
     /// atan x, odd in x. Its relative error is below 2⁻³⁴ in `f32` and 2⁻⁵⁶ in `f64`, which follows
     /// from the error of [`Approximator::atan_reduced`].
     ///
-    /// atan t = π/4 + atan((t − 1)/(t + 1)) = π/2 + atan(−1/t). The reduced argument is at most tan
-    /// π/8.
+    /// With t = |x|, the angle is atan t = base + atan u:
+    /// - up to tan π/8, base = 0 and u = t,
+    /// - up to tan 3π/8, base = π/4 and u = (t − 1)/(t + 1),
+    /// - beyond, base = π/2 and u = −1/t.
+    ///
+    /// So |u| is at most tan π/8.
     pub(crate) fn atan(&mut self, x: M::V) -> Approximation<M::V> {
         let mut t = self.m.abs(x);
         if self.has_tails() {
@@ -50,11 +54,11 @@ impl<M: Machine> Approximator<'_, M> {
         } else {
             (self.m.sub(t, one).into(), self.m.add(t, one).into())
         };
-        let above = self.choose(middle, minus, t.into());
-        let above = self.choose(far, minus_one.into(), above);
-        let below = self.choose(middle, plus, one.into());
-        let below = self.choose(far, t.into(), below);
-        let u = self.over(above, below);
+        let numerator = self.choose(middle, minus, t.into());
+        let numerator = self.choose(far, minus_one.into(), numerator);
+        let denominator = self.choose(middle, plus, one.into());
+        let denominator = self.choose(far, t.into(), denominator);
+        let u = self.over(numerator, denominator);
         let base = self.masked(middle, QUARTER);
         let half = self.constant(HALF);
         let base = self.choose(far, half, base);

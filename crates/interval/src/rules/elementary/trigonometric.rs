@@ -113,7 +113,7 @@ impl<M: Machine> Approximator<'_, M> {
 
     /// sin r for |r| ≤ π/4, to 2⁻³⁵ in `f32` and 2⁻⁵⁷ in `f64`.
     ///
-    /// The tail is r¹³/13! in `f32` and r¹⁹/19! in `f64`, below 2⁻³⁶ and 2⁻⁶³ of r. In `f64` the
+    /// The omitted terms are at most r¹³/13! in `f32` and r¹⁹/19! in `f64`, below 2⁻³⁶ and 2⁻⁶³ of r. In `f64` the
     /// terms from r⁵/120 on are at most 0.0032 of r, and five roundings by 2⁻⁵² affect them.
     fn sin_reduced(&mut self, r: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         let terms = self.pick(5, 8);
@@ -122,24 +122,24 @@ impl<M: Machine> Approximator<'_, M> {
 
     /// cos r for |r| ≤ π/4, to 2⁻³⁵ in `f32` and 2⁻⁵⁴ in `f64`.
     ///
-    /// The tail is r¹⁴/14! in `f32` and r²⁰/20! in `f64`, below 2⁻⁴¹ and 2⁻⁶⁷. In `f64` the terms
-    /// from r⁴/24 on are at most 0.0159, and six roundings by 2⁻⁵² affect them, relative to cos r ≥
-    /// 0.707.
+    /// The omitted terms are at most r¹⁴/14! in `f32` and r²⁰/20! in `f64`, below 2⁻⁴¹ and 2⁻⁶⁷. In
+    /// `f64`, the terms from r⁴/24 on are at most 0.0159, and six roundings by 2⁻⁵² affect them. The
+    /// relative error is this error over cos r, which is at least 0.707.
     fn cos_reduced(&mut self, r: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         let coefficients = alternating(self.pick(6, 9), 2);
         let one = self.number(1.0);
         let z = self.times(r, r);
         if !self.has_tails() {
-            let tail = self.series(z.head, &coefficients);
-            let tail = self.m.mul(tail, z.head);
-            return self.plus(one, tail);
+            let later = self.series(z.head, &coefficients);
+            let later = self.m.mul(later, z.head);
+            return self.plus(one, later);
         }
         let later = self.series(z.head, &coefficients[1..]);
         let later = self.m.mul(later, z.head);
         let later = self.m.mul(later, z.head);
         let minus_half = self.number(-0.5);
-        let z = self.scaled(z, minus_half);
-        let sum = self.plus(one, z);
+        let second = self.scaled(z, minus_half);
+        let sum = self.plus(one, second);
         self.plus(sum, later)
     }
 

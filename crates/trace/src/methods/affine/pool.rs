@@ -21,8 +21,9 @@ use zeroset_eval::{Contractions, LANES, Lanes, Segments};
 /// Place of a 4×4 tile in its band. The lowest [`COLUMN_BITS`] are the column, the others the row.
 pub(super) type TilePlace = u32;
 
-/// A band has at most as many rows of tiles as a large tile has pixels, and that only if its rows
-/// are patches. So the column gets nearly all bits: pictures of one row may have many columns.
+/// Number of bits for the column. The row needs few bits: a band of pixels has four rows of tiles,
+/// and a band of patches has at most `SIDES[0]`. A picture may be very wide, so the column gets the
+/// other bits.
 const COLUMN_BITS: u32 = TilePlace::BITS - SIDES[0].ilog2();
 /// Largest number of columns of tiles.
 pub(super) const MAX_COLUMNS: usize = 1 << COLUMN_BITS;

@@ -323,7 +323,8 @@ struct TileClasses<T> {
     finer: u16,
     /// Tiles whose segment is cut in two.
     cut: u16,
-    /// Tiles of `finer` with so many evaluations that their parts get all of the remaining segment.
+    /// Tiles of `finer` that reached the limit of evaluations. Each of their parts gets the whole
+    /// remaining segment.
     exhausted: u16,
     /// Tiles whose remaining segment lies in the region.
     within: u16,
