@@ -156,7 +156,7 @@ pub fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
     if !in_steps && !is_foreign {
         notes.extend(statements.iter().flat_map(|tokens| doubts(text, tokens)));
     }
-    let is_y_up = statements.iter().any(|tokens| words.is_of_shaders(tokens));
+    let is_y_up = statements.iter().any(|tokens| words.has_y_up(tokens));
     let language = Language::of(words, &statements);
     if language.has_double_bars() {
         statements.iter_mut().for_each(join_bars);

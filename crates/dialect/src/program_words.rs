@@ -68,9 +68,9 @@ pub(crate) struct Words<'a> {
 }
 
 impl<'a> Words<'a> {
-    /// Returns whether a statement has types of shaders' vectors, components of a vector such as
-    /// `p.xz`, or POV-Ray's `isosurface { … }`.
-    pub(crate) fn is_of_shaders(self, tokens: &[Token]) -> bool {
+    /// Returns whether a statement comes from a language in which y points up. Such a statement
+    /// names a vector type, takes components such as `p.xz`, or has POV-Ray's `isosurface { … }`.
+    pub(crate) fn has_y_up(self, tokens: &[Token]) -> bool {
         let is_vector = |token: &Token| {
             let word = self.word(*token);
             token.kind == TokenKind::Component || is_type(word) && size_of(word) > 1

@@ -35,7 +35,7 @@ pub trait ValueKind: Copy + Send + Sync + 'static {
         loader: &mut impl Loader<M>,
         number: usize,
     ) -> Self::Value<M::V>;
-    /// Returns a constant known by bounds with ends in `T`.
+    /// Returns a constant that lies within `bounds`, whose ends are numbers of `T`.
     fn constant<T: Real, M: Machine>(m: &mut M, bounds: Interval) -> Self::Value<M::V>;
     /// Applies an operation to earlier values.
     fn apply<T: Real, M: Machine>(

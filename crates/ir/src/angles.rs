@@ -144,7 +144,7 @@ impl Angles {
                     let (cc, ss) = (mul(graph, c, cos), mul(graph, s, sin));
                     let (sc, cs) = (mul(graph, s, cos), mul(graph, c, sin));
                     let (cos, sin) = (sub(graph, cc, ss), add(graph, sc, cs));
-                    [cos, sin].map(|wave| cut(graph, wave))
+                    [cos, sin].map(|wave| clamped(graph, wave))
                 }
             });
         };
@@ -217,7 +217,7 @@ impl Angles {
                     let [cosines, mixed] = [cos, over].map(|other| mul(graph, next, other));
                     let [cosines, mixed] = [cosines, mixed].map(|id| mul(graph, two, id));
                     let cosines = sub(graph, cosines, c);
-                    [cut(graph, cosines), add(graph, mixed, one)]
+                    [clamped(graph, cosines), add(graph, mixed, one)]
                 }
             }
         };
@@ -240,7 +240,7 @@ fn of(graph: &mut Graph, nonneg: &mut Nonneg, angle: NodeId) -> Option<[NodeId; 
     let sum = graph.apply(Op::Add, &squares);
     let root = graph.apply(Op::Sqrt, &[sum]);
     let waves = [b, a].map(|side| graph.apply(Op::Div, &[side, root]));
-    Some(waves.map(|wave| cut(graph, wave)))
+    Some(waves.map(|wave| clamped(graph, wave)))
 }
 
 /// A number u, and √(1 − u²), both undefined where |u| > 1. For u = p/√(p² + q), where q ≥ 0, they
@@ -248,11 +248,11 @@ fn of(graph: &mut Graph, nonneg: &mut Nonneg, angle: NodeId) -> Option<[NodeId; 
 fn unit(graph: &mut Graph, nonneg: &mut Nonneg, u: NodeId) -> [NodeId; 2] {
     if let Some((others, root)) = others(graph, nonneg, u) {
         let other = graph.apply(Op::Sqrt, &[others]);
-        return [u, graph.apply(Op::Div, &[other, root])].map(|wave| cut(graph, wave));
+        return [u, graph.apply(Op::Div, &[other, root])].map(|wave| clamped(graph, wave));
     }
     let (one, square) = (graph.integer(1), graph.apply(Op::Sqr, &[u]));
     let rest = graph.apply(Op::Sub, &[one, square]);
-    let own = cut(graph, u);
+    let own = clamped(graph, u);
     [graph.apply(Op::WhereNonneg, &[own, rest]), graph.apply(Op::Sqrt, &[rest])]
 }
 
@@ -293,8 +293,9 @@ fn half(graph: &mut Graph, angle: NodeId, [cos, _]: [NodeId; 2]) -> Option<[Node
     }))
 }
 
-/// A number that is known to lie in [−1, 1], with enclosures that do.
-fn cut(graph: &mut Graph, wave: NodeId) -> NodeId {
+/// Clamps `wave`, which is known to lie in [−1, 1], to that range. Its value stays the same, and its
+/// enclosures then lie in the range, too.
+fn clamped(graph: &mut Graph, wave: NodeId) -> NodeId {
     let [low, high] = [-1, 1].map(|end| graph.integer(end));
     let above = graph.apply(Op::Max, &[wave, low]);
     graph.apply(Op::Min, &[above, high])

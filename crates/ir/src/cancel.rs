@@ -350,8 +350,8 @@ impl Cancellation {
         Some(Common { common, rests: [above, below] })
     }
 
-    /// The functions in two polynomials whose differences may have a factor in common with the
-    /// other polynomial.
+    /// The functions f(u) in two polynomials whose divisor u − c may share a factor with the other
+    /// polynomial, or with the divisor of a function there.
     fn differences(&mut self, graph: &Graph, pair: &[Polynomial; 2]) -> Vec<Difference> {
         let mut found: [Vec<Difference>; 2] = Default::default();
         for (found, polynomial) in found.iter_mut().zip(pair) {

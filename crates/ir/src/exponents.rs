@@ -29,11 +29,12 @@ pub fn fix_exponents(graph: &Graph, roots: &[NodeId], values: &[Constant]) -> (G
         .collect();
     let in_exponent = graph.reachable(&exponents);
     let mut fixed = Graph::new();
-    // Each node is copied twice: once unchanged, once with its parameters replaced.
+    // `places` has a copy of each node, in which only exponents have their parameters replaced.
+    // `replaced` has a second copy of each node in an exponent, with all parameters replaced.
     let mut places: Vec<Option<NodeId>> = Vec::with_capacity(graph.len());
     let mut replaced: Vec<Option<NodeId>> = Vec::with_capacity(graph.len());
     for (id, node) in graph.iter() {
-        let place_of = match node {
+        let copy = match node {
             Node::Apply(op, operands)
                 if op.row().class == Class::Power && is_uniform(operands[1]) =>
             {
@@ -45,7 +46,7 @@ pub fn fix_exponents(graph: &Graph, roots: &[NodeId], values: &[Constant]) -> (G
                 copy_node(&mut fixed, node, |operand| place(&places, operand))
             }
         };
-        places.push(Some(place_of));
+        places.push(Some(copy));
         replaced.push(in_exponent[id.index()].then(|| match node {
             Node::Parameter(number) => fixed.constant(values[*number as usize].clone()),
             Node::Variable(_) | Node::Constant(_) | Node::Apply(..) => {

@@ -44,8 +44,8 @@ pub struct Question<'a> {
     /// Where parts from this one on are 0, there is no surface. They cut it off where they are
     /// above 0.
     pub first_cut: usize,
-    /// Greatest size of boxes over which bounds are estimated from samples, in world units. 0 if
-    /// all are proven.
+    /// Largest edge, in world units, of a box whose bounds are estimated from samples. 0 if all
+    /// bounds are proven.
     pub estimated: f64,
 }
 

@@ -116,8 +116,8 @@ impl Picture {
         [origins, directions].map(|array| array.into_pyarray(py))
     }
 
-    /// Number of the surface drawn in each pixel, in the order of the text: int32 (H, W), −1 at the
-    /// background.
+    /// Index of the surface drawn in each pixel: int32 (H, W). Surfaces are numbered from 0 in the
+    /// order of the text. The background has −1.
     #[getter]
     fn surface<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<i32>> {
         let (height, width) = self.shape();

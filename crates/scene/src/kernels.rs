@@ -215,8 +215,9 @@ pub(crate) struct CodeStore {
     /// The optimizations that are left, one for each kernel that was compiled quickly.
     left: Mutex<Vec<Optimization>>,
     codes: Vec<SurfaceCodes>,
-    /// For each surface, whether its kernels are compiled, if they are not too large.
-    is_compiled: Vec<bool>,
+    /// For each surface, whether its kernels may be compiled. Otherwise stencils compute them, as
+    /// also if a kernel turns out too large.
+    may_compile: Vec<bool>,
 }
 
 impl CodeStore {
@@ -224,13 +225,13 @@ impl CodeStore {
         let codes = simplified.roots.iter().map(|_| SurfaceCodes::default()).collect();
         let mut nodes = 0;
         let compiled = |root: &NodeId| {
-            let is_compiled = nodes < COMPILED_NODES;
-            if is_compiled {
+            let may_compile = nodes < COMPILED_NODES;
+            if may_compile {
                 nodes += simplified.graph.needed(&[*root]).len();
             }
-            is_compiled
+            may_compile
         };
-        let is_compiled = simplified.roots.iter().map(compiled).collect();
+        let may_compile = simplified.roots.iter().map(compiled).collect();
         Self {
             simplified,
             ledger: KernelList::default(),
@@ -238,7 +239,7 @@ impl CodeStore {
             is_hurried: AtomicBool::new(false),
             left: Mutex::default(),
             codes,
-            is_compiled,
+            may_compile,
         }
     }
 
@@ -285,7 +286,7 @@ impl CodeStore {
         let by_stencils = |tape: Tape<T>| (!tape.is_by_branches()).then_some(Steps::Stencils(tape));
         let steps = match self.evaluator {
             Evaluator::Reference => Some(Steps::Reference(tape)),
-            Evaluator::Native | Evaluator::Whole if !self.is_compiled[surface] => by_stencils(tape),
+            Evaluator::Native | Evaluator::Whole if !self.may_compile[surface] => by_stencils(tape),
             Evaluator::Native | Evaluator::Whole => match compile(tape.clone()) {
                 Ok(compiled) => {
                     made.bytes = compiled.code_bytes();

@@ -366,13 +366,13 @@ pub fn camera(
     let point = |numbers: &Option<[Constant; 3]>| {
         numbers.as_ref().map(|n| DVec3::from_array([0, 1, 2].map(|k| nearest(&n[k]))))
     };
-    // A view chosen by the caller replaces the document's own eye.
+    // A view chosen by the caller replaces the document's eye and upward direction.
     let (typed_eye, typed_up) = match choice.view {
         Some(_) => (None, None),
         None => (point(&typed.eye), point(&typed.up)),
     };
     let view = choice.view.or(typed.preset);
-    // In programs of shaders, y points up. A named side is as everywhere.
+    // In programs of shaders, y points up. A named view, such as the top, ignores this.
     let is_y_up = view.is_none() && document.is_y_up;
     let view = view.unwrap_or_default();
     let turned =
@@ -382,7 +382,7 @@ pub fn camera(
     let (stretch, shown) = (region.stretch(), region.displayed());
     let displayed = |point: DVec3| point * stretch;
     let given_eye = choice.eye.or(typed_eye).map(displayed);
-    // An eye in the center looks in the direction in which the view looks from outside.
+    // An eye in the center keeps the view's direction: its target lies opposite to the offset.
     let usual = match given_eye {
         Some(eye) if eye == shown.centre() => eye - offset * shown.half_extent(),
         _ => shown.centre(),

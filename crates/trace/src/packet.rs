@@ -324,13 +324,14 @@ impl<T: Scalar> Packet<T> {
         let leave = part.load(&self.leave);
         let zero = part.splat(T::integer(0));
         let crossing = -room / change;
-        // `crossing` is NaN only for 0/0. Then `change` is 0, and the ray is not restricted.
+        // For 0/0, `crossing` is NaN. Then `change` is 0, and neither bound below uses it.
         let (rising, falling) = (change.simd_gt(zero), change.simd_lt(zero));
         let never = change.simd_eq(zero) & room.simd_lt(zero);
         let first = rising.select(crossing - T::SHARE_ERROR, enter);
         let last = falling.select(crossing + T::SHARE_ERROR, leave);
-        // NaN restricts nothing, since it comes from an overflow.
+        // A ray that leaves at −1 has left before the first plane.
         let nowhere = part.splat(-T::integer(1));
+        // Any other NaN comes from an overflow, and is ignored here.
         let leave = never.select(nowhere, leave.min_precise(last));
         part.store(enter.max_precise(first), &mut self.enter);
         part.store(leave, &mut self.leave);

@@ -125,6 +125,7 @@ impl<'a> PlotArea<'a> {
                 self.area.draw(&PathElement::new(self.path(line), thin))?;
             }
         }
+        // The Pareto front is wide and pale. It lies behind the series.
         if let Some((_, points)) = &figure.front {
             self.area.draw(&PathElement::new(self.path(points), front_style()))?;
         }

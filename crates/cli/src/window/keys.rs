@@ -99,11 +99,11 @@ pub const SHORTCUTS: &[Shortcut] = &[
     Shortcut { name: "Ctrl-E", help: "save a mesh", held: Held::Control, keys: &[Key::E],
         run: |window, _| window.begin_mesh() },
     Shortcut { name: "Ctrl-Z", help: "undo", held: Held::Control, keys: &[Key::Z],
-        run: |window, _| window.step_back(true) },
+        run: |window, _| window.undo_or_redo(true) },
     Shortcut { name: "Ctrl-Y", help: "redo", held: Held::Control, keys: &[Key::Y],
-        run: |window, _| window.step_back(false) },
+        run: |window, _| window.undo_or_redo(false) },
     Shortcut { name: "Ctrl-Shift-Z", help: "redo", held: Held::ControlShift, keys: &[Key::Z],
-        run: |window, _| window.step_back(false) },
+        run: |window, _| window.undo_or_redo(false) },
     Shortcut { name: "Ctrl-C", help: "copy", held: Held::Control, keys: &[Key::C],
         run: |window, _| window.copy(false) },
     Shortcut { name: "Ctrl-X", help: "cut", held: Held::Control, keys: &[Key::X],
@@ -251,21 +251,23 @@ impl Window {
         self.send(line, goal);
     }
 
-    /// Undoes the last step of the typed line, or else of the document. Or redoes it.
-    fn step_back(&mut self, back: bool) {
+    /// Undoes a step if `is_undo`, else redoes one. The step is of the typed line, or of the document
+    /// if no line is open.
+    fn undo_or_redo(&mut self, is_undo: bool) {
         if let Some(line) = &mut self.line {
-            if if back { line.undo() } else { line.redo() } {
+            let is_done = if is_undo { line.undo() } else { line.redo() };
+            if is_done {
                 return self.follow_typing();
             }
-            let word = if back { "undo" } else { "redo" };
+            let word = if is_undo { "undo" } else { "redo" };
             return self.say(&format!("there is nothing to {word} in this line; Esc closes it"));
         }
         self.sliders.pause();
         let live = &self.session.live;
-        let is_done = if back { live.undo() } else { live.redo() };
+        let is_done = if is_undo { live.undo() } else { live.redo() };
         self.session.follow();
         self.session.report_in_window();
-        match (is_done, back) {
+        match (is_done, is_undo) {
             (true, _) => self.message = None,
             (false, true) => self.say("there is nothing to undo"),
             (false, false) => self.say("there is nothing to redo"),

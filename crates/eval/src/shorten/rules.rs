@@ -103,9 +103,9 @@ pub struct Blend {
     pub is_max: bool,
     /// True if the step computes the negative of the blend.
     pub is_negated: bool,
-    /// At least k.
+    /// An upper bound of k.
     pub width: f64,
-    /// At least c·k²: how far the blend is at most from the minimum or maximum.
+    /// An upper bound of c·k². This is the largest distance of the blend from the minimum or maximum.
     pub depth: f64,
 }
 

@@ -13,8 +13,8 @@ use std::rc::Rc;
 use zeroset_interval::Interval;
 use zeroset_ops::Op;
 
-/// Deepest nesting of minima and maxima, not counting chains. Deeper ones are sets that no rule
-/// looks into.
+/// Largest depth of nested minima and maxima. A chain counts once. A deeper minimum or maximum is
+/// one set: no rule looks at its operands.
 const DEPTH_LIMIT: usize = 128;
 /// Largest number of choices in one sum that are replaced by their cases.
 const CASES_LIMIT: usize = 3;

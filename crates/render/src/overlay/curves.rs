@@ -59,7 +59,8 @@ struct Cover {
     share: u8,
     color: [u8; 3],
     distance: f32,
-    /// Position along all curves, in pixels of the picture.
+    /// Position along the curve, in pixels of the picture. All curves share one scale: each starts
+    /// [`ROOM`] behind the end of the one before.
     along: i32,
     /// Distance of the pixel from the middle of the tube or ball, in pixels.
     off: f32,

@@ -49,7 +49,7 @@ struct Expansion<'a> {
     body: &'a Expr,
     /// The place of the name or call that uses the definition.
     span: Span,
-    /// False for definitions that the text does not contain.
+    /// Whether the definition stands in the text.
     is_typed: bool,
 }
 
@@ -203,7 +203,8 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// `left − right`. If either side is the number 0, nothing is subtracted.
+    /// `left − right`. If one side is the number 0, there is no subtraction: the result is `left`, or
+    /// the negative of `right`.
     pub(crate) fn difference(
         &mut self,
         left: &'a Expr,

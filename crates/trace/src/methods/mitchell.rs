@@ -40,7 +40,8 @@ struct Mitchell<'a, T: Scalar> {
 }
 
 impl<T: Scalar> Mitchell<'_, T> {
-    /// Searches rays that `f32` leaves undecided again in `f64`, from the first undecided part on.
+    /// Repeats the search in `f64` for the rays that `f32` left undecided, from the first undecided
+    /// part of each ray on.
     fn follow_in_double(
         &self,
         local_rays: &[LocalRay],
