@@ -293,8 +293,8 @@ fn half(graph: &mut Graph, angle: NodeId, [cos, _]: [NodeId; 2]) -> Option<[Node
     }))
 }
 
-/// Clamps `wave`, which is known to lie in [−1, 1], to that range. Its value stays the same, and its
-/// enclosures then lie in the range, too.
+/// Clamps `wave`, which is known to lie in [−1, 1], to that range. Its value stays the same, and
+/// its enclosures then lie in the range, too.
 fn clamped(graph: &mut Graph, wave: NodeId) -> NodeId {
     let [low, high] = [-1, 1].map(|end| graph.integer(end));
     let above = graph.apply(Op::Max, &[wave, low]);

@@ -26,15 +26,15 @@ macro_rules! choices {
             /// Draws lines where surfaces end, bend sharply, meet, or hide each other. Default: the
             /// text's `outlines` line, or else off.
             outlines: bool = switch("draw lines where surfaces end, bend sharply, meet or hide each other");
-            /// Casts soft shadows: a ray goes from every visible point to an area light. Default: the
-            /// text's `shadows` line, or else off.
+            /// Casts soft shadows: a ray goes from every visible point to an area light. Default:
+            /// the text's `shadows` line, or else off.
             shadows: bool =
                 switch("cast soft shadows, by a ray from every visible point to an area light");
             /// Draws the domain's box with axes and ticks. The view makes room for it. Default: the
             /// text's `axes` line, or else off.
             axes: bool = switch("draw the domain's box with axes and ticks, and fit it into the picture");
-            /// Draws a legend for colored values. Default: the text's `legend` line, or else on if there
-            /// are axes.
+            /// Draws a legend for colored values. Default: the text's `legend` line, or else on if
+            /// there are axes.
             legend: bool = Setting { default: "with --axes", ..switch("draw the color scale of each color map") };
         }
     };

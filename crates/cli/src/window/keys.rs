@@ -251,8 +251,8 @@ impl Window {
         self.send(line, goal);
     }
 
-    /// Undoes a step if `is_undo`, else redoes one. The step is of the typed line, or of the document
-    /// if no line is open.
+    /// Undoes a step if `is_undo`, else redoes one. The step is of the typed line, or of the
+    /// document if no line is open.
     fn undo_or_redo(&mut self, is_undo: bool) {
         if let Some(line) = &mut self.line {
             let is_done = if is_undo { line.undo() } else { line.redo() };

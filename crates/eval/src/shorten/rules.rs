@@ -105,7 +105,8 @@ pub struct Blend {
     pub is_negated: bool,
     /// An upper bound of k.
     pub width: f64,
-    /// An upper bound of c·k². This is the largest distance of the blend from the minimum or maximum.
+    /// An upper bound of c·k². This is the largest distance of the blend from the minimum or
+    /// maximum.
     pub depth: f64,
 }
 

@@ -203,8 +203,8 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// `left − right`. If one side is the number 0, there is no subtraction: the result is `left`, or
-    /// the negative of `right`.
+    /// `left − right`. If one side is the number 0, there is no subtraction: the result is `left`,
+    /// or the negative of `right`.
     pub(crate) fn difference(
         &mut self,
         left: &'a Expr,

@@ -113,8 +113,9 @@ impl<M: Machine> Approximator<'_, M> {
 
     /// sin r for |r| ≤ π/4, to 2⁻³⁵ in `f32` and 2⁻⁵⁷ in `f64`.
     ///
-    /// The omitted terms are at most r¹³/13! in `f32` and r¹⁹/19! in `f64`, below 2⁻³⁶ and 2⁻⁶³ of r. In `f64` the
-    /// terms from r⁵/120 on are at most 0.0032 of r, and five roundings by 2⁻⁵² affect them.
+    /// The omitted terms are at most r¹³/13! in `f32` and r¹⁹/19! in `f64`, below 2⁻³⁶ and 2⁻⁶³ of
+    /// r. In `f64` the terms from r⁵/120 on are at most 0.0032 of r, and five roundings by 2⁻⁵²
+    /// affect them.
     fn sin_reduced(&mut self, r: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         let terms = self.pick(5, 8);
         self.odd_series(r, -ONE_SIXTH_TAIL, &alternating(terms, 3))
@@ -123,8 +124,8 @@ impl<M: Machine> Approximator<'_, M> {
     /// cos r for |r| ≤ π/4, to 2⁻³⁵ in `f32` and 2⁻⁵⁴ in `f64`.
     ///
     /// The omitted terms are at most r¹⁴/14! in `f32` and r²⁰/20! in `f64`, below 2⁻⁴¹ and 2⁻⁶⁷. In
-    /// `f64`, the terms from r⁴/24 on are at most 0.0159, and six roundings by 2⁻⁵² affect them. The
-    /// relative error is this error over cos r, which is at least 0.707.
+    /// `f64`, the terms from r⁴/24 on are at most 0.0159, and six roundings by 2⁻⁵² affect them.
+    /// The relative error is this error over cos r, which is at least 0.707.
     fn cos_reduced(&mut self, r: DoubleDouble<M::V>) -> DoubleDouble<M::V> {
         let coefficients = alternating(self.pick(6, 9), 2);
         let one = self.number(1.0);

@@ -130,8 +130,8 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         found
     }
 
-    /// Returns for each ray the distance of its bracket's middle, and half the bracket's length with
-    /// a bound on the middle's rounding error.
+    /// Returns for each ray the distance of its bracket's middle, and half the bracket's length
+    /// with a bound on the middle's rounding error.
     #[inline(always)]
     pub(super) fn between(&self, patch: &TilePixels) -> [Lanes<f64>; 2] {
         let simd = self.simd;

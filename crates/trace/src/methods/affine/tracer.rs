@@ -84,8 +84,8 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         [centre, (last - first) as f64 * self.rays.unit]
     }
 
-    /// Returns the first column and row of a range of tiles, if they are a square of sixteen tiles of
-    /// the last level. `None` if rays are in patches, or a pixel is outside of the band.
+    /// Returns the first column and row of a range of tiles, if they are a square of sixteen tiles
+    /// of the last level. `None` if rays are in patches, or a pixel is outside of the band.
     #[inline(always)]
     pub(super) fn square(
         &self,
