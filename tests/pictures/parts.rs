@@ -264,12 +264,11 @@ fn corners_at_zeros_are_proven_by_signs() {
         let _ = writeln!(text, "q_{n} = abs(z-({z}))-0.25");
         let inside = format!("min(max(p_{n}, q_{n}), 0)");
         let _ = writeln!(text, "b_{n} = {inside}+sqrt(max(p_{n}, 0)^2+max(q_{n}, 0)^2)");
-        let _ = match n {
-            0 => writeln!(text, "c_0 = b_0"),
-            _ => {
-                let (a, b) = (format!("c_{}", n - 1), format!("b_{n}"));
-                writeln!(text, "c_{n} = min({a},{b})-max(0.02-abs({a}-{b}),0)^2/0.08")
-            }
+        let _ = if n == 0 {
+            writeln!(text, "c_0 = b_0")
+        } else {
+            let (a, b) = (format!("c_{}", n - 1), format!("b_{n}"));
+            writeln!(text, "c_{n} = min({a},{b})-max(0.02-abs({a}-{b}),0)^2/0.08")
         };
     }
     let scene = Scene::new(&format!("{text}c_23 <= 0"));

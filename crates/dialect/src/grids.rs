@@ -112,9 +112,8 @@ impl ProgramReader<'_> {
         };
         let parts = split(value, Colon);
         let (low, high) = match &parts[..] {
-            [low, high] => (low, high),
             [low, high, _] if steps_last => (low, high),
-            [low, _, high] => (low, high),
+            [low, high] | [low, _, high] => (low, high),
             _ => return None,
         };
         Some([low.clone(), high.clone()])

@@ -372,8 +372,7 @@ impl<T: Real> Tiles<T> {
         assert!(self.count > 0, "a tile");
         let mut boxes = Boxes { count: self.count, ..Boxes::default() };
         let mut is_outside = [false; LANES];
-        for axis in 0..3 {
-            let Interval { lo: least, hi: most } = domain[axis];
+        for (axis, &Interval { lo: least, hi: most }) in domain.iter().enumerate() {
             for (lane, is_outside) in is_outside.iter_mut().enumerate() {
                 let [lo, hi] = self.bounds(axis, lane);
                 // In this order of operations, NaN becomes a bound of the domain.
@@ -384,8 +383,8 @@ impl<T: Real> Tiles<T> {
             }
         }
         let mut inside = 0;
-        for lane in 0..self.count as usize {
-            if !is_outside[lane] {
+        for (lane, is_outside) in is_outside.into_iter().enumerate().take(self.count as usize) {
+            if !is_outside {
                 inside |= 1 << lane;
                 continue;
             }

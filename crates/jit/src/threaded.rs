@@ -266,16 +266,15 @@ impl ClauseCalls {
                         ClausePlace::Constant
                     }
                     Step::Coordinate(axis) => ClausePlace::Axis(*axis as u8),
-                    Step::Apply(..) => match inside.binary_search(&(operand as u32)) {
-                        Ok(position) => {
+                    Step::Apply(..) => {
+                        if let Ok(position) = inside.binary_search(&(operand as u32)) {
                             *at = slots.place(position, steps[operand].value.parts);
                             ClausePlace::Inside
-                        }
-                        Err(_) => {
+                        } else {
                             let number = clause.used.iter().position(|&used| used == operand);
                             ClausePlace::Used(number.expect("a step that the clause uses") as u8)
                         }
-                    },
+                    }
                 };
             }
             if !is_last {
