@@ -394,6 +394,11 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
             *at = place(slots, output);
         }
         calls.push(call);
+        let mut axes = [0; 3];
+        for position in selection.coordinates() {
+            let axis = tape.axis(&selection.steps()[position]);
+            axes[axis] = slots.place(position, values[position].parts);
+        }
         let mut to_trace = traced.iter().enumerate().rev().peekable();
         for (position, (step, value)) in selection.steps().iter().zip(&*values).enumerate().rev() {
             let at = slots.place(position, value.parts);
@@ -411,11 +416,6 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
                 let mut used = [0; 3];
                 for (at, &operand) in used.iter_mut().zip(step.operands()) {
                     *at = place(slots, operand);
-                }
-                let mut axes = [0; 3];
-                for position in selection.coordinates() {
-                    let axis = tape.axis(&selection.steps()[position]);
-                    axes[axis] = slots.place(position, values[position].parts);
                 }
                 calls.extend(clause.calls(inside as u32, at, &used, &axes));
                 slots.give(position, value.parts);

@@ -133,12 +133,21 @@ impl Settings {
         }
     }
 
+    /// The choices without shadows, unless the document has them.
+    pub(crate) fn unshadowed(&self) -> Choices {
+        Choices { shadows: self.choices.shadows.filter(|on| !on), ..self.choices }
+    }
+
     /// These settings without shadows, ambient occlusion and antialiasing, which take the most
     /// time.
     #[must_use]
     pub fn plain(&self) -> Self {
-        let choices = Choices { shadows: None, ..self.choices };
-        Self { choices, occlusion: false, antialias: Pattern::ONE, ..self.clone() }
+        Self {
+            choices: self.unshadowed(),
+            occlusion: false,
+            antialias: Pattern::ONE,
+            ..self.clone()
+        }
     }
 }
 
@@ -384,5 +393,20 @@ impl AddAssign for Times {
         self.shade += part.shade;
         self.occlude += part.occlude;
         self.antialias += part.antialias;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_draft_has_no_shadows_that_were_turned_off() {
+        let with = |shadows| {
+            let choices = Choices { shadows, ..Choices::default() };
+            Settings { choices, ..Settings::default() }
+        };
+        assert_eq!(with(Some(false)).plain(), with(Some(false)));
+        assert_eq!(with(Some(true)).plain(), with(None));
     }
 }

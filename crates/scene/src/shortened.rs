@@ -9,11 +9,9 @@ use zeroset_eval::{
 use zeroset_interval::Interval;
 use zeroset_jit::{StencilTape, Threaded};
 
-/// Least number of steps of a formula whose bounds decide what can be dropped. One with fewer has a
-/// kernel of its own that is faster than stencils.
-const LEAST_CHOICES: usize = 32;
-/// Least number of selected steps whose bounds decide what can be dropped. With fewer, choosing
-/// takes longer than it saves.
+/// Least number of steps whose bounds decide what can be dropped. A formula with fewer has a kernel
+/// of its own that is faster than stencils; among fewer selected steps, choosing takes longer than
+/// it saves.
 const LEAST_DECIDING: usize = 32;
 /// Least number of products that count as choices. A product of 1,000 planes takes a third of the
 /// time by parts, but one of 300 takes a third more, and six times the memory.
@@ -81,7 +79,7 @@ impl WholeFunction {
         let products = shortener.products();
         // A product has two factors.
         let others = if products < LEAST_PRODUCTS { 2 * products } else { 0 };
-        if shortener.choices() < LEAST_CHOICES + others {
+        if shortener.choices() < LEAST_DECIDING + others {
             return None;
         }
         let double = double()?;

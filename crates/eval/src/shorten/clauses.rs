@@ -34,7 +34,7 @@ pub struct Clauses {
     is_inside: Vec<bool>,
 }
 
-/// Where a step belongs.
+/// The place of a step among clauses.
 #[derive(Clone, Copy, PartialEq)]
 enum Owner {
     /// No step of the function uses it.

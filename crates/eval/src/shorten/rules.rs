@@ -77,7 +77,7 @@ impl Shift {
 pub struct Sum {
     /// The place of the operand that gets thresholds: that with more choices.
     pub operand: usize,
-    /// Whether the second operand is subtracted.
+    /// True if the second operand is subtracted.
     pub is_difference: bool,
 }
 

@@ -10,7 +10,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use zeroset_scene::program::ProgramError;
 use zeroset_shade::{ColorDepth, Pattern};
 use zeroset_space::Camera;
-use zeroset_style::Choices;
 use zeroset_trace::RayGrid;
 
 /// Strips begin at multiples of this many rows, and are drawn with this many extra rows above and
@@ -136,7 +135,7 @@ fn overview_settings(settings: &Settings) -> Settings {
     Settings {
         width,
         height,
-        choices: Choices { shadows: None, ..settings.choices },
+        choices: settings.unshadowed(),
         brackets: false,
         keeps_normals: true,
         antialias: Pattern::ONE,

@@ -23,6 +23,13 @@ fn is_blurred<T: Scalar>(local_ray: &LocalRay) -> bool {
         < MIN_BRACKET * FORM_BLUR * rounding::<T>(local_ray).max_element()
 }
 
+/// Returns the part of a segment in which zeros are searched for. Rounded ends may lie outside,
+/// where the kernels of a part of space mean nothing.
+fn within(local_ray: &LocalRay, [near, far]: [f64; 2]) -> [f64; 2] {
+    let [first, last] = local_ray.span;
+    [near.max(first), far.min(last)]
+}
+
 /// Follows single rays, with refinement in `f64` if needed.
 pub(super) struct Follower<'a, T: Scalar> {
     narrower: Narrower<'a, T>,
@@ -163,9 +170,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
         }
         for (local_ray, step) in local_rays.iter().zip(steps) {
             let FollowResult::Open([near, far], _) = *step else { continue };
-            // Ends may be rounded to outside of the ray's part.
-            let [first, last] = local_ray.span;
-            let segment = [near.max(first), far.min(last)];
+            let segment = within(local_ray, [near, far]);
             let length = segment[1] - segment[0];
             // Nor is a bracket around the ray's start wanted.
             let is_short = length > 0.0 && length <= local_ray.longest;
@@ -277,11 +282,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
         let kernels = U::kernels(self.task.surface);
         if let Some(Ok(kernel)) = kernels.bounds_in_part() {
             // By the steps of the part, as far as the ray is in it, which takes far less time.
-            let [first, last] = local_ray.span;
-            let [near, far] = local_ray.inside;
-            let part = LocalRay { inside: [near.max(first), far.min(last)], ..*local_ray };
-            let segment = [segment[0].max(first), segment[1].min(last)];
-            let bracket = self.along(kernel, &part).bracket(segment);
+            let part = LocalRay { inside: within(local_ray, local_ray.inside), ..*local_ray };
+            let bracket = self.along(kernel, &part).bracket(within(local_ray, segment));
             if bracket.is_some() {
                 return bracket;
             }
