@@ -39,8 +39,8 @@ pub use query::{
 pub use real::Real;
 pub use reference::Reference;
 pub use shorten::{
-    Clause, Clauses, DecidingSteps, LaneSet, SelectedOperand, SelectedStep, Selection, Shortener,
-    StepBounds,
+    Clause, ClauseOperand, Clauses, DecidingSteps, LaneSet, SelectedOperand, SelectedStep,
+    Selection, Shortener, StepBounds,
 };
 pub use surface::{
     KernelError, KernelFloat, KernelResult, Kernels, PartSurface, SideTest, SurfaceKernels,

@@ -21,7 +21,7 @@ use std::sync::Arc;
 use thresholds::{Choosing, StepNeeds, lanes};
 use zeroset_interval::Interval;
 
-pub use clauses::{Clause, Clauses};
+pub use clauses::{Clause, ClauseOperand, Clauses};
 pub use thresholds::LaneSet;
 
 /// Most bytes that a thread keeps for the next selection.
@@ -237,15 +237,14 @@ pub struct Shortener {
 
 impl Shortener {
     /// Examines the steps of a tape. Selections are for these values of its parameters; without
-    /// values, for all.
-    pub fn new<T: Real>(tape: &Tape<T>, values: &[Interval]) -> Self {
-        let rules = Rules::new(tape, values);
+    /// values, for all. Clauses share code if at least `least_shared` differ in constants only.
+    /// Blends always do.
+    pub fn new<T: Real>(tape: &Tape<T>, values: &[Interval], least_shared: usize) -> Self {
+        let mut rules = Rules::new(tape, values);
         let products = rules.of.iter().filter(|rule| **rule == StepRule::Product).count();
-        let clauses = Arc::new(Clauses::none(tape.steps().len()));
-        let mut shortener = Self { rules, clauses, products, deciding: 0 };
-        shortener.deciding = shortener.deciding(&Selection::all(tape)).positions().len();
-        shortener.clauses = Arc::new(Clauses::find(tape, &mut shortener.rules));
-        shortener
+        let deciding = rules.deciding(tape);
+        let clauses = Arc::new(Clauses::find(tape, &mut rules, least_shared));
+        Self { rules, clauses, products, deciding }
     }
 
     /// Number of products of which only zeros and sign matter.
@@ -283,20 +282,8 @@ impl Shortener {
             }
         };
         for step in &selection.steps {
-            let [first, second, _] = step.operands;
-            match step.origin().map_or(StepRule::Neg, |origin| self.rules.of[origin]) {
-                StepRule::Min | StepRule::Max | StepRule::Product => {
-                    [first, second].into_iter().for_each(&mut mark);
-                }
-                StepRule::Abs | StepRule::Choice => mark(first),
-                StepRule::Sum(sum) => mark(step.operands[1 - sum.operand]),
-                StepRule::Blend(number) => {
-                    let extremum = self.rules.blends[number as usize].extremum;
-                    let extremum = step.operands[extremum].position().expect("an operation");
-                    selection.steps[extremum].operands[..2].iter().copied().for_each(&mut mark);
-                }
-                _ => {}
-            }
+            let rule = step.origin().map_or(StepRule::Neg, |origin| self.rules.of[origin]);
+            rule.deciding(&step.operands).iter().copied().for_each(&mut mark);
         }
         let mut positions = Vec::new();
         for (position, place) in places.iter_mut().enumerate().filter(|(_, place)| **place == 0) {
@@ -337,7 +324,6 @@ impl Shortener {
             Vec::with_capacity(if short >> lane & 1 == 1 { counts[lane] } else { 0 })
         });
         for (index, (step, need)) in from.steps.iter().zip(&needs.of).enumerate() {
-            let mut candidates = None;
             for lane in lanes(need.lanes & short) {
                 let chosen = &mut chosen[lane];
                 let mut push = |step: SelectedStep| {
@@ -351,8 +337,7 @@ impl Shortener {
                 };
                 let replaced = need.replaced.iter().position(|lanes| lanes >> lane & 1 == 1);
                 places[index][lane] = if let Some(k) = replaced {
-                    let candidates = candidates.get_or_insert_with(|| self.candidates(from, step));
-                    let substitute = place(candidates[k]).changed();
+                    let substitute = place(self.candidates(step)[k]).changed();
                     let is_negated = need.negated >> lane & 1 == 1;
                     if is_negated { substitute.negated() } else { substitute }
                 } else if step.origin().is_none() {
@@ -400,16 +385,10 @@ impl Shortener {
     }
 
     /// The two operands that may replace a step.
-    fn candidates(&self, from: &Selection, step: &SelectedStep) -> [SelectedOperand; 2] {
+    fn candidates(&self, step: &SelectedStep) -> [SelectedOperand; 2] {
         let [first, second, third] = step.operands;
         match step.origin().map(|origin| self.rules.of[origin]) {
             Some(StepRule::Choice) => [second, third],
-            Some(StepRule::Blend(number)) => {
-                let blend = &self.rules.blends[number as usize];
-                let extremum = step.operands[blend.extremum].position().expect("an operation");
-                let [a, b, _] = from.steps[extremum].operands;
-                [a, b]
-            }
             _ => [first, second],
         }
     }

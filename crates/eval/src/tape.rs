@@ -134,6 +134,12 @@ impl<T: Real> Tape<T> {
         self
     }
 
+    /// Widens the range of a step to one that contains it. Returns whether it was another.
+    pub(crate) fn widen(&mut self, index: usize, range: Interval) -> bool {
+        let wider = self.ranges[index].hull(range);
+        std::mem::replace(&mut self.ranges[index], wider) != wider
+    }
+
     /// Returns whether another tape has the same steps, and constants within the bounds of those of
     /// this tape. Then a [`Selection`](crate::Selection) of this tape is one of the other.
     pub fn has_steps_of<U: Real>(&self, other: &Tape<U>) -> bool {

@@ -5,6 +5,7 @@
 //! This is the only crate with unsafe code, in four files: `rounding` (the call), `code` (the
 //! memory), `kernel` and `threaded` (the safe handles). The crate knows nothing of rays or text.
 
+mod clause_code;
 mod code;
 mod compiler;
 mod count;

@@ -1,14 +1,18 @@
-//! Stencils: code for one step of a tape, compiled once per process.
+//! Stencils: code for one step of a tape, or for one clause, compiled once per process.
 //!
 //! A stencil reads the values of a step's operands from a frame in memory and writes the step's
 //! value there. Which vectors a value has is known when the stencil is compiled. So an operation
 //! has a stencil for each shape, [coarse](Tape::coarse) range and kind of exponent of its operands.
+//! A clause has one for its operations, and for all of this of its constants, its coordinates and
+//! the steps that it uses.
 
+use crate::clause_code::ClauseCode;
 use crate::code::Code;
 use crate::count::Counter;
 use crate::error::Error;
 use crate::lanes::{Emitter, LaneVector};
 use crate::stencil_code::{StencilFrame, StencilPointers, compile_stencil};
+use cranelift_codegen::ir::Value;
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 use std::any::{Any, TypeId};
@@ -44,6 +48,8 @@ pub enum StencilStep<'a> {
     Coordinate(Axis),
     /// Applies an operation.
     Apply(Op, &'a [OperandNumber]),
+    /// Computes a clause from the steps that it uses.
+    Clause(ClauseNumber, &'a [OperandNumber]),
     /// Stores the bounds of a value in the trace.
     Trace(OperandNumber),
     /// Computes the result of the query; `true` if the first value is finite in every sample.
@@ -72,7 +78,10 @@ pub fn parts<Q: Query>(shape: &Shape<Q>) -> usize {
 type OperandKey = (u128, [u64; 2], Exponent, bool);
 /// Number of an operand among all of its query that this process has seen.
 pub type OperandNumber = u32;
+/// Number of a [`ClauseCode`] among all of its query that this process has seen.
+pub type ClauseNumber = u32;
 /// Key of a stencil: width of vectors, kind of step, its operation, axis or flag, and its operands.
+/// Those of a clause follow its number.
 type StencilKey = (u8, u8, u8, SmallVec<[OperandNumber; 4]>);
 
 /// All stencils of one query in one format.
@@ -80,19 +89,32 @@ struct Cache<Q: Query> {
     numbers: FxHashMap<OperandKey, OperandNumber>,
     /// The operands by number.
     operands: Vec<StencilOperand<Q>>,
+    clause_numbers: FxHashMap<&'static ClauseCode, ClauseNumber>,
+    /// The codes of clauses by number.
+    clauses: Vec<&'static ClauseCode>,
     /// Stencils are never freed, so that calls need not keep them alive.
     stencils: FxHashMap<StencilKey, &'static Stencil<Q>>,
 }
 
 impl<Q: Query> Default for Cache<Q> {
     fn default() -> Self {
-        Self { numbers: FxHashMap::default(), operands: Vec::new(), stencils: FxHashMap::default() }
+        Self {
+            numbers: FxHashMap::default(),
+            operands: Vec::new(),
+            clause_numbers: FxHashMap::default(),
+            clauses: Vec::new(),
+            stencils: FxHashMap::default(),
+        }
     }
 }
 
 /// Returns the key of a step.
 fn key(step: &StencilStep<'_>, width: usize) -> StencilKey {
     let (kind, detail, operands) = match step {
+        StencilStep::Clause(number, used) => {
+            let numbers = std::iter::once(number).chain(*used).copied();
+            return (width as u8, 4, 0, numbers.collect());
+        }
         StencilStep::Coordinate(axis) => (0, *axis as u8, &[][..]),
         StencilStep::Apply(op, operands) => (1, *op as u8, *operands),
         StencilStep::Trace(operand) => (2, 0, std::slice::from_ref(operand)),
@@ -166,24 +188,47 @@ impl<Q: Query, T: Real> StencilFinder<Q, T> {
         self.read().operands[number as usize]
     }
 
-    /// Returns the stencil of an operation, and the number of its value.
-    pub fn apply(
+    /// Returns the number of a clause's code.
+    pub fn clause_number(&mut self, code: ClauseCode) -> ClauseNumber {
+        if let Some(number) = self.read().clause_numbers.get(&code) {
+            return *number;
+        }
+        let mut cache = self.write();
+        let Cache { clause_numbers, clauses, .. } = &mut *cache;
+        let code: &'static ClauseCode = Box::leak(Box::new(code));
+        *clause_numbers.entry(code).or_insert_with(|| {
+            clauses.push(code);
+            clauses.len() as ClauseNumber - 1
+        })
+    }
+
+    /// Returns the stencil of a step that has a value, and the number of that value.
+    pub fn find_valued(
         &mut self,
-        op: Op,
-        operands: &[OperandNumber],
+        step: &StencilStep<'_>,
     ) -> Result<(&'static Stencil<Q>, OperandNumber), Error> {
-        let stencil = self.find(&StencilStep::Apply(op, operands))?;
+        let stencil = self.find(step)?;
         if let Some(&number) = stencil.value.get() {
             return Ok((stencil, number));
         }
-        let each = operands.iter().map(|&number| self.operand(number));
-        let ranges: SmallVec<[_; 3]> = each.map(|one| (one.range, one.exponent)).collect();
-        let value = StencilOperand {
-            shape: stencil.shape.expect("a step has a value"),
-            range: Tape::<T>::coarse_range(op, &ranges),
-            exponent: Exponent::Real,
-            is_constant: false,
+        let range = match step {
+            StencilStep::Apply(op, operands) => {
+                let term = |&number: &OperandNumber| {
+                    let one = self.operand(number);
+                    (one.range, one.exponent)
+                };
+                Tape::<T>::coarse_range(*op, &operands.iter().map(term).collect::<Vec<_>>())
+            }
+            StencilStep::Clause(number, used) => {
+                let code = self.read().clauses[*number as usize];
+                let operand = |&number: &OperandNumber| self.operand(number);
+                let operands: Vec<_> = code.operands(used).map(operand).collect();
+                *code.ranges::<Q, T>(used, &operands).last().expect("a step")
+            }
+            _ => unreachable!("a step with operands"),
         };
+        let shape = stencil.shape.expect("a step has a value");
+        let value = StencilOperand { shape, range, exponent: Exponent::Real, is_constant: false };
         // Nobody waits for a lock inside `get_or_init`: others may wait there with a lock.
         let number = self.number(&value);
         Ok((stencil, *stencil.value.get_or_init(|| number)))
@@ -196,33 +241,54 @@ impl<Q: Query, T: Real> StencilFinder<Q, T> {
         if let Some(stencil) = cache.stencils.get(&key) {
             return Ok(stencil);
         }
-        let operands: Vec<StencilOperand<Q>> =
-            key.3.iter().map(|&number| cache.operands[number as usize]).collect();
+        let operand = |&number: &OperandNumber| cache.operands[number as usize];
+        let (clause, operands): (_, Vec<StencilOperand<Q>>) = match step {
+            StencilStep::Clause(number, used) => {
+                let code = cache.clauses[*number as usize];
+                (Some(code), code.operands(used).map(operand).collect())
+            }
+            _ => (None, key.3.iter().map(operand).collect()),
+        };
         // Compiling must not keep others from reading.
         self.guard = None;
-        let stencil =
-            make_any(Q::NUMBER, T::FORMAT, Make { step, operands: &operands, width: self.width })?;
+        let make = Make { step, clause, operands: &operands, width: self.width };
+        let stencil = make_any(Q::NUMBER, T::FORMAT, make)?;
         let stencil = stencil.downcast().expect("a stencil for the query");
         Ok(self.write().stencils.entry(key).or_insert_with(|| Box::leak(stencil)))
     }
 }
 
-/// Loads the operands of a step from the frame and the constants.
-fn load<Q: Query, T: Real>(
+/// A value in code that is being generated.
+pub type CodeTerm<Q> = Term<<<Q as Query>::Kind as ValueKind>::Value<LaneVector>>;
+
+/// Loads an operand from its address, less `skipped` vectors.
+pub fn load_at<Q: Query, T: Real>(
+    emitter: &mut Emitter<'_, '_>,
+    frame: &StencilFrame<T>,
+    operand: &StencilOperand<Q>,
+    base: Value,
+    skipped: usize,
+) -> CodeTerm<Q> {
+    let mut part = skipped;
+    let value = Q::Kind::map(&operand.shape, &mut |()| {
+        part += 1;
+        frame.load(emitter, base, part - 1)
+    });
+    Term { value, range: operand.range, exponent: operand.exponent }
+}
+
+/// Loads operands of a step from the frame and the constants. `first` is the place of the first one
+/// among those of the call.
+pub fn load<Q: Query, T: Real>(
     emitter: &mut Emitter<'_, '_>,
     frame: &StencilFrame<T>,
     operands: &[StencilOperand<Q>],
-) -> Vec<Term<<Q::Kind as ValueKind>::Value<LaneVector>>> {
+    first: usize,
+) -> Vec<CodeTerm<Q>> {
     let mut values = Vec::new();
     for (number, operand) in operands.iter().enumerate() {
-        // The first argument is the place of the result.
-        let base = frame.address(emitter, number + 1, operand.is_constant);
-        let mut part = 0;
-        let value = Q::Kind::map(&operand.shape, &mut |()| {
-            part += 1;
-            frame.load(emitter, base, part - 1)
-        });
-        values.push(Term { value, range: operand.range, exponent: operand.exponent });
+        let base = frame.address(emitter, first + number, operand.is_constant);
+        values.push(load_at::<Q, T>(emitter, frame, operand, base, 0));
     }
     values
 }
@@ -234,6 +300,8 @@ fn make_any(query: QueryNumber, format: Format, task: Make<'_>) -> Result<Box<dy
 
 struct Make<'a> {
     step: &'a StencilStep<'a>,
+    /// The code of a clause.
+    clause: Option<&'a ClauseCode>,
     /// A vector of operands of the task's query.
     operands: &'a dyn Any,
     width: usize,
@@ -246,15 +314,14 @@ impl QueryTask for Make<'_> {
     fn run<Q: Query, T: Real>(self) -> Result<Box<dyn Any>, Error> {
         let operands = self.operands.downcast_ref::<Vec<StencilOperand<Q>>>();
         let operands = operands.expect("operands of this query");
-        Ok(Box::new(make::<Q, T>(self.step, operands, self.width)?))
+        Ok(Box::new(make::<Q, T>(&self, operands)?))
     }
 }
 
 /// Compiles a stencil.
 fn make<Q: Query, T: Real>(
-    step: &StencilStep<'_>,
+    &Make { step, clause, width, .. }: &Make<'_>,
     operands: &[StencilOperand<Q>],
-    width: usize,
 ) -> Result<Stencil<Q>, Error> {
     let mut shape = None;
     let code = compile_stencil::<T>(width, |emitter, pointers| {
@@ -265,17 +332,21 @@ fn make<Q: Query, T: Real>(
                 Q::Kind::coordinate::<T, _>(emitter, input, context, *axis)
             }
             StencilStep::Apply(op, _) => {
-                let operands = load::<Q, T>(emitter, frame, operands);
+                let operands = load::<Q, T>(emitter, frame, operands, 1);
                 Q::Kind::apply::<T, _>(emitter, *op, &operands)
             }
+            StencilStep::Clause(_, used) => {
+                let code = clause.expect("the code of a clause");
+                code.emit::<Q, T>(emitter, frame, used, operands)
+            }
             StencilStep::Trace(_) => {
-                let values = load::<Q, T>(emitter, frame, operands);
+                let values = load::<Q, T>(emitter, frame, operands, 1);
                 let bounds = Q::Kind::bounds::<T, _>(emitter, &values[0]);
                 frame.trace(emitter, *lane, &bounds.expect("a kind with proofs"));
                 return;
             }
             StencilStep::Result(_, is_bounded) => {
-                let values: Vec<_> = load::<Q, T>(emitter, frame, operands)
+                let values: Vec<_> = load::<Q, T>(emitter, frame, operands, 1)
                     .into_iter()
                     .map(|operand| operand.value)
                     .collect();

@@ -17,7 +17,8 @@ use std::sync::OnceLock;
 use zeroset_eval::{Batch, Output, Query, QueryResult, Real};
 use zeroset_interval::Enclosure;
 
-/// Largest number of operands of a step: a result may need a function and its derivatives.
+/// Largest number of operands of a call: a result may need a function and its derivatives, and a
+/// clause its table of constants and three steps.
 const OPERANDS: usize = 4;
 /// Number of arguments of a stencil.
 const STENCIL_ARGUMENTS: usize = 6;
@@ -88,6 +89,11 @@ pub struct StencilFrame<T> {
 }
 
 impl<T: Real> StencilFrame<T> {
+    /// Returns the address of the coordinates: of the first, followed by the others.
+    pub fn start(&self) -> Value {
+        self.values
+    }
+
     /// Returns the address of an operand, or of the step's value if `number` is 0.
     pub fn address(&self, m: &mut Emitter<'_, '_>, number: usize, is_constant: bool) -> Value {
         let base = if is_constant { self.constants } else { self.values };

@@ -1,13 +1,15 @@
 //! Kernels without compilation: a tape is run by calling its stencils one after another.
 
 mod clause_calls;
+mod constants;
 
 use crate::compiler::vector_widths;
 use crate::error::Error;
 use crate::rounding::call_rounding_up;
 use crate::stencil::{OperandNumber, StencilFinder, StencilOperand, StencilStep, parts};
 use crate::stencil_code::{Run, StencilCall, call_loop};
-use clause_calls::ClauseCalls;
+use clause_calls::{ClauseCalls, ClauseIn, SharedCode, coordinate_offset};
+use constants::{Constants, in_shared_code, used_directly};
 use smallvec::SmallVec;
 use std::cell::{Cell, RefCell};
 use std::fmt;
@@ -15,7 +17,7 @@ use std::marker::PhantomData;
 use std::sync::Arc;
 use zeroset_eval::{
     Binding, Clauses, DecidingSteps, Input, Kernel, Loader, Output, Query, Real, SelectedOperand,
-    SelectedStep, Selection, Step, StepBounds, Tape, ValueKind,
+    SelectedStep, Selection, Shortener, Step, StepBounds, Tape, ValueKind,
 };
 use zeroset_interval::{Exponent, Software, Vector128};
 use zeroset_ops::Op;
@@ -56,9 +58,13 @@ pub struct StencilTape<Q: Query, T: Real = f32> {
     steps: Vec<TapeStep>,
     /// Per step, the calls of the clause that ends with it.
     clauses: Vec<Option<ClauseCalls>>,
+    /// The codes that clauses share.
+    codes: Vec<SharedCode>,
+    /// Bytes for coordinates, with which a frame begins.
+    coordinates: usize,
     /// Bytes for values inside of a clause.
     inside: usize,
-    /// Constants and parameters, repeated in all lanes.
+    /// Constants and parameters, repeated in all lanes, and the tables of clauses.
     constants: Vec<Block>,
     width: usize,
     query: PhantomData<Q>,
@@ -125,11 +131,19 @@ impl<Q: Query, T: Real> StencilTape<Q, T> {
         Q::check(tape, binding);
         call_loop()?;
         let mut finder = StencilFinder::<Q, T>::new(width);
-        let mut bytes = Vec::new();
-        let mut steps = Vec::<TapeStep>::with_capacity(tape.steps().len());
+        let count = tape.steps().len();
+        let mut constants = Constants::new(count, width);
+        let is_in_shared = in_shared_code(tape, clauses);
+        let is_direct = used_directly(tape, clauses, &is_in_shared);
+        let mut codes = Vec::new();
+        let mut known = vec![None; clauses.shapes()];
+        let mut shared: Vec<Option<ClauseCalls>> = Vec::new();
+        shared.resize_with(count, || None);
+        let mut steps = Vec::<TapeStep>::with_capacity(count);
+        let mut coordinates = 0;
         for (index, step) in tape.steps().iter().enumerate() {
-            let at = u32::try_from(bytes.len()).map_err(|_| TOO_LARGE)?;
             let m = &mut Software::new();
+            let clause = clauses.ending_with(index);
             let (entry, shape) = match step {
                 Step::Parameter(_) | Step::Constant(..) => {
                     let value = match step {
@@ -141,50 +155,77 @@ impl<Q: Query, T: Real> StencilTape<Q, T> {
                         _ => unreachable!("a constant or a parameter"),
                     };
                     let value = Q::Kind::settled::<T, _>(m, value);
-                    let store = &mut |vector: Vector128| {
-                        let lane = match vector {
-                            Vector128::F32([lane, ..]) => u64::from(lane) << 32 | u64::from(lane),
-                            Vector128::F64([lane, _]) => lane,
-                        };
-                        let lanes = [lane.to_ne_bytes(); ALIGNMENT / 8];
-                        bytes.extend_from_slice(&lanes.as_flattened()[..width]);
-                    };
-                    (std::ptr::null(), Q::Kind::map(&value, store))
+                    let shape = Q::Kind::map(&value, &mut |vector| constants.add(index, vector));
+                    (std::ptr::null(), shape)
                 }
                 Step::Coordinate(axis) => {
                     let stencil = finder.find(&StencilStep::Coordinate(*axis))?;
-                    (stencil.code.entry(), stencil.shape.expect("a step has a value"))
+                    let shape = stencil.shape.expect("a step has a value");
+                    coordinates = 3 * parts::<Q>(&shape) * width;
+                    (stencil.code.entry(), shape)
+                }
+                Step::Apply(..) if is_in_shared[index] => {
+                    steps.push(TapeStep::NONE);
+                    continue;
                 }
                 Step::Apply(op, used) => {
-                    let number = |&used: &usize| match op {
-                        Op::Pow => steps[used].exponent,
-                        _ => steps[used].value.number,
+                    let shape = clause.and_then(|clause| Some((clause, clause.shape?)));
+                    let stencil = if let Some((clause, shape)) = shape {
+                        let clause = ClauseIn { tape, steps: &steps, clause, width };
+                        let known = &mut known[shape as usize];
+                        let code = SharedCode::find(&mut codes, known, clause, &mut finder);
+                        let table = constants.store(clause.constants())?;
+                        shared[index] = Some(ClauseCalls::Shared { code, table });
+                        let SharedCode { number, used, .. } = &codes[code];
+                        finder.find(&StencilStep::Clause(*number, used))?
+                    } else {
+                        let number = |&used: &usize| match op {
+                            Op::Pow => steps[used].exponent,
+                            _ => steps[used].value.number,
+                        };
+                        let operands: SmallVec<[_; 3]> = used.iter().map(number).collect();
+                        finder.find(&StencilStep::Apply(*op, &operands))?
                     };
-                    let operands: SmallVec<[_; 3]> = used.iter().map(number).collect();
-                    let stencil = finder.find(&StencilStep::Apply(*op, &operands))?;
                     (stencil.code.entry(), stencil.shape.expect("a step has a value"))
                 }
             };
+            let is_constant = entry.is_null();
+            let at = if is_constant && is_direct[index] { constants.store([index])? } else { 0 };
+            let range = tape.range(index);
+            let mut number =
+                |exponent| finder.number(&StencilOperand { shape, range, exponent, is_constant });
+            let own = number(Exponent::Real);
             // Only powers distinguish exponents.
-            let [number, exponent] = [Exponent::Real, step.exponent()].map(|exponent| {
-                let (range, is_constant) = (tape.range(index), entry.is_null());
-                finder.number(&StencilOperand { shape, range, exponent, is_constant })
-            });
-            let value = StepValue { entry, number, parts: parts::<Q>(&shape) as u32 };
+            let exponent = match step.exponent() {
+                Exponent::Real => own,
+                exponent => number(exponent),
+            };
+            let value = StepValue { entry, number: own, parts: parts::<Q>(&shape) as u32 };
             steps.push(TapeStep { value, exponent, at });
         }
         let mut slots = Slots::default();
         let mut inside = 0;
-        let lay_out = |index: usize| {
-            let clause = clauses.ending_with(index)?;
-            let calls = ClauseCalls::new(tape, &steps, clause, width, &mut slots);
-            inside = inside.max(slots.end);
-            Some(calls)
+        let lay_out = |(index, shared): (usize, Option<ClauseCalls>)| {
+            shared.or_else(|| {
+                let clause = clauses.ending_with(index)?;
+                let clause = ClauseIn { tape, steps: &steps, clause, width };
+                let calls = ClauseCalls::of_steps(clause, &mut slots);
+                inside = inside.max(slots.end);
+                Some(calls)
+            })
         };
-        let clauses = (0..steps.len()).map(lay_out).collect();
-        let tape = Arc::clone(tape);
-        let constants = blocks(&bytes);
-        Ok(Self { tape, steps, clauses, inside, constants, width, query: PhantomData })
+        let clauses = shared.into_iter().enumerate().map(lay_out).collect();
+        Ok(Self {
+            tape: Arc::clone(tape),
+            steps,
+            clauses,
+            codes,
+            coordinates: coordinates.next_multiple_of(ALIGNMENT),
+            inside,
+            constants: blocks(&constants.bytes),
+            width,
+            query: PhantomData,
+        })
     }
 
     /// Returns the number of the axis of a coordinate.
@@ -217,6 +258,14 @@ impl<Q: Query, T: Real> StencilTape<Q, T> {
     }
 }
 
+impl TapeStep {
+    /// A step inside of shared code, which has no code of its own.
+    const NONE: Self = {
+        let value = StepValue { entry: std::ptr::null(), number: OperandNumber::MAX, parts: 0 };
+        Self { value, exponent: OperandNumber::MAX, at: 0 }
+    };
+}
+
 /// A loader of parameters only.
 struct Parameters<'a, T: Real>(&'a Binding<T>);
 
@@ -239,7 +288,7 @@ pub struct Threaded<Q: Query, T: Real = f32> {
     calls: Vec<StencilCall>,
     /// Size of the frame in blocks.
     frame: usize,
-    /// Number of steps whose bounds are traced. The trace is the first part of the frame.
+    /// Number of steps whose bounds are traced. In the frame, the trace follows the coordinates.
     traced: usize,
 }
 
@@ -310,19 +359,22 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
         Self::selected(&Arc::new(stencils), &Selection::all(&tape))
     }
 
-    /// Like [`Threaded::new`], but with vectors of `width` bytes, to compare with processors that
-    /// have no wider ones.
+    /// Lays out the calls for all clauses and steps of a tape that was examined, with vectors of
+    /// `width` bytes, to compare with processors that have no wider ones.
     ///
     /// # Errors
     /// As for [`Threaded::new`].
     ///
     /// # Panics
     /// As for [`Threaded::new`].
-    pub fn narrow(tape: Tape<T>, binding: &Binding<T>, width: usize) -> Result<Self, Error> {
-        let tape = Arc::new(tape.coarse());
-        let clauses = Clauses::none(tape.steps().len());
-        let stencils = StencilTape::of_width(&tape, binding, &clauses, width)?;
-        Self::selected(&Arc::new(stencils), &Selection::all(&tape))
+    pub fn narrow(
+        tape: &Arc<Tape<T>>,
+        binding: &Binding<T>,
+        shortener: &Shortener,
+        width: usize,
+    ) -> Result<Self, Error> {
+        let stencils = StencilTape::of_width(tape, binding, shortener.clauses(), width)?;
+        Self::selected(&Arc::new(stencils), &shortener.all(tape))
     }
 
     /// Lays out the calls for some steps of a tape.
@@ -374,7 +426,7 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
         let mut finder = StencilFinder::<Q, T>::new(tape.width);
         let Layout { values, slots } = layout;
         find_values(values, tape, selection, &mut finder)?;
-        let inside = traced.len() * size_of::<StepBounds<T>>();
+        let inside = tape.coordinates + traced.len() * size_of::<StepBounds<T>>();
         slots.start(values.len(), inside + tape.inside, tape.width);
         let place = |slots: &mut Slots, operand: SelectedOperand| match operand.position() {
             Some(position) => slots.place(position, values[position].parts),
@@ -384,6 +436,11 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
             Some(position) => values[position].number,
             None => tape.steps[operand.origin()].value.number,
         };
+        for position in selection.coordinates() {
+            let axis = tape.axis(&selection.steps()[position]);
+            let offset = coordinate_offset(axis, values[position].parts, tape.width);
+            slots.of[position] = offset;
+        }
         // From the last call to the first.
         let mut calls = Vec::with_capacity(values.len() + traced.len() + 1);
         let outputs: SmallVec<[_; 4]> = selection.outputs().iter().map(|&at| number(at)).collect();
@@ -394,30 +451,23 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
             *at = place(slots, output);
         }
         calls.push(call);
-        let mut axes = [0; 3];
-        for position in selection.coordinates() {
-            let axis = tape.axis(&selection.steps()[position]);
-            axes[axis] = slots.place(position, values[position].parts);
-        }
         let mut to_trace = traced.iter().enumerate().rev().peekable();
         for (position, (step, value)) in selection.steps().iter().zip(&*values).enumerate().rev() {
             let at = slots.place(position, value.parts);
             if let Some((k, _)) = to_trace.next_if(|(_, traced)| **traced as usize == position) {
                 let stencil = finder.find(&StencilStep::Trace(value.number))?;
-                let to = k * size_of::<StepBounds<T>>();
+                let to = tape.coordinates + k * size_of::<StepBounds<T>>();
                 let mut call = StencilCall::new(stencil.code.entry(), to as u32);
                 call.operands().take(1).for_each(|operand| *operand = at);
                 calls.push(call);
             }
             let clause = step.origin().and_then(|origin| tape.clauses[origin].as_ref());
             if let Some(clause) = clause {
-                // The steps that a clause uses are replaced by no others.
-                debug_assert!(!step.is_changed());
                 let mut used = [0; 3];
                 for (at, &operand) in used.iter_mut().zip(step.operands()) {
                     *at = place(slots, operand);
                 }
-                calls.extend(clause.calls(inside as u32, at, &used, &axes));
+                clause.append(&mut calls, value.entry, [inside as u32, at], &used);
                 slots.give(position, value.parts);
                 continue;
             }
@@ -488,11 +538,12 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
         then: impl FnOnce(&Q::Output<T>, &[StepBounds<T>]) -> R,
     ) -> R {
         self.run(input, output, |output, frame| {
-            // SAFETY: the frame begins with the trace, which the calls have written: all lanes of
-            // the vectors in use. The rest was initialized when the frame was created. Blocks have
-            // the alignment of lanes.
+            let trace = &frame[self.tape.coordinates / ALIGNMENT..];
+            // SAFETY: the trace follows the coordinates, and the calls have written it: all lanes
+            // of the vectors in use. The rest was initialized when the frame was created. Blocks
+            // have the alignment of lanes.
             let trace = unsafe {
-                std::slice::from_raw_parts(frame.as_ptr().cast::<StepBounds<T>>(), self.traced)
+                std::slice::from_raw_parts(trace.as_ptr().cast::<StepBounds<T>>(), self.traced)
             };
             then(output, trace)
         })
@@ -531,7 +582,16 @@ fn find_values<Q: Query, T: Real>(
             None => tape.steps[operand.origin()].value.number,
         };
         let operands: SmallVec<[_; 3]> = step.operands().iter().map(number).collect();
-        let (stencil, number) = finder.apply(tape.operation(step), &operands)?;
+        let clause = step.origin().and_then(|origin| tape.clauses[origin].as_ref());
+        let changed = match clause {
+            Some(ClauseCalls::Shared { code, .. }) => {
+                StencilStep::Clause(tape.codes[*code].number, &operands)
+            }
+            // Nothing replaces the steps that other clauses use.
+            Some(ClauseCalls::Steps { .. }) => unreachable!("a clause that is as in the tape"),
+            None => StencilStep::Apply(tape.operation(step), &operands),
+        };
+        let (stencil, number) = finder.find_valued(&changed)?;
         let parts = parts::<Q>(&stencil.shape.expect("a step has a value")) as u32;
         values.push(StepValue { entry: stencil.code.entry(), number, parts });
     }

@@ -18,6 +18,9 @@ const LEAST_DECIDING: usize = 32;
 const LEAST_PRODUCTS: usize = 500;
 /// Least number of steps of a function whose parts get kernels of their own.
 pub(crate) const LEAST_STEPS: usize = 256;
+/// Least number of clauses that share code. Compiling it takes as long as some thousand evaluations
+/// of a clause, step by step.
+const LEAST_SHARED: usize = 32;
 /// A selection is used if it has at most this share of the steps.
 const WORTHWHILE: f64 = 0.8;
 
@@ -43,7 +46,7 @@ pub(crate) struct WholeTape<T: Real> {
 impl<T: Real> WholeTape<T> {
     fn new(tape: Tape<T>, values: &[Interval], clauses: &Arc<Clauses>) -> Self {
         Self {
-            tape: Arc::new(tape.coarse()),
+            tape: Arc::new(clauses.coarse(tape)),
             binding: Binding::new(values),
             clauses: Arc::clone(clauses),
             stencils: Stencils::default(),
@@ -75,7 +78,7 @@ impl WholeFunction {
         double: impl FnOnce() -> Option<Tape<f64>>,
         values: &[Interval],
     ) -> Option<Self> {
-        let shortener = Shortener::new(&single, values);
+        let shortener = Shortener::new(&single, values, LEAST_SHARED);
         let products = shortener.products();
         // A product has two factors.
         let others = if products < LEAST_PRODUCTS { 2 * products } else { 0 };

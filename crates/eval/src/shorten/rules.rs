@@ -32,8 +32,20 @@ pub enum StepRule {
     Product,
     /// A blend of two operands: its number among [`Rules::blends`].
     Blend(u32),
-    /// A step inside a blend. The blend passes thresholds on to its operands.
+    /// A step inside a blend, which is selected with it.
     InBlend,
+}
+
+impl StepRule {
+    /// Returns those operands whose bounds decide whether the step or one of them can be dropped.
+    pub fn deciding<'a, O>(&self, operands: &'a [O]) -> &'a [O] {
+        match self {
+            Self::Min | Self::Max | Self::Product | Self::Blend(_) => &operands[..2],
+            Self::Abs | Self::Choice => &operands[..1],
+            Self::Sum(sum) => &operands[1 - sum.operand..][..1],
+            _ => &[],
+        }
+    }
 }
 
 /// A step of an operand and a constant. Its value grows or falls with the operand.
@@ -98,8 +110,10 @@ impl Sum {
 /// Or that of their negatives, negated: max(a, b) + c·max(k − |a − b|, 0)².
 #[derive(Clone, Debug)]
 pub struct Blend {
-    /// Which operand of the blend is the minimum or the maximum, whose operands are a and b.
-    pub extremum: usize,
+    /// The steps a and b.
+    pub operands: [usize; 2],
+    /// The steps from which the blend computes its value, less its last. No other step uses them.
+    pub inside: [usize; 7],
     pub is_max: bool,
     /// True if the step computes the negative of the blend.
     pub is_negated: bool,
@@ -125,23 +139,43 @@ impl Rules {
         let finder = BlendFinder { constants, users: users(tape) };
         let mut blends = Vec::new();
         for index in 0..of.len() {
-            if let Some((blend, within)) = finder.blend(index) {
-                for inner in within {
-                    of[inner] = StepRule::InBlend;
+            if let Some(blend) = finder.blend(index) {
+                for inside in blend.inside {
+                    of[inside] = StepRule::InBlend;
                 }
                 of[index] = StepRule::Blend(blends.len() as u32);
                 blends.push(blend);
             }
         }
-        find_sums(tape, &mut of);
+        find_sums(tape, &mut of, &blends);
         find_products(tape, &mut of);
         Self { of, blends }
     }
+
+    /// Returns the number of operations whose bounds decide which steps can be dropped.
+    pub fn deciding<T: Real>(&self, tape: &Tape<T>) -> usize {
+        let mut is_deciding = vec![false; tape.steps().len()];
+        for (rule, step) in self.of.iter().zip(tape.steps()) {
+            let Step::Apply(_, operands) = step else { continue };
+            let operands = match rule {
+                StepRule::Blend(number) => &self.blends[*number as usize].operands,
+                _ => &operands[..],
+            };
+            rule.deciding(operands).iter().for_each(|&operand| is_deciding[operand] = true);
+        }
+        let steps = tape.steps().iter().zip(is_deciding);
+        steps.filter(|(step, is_deciding)| *is_deciding && is_computed(step)).count()
+    }
+}
+
+/// Whether a step is a coordinate or an operation.
+fn is_computed(step: &Step) -> bool {
+    matches!(step, Step::Coordinate(_) | Step::Apply(..))
 }
 
 /// Finds the sums with an operand that has many choices.
-fn find_sums<T: Real>(tape: &Tape<T>, rules: &mut [StepRule]) {
-    let choices = choices(tape, rules);
+fn find_sums<T: Real>(tape: &Tape<T>, rules: &mut [StepRule], blends: &[Blend]) {
+    let choices = choices(tape, rules, blends);
     for (index, step) in tape.steps().iter().enumerate() {
         let Step::Apply(op @ (Op::Add | Op::Sub), operands) = step else { continue };
         let (a, b) = (choices[operands[0]], choices[operands[1]]);
@@ -266,9 +300,8 @@ impl<'a, T: Real> BlendFinder<'a, T> {
         of(a, b).or_else(|| of(b, a))
     }
 
-    /// Finds whether a step is a blend. Also returns the steps between it and its operands. None of
-    /// them has another user.
-    fn blend(&self, index: usize) -> Option<(Blend, [usize; 7])> {
+    /// Finds whether a step is a blend.
+    fn blend(&self, index: usize) -> Option<Blend> {
         let Step::Apply(op, operands) = &self.constants.tape.steps()[index] else { return None };
         let &[first, second] = &operands[..] else { return None };
         let is_negated = *op == Op::Sub && self.only(second, Op::Min).is_some();
@@ -293,15 +326,15 @@ impl<'a, T: Real> BlendFinder<'a, T> {
         let is_flat = factors.lo >= 0.0 && widths.lo >= 0.0 && factors.times(widths).hi <= 1.0;
         let depth = factors.times(widths.power(2));
         let blend = Blend {
-            extremum: usize::from(extremum == second),
+            operands: [a, b],
+            inside: [extremum, square, squared, part, rest, magnitude, difference],
             is_max,
             is_negated,
             width: widths.hi,
             depth: depth.hi,
         };
-        let within = [extremum, square, squared, part, rest, magnitude, difference];
         let is_bounded = widths.is_bounded() && depth.is_bounded();
-        (is_of_them && is_flat && zeros == Interval::ZERO && is_bounded).then_some((blend, within))
+        (is_of_them && is_flat && zeros == Interval::ZERO && is_bounded).then_some(blend)
     }
 }
 

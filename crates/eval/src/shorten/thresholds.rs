@@ -188,7 +188,7 @@ impl<T: Real> NeedFinder<'_, T> {
         let shortener = self.choosing.shortener;
         let rule = step.origin().map_or(StepRule::Neg, |origin| shortener.rules.of[origin]);
         match rule {
-            StepRule::Exact => {
+            StepRule::Exact | StepRule::InBlend => {
                 for operand in operands {
                     self.need_exact(operand, set);
                 }
@@ -243,9 +243,9 @@ impl<T: Real> NeedFinder<'_, T> {
             StepRule::Choice => self.pass_on_choice(index, operands),
             StepRule::Product => self.pass_on_product(index, [operands[0], operands[1]]),
             StepRule::Blend(number) => {
-                self.pass_on_blend(index, &shortener.rules.blends[number as usize]);
+                let blend = &shortener.rules.blends[number as usize];
+                self.pass_on_blend(index, [operands[0], operands[1]], blend);
             }
-            StepRule::InBlend => self.keep(&operands, set),
         }
     }
 
@@ -307,12 +307,8 @@ impl<T: Real> NeedFinder<'_, T> {
         }
     }
 
-    fn pass_on_blend(&mut self, index: usize, blend: &Blend) {
-        let Blend { extremum: place, is_max, is_negated, width, depth } = *blend;
-        let inner = self.choosing.from.steps[index].operands;
-        let least = inner[place].position().expect("an operation");
-        let [a, b, _] = self.choosing.from.steps[least].operands;
-        let operands = [a, b];
+    fn pass_on_blend(&mut self, index: usize, operands: [SelectedOperand; 2], blend: &Blend) {
+        let Blend { is_max, is_negated, width, depth, .. } = *blend;
         for lane in lanes(self.needs.of[index].lanes) {
             let thresholds = self.thresholds(index, lane);
             let thresholds = if is_negated { thresholds.negated() } else { thresholds };
@@ -336,20 +332,6 @@ impl<T: Real> NeedFinder<'_, T> {
                 self.needs.of[index].negated |= 1 << lane;
             }
             self.pass_on_either(index, lane, operands, beyond, [own, each]);
-        }
-        let StepNeed { lanes: set, replaced: [first, second], .. } = self.needs.of[index];
-        self.keep(&inner, set & !first & !second);
-    }
-
-    /// Keeps those operands that are steps inside a blend.
-    fn keep(&mut self, operands: &[SelectedOperand], set: LaneSet) {
-        for position in operands.iter().filter_map(SelectedOperand::position) {
-            let origin = self.choosing.from.steps[position].origin();
-            if origin
-                .is_some_and(|origin| self.choosing.shortener.rules.of[origin] == StepRule::InBlend)
-            {
-                self.needs.of[position].lanes |= set;
-            }
         }
     }
 

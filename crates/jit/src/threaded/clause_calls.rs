@@ -1,43 +1,149 @@
-//! The calls of a clause, which are laid out once.
+//! How clauses are called: by code that they share, or step by step.
 
 use super::{Slots, TapeStep};
+use crate::clause_code::{ClauseCode, CodeOperand, CodeStep, TABLE, USED};
+use crate::stencil::{ClauseNumber, OperandNumber, StencilFinder};
 use crate::stencil_code::StencilCall;
-use zeroset_eval::{Clause, Real, Step, Tape};
+use smallvec::SmallVec;
+use zeroset_eval::{Clause, ClauseOperand, Query, Real, Step, Tape};
+use zeroset_ops::Op;
+
+/// Numbers of operands.
+type Numbers<const N: usize> = SmallVec<[OperandNumber; N]>;
 
 /// A place of a call in a clause.
 #[derive(Clone, Copy)]
-enum ClausePlace {
-    /// Among the constants.
-    Constant,
+pub(super) enum ClausePlace {
+    /// Among the constants, or that of a coordinate.
+    Fixed,
     /// Among the values inside of clauses.
     Inside,
     /// The clause's own value.
     Value,
     /// A step that the clause uses, by its number there.
     Used(u8),
-    /// The coordinate with this number.
-    Axis(u8),
 }
 
-/// The calls of a clause, from the last to the first. Their places are relative.
-pub(super) struct ClauseCalls(Vec<(StencilCall, [ClausePlace; 4])>);
+/// The calls of a clause.
+pub(super) enum ClauseCalls {
+    /// One call of shared code, by the code's number among those of the tape, with the offset of
+    /// the clause's table of constants.
+    Shared { code: usize, table: u32 },
+    /// The calls of all steps, from the last to the first. Their places are relative.
+    Steps(Vec<(StencilCall, [ClausePlace; 4])>),
+}
+
+/// A tape whose steps up to the end of a clause have numbers.
+#[derive(Clone, Copy)]
+pub(super) struct ClauseIn<'a, T: Real> {
+    pub tape: &'a Tape<T>,
+    pub steps: &'a [TapeStep],
+    pub clause: &'a Clause,
+    pub width: usize,
+}
+
+impl<'a, T: Real> ClauseIn<'a, T> {
+    /// Returns the operands of each operation, with their kinds.
+    fn operands(self) -> impl Iterator<Item = (Op, usize, ClauseOperand)> + 'a {
+        let Self { tape, clause, .. } = self;
+        clause.operations(tape).flat_map(move |(op, operands)| {
+            operands.iter().map(move |&operand| (op, operand, clause.operand(tape, operand)))
+        })
+    }
+
+    /// Returns the constants of each operation.
+    pub fn constants(self) -> impl Iterator<Item = usize> + 'a {
+        self.operands().filter_map(|(_, operand, kind)| {
+            matches!(kind, ClauseOperand::Constant(_)).then_some(operand)
+        })
+    }
+
+    fn number(self, op: Op, operand: usize) -> OperandNumber {
+        let TapeStep { value, exponent, .. } = &self.steps[operand];
+        if op == Op::Pow { *exponent } else { value.number }
+    }
+
+    fn offset(self, operand: usize) -> u32 {
+        let TapeStep { value, at, .. } = &self.steps[operand];
+        match self.tape.steps()[operand] {
+            Step::Coordinate(axis) => coordinate_offset(axis as usize, value.parts, self.width),
+            _ => *at,
+        }
+    }
+
+    /// Returns the operations of the clause.
+    fn code(self) -> ClauseCode {
+        let Self { tape, clause, .. } = self;
+        let steps = clause.operations(tape).zip(&clause.steps).map(|((op, operands), &index)| {
+            let operand = |&operand: &usize| match clause.operand(tape, operand) {
+                ClauseOperand::Inside(place) => CodeOperand::Inside(place),
+                ClauseOperand::Used(place) => CodeOperand::Used(place),
+                kind => CodeOperand::Outside(kind, self.number(op, operand)),
+            };
+            let operands = operands.iter().map(operand).collect();
+            CodeStep::new(op, operands, tape.range(index as usize))
+        });
+        ClauseCode { steps: steps.collect(), used: self.used() }
+    }
+
+    /// Returns the numbers of the steps that the clause uses.
+    fn used(self) -> Numbers<3> {
+        self.clause.used.iter().map(|&used| self.steps[used].value.number).collect()
+    }
+}
+
+/// The code that clauses of one shape share.
+pub(super) struct SharedCode {
+    pub number: ClauseNumber,
+    /// The numbers of the steps that the clauses use, as long as none is replaced.
+    pub used: Numbers<3>,
+    /// The numbers of their coordinates and constants.
+    outside: Numbers<8>,
+}
+
+impl SharedCode {
+    /// Returns the code of a clause. `known` is that of the last clause with its shape.
+    pub fn find<Q: Query, T: Real>(
+        codes: &mut Vec<Self>,
+        known: &mut Option<usize>,
+        clause: ClauseIn<'_, T>,
+        finder: &mut StencilFinder<Q, T>,
+    ) -> usize {
+        let outside: Numbers<8> = clause
+            .operands()
+            .filter(|(_, _, kind)| {
+                matches!(kind, ClauseOperand::Coordinate(_) | ClauseOperand::Constant(_))
+            })
+            .map(|(op, operand, _)| clause.number(op, operand))
+            .collect();
+        let used = clause.used();
+        let is_same = |&code: &usize| codes[code].outside == outside && codes[code].used == used;
+        known.filter(is_same).unwrap_or_else(|| {
+            let number = finder.clause_number(clause.code());
+            codes.push(Self { number, used, outside });
+            *known = Some(codes.len() - 1);
+            codes.len() - 1
+        })
+    }
+}
+
+/// Returns the offset of a coordinate in a frame. `parts` is the number of its vectors.
+pub(super) fn coordinate_offset(axis: usize, parts: u32, width: usize) -> u32 {
+    (axis * parts as usize * width) as u32
+}
 
 impl ClauseCalls {
-    /// Lays out the calls of a clause. Then `slots` ends behind the values inside of it.
-    pub fn new<T: Real>(
-        tape: &Tape<T>,
-        steps: &[TapeStep],
-        clause: &Clause,
-        width: usize,
-        slots: &mut Slots,
-    ) -> Self {
+    /// Lays out the calls of the steps of a clause. Then `slots` ends behind the values inside.
+    pub fn of_steps<T: Real>(of: ClauseIn<'_, T>, slots: &mut Slots) -> Self {
+        let ClauseIn { tape, steps, clause, width } = of;
         let inside = &clause.steps;
         slots.start(inside.len(), 0, width);
         let mut calls = Vec::with_capacity(inside.len());
+        let operations: Vec<_> = clause.operations(tape).collect();
         for (position, &index) in inside.iter().enumerate().rev() {
             let value = steps[index as usize].value;
             let is_last = position + 1 == inside.len();
-            let mut kinds = [ClausePlace::Constant; 4];
+            let mut kinds = [ClausePlace::Fixed; 4];
             let mut call = StencilCall::new(value.entry, 0);
             if is_last {
                 kinds[0] = ClausePlace::Value;
@@ -45,28 +151,18 @@ impl ClauseCalls {
                 kinds[0] = ClausePlace::Inside;
                 call.places[0] = slots.place(position, value.parts);
             }
-            let Step::Apply(_, operands) = &tape.steps()[index as usize] else {
-                unreachable!("an operation")
-            };
-            for ((at, kind), &operand) in
-                call.places[1..].iter_mut().zip(&mut kinds[1..]).zip(operands)
-            {
-                *kind = match &tape.steps()[operand] {
-                    Step::Constant(..) | Step::Parameter(_) => {
-                        *at = steps[operand].at;
-                        ClausePlace::Constant
+            let places = call.places[1..].iter_mut().zip(&mut kinds[1..]);
+            for ((at, kind), &operand) in places.zip(operations[position].1) {
+                match clause.operand(tape, operand) {
+                    ClauseOperand::Constant(_) | ClauseOperand::Coordinate(_) => {
+                        *at = of.offset(operand);
                     }
-                    Step::Coordinate(axis) => ClausePlace::Axis(*axis as u8),
-                    Step::Apply(..) => {
-                        if let Ok(position) = inside.binary_search(&(operand as u32)) {
-                            *at = slots.place(position, steps[operand].value.parts);
-                            ClausePlace::Inside
-                        } else {
-                            let number = clause.used.iter().position(|&used| used == operand);
-                            ClausePlace::Used(number.expect("a step that the clause uses") as u8)
-                        }
+                    ClauseOperand::Inside(place) => {
+                        *at = slots.place(place as usize, steps[operand].value.parts);
+                        *kind = ClausePlace::Inside;
                     }
-                };
+                    ClauseOperand::Used(number) => *kind = ClausePlace::Used(number),
+                }
             }
             if !is_last {
                 // As for calls outside of clauses.
@@ -74,29 +170,37 @@ impl ClauseCalls {
             }
             calls.push((call, kinds));
         }
-        Self(calls)
+        Self::Steps(calls)
     }
 
-    /// The calls, from the last to the first, with the offsets of the values inside, of the
-    /// clause's value, of the steps that it uses, and of the coordinates.
-    pub fn calls(
+    /// Appends the calls, from the last to the first. `entry` is the code of the clause's value,
+    /// `inside` the offset of the values inside, `value` that of the clause's value, and `used` are
+    /// those of the steps that it uses.
+    pub fn append(
         &self,
-        inside: u32,
-        value: u32,
+        calls: &mut Vec<StencilCall>,
+        entry: *const u8,
+        [inside, value]: [u32; 2],
         used: &[u32; 3],
-        axes: &[u32; 3],
-    ) -> impl Iterator<Item = StencilCall> {
-        self.0.iter().map(move |&(mut call, kinds)| {
-            for (place, kind) in call.places.iter_mut().zip(kinds) {
-                *place = match kind {
-                    ClausePlace::Constant => *place,
-                    ClausePlace::Inside => inside + *place,
-                    ClausePlace::Value => value,
-                    ClausePlace::Used(number) => used[number as usize],
-                    ClausePlace::Axis(axis) => axes[axis as usize],
-                };
+    ) {
+        match self {
+            Self::Shared { table, .. } => {
+                let mut call = StencilCall::new(entry, value);
+                call.places[TABLE] = *table;
+                call.places[USED..].copy_from_slice(used);
+                calls.push(call);
             }
-            call
-        })
+            Self::Steps(steps) => calls.extend(steps.iter().map(|&(mut call, kinds)| {
+                for (place, kind) in call.places.iter_mut().zip(kinds) {
+                    *place = match kind {
+                        ClausePlace::Fixed => *place,
+                        ClausePlace::Inside => inside + *place,
+                        ClausePlace::Value => value,
+                        ClausePlace::Used(number) => used[number as usize],
+                    };
+                }
+                call
+            })),
+        }
     }
 }

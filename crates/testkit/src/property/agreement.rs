@@ -5,10 +5,12 @@ use super::tile::{Tile, pack_segments, pack_tiles};
 use crate::suite::{Failure, Tally};
 use crate::{Adversarial, Case, Ends, Place, Rng, minimise, pack_boxes};
 use std::fmt::Debug;
+use std::sync::Arc;
 use zeroset_eval::{
     Assumptions, Binding, Boxes, ContractSegments, ContractTiles, Enclose, EncloseGradient,
     FindZeros, FindZerosInBranch, Input, Kernel, LANES, Lanes, Output, Points, Query, Real,
-    Reference, Sample, SampleForward, SampleGradient, Segments, Tape, Tiles, branch_bindings,
+    Reference, Sample, SampleForward, SampleGradient, Segments, Shortener, Tape, Tiles,
+    branch_bindings,
 };
 use zeroset_ir::{gradient, rewrite, simplify};
 use zeroset_jit::{Compiled, Threaded, vector_widths};
@@ -226,9 +228,14 @@ fn pairs<Q: Query, T: Real>(
     }
     let binding = Binding::new(&case.parameters);
     let compiled = [native(&binding), reference(tape.clone(), &binding)];
-    let threaded =
-        Threaded::<Q, T>::narrow(tape.clone(), &binding, width).expect("stencils are compiled");
-    vec![compiled, [threaded.eval_all(inputs), reference(tape.coarse(), &binding)]]
+    let threaded = |least_shared| {
+        let shortener = Shortener::new(&tape, &case.parameters, least_shared);
+        let tape = Arc::new(shortener.clauses().coarse(tape.clone()));
+        let threaded = Threaded::<Q, T>::narrow(&tape, &binding, &shortener, width);
+        let found = threaded.expect("stencils are compiled").eval_all(inputs);
+        [found, reference(Arc::unwrap_or_clone(tape), &binding)]
+    };
+    vec![compiled, threaded(usize::MAX), threaded(1)]
 }
 
 fn compare<Q: Query, T: Real>(

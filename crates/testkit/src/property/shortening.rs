@@ -111,8 +111,8 @@ fn tapes<T: Adversarial>(text: &str, simple: bool) -> Option<Tapes<T>> {
     }
     let assumptions = Assumptions { domain, parameters: Vec::new() };
     let (graph, roots) = (&graph.0, &graph.1[..1]);
-    let single = Tape::<T>::new(graph, roots, &assumptions).coarse();
-    let double = Tape::<f64>::new(graph, roots, &assumptions).coarse();
+    let single = Tape::<T>::new(graph, roots, &assumptions);
+    let double = Tape::<f64>::new(graph, roots, &assumptions);
     Some((Arc::new(single), Arc::new(double)))
 }
 
@@ -159,14 +159,16 @@ pub fn check_shortening<T: Adversarial>(rng: &mut Rng) -> Result<Tally, Failure>
         };
     }
     let Some((single, exact)) = tapes::<T>(&text, simple) else { return Ok(Tally::default()) };
-    let shortener = Shortener::new(&single, &[]);
+    let shortener = Shortener::new(&single, &[], if rng.bool() { 1 } else { 32 });
     let from = shortener.all(&single);
     let deciding = shortener.deciding(&from);
     let (clauses, binding) = (shortener.clauses(), Binding::empty());
+    let single = Arc::new(clauses.coarse((*single).clone()));
     let traced = StencilTape::<Enclose, T>::new(&single, &binding, clauses);
     let traced =
         Threaded::traced(&Arc::new(traced.expect("stencils")), &from, &deciding).expect("calls");
     let all = whole(&exact);
+    let exact = Arc::new(clauses.coarse((*exact).clone()));
     let exact = StencilTape::<Enclose, f64>::new(&exact, &Binding::empty(), clauses);
     let exact = Arc::new(exact.expect("stencils"));
     let mut tally = Tally::default();
