@@ -3,9 +3,11 @@
 //! Each quantity of a batch is contiguous and aligned to 64 bytes. A kernel processes one register
 //! after another, up to the number of lanes in use. Results in other lanes are meaningless.
 
+use crate::dispatch;
 use crate::lanes::{LANES, Lanes};
 use crate::real::Real;
 use crate::shorten::LaneSet;
+use fearless_simd::Level;
 use zeroset_interval::{Facts, Interval};
 
 /// Memory that a kernel reads or writes. It begins with quantities, which have a value per lane.
@@ -372,12 +374,11 @@ impl<T: Real> Tiles<T> {
         assert!(self.count > 0, "a tile");
         let mut boxes = Boxes { count: self.count, ..Boxes::default() };
         let mut is_outside = [false; LANES];
-        for (axis, &Interval { lo: least, hi: most }) in domain.iter().enumerate() {
-            for (lane, is_outside) in is_outside.iter_mut().enumerate() {
-                let [lo, hi] = self.bounds(axis, lane);
-                // In this order of operations, NaN becomes a bound of the domain.
-                let (lo, hi) = (lo.max(least), hi.min(most));
-                *is_outside |= lo > hi;
+        let level = Level::new();
+        for (axis, bounds) in domain.iter().enumerate() {
+            let ends = dispatch!(level, _simd => self.bounds_within(axis, *bounds));
+            for (lane, [lo, hi]) in ends.into_iter().enumerate() {
+                is_outside[lane] |= lo > hi;
                 boxes.neg_lo[axis][lane] = T::above(-lo);
                 boxes.hi[axis][lane] = T::above(hi);
             }
@@ -394,6 +395,17 @@ impl<T: Real> Tiles<T> {
             }
         }
         (boxes, inside)
+    }
+
+    /// Bounds of a coordinate of the points of all tiles that are in the domain. The lower one is
+    /// larger if there are none.
+    #[inline(always)]
+    fn bounds_within(&self, axis: usize, domain: Interval) -> [[f64; 2]; LANES] {
+        std::array::from_fn(|lane| {
+            let [lo, hi] = self.bounds(axis, lane);
+            // In this order of operations, NaN becomes a bound of the domain.
+            [lo.max(domain.lo), hi.min(domain.hi)]
+        })
     }
 
     /// Bounds of a coordinate of the points of a tile. They are NaN where numbers overflow.

@@ -11,6 +11,7 @@ mod batch;
 mod binding;
 mod branches;
 mod differentiable;
+mod dispatch;
 mod duals;
 mod enclosure;
 mod forms;

@@ -8,6 +8,7 @@
 //! The module [`rules`] has the rule of each operation, and [`thresholds`] applies them.
 
 mod clauses;
+mod lane_bounds;
 mod rules;
 mod thresholds;
 
@@ -59,10 +60,12 @@ pub struct StepBounds<T: Real> {
 }
 
 impl<T: Real> StepBounds<T> {
+    #[inline]
     fn values(&self, lane: usize) -> Interval {
         Interval { lo: -self.neg_lo[lane].into(), hi: self.hi[lane].into() }
     }
 
+    #[inline]
     fn is_defined(&self, lane: usize) -> bool {
         // A mask with all bits is no number.
         !(self.defined[lane].into() == 0.0)
@@ -106,11 +109,13 @@ impl SelectedStep {
     /// Stands for an added step, which negates its operand.
     const NEGATION: u32 = u32::MAX;
 
+    #[inline]
     fn new(origin: u32, operands: [SelectedOperand; 3], is_changed: bool) -> Self {
         Self { origin: if is_changed { origin | Self::CHANGED } else { origin }, operands }
     }
 
     /// The step that negates an operand.
+    #[inline]
     fn negation(of: Place) -> Self {
         let operands = [of.operand(), SelectedOperand::NONE, SelectedOperand::NONE];
         Self { origin: Self::NEGATION, operands }
@@ -385,6 +390,7 @@ impl Shortener {
     }
 
     /// The two operands that may replace a step.
+    #[inline]
     fn candidates(&self, step: &SelectedStep) -> [SelectedOperand; 2] {
         let [first, second, third] = step.operands;
         match step.origin().map(|origin| self.rules.of[origin]) {
@@ -393,6 +399,7 @@ impl Shortener {
         }
     }
 
+    #[inline]
     fn is_product(&self, step: &SelectedStep) -> bool {
         step.origin().is_some_and(|origin| self.rules.of[origin] == StepRule::Product)
     }
@@ -408,22 +415,27 @@ impl Place {
     const CHANGED: u32 = 1 << 30;
     const NEGATED: u32 = 1 << 29;
 
+    #[inline]
     fn changed(self) -> Self {
         Self(self.0 | Self::CHANGED)
     }
 
+    #[inline]
     fn is_changed(self) -> bool {
         self.0 & Self::CHANGED != 0 && self.0 != SelectedOperand::NONE.0
     }
 
+    #[inline]
     fn negated(self) -> Self {
         Self(self.0 ^ Self::NEGATED).changed()
     }
 
+    #[inline]
     fn is_negated(self) -> bool {
         self.0 & Self::NEGATED != 0 && self.0 != SelectedOperand::NONE.0
     }
 
+    #[inline]
     fn operand(self) -> SelectedOperand {
         if self.0 == SelectedOperand::NONE.0 {
             SelectedOperand::NONE

@@ -10,6 +10,7 @@ pub mod f32_up {
     /// Returns `value + error`, rounded up to `f32`. `error` is at most half an ulp of `value` in
     /// size, or NaN if `value` is not finite. A value below every `f32` gives the lowest finite
     /// `f32`.
+    #[inline]
     fn demote(value: f64, error: f64) -> f32 {
         let nearest = value as f32;
         let back = f64::from(nearest);
@@ -18,6 +19,7 @@ pub mod f32_up {
     }
 
     /// Returns `value` rounded up to `f32`.
+    #[inline]
     pub fn from_f64(value: f64) -> f32 {
         demote(value, 0.0)
     }

@@ -229,6 +229,7 @@ impl<Q: Query, T: Real> StencilTape<Q, T> {
     }
 
     /// Returns the number of the axis of a coordinate.
+    #[inline]
     fn axis(&self, step: &SelectedStep) -> usize {
         match step.origin().map(|origin| &self.tape.steps()[origin]) {
             Some(Step::Coordinate(axis)) => *axis as usize,
@@ -237,6 +238,7 @@ impl<Q: Query, T: Real> StencilTape<Q, T> {
     }
 
     /// Returns the operation of a step, which must have operands.
+    #[inline]
     fn operation(&self, step: &SelectedStep) -> Op {
         match step.origin().map(|origin| &self.tape.steps()[origin]) {
             None => Op::Neg,
@@ -247,9 +249,23 @@ impl<Q: Query, T: Real> StencilTape<Q, T> {
         }
     }
 
+    /// Returns the numbers of the operands of an operation, or of the steps that a clause uses.
+    fn numbers(&self, index: usize) -> SmallVec<[OperandNumber; 3]> {
+        if let Some(ClauseCalls::Shared { code, .. }) = &self.clauses[index] {
+            return self.codes[*code].used.clone();
+        }
+        match &self.tape.steps()[index] {
+            Step::Apply(_, operands) => {
+                operands.iter().map(|&operand| self.steps[operand].value.number).collect()
+            }
+            Step::Coordinate(_) | Step::Parameter(_) | Step::Constant(..) => SmallVec::new(),
+        }
+    }
+
     /// Returns the exponent of a step that is a power in the tape. A constant that replaces it is
     /// no whole exponent, though it may be a whole number: real powers of numbers below 0 stay
     /// undefined.
+    #[inline]
     fn exponent(&self, step: &SelectedStep) -> Option<usize> {
         match &self.tape.steps()[step.origin()?] {
             Step::Apply(Op::Pow, operands) => operands.get(1).copied(),
@@ -322,6 +338,7 @@ impl Slots {
     }
 
     /// Returns the offset of a step's value, which has this many vectors.
+    #[inline]
     fn place(&mut self, position: usize, parts: u32) -> u32 {
         if self.of[position] == Self::NONE {
             let free = self.free.get_mut(parts as usize).and_then(Vec::pop);
@@ -335,6 +352,7 @@ impl Slots {
     }
 
     /// Makes the place of a step's value free for earlier steps.
+    #[inline]
     fn give(&mut self, position: usize, parts: u32) {
         let parts = parts as usize;
         if self.free.len() <= parts {
@@ -451,13 +469,18 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
             *at = place(slots, output);
         }
         calls.push(call);
+        // Most values have the same number.
+        let mut tracer = (OperandNumber::MAX, std::ptr::null());
         let mut to_trace = traced.iter().enumerate().rev().peekable();
         for (position, (step, value)) in selection.steps().iter().zip(&*values).enumerate().rev() {
             let at = slots.place(position, value.parts);
             if let Some((k, _)) = to_trace.next_if(|(_, traced)| **traced as usize == position) {
-                let stencil = finder.find(&StencilStep::Trace(value.number))?;
+                if tracer.0 != value.number {
+                    let stencil = finder.find(&StencilStep::Trace(value.number))?;
+                    tracer = (value.number, stencil.code.entry());
+                }
                 let to = tape.coordinates + k * size_of::<StepBounds<T>>();
-                let mut call = StencilCall::new(stencil.code.entry(), to as u32);
+                let mut call = StencilCall::new(tracer.1, to as u32);
                 call.operands().take(1).for_each(|operand| *operand = at);
                 calls.push(call);
             }
@@ -583,6 +606,12 @@ fn find_values<Q: Query, T: Real>(
         };
         let operands: SmallVec<[_; 3]> = step.operands().iter().map(number).collect();
         let clause = step.origin().and_then(|origin| tape.clauses[origin].as_ref());
+        if let Some(origin) = step.origin()
+            && tape.numbers(origin) == operands
+        {
+            values.push(tape.steps[origin].value);
+            continue;
+        }
         let changed = match clause {
             Some(ClauseCalls::Shared { code, .. }) => {
                 StencilStep::Clause(tape.codes[*code].number, &operands)

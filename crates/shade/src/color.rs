@@ -137,8 +137,8 @@ impl LinearRgb {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use zeroset_eval::dispatch;
     use zeroset_testkit::simd::levels;
-    use zeroset_trace::dispatch;
 
     #[test]
     fn sixteen_colors_at_once_have_the_bytes_of_each() {

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::ops::Range;
 use zeroset_eval::LANES;
-use zeroset_trace::dispatch;
+use zeroset_eval::dispatch;
 use zeroset_trace::painted::SHADED_ROWS;
 use zeroset_trace::{GBuffer, RayGrid, SIDE};
 

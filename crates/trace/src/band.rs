@@ -1,12 +1,12 @@
 //! Bands: rows of a picture. One thread fills a band at a time.
 
-use crate::dispatch;
 use crate::gbuffer::is_unseen;
 use crate::painted::are_unseen;
 use crate::ray_result::{LENGTH_ERROR, RayResult, Status, UndecidedReason};
 use fearless_simd::{Level, Simd};
 use std::cell::Cell;
 use std::ops::Range;
+use zeroset_eval::dispatch;
 
 /// Adjacent rows of a picture, into which a tracer writes results. Pixels for which it writes none
 /// stay [unseen](UndecidedReason::Unseen).

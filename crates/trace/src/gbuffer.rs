@@ -1,12 +1,12 @@
 //! The G-buffer: the quantities of each pixel before it has a color.
 
 use crate::buffer_pool::{BufferPool, PICTURES, serves};
-use crate::dispatch;
 use crate::ray_result::{RayResult, Status, UndecidedReason};
 use crate::surface_ids::SurfaceIds;
 use fearless_simd::{Level, Simd};
 use rayon::prelude::*;
 use std::ops::{AddAssign, Range};
+use zeroset_eval::dispatch;
 
 /// Number of pixels with each status.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -7,7 +7,6 @@
 
 mod band;
 pub mod buffer_pool;
-mod dispatch;
 mod driver;
 mod gbuffer;
 mod grid;

@@ -2,10 +2,10 @@
 //!
 //! This module does not depend on what is computed for the pixels.
 
-use crate::dispatch;
 use crate::ray_result::{Status, UndecidedReason};
 use fearless_simd::{Level, f64x8, prelude::*, u8x16};
 use zeroset_eval::LANES;
+use zeroset_eval::dispatch;
 
 /// Number of rows that one thread shades at a time: few enough for the nearest caches. Neither this
 /// number nor the windows depend on the number of threads.

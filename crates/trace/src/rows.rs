@@ -1,7 +1,6 @@
 //! Rows of a picture. One thread takes them from tracing to colors while they are in the caches.
 
 use crate::band::Band;
-use crate::dispatch;
 use crate::gbuffer::{GBuffer, PixelCounts, distance};
 use crate::kernel_stats::KernelStats;
 use crate::painted::{PixelWindow, are_misses, windows};
@@ -11,6 +10,7 @@ use fearless_simd::{Level, Simd};
 use std::cell::Cell;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
+use zeroset_eval::dispatch;
 
 /// Number of pixels that are cleared at a time.
 const CLEARED: usize = 64;

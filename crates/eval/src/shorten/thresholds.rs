@@ -3,17 +3,21 @@
 //! A rule names, for a step with given thresholds, those of its operands. It may also replace the
 //! step by one of its operands. `docs/parts.md` has the proofs.
 
+use super::lane_bounds::{Joint, KnownLanes, LaneBounds, Passed};
 use super::rules::{Blend, StepRule};
 use super::{DecidingSteps, SelectedOperand, Selection, Shortener, StepBounds};
+use crate::dispatch;
 use crate::lanes::LANES;
 use crate::real::Real;
 use crate::tape::{Step, Tape};
+use fearless_simd::{Level, Simd};
 use zeroset_interval::Interval;
 
 /// A set of lanes: one bit for each, the lowest for the first lane.
 pub type LaneSet = u16;
 
 /// Returns the lanes in a set.
+#[inline]
 pub fn lanes(mut set: LaneSet) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         let lane = set.trailing_zeros() as usize;
@@ -36,33 +40,17 @@ impl Known {
     }
 }
 
-/// Returns thresholds that are not beyond the bounds of the step's value, which serve as well.
-fn clamped(thresholds: Interval, values: Interval) -> Interval {
-    let hi = thresholds.hi.min(values.hi).max(thresholds.lo);
-    Interval { lo: thresholds.lo.max(values.lo).min(hi), hi }
-}
-
-/// Bounds of the minimum, or if `is_max` of the maximum.
-fn extremum(is_max: bool, [a, b]: [Interval; 2]) -> Interval {
-    if is_max {
-        Interval { lo: a.lo.max(b.lo), hi: a.hi.max(b.hi) }
-    } else {
-        Interval { lo: a.lo.min(b.lo), hi: a.hi.min(b.hi) }
-    }
-}
-
 /// Lanes in which a step is needed.
 #[derive(Clone, Copy, Default)]
 pub struct StepNeed {
     /// The lanes in which any step needs this one.
     pub lanes: LaneSet,
-    /// Lanes among them in which the step's value is needed exactly.
-    exact: LaneSet,
     /// Lanes in which an operand replaces the step, for each of the two that may do so.
     pub replaced: [LaneSet; 2],
     /// Lanes in which the negative of the operand replaces the step.
     pub negated: LaneSet,
-    /// The place of its thresholds for the other lanes, plus 1; 0 if there are no thresholds.
+    /// The place of its thresholds, plus 1; 0 if there are none, since its operands are needed
+    /// exactly in any case.
     thresholds: u32,
 }
 
@@ -72,7 +60,7 @@ pub struct StepNeeds {
     pub of: Vec<StepNeed>,
     /// Per lane, the number of steps that are needed and not replaced.
     pub counts: [usize; LANES],
-    thresholds: Vec<[Interval; LANES]>,
+    thresholds: Vec<LaneBounds>,
 }
 
 impl StepNeeds {
@@ -83,20 +71,22 @@ impl StepNeeds {
         self.of.resize(from.steps.len(), StepNeed::default());
         self.thresholds.clear();
         self.counts = [0; LANES];
-        let mut finder = NeedFinder { choosing, needs: self };
+        let mut finder = NeedFinder { choosing, needs: self, level: Level::new() };
         for lane in lanes(open) {
             finder.need(from.outputs[0], lane, Interval::ZERO);
         }
         // Clauses do not name the coordinates that they use.
         for position in from.coordinates() {
             finder.needs.of[position].lanes = open;
-            finder.needs.of[position].exact = open;
         }
         for index in (0..from.steps.len()).rev() {
             if finder.needs.of[index].lanes != 0 {
                 finder.pass_on(index);
                 let StepNeed { lanes: set, replaced: [first, second], .. } = finder.needs.of[index];
-                lanes(set & !first & !second).for_each(|lane| finder.needs.counts[lane] += 1);
+                let kept = set & !first & !second;
+                for (lane, count) in finder.needs.counts.iter_mut().enumerate() {
+                    *count += usize::from(kept >> lane & 1);
+                }
             }
         }
     }
@@ -104,7 +94,7 @@ impl StepNeeds {
     /// The number of bytes that are reserved.
     pub fn bytes(&self) -> usize {
         self.of.capacity() * size_of::<StepNeed>()
-            + self.thresholds.capacity() * size_of::<[Interval; LANES]>()
+            + self.thresholds.capacity() * size_of::<LaneBounds>()
     }
 }
 
@@ -122,71 +112,85 @@ pub struct Choosing<'a, T: Real> {
 struct NeedFinder<'a, T: Real> {
     choosing: &'a Choosing<'a, T>,
     needs: &'a mut StepNeeds,
+    level: Level,
 }
 
-impl<T: Real> NeedFinder<'_, T> {
-    /// Widens the thresholds of a step in a lane, so that another user's are among them.
-    fn need(&mut self, operand: SelectedOperand, lane: usize, thresholds: Interval) {
-        let Some(index) = operand.position() else { return };
-        let step = &mut self.needs.of[index];
-        let bit = 1 << lane;
-        let is_first = step.lanes & bit == 0;
-        step.lanes |= bit;
-        if thresholds == Interval::ENTIRE {
-            step.exact |= bit;
-        }
-        if step.exact & bit != 0 {
-            return;
+impl<'a, T: Real> NeedFinder<'a, T> {
+    /// Returns the rule of a selected step.
+    #[inline]
+    fn rule(&self, index: usize) -> StepRule {
+        let origin = self.choosing.from.steps[index].origin();
+        origin.map_or(StepRule::Neg, |origin| self.choosing.shortener.rules.of[origin])
+    }
+
+    /// Returns the thresholds of an operand in which others are to be included; `None` for a
+    /// constant and for a step without thresholds. The operand is needed in the lanes of a set.
+    #[inline]
+    fn needed(&mut self, operand: SelectedOperand, set: LaneSet) -> Option<&mut LaneBounds> {
+        let index = operand.position()?;
+        let is_exact = self.needs.of[index].thresholds == 0 && self.rule(index) == StepRule::Exact;
+        let StepNeeds { of, thresholds, .. } = &mut *self.needs;
+        let step = &mut of[index];
+        step.lanes |= set;
+        if is_exact {
+            return None;
         }
         if step.thresholds == 0 {
-            self.needs.thresholds.push([Interval::ZERO; LANES]);
-            step.thresholds = self.needs.thresholds.len() as u32;
+            thresholds.push(LaneBounds::NONE);
+            step.thresholds = thresholds.len() as u32;
         }
-        let own = &mut self.needs.thresholds[step.thresholds as usize - 1][lane];
-        *own = if is_first { thresholds } else { own.hull(thresholds) };
+        Some(&mut thresholds[step.thresholds as usize - 1])
+    }
+
+    /// Widens the thresholds of a step in a lane, so that another user's are among them.
+    #[inline]
+    fn need(&mut self, operand: SelectedOperand, lane: usize, thresholds: Interval) {
+        if let Some(own) = self.needed(operand, 1 << lane) {
+            own.widen(lane, thresholds);
+        }
     }
 
     /// Needs the exact value of a step in some lanes.
     fn need_exact(&mut self, operand: SelectedOperand, set: LaneSet) {
-        if let Some(index) = operand.position() {
-            self.needs.of[index].lanes |= set;
-            self.needs.of[index].exact |= set;
+        if let Some(own) = self.needed(operand, set) {
+            lanes(set).for_each(|lane| own.widen(lane, Interval::ENTIRE));
         }
     }
 
+    #[inline]
     fn thresholds(&self, index: usize, lane: usize) -> Interval {
         let step = &self.needs.of[index];
-        if step.exact >> lane & 1 == 1 {
-            return Interval::ENTIRE;
-        }
-        self.needs.thresholds[step.thresholds as usize - 1][lane]
+        self.needs.thresholds[step.thresholds as usize - 1].of(lane)
     }
 
-    /// Returns what is known about an operand.
-    fn known(&self, operand: SelectedOperand, lane: usize) -> Known {
-        let nothing = Known { values: Interval::ENTIRE, is_defined: false };
+    /// Returns what is known about an operand in all lanes.
+    #[inline]
+    fn known_lanes(&self, operand: SelectedOperand) -> KnownLanes<'a, T> {
         match operand.position() {
             Some(index) => {
                 let place = self.choosing.deciding.places[index] as usize;
-                self.choosing.bounds.get(place).map_or(nothing, |bounds| Known {
-                    values: bounds.values(lane),
-                    is_defined: bounds.is_defined(lane),
-                })
+                self.choosing.bounds.get(place).map_or(KnownLanes::Nothing, KnownLanes::Found)
             }
             None => match &self.choosing.tape.steps()[operand.origin()] {
-                Step::Constant(values, _) => Known { values: *values, is_defined: true },
-                _ => nothing,
+                Step::Constant(values, _) => KnownLanes::Constant(*values),
+                _ => KnownLanes::Nothing,
             },
         }
     }
 
+    /// Returns what is known about an operand in a lane.
+    #[inline]
+    fn known(&self, operand: SelectedOperand, lane: usize) -> Known {
+        let (values, is_defined) = self.known_lanes(operand).of(lane);
+        Known { values, is_defined }
+    }
+
     /// Passes a step's thresholds on to its operands.
     fn pass_on(&mut self, index: usize) {
-        let step = &self.choosing.from.steps[index];
-        let operands = step.operands;
-        let StepNeed { lanes: set, exact, .. } = self.needs.of[index];
-        let shortener = self.choosing.shortener;
-        let rule = step.origin().map_or(StepRule::Neg, |origin| shortener.rules.of[origin]);
+        let operands = self.choosing.from.steps[index].operands;
+        let set = self.needs.of[index].lanes;
+        let rule = self.rule(index);
+        let pair = [operands[0], operands[1]];
         match rule {
             StepRule::Exact | StepRule::InBlend => {
                 for operand in operands {
@@ -194,17 +198,24 @@ impl<T: Real> NeedFinder<'_, T> {
                 }
             }
             StepRule::Min | StepRule::Max => {
-                self.pass_on_least(index, [operands[0], operands[1]], rule == StepRule::Max);
+                let is_max = rule == StepRule::Max;
+                self.pass_on_joint(index, pair, Joint { is_max, is_negated: false, blend: None });
+            }
+            StepRule::Blend(number) => {
+                let blend = &self.choosing.shortener.rules.blends[number as usize];
+                let Blend { is_max, is_negated, width, depth, .. } = *blend;
+                let blend = Some([width, depth]);
+                self.pass_on_joint(index, pair, Joint { is_max, is_negated, blend });
             }
             StepRule::Neg | StepRule::Shift(_) => {
                 let operand = match rule {
                     StepRule::Shift(shift) => operands[shift.operand()],
                     _ => operands[0],
                 };
-                self.need_exact(operand, exact);
-                for lane in lanes(set & !exact) {
+                for lane in lanes(set) {
                     let thresholds = self.thresholds(index, lane);
                     let thresholds = match rule {
+                        _ if thresholds == Interval::ENTIRE => thresholds,
                         StepRule::Shift(shift) => shift.of(thresholds),
                         _ => thresholds.negated(),
                     };
@@ -225,15 +236,18 @@ impl<T: Real> NeedFinder<'_, T> {
             }
             StepRule::Sum(sum) => {
                 self.need_exact(operands[1 - sum.operand], set);
-                self.need_exact(operands[sum.operand], exact);
-                for lane in lanes(set & !exact) {
-                    let other = self.known(operands[1 - sum.operand], lane).values;
-                    let thresholds = sum.shift(other).of(self.thresholds(index, lane));
+                for lane in lanes(set) {
+                    let thresholds = match self.thresholds(index, lane) {
+                        Interval::ENTIRE => Interval::ENTIRE,
+                        own => {
+                            let other = self.known(operands[1 - sum.operand], lane).values;
+                            sum.shift(other).of(own)
+                        }
+                    };
                     self.need(operands[sum.operand], lane, thresholds);
                 }
             }
             StepRule::Restriction => {
-                self.need_exact(operands[0], exact);
                 for lane in lanes(set) {
                     self.need(operands[0], lane, self.thresholds(index, lane));
                     // Only the sign matters, and whether there is a value.
@@ -241,11 +255,7 @@ impl<T: Real> NeedFinder<'_, T> {
                 }
             }
             StepRule::Choice => self.pass_on_choice(index, operands),
-            StepRule::Product => self.pass_on_product(index, [operands[0], operands[1]]),
-            StepRule::Blend(number) => {
-                let blend = &shortener.rules.blends[number as usize];
-                self.pass_on_blend(index, [operands[0], operands[1]], blend);
-            }
+            StepRule::Product => self.pass_on_product(index, pair),
         }
     }
 
@@ -269,23 +279,37 @@ impl<T: Real> NeedFinder<'_, T> {
         }
     }
 
-    /// The rule of the minimum, or if `is_max` of the maximum.
-    fn pass_on_least(&mut self, index: usize, operands: [SelectedOperand; 2], is_max: bool) {
-        for lane in lanes(self.needs.of[index].lanes) {
-            let [a, b] = operands.map(|operand| self.known(operand, lane));
-            let own = extremum(is_max, [a.values, b.values]);
-            let thresholds = clamped(self.thresholds(index, lane), own);
-            // A dropped operand must not be where the result has no value.
-            let is_beyond = |known: &Known| {
-                known.is_defined
-                    && if is_max {
-                        known.values.hi < thresholds.lo
-                    } else {
-                        known.values.lo > thresholds.hi
-                    }
-            };
-            let [first, second] = [is_beyond(&a), is_beyond(&b)];
-            self.pass_on_either(index, lane, operands, [second, first], [thresholds; 2]);
+    /// The rule of the minimum, the maximum and the blend.
+    fn pass_on_joint(&mut self, index: usize, operands: [SelectedOperand; 2], joint: Joint) {
+        dispatch!(self.level, simd => self.pass_on_joint_with(simd, index, operands, joint));
+    }
+
+    #[inline(always)]
+    fn pass_on_joint_with<S: Simd>(
+        &mut self,
+        simd: S,
+        index: usize,
+        operands: [SelectedOperand; 2],
+        joint: Joint,
+    ) {
+        let StepNeed { lanes: set, thresholds, .. } = self.needs.of[index];
+        let known = operands.map(|operand| self.known_lanes(operand));
+        let thresholds = &self.needs.thresholds[thresholds as usize - 1];
+        let Passed { own, each, beyond: [first, second] } = joint.pass_on(simd, thresholds, known);
+        let replaced = [second & set, first & !second & set];
+        self.needs.of[index].replaced = replaced;
+        if joint.is_negated {
+            self.needs.of[index].negated = replaced[0] | replaced[1];
+        }
+        let both = set & !replaced[0] & !replaced[1];
+        for (operand, alone) in operands.into_iter().zip(replaced) {
+            for (set, thresholds) in [(alone, &own), (both, &each)] {
+                if set != 0
+                    && let Some(needed) = self.needed(operand, set)
+                {
+                    needed.widen_all(simd, set, thresholds);
+                }
+            }
         }
     }
 
@@ -298,60 +322,18 @@ impl<T: Real> NeedFinder<'_, T> {
                 continue;
             }
             let factors = operands.map(|operand| self.known(operand, lane));
-            let beyond = [factors[1].is_apart(), factors[0].is_apart()];
-            let other = if beyond[0] { factors[1] } else { factors[0] };
-            if (beyond[0] || beyond[1]) && other.values.hi < 0.0 {
-                self.needs.of[index].negated |= 1 << lane;
-            }
-            self.pass_on_either(index, lane, operands, beyond, [Interval::ZERO; 2]);
-        }
-    }
-
-    fn pass_on_blend(&mut self, index: usize, operands: [SelectedOperand; 2], blend: &Blend) {
-        let Blend { is_max, is_negated, width, depth, .. } = *blend;
-        for lane in lanes(self.needs.of[index].lanes) {
-            let thresholds = self.thresholds(index, lane);
-            let thresholds = if is_negated { thresholds.negated() } else { thresholds };
-            let known = operands.map(|operand| self.known(operand, lane));
-            let own = extremum(is_max, known.map(|known| known.values));
-            let reach = |lo: f64, hi: f64| Interval { lo: -lo, hi };
-            let [own, each] = if is_max {
-                let own = clamped(thresholds, own.plus(reach(0.0, depth)));
-                [own, own.plus(reach(width, 0.0))]
+            let apart = [factors[1].is_apart(), factors[0].is_apart()];
+            if let Some(k) = apart.iter().position(|is_apart| *is_apart) {
+                // Only zeros and sign matter, so that the other operand or its negative will do.
+                self.needs.of[index].replaced[k] |= 1 << lane;
+                if factors[1 - k].values.hi < 0.0 {
+                    self.needs.of[index].negated |= 1 << lane;
+                }
+                self.need(operands[k], lane, Interval::ZERO);
             } else {
-                let own = clamped(thresholds, own.plus(reach(depth, 0.0)));
-                [own, own.plus(reach(0.0, width))]
-            };
-            let is_beyond = |known: Known| {
-                known.is_defined
-                    && if is_max { known.values.hi < each.lo } else { known.values.lo > each.hi }
-            };
-            let [first, second] = known.map(is_beyond);
-            let beyond = [second, first && !second];
-            if is_negated && (first || second) {
-                self.needs.of[index].negated |= 1 << lane;
-            }
-            self.pass_on_either(index, lane, operands, beyond, [own, each]);
-        }
-    }
-
-    /// Passes thresholds on to one of two operands, which replaces the step, or to both.
-    /// `beyond` states for each whether it replaces the step, because the other is beyond the
-    /// thresholds.
-    fn pass_on_either(
-        &mut self,
-        index: usize,
-        lane: usize,
-        operands: [SelectedOperand; 2],
-        beyond: [bool; 2],
-        [own, each]: [Interval; 2],
-    ) {
-        if let Some(k) = beyond.iter().position(|is_beyond| *is_beyond) {
-            self.needs.of[index].replaced[k] |= 1 << lane;
-            self.need(operands[k], lane, own);
-        } else {
-            for operand in operands {
-                self.need(operand, lane, each);
+                for operand in operands {
+                    self.need(operand, lane, Interval::ZERO);
+                }
             }
         }
     }

@@ -5,9 +5,9 @@ use super::at_roots::REACH;
 use super::{BandNormals, NormalSource, OpenPixel};
 use crate::shade::{ColoredRows, ShadingInput, ViewAndNormals};
 use fearless_simd::{Level, f32x16, mask32x16, prelude::*, u8x16, u32x16};
+use zeroset_eval::dispatch;
 use zeroset_eval::{Gradients, Kernel, LANES, Lanes, Points, Real, SampleGradient};
 use zeroset_interval::Format;
-use zeroset_trace::dispatch;
 use zeroset_trace::painted::{PixelWindow, bits};
 use zeroset_trace::{KernelStats, RayDirections, RayGrid, Status};
 

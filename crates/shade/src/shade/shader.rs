@@ -8,9 +8,9 @@ use crate::color::{BLACK, LinearRgb, SrgbTable};
 use crate::colors::ColorsMut;
 use fearless_simd::{Level, f32x16, mask32x16, prelude::*, u8x16};
 use glam::Vec3;
+use zeroset_eval::dispatch;
 use zeroset_eval::{LANES, Lanes};
 use zeroset_style::Material;
-use zeroset_trace::dispatch;
 use zeroset_trace::painted::{FULL, PixelWindow, bits};
 use zeroset_trace::{Columns, RayGrid, Status};
 

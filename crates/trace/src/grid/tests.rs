@@ -1,10 +1,10 @@
 //! Rays of ordinary and extreme cameras, compared with real geometry in exact arithmetic.
 
 use super::*;
-use crate::dispatch;
 use fearless_simd::Level;
 use num_bigint::BigInt;
 use num_rational::BigRational;
+use zeroset_eval::dispatch;
 use zeroset_space::CameraError;
 use zeroset_testkit::Adversarial;
 

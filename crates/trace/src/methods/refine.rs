@@ -2,7 +2,6 @@
 //!
 //! Samples prove nothing. Refinement moves painted points, but never changes a status.
 
-use crate::dispatch;
 use crate::kernel_stats::KernelStats;
 use crate::options::TraceOptions;
 use crate::packet::RayLanes;
@@ -10,6 +9,7 @@ use crate::painted::ones;
 use crate::scalar::Scalar;
 use crate::simd_chunks::parts;
 use fearless_simd::{Level as Vectors, prelude::*};
+use zeroset_eval::dispatch;
 use zeroset_eval::{Kernel, LANES, Lanes, Points, Sample, Values};
 
 /// Maximum number of rounds. That many halvings take a whole ray to the resolution of `f64`. ITP

@@ -8,7 +8,6 @@
 //! it. Such pixels are undecided. This module does not depend on how a slab is tested.
 
 use super::refine::{RayParts, Refiner};
-use crate::dispatch;
 use crate::kernel_stats::KernelStats;
 use crate::method::{Segment, Start, Task, Tracer};
 use crate::packet::{PACKET_RAYS, Packet, RayLanes};
@@ -18,6 +17,7 @@ use crate::scalar::Scalar;
 use fearless_simd::{Level as Vectors, Simd};
 use std::ops::Range;
 use zeroset_eval::Zeros;
+use zeroset_eval::dispatch;
 use zeroset_space::Region;
 
 /// Maximum number of kernel calls for one packet. A search of all slabs down to depth 14 takes

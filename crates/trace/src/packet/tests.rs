@@ -1,11 +1,11 @@
 //! Compares boxes and ranges of τ with exact points of exact rays.
 
 use super::*;
-use crate::dispatch;
 use crate::painted::ones;
 use fearless_simd::Level;
 use num_bigint::BigInt;
 use num_rational::BigRational;
+use zeroset_eval::dispatch;
 use zeroset_space::{HalfSpace, Ray};
 use zeroset_testkit::simd::levels;
 

@@ -359,8 +359,8 @@ impl<S: Simd> TileVectors<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dispatch;
     use crate::methods::local_ray;
+    use zeroset_eval::dispatch;
     use zeroset_space::{Camera, Projection};
     use zeroset_testkit::simd::levels;
 

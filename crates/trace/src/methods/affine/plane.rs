@@ -133,7 +133,7 @@ impl<T: Scalar> Plane<T> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dispatch;
+    use zeroset_eval::dispatch;
     use zeroset_testkit::simd::levels;
 
     fn plane(per_screen: f64) -> Plane<f64> {

@@ -9,7 +9,6 @@ use super::narrow::{MIN_BLUR_SHARE, STALL_LENGTH, are_progress};
 use super::pool::{MAX_COLUMNS, RayBuffers};
 use super::tracer::{BandTracer, LAST, SIDES};
 use crate::band::Band;
-use crate::dispatch;
 use crate::grid::RayGrid;
 use crate::kernel_stats::KernelStats;
 use crate::methods::local_ray::CUT;
@@ -18,6 +17,7 @@ use crate::scalar::Scalar;
 use crate::simd_chunks::parts;
 use fearless_simd::{Level as Vectors, prelude::*};
 use std::ops::Range;
+use zeroset_eval::dispatch;
 use zeroset_eval::{LANES, Lanes, Tiles};
 
 /// Per level, a tile is split if its segment is no longer than this many times the tile's width.

@@ -3,7 +3,6 @@
 //!
 //! A long run: `ZEROSET_CASES=100000 cargo test --release -p zeroset-trace exact -- --nocapture`.
 
-use crate::dispatch;
 use crate::grid::RayGrid;
 use crate::methods::affine::frame::RayFrame;
 use crate::methods::affine::plane::PlaneLanes;
@@ -13,6 +12,7 @@ use crate::scalar::Scalar;
 use fearless_simd::Level;
 use glam::DVec3;
 use num_rational::BigRational;
+use zeroset_eval::dispatch;
 use zeroset_eval::{LANES, Lanes, Planes, Segments, Tiles};
 use zeroset_space::{Camera, Projection, Ray, Region};
 use zeroset_testkit::simd::levels;
