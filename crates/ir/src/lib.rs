@@ -5,6 +5,7 @@
 
 mod algebra;
 mod angles;
+mod blends;
 mod cancel;
 mod clear;
 mod compact;
@@ -32,6 +33,7 @@ mod testing;
 mod towers;
 
 pub use angles::algebraic_angles;
+pub use blends::quadratic_blends;
 pub use clear::{RationalForm, clear, without_gaps};
 pub use compact::compact;
 pub use constant::{Constant, NamedConstant};

@@ -117,12 +117,13 @@ impl Polynomial {
         factor.filter(|_| self.degree(variable) == 1)
     }
 
-    fn degree(&self, by: NodeId) -> u32 {
+    /// The degree in a variable.
+    pub fn degree(&self, by: NodeId) -> u32 {
         self.0.keys().map(|monomial| monomial.get(&by).copied().unwrap_or(0)).max().unwrap_or(0)
     }
 
     /// The coefficient of `by^exponent`, a polynomial in the other variables.
-    fn coefficient(&self, by: NodeId, exponent: u32) -> Self {
+    pub fn coefficient(&self, by: NodeId, exponent: u32) -> Self {
         let part = |(monomial, value): (&Monomial, &BigRational)| {
             let mut monomial = monomial.clone();
             let found = monomial.remove(&by).unwrap_or(0);
@@ -135,7 +136,8 @@ impl Polynomial {
         self.coefficient(by, self.degree(by))
     }
 
-    fn scaled(&self, factor: &BigRational) -> Self {
+    /// The polynomial times a number.
+    pub fn scaled(&self, factor: &BigRational) -> Self {
         if factor.is_zero() {
             return Self::default();
         }

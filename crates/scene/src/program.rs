@@ -7,8 +7,8 @@ use std::sync::{Arc, OnceLock};
 use zeroset_eval::{Assumptions, KernelFloat, Kernels, SurfaceKernels, Tape};
 use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{
-    Constant, Graph, Node, NodeId, algebraic_angles, bounded_logarithms, fix_exponents, radical,
-    regularize, rewrite, same_sign, simplify, without_gaps,
+    Constant, Graph, Node, NodeId, algebraic_angles, bounded_logarithms, fix_exponents,
+    quadratic_blends, radical, regularize, rewrite, same_sign, simplify, without_gaps,
 };
 use zeroset_syntax::{Document, Parameter, ParameterKind, SurfaceKind};
 
@@ -72,7 +72,8 @@ impl Program {
         if is_drawn {
             // Equal functions, with narrower enclosures.
             let narrow = |root: &NodeId| {
-                let root = algebraic_angles(&mut symbolic, *root);
+                let root = quadratic_blends(&mut symbolic, *root);
+                let root = algebraic_angles(&mut symbolic, root);
                 bounded_logarithms(&mut symbolic, root)
             };
             let narrow: Vec<NodeId> = rewritten.iter().map(narrow).collect();

@@ -21,6 +21,9 @@ pub(super) const LEAST_CHOICES: u32 = 16;
 /// Most other steps that a clause may use.
 const MOST_USED: usize = 3;
 
+/// Most steps of a clause that shares code. Longer code might need too much stack.
+const MOST_SHARED: usize = 64;
+
 /// A clause of a tape.
 #[derive(Clone, Debug, Default)]
 pub struct Clause {
@@ -51,6 +54,9 @@ type Shape = Vec<(Op, SmallVec<[ClauseOperand; 3]>)>;
 
 impl Clause {
     /// Returns how the clause finds an operand of one of its steps.
+    ///
+    /// # Panics
+    /// If no step of the clause has this operand.
     pub fn operand<T: Real>(&self, tape: &Tape<T>, operand: usize) -> ClauseOperand {
         if let Some(number) = self.used.iter().position(|&used| used == operand) {
             return ClauseOperand::Used(number as u8);
@@ -281,7 +287,9 @@ impl Clauses {
         let mut numbers: HashMap<Shape, usize> = HashMap::new();
         let mut shapes: Vec<(bool, Vec<u32>)> = Vec::new();
         for (index, clause) in self.of.iter().enumerate() {
-            let Some(clause) = clause else { continue };
+            let Some(clause) = clause.as_ref().filter(|one| one.steps.len() <= MOST_SHARED) else {
+                continue;
+            };
             let is_blend = matches!(rules.of[index], StepRule::Blend(_));
             let number = match numbers.entry(clause.shape(tape)) {
                 Entry::Occupied(entry) => *entry.get(),

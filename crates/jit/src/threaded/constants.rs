@@ -76,8 +76,12 @@ pub(super) fn used_directly<T: Real>(
         let Step::Apply(_, operands) = step else { continue };
         let clause = clauses.ending_with(index).filter(|clause| clause.shape.is_some());
         let operands = clause.map_or(&operands[..], |clause| &clause.used[..]);
-        operands.iter().for_each(|&operand| is_used[operand] = true);
+        for &operand in operands {
+            is_used[operand] = true;
+        }
     }
-    tape.outputs_at().iter().for_each(|&output| is_used[output] = true);
+    for &output in tape.outputs_at() {
+        is_used[output] = true;
+    }
     is_used
 }

@@ -211,7 +211,7 @@ type Pair<Q, T> = [Vec<<Q as Query>::Output<T>>; 2];
 
 /// Returns the results of compiled code and of stencils, each beside the reference.
 fn pairs<Q: Query, T: Real>(
-    tape: Tape<T>,
+    tape: &Tape<T>,
     case: &Case,
     inputs: &[Q::Input<T>],
     width: usize,
@@ -229,7 +229,7 @@ fn pairs<Q: Query, T: Real>(
     let binding = Binding::new(&case.parameters);
     let compiled = [native(&binding), reference(tape.clone(), &binding)];
     let threaded = |least_shared| {
-        let shortener = Shortener::new(&tape, &case.parameters, least_shared);
+        let shortener = Shortener::new(tape, &case.parameters, least_shared);
         let tape = Arc::new(shortener.clauses().coarse(tape.clone()));
         let threaded = Threaded::<Q, T>::narrow(&tape, &binding, &shortener, width);
         let found = threaded.expect("stencils are compiled").eval_all(inputs);
@@ -260,11 +260,11 @@ where
     }
     let Some(steps) = tape(case) else { return Ok(Tally::default()) };
     let compared = inputs.iter().map(|input| input.count() as u64).sum();
-    let Some(at) = differing::<Q, T>(&pairs::<Q, T>(steps, case, inputs, width), inputs) else {
+    let Some(at) = differing::<Q, T>(&pairs::<Q, T>(&steps, case, inputs, width), inputs) else {
         return Ok(Tally { compared, defined: compared });
     };
     let input = &inputs[at..=at];
-    let answers = |case: &Case| Some(pairs::<Q, T>(tape(case)?, case, input, width));
+    let answers = |case: &Case| Some(pairs::<Q, T>(&tape(case)?, case, input, width));
     let mut differs =
         |case: &Case| answers(case).is_some_and(|pairs| differing::<Q, T>(&pairs, input).is_some());
     let least = minimise(case, &mut differs);
