@@ -68,7 +68,7 @@ impl<V: Copy> Claims<V> {
         }
     }
 
-    /// A code of three digits to base 3, one per fact: whether it is false, true, or a mask.
+    /// Encodes the three facts as digits to base 3: 0 for false, 1 for true, 2 for a mask.
     pub fn shape(&self) -> u128 {
         let Self { nowhere, defined, continuous } = self;
         [nowhere, defined, continuous].iter().fold(0, |code, fact| 3 * code + fact.shape())

@@ -25,8 +25,8 @@ impl Plan {
         Self { entries, made: FxHashMap::default() }
     }
 
-    /// Returns a function that is ≤ 0 in the set, and above 0 elsewhere. It is a node of the given
-    /// function where the set is that of the node.
+    /// Returns a function that is ≤ 0 in the set, and above 0 elsewhere. Reuses a node of the given
+    /// function if the set is the set of that node.
     pub fn emit(mut self, graph: &mut Graph, root: SetId) -> NodeId {
         self.node(graph, root)
     }
@@ -81,7 +81,7 @@ impl Plan {
         nodes
     }
 
-    /// The form of a bound that is no node of the given function.
+    /// The linear form of a bound. `None` if the bound is already a node of the given function.
     fn made_form(&self, id: SetId) -> Option<Rc<LinearForm>> {
         let Entry { set, source, form } = &self.entries[id.index()];
         let is_made = matches!(set, Set::Bound(_)) && source.is_none();

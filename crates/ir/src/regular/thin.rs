@@ -1,10 +1,11 @@
-//! Proofs that a function takes no value on an open set.
+//! Proofs that a function is constant on no open set.
 //!
 //! The proof is for functions made of analytic operations and of choices. The operation |a| chooses
 //! a or −a, a minimum chooses an operand, and √a chooses one of two roots. Suppose that a function
-//! has the value c on an open set. Then one combination of choices has it on a smaller open set.
-//! That combination is analytic along every line. So it is c on each line through the set, and thus
-//! in all of space. Hence no open set has the value c if, at some point, no combination has it.
+//! has the value c on an open set. Then one combination of choices has the value c on a smaller
+//! open set. That combination is analytic along every line. So it has the value c on each line
+//! through the set, and thus in all of space. Hence, if at some point no combination has the value
+//! c, the function is c on no open set.
 //!
 //! The root of a is analytic along a line if a is analytic there and ≥ 0: its zeros on the line
 //! have even orders. So a must be ≥ 0 in all of space, and made without choices.

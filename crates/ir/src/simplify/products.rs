@@ -9,8 +9,8 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use zeroset_ops::{Class, Op, Restriction};
 
-/// Largest number of factors of a product that is stored with its node. A longer product is
-/// multiplied on as one factor, whatever its bases. Equal bases are merged once it is complete.
+/// Largest number of factors of a product that is stored with its node. A longer product becomes a
+/// single factor of later products. Its bases are not merged with theirs.
 const REMEMBERED_FACTORS: usize = 8;
 /// Largest number of restrictions that are lifted out of an operand. Further ones stay inside it.
 const LIFTED_CONDITIONS: usize = 16;
@@ -90,7 +90,7 @@ impl Rewriter<'_> {
         p.is_unmerged = false;
         loop {
             Self::merge(&mut p);
-            if !self.simplify_powers(&mut p) {
+            if !self.apply_power_laws(&mut p) {
                 break;
             }
         }
@@ -127,9 +127,9 @@ impl Rewriter<'_> {
         p.factors = merged;
     }
 
-    /// Applies the laws `|u|^2k = u^2k`, `(√u)^2k = u^k` where u ≥ 0, and `(∛u)^3k = u^k`. Returns
-    /// whether anything changed.
-    fn simplify_powers(&mut self, p: &mut Product) -> bool {
+    /// Applies the laws `|u|^2k = u^2k`, `(√u)^2k = u^k` for u ≥ 0, and `(∛u)^3k = u^k` to the
+    /// factors. Returns whether anything changed.
+    fn apply_power_laws(&mut self, p: &mut Product) -> bool {
         let mut changed = false;
         for factor in p.factors.iter_mut().filter(|factor| factor.exponent != 0) {
             if factor.exponent % 2 == 0 {

@@ -220,8 +220,8 @@ impl<M: Machine> Rule<'_, M> {
         [HeadAndTail { head: s, tail: self.m.mul_sub(cube, series, moved) }, cos]
     }
 
-    /// Turns values or bounds for the rest into those for the angle. Each is returned with a
-    /// vector: in lanes with that vector's sign bit set, the caller must negate it.
+    /// Converts values or bounds for the rest of an angle to those for the angle. Each is returned
+    /// with a vector: in lanes with that vector's sign bit set, the caller must negate it.
     fn turn_back<const N: usize>(
         &mut self,
         turned: &ReducedAngle<M::V>,
