@@ -59,7 +59,7 @@ impl Words<'_> {
         }
         let mut arguments = Arguments::new(split(inner, Comma));
         if !rest.iter().all(is_end) {
-            arguments.leave(rest.to_vec());
+            arguments.record_unused(rest.to_vec());
         }
         let Some((parts, count)) = self.coordinates(&mut arguments) else { return Ok(None) };
         let ranges = self.parameter_ranges(&mut arguments, count);
@@ -73,12 +73,12 @@ impl Words<'_> {
         let Some(name) = range.name.or(own).or_else(|| self.handle_parameter()) else {
             return Err(Error::new(place, ErrorKind::CurveRange));
         };
-        let note = self.left_of_plot(&arguments.left());
+        let note = self.unused_note(&arguments.into_unused());
         Ok(Some((self.path(place, &parts, name, &range), note)))
     }
 
-    /// Joins the equations `x = cos t`, `y = sin t` and `z = t`, and the range of t behind them, to
-    /// the statement of a curve.
+    /// Joins the equations `x = cos t`, `y = sin t` and `z = t`, and the range of t after them,
+    /// into one statement of a curve.
     pub(crate) fn join_coordinates(self, statements: &mut Vec<Vec<Token>>) {
         let mut at = 0;
         while at < statements.len() {
@@ -176,7 +176,7 @@ impl Words<'_> {
             && let [low, high, steps @ ..] = split(inner, Comma).as_slice()
         {
             for step in steps {
-                arguments.leave(step.clone());
+                arguments.record_unused(step.clone());
             }
             return vec![PlotRange { name: None, low: low.clone(), high: high.clone() }];
         }

@@ -23,7 +23,7 @@ pub(crate) enum Operator {
     Nabla,
 }
 
-/// The operator that a name is.
+/// The operator with this name; `None` if there is none.
 pub(crate) fn operator(typed: &str) -> Option<Operator> {
     match typed {
         "∇" | r"\nabla" => Some(Operator::Nabla),

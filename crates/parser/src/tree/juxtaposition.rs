@@ -345,14 +345,15 @@ impl Builder<'_> {
                 | FactorItem::Factorial(_)
                 | FactorItem::Caret(..)
                 | FactorItem::Superscript(_),
-            ) => self.behind(base, items),
+            ) => self.with_postfixes(base, items),
             _ => Ok(base),
         }
     }
 
-    /// Reads the items after a factor that belong to it: components, methods, `!` and exponents.
+    /// Adds to a factor the items after it that belong to it: components, methods, `!` and
+    /// exponents.
     #[inline(never)] // keeps the stack frames of nested plain factors small
-    fn behind(&mut self, mut base: Expr, items: &mut FactorItems<'_>) -> Fallible<Expr> {
+    fn with_postfixes(&mut self, mut base: Expr, items: &mut FactorItems<'_>) -> Fallible<Expr> {
         while let Some(FactorItem::Component(..)) = items.front() {
             base = Self::component(base, items)?;
             self.check_depth(base.span, 1)?;

@@ -115,7 +115,7 @@ impl Scope {
         self.defined.insert(name.to_owned(), parameters);
     }
 
-    /// Suggests no defined names but those that occur in `text`, and those in `others`.
+    /// Limits suggestions of defined names to names that occur in `text` or in `others`.
     pub fn suggest_only(&mut self, text: &str, others: &[(String, String)]) {
         let words = text.split(|c: char| !(c.is_alphanumeric() || c == '_'));
         let written: FxHashSet<&str> =
@@ -336,7 +336,7 @@ impl std::fmt::Display for Signatures {
 /// whether n is odd.
 pub const ROOT_NAMES: &[&str] = &["root", "nroot", "nthroot", "surd"];
 
-/// No builder takes more arguments, its vectors written as three numbers each.
+/// Upper limit on the number of arguments of a builder, if each vector is written as three numbers.
 const MOST_ARGUMENTS: usize = 12;
 
 /// Returns whether an operation of two operands also combines more operands, from left to right.

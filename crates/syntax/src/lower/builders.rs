@@ -172,8 +172,8 @@ impl Lowering<'_> {
         Err(error.unwrap_or_else(|| Error::new(span, ErrorKind::Empty)))
     }
 
-    /// Lowers the formula of a builder. Returns also the axis on which its shape depends and whose
-    /// coordinate the builder fixes, if there is one.
+    /// Lowers the formula of a builder. If its shape depends on an axis whose coordinate the
+    /// builder fixes, returns that axis too.
     fn built(
         &mut self,
         index: usize,
