@@ -182,7 +182,7 @@ fn why_empty(found: &Meshes, document: &Document) -> String {
     }
 }
 
-/// Tells what the files do not hold.
+/// Notes on properties of the surfaces that the files do not hold.
 fn remarks(found: &Meshes, format: Option<&Format>) -> Vec<String> {
     let mut remarks = found.remarks.clone();
     for Object { name, mesh, .. } in &found.objects {
@@ -259,7 +259,7 @@ fn listed(holds: impl Fn(&&Format) -> bool) -> String {
     if others.is_empty() { (*last).to_owned() } else { format!("{} and {last}", others.join(", ")) }
 }
 
-/// Rounding of coordinates that goes without saying, as a share of the tolerance.
+/// Rounding of coordinates up to this share of the tolerance is not mentioned.
 const ROUNDING: f64 = 0.01;
 
 /// One line for each surface that has triangles.

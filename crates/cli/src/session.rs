@@ -91,7 +91,7 @@ pub struct Session {
     interrupts: AtomicU64,
     /// Number of commands at work that Ctrl-C gives up.
     works: AtomicU64,
-    /// Whether [`Session::say_what_is_kept`] has spoken.
+    /// Whether [`Session::say_what_is_kept`] has printed its message.
     has_parted: AtomicBool,
     /// Faults in requests up to this revision are shown in the window only.
     reported_in_window: AtomicU64,

@@ -28,7 +28,7 @@ const MARGIN: f64 = 1e-12;
 /// for, as a share of the tetrahedron's size.
 pub const MOVED: f64 = 1e-3;
 
-/// Number of corrections of a vector.
+/// Largest number of corrections in the search for a vector.
 const CORRECTIONS: usize = 24;
 
 /// Gradients in a tetrahedron that a vector at one of its corners must not oppose.
@@ -73,9 +73,9 @@ pub fn common_vector(star: &[Slopes], faces: [bool; 3]) -> Option<DVec3> {
         DVec3::from_array(along).try_normalize()
     };
     let sum: DVec3 = star.iter().filter_map(|slopes| tangent(middle(&slopes.gradient))).sum();
-    // The shortest vector in the hull of all gradients, each of length 1, is nearest to opposing
-    // none of them. Gilbert's method approaches it: it moves toward the gradient that is most
-    // against the vector.
+    // The shortest vector in the hull of all gradients, each scaled to length 1, opposes them
+    // least. Gilbert's method approaches it: each step moves toward the gradient that opposes the
+    // vector most.
     let mut shortest = sum / star.len() as f64;
     for _ in 0..=CORRECTIONS {
         let vector = shortest.try_normalize()?;
@@ -103,8 +103,8 @@ pub fn common_vector(star: &[Slopes], faces: [bool; 3]) -> Option<DVec3> {
     None
 }
 
-/// Greatest value of f in a triangle of the mesh whose vertices stand for zeros of g, and of g at a
-/// zero of f. Bounds of f's gradient are given. NaN if they have no width.
+/// Bound of |f| in a triangle of the mesh whose vertices stand for zeros of g, and of |g| at a zero
+/// of f. `gradient` bounds f's gradient. Not finite if its bounds are not finite.
 pub fn bend(gradient: &[Interval; 3], corners: &[DVec3; 4]) -> f64 {
     let span = |axis: usize| {
         let along = corners.map(|corner| corner[axis]);

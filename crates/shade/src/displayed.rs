@@ -1,5 +1,5 @@
 //! Pictures of a stretched space, as seen in the displayed space. Light, edges and occlusion are
-//! those of the displayed space, so what computes them knows no stretched space.
+//! those of the displayed space, so the code that computes them ignores stretching.
 
 use glam::Vec3;
 use rayon::prelude::*;

@@ -69,7 +69,7 @@ pub trait Tracer: Sync {
         work: &mut KernelStats,
     );
 
-    /// The method that traces these rays if this method cannot trace them.
+    /// The method to use instead if this one cannot trace these rays; `None` if it can.
     fn fallback(&self, _: &RayGrid) -> Option<Fallback> {
         None
     }

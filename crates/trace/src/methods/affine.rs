@@ -84,7 +84,7 @@ struct Affine<'a, T: Scalar> {
     longest: f64,
     /// Buffers that no thread is using.
     buffers: BufferPool<Box<BandBuffers<T>>>,
-    /// The parts of the latest picture.
+    /// The tree of parts of the latest picture.
     tree: Mutex<Option<Arc<PartTree>>>,
     /// This method in `f64`, created for the first picture that needs it.
     double: OnceLock<Option<Box<Affine<'a, f64>>>>,

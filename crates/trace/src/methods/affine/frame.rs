@@ -192,9 +192,9 @@ impl RayFrame {
                 let enter = up.select(low - o[1], o[0] - high);
                 let leave = up.select(high - o[0], o[1] - low);
                 let (least, most) = (up.select(d[0], -d[1]), up.select(d[1], -d[0]));
-                // The earliest entry is a negative distance divided by the least speed, or a
-                // positive one by the greatest. The latest exit is a negative one by the greatest,
-                // or a positive one by the least.
+                // The earliest entry divides a negative distance by the least speed, or a positive
+                // distance by the greatest. The latest exit divides a negative distance by the
+                // greatest speed, or a positive distance by the least.
                 let first = enter / enter.simd_lt(0.0).select(least, most);
                 let last = leave / leave.simd_lt(0.0).select(most, least);
                 let one_way = up | down;
