@@ -65,7 +65,7 @@ pub struct Settings {
     pub choices: Choices,
     /// Background. `None` for the document's, or else the look's color.
     pub background: Option<Background>,
-    /// Colors are kept as bytes, or as floats. With floats, the picture also has
+    /// Whether colors are kept as bytes or as floats. With floats, the picture also has
     /// [`Picture::light`].
     pub depth: ColorDepth,
 }
@@ -163,8 +163,8 @@ pub struct Picture {
     /// Red, green and blue light of each pixel (primaries of sRGB, 1 at full), then its opacity.
     /// Empty unless colors are kept as floats.
     pub light: Vec<[f32; 4]>,
-    /// The share of its light that reaches the ground at each pixel; NaN far from where the ground
-    /// is seen. Empty without a ground, and for strips.
+    /// The share of the unshadowed light that reaches the ground at each pixel; NaN far from where
+    /// the ground is seen. Empty without a ground, and for strips.
     pub(crate) ground: Vec<f32>,
     /// Color of pixels that show no surface, as sRGB bytes. It is the look's if the background is
     /// transparent.

@@ -10,10 +10,10 @@ use zeroset_shade::{Displayed, edges};
 /// Rows of a picture in which lines are as thin as possible.
 const ROWS: f64 = 900.0;
 
-/// Largest radius of a line, in pixels. A strip knows more rows than that beyond its own.
+/// Largest radius of a line, in pixels. A strip has more extra rows than that.
 const WIDEST: f64 = 14.0;
 
-/// Share of a pixel's color that a line has at most.
+/// Largest share of a pixel's color that a line takes.
 const INK: f32 = 0.75;
 
 /// Colors of lines before a light background and before a dark one.

@@ -28,7 +28,7 @@ const NEAREST: f64 = 1e-4;
 /// Width of the gap that a tube leaves in a tube behind it, in pixels on each side.
 const GAP: f64 = 1.3;
 
-/// A tube leaves a gap in what is farther by this many of its widths.
+/// A tube leaves a gap in tubes that are farther away by at least this many of its widths.
 const CUT: f64 = 4.0;
 
 /// Parts of a curve that are nearer than this along it leave no gap in each other, in pixels.
@@ -265,7 +265,7 @@ fn draw_segment(
             if length >= gap {
                 continue;
             }
-            // Depths are even in the picture as reciprocals.
+            // Along a segment in the picture, the reciprocal of the depth changes evenly.
             let weight = share * from.depth / (share * from.depth + (1.0 - share) * to.depth);
             let distance = from.distance + (to.distance - from.distance) * weight;
             let depth = from.depth + (to.depth - from.depth) * weight;

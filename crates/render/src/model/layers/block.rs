@@ -85,7 +85,7 @@ impl Block {
         })
     }
 
-    /// Sets `all` of the block's pixels for which `part` is set.
+    /// Sets the elements of `all` for those of the block's pixels whose element of `part` is set.
     pub fn mark(&self, part: &[bool], all: &mut [bool], width: usize) {
         self.pixels_of(self, width).for_each(|(pixel, own)| all[pixel] |= part[own]);
     }
