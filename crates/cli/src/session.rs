@@ -84,14 +84,14 @@ pub struct Session {
     refused_overwrite: Mutex<Option<PathBuf>>,
     /// Whether pictures have the terminal's size, not the window's.
     in_terminal: AtomicBool,
-    /// Whether the gallery was requested since the window last checked.
+    /// True if the gallery was requested since the window last checked.
     gallery: AtomicBool,
     ended: AtomicBool,
     /// Number of times that Ctrl-C was pressed while the program worked.
     interrupts: AtomicU64,
     /// Number of commands at work that Ctrl-C gives up.
     works: AtomicU64,
-    /// Whether [`Session::say_what_is_kept`] has printed its message.
+    /// True if [`Session::say_what_is_kept`] has printed its message.
     has_parted: AtomicBool,
     /// Faults in requests up to this revision are shown in the window only.
     reported_in_window: AtomicU64,

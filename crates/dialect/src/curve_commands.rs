@@ -160,7 +160,8 @@ impl Words<'_> {
         (is_list && is_whole && parts.len() == 3).then_some(parts)
     }
 
-    /// Takes the ranges behind the coordinates, which are the first `count` arguments.
+    /// Takes the parameters' ranges, which follow the coordinates. The coordinates are the first
+    /// `count` arguments.
     fn parameter_ranges(self, arguments: &mut Arguments, count: usize) -> Vec<PlotRange> {
         // GeoGebra writes the parameter and the ends as arguments.
         if let [name, _, _, ..] = &arguments.all()[count..]

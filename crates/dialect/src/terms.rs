@@ -219,7 +219,7 @@ impl ProgramReader<'_> {
             match next.kind {
                 OpenBracket
                     if matches!(self.language, Language::Python | Language::OpenScad)
-                        && let Some(letter) = self.index(&tokens[*at..], frame) =>
+                        && let Some(letter) = self.indexed_letter(&tokens[*at..], frame) =>
                 {
                     let value: Vec<Token> = out.drain(start..).collect();
                     let place = token.span;
@@ -259,8 +259,9 @@ impl ProgramReader<'_> {
         Ok(is_whole)
     }
 
-    /// The letter of the component with the known index at the start of `tokens`, as in `[1]`.
-    fn index(&self, tokens: &[Token], frame: &Frame) -> Option<char> {
+    /// The letter of the component whose index is in the brackets at the start of `tokens`: `y` for
+    /// `[1]`. `None` if the index is not known, or there is no such component.
+    fn indexed_letter(&self, tokens: &[Token], frame: &Frame) -> Option<char> {
         let (inner, _) = bracketed(tokens)?;
         let index = self.known_value(inner, frame).filter(|index| index.fract() == 0.0)?;
         LETTERS.chars().enumerate().find(|(at, _)| *at as f64 == index).map(|(_, letter)| letter)

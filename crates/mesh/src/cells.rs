@@ -83,7 +83,7 @@ pub struct Local {
     pub parts: Parts,
 }
 
-/// Whether a cell may hold a zero.
+/// The answer to whether a cell may hold a zero.
 #[derive(Clone)]
 pub enum CellClass {
     /// There is no zero in the cell. The sign is −1 or 1 if it is the same in the whole cell and

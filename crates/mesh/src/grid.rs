@@ -146,7 +146,7 @@ pub struct Grid {
 pub const LEVELS: u32 = BITS - 2;
 
 impl Grid {
-    /// A grid of 2ᵏ cubes along each axis, for three numbers k of at most four.
+    /// A grid of 2ᵏ cubes along each axis. `cubes` has the k of each axis, at most 4.
     pub fn new(cubes: [u32; 3]) -> Self {
         let most = cubes.into_iter().max().unwrap_or_default();
         let root = LEVELS - most;

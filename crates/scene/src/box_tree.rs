@@ -58,8 +58,8 @@ impl<T: WholeFloat> TreeNode<T> {
         node
     }
 
-    /// Divides the box. A part that needs nearly all steps is left out. A box without end has no
-    /// middle, and stays whole: `eval` takes points from everywhere.
+    /// Divides the box into a part for each lane. Parts that need nearly as many steps as the box
+    /// are left out. An unbounded box cannot be divided evenly, so it has no parts.
     fn divided(&self) -> Vec<Self> {
         if self.bounds.iter().any(|range| !range.lo.is_finite() || !range.hi.is_finite()) {
             return Vec::new();

@@ -23,7 +23,7 @@ pub(crate) enum Operator {
     Nabla,
 }
 
-/// The operator with this name; `None` if there is none.
+/// The operator with this name; `None` if no operator has it.
 pub(crate) fn operator(typed: &str) -> Option<Operator> {
     match typed {
         "∇" | r"\nabla" => Some(Operator::Nabla),

@@ -7,7 +7,7 @@ use super::blur::box_blur;
 use crate::pixels::{ColorBuffer, is_dark};
 use zeroset_shade::{Displayed, edges};
 
-/// Rows of a picture in which lines are as thin as possible.
+/// The radius of lines is a pixel for each of this many rows of the picture, but at least a pixel.
 const ROWS: f64 = 900.0;
 
 /// Largest radius of a line, in pixels. A strip has more extra rows than that.

@@ -129,7 +129,8 @@ impl<M: Machine> Rule<'_, M> {
         Operand { value: Enclosure::total(self.m.neg(at), at), ..*bounds }
     }
 
-    /// The form f(m) + α(a − m), whose error bounds the rest of the Taylor series.
+    /// The form f(m) + α(a − m), where m is `middle`. Its error bounds the rest of the Taylor
+    /// series for operands that differ from m by at most `reach`. `here` encloses f(m).
     fn form_taylor<const N: usize>(
         &mut self,
         a: &Form<M::V, N>,
