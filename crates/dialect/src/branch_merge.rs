@@ -90,6 +90,7 @@ impl ProgramReader<'_> {
         frame.has_result |= yes.has_result || no.has_result;
     }
 
+    /// A value that is `yes` where the condition holds, else `no`. Two flags are merged as numbers.
     fn chosen(
         &mut self,
         name: &str,

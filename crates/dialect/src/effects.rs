@@ -211,6 +211,7 @@ impl ProgramReader<'_> {
         PureValue { tokens, is_whole }
     }
 
+    /// Carries out an assignment, and returns its target.
     fn assign(&mut self, found: &Assignment<'_>, frame: &mut Frame) -> Fallible<Target> {
         let target = Target::of(found.target)?;
         let mark = self.reads.len();
@@ -365,6 +366,8 @@ impl ProgramReader<'_> {
         self.short_circuit(tokens, Or, frame)
     }
 
+    /// Reads operands that are joined by `sign`, a logical "or" or "and". Effects of the right
+    /// operand happen only where the left operand does not determine the result.
     fn short_circuit(
         &mut self,
         tokens: &[Token],

@@ -431,6 +431,8 @@ impl ProgramReader<'_> {
         self.push(tokens, None, None, &frame.aliases, false)
     }
 
+    /// Adds a statement whose value is `tokens` to the program. With `head`, the statement defines
+    /// a name.
     pub(crate) fn push(
         &mut self,
         tokens: Vec<Token>,

@@ -153,6 +153,7 @@ impl ProgramReader<'_> {
         Ok(self.saved(kind, span, false, frame))
     }
 
+    /// Reads the two operands of an operation.
     fn both(
         &mut self,
         left: &[Token],

@@ -169,6 +169,7 @@ impl<M: Machine> Rule<'_, M> {
         self.nan_unless(is_number, value)
     }
 
+    /// Applies a routine to the numbers of all lanes, and returns the approximate values.
     fn near_at(
         &mut self,
         a: M::V,
@@ -230,6 +231,7 @@ impl<M: Machine> Rule<'_, M> {
         self.nan_unless(positive, value)
     }
 
+    /// Applies a routine to angles. NaN where an angle is too large to be reduced.
     fn angle_at(
         &mut self,
         a: M::V,

@@ -333,6 +333,7 @@ fn multiplied(graph: &mut Graph, a: &Fraction, b: &Fraction) -> Fraction {
     }
 }
 
+/// The power of a fraction.
 fn power(graph: &mut Graph, a: &Fraction, exponent: u32) -> Fraction {
     Fraction {
         numerator: if is_one(graph, a.numerator) {

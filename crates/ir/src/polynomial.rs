@@ -340,6 +340,7 @@ struct Expansion<'a> {
 }
 
 impl Expansion<'_> {
+    /// A node as a polynomial. A node that cannot be expanded is a variable of the polynomial.
     fn of(&mut self, id: NodeId, depth: usize) -> Polynomial {
         if let Some(known) = self.known.get(&id) {
             return known.clone();
@@ -350,6 +351,8 @@ impl Expansion<'_> {
         found
     }
 
+    /// Expands a number, or an operation on polynomials. `None` for any other node, or if the work
+    /// or the numbers become too large.
     fn expanded(&mut self, id: NodeId, depth: usize) -> Option<Polynomial> {
         let graph = self.graph;
         let (op, operands) = match graph.node(id) {

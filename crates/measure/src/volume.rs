@@ -310,6 +310,7 @@ struct Sums {
 }
 
 impl Sums {
+    /// Adds the integrals over a part, and extends the ends of the solid to it.
     fn add(&mut self, part: &Part) {
         // In one box, each coordinate and each product has one sign. So the integrals over the
         // part are between those over the two polyhedra.
@@ -349,6 +350,7 @@ impl Sums {
         })
     }
 
+    /// The enclosures of a solid's measures. Each is widened by the rounding errors of its sum.
     fn solid(&self, origin: DVec3, boxes: usize) -> Solid {
         let share = ROUNDING + 2.0 * f64::EPSILON * self.count as f64;
         let [least, most] = self.moments;

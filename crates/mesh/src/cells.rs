@@ -138,6 +138,8 @@ pub fn classify_cells(
     Some(index.into_iter().map(|number| classes[number].clone()).collect())
 }
 
+/// The bounds of one part in each of the boxes. They may be estimated from samples if no box has an
+/// edge longer than `estimated`.
 fn bounds(
     kernels: &PartKernels<'_>,
     part: u16,
@@ -238,6 +240,7 @@ pub fn parts_of(choice: &Choice) -> SmallVec<[usize; 4]> {
     parts
 }
 
+/// Classifies a cell by the bounds of the parts in it.
 fn classify_cell(choice: &Arc<Choice>, bounds: &Parts, query: &Query<'_>) -> CellClass {
     let is_solid = query.is_solid;
     let choice = match &**choice {

@@ -167,6 +167,8 @@ impl<T: Real> NormalSource<'_, T> {
         work
     }
 
+    /// The normals at a batch of points. Each is found in the first way that works: from gradients,
+    /// from differences of values, or from the ray's direction alone.
     fn of_batch(
         &self,
         rests: &[Rest],

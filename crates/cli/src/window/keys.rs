@@ -44,6 +44,7 @@ enum Held {
 }
 
 impl Held {
+    /// Returns whether the pressed modifiers are those that are required.
     fn fits(self, Modifiers { control, shift }: Modifiers) -> bool {
         match self {
             Self::Nothing => !control && !shift,

@@ -50,6 +50,7 @@ impl Sets<'_> {
         self.cover_once(id, &mut known)
     }
 
+    /// Covers a set after its members. `known` has the sets that are covered already.
     fn cover_once(&mut self, id: SetId, known: &mut FxHashMap<SetId, SetId>) -> SetId {
         let Set::Group(kind, members) = self.set(id) else { return id };
         if let Some(covered) = known.get(&id) {

@@ -31,6 +31,7 @@ impl Plan {
         self.node(graph, root)
     }
 
+    /// The node of a set's function, which is created at most once.
     fn node(&mut self, graph: &mut Graph, id: SetId) -> NodeId {
         if let Some(node) = self.made.get(&id) {
             return *node;

@@ -48,6 +48,8 @@ impl Sets<'_> {
         self.reduce_within(id, &mut Ranges::default())
     }
 
+    /// Does the work of [`Self::reduce`] where the members around the set restrict values to
+    /// `ranges`.
     fn reduce_within(&mut self, id: SetId, ranges: &mut Ranges) -> SetId {
         let Some(work) = self.work.checked_sub(1) else { return id };
         self.work = work;

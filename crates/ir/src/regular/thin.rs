@@ -72,6 +72,7 @@ impl<'a> Thinness<'a> {
         places.map(|place| self.sum(graph, terms, place)).collect()
     }
 
+    /// The values of a sum at one place. `None` if they are not known.
     fn sum(&mut self, graph: &Graph, terms: &[(NodeId, Constant)], place: usize) -> Values {
         let mut sums = vec![Interval::ZERO];
         for (id, coefficient) in terms {
@@ -83,6 +84,7 @@ impl<'a> Thinness<'a> {
         Some(Rc::new(sums))
     }
 
+    /// The values of a node at one place. `None` if they are not known.
     fn at(&mut self, graph: &Graph, id: NodeId, place: usize, depth: usize) -> Values {
         if let Some(values) = self.values[place].get(&id) {
             return values.clone();
@@ -251,6 +253,7 @@ impl Nonneg {
         self.at(graph, id, 0)
     }
 
+    /// Does the work of [`Self::holds`] for a node `depth` levels below the first one.
     fn at(&mut self, graph: &Graph, id: NodeId, depth: usize) -> bool {
         if let Some(known) = self.known.get(&id) {
             return *known;

@@ -167,6 +167,7 @@ impl Scope {
         NameMeaning::Unknown
     }
 
+    /// The value that a name stands for. `None` if it stands for none.
     fn value(&self, name: &str, locals: &[Name]) -> Option<NamedValue> {
         if locals.iter().any(|local| local.text == name) {
             return Some(NamedValue::Local(name.to_owned()));

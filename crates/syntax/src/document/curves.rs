@@ -95,6 +95,7 @@ impl CurveShape {
         }
     }
 
+    /// Replaces all nodes of the shape by `nodes`, in the order of the shape's fields.
     fn replace(&mut self, mut nodes: impl Iterator<Item = NodeId>) {
         let all: Vec<&mut NodeId> = match self {
             Self::Intersection(both) => both.iter_mut().collect(),
@@ -145,6 +146,7 @@ impl DocumentReader<'_> {
     }
 }
 
+/// Lowers a curve to its shape. `parameter` is the number of a path's parameter in the graph.
 fn shape<'d>(
     lowering: &mut Lowering<'d>,
     curve: &'d CurveStatement,

@@ -385,6 +385,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
+    /// The value that a name stands for.
     #[inline(never)]
     fn named(&mut self, value: &NamedValue, span: Span, locals: &Locals<'a>) -> Fallible<Tensor> {
         let varies = || {

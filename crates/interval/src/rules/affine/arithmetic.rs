@@ -99,6 +99,7 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
+    /// The form of a · b. At least one operand must have slopes.
     pub(super) fn form_product<const N: usize>(
         &mut self,
         a: &FormOperand<M::V, N>,
@@ -168,6 +169,8 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
+    /// The form of a · b for two operands with slopes, without the bounds that interval arithmetic
+    /// gives.
     fn form_product_varying<const N: usize>(
         &mut self,
         a: &Form<M::V, N>,

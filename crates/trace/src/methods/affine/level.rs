@@ -264,6 +264,7 @@ impl<T: Scalar> Level<T> {
         self.batch.count = LANES as u32 - self.live.leading_zeros();
     }
 
+    /// Moves the live tiles of the batch to its first lanes.
     #[inline(always)]
     fn pack_batch<S: Simd>(&mut self, simd: S) {
         // The compiler keeps this copy in a register. It would read `self.live` again for each

@@ -105,6 +105,8 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         );
     }
 
+    /// Evaluates the segments of all rays in the pool once. Rays that are decided, or that were
+    /// evaluated too often, leave the pool.
     #[inline(always)]
     fn evaluate_pool_once(&mut self) {
         let RayBuffers { pool, contractions, .. } = &mut *self.memory;

@@ -270,6 +270,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
         RayFunction { kernel, local_ray, region, is_solid: options.is_solid }
     }
 
+    /// Does the work of [`Self::bracket_across_gap`] with the kernels of a scalar type.
     fn bracket_across_gap_in<U: Scalar>(
         &self,
         local_ray: &LocalRay,
@@ -292,6 +293,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
         self.along(kernels.bounds().ok()?, local_ray).bracket(segment)
     }
 
+    /// Does the work of [`Self::classify_open`] with the kernels of a scalar type.
     fn classify_open_in<U: Scalar>(
         &self,
         local_ray: &LocalRay,

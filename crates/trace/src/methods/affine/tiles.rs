@@ -359,6 +359,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         );
     }
 
+    /// Evaluates and halves the tiles of the first level until none is live.
     #[inline(always)]
     fn run<const DEPTH: usize>(&mut self, levels: &mut [Level<T>]) {
         let (level, finer) = levels.split_first_mut().expect("a level");
