@@ -1,4 +1,4 @@
-//! Measures results again: counts must be the same, times about the same.
+//! Measures results again. Counts must not change, and times must be about as long as before.
 
 use crate::error::ChartError;
 use crate::groups::grouped;

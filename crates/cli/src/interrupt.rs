@@ -29,7 +29,7 @@ struct State {
 }
 
 /// Listens for Ctrl-C from now on. `remark` is as for [`set_remark`]. A process that was started to
-/// ignore Ctrl-C, as shells start those of the background, goes on ignoring it.
+/// ignore Ctrl-C, as shells start those in the background, goes on ignoring it.
 ///
 /// # Errors
 /// If the system does not allow it.

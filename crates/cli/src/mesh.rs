@@ -76,7 +76,8 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
     Ok(if is_failed { ExitCode::from(UNDECIDED) } else { ExitCode::SUCCESS })
 }
 
-/// Writes the surfaces of a picture to a file. Returns what is proven of them, as lines of text.
+/// Writes the surfaces of a picture to a file. Returns lines of text that say what is proven of the
+/// meshes.
 ///
 /// # Errors
 /// If the file cannot be written, nothing is there to write, or `wanted` returns false.

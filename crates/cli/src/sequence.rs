@@ -205,8 +205,8 @@ fn numbered(path: &Path, frame: usize) -> Result<Option<PathBuf>> {
     Ok((places == 1).then(|| name.into()))
 }
 
-/// Counts of frames: rendered, already there, with undecided pixels, without a visible surface, and
-/// with each note on a surface that another method traced.
+/// Counts of frames: rendered ones, ones that existed already, ones with undecided pixels, without
+/// a visible surface, and with each note on a surface that another method traced.
 #[derive(Default)]
 struct FrameCounts {
     made: usize,

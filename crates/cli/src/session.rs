@@ -259,8 +259,8 @@ impl Session {
         self.live.refresh();
     }
 
-    /// Gives up what the program works on: the running picture, or else a command. Returns false if
-    /// there is no work.
+    /// Cancels the current work of the program: the running picture, or else a command. Returns
+    /// false if there is no work.
     pub fn give_up(&self) -> bool {
         self.interrupts.fetch_add(1, Ordering::Relaxed);
         if self.live.give_up() {
@@ -393,7 +393,7 @@ impl Session {
         }
     }
 
-    /// Says where the document is kept, if it has unsaved changes. Keeps it there.
+    /// Keeps the document if it has unsaved changes, and says where.
     pub fn say_what_is_kept(&self) {
         self.keep();
         if self.live.is_changed()

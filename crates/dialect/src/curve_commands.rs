@@ -32,8 +32,8 @@ const RANGES: &[&str] = &["t_range", "u_range"];
 const LISTS: &[&str] = &["array", "stack", "Vector", "vector", "Matrix"];
 
 impl Words<'_> {
-    /// The statement of a command that plots a curve, and a note on what has no effect; `None` if
-    /// `tokens` are no such command.
+    /// The statement of a command that plots a curve, and a note on arguments that have no effect;
+    /// `None` if `tokens` are no such command.
     pub(crate) fn curve_command(
         self,
         tokens: &[Token],

@@ -414,8 +414,8 @@ impl ProgramReader<'_> {
         if sign == Or { self.short_circuit(tokens, And, frame) } else { self.terms(tokens, frame) }
     }
 
-    /// Runs two sides of a branch in an expression. A side gives its value, or `None` if its value
-    /// is that of the condition. Returns the value of the side that counts.
+    /// Runs two sides of a branch in an expression. A side returns its value, or `None` if the
+    /// condition's value is its value. Returns the value of the side that the condition selects.
     fn branches(
         &mut self,
         condition: Vec<Token>,

@@ -85,7 +85,7 @@ pub(crate) struct Plot {
     pub is_height: bool,
     /// A `domain` line with the ranges; `None` if the command has no readable ranges.
     pub domain: Option<Vec<Token>>,
-    /// Notes on the ranges, and on what has no effect.
+    /// Notes on the ranges, and on arguments that have no effect.
     pub notes: Vec<Note>,
     /// Names of the formulas that stand for coordinates.
     pub renamed: Vec<(Token, TokenKind)>,

@@ -39,5 +39,6 @@ pub struct PastedProgram {
     pub notes: Vec<Note>,
 }
 
-/// The statements of a text of another format, and notes on its domain and on what is not read.
+/// The statements of a text in another format, and notes on its domain and on parts that are not
+/// read.
 pub(crate) type ForeignText = (Vec<Vec<Token>>, Vec<Note>);

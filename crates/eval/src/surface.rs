@@ -95,7 +95,7 @@ pub trait Kernels<T: Real>: Sync {
 pub enum PartSurface {
     /// There is no zero in the part.
     Empty,
-    /// Kernels of the part take as much time as those of the whole.
+    /// Kernels for the part take as much time as the kernels for all of space.
     Same,
     /// A surface with the same zeros and signs in the part, and the same domain of definition,
     /// whose kernels take less time. It has those kernels that find zeros along rays.

@@ -26,8 +26,8 @@ impl<V: Copy> Enclosure<V> {
         Enclosure { neg_lo: f(self.neg_lo), hi: f(self.hi), facts: self.facts.map(f) }
     }
 
-    /// Combines the facts, those of the operands, with `own`, the operation's claims about its
-    /// domain.
+    /// Combines the facts of this enclosure, which are about the operands, with `own`, the
+    /// operation's claims about its domain.
     pub(crate) fn restricted<M: Machine<V = V>>(self, m: &mut M, own: &Claims<V>) -> Self {
         Self { facts: self.facts.and(m, own), ..self }
     }

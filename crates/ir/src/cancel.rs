@@ -205,7 +205,8 @@ impl Cancellation {
     }
 
     /// The common factor of node p of a numerator and node b of a denominator. Looks for it in
-    /// their polynomials, then after rewriting functions in these by their secants, then by shifts.
+    /// their polynomials, then in polynomials whose functions are rewritten with secants, then by
+    /// shifts.
     fn common_factor<I: Iterator<Item = NodeId>>(
         &mut self,
         graph: &mut Graph,

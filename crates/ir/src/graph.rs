@@ -158,7 +158,7 @@ impl Graph {
         self.nodes.iter().enumerate().map(|(index, node)| (NodeId(index as u32), node))
     }
 
-    /// The nodes from index `first` on: those added after the graph had `first` nodes.
+    /// The nodes from index `first` on, which were added after the graph had `first` nodes.
     pub fn since(&self, first: usize) -> impl Iterator<Item = (NodeId, &Node)> {
         let later = self.nodes.get(first..).unwrap_or_default();
         later.iter().zip(first..).map(|(node, index)| (NodeId(index as u32), node))

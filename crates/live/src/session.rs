@@ -404,7 +404,7 @@ impl Live {
         self.step(Undo::forth)
     }
 
-    /// Goes to the checkpoint that `step` returns. False if there is none.
+    /// Goes to the checkpoint that `step` returns. Returns false if it returns `None`.
     fn step(&self, step: impl FnOnce(&mut Undo, &Checkpoint) -> Option<Checkpoint>) -> bool {
         let mut state = self.lock();
         let now = state.checkpoint();

@@ -287,8 +287,8 @@ impl Live {
     }
 }
 
-/// The text without one drawing. The other drawings keep their style. The errors are those of
-/// [`without_drawing`].
+/// The text without one drawing. The other drawings keep their style. The errors are the same as
+/// for [`without_drawing`].
 pub(super) fn without_surface(
     text: &str,
     options: &Options<'_>,

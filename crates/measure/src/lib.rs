@@ -23,8 +23,8 @@ pub const RELATIVE: f64 = 1e-3;
 const TOLERANCE: f64 = 4e-3;
 /// Number of tetrahedra in a mesh above which none is split.
 const MOST_CELLS: usize = 200_000;
-/// The area is compared with that of a coarser mesh. The coarser mesh's largest distance is this
-/// many times as large.
+/// The area is compared with the area of a coarser mesh, whose largest distance is this many times
+/// as large.
 const COARSER: f64 = 4.0;
 
 /// The measures of a surface in a region.
@@ -37,7 +37,7 @@ pub struct Measures {
     /// Pieces and genus of a mesh.
     pub shape: Shape,
     /// Number of cells in which the mesh is not proven to have the surface's shape. If it is 0,
-    /// `shape` is that of the surface.
+    /// `shape` is the shape of the surface.
     pub unproven: usize,
     /// The area of a mesh: an estimate.
     pub area: f64,

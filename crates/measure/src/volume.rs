@@ -13,8 +13,8 @@ use zeroset_interval::Interval;
 use zeroset_scene::program::Program;
 use zeroset_space::{Cell, Region, tiles_of};
 
-/// Bound of rounding errors: of a part's integrals relative to those of the whole box, and of
-/// coordinates and function values in a box.
+/// Bound of rounding errors: of a part's integrals relative to the integrals over the whole box,
+/// and of coordinates and function values in a box.
 const ROUNDING: f64 = 1e-13;
 /// Largest number of cut boxes.
 const MOST_BOXES: usize = 1_000_000;

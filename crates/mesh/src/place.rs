@@ -17,7 +17,7 @@ const NARROW: f64 = 1e-12;
 /// Least weight of each corner for a vertex that is moved, so that triangles have an area.
 const APART: f64 = 1e-4;
 /// The function jumps on an edge if its values on both sides of the narrowed bracket differ by more
-/// than this share of those at the corners.
+/// than this share of the values at the corners.
 const JUMP: f64 = 1e-3;
 /// Number of steps of Newton's method for a vertex where several parts are 0.
 const STEPS: usize = 6;
@@ -156,8 +156,9 @@ impl Vertices {
         signs[0] != signs[1]
     }
 
-    /// Moves vertices on edges to zeros of functions, one for each vertex. Their signs differ at
-    /// the ends of the edge. `at_corner` returns values at corners, and `values` those at points.
+    /// Moves each vertex along its edge to a zero of the vertex's function. The function's signs
+    /// differ at the ends of the edge. `at_corner` returns values at corners, and `values` returns
+    /// values at points.
     fn place_on_edges(
         &mut self,
         vertices: &[usize],
@@ -224,7 +225,8 @@ impl Vertices {
     }
 }
 
-/// The value of a choice, from those of its parts. An undefined part is above all others.
+/// The value of a choice, computed from the values of its parts. An undefined part counts as larger
+/// than all others.
 fn value_of(choice: &Choice, value: &dyn Fn(usize) -> f64) -> f64 {
     let each = |all: &[Choice], pick: fn(f64, f64) -> f64| {
         all.iter().map(|one| value_of(one, value)).reduce(pick).unwrap_or(f64::NAN)

@@ -23,8 +23,8 @@ pub struct VertexKey {
 pub const NO_PART: u16 = u16::MAX;
 /// Marks unused places of a vertex's corners.
 const NO_CORNER: u32 = u32::MAX;
-/// Largest error of a determinant of up to three rows, relative to the sum of its terms' absolute
-/// values. Also that of a sum of four products. Each takes at most seven roundings.
+/// Largest error of a determinant of up to three rows, or of a sum of four products, relative to
+/// the sum of the terms' absolute values. Each takes at most seven roundings.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 impl VertexKey {
@@ -315,7 +315,7 @@ impl Linear {
     }
 }
 
-/// The sign of a choice, from those of its parts. `None` if none of them matters.
+/// The sign of a choice, computed from the signs of its parts. `None` if none of the parts matters.
 fn sign_of(choice: &Choice, signs: &[(u16, Ordering)]) -> Option<Ordering> {
     let each = |all: &[Choice]| -> Vec<Ordering> {
         all.iter().filter_map(|one| sign_of(one, signs)).collect()

@@ -20,8 +20,8 @@
 use glam::DVec3;
 use zeroset_interval::Interval;
 
-/// Share of a gradient's largest component by which a slope must exceed 0: more than rounding can
-/// change.
+/// A slope counts as positive if it exceeds this share of the gradient's largest component.
+/// Rounding errors are smaller than that.
 const MARGIN: f64 = 1e-12;
 
 /// Greatest distance along each axis between a vertex of the mesh and the zero of g that it stands

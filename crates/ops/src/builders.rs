@@ -11,8 +11,8 @@ use crate::op::Op;
 pub enum Role {
     /// A function of x, y and z.
     Shape,
-    /// A function of x, y and z whose value is a distance, as that of all builders is. Any other
-    /// function is divided by the length of its gradient.
+    /// A function of x, y and z whose value is a distance. The value of every builder is a
+    /// distance. Any other function is divided by the length of its gradient.
     Distance,
     /// Three numbers: a vector, or three arguments.
     Vector,

@@ -110,12 +110,13 @@ impl Settings {
         self.options.depth.saturating_sub(1).max(1)
     }
 
-    /// Returns whether a picture has a transparent background. `typed` is that of the document.
+    /// Returns whether a picture has a transparent background. `typed` is the document's
+    /// background.
     pub fn is_transparent(&self, typed: Option<Background>) -> bool {
         self.background.or(typed) == Some(Background::Transparent)
     }
 
-    /// These settings, with those of `other` that only affect how a traced picture is painted:
+    /// These settings, with the fields of `other` that only affect how a traced picture is painted:
     /// light, look, background, antialiasing and color format.
     #[must_use]
     pub fn painted_as(&self, other: &Self) -> Self {
@@ -220,8 +221,8 @@ impl Picture {
         fallback.map_or(self.method, |(_, fallback)| fallback.method)
     }
 
-    /// Colors for a medium that has no opacities: a transparent background becomes that of the
-    /// look.
+    /// Colors for a medium that has no opacities: a transparent background becomes the look's
+    /// background.
     pub fn opaque_rgb(&self) -> Cow<'_, [u8]> {
         flattened(&self.rgb, &self.alpha, self.background)
     }

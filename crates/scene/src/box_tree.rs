@@ -105,6 +105,8 @@ impl<T: WholeFloat> Kernel<SampleGradient, T> for BoxTree<T> {
         let mut rest: Vec<usize> = (0..points.count as usize).collect();
         let mut some = Gradients::default();
         let at = |lane: usize| points.at.each_ref().map(|axis| axis[lane].into());
+        // Each round evaluates the first remaining point with the kernel of its box. The results of
+        // the other points in that box are kept, too.
         while let Some(&first) = rest.first() {
             let point = at(first);
             if point.iter().any(|at| !at.is_finite()) {

@@ -11,8 +11,8 @@ const LEAST: usize = 4096;
 
 /// A picture and its rays in the displayed space.
 pub struct Displayed<'a> {
-    /// The G-buffer, whose distances and normals are those of the displayed space. Its brackets are
-    /// not converted.
+    /// The G-buffer, whose distances and normals are measured in the displayed space. Its brackets
+    /// are not converted.
     pub buffer: Cow<'a, GBuffer>,
     /// The rays.
     pub rays: Cow<'a, RayGrid>,

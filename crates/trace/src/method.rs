@@ -90,7 +90,8 @@ pub struct Fallback {
     pub why: String,
 }
 
-/// [`Tracer::band`] for methods that only have [`Tracer::follow`].
+/// Traces a band with [`Tracer::follow`], one square of pixels after another. For methods without a
+/// [`Tracer::band`] of their own.
 pub(crate) fn by_squares<T: Tracer + ?Sized>(
     tracer: &T,
     rays: &RayGrid,

@@ -146,7 +146,7 @@ impl Sets<'_> {
     }
 
     /// The bounds inside `set`, a member of a group of this kind. The first list has the bounds
-    /// among its own members, the second those among the members of its members.
+    /// among its own members, the second has the bounds among the members of its members.
     fn inner_bounds(&self, kind: Kind, set: SetId) -> [Vec<Bound>; 2] {
         let (mut own, mut nested) = (Vec::new(), Vec::new());
         for member in &*self.members(!kind, set) {

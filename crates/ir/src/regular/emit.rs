@@ -59,8 +59,8 @@ impl Plan {
         node
     }
 
-    /// The functions whose maximum or minimum is that of a group. Two opposite bounds with the same
-    /// slope, such as x − 1 and −x − 1, have one function: |x| − 1.
+    /// The functions whose maximum or minimum is the function of a group. Two opposite bounds with
+    /// the same slope, such as x − 1 and −x − 1, have one function: |x| − 1.
     fn nodes(&mut self, graph: &mut Graph, kind: Kind, members: &[SetId]) -> Vec<NodeId> {
         let mut nodes = Vec::with_capacity(members.len());
         // The place and the form of each bound, by the terms of the opposite bound.

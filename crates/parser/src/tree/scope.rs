@@ -12,8 +12,8 @@ pub struct Scope {
     /// Names that the document or an override defines, each with its number of parameters. A value
     /// has `None` in place of the number.
     defined: FxHashMap<String, Option<usize>>,
-    /// Defined names that are not in the text, such as those of steps of programs. They are never
-    /// suggested.
+    /// Defined names that are not in the text, such as the names of steps of programs. They are
+    /// never suggested.
     unwritten: FxHashSet<String>,
     /// Coordinates that the text uses without defining them. They have a standard definition.
     implied: Vec<&'static str>,

@@ -19,8 +19,8 @@ const INK: f32 = 0.75;
 /// Colors of lines before a light background and before a dark one.
 const COLORS: [[u8; 3]; 2] = [[24, 24, 30], [226, 228, 236]];
 
-/// Draws lines over the colors of a picture. `height` is that of the whole picture, if this is a
-/// strip of it. The lines contrast with the background.
+/// Draws lines over the colors of a picture. `height` is the height of the whole picture, of which
+/// `pixels` may be a strip. The lines contrast with the background.
 pub(super) fn draw(
     seen: &Displayed<'_>,
     height: usize,

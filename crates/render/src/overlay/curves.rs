@@ -72,7 +72,7 @@ struct PixelCover {
     y: u32,
     /// The tube or ball that is nearest to the eye.
     front: Cover,
-    /// The nearest of those behind it.
+    /// The nearest of the tubes and balls behind `front`.
     back: Cover,
     /// A nearer tube has a gap beside it, in which tubes beyond this distance are left out. The
     /// second number is the nearer tube's position along the curves.

@@ -30,7 +30,7 @@ pub struct Path {
     ends: [f64; 2],
 }
 
-/// A value of the parameter, and the point there.
+/// A value of the parameter, and the curve's point at that value.
 #[derive(Clone, Copy)]
 struct Sample {
     t: f64,

@@ -129,7 +129,7 @@ fn value(op: Op, operands: &[Option<f64>]) -> Option<f64> {
     }
 }
 
-/// The course of an operation along an axis, from those of its operands.
+/// The course of an operation along an axis, computed from the courses of its operands.
 fn combined(op: Op, operands: &[Course], values: &[Option<f64>]) -> Option<Course> {
     let number = |k: usize| values.get(k).copied().flatten();
     let cells = |period: f64, slope: f64| Some(Course { period, slope, has_cells: true });

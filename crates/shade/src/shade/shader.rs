@@ -27,9 +27,9 @@ const SCATTERED: f32 = 0.1;
 /// Light that surfaces reflect from the walls.
 const WALLS: f32 = 0.28;
 
-/// Light that surfaces reflect from a white background. Then, light of the floor in front of it, as
-/// a share of that of the background.
+/// Light that surfaces reflect from a white background.
 const BACKDROP: f32 = 0.42;
+/// Light of the floor in front of the background, as a share of the background's light.
 const FLOOR: f32 = 0.4;
 
 /// Color of undecided pixels under [`UndecidedStyle::Tint`]. No default pair has its hue.

@@ -16,8 +16,8 @@ use zeroset_parser::{Error, ErrorKind, Errors, Fallible, Span};
 /// The curves and points of a document, in one graph.
 #[derive(Clone, Debug, Default)]
 pub struct Curves {
-    /// Functions of all curves and points, exactly as typed. The graph's parameters are those of
-    /// the document, and then one more: the parameter of the curves.
+    /// Functions of all curves and points, exactly as typed. The graph has the parameters of the
+    /// document, and as its last one the parameter of the curves.
     pub graph: Graph,
     /// The curves and points, in the order of the text.
     pub all: Vec<Curve>,

@@ -50,7 +50,8 @@ impl Lowering<'_> {
         }
     }
 
-    /// The imaginary part of a complex number, or the vector of those of a quaternion.
+    /// The imaginary part of a complex number, or the vector of a quaternion's three imaginary
+    /// parts.
     pub(crate) fn imaginary_part(&mut self, value: &Tensor, span: Span) -> Fallible<Tensor> {
         Ok(match *self.promoted(value, 2, span)? {
             [_, imaginary] => Tensor::Number(imaginary),

@@ -10,12 +10,12 @@ use crate::machine::Machine;
 
 /// Number of fraction bits of a coefficient.
 const FRACTION: i32 = 90;
-/// More terms than any series needs: those beyond sum to less than 2⁻⁹⁰.
+/// A number of terms that suffices for all series: the terms beyond sum to less than 2⁻⁹⁰.
 const TERMS: usize = 128;
 
 /// A polynomial in w for |w| ≤ 1.
 pub(super) struct CentredSeries {
-    /// The coefficients as sums of head and tail, that of w⁰ first.
+    /// The coefficients as sums of head and tail, starting with the coefficient of w⁰.
     coefficients: Vec<[f64; 2]>,
     /// Index of the first coefficient whose term is computed without a tail.
     plain: usize,

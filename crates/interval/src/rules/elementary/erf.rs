@@ -68,8 +68,8 @@ impl<M: Machine> Approximator<'_, M> {
         self.sum(minus_one, ratio)
     }
 
-    /// For results with tails, multiplies tiny operands by 2^600. Returns the exponent that takes
-    /// the product of `count` such operands back.
+    /// For results with tails, multiplies tiny operands by 2^600. Returns the exponent of the power
+    /// of 2 by which the product of `count` such operands must then be multiplied.
     pub(super) fn enlarged(&mut self, x: M::V, count: i32) -> (M::V, Option<M::V>) {
         if !self.has_tails() || count == 0 {
             return (x, None);

@@ -76,10 +76,10 @@ impl RayFrame {
         (T::GRAIN * self.size()).max(FORM_BLUR * self.error_in::<T>(self.size()).max_element())
     }
 
-    /// Returns bounds of the error of coordinates that kernels compute in `T` from this frame, for
-    /// |s| up to `most`.
+    /// Returns a bound for each axis of the error of coordinates that kernels compute in `T` from
+    /// this frame. It holds at places on rays with |s| of at most `most`.
     ///
-    /// They cover underflow, and the rounding of vectors and screen coordinates to `T`.
+    /// It covers underflow, and the rounding of vectors and screen coordinates to `T`.
     pub fn error_in<T: Scalar>(&self, most: f64) -> DVec3 {
         let least: f64 = T::LEAST_NORMAL.into();
         let scale = (1.0 + most) * (1.0 + self.reach[0] + self.reach[1]);
@@ -156,7 +156,7 @@ impl RayFrame {
         [&self.origin, &self.direction].map(|parts| parts[0] + a * parts[1] + b * parts[2])
     }
 
-    /// Returns the components of o, o₁ and o₂ for each axis, then those of d, d₁ and d₂.
+    /// Returns the components of o, o₁ and o₂ for each axis, then the components of d, d₁ and d₂.
     #[inline(always)]
     pub fn by_axis(&self) -> [[[f64; 3]; 3]; 2] {
         [self.origin, self.direction]
