@@ -114,6 +114,7 @@ struct Listed {
 }
 
 impl Listed {
+    /// Numbers the distinct colors in the order of their first use.
     fn new(all: &[[u8; 3]]) -> Self {
         let mut colors = Vec::new();
         let mut known = FxHashMap::default();

@@ -207,6 +207,7 @@ impl<V: Copy> Operand<V> {
         Self { value, range, exponent: Exponent::Real }
     }
 
+    /// The sign of all values of the operand on the domain.
     pub(crate) fn sign(&self) -> Sign {
         if self.range.lo >= 0.0 {
             Sign::Nonneg

@@ -161,6 +161,7 @@ fn integer(
     }
 }
 
+/// Sets all bits of the lanes in which `f` or `g`, depending on the format, is true.
 fn compare(
     a: Vector128,
     b: Vector128,

@@ -40,8 +40,8 @@ pub struct Slopes {
     pub linear: DVec3,
 }
 
-/// The least slope of a function along `vector`, whose gradient is within bounds, and the gradient
-/// with this slope. Rounded down.
+/// The least slope along `vector` of a function whose gradient is within bounds, rounded down. Also
+/// returns the gradient with this slope.
 pub fn least_slope(gradient: &[Interval; 3], vector: DVec3) -> (f64, DVec3) {
     let worst = DVec3::from_array([0, 1, 2].map(|axis| {
         let Interval { lo, hi } = gradient[axis];
@@ -50,6 +50,7 @@ pub fn least_slope(gradient: &[Interval; 3], vector: DVec3) -> (f64, DVec3) {
     (slope(worst, vector), worst)
 }
 
+/// The scalar product of `gradient` and `vector`, less a margin for rounding.
 fn slope(gradient: DVec3, vector: DVec3) -> f64 {
     let terms = [0, 1, 2].map(|axis| {
         // A gradient may be infinite where the vector is 0.

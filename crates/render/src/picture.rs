@@ -65,7 +65,7 @@ pub struct Settings {
     pub choices: Choices,
     /// Background. `None` for the document's, or else the look's color.
     pub background: Option<Background>,
-    /// How colors are kept: as bytes or as floats. With floats, the picture also has
+    /// The format in which colors are kept: bytes or floats. With floats, the picture also has
     /// [`Picture::light`].
     pub depth: ColorDepth,
 }

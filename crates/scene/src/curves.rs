@@ -46,10 +46,10 @@ pub struct TracedLine {
     pub width: Option<f64>,
 }
 
-/// A point.
+/// A point that is drawn.
 #[derive(Clone, Debug)]
 pub struct TracedPoint {
-    /// The point.
+    /// The point's place in space.
     pub at: DVec3,
     /// The text beside it.
     pub label: String,

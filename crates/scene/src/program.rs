@@ -287,8 +287,9 @@ impl Program {
     }
 
     /// Returns whether the typed function was replaced. The function of an equation is replaced by
-    /// one with the same zeros, which are simple or have narrower enclosures. That of a solid is
-    /// replaced by one without zeros on faces inside of the solid and on sheets without thickness.
+    /// one with the same zeros, which are simple or have narrower enclosures. The function of a
+    /// solid is replaced by one without zeros on faces inside of the solid and on sheets without
+    /// thickness.
     pub fn is_reduced(&self, surface: usize) -> bool {
         self.store.simplified.reduced[surface]
     }

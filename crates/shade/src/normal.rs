@@ -251,6 +251,7 @@ impl<T: Real> NormalSource<'_, T> {
             .collect()
     }
 
+    /// The function's values at points. The values of unused lanes follow.
     fn sample(&self, points: &[DVec3], work: &mut KernelStats) -> Vec<T> {
         let batches = Points::near(points);
         let (values, count): (Vec<_>, _) = match self {
@@ -305,6 +306,7 @@ fn at_roots(
     }
 }
 
+/// The function's gradients at points.
 fn gradients<T: Real>(
     kernel: &dyn Kernel<SampleGradient, T>,
     points: impl Iterator<Item = DVec3>,

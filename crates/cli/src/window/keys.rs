@@ -289,7 +289,7 @@ impl Window {
         }
     }
 
-    /// Edits the typed line. Returns whether the key has a meaning there.
+    /// Edits the typed line. Returns whether the key has a meaning in a line.
     fn edit(&mut self, key: Key, Modifiers { control, shift }: Modifiers) -> bool {
         let Some(line) = &mut self.line else { return false };
         let mut candidates = Vec::new();

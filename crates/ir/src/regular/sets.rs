@@ -212,6 +212,7 @@ impl<'a> Sets<'a> {
         }
     }
 
+    /// The number of a set, which is added unless it is known.
     fn intern(&mut self, set: Set, form: Option<Rc<LinearForm>>) -> SetId {
         if let Some(id) = self.index.get(&set) {
             return *id;
@@ -406,6 +407,7 @@ impl<'a> Sets<'a> {
         Some((sum, side, Rc::new(-constant)))
     }
 
+    /// Adds a sum of terms, and returns its number.
     fn add_sum(&mut self, terms: Vec<(NodeId, BigRational)>) -> u32 {
         let sum = u32::try_from(self.sums.len()).expect("fewer than 2^32 sums");
         let is_nonneg =

@@ -140,6 +140,7 @@ impl Rewriter<'_> {
         matches!(self.graph.node(a), Node::Apply(op, _) if is_integral(op))
     }
 
+    /// The remainder of `first` by `second`, computed if both are known numbers.
     pub(super) fn modulo(&mut self, first: PartialExpr, second: PartialExpr) -> PartialExpr {
         let first = self.product(first);
         let second = self.product(second);

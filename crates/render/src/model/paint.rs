@@ -33,7 +33,7 @@ const PART: usize = 8;
 pub(super) struct Coloring<'a> {
     /// Light and surface colors.
     pub appearance: Appearance,
-    /// How colors are kept: as bytes or as floats.
+    /// The format in which colors are kept: bytes or floats.
     pub depth: ColorDepth,
     /// Color maps and contour lines. `None` if there are neither.
     pub painter: Option<Painter<'a>>,

@@ -135,6 +135,7 @@ impl PixelCovers {
         Self { width, numbers: vec![0; width * height], all: Vec::new(), loops: Vec::new() }
     }
 
+    /// The tubes and balls over a pixel, which is added unless it is known.
     fn at(&mut self, x: usize, y: usize) -> &mut PixelCover {
         let number = &mut self.numbers[y * self.width + x];
         if *number == 0 {
@@ -146,6 +147,7 @@ impl PixelCovers {
         &mut self.all[*number as usize - 1]
     }
 
+    /// Draws all pixels on the canvas, the farther tube or ball first.
     fn blend(&self, canvas: &mut Canvas) {
         for pixel in &self.all {
             for cover in [pixel.back, pixel.front] {

@@ -35,6 +35,7 @@ struct Course {
 const CONSTANT: Course = Course { period: 0.0, slope: 0.0, has_cells: false };
 
 impl Course {
+    /// The course of `self + sign · other`. `None` if the periods have no common multiple.
     fn sum(self, sign: f64, other: Self) -> Option<Self> {
         let sum = self.slope + sign * other.slope;
         let size = self.slope.abs().max(other.slope.abs());

@@ -161,7 +161,8 @@ fn applied(graph: &Graph, node: NodeId, op: Op) -> Option<&[NodeId]> {
     }
 }
 
-/// The list operation that is read as this operation, and its operands. `None` if there is none.
+/// The list operation that is read as this operation, and its operands. `None` if no list operation
+/// is read as this operation.
 fn composed(graph: &Graph, op: Op, operands: &[NodeId]) -> Option<(&'static str, Vec<NodeId>)> {
     if op == Op::SelectNegative {
         let size = applied(graph, applied(graph, operands[0], Op::Neg)?[0], Op::Abs)?[0];

@@ -4,7 +4,7 @@
 use super::Format;
 use zeroset_ops::Op;
 
-/// How an operation of one or two operands is written.
+/// The notation of an operation with one or two operands.
 #[derive(Clone, Copy)]
 pub(super) enum Notation {
     /// A name before operands in brackets.

@@ -408,6 +408,7 @@ fn needs(role: Role) -> &'static str {
     }
 }
 
+/// The kind of a value in words, for error messages.
 fn kind_of(value: &Tensor) -> &'static str {
     match value {
         Tensor::Number(_) => "a number",

@@ -125,7 +125,8 @@ impl Lowering<'_> {
         Ok(Tensor::Complex(product))
     }
 
-    /// The square, with each product of two different components taken once.
+    /// The square of a complex number or quaternion. Each product of two different components is
+    /// computed once.
     fn complex_square(&mut self, value: &Tensor, span: Span) -> Fallible<Tensor> {
         let parts = parts(value, span)?.to_vec();
         let (two, real) = (self.graph.integer(2), parts[0]);

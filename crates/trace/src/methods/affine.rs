@@ -77,7 +77,7 @@ fn knoll_row() -> &'static Method {
 struct Affine<'a, T: Scalar> {
     tiles: &'a dyn Kernel<ContractTiles, T>,
     follower: Follower<'a, T>,
-    /// Whether forms bound a numerator. A zero of the numerator need not be a zero of the function.
+    /// True if forms bound a numerator. A zero of the numerator need not be a zero of the function.
     cleared: bool,
     task: Task<'a>,
     /// Maximum length of a hit's bracket, in pixels: [`TraceOptions::longest`].

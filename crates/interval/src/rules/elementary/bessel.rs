@@ -160,6 +160,7 @@ impl<M: Machine> Approximator<'_, M> {
         Approximation { absolute, exponent, ..Approximation::new(sum, near.error) }
     }
 
+    /// The Bessel function of this order near 0, from its series in (x/2)².
     fn bessel_near(&mut self, order: usize, x: M::V) -> Approximation<M::V> {
         let place = self.pick(0, 1);
         let w = self.beside_middle(x, reciprocal(4.0 * MIDDLES[place] as f64));
