@@ -289,8 +289,8 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Changes a variable by 1. Its value is the new one if the sign stands before the variable,
-    /// else the old one.
+    /// Changes a variable by 1. Returns the variable's new value if the sign stands before the
+    /// variable, else its old value.
     pub(crate) fn step_by_one(
         &mut self,
         target: &Target,

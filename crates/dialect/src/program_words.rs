@@ -100,7 +100,8 @@ impl<'a> Words<'a> {
         Error::new(token.span, ErrorKind::Program { word: self.word(token).to_owned() })
     }
 
-    /// Returns whether a name or a block follows the first word, as in `else a` or `if (c) a`.
+    /// Returns whether the first word begins a command: a name or a block follows it, perhaps after
+    /// a condition in brackets, as in `else a` or `if (c) a`.
     pub(crate) fn is_command(tokens: &[Token]) -> bool {
         let Some(next) = tokens.get(1) else { return false };
         if next.kind.is_name() || next.kind == OpenBrace {

@@ -48,7 +48,7 @@ pub struct Linear {
 /// A line of the tetrahedron that a polygon's edge lies on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Line {
-    /// On the face, or the edge, with these corners, as bits.
+    /// On the face or the edge whose corners have their bits set.
     Side(u8),
     /// On the zeros of this part.
     Part(u16),

@@ -104,8 +104,9 @@ pub fn common_vector(star: &[Slopes], faces: [bool; 3]) -> Option<DVec3> {
     None
 }
 
-/// Bound of |f| in a triangle of the mesh whose vertices stand for zeros of g, and of |g| at a zero
-/// of f. `gradient` bounds f's gradient. Not finite if its bounds are not finite.
+/// A bound of two numbers: of |f| in a triangle of the mesh, whose vertices stand for zeros of g,
+/// and of |g| at a zero of f. `gradient` bounds f's gradient. The result is not finite if
+/// `gradient` is not.
 pub fn bend(gradient: &[Interval; 3], corners: &[DVec3; 4]) -> f64 {
     let span = |axis: usize| {
         let along = corners.map(|corner| corner[axis]);

@@ -20,8 +20,8 @@ const MOST_FAILING: f64 = 0.2;
 /// Size of the tetrahedra that are not split for the proof, as a share of the domain's longest
 /// edge.
 const FINEST: f64 = 1.0 / 262_144.0;
-/// As [`FINEST`], where only the domain's boundary prevents the proof. It may do so at any size,
-/// since the surface may go through an edge of the domain.
+/// The same as [`FINEST`], for tetrahedra in which only the domain's boundary prevents the proof.
+/// It may prevent the proof at any size, since the surface may go through an edge of the domain.
 const BOUNDARY: f64 = 1.0 / 1024.0;
 /// The value of a part where it is undefined: far above 0, since a solid is not there. Products of
 /// three are finite.

@@ -177,8 +177,8 @@ impl Program {
             && typed(document) == *before
     }
 
-    /// The same program for all times in the range of the time, if it has one. Its proofs hold at
-    /// every such time.
+    /// The same program for all times in the range of the document's time, if that has a range.
+    /// Proofs of the program then hold at each of these times.
     #[must_use]
     pub fn over_time(&self, document: &Document) -> Self {
         let assumed = &self.store.simplified.assumptions.parameters;

@@ -124,7 +124,7 @@ impl<M: Machine> Rule<'_, M> {
         self.with_bounds(&form, &value)
     }
 
-    /// The operand that is the single number `at` within `bounds`.
+    /// The operand whose only value is `at`. Everything else is copied from `bounds`.
     pub(super) fn point(&mut self, at: M::V, bounds: &Operand<M::V>) -> Operand<M::V> {
         Operand { value: Enclosure::total(self.m.neg(at), at), ..*bounds }
     }

@@ -47,7 +47,7 @@ impl Block {
         rows.or_else(|| halve(&mut self.columns).map(|columns| Self { columns, ..self.clone() }))
     }
 
-    /// The block with the pixels around it.
+    /// The block, extended on each side by [`BAND_ROWS`] pixels that lie in the picture.
     pub fn known(&self, rays: &RayGrid) -> Self {
         let around = |range: &Range<usize>, end: usize| {
             range.start.saturating_sub(BAND_ROWS)..(range.end + BAND_ROWS).min(end)

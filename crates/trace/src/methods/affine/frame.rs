@@ -101,7 +101,8 @@ impl RayFrame {
         tiles
     }
 
-    /// Returns the error of coordinates of this picture's rays, in each lane of a batch.
+    /// Returns a bound of the error of coordinates of this picture's rays: for each axis, the same
+    /// number in all lanes.
     pub fn segments_error<T: Scalar>(&self) -> [Lanes<T>; 3] {
         let error = self.error_in::<T>(self.size());
         [error.x, error.y, error.z].map(|error| Lanes::splat(T::above(error)))
