@@ -394,8 +394,8 @@ impl Settings {
         /// and not drawn. The picture then depends on the machine, but its proofs hold. Default: no
         /// limit.
         budget(time: Duration) => picture.limit.budget = Some(time);
-        /// Ends the work once the flag is set. The picture is then as far as with a budget that is
-        /// over. Default: none.
+        /// Ends the work once the flag is set. The picture is then unfinished, as with a budget
+        /// that is used up. Default: none.
         stop(flag: &'static AtomicBool) => picture.limit.stop = Some(StopFlag(flag));
     }
 

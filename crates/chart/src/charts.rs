@@ -13,7 +13,8 @@ use crate::row::Row;
 use std::path::Path;
 use zeroset_trace::{DEPTH, METHODS, Precision, STEPS, TOLERANCE};
 
-/// All charts that have rows: first those over all surfaces, then those of single surfaces.
+/// All charts that have rows: first the charts over all surfaces, then the charts of single
+/// surfaces.
 pub fn charts(rows: &[Row]) -> [Vec<Figure>; 2] {
     let rows = MeasuredRows::of(rows);
     let Some(size) = rows.common_size() else { return Default::default() };

@@ -1,4 +1,4 @@
-//! Measures results again: counts must be the same, times about the same.
+//! Measures results again. Counts must not change, and times must be about as long as before.
 
 use crate::error::ChartError;
 use crate::groups::grouped;
@@ -59,6 +59,8 @@ pub fn check(directory: &Path) -> Result<Differences, ChartError> {
 }
 
 impl Differences {
+    /// Compares the rows of one view. Records counts and hashes that differ, and times that changed
+    /// more than the other times of the view.
     fn add(&mut self, old: &[&Row], new: &[Row]) {
         // A change that all times of a view share comes from the machine, so it is divided out.
         let ratios: Vec<f64> = old.iter().zip(new).map(|(a, b)| b.total_ms / a.total_ms).collect();

@@ -6,7 +6,7 @@ use thiserror::Error;
 /// Reasons why nothing was measured or charted.
 #[derive(Debug, Error)]
 pub enum ChartError {
-    /// No such surface.
+    /// No surface has this name.
     #[error("there is no surface '{name}'; {ten} or a name of `zeroset gallery --list`")]
     UnknownSurface {
         /// The name that was given.
@@ -14,10 +14,10 @@ pub enum ChartError {
         /// Names of the ten surfaces of this crate.
         ten: String,
     },
-    /// No such case.
+    /// No case has this name.
     #[error("there is no case '{0}' in tests/data/stability")]
     UnknownCase(String),
-    /// No such method: another version wrote the row.
+    /// This version has no method with this name. Another version wrote the row.
     #[error("there is no method '{0}'")]
     UnknownMethod(String),
     /// A surface cannot be drawn or judged.

@@ -6,7 +6,7 @@ use zeroset_testkit::machine::{processor, threads};
 /// Everything that times depend on, besides the code.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Environment {
-    /// Version of this crate, which is that of the workspace.
+    /// Version of this crate. All crates of the workspace have the same version.
     pub version: String,
     /// Version of the compiler.
     pub rustc: String,

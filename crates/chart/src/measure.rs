@@ -16,11 +16,11 @@ pub struct Measured {
     pub compile: f64,
     /// The whole first picture, compiling included.
     pub cold: f64,
-    /// Tracing rays.
+    /// Times of tracing rays.
     pub trace: Quartiles,
-    /// Computing normals and colors.
+    /// Times of computing normals and colors.
     pub shade: Quartiles,
-    /// Tracing and shading.
+    /// Times of tracing and shading together.
     pub total: Quartiles,
     /// The first picture.
     pub picture: Picture,

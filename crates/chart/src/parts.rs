@@ -53,7 +53,7 @@ fn read(path: &Path) -> Result<Vec<PartsRow>, ChartError> {
     table.deserialize().collect::<Result<_, _>>().map_err(ChartError::of_content(path))
 }
 
-/// A line for each side of each family that has models of several sizes.
+/// A line for each renderer in each family that has models of several sizes.
 fn figure(rows: &[PartsRow]) -> Figure {
     let points = |family: &str, side: Option<&str>| -> Vec<PlotMark> {
         let own = rows.iter().filter(|row| row.family == family);

@@ -91,6 +91,7 @@ impl<'a> Certifier<'a> {
         DVec3::from_array(self.model.sample(0, point).1)
     }
 
+    /// Finds the first root on a ray, or proves that there is no root.
     fn truth(&self, ray: &Ray) -> Truth {
         let scaled = |piece: [f64; 2]| piece.map(|t| ray.distance(t));
         if self.surface.is_solid() {

@@ -77,7 +77,7 @@ Example:
   zeroset completions bash > ~/.local/share/bash-completion/completions/zeroset";
 }
 
-/// Headings of options that fewer need than those without a heading.
+/// Headings of options that are needed less often than the options without a heading.
 const CAMERA: &str = "Camera";
 const LIGHT: &str = "Light and color";
 const SEQUENCES: &str = "Sequences";

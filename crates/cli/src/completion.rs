@@ -51,6 +51,7 @@ struct WordPosition {
 }
 
 impl WordPosition {
+    /// The position in its statement of the word that begins at byte `start` of `line`.
     fn of(line: &str, start: usize) -> Self {
         let head = &line[..start];
         let statement = head[head.rfind(['\n', ';']).map_or(0, |at| at + 1)..].trim_start();

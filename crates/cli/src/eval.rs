@@ -35,7 +35,7 @@ const LONGEST_LINE: u64 = 4 << 20;
 /// Largest number of compiled formulas in the cache. A full cache is cleared.
 const MAX_CACHED: usize = 256;
 
-/// Number of bytes at the beginning of a file that tell lines of JSON from a formula.
+/// Number of bytes at the beginning of a file by which JSON lines are told from a formula.
 const BEGINNING: u64 = 4096;
 
 pub fn run(arguments: &EvalArgs) -> Result<ExitCode> {

@@ -46,8 +46,8 @@ pub fn run(arguments: &InteractiveArgs) -> Result<ExitCode> {
     Ok(ExitCode::SUCCESS)
 }
 
-/// Gives up what the program works on. Without work, ends the session and then the program, which
-/// may wait for input that never comes.
+/// Cancels the current work of the program. Without work, ends the session and then the program,
+/// which may wait for input that never comes.
 fn answer_interrupt(session: &Session) {
     if session.has_ended() || !session.give_up() {
         session.end();

@@ -13,28 +13,28 @@ use std::thread;
 use std::time::{Duration, Instant};
 use zeroset_render::limit::StopFlag;
 
-/// Time that the second Ctrl-C waits for files to get their names.
+/// Longest time that the second Ctrl-C waits for files to get their names.
 const PATIENCE: Duration = Duration::from_secs(1);
-/// Time between two looks at whether they have them.
+/// Interval between checks whether the files have their names.
 const WAIT: Duration = Duration::from_millis(5);
 
 static STATE: Mutex<State> = Mutex::new(State { remark: String::new(), draws: false });
 static ASKED: AtomicBool = AtomicBool::new(false);
 
 struct State {
-    /// Tells of the files that are left behind if the process ends now.
+    /// Message about the files that are left behind if the process ends now.
     remark: String,
-    /// Set while a picture is drawn.
+    /// True while a picture is drawn.
     draws: bool,
 }
 
-/// Listens for Ctrl-C from now on. `remark` is what [`leaves`] says. A process that was started to
-/// ignore Ctrl-C, as shells start those of the background, goes on ignoring it.
+/// Listens for Ctrl-C from now on. `remark` is as for [`set_remark`]. A process that was started to
+/// ignore Ctrl-C, as shells start those in the background, goes on ignoring it.
 ///
 /// # Errors
 /// If the system does not allow it.
 pub fn listen(remark: &str) -> Result<()> {
-    leaves(remark);
+    set_remark(remark);
     listen_with(answer)
 }
 
@@ -49,23 +49,25 @@ pub fn listen_with(answer: impl FnMut() + Send + 'static) -> Result<()> {
     }
 }
 
-/// Sets the remark with which Ctrl-C ends the process: what is left behind.
-pub fn leaves(remark: &str) {
+/// Sets the message that Ctrl-C prints before it ends the process: it names the files that are left
+/// behind.
+pub fn set_remark(remark: &str) {
     remark.clone_into(&mut state().remark);
 }
 
-/// From now on the first Ctrl-C only sets [`asked`].
-pub fn draws() {
+/// From now on the first Ctrl-C only sets the flag of [`stop_flag`].
+pub fn defer_first() {
     state().draws = true;
 }
 
-/// Puts the end off until the guard is dropped. A first Ctrl-C in between only sets [`asked`].
+/// Defers the end of the process until the guard is dropped. Until then, a first Ctrl-C only sets
+/// the flag of [`stop_flag`].
 pub fn hold() -> impl Drop {
     state()
 }
 
 /// The flag that Ctrl-C sets.
-pub fn asked() -> StopFlag {
+pub fn stop_flag() -> StopFlag {
     StopFlag(&ASKED)
 }
 
@@ -81,7 +83,7 @@ fn state() -> MutexGuard<'static, State> {
     STATE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Does what Ctrl-C asks for. It runs on a thread of its own.
+/// Carries out a Ctrl-C. It runs on a thread of its own.
 fn answer() {
     let is_first = !ASKED.load(Ordering::Relaxed);
     let asked = Instant::now();
@@ -98,7 +100,7 @@ fn answer() {
     }
 }
 
-/// Says what is left behind, and ends the process.
+/// Prints the remark, and ends the process.
 fn end(state: &State) -> ! {
     if std::io::stderr().is_terminal() {
         // A terminal shows the keys, and there may be a progress bar.

@@ -76,7 +76,8 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
     Ok(if is_failed { ExitCode::from(UNDECIDED) } else { ExitCode::SUCCESS })
 }
 
-/// Writes the surfaces of a picture to a file. Returns what is proven of them, as lines of text.
+/// Writes the surfaces of a picture to a file. Returns lines of text that say what is proven of the
+/// meshes.
 ///
 /// # Errors
 /// If the file cannot be written, nothing is there to write, or `wanted` returns false.
@@ -182,7 +183,7 @@ fn why_empty(found: &Meshes, document: &Document) -> String {
     }
 }
 
-/// Tells what the files do not hold.
+/// Notes on properties of the surfaces that the files do not hold.
 fn remarks(found: &Meshes, format: Option<&Format>) -> Vec<String> {
     let mut remarks = found.remarks.clone();
     for Object { name, mesh, .. } in &found.objects {
@@ -259,7 +260,7 @@ fn listed(holds: impl Fn(&&Format) -> bool) -> String {
     if others.is_empty() { (*last).to_owned() } else { format!("{} and {last}", others.join(", ")) }
 }
 
-/// Rounding of coordinates that goes without saying, as a share of the tolerance.
+/// Rounding of coordinates up to this share of the tolerance is not mentioned.
 const ROUNDING: f64 = 0.01;
 
 /// One line for each surface that has triangles.

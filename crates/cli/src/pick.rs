@@ -69,8 +69,7 @@ impl<'a> Pick<'a> {
         Some(format!("{surface}x {:.digits$}  y {:.digits$}  z {:.digits$}{open}", p.x, p.y, p.z))
     }
 
-    /// Number of decimals that the picture knows of the point: all before the first digit of the
-    /// error.
+    /// Number of decimals to show for the point: all before the first digit of the error.
     fn digits(&self) -> usize {
         digits(self.reach).saturating_sub(1)
     }
@@ -177,7 +176,7 @@ fn formula(request: &Request, document: &Document, surface: usize) -> String {
     for (name, value) in &request.overrides {
         lines.push(format!("{name} = {value}"));
     }
-    // Unlike a picture, `eval` takes no time for granted.
+    // Unlike a picture, `eval` has no default for the time.
     let is_unset = |one: &&Parameter| one.kind == ParameterKind::Time && one.span.is_none();
     let start = || Some(nearest(&document.parameters.iter().find(is_unset)?.value));
     if let Some(time) = request.time.or_else(start) {

@@ -56,7 +56,7 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     let (model, pool) = modeled(document, &region, &settings, threads)?;
     let draw = || -> Result<_> {
         let camera = framing::camera(&model, document, &choice, &settings, around.axes)?;
-        interrupt::draws();
+        interrupt::defer_first();
         let seen = document.surfaces.iter().filter(|surface| !surface.hidden).count();
         let pixels = settings.width * settings.height * seen;
         let bar = Progress::new(pixels as u64, "tracing");
@@ -143,8 +143,8 @@ fn chosen(
 }
 
 /// The model of a picture, and threads to draw it. If the budget ends before the kernels are
-/// compiled, the model is interpreted. Its picture is what an empty budget leaves: rays that were
-/// not reached.
+/// compiled, the model is interpreted. Its picture then has only rays that were not reached, as
+/// with an empty budget.
 fn modeled(
     document: &Document,
     region: &Region,
@@ -242,7 +242,7 @@ fn settings(arguments: &RenderArgs) -> Result<Settings> {
         normals: method.normals.filter(|_| needs_normals),
         keeps_normals,
         brackets: outputs.arrays.0.iter().any(|(row, _)| row.needs_brackets),
-        limit: Limit { budget, begun: Some(Instant::now()), stop: Some(interrupt::asked()) },
+        limit: Limit { budget, begun: Some(Instant::now()), stop: Some(interrupt::stop_flag()) },
         undecided: shading.undecided,
         light: shading.light,
         look: shading.look,

@@ -205,8 +205,8 @@ fn numbered(path: &Path, frame: usize) -> Result<Option<PathBuf>> {
     Ok((places == 1).then(|| name.into()))
 }
 
-/// Counts of frames: rendered, already there, with undecided pixels, without a visible surface, and
-/// with each note on a surface that another method traced.
+/// Counts of frames: rendered ones, ones that existed already, ones with undecided pixels, without
+/// a visible surface, and with each note on a surface that another method traced.
 #[derive(Default)]
 struct FrameCounts {
     made: usize,
@@ -348,7 +348,10 @@ impl<'a> FrameRenderer<'a> {
         let frames = (shard..self.sequence.frames).step_by(of);
         let all = frames.len();
         for frame in frames {
-            interrupt::leaves(&format!("{} of {all} frames are there", count.made + count.kept));
+            interrupt::set_remark(&format!(
+                "{} of {all} frames are there",
+                count.made + count.kept
+            ));
             interrupt::end_if_asked();
             let origin = origin.frame(frame);
             let name = |path: &PathBuf| -> Result<PathBuf> {
@@ -401,7 +404,7 @@ impl<'a> FrameRenderer<'a> {
     fn animation(mut self, format: AnimationFormat, path: &Path, fps: u16) -> Result<FrameCounts> {
         let output = OutputFile::create(path)?;
         if path != Path::new("-") {
-            interrupt::leaves(
+            interrupt::set_remark(
                 "nothing is written; with -o frame-%04d.png, frames that are done stay",
             );
         }

@@ -84,14 +84,14 @@ pub struct Session {
     refused_overwrite: Mutex<Option<PathBuf>>,
     /// Whether pictures have the terminal's size, not the window's.
     in_terminal: AtomicBool,
-    /// Whether the gallery was requested since the window last checked.
+    /// True if the gallery was requested since the window last checked.
     gallery: AtomicBool,
     ended: AtomicBool,
     /// Number of times that Ctrl-C was pressed while the program worked.
     interrupts: AtomicU64,
     /// Number of commands at work that Ctrl-C gives up.
     works: AtomicU64,
-    /// Whether [`Session::say_what_is_kept`] has spoken.
+    /// True if [`Session::say_what_is_kept`] has printed its message.
     has_parted: AtomicBool,
     /// Faults in requests up to this revision are shown in the window only.
     reported_in_window: AtomicU64,
@@ -259,8 +259,8 @@ impl Session {
         self.live.refresh();
     }
 
-    /// Gives up what the program works on: the running picture, or else a command. Returns false if
-    /// there is no work.
+    /// Cancels the current work of the program: the running picture, or else a command. Returns
+    /// false if there is no work.
     pub fn give_up(&self) -> bool {
         self.interrupts.fetch_add(1, Ordering::Relaxed);
         if self.live.give_up() {
@@ -393,7 +393,7 @@ impl Session {
         }
     }
 
-    /// Says where the document is kept, if it has unsaved changes. Keeps it there.
+    /// Keeps the document if it has unsaved changes, and says where.
     pub fn say_what_is_kept(&self) {
         self.keep();
         if self.live.is_changed()

@@ -100,6 +100,7 @@ struct WatchedFile<R> {
 }
 
 impl<R: FnMut(Change)> WatchedFile<R> {
+    /// Checks the file after each event and at regular intervals, until a message to stop arrives.
     fn run(&mut self, messages: &Receiver<Message>) {
         // The file may have changed between reading it and the start of the watch.
         self.check_file();

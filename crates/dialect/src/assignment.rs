@@ -27,7 +27,7 @@ impl ProgramReader<'_> {
     ) -> Fallible<()> {
         for tokens in split(tokens, Comma) {
             let tokens = Words::without_type(tokens);
-            if self.settles(frame)
+            if self.may_have_effects(frame)
                 && self.words.lambda(&tokens).is_none()
                 && let Some((name, None, value)) = self.words.assignment(&tokens)
             {
@@ -41,7 +41,7 @@ impl ProgramReader<'_> {
                 self.store(&Target { name, letters: None }, value, frame)?;
                 continue;
             }
-            if self.counts(&tokens, frame) {
+            if self.run_counter_assignment(&tokens, frame) {
                 continue;
             }
             if let Some((name, parameters, value)) = self.words.lambda(&tokens) {
@@ -112,7 +112,7 @@ impl ProgramReader<'_> {
         }
         let mut is_constant = false;
         if frame.function.is_none() {
-            let number = self.known(&value, frame).filter(|_| conversion.is_none());
+            let number = self.known_value(&value, frame).filter(|_| conversion.is_none());
             is_constant = number.is_some();
             match number {
                 Some(number) => self.constants.insert(name.text.clone(), number),
@@ -150,20 +150,22 @@ impl ProgramReader<'_> {
         self.push(tokens, frame.function.clone(), None, &frame.aliases, false)
     }
 
-    /// Runs an assignment to a counter if the assigned value is known. Returns whether it was run.
-    pub(crate) fn counts(&mut self, tokens: &[Token], frame: &mut Frame) -> bool {
+    /// Runs an assignment of a known number. Returns false, and does nothing, for any other
+    /// statement.
+    pub(crate) fn run_counter_assignment(&mut self, tokens: &[Token], frame: &mut Frame) -> bool {
         let Some((name, None, value)) = self.words.assignment(tokens) else { return false };
-        self.keeps_number(self.words.word(name), &value, frame)
+        self.record_number(self.words.word(name), &value, frame)
     }
 
-    /// Assigns `value` to the variable `name` if its number is known and tracked. Returns whether
-    /// it is. A variable that is no counter is tracked while it holds whole numbers.
-    pub(crate) fn keeps_number(&self, name: &str, value: &[Token], frame: &mut Frame) -> bool {
+    /// Records the number of the variable `name` if `value` is a known number and the variable is
+    /// tracked. Returns whether it was recorded. A variable is tracked if it is a counter or has a
+    /// known number, or while it holds whole numbers.
+    pub(crate) fn record_number(&self, name: &str, value: &[Token], frame: &mut Frame) -> bool {
         let is_known = frame.aliases.find(name).is_some_and(|kind| number_of(kind).is_some());
         let is_counter =
             frame.counters.contains(name) || frame.is_inner() && frame.integers.contains(name);
-        let Some(number) = self.known(value, frame) else { return false };
-        let is_tracked = frame.is_inner() && self.settles(frame) && number.fract() == 0.0;
+        let Some(number) = self.known_value(value, frame) else { return false };
+        let is_tracked = frame.is_inner() && self.may_have_effects(frame) && number.fract() == 0.0;
         if !(is_known || is_counter || is_tracked && self.is_of_whole_numbers(value)) {
             return false;
         }

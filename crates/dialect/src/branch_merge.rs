@@ -90,6 +90,7 @@ impl ProgramReader<'_> {
         frame.has_result |= yes.has_result || no.has_result;
     }
 
+    /// A value that is `yes` where the condition holds, else `no`. Two flags are merged as numbers.
     fn chosen(
         &mut self,
         name: &str,
@@ -114,7 +115,7 @@ impl ProgramReader<'_> {
     /// Ends a function or the program. Adds the value that a branch or loop returned, if there is
     /// one.
     pub(crate) fn end(&mut self, frame: &Frame, span: Span) {
-        let Some(left) = frame.left() else { return };
+        let Some(left) = frame.exit_level() else { return };
         let Some(result) = frame.aliases.find(RESULT).filter(|_| !frame.has_result) else {
             return;
         };
@@ -185,7 +186,7 @@ impl Frame {
     }
 
     /// The number that records an early exit; `None` if there was certainly no exit.
-    pub(crate) fn left(&self) -> Option<&ExprKind> {
+    pub(crate) fn exit_level(&self) -> Option<&ExprKind> {
         self.aliases.find(EXIT_LEVEL).filter(|left| number_of(left) != Some(0.0))
     }
 

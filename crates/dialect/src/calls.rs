@@ -12,7 +12,8 @@ use zeroset_parser::tree::ast::ExprKind;
 use zeroset_parser::{Error, ErrorKind, Fallible, Span, plural};
 
 impl ProgramReader<'_> {
-    /// Reads `f(a, b)`, all of `call`.
+    /// Reads the call `call`, such as `f(a, b)`. Appends tokens of its value to `out`. Returns
+    /// whether the value is an integer.
     pub(crate) fn call(
         &mut self,
         call: &[Token],

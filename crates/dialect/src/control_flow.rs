@@ -26,8 +26,8 @@ const LOOP: f64 = 2.0;
 const FUNCTION: f64 = 3.0;
 
 impl ProgramReader<'_> {
-    /// The value of `tokens`; `None` if it is not known while the program is read.
-    pub(crate) fn known(&self, tokens: &[Token], frame: &Frame) -> Option<f64> {
+    /// The number that `tokens` evaluate to; `None` if it is not known while the program is read.
+    pub(crate) fn known_value(&self, tokens: &[Token], frame: &Frame) -> Option<f64> {
         count(self.words, tokens, &frame.aliases, &self.constants)
     }
 
@@ -94,12 +94,12 @@ impl ProgramReader<'_> {
                     self.repeat(&mut begin, body, otherwise, frame)?;
                 }
             }
-            let Some(left) = frame.left().cloned() else { continue };
+            let Some(left) = frame.exit_level().cloned() else { continue };
             let rest = &steps[index + 1..];
             if rest.is_empty() {
                 return Ok(());
             }
-            return self.unless_left(left, frame, |reader, going| {
+            return self.unless_exited(left, frame, |reader, going| {
                 if is_block { reader.run(rest, going) } else { reader.run_open(rest, going, false) }
             });
         }
@@ -117,7 +117,7 @@ impl ProgramReader<'_> {
 
     /// Runs `follow` as one side of a branch, for the case that `left` is 0: no early exit
     /// happened. If an exit certainly happened, does nothing.
-    fn unless_left(
+    fn unless_exited(
         &mut self,
         left: ExprKind,
         frame: &mut Frame,
@@ -128,7 +128,7 @@ impl ProgramReader<'_> {
             going.aliases.push(EXIT_LEVEL.to_owned(), ExprKind::Number("0".to_owned()));
             follow(self, &mut going)?;
             let stopped = frame.clone();
-            let is_same = frame.left() == Some(&left) && going.left().is_none();
+            let is_same = frame.exit_level() == Some(&left) && going.exit_level().is_none();
             self.merge(frame, &stopped, &going, &more_than(left.clone(), 0.0));
             if is_same {
                 frame.aliases.push(EXIT_LEVEL.to_owned(), left);
@@ -176,7 +176,7 @@ impl ProgramReader<'_> {
 
     /// The value after `return`. Several values become a vector.
     fn returned(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<Vec<Token>> {
-        let value = self.settled(tokens.to_vec(), frame)?;
+        let value = self.run_effects(tokens.to_vec(), frame)?;
         let is_tuple = self.language == Language::Python && outside(&value, Comma).is_some();
         let mut value = if is_tuple { in_brackets(&value) } else { value };
         if is_tuple && let [open, .., close] = value.as_mut_slice() {
@@ -193,8 +193,8 @@ impl ProgramReader<'_> {
         no: &[ProgramStep],
         frame: &mut Frame,
     ) -> Fallible<()> {
-        let condition = self.settled(condition.to_vec(), frame)?;
-        if let Some(holds) = self.known(&condition, frame) {
+        let condition = self.run_effects(condition.to_vec(), frame)?;
+        if let Some(holds) = self.known_value(&condition, frame) {
             return self.run(if holds == 0.0 { no } else { yes }, frame);
         }
         let kind = self.indicator(condition, frame)?;
@@ -214,8 +214,8 @@ impl ProgramReader<'_> {
         frame: &mut Frame,
     ) -> Fallible<()> {
         frame.nested += 1;
-        self.rounds(begin, body, frame)?;
-        let left = frame.left().cloned();
+        self.remaining_rounds(begin, body, frame)?;
+        let left = frame.exit_level().cloned();
         // An exit from the loop is complete at this point. An exit from the function continues.
         self.drop_exits(LOOP, ProgramStep::has(body, self.words, "return"), frame);
         frame.nested -= 1;
@@ -224,13 +224,13 @@ impl ProgramReader<'_> {
             _ if otherwise.is_empty() => Ok(()),
             None => self.run(otherwise, frame),
             Some(left) => {
-                self.unless_left(left, frame, |reader, going| reader.run(otherwise, going))
+                self.unless_exited(left, frame, |reader, going| reader.run(otherwise, going))
             }
         }
     }
 
     /// Runs the remaining iterations of a loop.
-    fn rounds(
+    fn remaining_rounds(
         &mut self,
         begin: NextRound<'_, Self>,
         body: &[ProgramStep],
@@ -239,8 +239,9 @@ impl ProgramReader<'_> {
         while begin(self, frame)? {
             self.run(body, frame)?;
             if let Some(left) = self.end_round(body, frame) {
-                return self
-                    .unless_left(left, frame, |reader, going| reader.rounds(begin, body, going));
+                return self.unless_exited(left, frame, |reader, going| {
+                    reader.remaining_rounds(begin, body, going)
+                });
             }
         }
         Ok(())
@@ -249,8 +250,8 @@ impl ProgramReader<'_> {
     /// Returns whether the condition of a loop holds. Fails if the condition's value is not known.
     fn holds(&mut self, condition: &[Token], frame: &mut Frame) -> Fallible<bool> {
         let Some(span) = span_of(condition) else { return Ok(true) };
-        let condition = self.settled(condition.to_vec(), frame)?;
-        let known = self.known(&condition, frame).map(|holds| holds != 0.0);
+        let condition = self.run_effects(condition.to_vec(), frame)?;
+        let known = self.known_value(&condition, frame).map(|holds| holds != 0.0);
         known.ok_or_else(|| Error::new(span, ErrorKind::LoopEnd))
     }
 
@@ -277,7 +278,8 @@ impl ProgramReader<'_> {
         if !is_range {
             return Ok(parts.into_iter().map(LoopValue::Typed).collect());
         }
-        let numbers: Option<Vec<f64>> = parts.iter().map(|part| self.known(part, frame)).collect();
+        let numbers: Option<Vec<f64>> =
+            parts.iter().map(|part| self.known_value(part, frame)).collect();
         let (low, high, step) = match numbers.as_deref() {
             Some([high]) => (0.0, *high, 1.0),
             Some([low, high]) => (*low, *high, 1.0),
@@ -310,7 +312,8 @@ impl ProgramReader<'_> {
         if parts.len() < 2 {
             return Ok(None);
         }
-        let numbers: Option<Vec<f64>> = parts.iter().map(|part| self.known(part, frame)).collect();
+        let numbers: Option<Vec<f64>> =
+            parts.iter().map(|part| self.known_value(part, frame)).collect();
         let (low, step, high) = match numbers.as_deref() {
             Some([low, high]) if low <= high => (*low, 1.0, *high),
             Some([low, step, high]) if *step != 0.0 => (*low, *step, *high),
@@ -336,7 +339,7 @@ impl ProgramReader<'_> {
                 ["break", "return"].iter().any(|word| ProgramStep::has(body, self.words, word));
             self.drop_exits(ROUND, others, frame);
         }
-        frame.left().cloned()
+        frame.exit_level().cloned()
     }
 
     /// Drops exits up to `level`. `others` is true if exits of a higher level may have happened.

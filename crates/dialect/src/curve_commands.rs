@@ -32,8 +32,8 @@ const RANGES: &[&str] = &["t_range", "u_range"];
 const LISTS: &[&str] = &["array", "stack", "Vector", "vector", "Matrix"];
 
 impl Words<'_> {
-    /// The statement of a command that plots a curve, and a note on what has no effect; `None` if
-    /// `tokens` are no such command.
+    /// The statement of a command that plots a curve, and a note on arguments that have no effect;
+    /// `None` if `tokens` are no such command.
     pub(crate) fn curve_command(
         self,
         tokens: &[Token],
@@ -59,7 +59,7 @@ impl Words<'_> {
         }
         let mut arguments = Arguments::new(split(inner, Comma));
         if !rest.iter().all(is_end) {
-            arguments.leave(rest.to_vec());
+            arguments.record_unused(rest.to_vec());
         }
         let Some((parts, count)) = self.coordinates(&mut arguments) else { return Ok(None) };
         let ranges = self.parameter_ranges(&mut arguments, count);
@@ -73,12 +73,12 @@ impl Words<'_> {
         let Some(name) = range.name.or(own).or_else(|| self.handle_parameter()) else {
             return Err(Error::new(place, ErrorKind::CurveRange));
         };
-        let note = self.left_of_plot(&arguments.left());
+        let note = self.unused_note(&arguments.into_unused());
         Ok(Some((self.path(place, &parts, name, &range), note)))
     }
 
-    /// Joins the equations `x = cos t`, `y = sin t` and `z = t`, and the range of t behind them, to
-    /// the statement of a curve.
+    /// Joins the equations `x = cos t`, `y = sin t` and `z = t`, and the range of t after them,
+    /// into one statement of a curve.
     pub(crate) fn join_coordinates(self, statements: &mut Vec<Vec<Token>>) {
         let mut at = 0;
         while at < statements.len() {
@@ -160,7 +160,8 @@ impl Words<'_> {
         (is_list && is_whole && parts.len() == 3).then_some(parts)
     }
 
-    /// Takes the ranges behind the coordinates, which are the first `count` arguments.
+    /// Takes the parameters' ranges, which follow the coordinates. The coordinates are the first
+    /// `count` arguments.
     fn parameter_ranges(self, arguments: &mut Arguments, count: usize) -> Vec<PlotRange> {
         // GeoGebra writes the parameter and the ends as arguments.
         if let [name, _, _, ..] = &arguments.all()[count..]
@@ -176,7 +177,7 @@ impl Words<'_> {
             && let [low, high, steps @ ..] = split(inner, Comma).as_slice()
         {
             for step in steps {
-                arguments.leave(step.clone());
+                arguments.record_unused(step.clone());
             }
             return vec![PlotRange { name: None, low: low.clone(), high: high.clone() }];
         }

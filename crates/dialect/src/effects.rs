@@ -17,10 +17,10 @@ use zeroset_parser::tree::ast::ExprKind;
 use zeroset_parser::tree::raw_statement::ValueConversion;
 use zeroset_parser::{Error, ErrorKind, Fallible, Span};
 
-/// The tokens of a value whose side effects have happened.
-pub(crate) struct Settled {
+/// The tokens of a value. All side effects of computing the value have happened.
+pub(crate) struct PureValue {
     pub tokens: Vec<Token>,
-    /// True if the value is an integer, whose quotients a typed language truncates.
+    /// True if the value is an integer. A typed language truncates quotients of integers.
     pub is_whole: bool,
 }
 
@@ -39,7 +39,7 @@ impl Target {
         Some((Self { name, letters }, 1 + usize::from(letters.is_some())))
     }
 
-    /// The target that `tokens` are.
+    /// Reads `tokens` as a target. Fails if they are not a single target.
     pub(crate) fn of(tokens: &[Token]) -> Fallible<Self> {
         let found = Self::at_start(tokens).filter(|(_, length)| *length == tokens.len());
         found.map(|(target, _)| target).ok_or_else(|| {
@@ -69,17 +69,17 @@ pub(crate) fn is_doubled(tokens: &[Token], at: usize) -> bool {
 
 impl ProgramReader<'_> {
     /// Returns whether expressions in `frame` may have effects, or quotients that are truncated.
-    pub(crate) fn settles(&self, frame: &Frame) -> bool {
+    pub(crate) fn may_have_effects(&self, frame: &Frame) -> bool {
         self.language != Language::Plain && (frame.is_inner() || self.program.in_steps)
     }
 
     /// Runs the effects in the expression `tokens`. Returns the tokens of its value.
-    pub(crate) fn settled(
+    pub(crate) fn run_effects(
         &mut self,
         tokens: Vec<Token>,
         frame: &mut Frame,
     ) -> Fallible<Vec<Token>> {
-        if !self.settles(frame) || tokens.is_empty() {
+        if !self.may_have_effects(frame) || tokens.is_empty() {
             return Ok(tokens);
         }
         let before = std::mem::take(&mut self.reads);
@@ -96,7 +96,7 @@ impl ProgramReader<'_> {
         }
         self.reads.clear();
         for part in split(tokens, Comma) {
-            self.effect(&part, frame)?;
+            self.run_for_effects(&part, frame)?;
             self.reads.clear();
         }
         Ok(true)
@@ -113,7 +113,7 @@ impl ProgramReader<'_> {
     }
 
     /// Runs an expression and drops its value.
-    fn effect(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<()> {
+    fn run_for_effects(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<()> {
         if let Some((procedure, arguments)) = self.called(tokens) {
             return self.call_inline(tokens[0], &procedure, &arguments, frame).map(|_| ());
         }
@@ -128,7 +128,7 @@ impl ProgramReader<'_> {
     }
 
     /// Reads expressions between commas. All are evaluated, and the last one gives the value.
-    pub(crate) fn sequence(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<Settled> {
+    pub(crate) fn sequence(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<PureValue> {
         let joins = self.language.has_assignments();
         let Some(comma) = tokens.iter().rposition(is_outside_backwards(Comma)).filter(|_| joins)
         else {
@@ -137,7 +137,7 @@ impl ProgramReader<'_> {
         let mark = self.reads.len();
         for part in split(&tokens[..comma], Comma) {
             if self.has_effect(&part) {
-                self.effect(&part, frame)?;
+                self.run_for_effects(&part, frame)?;
             }
             self.reads.truncate(mark);
         }
@@ -167,7 +167,11 @@ impl ProgramReader<'_> {
     }
 
     /// Reads an assignment, or any expression without a comma.
-    pub(crate) fn assignment(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<Settled> {
+    pub(crate) fn assignment(
+        &mut self,
+        tokens: &[Token],
+        frame: &mut Frame,
+    ) -> Fallible<PureValue> {
         self.deeper(tokens, |reader| {
             let Some(found) = reader.assigned(tokens) else {
                 return reader.ternary(tokens, frame);
@@ -195,18 +199,19 @@ impl ProgramReader<'_> {
     }
 
     /// The value of a variable at this time.
-    fn value_of(&mut self, target: &Target, frame: &mut Frame) -> Settled {
+    fn value_of(&mut self, target: &Target, frame: &mut Frame) -> PureValue {
         let name = self.words.name(target.name).text;
         let is_whole = frame.integers.contains(&name);
-        let kind = match self.known(&[target.name], frame) {
+        let kind = match self.known_value(&[target.name], frame) {
             Some(number) => number_expr(number, target.name.span),
             None => frame.meaning(&name),
         };
         let mut tokens = vec![self.saved(kind, target.name.span, is_whole, frame)];
         tokens.extend(target.letters);
-        Settled { tokens, is_whole }
+        PureValue { tokens, is_whole }
     }
 
+    /// Carries out an assignment, and returns its target.
     fn assign(&mut self, found: &Assignment<'_>, frame: &mut Frame) -> Fallible<Target> {
         let target = Target::of(found.target)?;
         let mark = self.reads.len();
@@ -227,7 +232,7 @@ impl ProgramReader<'_> {
         &mut self,
         target: &Target,
         operator: Option<Token>,
-        value: Settled,
+        value: PureValue,
         frame: &mut Frame,
     ) -> Fallible<()> {
         let name = self.words.name(target.name);
@@ -235,7 +240,7 @@ impl ProgramReader<'_> {
         let is_whole = frame.integers.contains(&name.text);
         let mut value = value;
         if let Some(operator) = operator {
-            let before = Settled { tokens: target.tokens(), is_whole };
+            let before = PureValue { tokens: target.tokens(), is_whole };
             value = self.joined(before, operator, &value, frame)?;
         }
         self.store(target, value, frame)
@@ -245,7 +250,7 @@ impl ProgramReader<'_> {
     pub(crate) fn store(
         &mut self,
         target: &Target,
-        value: Settled,
+        value: PureValue,
         frame: &mut Frame,
     ) -> Fallible<()> {
         let name = self.words.name(target.name);
@@ -270,7 +275,7 @@ impl ProgramReader<'_> {
             frame.set.push((name.text, size));
             return Ok(());
         }
-        if self.keeps_number(&name.text, &value, frame) {
+        if self.record_number(&name.text, &value, frame) {
             return Ok(());
         }
         self.set(name, size, value, frame)
@@ -284,15 +289,15 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// Changes a variable by 1. Its value is the new one if the sign stands before the variable,
-    /// else the old one.
+    /// Changes a variable by 1. Returns the variable's new value if the sign stands before the
+    /// variable, else its old value.
     pub(crate) fn step_by_one(
         &mut self,
         target: &Target,
         sign: Token,
         is_before: bool,
         frame: &mut Frame,
-    ) -> Fallible<Settled> {
+    ) -> Fallible<PureValue> {
         let old = self.value_of(target, frame);
         let one = ExprKind::Number("1".to_owned());
         let one = self.saved(one, target.name.span, true, frame);
@@ -300,12 +305,12 @@ impl ProgramReader<'_> {
         let mut tokens = old.tokens.clone();
         tokens.extend([sign, one]);
         self.check_order(self.words.word(target.name), target.name.span)?;
-        self.store(target, Settled { tokens, is_whole }, frame)?;
+        self.store(target, PureValue { tokens, is_whole }, frame)?;
         Ok(if is_before { self.value_of(target, frame) } else { old })
     }
 
     /// Reads `c ? a : b`. If `a` or `b` has effects, both are sides of a branch.
-    fn ternary(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<Settled> {
+    fn ternary(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<PureValue> {
         let Some(mark) =
             outside(tokens, QuestionMark).filter(|_| self.language != Language::Python)
         else {
@@ -331,7 +336,7 @@ impl ProgramReader<'_> {
             // The condition is evaluated before the sides change anything.
             self.reads.truncate(at);
         }
-        if let Some(holds) = self.known(&condition, frame) {
+        if let Some(holds) = self.known_value(&condition, frame) {
             return if holds == 0.0 {
                 self.assignment(no, frame)
             } else {
@@ -353,20 +358,22 @@ impl ProgramReader<'_> {
         all.extend(in_brackets(&yes.tokens));
         all.push(tokens[colon]);
         all.extend(in_brackets(&no.tokens));
-        Ok(Settled { tokens: all, is_whole })
+        Ok(PureValue { tokens: all, is_whole })
     }
 
     /// Reads `a || b`. If `b` has effects, they happen where `a` does not hold.
-    fn alternatives(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<Settled> {
+    fn alternatives(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<PureValue> {
         self.short_circuit(tokens, Or, frame)
     }
 
+    /// Reads operands that are joined by `sign`, a logical "or" or "and". Effects of the right
+    /// operand happen only where the left operand does not determine the result.
     fn short_circuit(
         &mut self,
         tokens: &[Token],
         sign: TokenKind,
         frame: &mut Frame,
-    ) -> Fallible<Settled> {
+    ) -> Fallible<PureValue> {
         let last = tokens.iter().rposition(is_outside_backwards(sign));
         let Some(at) = last.filter(|at| self.has_effect(&tokens[*at + 1..])) else {
             let Some(at) = last.filter(|at| self.has_effect(&tokens[..*at])) else {
@@ -381,7 +388,7 @@ impl ProgramReader<'_> {
             let mut all = left.tokens;
             all.push(tokens[at]);
             all.extend(self.operand_of(sign, &tokens[at + 1..], frame)?.tokens);
-            return Ok(Settled { tokens: all, is_whole: false });
+            return Ok(PureValue { tokens: all, is_whole: false });
         };
         let mark = self.reads.len();
         let left = &tokens[..at];
@@ -403,23 +410,23 @@ impl ProgramReader<'_> {
         sign: TokenKind,
         tokens: &[Token],
         frame: &mut Frame,
-    ) -> Fallible<Settled> {
+    ) -> Fallible<PureValue> {
         if sign == Or { self.short_circuit(tokens, And, frame) } else { self.terms(tokens, frame) }
     }
 
-    /// Runs two sides of a branch in an expression. A side gives its value, or `None` if its value
-    /// is that of the condition. Returns the value of the side that counts.
+    /// Runs two sides of a branch in an expression. A side returns its value, or `None` if the
+    /// condition's value is its value. Returns the value of the side that the condition selects.
     fn branches(
         &mut self,
         condition: Vec<Token>,
         yes: Side<'_, Self>,
         no: Side<'_, Self>,
         frame: &mut Frame,
-    ) -> Fallible<Settled> {
+    ) -> Fallible<PureValue> {
         let span = span_of(&condition).unwrap_or_default();
-        if let Some(holds) = self.known(&condition, frame) {
+        if let Some(holds) = self.known_value(&condition, frame) {
             let side = if holds == 0.0 { no(self, frame)? } else { yes(self, frame)? };
-            return Ok(side.unwrap_or(Settled { tokens: condition, is_whole: false }));
+            return Ok(side.unwrap_or(PureValue { tokens: condition, is_whole: false }));
         }
         let holds = self.indicator(condition, frame)?;
         let (number, token) = self.new_saved(span);
@@ -458,12 +465,12 @@ impl ProgramReader<'_> {
         if is_whole {
             self.whole_values.insert(token.number);
         }
-        Ok(Settled { tokens: vec![token], is_whole })
+        Ok(PureValue { tokens: vec![token], is_whole })
     }
 }
 
 /// Runs a side of a branch. Returns its value, or `None` if that is the condition's.
-type Side<'b, R> = &'b mut dyn FnMut(&mut R, &mut Frame) -> Fallible<Option<Settled>>;
+type Side<'b, R> = &'b mut dyn FnMut(&mut R, &mut Frame) -> Fallible<Option<PureValue>>;
 
 /// Returns a test for a `sign` outside brackets. The test must be called with each token, from the
 /// last to the first.

@@ -122,7 +122,7 @@ impl ProgramReader<'_> {
         }
         let body = self.expanded(body, 0)?;
         let steps = self.words.block(&body, 0)?;
-        let given = self.given(&parameters);
+        let given = self.procedure_parameters(&parameters);
         let sizes: Vec<usize> = given.iter().map(|given| given.size).collect();
         let before = self.signatures.insert(word.clone(), sizes.clone());
         if self.language == Language::Typed && before.is_some_and(|before| before != sizes) {
@@ -203,7 +203,7 @@ impl ProgramReader<'_> {
         let tail = if is_typed { None } else { steps.pop_if(is_value) };
         self.run_open(&steps, frame, false)?;
         if let Some(ProgramStep::Plain(tokens)) = tail {
-            let tokens = self.settled(tokens, frame)?;
+            let tokens = self.run_effects(tokens, frame)?;
             self.result(tokens, frame)?;
             frame.has_result = true;
         }
@@ -222,7 +222,10 @@ impl ProgramReader<'_> {
     }
 
     /// The parameters of a procedure, each with its direction: in, out or both.
-    pub(crate) fn given(&self, parameters: &[Vec<Token>]) -> Vec<ProcedureParameter> {
+    pub(crate) fn procedure_parameters(
+        &self,
+        parameters: &[Vec<Token>],
+    ) -> Vec<ProcedureParameter> {
         let one = |tokens: &Vec<Token>| {
             let (token, size, default) = self.words.parameter(tokens)?;
             let is_whole = tokens.iter().any(|token| is_whole_type(self.words.word(*token)));
@@ -392,7 +395,11 @@ impl ProgramReader<'_> {
             following.as_slice().first().is_some_and(|next| self.words.indent(next) > own);
         // A body that was pasted without indentation ends after its `return`.
         while let Some(next) = following.as_slice().first() {
-            let ends = if is_indented { self.words.indent(next) <= own } else { self.ends(&lines) };
+            let ends = if is_indented {
+                self.words.indent(next) <= own
+            } else {
+                self.ends_with_return(&lines)
+            };
             if ends {
                 break;
             }
@@ -431,19 +438,19 @@ impl ProgramReader<'_> {
         step.extend(&body);
         self.record_body(name, &parameters, vec![ProgramStep::Plain(step)]);
         let mut frame = self.enter(self.words.name(name), parameters)?;
-        let value = self.settled(body, &mut frame)?;
+        let value = self.run_effects(body, &mut frame)?;
         self.result(value, &frame)
     }
 
     /// Records the body of a function, for calls that name parameters or leave some out.
     fn record_body(&mut self, name: Token, parameters: &[Vec<Token>], body: Vec<ProgramStep>) {
-        let parameters = self.given(parameters);
+        let parameters = self.procedure_parameters(parameters);
         let procedure = Procedure::of_values(parameters, body);
         self.bodies.insert(self.words.word(name).to_owned(), Rc::new(procedure));
     }
 
     /// Returns whether the last line is a `return`.
-    fn ends(&self, lines: &[Vec<Token>]) -> bool {
+    fn ends_with_return(&self, lines: &[Vec<Token>]) -> bool {
         lines.last().is_some_and(|line| self.words.word(line[0]) == "return")
     }
 
@@ -529,18 +536,18 @@ impl ProgramReader<'_> {
         {
             let mut step = vec![Token::new(TokenKind::Saved, Span::at(first.span.start))];
             step.extend(&value);
-            let given = self.given(&parameters);
+            let given = self.procedure_parameters(&parameters);
             let body = vec![ProgramStep::Plain(step)];
             self.bodies.insert(name.text.clone(), Rc::new(Procedure::of_values(given, body)));
         }
         self.note_radians(&value);
         let mut frame = self.enter(name, parameters)?;
         let Some(body) = body else {
-            let value = self.settled(value, &mut frame)?;
+            let value = self.run_effects(value, &mut frame)?;
             return self.result(value, &frame);
         };
         if !self.words.has(&body, "return") {
-            let body = self.settled(body, &mut frame)?;
+            let body = self.run_effects(body, &mut frame)?;
             return self.result(body, &frame);
         }
         let steps = self.words.block(&body, 0)?;

@@ -33,7 +33,7 @@ fn coordinate(axis: TokenKind) -> ExprKind {
     ExprKind::Name(NamedValue::Coordinate(axis))
 }
 
-/// The axis that the name of a grid's coordinate says.
+/// The axis to which the name of a grid's coordinate refers, such as `x` or `X`.
 fn named_axis(name: &str) -> Option<TokenKind> {
     match name {
         "x" | "X" => Some(X),
@@ -220,7 +220,7 @@ impl ProgramReader<'_> {
                 && aliases.find(word(name)).is_none()
                 && self.arity(*name).is_none()
             {
-                self.program.notes.extend(words.left_of_plot(&[formula]));
+                self.program.notes.extend(words.unused_note(&[formula]));
                 continue;
             }
             self.push(formula, None, None, &aliases, is_height)?;

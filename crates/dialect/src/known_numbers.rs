@@ -75,6 +75,8 @@ impl ConstantEvaluator<'_> {
         &self.words.text[token.span.range()]
     }
 
+    /// Evaluates comparisons that are joined by "and" or "or". The result is 1 for true and 0 for
+    /// false. Without such a word, it is the value of the only operand.
     fn joined(&mut self) -> Option<f64> {
         self.depth += 1;
         if self.depth > 50 {
@@ -94,6 +96,7 @@ impl ConstantEvaluator<'_> {
         Some(value)
     }
 
+    /// Evaluates a comparison to 1 or 0, or a sum to its value.
     fn compared(&mut self) -> Option<f64> {
         if self.take(&[Not]).is_some() {
             return Some(f64::from(u8::from(self.compared()? == 0.0)));

@@ -1,4 +1,5 @@
-//! Recognizes the language of a program, which decides about effects, quotients and angles.
+//! Recognizes the language of a program. The meaning of effects, quotients and angles depends on
+//! it.
 
 use crate::program_words::{Words, is_type};
 use zeroset_parser::lex::token::{Token, closing};
@@ -51,7 +52,7 @@ impl Language {
             Self::Python
         } else if any(&|tokens| words.is_of_openscad(tokens)) {
             Self::OpenScad
-        } else if any(&|tokens| words.has_value_type(tokens)) {
+        } else if any(&|tokens| words.declares_typed_name(tokens)) {
             Self::Typed
         } else if any(&|tokens| words.has_body(tokens) || has_arrow(tokens)) {
             Self::Script
@@ -72,8 +73,9 @@ impl Language {
 }
 
 impl Words<'_> {
-    /// Returns whether a statement declares a variable or function of a number or vector type.
-    fn has_value_type(self, tokens: &[Token]) -> bool {
+    /// Returns whether a statement declares a name with a type of numbers or vectors, such as
+    /// `float`. Words such as `let` are no such type.
+    fn declares_typed_name(self, tokens: &[Token]) -> bool {
         let types = &tokens[..self.types(tokens)];
         types.iter().any(|token| {
             let word = self.word(*token);

@@ -1,7 +1,7 @@
 //! Reads the arguments of plot commands: ranges with their names, levels, regions, other options.
 //!
-//! [`Arguments`] knows which arguments were read. A note tells of all others, so an argument or an
-//! option that nothing here knows is never left out in silence.
+//! [`Arguments`] knows which arguments were read. A note lists all others, so no argument is
+//! ignored silently.
 
 use crate::program_words::Words;
 use zeroset_parser::lex::spelling::{plain_name, short_name};
@@ -52,7 +52,7 @@ impl Arguments {
         &self.parts
     }
 
-    /// Takes the argument at `index`.
+    /// Returns the argument at `index` and marks it as read.
     pub(crate) fn take(&mut self, index: usize) -> Vec<Token> {
         self.is_read[index] = true;
         self.parts[index].clone()
@@ -63,7 +63,8 @@ impl Arguments {
         self.parts.iter().enumerate().skip(start).filter(|(index, _)| !self.is_read[*index])
     }
 
-    /// Takes the level at `index`, as in `isosurface(v, 0.5)`, unless an option or text is there.
+    /// Returns the level at `index`, as in `isosurface(v, 0.5)`, and marks it as read. `None` if an
+    /// option or text is there.
     pub(crate) fn level_at(&mut self, index: usize) -> Option<Vec<Token>> {
         let part = self.parts.get(index)?;
         let is_option = part.iter().any(|token| token.kind.is_relation());
@@ -72,13 +73,13 @@ impl Arguments {
         (is_number && !is_option).then(|| self.take(index))
     }
 
-    /// Records tokens that were taken and are not used.
-    pub(crate) fn leave(&mut self, tokens: Vec<Token>) {
+    /// Records tokens that were taken from an argument but have no use.
+    pub(crate) fn record_unused(&mut self, tokens: Vec<Token>) {
         self.unused.push(tokens);
     }
 
-    /// Everything that was not used, in the order of the text.
-    pub(crate) fn left(self) -> Vec<Vec<Token>> {
+    /// All tokens that were not read or had no use, in the order of the text.
+    pub(crate) fn into_unused(self) -> Vec<Vec<Token>> {
         let unread = self.parts.into_iter().zip(self.is_read).filter(|(_, is_read)| !is_read);
         let mut left: Vec<Vec<Token>> = unread.map(|(part, _)| part).chain(self.unused).collect();
         left.sort_by_key(|part| part.first().map_or(0, |first| first.span.start));
@@ -88,7 +89,7 @@ impl Arguments {
 
 impl Words<'_> {
     /// A note on the parts `left` of a plot, which have no effect here; `None` if `left` is empty.
-    pub(crate) fn left_of_plot(self, left: &[Vec<Token>]) -> Option<Note> {
+    pub(crate) fn unused_note(self, left: &[Vec<Token>]) -> Option<Note> {
         let spans: Vec<Span> = left.iter().filter_map(|part| span_of(part)).collect();
         let typed = |span: &Span| {
             // A name that stands for a row may put tokens from elsewhere into an argument.
@@ -229,7 +230,7 @@ impl Words<'_> {
         if ranges.iter().all(|range| range.name.is_none()) && ranges.len() > most {
             for PlotRange { mut low, high, .. } in ranges.drain(most..) {
                 low.extend(high);
-                arguments.leave(low);
+                arguments.record_unused(low);
             }
         }
         ranges

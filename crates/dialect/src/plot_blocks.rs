@@ -1,7 +1,7 @@
 //! Reads plots whose parts have no brackets: gnuplot's `splot`, and POV-Ray's `isosurface { … }`.
 
 use crate::plot_arguments::PlotRange;
-use crate::plot_commands::{AXES, Plot, less};
+use crate::plot_commands::{AXES, Plot, minus_level};
 use crate::program_words::Words;
 use zeroset_parser::lex::token::{Token, bracketed, closing, split};
 use zeroset_parser::lex::token_kind::TokenKind::{self, *};
@@ -48,7 +48,7 @@ impl Words<'_> {
                 }
             }
         }
-        let notes = note.into_iter().chain(self.left_of_plot(&left)).collect();
+        let notes = note.into_iter().chain(self.unused_note(&left)).collect();
         Plot { formulas, is_height: true, domain, notes, renamed: Vec::new(), grid: Vec::new() }
     }
 
@@ -74,7 +74,7 @@ impl Words<'_> {
         }
         left.push(rest.to_vec());
         let body = body?.to_vec();
-        let body = level.map_or(body.clone(), |level| less(&body, &level));
+        let body = level.map_or(body.clone(), |level| minus_level(&body, &level));
         let (domain, note) = match container {
             None => (None, None),
             Some(container) => match self.contained(&container[1..]) {
@@ -82,7 +82,7 @@ impl Words<'_> {
                 None => (None, Some(Note { span: place, kind: NoteKind::ContainerIgnored })),
             },
         };
-        let notes = note.into_iter().chain(self.left_of_plot(&left)).collect();
+        let notes = note.into_iter().chain(self.unused_note(&left)).collect();
         let formulas = vec![body];
         Some(Plot {
             formulas,

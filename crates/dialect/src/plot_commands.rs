@@ -71,7 +71,8 @@ pub(crate) const LEVELED: &[&str] = &["isosurface", "marching_cubes"];
 /// Names that the ends of a range may contain. If another name occurs, all ranges are ignored.
 const CONSTANTS: &[&str] = &["pi", "tau", "e", "phi", "sqrt"];
 
-/// Largest number of levels, and of formulas with a condition, because each gets a copy.
+/// Largest number of levels, and of formulas with a condition. Each of them gets a copy of the
+/// formula.
 const MAX_FORMULAS: usize = 20;
 
 /// Longest domain that a note quotes, in bytes.
@@ -84,7 +85,7 @@ pub(crate) struct Plot {
     pub is_height: bool,
     /// A `domain` line with the ranges; `None` if the command has no readable ranges.
     pub domain: Option<Vec<Token>>,
-    /// Notes on the ranges, and on what has no effect.
+    /// Notes on the ranges, and on arguments that have no effect.
     pub notes: Vec<Note>,
     /// Names of the formulas that stand for coordinates.
     pub renamed: Vec<(Token, TokenKind)>,
@@ -157,7 +158,7 @@ impl Words<'_> {
         let place = tokens[0].span;
         let mut arguments = Arguments::new(self.plot_arguments(inner));
         if !rest.iter().all(is_end) {
-            arguments.leave(rest.to_vec());
+            arguments.record_unused(rest.to_vec());
         }
         let mut plots = Vec::new();
         for index in 0..arguments.all().len() {
@@ -172,7 +173,7 @@ impl Words<'_> {
         }
         if !plots.is_empty() || CONTAINERS.contains(&word) {
             if let Some(first) = plots.first_mut() {
-                first.notes.extend(self.left_of_plot(&arguments.left()));
+                first.notes.extend(self.unused_note(&arguments.into_unused()));
             }
             return Ok(plots);
         }
@@ -199,7 +200,7 @@ impl Words<'_> {
         let region = self.region(&mut arguments)?;
         let mut renamed = renamed(&names, &axes);
         for names in [&parameters, region.as_ref().map_or(&Vec::new(), |(names, _)| names)] {
-            // An unused parameter stands for nothing, also outside of the function.
+            // An unused parameter does not rename a coordinate, in the function or outside.
             let condition = region.iter().flat_map(|(_, condition)| condition);
             let used: Vec<&str> =
                 formula.iter().chain(condition).map(|token| self.word(*token)).collect();
@@ -215,7 +216,7 @@ impl Words<'_> {
                 let kind = ErrorKind::PlotOption { name: "contour".to_owned() };
                 return Err(Error::new(formula[0].span, kind));
             }
-            formulas.extend(levels.iter().map(|level| less(&formula, level)));
+            formulas.extend(levels.iter().map(|level| minus_level(&formula, level)));
             formulas.extend(levels.is_empty().then_some(formula));
         }
         if formulas.len() > MAX_FORMULAS && region.is_some() {
@@ -235,7 +236,7 @@ impl Words<'_> {
             notes.push(Note { span: place, kind: NoteKind::PlotWithoutLevel });
         }
         let grid = std::mem::take(&mut arguments.grid);
-        notes.extend(self.left_of_plot(&arguments.left()));
+        notes.extend(self.unused_note(&arguments.into_unused()));
         Ok(vec![Plot { formulas, is_height, domain, notes, renamed, grid }])
     }
 
@@ -333,7 +334,7 @@ impl Words<'_> {
             // A function of all points of a grid, as in `f(*grid)`.
             [name, open, star, grid @ .., _] if (open.kind, star.kind) == (OpenParen, Star) => {
                 if grid.len() > 1 {
-                    arguments.leave(grid.to_vec());
+                    arguments.record_unused(grid.to_vec());
                 }
                 vec![*name]
             }
@@ -415,7 +416,7 @@ impl Words<'_> {
 }
 
 /// The tokens of `(formula) - (level)`.
-pub(crate) fn less(formula: &[Token], level: &[Token]) -> Vec<Token> {
+pub(crate) fn minus_level(formula: &[Token], level: &[Token]) -> Vec<Token> {
     let mut all = in_brackets(formula);
     let end = all[all.len() - 1].span;
     all.push(Token::new(Minus, end));
@@ -423,14 +424,14 @@ pub(crate) fn less(formula: &[Token], level: &[Token]) -> Vec<Token> {
     all
 }
 
-/// The names that are not their axes.
+/// Pairs of a variable and its axis, without variables that have the name of their axis.
 fn renamed(names: &[Option<Token>], axes: &[TokenKind]) -> Vec<(Token, TokenKind)> {
     let pairs = names.iter().zip(axes).filter_map(|(name, axis)| Some(((*name)?, *axis)));
     pairs.filter(|(name, axis)| name.kind != *axis).collect()
 }
 
-/// The parameters of a function that are not their axes. Fails if a parameter is another coordinate
-/// than the one at its place.
+/// Pairs of a function's parameter and its axis, without parameters that have the name of their
+/// axis. Fails if a parameter has the name of another axis.
 fn renamed_all(names: &[Token], is_height: bool) -> Fallible<Vec<(Token, TokenKind)>> {
     let count = if is_height { 2 } else { 3 };
     let axes = AXES.into_iter().take(count);

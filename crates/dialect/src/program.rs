@@ -32,11 +32,13 @@ pub struct PastedProgram {
     pub last_value: Option<Name>,
     /// Definitions and drawings that are not in the text.
     pub synthesized: Vec<BuiltStatement>,
-    /// Names generated in branches and loops. Definitions of such names are dropped if unused.
+    /// Names generated in branches and loops. A definition of such a name is dropped if nothing
+    /// uses it.
     pub generated: FxHashSet<String>,
     /// Notes on what was left out or changed.
     pub notes: Vec<Note>,
 }
 
-/// The statements of a text of another format, and notes on its domain and on what is not read.
+/// The statements of a text in another format, and notes on its domain and on parts that are not
+/// read.
 pub(crate) type ForeignText = (Vec<Vec<Token>>, Vec<Note>);

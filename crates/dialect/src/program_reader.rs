@@ -201,12 +201,12 @@ pub fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
     }
     reader.end(&top, Span::at(text.len()));
     let mut program = reader.program;
-    say_later_domains(&mut program.notes);
+    note_ignored_domains(&mut program.notes);
     Ok(program)
 }
 
-/// Corrects the notes on the domains of plots: only the first domain counts.
-fn say_later_domains(notes: &mut [Note]) {
+/// Corrects the notes on the domains of plots: only the first domain has an effect.
+fn note_ignored_domains(notes: &mut [Note]) {
     let mut first = None;
     for note in notes {
         let NoteKind::PlotDomain { domain } = &note.kind else { continue };
@@ -267,7 +267,7 @@ impl ProgramReader<'_> {
             "def" if tokens.len() > 3 => return self.python_function(&tokens, following),
             "return" if tokens.len() > 1 => {
                 tokens.remove(0);
-                let tokens = self.settled(tokens, frame)?;
+                let tokens = self.run_effects(tokens, frame)?;
                 return self.result(tokens, frame);
             }
             "#define" if tokens.len() > 1 => {
@@ -363,7 +363,7 @@ impl ProgramReader<'_> {
                 self.reads.clear();
                 self.plain(all, frame, true).map(|()| true)
             }
-            _ => Ok(self.counts(tokens, frame)),
+            _ => Ok(self.run_counter_assignment(tokens, frame)),
         }
     }
 
@@ -423,7 +423,7 @@ impl ProgramReader<'_> {
             && equals.kind == Equals
             && number.kind == Number
             && !self.mutable.contains(self.words.word(*name))
-            && let Some(value) = self.known(&[*number], &Frame::default())
+            && let Some(value) = self.known_value(&[*number], &Frame::default())
         {
             self.constants.insert(self.words.word(*name).to_owned(), value);
         }
@@ -431,6 +431,8 @@ impl ProgramReader<'_> {
         self.push(tokens, None, None, &frame.aliases, false)
     }
 
+    /// Adds a statement whose value is `tokens` to the program. With `head`, the statement defines
+    /// a name.
     pub(crate) fn push(
         &mut self,
         tokens: Vec<Token>,

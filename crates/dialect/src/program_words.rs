@@ -100,7 +100,8 @@ impl<'a> Words<'a> {
         Error::new(token.span, ErrorKind::Program { word: self.word(token).to_owned() })
     }
 
-    /// Returns whether a name or a block follows the first word, as in `else a` or `if (c) a`.
+    /// Returns whether the first word begins a command: a name or a block follows it, perhaps after
+    /// a condition in brackets, as in `else a` or `if (c) a`.
     pub(crate) fn is_command(tokens: &[Token]) -> bool {
         let Some(next) = tokens.get(1) else { return false };
         if next.kind.is_name() || next.kind == OpenBrace {
@@ -149,7 +150,7 @@ impl<'a> Words<'a> {
         }
         match tokens {
             [name, component, equals, ..] if name.kind.is_name() => {
-                component.kind == Component && equals.kind == Equals && self.sets(*equals)
+                component.kind == Component && equals.kind == Equals && self.may_assign(*equals)
                     || component.kind.is_arithmetic()
                         && equals.kind == Equals
                         && component.span.end == equals.span.start
@@ -159,7 +160,7 @@ impl<'a> Words<'a> {
     }
 
     /// Returns whether an equals sign may assign. A sign that is typed `==` compares.
-    fn sets(self, equals: Token) -> bool {
+    fn may_assign(self, equals: Token) -> bool {
         !self.text[equals.span.range()].starts_with("==")
     }
 
@@ -284,7 +285,7 @@ impl<'a> Words<'a> {
         let rest = &rest[usize::from(letters.is_some())..];
         let typed = letters.map(|token| self.text[token.span.start + 1..token.span.end].to_owned());
         match rest {
-            [equals, value @ ..] if equals.kind == Equals && self.sets(*equals) => {
+            [equals, value @ ..] if equals.kind == Equals && self.may_assign(*equals) => {
                 let is_arrow = value
                     .first()
                     .is_some_and(|next| next.kind == Greater && next.span.start == equals.span.end);

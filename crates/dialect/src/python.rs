@@ -1,7 +1,7 @@
 //! Runs statements of Python, and generators of Python and `OpenSCAD`.
 
 use crate::control_flow::LoopValue;
-use crate::effects::{Settled, Target};
+use crate::effects::{PureValue, Target};
 use crate::known_numbers::number_expr;
 use crate::program_reader::{Frame, ProgramReader};
 use crate::program_words::Words;
@@ -49,7 +49,7 @@ impl ProgramReader<'_> {
             let target = Target::of(&tokens[..end])?;
             let value = self.terms(value, frame)?;
             let is_whole = frame.integers.contains(self.words.word(target.name));
-            let before = Settled { tokens: target.tokens(), is_whole };
+            let before = PureValue { tokens: target.tokens(), is_whole };
             let value = self.joined(before, operator, &value, frame)?;
             return self.store(&target, value, frame).map(|()| true);
         }
@@ -78,7 +78,7 @@ impl ProgramReader<'_> {
                 };
                 let (kind, is_whole) = kind;
                 let token = self.saved(kind, target.name.span, is_whole, frame);
-                self.store(&target, Settled { tokens: vec![token], is_whole }, frame)?;
+                self.store(&target, PureValue { tokens: vec![token], is_whole }, frame)?;
             }
         }
         Ok(true)
@@ -138,7 +138,7 @@ impl ProgramReader<'_> {
             if let Some(filter) = filter {
                 let filter = self.assignment(filter, frame)?.tokens;
                 let span = index.span;
-                match self.known(&filter, frame) {
+                match self.known_value(&filter, frame) {
                     Some(0.0) => continue,
                     Some(_) => {}
                     None => return Err(Error::new(span, ErrorKind::LoopEnd)),

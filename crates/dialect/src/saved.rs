@@ -44,7 +44,7 @@ impl ProgramReader<'_> {
     /// An expression for the value of `tokens`: a number, or a call of a new definition.
     pub(crate) fn kind_of(&mut self, tokens: Vec<Token>, frame: &mut Frame) -> Fallible<ExprKind> {
         let span = span_of(&tokens).unwrap_or_default();
-        if let Some(number) = self.known(&tokens, frame) {
+        if let Some(number) = self.known_value(&tokens, frame) {
             return Ok(number_expr(number, span));
         }
         if let [only] = tokens.as_slice()
@@ -65,7 +65,7 @@ impl ProgramReader<'_> {
         frame: &mut Frame,
     ) -> Fallible<ExprKind> {
         let span = span_of(&tokens).unwrap_or_default();
-        if let Some(number) = self.known(&tokens, frame) {
+        if let Some(number) = self.known_value(&tokens, frame) {
             return Ok(number_expr(f64::from(u8::from(number != 0.0)), span));
         }
         let (head, kind) = self.synthesized_head("if", span, frame);
@@ -83,7 +83,7 @@ impl ProgramReader<'_> {
     pub(crate) fn truncated(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<Token> {
         let span = span_of(tokens).unwrap_or_default();
         let value = self.kind_of(tokens.to_vec(), frame)?;
-        let kind = match self.known(tokens, frame) {
+        let kind = match self.known_value(tokens, frame) {
             Some(number) => number_expr(number.trunc(), span),
             None => of_op(Op::Trunc, Expr::new(value, span)),
         };
@@ -93,7 +93,7 @@ impl ProgramReader<'_> {
 
     /// Dividend and divisor, if both are known numbers and the divisor is not 0.
     fn known_quotient(&self, left: &[Token], right: &[Token], frame: &Frame) -> Option<[f64; 2]> {
-        let known = [self.known(left, frame)?, self.known(right, frame)?];
+        let known = [self.known_value(left, frame)?, self.known_value(right, frame)?];
         (known[1] != 0.0).then_some(known)
     }
 
@@ -153,6 +153,7 @@ impl ProgramReader<'_> {
         Ok(self.saved(kind, span, false, frame))
     }
 
+    /// Reads the two operands of an operation.
     fn both(
         &mut self,
         left: &[Token],

@@ -88,7 +88,7 @@ impl<'a> SchemeReader<'a> {
         span_of(part).map_or("", |span| &self.words.text[span.range()])
     }
 
-    /// Reads a form that is in no other; `None` if it cannot be read.
+    /// Reads a form at the top level of the text; `None` if it cannot be read.
     fn form(&mut self, form: &[Token]) -> Option<()> {
         let list = parts(form).unwrap_or_default();
         match (list.first().map_or("", |head| self.typed(head)), list.as_slice()) {

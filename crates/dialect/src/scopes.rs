@@ -9,7 +9,7 @@ use zeroset_parser::lex::token::{Token, bracketed};
 use zeroset_parser::lex::token_kind::TokenKind::{Comma, Component, Equals, OpenParen};
 use zeroset_parser::tree::ast::{ExprKind, NamedValue};
 
-/// A declared variable, and what its name meant before.
+/// A declared variable, and the former meaning of its name.
 #[derive(Clone)]
 pub(crate) struct Declared {
     name: String,

@@ -16,7 +16,7 @@ const OBJECTS: &[&str] = &["plt", "ax", "fig", "console", "settings", "plotter",
 const SURFER_LINES: &[&str] =
     &["camera_", "light_", "background_", "surface_", "rotation_", "scale_", "transform_"];
 
-/// The lines of a Surfer file that begin alike and are read.
+/// Lines of a Surfer file that begin in the same way but hold formulas, which are read.
 const SURFER_FORMULAS: [&str; 2] = ["surface_equation", "surface_parameter_"];
 
 /// Methods that only show or save a picture.

@@ -1,7 +1,7 @@
 //! Reads sums, products and calls in programs' expressions, from left to right. Truncates quotients
-//! of integers, and runs what operands change.
+//! of integers, and runs side effects of operands.
 
-use crate::effects::{Settled, Target, is_doubled};
+use crate::effects::{PureValue, Target, is_doubled};
 use crate::language::Language;
 use crate::program_reader::{Frame, ProgramReader};
 use zeroset_ops::Op;
@@ -33,7 +33,7 @@ struct Terms {
 
 impl ProgramReader<'_> {
     /// Reads an expression without assignments, commas and choices outside brackets.
-    pub(crate) fn terms(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<Settled> {
+    pub(crate) fn terms(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<PureValue> {
         let mut terms = Terms {
             out: Vec::with_capacity(tokens.len()),
             product: 0,
@@ -60,7 +60,7 @@ impl ProgramReader<'_> {
             self.operator(tokens, &mut at, &mut terms);
         }
         let is_whole = terms.is_whole && terms.product_is_whole;
-        Ok(Settled { tokens: terms.out, is_whole })
+        Ok(PureValue { tokens: terms.out, is_whole })
     }
 
     /// Joins the operand that was read to the product before it.
@@ -136,11 +136,11 @@ impl ProgramReader<'_> {
     /// Joins two values by the operator of an assignment, such as the `+` of `+=`.
     pub(crate) fn joined(
         &mut self,
-        left: Settled,
+        left: PureValue,
         operator: Token,
-        right: &Settled,
+        right: &PureValue,
         frame: &mut Frame,
-    ) -> Fallible<Settled> {
+    ) -> Fallible<PureValue> {
         let both = left.is_whole && right.is_whole;
         let typed = &self.words.text[operator.span.range()];
         let token = match typed {
@@ -166,7 +166,7 @@ impl ProgramReader<'_> {
             all.extend(in_brackets(&right.tokens));
             all
         };
-        Ok(Settled { tokens, is_whole: both && typed != "/" && typed != "**" })
+        Ok(PureValue { tokens, is_whole: both && typed != "/" && typed != "**" })
     }
 
     /// Returns whether `++` or `--` before a variable stands at `at`.
@@ -176,7 +176,8 @@ impl ProgramReader<'_> {
             && tokens.get(at + 2).is_some_and(|next| next.kind.is_name())
     }
 
-    /// Reads an operand with everything that binds to it. Returns whether it is an integer.
+    /// Reads an operand with its postfix operators, and appends its tokens to `out`. Returns
+    /// whether it is an integer.
     fn primary(
         &mut self,
         tokens: &[Token],
@@ -207,7 +208,7 @@ impl ProgramReader<'_> {
                 self.whole_values.contains(&token.number)
             }
             _ if token.kind.closer().is_some() => self.group(tokens, at, out, frame)?,
-            _ if token.kind.is_name() => self.named(tokens, at, out, frame)?,
+            _ if token.kind.is_name() => self.variable_or_call(tokens, at, out, frame)?,
             _ => {
                 out.push(token);
                 *at += 1;
@@ -218,7 +219,7 @@ impl ProgramReader<'_> {
             match next.kind {
                 OpenBracket
                     if matches!(self.language, Language::Python | Language::OpenScad)
-                        && let Some(letter) = self.index(&tokens[*at..], frame) =>
+                        && let Some(letter) = self.indexed_letter(&tokens[*at..], frame) =>
                 {
                     let value: Vec<Token> = out.drain(start..).collect();
                     let place = token.span;
@@ -258,10 +259,11 @@ impl ProgramReader<'_> {
         Ok(is_whole)
     }
 
-    /// The letter of the component with the known index at the start of `tokens`, as in `[1]`.
-    fn index(&self, tokens: &[Token], frame: &Frame) -> Option<char> {
+    /// The letter of the component whose index is in the brackets at the start of `tokens`: `y` for
+    /// `[1]`. `None` if the index is not known, or there is no such component.
+    fn indexed_letter(&self, tokens: &[Token], frame: &Frame) -> Option<char> {
         let (inner, _) = bracketed(tokens)?;
-        let index = self.known(inner, frame).filter(|index| index.fract() == 0.0)?;
+        let index = self.known_value(inner, frame).filter(|index| index.fract() == 0.0)?;
         LETTERS.chars().enumerate().find(|(at, _)| *at as f64 == index).map(|(_, letter)| letter)
     }
 
@@ -331,8 +333,9 @@ impl ProgramReader<'_> {
         }
     }
 
-    /// Reads a variable or a call.
-    fn named(
+    /// Reads a variable or a call at `tokens[*at]`. Appends the tokens of its value to `out`, and
+    /// moves `at` behind it. Returns whether the value is an integer.
+    fn variable_or_call(
         &mut self,
         tokens: &[Token],
         at: &mut usize,

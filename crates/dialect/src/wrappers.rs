@@ -1,10 +1,11 @@
-//! Removes what other systems put around formulas: plot commands, declarations of names, braces.
+//! Removes the notation that other systems put around formulas: plot commands, declarations of
+//! names, braces.
 
 use crate::grids::GRIDS;
 use crate::program_words::Words;
 use zeroset_parser::lex::token_kind::TokenKind::{self, *};
 
-use crate::plot_commands::less;
+use crate::plot_commands::minus_level;
 use zeroset_parser::Span;
 use zeroset_parser::lex::spelling::plain_name;
 use zeroset_parser::lex::token::{Token, bracketed, closing, in_brackets, outside, split};
@@ -165,7 +166,7 @@ impl Words<'_> {
             && &self.text[sides[at].span.range()] == "=="
             && outside(&sides[at + 1..], Equals).is_none();
         let mut all = vec![*name, *equals];
-        all.extend(less(&sides[..at], &sides[at + 1..]));
+        all.extend(minus_level(&sides[..at], &sides[at + 1..]));
         is_named.then_some(all)
     }
 

@@ -557,7 +557,7 @@ impl<T: Real> Input<T> for Boxes<T> {
 
     #[inline]
     fn is_within(&self, domain: &[Interval; 3]) -> bool {
-        // All lanes are compared, several at once, in their own format. Those in use count.
+        // All lanes are compared, several at once, in their own format. Only lanes in use count.
         let mut inside = [true; LANES];
         for (axis, &Interval { lo, hi }) in domain.iter().enumerate() {
             let ends = [T::nearest(-lo), T::nearest(hi)];

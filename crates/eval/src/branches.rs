@@ -216,7 +216,7 @@ impl<V: Copy> Choices<V> {
     }
 }
 
-/// Lanes in which a step makes a choice, and those in which it takes the second branch.
+/// The lanes in which a step makes a choice, and the lanes in which it takes the second branch.
 struct Chosen<V> {
     made: Fact<V>,
     second: Fact<V>,

@@ -46,8 +46,9 @@ pub trait Kernels<T: Real>: Sync {
     fn bounds(&self) -> KernelResult<'_, Enclose, T> {
         Err(Arc::new(NoKernel))
     }
-    /// The kernel that bounds the function by the steps that matter in a part of space, for points
-    /// there. Elsewhere, its answers mean nothing. `None` if these kernels are for all of space.
+    /// The kernel that bounds the function at points of one part of space, by only the steps that
+    /// matter there. Elsewhere, its answers are meaningless. `None` if these kernels are for all of
+    /// space.
     fn bounds_in_part(&self) -> Option<KernelResult<'_, Enclose, T>> {
         None
     }
@@ -83,18 +84,18 @@ pub trait Kernels<T: Real>: Sync {
     fn has_parts(&self) -> bool {
         false
     }
-    /// For each tile, the surface as far as the tile is concerned. An empty list stands for
-    /// [`PartSurface::Same`] in each.
+    /// For each tile, the surface to use in it. An empty list stands for [`PartSurface::Same`] in
+    /// each tile.
     fn in_tiles(&self, _: &Tiles<T>) -> Vec<PartSurface> {
         Vec::new()
     }
 }
 
-/// A surface as far as a part of space is concerned.
+/// The surface to use in a part of space.
 pub enum PartSurface {
     /// There is no zero in the part.
     Empty,
-    /// Kernels of the part take as much time as those of the whole.
+    /// Kernels for the part take as much time as the kernels for all of space.
     Same,
     /// A surface with the same zeros and signs in the part, and the same domain of definition,
     /// whose kernels take less time. It has those kernels that find zeros along rays.

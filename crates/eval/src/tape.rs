@@ -140,8 +140,9 @@ impl<T: Real> Tape<T> {
         std::mem::replace(&mut self.ranges[index], wider) != wider
     }
 
-    /// Returns whether another tape has the same steps, and constants within the bounds of those of
-    /// this tape. Then a [`Selection`](crate::Selection) of this tape is one of the other.
+    /// Returns whether another tape has the same steps, and constants within the bounds of this
+    /// tape's constants. Then a [`Selection`](crate::Selection) of this tape is also valid for the
+    /// other.
     pub fn has_steps_of<U: Real>(&self, other: &Tape<U>) -> bool {
         let is_same = |(own, step): (&Step, &Step)| match (own, step) {
             (Step::Constant(bounds, exponent), Step::Constant(other, as_other)) => {

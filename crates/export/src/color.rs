@@ -1,6 +1,6 @@
 //! Colors of meshes: the colors of pictures, without light.
 //!
-//! A surface in a picture has a color on each side. A mesh has that of its outside.
+//! A surface in a picture has a color on each side. A mesh has only the color of the outer side.
 
 use crate::normals::means;
 use crate::scene::Object;
@@ -12,8 +12,8 @@ use zeroset_scene::view::nearest;
 use zeroset_shade::{LinearRgb, SurfaceColors};
 use zeroset_syntax::{Document, MappedColor, Surface, SurfaceColor};
 
-/// A range of values that is a smaller share of the largest of them counts as one value: rounding
-/// explains it.
+/// If values spread over less than this share of the largest of them, they count as one value:
+/// rounding explains the spread.
 const LEAST_RANGE: f64 = 1e-9;
 /// Number of vertices that a thread takes at once.
 const PART: usize = 256;
@@ -21,7 +21,7 @@ const PART: usize = 256;
 /// The color of a mesh.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Color {
-    /// The color, as sRGB bytes. With a color map, that of vertices without a value.
+    /// The color, as sRGB bytes. With a color map, the color of vertices without a value.
     pub rgb: [u8; 3],
     /// Opacity from 0 to 1.
     pub opacity: f64,

@@ -10,11 +10,11 @@ use std::path::Path;
 pub struct Format {
     /// Name of the format, and its extension in capitals.
     pub name: &'static str,
-    /// True if several surfaces stay apart.
+    /// True if a file keeps several surfaces as separate objects.
     pub has_objects: bool,
     /// True if coordinates are `f32`.
     pub is_single: bool,
-    /// True if a file says how long its coordinates are.
+    /// True if a file states the unit of its coordinates.
     pub has_unit: bool,
     /// Writes meshes that have triangles.
     write: fn(&[&Object], Option<&Unit>, &mut dyn Write) -> io::Result<()>,
@@ -53,7 +53,7 @@ pub const FORMATS: [Format; 5] = [
     Format { name: "GLB", has_objects: true, is_single: true, has_unit: true, write: glb::write },
 ];
 
-/// A length that coordinates are multiples of.
+/// A unit of length for coordinates.
 #[derive(Debug, PartialEq)]
 pub struct Unit {
     /// Name, as in 3MF.
@@ -115,7 +115,7 @@ pub fn triangles(objects: &[&Object]) -> usize {
     objects.iter().map(|object| object.mesh.triangles.len()).sum()
 }
 
-/// A length of a list, if the format can hold it.
+/// `count` as the length of a list in a file. Fails if the format cannot hold it.
 pub fn length(count: usize) -> io::Result<u32> {
     let fits = i32::try_from(count).ok().and_then(|count| u32::try_from(count).ok());
     fits.ok_or_else(|| io::Error::other("the format holds no more than 2147483647 parts"))

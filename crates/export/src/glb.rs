@@ -11,14 +11,14 @@ use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 use std::io::{self, Write};
 
-/// The header of a file, and that of a part.
+/// Sizes of the header of a file and of the header of a chunk, in bytes.
 const HEADER: usize = 12;
 const PART_HEADER: usize = 8;
-/// Numbers that stand for types: `FLOAT`, `UNSIGNED_SHORT`, `UNSIGNED_INT`.
+/// glTF's numbers for the types `FLOAT`, `UNSIGNED_SHORT` and `UNSIGNED_INT`.
 const FLOAT: u32 = 5126;
 const SHORT: u32 = 5123;
 const INT: u32 = 5125;
-/// Numbers that stand for uses: `ARRAY_BUFFER`, `ELEMENT_ARRAY_BUFFER`.
+/// glTF's numbers for the uses `ARRAY_BUFFER` and `ELEMENT_ARRAY_BUFFER`.
 const VERTICES: u32 = 34962;
 const INDICES: u32 = 34963;
 /// How a surface scatters light, from 0 for a mirror to 1 for chalk.

@@ -120,7 +120,8 @@ impl Star {
         for (place, group) in groups.iter().enumerate() {
             sums[*group] += area(place);
         }
-        // A thin triangle may have any direction. It neither is a group nor parts two.
+        // A thin triangle may have any direction. It is no group of its own, and separates no
+        // groups.
         let largest = sums.iter().map(|sum| sum.length()).fold(0.0, f64::max);
         let is_slight = |sum: DVec3| sum.length() <= SLIGHT * largest;
         let kept: Vec<usize> = (0..around.len())
@@ -165,7 +166,7 @@ fn is_smooth(one: DVec3, other: DVec3) -> bool {
     one.dot(other) >= SMOOTH.cos() * one.length() * other.length()
 }
 
-/// A triangle's normal, by its weight for the vertex at its corner `k`.
+/// A triangle's normal, times its weight for the vertex at its corner `k`.
 fn weighted(mesh: &Mesh, triangle: &[u32; 3], k: usize) -> DVec3 {
     let [a, b, c] = [0, 1, 2].map(|step| mesh.vertices[triangle[(k + step) % 3] as usize]);
     let (u, v) = (b - a, c - a);

@@ -41,7 +41,7 @@ pub struct Meshes {
     pub mesh: Duration,
 }
 
-/// How near a mesh is to its surface, and how sure that is.
+/// The tolerance of a mesh, and whether it is proven.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Quality {
     /// Largest distance between triangles and surface, in world units. `None` for a thousandth of

@@ -22,9 +22,9 @@ const RELATIONSHIPS: &str = r#"<?xml version="1.0" encoding="UTF-8"?>
 <Relationship Target="/3D/3dmodel.model" Id="rel0" Type="http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"/>
 </Relationships>
 "#;
-/// The name of the list of plain colors.
+/// The id of the list of plain colors.
 const MATERIALS: usize = 1;
-/// A triangle with its share of vertices takes fewer bytes of XML.
+/// A triangle with its share of vertices takes fewer bytes of XML than this.
 const MOST_BYTES: u64 = 512;
 
 pub fn write(objects: &[&Object], unit: Option<&Unit>, out: &mut dyn Write) -> io::Result<()> {
@@ -59,7 +59,7 @@ fn write_model(objects: &[&Object], unit: &str, out: &mut impl Write) -> io::Res
     writeln!(out, "</basematerials>")?;
     let mut build = String::new();
     for (number, object) in objects.iter().enumerate() {
-        // Each object has two names, one for its map's colors.
+        // Each object takes two ids: its own, and one for the colors of its map.
         let own = MATERIALS + 1 + 2 * number;
         write_object(object, own, number, out)?;
         // Writing to a string cannot fail.
@@ -114,6 +114,7 @@ struct Listed {
 }
 
 impl Listed {
+    /// Numbers the distinct colors in the order of their first use.
     fn new(all: &[[u8; 3]]) -> Self {
         let mut colors = Vec::new();
         let mut known = FxHashMap::default();

@@ -26,8 +26,8 @@ impl<V: Copy> Enclosure<V> {
         Enclosure { neg_lo: f(self.neg_lo), hi: f(self.hi), facts: self.facts.map(f) }
     }
 
-    /// Combines the facts, those of the operands, with `own`, the operation's claims about its
-    /// domain.
+    /// Combines the facts of this enclosure, which are about the operands, with `own`, the
+    /// operation's claims about its domain.
     pub(crate) fn restricted<M: Machine<V = V>>(self, m: &mut M, own: &Claims<V>) -> Self {
         Self { facts: self.facts.and(m, own), ..self }
     }
@@ -68,7 +68,7 @@ impl<V: Copy> Claims<V> {
         }
     }
 
-    /// A code of three digits to base 3, one per fact: whether it is false, true, or a mask.
+    /// Encodes the three facts as digits to base 3: 0 for false, 1 for true, 2 for a mask.
     pub fn shape(&self) -> u128 {
         let Self { nowhere, defined, continuous } = self;
         [nowhere, defined, continuous].iter().fold(0, |code, fact| 3 * code + fact.shape())
@@ -207,6 +207,7 @@ impl<V: Copy> Operand<V> {
         Self { value, range, exponent: Exponent::Real }
     }
 
+    /// The sign of all values of the operand on the domain.
     pub(crate) fn sign(&self) -> Sign {
         if self.range.lo >= 0.0 {
             Sign::Nonneg

@@ -49,6 +49,7 @@ pub fn fold<V: Copy + Into<Decorated>>(op: Op, operands: &[V]) -> (Interval, Fac
     fold_decorated(op, &values)
 }
 
+/// Does the work of [`fold`]. Unlike that function, it is compiled only once.
 fn fold_decorated(op: Op, values: &[Decorated]) -> (Interval, Facts) {
     let operands: Vec<Operand<Vector128>> = values
         .iter()

@@ -169,6 +169,7 @@ impl<M: Machine> Rule<'_, M> {
         self.nan_unless(is_number, value)
     }
 
+    /// Applies a routine to the numbers of all lanes, and returns the approximate values.
     fn near_at(
         &mut self,
         a: M::V,
@@ -230,6 +231,7 @@ impl<M: Machine> Rule<'_, M> {
         self.nan_unless(positive, value)
     }
 
+    /// Applies a routine to angles. NaN where an angle is too large to be reduced.
     fn angle_at(
         &mut self,
         a: M::V,
@@ -254,6 +256,7 @@ impl<M: Machine> Rule<'_, M> {
         self.nan_unless(near, value)
     }
 
+    /// The power aᵇ at points.
     fn power_at(&mut self, a: M::V, b: M::V, exponent: Exponent) -> M::V {
         match exponent {
             Exponent::Integer(n) if n < 0 => {
@@ -272,6 +275,7 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
+    /// The power aⁿ at points.
     fn integer_power_at(&mut self, a: M::V, n: u32) -> M::V {
         if n > 0 {
             return self.by_squaring(
@@ -286,6 +290,7 @@ impl<M: Machine> Rule<'_, M> {
         self.nan_unless(is_number, one)
     }
 
+    /// The power aᵇ at points. NaN for a < 0, and for a = 0 unless b > 0.
     fn real_power_at(&mut self, a: M::V, b: M::V) -> M::V {
         let zero = self.zero();
         let [value] = by_halves(self.m, self.format, [a, b], |approx, [a, b]| {

@@ -115,6 +115,7 @@ impl Default for Software {
     }
 }
 
+/// Applies `f` or `g`, depending on the format, to the bits of each lane.
 fn each(a: Vector128, f: impl Fn(u32) -> u32, g: impl Fn(u64) -> u64) -> Vector128 {
     match a {
         Vector128::F32(a) => Vector128::F32(a.map(f)),
@@ -122,10 +123,12 @@ fn each(a: Vector128, f: impl Fn(u32) -> u32, g: impl Fn(u64) -> u64) -> Vector1
     }
 }
 
+/// Applies `f` or `g`, depending on the format, to the number in each lane.
 fn unary(a: Vector128, f: impl Fn(f32) -> f32, g: impl Fn(f64) -> f64) -> Vector128 {
     each(a, |a| f(f32::from_bits(a)).to_bits(), |a| g(f64::from_bits(a)).to_bits())
 }
 
+/// Applies `f` or `g`, depending on the format, to the two numbers in each lane.
 fn binary(
     a: Vector128,
     b: Vector128,
@@ -140,6 +143,7 @@ fn binary(
     )
 }
 
+/// Applies `f` or `g`, depending on the format, to the bits of the two numbers in each lane.
 fn integer(
     a: Vector128,
     b: Vector128,
@@ -157,6 +161,7 @@ fn integer(
     }
 }
 
+/// Sets all bits of the lanes in which `f` or `g`, depending on the format, is true.
 fn compare(
     a: Vector128,
     b: Vector128,

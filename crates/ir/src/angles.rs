@@ -1,4 +1,4 @@
-//! Sines and cosines of multiples of an angle that is an inverse function: rewritten as algebra.
+//! Rewrites sines and cosines of multiples of acos, asin, atan and atan2 as algebraic functions.
 //!
 //! With θ = acos(u), cos(nθ) is a polynomial in u. With θ = atan2(y, x), cos θ is x/√(x² + y²), and
 //! sin θ is y/√(x² + y²). So neither the angle nor its jump has to be enclosed.
@@ -10,7 +10,8 @@
 //!
 //! In this nested form, |c| ≤ 1 yields the true bounds |cₙ| ≤ 1 for even n, and |wₙ| ≤ n for all n.
 //! Multiplied out, cos(8θ) would be enclosed by ±577. Cosines for odd n, and c and s themselves,
-//! are cut to [−1, 1], which changes no value. To cut the other sines takes longer than it saves.
+//! are clamped to [−1, 1], which changes no value. Clamping the other sines costs more time than it
+//! saves.
 //!
 //! For θ = acos(u), which lies in [0, π], cos(θ/2) = √((1 + u)/2) and sin(θ/2) = √((1 − u)/2).
 
@@ -31,7 +32,7 @@ const MULTIPLE_LIMIT: i64 = 64;
 const ANGLE_LIMIT: usize = 4;
 /// Deepest nesting of sums and constant factors.
 const DEPTH_LIMIT: usize = 16;
-/// Largest number of terms and sums in a sum, each as often as it occurs.
+/// Largest number of nodes visited in one sum. A node counts each time it occurs.
 const VISIT_LIMIT: usize = 1 << 10;
 
 /// Returns a function with the values and the domain of definition of `root`, in which sines and
@@ -69,14 +70,15 @@ pub fn algebraic_angles(graph: &mut Graph, root: NodeId) -> NodeId {
     known.remove(&root).unwrap_or(root)
 }
 
-/// Cosines, and sines over the sine of the angle itself, of multiples of angles.
+/// Rewrites sines and cosines. Each multiple of an angle is computed once.
 #[derive(Default)]
 struct Angles {
+    /// For the node of cos θ and a number n: cos(nθ), and sin(nθ) divided by sin θ.
     multiples: FxHashMap<(NodeId, i64), [NodeId; 2]>,
     nonneg: Nonneg,
 }
 
-/// Angles with their factors, and the rest of a sum.
+/// A sum, split into multiples of angles and other terms.
 #[derive(Default)]
 struct Terms {
     angles: Vec<(NodeId, BigRational)>,
@@ -127,8 +129,8 @@ impl Terms {
 }
 
 impl Angles {
-    /// The cosine and the sine of a node that is a sum of multiples of angles. `None` if the node
-    /// holds no angle, or one whose multiple is not known.
+    /// The cosine and the sine of a node that is a sum of multiples of angles and other terms.
+    /// `None` if the sum holds no angle, or a multiple that has no algebraic sine and cosine.
     fn wave(&mut self, graph: &mut Graph, id: NodeId) -> Option<[NodeId; 2]> {
         let mut terms = Terms::default();
         terms.add(graph, id, &BigRational::one(), 0)?;
@@ -243,8 +245,8 @@ fn of(graph: &mut Graph, nonneg: &mut Nonneg, angle: NodeId) -> Option<[NodeId; 
     Some(waves.map(|wave| clamped(graph, wave)))
 }
 
-/// A number u, and √(1 − u²), both undefined where |u| > 1. For u = p/√(p² + q), where q ≥ 0, they
-/// are defined wherever u is.
+/// Returns u and √(1 − u²), both undefined where |u| > 1. For u = p/√(p² + q) with q ≥ 0, both are
+/// defined wherever u is.
 fn unit(graph: &mut Graph, nonneg: &mut Nonneg, u: NodeId) -> [NodeId; 2] {
     if let Some((others, root)) = others(graph, nonneg, u) {
         let other = graph.apply(Op::Sqrt, &[others]);
@@ -256,7 +258,7 @@ fn unit(graph: &mut Graph, nonneg: &mut Nonneg, u: NodeId) -> [NodeId; 2] {
     [graph.apply(Op::WhereNonneg, &[own, rest]), graph.apply(Op::Sqrt, &[rest])]
 }
 
-/// The terms q of u = p/√(p² + q), and the root, if q is proven ≥ 0.
+/// For u = p/√(p² + q) with q proven ≥ 0: q and the root √(p² + q). `None` for other u.
 fn others(graph: &mut Graph, nonneg: &mut Nonneg, u: NodeId) -> Option<(NodeId, NodeId)> {
     let &[above, root] = graph.operands(u, Op::Div)? else { return None };
     let sum = graph.operands(root, Op::Sqrt)?[0];

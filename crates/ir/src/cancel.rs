@@ -1,9 +1,9 @@
-//! Common factors of numerators and denominators, which leave a quotient undefined where it has a
-//! limit.
+//! Cancels common factors of numerators and denominators. At a zero of such a factor, the quotient
+//! is undefined, though it may have a limit.
 //!
-//! In (x² − y²)/(x − y), both are divided by x − y: the quotient x + y equals the function wherever
-//! that is defined. Then the function is 0 where the quotient is 0 and x − y is not. The common
-//! factors of polynomials are found exactly.
+//! In (x² − y²)/(x − y), numerator and denominator are divided by x − y. The quotient x + y equals
+//! the function wherever the function is defined. So the function is 0 where x + y is 0 and x − y
+//! is not. The common factors of polynomials are found exactly.
 //!
 //! For a function f with f(c) = v, the difference f(u) − v is (u − c)ⁿ·S(u), where S has no pole at
 //! c: sin u = u·S(u). The table of operations has S for each such f. So sin(x y)/x becomes y·S(x
@@ -21,18 +21,19 @@ use num_traits::{One, Zero};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use zeroset_ops::{Class, Op, Secant};
 
-/// Number of products of terms for one function; a few tenths of a second at most.
+/// Largest number of products of terms that are computed for one function. They take a few tenths
+/// of a second at most.
 const WORK_LIMIT: u32 = 20_000;
-/// Largest number of functions in a factor and a base whose secants are tried together.
+/// Largest number of functions in a pair of polynomials that are replaced by secants together.
 const SECANT_LIMIT: usize = 4;
 /// Largest number of factors that are cancelled in one fraction.
 const STEP_LIMIT: usize = 32;
-/// Largest number of operations for which it is proven that they are defined everywhere.
+/// Largest number of operations that are examined to prove that a node is defined everywhere.
 const TOTAL_LIMIT: usize = 256;
 /// Largest exponent of a factor.
 const EXPONENT_LIMIT: i64 = 64;
 
-/// Finds common factors. It remembers pairs without one.
+/// Finds common factors. Remembers pairs of nodes that have none.
 pub(crate) struct Cancellation {
     work: Work,
     coprime: HashSet<(NodeId, NodeId)>,
@@ -48,14 +49,14 @@ impl Default for Cancellation {
     }
 }
 
-/// A factor p and a base b as products of a common part and of rests.
-struct Common {
-    common: NodeId,
-    /// The rests of p and of b.
-    rests: [Rest; 2],
+/// The common factor of a factor p of a numerator and a base b of a denominator.
+struct CommonFactor {
+    factor: NodeId,
+    /// The quotients of p and of b by the common factor.
+    cofactors: [Cofactor; 2],
 }
 
-enum Rest {
+enum Cofactor {
     Number(BigRational),
     Node(NodeId),
 }
@@ -69,8 +70,8 @@ struct Difference {
     divisor: Polynomial,
 }
 
-/// The bases and exponents of a product, and whether the product is the negative of theirs. Each
-/// node is visited once.
+/// Splits a node into a product of powers. Returns each base with its exponent, and whether the
+/// product must be negated. Each node is visited once.
 pub(crate) fn factors(graph: &Graph, id: NodeId) -> (bool, Factors) {
     let (mut is_negative, mut found) = (false, Factors::new());
     // Operands precede the nodes that use them. So the exponent of the last node is complete.
@@ -94,7 +95,7 @@ pub(crate) fn factors(graph: &Graph, id: NodeId) -> (bool, Factors) {
             },
             _ => (&[][..], 1),
         };
-        // Both operands of a product may be the same node.
+        // Both operands of a product may be the same node, so twice the share must fit.
         let share = exponent.checked_mul(2 * times).map(|twice| twice / 2);
         let fits = |share: u32, operand: &NodeId| {
             pending.get(operand).unwrap_or(&0).checked_add(2 * share).is_some()
@@ -113,13 +114,13 @@ pub(crate) fn factors(graph: &Graph, id: NodeId) -> (bool, Factors) {
 }
 
 impl Cancellation {
-    /// Cancels to functions that have values where common factors are 0.
+    /// A cancellation whose quotients have values where the common factors are 0.
     pub fn total() -> Self {
         Self { is_total: true, ..Self::default() }
     }
 
     /// Divides a numerator and the bases in `below` by common factors. Returns the new numerator
-    /// and the common factors. `None` without a common factor.
+    /// and the common factors. `None` if there is no common factor.
     pub fn cancel(
         &mut self,
         graph: &mut Graph,
@@ -129,22 +130,22 @@ impl Cancellation {
         let (is_negative, mut above) = factors(graph, numerator);
         let (mut removed, mut coefficient) = (Vec::new(), BigRational::one());
         while removed.len() < STEP_LIMIT
-            && let Some((p, b, found)) = self.find(graph, &above, below, &removed)
+            && let Some((p, b, found)) = self.find_common_factor(graph, &above, below, &removed)
         {
             let (m, n) = (take(&mut above, p), take(below, b));
             let times = m.min(n);
             put(&mut above, p, m - times);
             put(below, b, n - times);
-            let [rest, divisor] = found.rests;
+            let [rest, divisor] = found.cofactors;
             match rest {
-                Rest::Number(value) => coefficient *= value.pow(times as i32),
-                Rest::Node(id) => put(&mut above, id, times),
+                Cofactor::Number(value) => coefficient *= value.pow(times as i32),
+                Cofactor::Node(id) => put(&mut above, id, times),
             }
             match divisor {
-                Rest::Number(value) => coefficient /= value.pow(times as i32),
-                Rest::Node(id) => put(below, id, times),
+                Cofactor::Number(value) => coefficient /= value.pow(times as i32),
+                Cofactor::Node(id) => put(below, id, times),
             }
-            removed.push(found.common);
+            removed.push(found.factor);
         }
         if removed.is_empty() {
             return None;
@@ -164,11 +165,11 @@ impl Cancellation {
         let (_, mut above) = factors(graph, numerator);
         let mut steps = 0;
         while steps < STEP_LIMIT
-            && let Some((p, _, found)) = self.find(graph, &above, nonzero, &[])
+            && let Some((p, _, found)) = self.find_common_factor(graph, &above, nonzero, &[])
         {
             let exponent = take(&mut above, p);
-            let [rest, _] = found.rests;
-            if let Rest::Node(id) = rest {
+            let [rest, _] = found.cofactors;
+            if let Cofactor::Node(id) = rest {
                 put(&mut above, id, exponent);
             }
             steps += 1;
@@ -180,21 +181,21 @@ impl Cancellation {
         product(graph, one, &above)
     }
 
-    /// The first factor in `above` and base in `below` that have a common part.
-    fn find(
+    /// Finds a factor in `above` and a base in `below` with a common factor. Returns all three.
+    fn find_common_factor(
         &mut self,
         graph: &mut Graph,
         above: &Factors,
         below: &Factors,
         removed: &[NodeId],
-    ) -> Option<(NodeId, NodeId, Common)> {
+    ) -> Option<(NodeId, NodeId, CommonFactor)> {
         for p in above.keys() {
             for b in below.keys() {
                 if graph.number(*p).is_some() || self.coprime.contains(&(*p, *b)) {
                     continue;
                 }
                 let nonzero = || below.keys().chain(removed).copied();
-                match self.common(graph, [*p, *b], nonzero) {
+                match self.common_factor(graph, [*p, *b], nonzero) {
                     Some(common) => return Some((*p, *b, common)),
                     None => self.coprime.insert((*p, *b)),
                 };
@@ -203,55 +204,61 @@ impl Cancellation {
         None
     }
 
-    fn common<I: Iterator<Item = NodeId>>(
+    /// The common factor of node p of a numerator and node b of a denominator. Looks for it in
+    /// their polynomials, then in polynomials whose functions are rewritten with secants, then by
+    /// shifts.
+    fn common_factor<I: Iterator<Item = NodeId>>(
         &mut self,
         graph: &mut Graph,
         [p, b]: [NodeId; 2],
         nonzero: impl Fn() -> I,
-    ) -> Option<Common> {
-        let one = || Rest::Number(BigRational::one());
+    ) -> Option<CommonFactor> {
+        let one = || Cofactor::Number(BigRational::one());
         if p == b {
-            return Some(Common { common: b, rests: [one(), one()] });
+            return Some(CommonFactor { factor: b, cofactors: [one(), one()] });
         }
         if self.work.is_spent() {
             return None;
         }
         let plain = [p, b].map(|id| Polynomial::of(graph, id, &mut self.work));
-        if let Some(common) = self.divided(graph, &plain, [p, b]) {
+        if let Some(common) = self.split_common_factor(graph, &plain, [p, b]) {
             return Some(common);
         }
-        let differences = self.differences(graph, &plain);
-        // Fewer functions are replaced first.
+        let differences = self.related_differences(graph, &plain);
+        // Small sets of replaced functions are tried first.
         let mut sets: Vec<u32> = (1..1 << differences.len()).collect();
         sets.sort_by_key(|set| set.count_ones());
         for set in sets {
             let mut pair = plain.clone();
             for (k, difference) in differences.iter().enumerate() {
                 if set >> k & 1 == 1 {
-                    let value = self.replacement(graph, difference, nonzero())?;
+                    let value = self.expanded_difference(graph, difference, nonzero())?;
                     for polynomial in &mut pair {
                         *polynomial =
                             polynomial.substituted(difference.node, &value, &mut self.work)?;
                     }
                 }
             }
-            if let Some(common) = self.divided(graph, &pair, [p, b]) {
+            if let Some(common) = self.split_common_factor(graph, &pair, [p, b]) {
                 return Some(common);
             }
         }
-        [1, 0].into_iter().find_map(|by| self.by_shifts(graph, &plain, by, [p, b], &nonzero))
+        [1, 0]
+            .into_iter()
+            .find_map(|by| self.common_factor_by_shifts(graph, &plain, by, [p, b], &nonzero))
     }
 
-    /// The parts of two polynomials, one of which is linear in some variable. In the other, each
-    /// function is replaced by its difference from the value that it has where the first is 0.
-    fn by_shifts<I: Iterator<Item = NodeId>>(
+    /// Finds a common factor of two polynomials if `plain[by]` is linear in some variable. In the
+    /// other polynomial, each function f(u) is rewritten as f(w) + (u − w)·Q. Here w is u at the
+    /// zero of the linear polynomial.
+    fn common_factor_by_shifts<I: Iterator<Item = NodeId>>(
         &mut self,
         graph: &mut Graph,
         plain: &[Polynomial; 2],
         by: usize,
         nodes: [NodeId; 2],
         nonzero: &impl Fn() -> I,
-    ) -> Option<Common> {
+    ) -> Option<CommonFactor> {
         let known: Vec<NodeId> = plain.iter().flat_map(Polynomial::variables).collect();
         for root in linear_roots(&plain[by], &mut self.work).iter().take(SECANT_LIMIT) {
             let (mut pair, mut gaps) = (plain.clone(), Vec::new());
@@ -280,10 +287,10 @@ impl Cancellation {
             if pair == *plain {
                 continue;
             }
-            let Some(common) = self.divided(graph, &pair, nodes) else { continue };
-            // Where the divisor u − w of a function in the base b is 0, b is 0 if b has it for a
-            // factor.
-            let factor = Polynomial::of(graph, common.common, &mut self.work);
+            let Some(common) = self.split_common_factor(graph, &pair, nodes) else { continue };
+            // Q may be undefined where its divisor u − w is 0. This is harmless if u − w divides
+            // the common factor: there the base b is 0 anyway.
+            let factor = Polynomial::of(graph, common.factor, &mut self.work);
             if gaps.iter().all(|gap| factor.divided(gap, &mut self.work).is_some()) {
                 return Some(common);
             }
@@ -291,7 +298,8 @@ impl Cancellation {
         None
     }
 
-    /// Returns whether a polynomial is 0 only where one of the nodes `nonzero` is.
+    /// Returns whether a polynomial is 0 only where one of the nodes `nonzero` is 0. `None` if this
+    /// takes too much work.
     fn is_excluded(
         &mut self,
         graph: &Graph,
@@ -312,14 +320,15 @@ impl Cancellation {
         Some(rest.as_constant().is_some())
     }
 
-    /// The parts of two polynomials. `None` if they have no common factor. The node of
-    /// the second serves for the common part if the two differ by a constant.
-    fn divided(
+    /// Splits two polynomials into a common factor and the quotients by it. `None` if they have no
+    /// common factor. If the common factor is the second polynomial up to a constant, it is the
+    /// second of `nodes`.
+    fn split_common_factor(
         &mut self,
         graph: &mut Graph,
         [p, b]: &[Polynomial; 2],
         nodes: [NodeId; 2],
-    ) -> Option<Common> {
+    ) -> Option<CommonFactor> {
         if p.is_zero() || b.is_zero() {
             return None;
         }
@@ -327,32 +336,32 @@ impl Cancellation {
         if common.as_constant().is_some() {
             return None;
         }
-        let rests = [p.divided(&common, &mut self.work)?, b.divided(&common, &mut self.work)?];
-        let is_all = rests[1].as_constant().is_some();
-        // Where a part is undefined, so is the function, even if the part cancels.
-        let kept = rests.iter().chain([&common]).flat_map(Polynomial::variables).collect();
+        let cofactors = [p.divided(&common, &mut self.work)?, b.divided(&common, &mut self.work)?];
+        let is_all = cofactors[1].as_constant().is_some();
+        // The function stays undefined where a part is undefined, even if the part cancels.
+        let kept = cofactors.iter().chain([&common]).flat_map(Polynomial::variables).collect();
         let kept = below_nodes(graph, kept);
         let parts = nodes.iter().flat_map(|id| Polynomial::leaves(graph, *id));
         let lost = parts.filter(|id| !kept.contains(id) && !is_total(graph, *id));
         let lost: BTreeSet<NodeId> = lost.collect();
-        let [above, below] = rests.map(|rest| match rest.as_constant() {
-            Some(value) => Rest::Number(value),
-            None => Rest::Node(rest.emit(graph)),
+        let [above, below] = cofactors.map(|rest| match rest.as_constant() {
+            Some(value) => Cofactor::Number(value),
+            None => Cofactor::Node(rest.emit(graph)),
         });
         let above = lost.into_iter().fold(above, |above, variable| {
             let node = match above {
-                Rest::Number(value) => graph.constant(Constant::rational(value)),
-                Rest::Node(id) => id,
+                Cofactor::Number(value) => graph.constant(Constant::rational(value)),
+                Cofactor::Node(id) => id,
             };
-            Rest::Node(graph.apply(Op::WhereDefined, &[node, variable]))
+            Cofactor::Node(graph.apply(Op::WhereDefined, &[node, variable]))
         });
         let common = if is_all { nodes[1] } else { common.emit(graph) };
-        Some(Common { common, rests: [above, below] })
+        Some(CommonFactor { factor: common, cofactors: [above, below] })
     }
 
-    /// The functions f(u) in two polynomials whose divisor u − c may share a factor with the other
-    /// polynomial, or with the divisor of a function there.
-    fn differences(&mut self, graph: &Graph, pair: &[Polynomial; 2]) -> Vec<Difference> {
+    /// Finds functions f(u) in two polynomials. Keeps those for which u − c has a common factor
+    /// with the other polynomial, or with the divisor of a function in the other polynomial.
+    fn related_differences(&mut self, graph: &Graph, pair: &[Polynomial; 2]) -> Vec<Difference> {
         let mut found: [Vec<Difference>; 2] = Default::default();
         for (found, polynomial) in found.iter_mut().zip(pair) {
             for node in polynomial.variables() {
@@ -391,8 +400,8 @@ impl Cancellation {
         kept
     }
 
-    /// The polynomial v + (u − c)ⁿ·S that f(u) is.
-    fn replacement(
+    /// The polynomial v + (u − c)ⁿ·S, which equals f(u).
+    fn expanded_difference(
         &mut self,
         graph: &mut Graph,
         difference: &Difference,
@@ -417,7 +426,8 @@ impl Cancellation {
     }
 }
 
-/// Adds S(u). It is undefined where u = c, or has its limit there in the domain of a node.
+/// Adds the node S(u). Where u = c, it is undefined if `domain` is `None`. Otherwise it has its
+/// limit there, wherever the node `domain` is defined.
 fn extension(
     graph: &mut Graph,
     secant: &Secant,
@@ -432,7 +442,7 @@ fn extension(
     graph.apply(Op::Otherwise, &[value, limit])
 }
 
-/// The nodes that these nodes need, themselves included; not all of them if they are many.
+/// These nodes and the nodes that they depend on. If there are many, some are left out.
 fn below_nodes(graph: &Graph, nodes: Vec<NodeId>) -> HashSet<NodeId> {
     let (mut open, mut seen) = (nodes, HashSet::new());
     while let Some(id) = open.pop() {

@@ -47,8 +47,8 @@ struct Fraction {
     /// Further factors of the numerator, which come from the denominators of divisors.
     above: Factors,
     below: Factors,
-    /// Bases that were both in `above` and in `below`, and were cancelled, or that restrict the
-    /// domain.
+    /// Bases that were cancelled because they were both in `above` and in `below`, and bases that
+    /// restrict the domain.
     excluded: BTreeSet<NodeId>,
     /// Common factors of the numerator and of bases in `below`, which were cancelled.
     removed: BTreeSet<NodeId>,
@@ -68,8 +68,8 @@ impl Fraction {
             && self.removed.is_empty()
     }
 
-    /// Cancels bases that are both in `above` and in `below`, and what the numerator shares with
-    /// bases in `below`. Returns `None` if the fraction is too large.
+    /// Cancels bases that are both in `above` and in `below`, and common factors of the numerator
+    /// and bases in `below`. Returns `None` if the fraction is too large.
     fn reduced(mut self, graph: &mut Graph, cancellation: &mut Cancellation) -> Option<Self> {
         let common: Vec<(NodeId, u32)> = self
             .above
@@ -144,10 +144,10 @@ pub fn clear(graph: &mut Graph, root: NodeId) -> Option<RationalForm> {
     Some(RationalForm { numerator, denominator, removed })
 }
 
-/// Returns the function of a solid without the gaps that quotients leave. Where numerator and
-/// denominator have a common factor, the quotient is replaced by its continuous extension, if the
-/// factor is 0 on no open set. So the two functions differ only in a closed set without interior.
-/// The function is added to `graph`. It is `root` itself if no quotient is replaced.
+/// Fills gaps in the function of a solid. A quotient has gaps where a common factor of its
+/// numerator and denominator is 0. It is replaced by its continuous extension if that factor is 0
+/// on no open set. So the new function differs from the given one only in a closed set without
+/// interior. The function is added to `graph`. It is `root` itself if no quotient is replaced.
 ///
 /// ```
 /// use zeroset_ir::{Axis, Graph, display, without_gaps};
@@ -333,6 +333,7 @@ fn multiplied(graph: &mut Graph, a: &Fraction, b: &Fraction) -> Fraction {
     }
 }
 
+/// The power of a fraction.
 fn power(graph: &mut Graph, a: &Fraction, exponent: u32) -> Fraction {
     Fraction {
         numerator: if is_one(graph, a.numerator) {
@@ -349,7 +350,8 @@ fn power(graph: &mut Graph, a: &Fraction, exponent: u32) -> Fraction {
 
 /// The fraction `1/a`, or `None` if `a` is the number 0 or has too many factors.
 fn inverted(graph: &mut Graph, a: &Fraction, varies: &dyn Fn(NodeId) -> bool) -> Option<Fraction> {
-    // The numerator of `a` is split into factors, so that other denominators can share them.
+    // The numerator of `a` becomes a denominator. It is split into factors, so that other
+    // denominators can share them.
     let mut below = a.above.clone();
     let mut numerator = graph.integer(1);
     let mut pending = vec![(a.numerator, 1_u32)];
@@ -358,8 +360,8 @@ fn inverted(graph: &mut Graph, a: &Fraction, varies: &dyn Fn(NodeId) -> bool) ->
             return None;
         }
         let node = graph.node(id).clone();
-        // Nodes beyond the table of variabilities were added by this pass. Each that is no number
-        // counts as varying.
+        // Nodes beyond the table of variabilities were added by this pass. All of them except
+        // numbers count as varying.
         let fixed = !varies(id) || matches!(node, Node::Constant(_));
         let class = match &node {
             Node::Apply(op, operands) => Some((op.row().class, operands)),

@@ -3,7 +3,7 @@
 use crate::graph::{Graph, Node, NodeId};
 use rustc_hash::FxHashMap;
 
-/// Copies of less than one node in this many are found by hashing.
+/// If fewer than one node in this many is copied, copies are found by hashing.
 const SPARSE: usize = 64;
 
 /// Returns a graph that holds only the nodes that `roots` need, in the same order, and the ids of
@@ -24,7 +24,8 @@ pub(crate) fn replaced(
     let needed = graph.needed(roots);
     let mut copy = Graph::with_capacity(needed.len());
     if needed.len() * SPARSE < graph.len() {
-        // One of many surfaces. Room for all nodes would take longer to clear than the copy.
+        // Few of the nodes are copied. A table of all nodes would take longer to clear than the
+        // copy takes.
         let mut places: FxHashMap<NodeId, NodeId> = FxHashMap::default();
         for id in needed {
             let node = graph.node(id);

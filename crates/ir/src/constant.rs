@@ -29,8 +29,9 @@ pub enum Constant {
     Enclosed([u64; 2]),
 }
 
-/// The same as derived, but fractions are compared by their parts: they are always reduced. The
-/// equality and the hash of `BigRational` divide, which took half the time of simplifying.
+/// Gives the same result as a derived `PartialEq`. Fractions are always reduced, so they are
+/// compared by their parts. The equality and the hash of `BigRational` divide, which took half the
+/// time of simplifying.
 impl PartialEq for Constant {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {

@@ -37,14 +37,15 @@ pub fn gradient(graph: &mut Graph, root: NodeId) -> [NodeId; 3] {
     })
 }
 
-/// Adds the derivative of `root` by `leaf` to `graph`, and returns its node. It is that of
-/// [`gradient`], with respect to any variable or parameter.
+/// Adds the derivative of `root` by `leaf` to `graph`, and returns its node. The rules are those of
+/// [`gradient`]. The leaf may be any variable or parameter.
 pub fn derivative(graph: &mut Graph, root: NodeId, leaf: NodeId) -> NodeId {
     let [by_leaf] = partials(graph, root, |id, _| (id == leaf).then_some(0));
     by_leaf
 }
 
-/// The derivatives of `root` by N leaves. `number` returns the number of each of these leaves.
+/// The derivatives of `root` by N leaves. `number` returns the index of each of these leaves, and
+/// `None` for other nodes.
 fn partials<const N: usize>(
     graph: &mut Graph,
     root: NodeId,

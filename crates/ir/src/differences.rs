@@ -24,7 +24,8 @@ pub(crate) struct Shift {
     pub parts: [NodeId; 3],
 }
 
-/// The variables in which a polynomial is linear, and the value of each for which it is 0.
+/// The variables in which a polynomial is linear. Each comes with the value at which the polynomial
+/// is 0.
 pub(crate) fn linear_roots(polynomial: &Polynomial, work: &mut Work) -> Vec<(NodeId, Polynomial)> {
     let root = |variable: NodeId| {
         let factor = polynomial.linear_factor(variable)?;
@@ -36,8 +37,9 @@ pub(crate) fn linear_roots(polynomial: &Polynomial, work: &mut Work) -> Vec<(Nod
     polynomial.variables().into_iter().filter_map(root).collect()
 }
 
-/// The shift of node f(u) to the place where a variable has this value. `None` if f has no addition
-/// theorem, if u does not depend on the variable, or if f(w) may be undefined where f(u) is not.
+/// Prepares a rewriting of node f(u), where w is u with `at` in place of the variable. `None` if f
+/// has no addition theorem, if u does not depend on the variable, or if f(w) may be undefined where
+/// f(u) is defined.
 pub(crate) fn shift(
     graph: &mut Graph,
     node: NodeId,
@@ -90,8 +92,8 @@ impl Shift {
     }
 }
 
-/// Adds Q(u, w) = (f(u) − f(w))/(u − w). `extension` adds S of a function, for its operand, which
-/// is the second argument, and the distance of that from 0, or from 1 for the logarithm.
+/// Adds Q(u, w) = (f(u) − f(w))/(u − w). `extension` adds the function S of an operation. Its
+/// operands are the operation's operand, and that operand minus 0, or minus 1 for the logarithm.
 pub(crate) fn difference_quotient(
     graph: &mut Graph,
     shift: &Shift,

@@ -89,8 +89,8 @@ impl std::ops::Deref for Operands {
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
     nodes: Vec<Node>,
-    /// The ids of all nodes but enclosed constants, with half of each node's hash. So a table that
-    /// grows reads no node, and a search seldom reads a wrong one.
+    /// The ids of all nodes but enclosed constants, with half of each node's hash. So growing the
+    /// table reads no node, and a search seldom compares unequal nodes.
     index: HashTable<(u32, NodeId)>,
 }
 
@@ -158,7 +158,7 @@ impl Graph {
         self.nodes.iter().enumerate().map(|(index, node)| (NodeId(index as u32), node))
     }
 
-    /// The nodes from index `first` on: those added after the graph had `first` nodes.
+    /// The nodes from index `first` on, which were added after the graph had `first` nodes.
     pub fn since(&self, first: usize) -> impl Iterator<Item = (NodeId, &Node)> {
         let later = self.nodes.get(first..).unwrap_or_default();
         later.iter().zip(first..).map(|(node, index)| (NodeId(index as u32), node))
@@ -235,7 +235,7 @@ impl Graph {
         let mut needed: FxHashSet<NodeId> = open.iter().copied().collect();
         while let Some(id) = open.pop() {
             if needed.len() * SCANNED > self.len() {
-                // To look at all nodes is faster.
+                // Scanning all nodes is faster.
                 let needed = self.reachable(roots);
                 return self.iter().map(|(id, _)| id).filter(|id| needed[id.index()]).collect();
             }
@@ -263,7 +263,7 @@ impl Graph {
     }
 }
 
-/// Collecting a node takes as long as looking at this many nodes, at least.
+/// Collecting one node takes at least as long as scanning this many nodes.
 const SCANNED: usize = 16;
 
 /// The lower half of a node's hash: the best bits of this hasher.

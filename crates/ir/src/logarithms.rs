@@ -1,9 +1,9 @@
 //! Products u·ln u, which tend to 0 where u does.
 //!
-//! The logarithm is unbounded near 0, and so is an enclosure of the product. For all u > 0,
-//! −¾√u ≤ u·ln u ≤ u·(u − 1). With v = √u, the left side follows from v·ln v ≥ −1/e, since
-//! u·ln u = 2v·(v·ln v) and 2/e < ¾. The right side follows from ln u ≤ u − 1. So a product that is
-//! cut to these bounds keeps its values and its domain.
+//! The logarithm is unbounded near 0, and so is an enclosure of the product. For all u > 0, −¾√u ≤
+//! u·ln u ≤ u·(u − 1). With v = √u, the left side follows from v·ln v ≥ −1/e, since u·ln u =
+//! 2v·(v·ln v) and 2/e < ¾. The right side follows from ln u ≤ u − 1. So clamping a product to
+//! these bounds changes neither its values nor its domain.
 
 use crate::algebra::{mul, neg, powi};
 use crate::cancel::factors;
@@ -43,7 +43,8 @@ pub fn bounded_logarithms(graph: &mut Graph, root: NodeId) -> NodeId {
     replaced.remove(&root).unwrap_or(root)
 }
 
-/// The product with its factors u and ln u cut, or `None` if there are no such two.
+/// The product with its factors u and ln u replaced by the clamped u·ln u. `None` if it has no such
+/// pair of factors.
 fn bounded(graph: &mut Graph, product: NodeId) -> Option<NodeId> {
     let (is_negative, mut found) = factors(graph, product);
     let pair = found.keys().find_map(|ln| {

@@ -4,9 +4,9 @@
 //! products. Equal nodes are equal numbers, so an identity of polynomials holds wherever these
 //! expressions are defined.
 //!
-//! The polynomials are small, and the algorithms the plain ones: division with respect to one
-//! variable, and Euclid's algorithm with primitive remainders (Knuth, The Art of Computer
-//! Programming 2, section 4.6.1). All work is limited; what would take longer counts as unknown.
+//! The polynomials are small, so the algorithms are plain: division with respect to one variable,
+//! and Euclid's algorithm with primitive remainders (Knuth, The Art of Computer Programming 2,
+//! section 4.6.1). All work is limited. A result that would take more work counts as unknown.
 
 use crate::algebra::{add, mul, neg, powi};
 use crate::constant::{Constant, bits};
@@ -22,7 +22,7 @@ const TERM_LIMIT: usize = 128;
 const EXPONENT_LIMIT: u32 = 32;
 /// Largest number of bits of a coefficient's numerator or denominator.
 const BITS_LIMIT: u64 = 512;
-/// Number of products of terms below which nothing is compared.
+/// If fewer products of terms may still be computed, no polynomials are compared.
 const LEAST_WORK: u32 = 256;
 /// Deepest nesting of sums and products that is multiplied out.
 const DEPTH_LIMIT: usize = 64;
@@ -67,8 +67,8 @@ impl Polynomial {
         Self(BTreeMap::from([(monomial, BigRational::one())]))
     }
 
-    /// The polynomial that node `id` is. A part that is no sum or product, or that is too large, is
-    /// a variable.
+    /// Node `id` as a polynomial. A part that is not a sum or product, or is too large, becomes a
+    /// variable.
     pub fn of(graph: &Graph, id: NodeId, work: &mut Work) -> Self {
         Expansion { graph, known: HashMap::new(), work }.of(id, 0)
     }
@@ -111,7 +111,8 @@ impl Polynomial {
         self.0.keys().flat_map(Monomial::keys).copied().collect()
     }
 
-    /// The factor of a variable in which the polynomial is linear, if it is a number.
+    /// The coefficient of `variable`, if the polynomial is linear in it and the coefficient is a
+    /// number; otherwise `None`.
     pub fn linear_factor(&self, variable: NodeId) -> Option<BigRational> {
         let factor = self.leading(variable).as_constant();
         factor.filter(|_| self.degree(variable) == 1)
@@ -272,7 +273,8 @@ impl Polynomial {
         Some(content)
     }
 
-    /// The remainder of a multiple of the polynomial, by a factor without `by`.
+    /// Multiplies the polynomial by a factor without `by`, then returns the remainder of dividing
+    /// by `divisor`.
     fn remainder(&self, divisor: &Self, by: NodeId, work: &mut Work) -> Option<Self> {
         let (degree, leading) = (divisor.degree(by), divisor.leading(by));
         let mut rest = self.clone();
@@ -340,6 +342,7 @@ struct Expansion<'a> {
 }
 
 impl Expansion<'_> {
+    /// A node as a polynomial. A node that cannot be expanded is a variable of the polynomial.
     fn of(&mut self, id: NodeId, depth: usize) -> Polynomial {
         if let Some(known) = self.known.get(&id) {
             return known.clone();
@@ -350,6 +353,8 @@ impl Expansion<'_> {
         found
     }
 
+    /// Expands a number, or an operation on polynomials. `None` for any other node, or if the work
+    /// or the numbers become too large.
     fn expanded(&mut self, id: NodeId, depth: usize) -> Option<Polynomial> {
         let graph = self.graph;
         let (op, operands) = match graph.node(id) {

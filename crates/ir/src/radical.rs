@@ -17,8 +17,8 @@ use zeroset_ops::Op;
 /// Largest number of factors. A function with more factors is left as it is.
 const FACTOR_LIMIT: usize = 256;
 
-/// Operations that are 0 exactly where their operand is 0, but may touch 0, bend or be steep there.
-/// Powers with a positive integer exponent are handled in the same way.
+/// Operations that are 0 exactly where their operand is 0, but whose zeros may be multiple, bent or
+/// steep. Powers with a positive integer exponent are handled in the same way.
 const ZERO_WITH_OPERAND: [Op; 7] =
     [Op::Abs, Op::Sqr, Op::Cbrt, Op::Sinh, Op::Tanh, Op::Asinh, Op::Atan];
 

@@ -1,24 +1,24 @@
-//! Regularization of a solid's function: faces that bound no interior are left out.
+//! Regularizes a solid's function: removes its zeros on faces that are not on the solid's boundary.
 //!
 //! The boundary of a solid is where every neighborhood has an inside and an outside. An inside is
 //! an open set in which the solid's condition holds, an outside one in which it fails. Parts of a
 //! solid often meet in a whole face, with the inside on both sides. Or the outside is on both
 //! sides, and the face is a sheet without thickness. The function is 0 on such a face and keeps its
-//! sign. Rounding hides the latter, so no evaluation can prove that there is no boundary.
+//! sign. Rounding hides the sign near 0, so no evaluation can prove that there is no boundary.
 //!
-//! So the function is rewritten as a set: minima and maxima are unions and intersections of the
-//! sets where their operands are ≤ 0. An operand that is linear in some terms v, with exact
+//! So the function is read as a set: minima and maxima are unions and intersections of the sets
+//! where their operands are ≤ 0. An operand that is linear in some terms v, with exact
 //! coefficients, is a bound v ≤ c or v ≥ c. Two operands share a face if they bound the same v by
 //! the same c. Then these rules apply, up to points of the face v = c, which is
 //! [thin](thin::Thinness):
 //!
 //! - within an intersection with v ≤ c, v ≤ c holds and v ≥ c does not; within a union, the
 //!   converse ([`reduce`]);
-//! - a union of v ≤ c and P with v ≥ c and Q also contains P and Q together ([`cover`]). The
-//!   function is then below 0 on the shared face. Intersections have the dual rule.
+//! - the union of P ∩ (v ≤ c) and Q ∩ (v ≥ c) also contains P ∩ Q ([`cover`]). The function is then
+//!   below 0 on the shared face. Intersections have the dual rule.
 //!
-//! The boundary that is drawn depends on no thin set: a set and its union with a thin one have the
-//! same inside and the same outside, up to a thin set, and so the same closures of these.
+//! Thin sets do not change the boundary that is drawn. A set and its union with a thin set have the
+//! same inside and the same outside up to thin sets. So the closures of these agree.
 //!
 //! Only the proof that the function is defined everywhere depends on the domain.
 

@@ -13,8 +13,8 @@ pub enum Variability {
     Varying,
 }
 
-/// The variability of each node, by index. It is that of the expression as written: `x - x` counts
-/// as varying.
+/// The variability of each node, by index. It is the variability of the expression as written: `x -
+/// x` counts as varying.
 pub fn variabilities(graph: &Graph) -> Vec<Variability> {
     let mut variabilities: Vec<Variability> = Vec::with_capacity(graph.len());
     for (_, node) in graph.iter() {

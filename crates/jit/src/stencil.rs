@@ -29,7 +29,7 @@ use zeroset_ops::Op;
 /// A value without vectors: only what is known when code is compiled.
 pub type Shape<Q> = QueryValue<Q, Counter>;
 
-/// An operand as far as it is known when code is compiled.
+/// The properties of an operand that are known when code is compiled.
 #[derive(Clone, Copy)]
 pub struct StencilOperand<Q: Query> {
     /// The vectors that the operand's value has.
@@ -62,7 +62,8 @@ pub struct Stencil<Q: Query> {
     pub code: Code,
     /// The shape of the step's value; `None` for the result.
     pub shape: Option<Shape<Q>>,
-    /// The number of its value, as far as that follows from the operands.
+    /// The number of the step's value as an operand, set once it is known to follow from the
+    /// operands.
     value: OnceLock<OperandNumber>,
 }
 

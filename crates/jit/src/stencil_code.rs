@@ -201,6 +201,7 @@ pub fn call_loop() -> Result<&'static Code, Error> {
     Ok(LOOP.get_or_init(|| code))
 }
 
+/// Writes a loop over vectors of lanes. For each vector, it calls all stencils in order.
 fn write_loop(
     builder: &mut FunctionBuilder<'_>,
     [run, outputs, count, ..]: [Value; KERNEL_ARGUMENTS],

@@ -374,6 +374,7 @@ fn write(live: &Live, word: &str, arguments: &str) -> Option<Result<Reply, Refus
     Some(written)
 }
 
+/// Changes the domain that the picture shows.
 fn look_at(live: &Live, domain: DomainChoice) -> Result<Reply, Refusal> {
     if let DomainChoice::Bounds([x0, x1, y0, y1, z0, z1]) = domain
         && let Err(error) = Region::new([x0, y0, z0].into(), [x1, y1, z1].into())

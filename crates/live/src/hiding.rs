@@ -80,6 +80,8 @@ impl Live {
         self.change_hidden(1, |states| states.fill(false))
     }
 
+    /// Changes which drawings are hidden, and writes that to the text. Refused unless there is a
+    /// drawing with this number.
     fn change_hidden(&self, number: usize, change: impl Fn(&mut [bool])) -> Result<(), Refusal> {
         let work = |request: &Request, readable: &str| {
             let base = base(request, readable, "");

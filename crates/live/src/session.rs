@@ -404,6 +404,7 @@ impl Live {
         self.step(Undo::forth)
     }
 
+    /// Goes to the checkpoint that `step` returns. Returns false if it returns `None`.
     fn step(&self, step: impl FnOnce(&mut Undo, &Checkpoint) -> Option<Checkpoint>) -> bool {
         let mut state = self.lock();
         let now = state.checkpoint();
@@ -435,6 +436,7 @@ impl Live {
         self.show(state, shown);
     }
 
+    /// Requests pictures of the text `shown`. An empty text clears the picture.
     pub(super) fn show(&self, state: &mut SessionState, shown: Arc<str>) {
         state.shown = shown;
         if state.shown.trim().is_empty() {

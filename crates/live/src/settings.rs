@@ -15,6 +15,7 @@ pub(super) fn method(live: &Live, name: &str) -> Result<Reply, Refusal> {
     Ok(Reply::Done)
 }
 
+/// Selects a look by name. Lists all looks if no look has this name.
 pub(super) fn look(live: &Live, name: &str) -> Result<Reply, Refusal> {
     let Some(look) = Look::named(name) else {
         let rows = LOOKS.iter().map(|row| (row.name, row.help));

@@ -88,6 +88,7 @@ struct StyledDrawing {
 const DEFAULT_STYLE: (&str, f64, &Material, bool) = ("auto", 1.0, &MATERIALS[0], false);
 
 impl StyledDrawing {
+    /// All drawings of a text with their styles.
     fn all(text: &str, document: &Document) -> Vec<Self> {
         let surfaces = document.surfaces.iter().enumerate();
         let one = |(number, surface): (usize, &zeroset_syntax::Surface)| {
@@ -257,6 +258,8 @@ impl Live {
         Ok(document.map_or_else(nothing_drawn, |_| Reply::Done))
     }
 
+    /// Changes the styles of drawings with `change`, and writes them to the text as lines that
+    /// begin with `words`. `number` is the surface to change, counted from 1.
     fn restyle(
         &self,
         number: usize,
@@ -284,8 +287,8 @@ impl Live {
     }
 }
 
-/// The text without one drawing. The other drawings keep their style. The errors are those of
-/// [`without_drawing`].
+/// The text without one drawing. The other drawings keep their style. The errors are the same as
+/// for [`without_drawing`].
 pub(super) fn without_surface(
     text: &str,
     options: &Options<'_>,

@@ -1,6 +1,6 @@
 //! The part of a cube where linear functions are negative, as tetrahedra, and its moments.
 //!
-//! All is in the cube's own coordinates, which run from −1 to 1.
+//! All coordinates are the cube's own, which run from −1 to 1.
 
 use glam::DVec3;
 
@@ -74,7 +74,7 @@ fn prism(from: [DVec3; 3], to: [DVec3; 3]) -> [Tetrahedron; 3] {
     [[a, b, c, f], [a, b, e, f], [a, d, e, f]]
 }
 
-/// The components y, z and x.
+/// The vector (y, z, x).
 fn next(p: DVec3) -> DVec3 {
     DVec3::new(p.y, p.z, p.x)
 }
@@ -107,7 +107,7 @@ impl Moments {
             all.volume += volume;
             all.first += sum * (volume / 4.0);
             all.squares += pairs(|p| p);
-            // The pairs are x·y, y·z and z·x. They are turned.
+            // `pairs` are x·y, y·z and z·x. They are rotated into the order of `products`.
             all.products += next(pairs(next));
         }
         all
@@ -134,7 +134,7 @@ impl Moments {
         }
     }
 
-    /// The integrals in coordinates that are `middle + half · p` of the cube's.
+    /// The integrals in the coordinates `middle + half · p`, where p are the cube's coordinates.
     pub fn moved(&self, middle: DVec3, half: DVec3) -> Self {
         let scale = half.x * half.y * half.z;
         let (first, volume) = (half * self.first, self.volume);

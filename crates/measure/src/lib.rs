@@ -17,13 +17,14 @@ use zeroset_mesh::{Mesh, mesh};
 use zeroset_scene::program::{Program, ProgramError};
 use zeroset_space::Region;
 
-/// Largest width of a volume's bounds as a share of the volume, unless another is given.
+/// Default of the largest width of a volume's bounds, as a share of the volume.
 pub const RELATIVE: f64 = 1e-3;
-/// Distance between surface and mesh as a share of the domain's diagonal.
+/// Largest distance between surface and mesh, as a share of the domain's diagonal.
 const TOLERANCE: f64 = 4e-3;
-/// Number of tetrahedra of a mesh beyond which none is split.
+/// Number of tetrahedra in a mesh above which none is split.
 const MOST_CELLS: usize = 200_000;
-/// The mesh that tells how good an area is has a distance so many times as large.
+/// The area is compared with the area of a coarser mesh, whose largest distance is this many times
+/// as large.
 const COARSER: f64 = 4.0;
 
 /// The measures of a surface in a region.
@@ -36,7 +37,7 @@ pub struct Measures {
     /// Pieces and genus of a mesh.
     pub shape: Shape,
     /// Number of cells in which the mesh is not proven to have the surface's shape. If it is 0,
-    /// `shape` is that of the surface.
+    /// `shape` is the shape of the surface.
     pub unproven: usize,
     /// The area of a mesh: an estimate.
     pub area: f64,
@@ -109,7 +110,8 @@ pub fn measure(
     }))
 }
 
-/// The ends of a surface, from a mesh whose distance is proven.
+/// Bounds of the least and the greatest coordinates of a surface, from a mesh whose distance is
+/// proven. `None` if it is not.
 fn ends(mesh: &Mesh, tolerance: f64) -> Option<[[Interval; 3]; 2]> {
     if !mesh.is_proven() {
         return None;

@@ -6,7 +6,7 @@ use zeroset_mesh::Mesh;
 /// The shape of a mesh, and so of the surface, if the mesh is proven to have the surface's shape.
 #[derive(Clone, Debug, Default)]
 pub struct Shape {
-    /// The pieces, each of which hangs together.
+    /// The connected pieces.
     pub pieces: Vec<Piece>,
 }
 
@@ -73,7 +73,7 @@ impl Counts {
     }
 }
 
-/// Sets of vertices that are joined.
+/// Disjoint sets of connected vertices.
 struct Sets {
     parents: Vec<u32>,
 }

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use zeroset_interval::Interval;
 
 /// The measures of one surface: a label of at most nine letters, and a value, as text. `relative`
-/// is the share that was asked for.
+/// is the requested width of the volume's bounds, as a share of the volume.
 fn rows(measures: &Measures, relative: f64) -> Vec<(&'static str, String)> {
     let mut rows = Vec::new();
     let point = |of: &[Interval; 3]| of.map(digits).join(", ");
@@ -92,7 +92,7 @@ fn digits(interval: Interval) -> String {
 }
 
 impl Measured {
-    /// The measures as lines of text. `relative` is the share that was asked for.
+    /// The measures as lines of text. `relative` is as for `measures`.
     pub fn text(&self, relative: f64) -> String {
         let mut text = String::new();
         for (number, (name, measures)) in self.surfaces.iter().enumerate() {

@@ -13,14 +13,14 @@ use zeroset_interval::Interval;
 use zeroset_scene::program::Program;
 use zeroset_space::{Cell, Region, tiles_of};
 
-/// Share of a whole box's integrals by which rounding may change those of a part, and of a number
-/// that stands for a coordinate in a box.
+/// Bound of rounding errors: of a part's integrals relative to the integrals over the whole box,
+/// and of coordinates and function values in a box.
 const ROUNDING: f64 = 1e-13;
 /// Largest number of cut boxes.
 const MOST_BOXES: usize = 1_000_000;
 /// Largest number of cut boxes that are halved for the solid's ends.
 const MOST_AT_ENDS: usize = 50_000;
-/// Number of boxes that may be cut again when one is halved, as far as limits are concerned.
+/// Number of parts of a halved box that are assumed to be cut, so that a limit on boxes is kept.
 const CUT_PARTS: usize = 4;
 
 /// The kernels of one solid.
@@ -78,9 +78,9 @@ type Found = Option<(Part, bool)>;
 struct Part {
     /// Integrals over a polyhedron in the part, and over one around it.
     moments: [Moments; 2],
-    /// The corners of a box that the part reaches, and of a box around it. `None` if no point is
-    /// proven.
+    /// The corners of a box whose sides the part is proven to reach. `None` if no point is proven.
     inner: Option<[DVec3; 2]>,
+    /// The corners of a box around the part.
     outer: [DVec3; 2],
     /// Bounds of the integrals' sizes over the whole box.
     size: Moments,
@@ -126,7 +126,8 @@ pub fn solid(
         let goal = relative * if least > 0.0 { least } else { most };
         let room = MOST_BOXES.saturating_sub(cut.len()) / CUT_PARTS;
         let halved: Vec<(Cell, Part)> = if most - least > goal {
-            // The widest parts are halved, until what is left may be half of the goal.
+            // The widest parts are halved. Others are kept while their widths add up to at most
+            // half of the goal.
             cut.sort_by(|(_, a), (_, b)| a.width().total_cmp(&b.width()));
             let mut left = 0.0;
             let kept = cut.iter().take_while(|(_, part)| {
@@ -191,7 +192,7 @@ fn parts(kernels: &SolidKernels<'_>, region: &Region, cells: &[Cell], origin: DV
                 error: planes.error[lane],
             }));
         }
-        // The bounds of a function are no bounds where it is undefined.
+        // Bounds of a function state nothing about points where it is undefined.
         let is_defined = is(bounds.defined, lane);
         frame.part(&strips, is_defined)
     };
@@ -216,8 +217,8 @@ impl Frame {
         Self { middle: 0.5 * (low + high), half, origin, rounding }
     }
 
-    /// The strip with the rounding of the box's coordinates and of the strip's values. It is never
-    /// without width: a function that is 0 has no proven sign.
+    /// The strip with the rounding of the box's coordinates and of the strip's values. Its width is
+    /// never 0, since a function that is 0 has no proven sign.
     fn rounded(&self, strip: Strip) -> Strip {
         let slack =
             strip.slope.abs().dot(self.rounding) + ROUNDING * strip.value.abs() + f64::MIN_POSITIVE;
@@ -309,6 +310,7 @@ struct Sums {
 }
 
 impl Sums {
+    /// Adds the integrals over a part, and extends the ends of the solid to it.
     fn add(&mut self, part: &Part) {
         // In one box, each coordinate and each product has one sign. So the integrals over the
         // part are between those over the two polyhedra.
@@ -337,8 +339,8 @@ impl Sums {
         self.count += 1;
     }
 
-    /// Returns whether a part may extend the solid by more than a share, and its box by more than
-    /// that.
+    /// Returns whether halving a part may improve the bounds of the solid's ends. The part may
+    /// extend the solid by more than `share` of its extent, and its box is longer than that.
     fn is_at_end(&self, cell: &Cell, part: &Part, share: f64) -> bool {
         let Some([low, high]) = self.inner else { return false };
         (0..3).any(|axis| {
@@ -348,6 +350,7 @@ impl Sums {
         })
     }
 
+    /// The enclosures of a solid's measures. Each is widened by the rounding errors of its sum.
     fn solid(&self, origin: DVec3, boxes: usize) -> Solid {
         let share = ROUNDING + 2.0 * f64::EPSILON * self.count as f64;
         let [least, most] = self.moments;

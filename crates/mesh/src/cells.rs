@@ -1,4 +1,4 @@
-//! Bounds of a function's parts over tetrahedra.
+//! Bounds of functions over tetrahedra. A function is a choice: minima and maxima of parts.
 
 use crate::grid::{Corner, CornerMap, Tetrahedron};
 use crate::space::Space;
@@ -13,7 +13,7 @@ use zeroset_interval::Interval;
 use zeroset_scene::choices::Choice;
 use zeroset_scene::program::Program;
 
-/// The kernels of one part that a mesh asks for.
+/// The kernels of one part.
 pub struct PartKernels<'a> {
     zeros: &'a dyn Kernel<FindZeros, f64>,
     gradients: &'a dyn Kernel<EncloseGradient, f64>,
@@ -35,14 +35,14 @@ impl<'a> PartKernels<'a> {
     }
 }
 
-/// The parts of a function in space, and what is asked of it.
-pub struct Question<'a> {
+/// A function, as parts with kernels, and the proofs that are wanted of its cells.
+pub struct Query<'a> {
     pub parts: &'a [PartKernels<'a>],
     pub space: &'a Space,
     /// True if the function's surface bounds a solid.
     pub is_solid: bool,
-    /// Where parts from this one on are 0, there is no surface. They cut it off where they are
-    /// above 0.
+    /// Number of the first part that only cuts the surface off, where the part is above 0. Zeros of
+    /// such a part are no surface.
     pub first_cut: usize,
     /// Largest edge, in world units, of a box whose bounds are estimated from samples. 0 if all
     /// bounds are proven.
@@ -68,7 +68,7 @@ pub struct PartBounds {
 /// Bounds of the parts that matter in a cell, mostly one.
 pub type Parts = SmallVec<[PartBounds; 1]>;
 
-/// A tetrahedron, and the function in it: the choices that may matter.
+/// A tetrahedron, and the alternatives of the function that may matter in it.
 #[derive(Clone)]
 pub struct Cell {
     pub tetrahedron: Tetrahedron,
@@ -77,15 +77,15 @@ pub struct Cell {
 
 /// The function in a cell that may hold a zero.
 pub struct Local {
-    /// The choices that may matter in the cell.
+    /// The alternatives that may matter in the cell.
     pub choice: Arc<Choice>,
     /// Its parts.
     pub parts: Parts,
 }
 
-/// The answer for a cell.
+/// The answer to whether a cell may hold a zero.
 #[derive(Clone)]
-pub enum Answer {
+pub enum CellClass {
     /// There is no zero in the cell. The sign is −1 or 1 if it is the same in the whole cell and
     /// proven, else 0. For a solid it is never 0.
     Empty(i8),
@@ -93,13 +93,14 @@ pub enum Answer {
     Open(Arc<Local>),
 }
 
-/// Answers for the bounding boxes of cells, in order. `None` once `wanted` returns false.
-pub fn ask(
-    question: &Question<'_>,
+/// Classifies cells by their bounding boxes. Results are in the order of `cells`. `None` once
+/// `wanted` returns false.
+pub fn classify_cells(
+    query: &Query<'_>,
     cells: &[Cell],
     wanted: &(dyn Fn() -> bool + Sync),
-) -> Option<Vec<Answer>> {
-    let Question { parts, space, estimated, .. } = question;
+) -> Option<Vec<CellClass>> {
+    let Query { parts, space, estimated, .. } = query;
     // Up to six tetrahedra have the same box.
     let mut numbers: CornerMap<(Corner, Corner), usize> = CornerMap::default();
     let mut boxes: Vec<[Interval; 3]> = Vec::new();
@@ -113,8 +114,8 @@ pub fn ask(
                 for part in parts_of(&cell.choice) {
                     asked[part].push(boxes.len() as u32);
                 }
-                // Tetrahedra with the same box may have parts of different boxes around it. The
-                // choices of each serve.
+                // Cells with the same box may have choices from different larger boxes. Each choice
+                // is valid in the box.
                 choices.push(&cell.choice);
                 boxes.push(space.between(bounds));
                 boxes.len() - 1
@@ -132,11 +133,13 @@ pub fn ask(
             found[*number as usize].push(bounds);
         }
     }
-    let answer = |(choice, parts): (&&Arc<Choice>, &Parts)| answer(choice, parts, question);
-    let answers: Vec<Answer> = choices.par_iter().zip(&found).map(answer).collect();
-    Some(index.into_iter().map(|number| answers[number].clone()).collect())
+    let class = |(choice, parts): (&&Arc<Choice>, &Parts)| classify_cell(choice, parts, query);
+    let classes: Vec<CellClass> = choices.par_iter().zip(&found).map(class).collect();
+    Some(index.into_iter().map(|number| classes[number].clone()).collect())
 }
 
+/// The bounds of one part in each of the boxes. They may be estimated from samples if no box has an
+/// edge longer than `estimated`.
 fn bounds(
     kernels: &PartKernels<'_>,
     part: u16,
@@ -237,8 +240,9 @@ pub fn parts_of(choice: &Choice) -> SmallVec<[usize; 4]> {
     parts
 }
 
-fn answer(choice: &Arc<Choice>, bounds: &Parts, question: &Question<'_>) -> Answer {
-    let is_solid = question.is_solid;
+/// Classifies a cell by the bounds of the parts in it.
+fn classify_cell(choice: &Arc<Choice>, bounds: &Parts, query: &Query<'_>) -> CellClass {
+    let is_solid = query.is_solid;
     let choice = match &**choice {
         Choice::Part(_) => Arc::clone(choice),
         several => Arc::new(pruned(several, bounds)),
@@ -257,15 +261,15 @@ fn answer(choice: &Arc<Choice>, bounds: &Parts, question: &Question<'_>) -> Answ
         parts => sign != 0 && parts.iter().all(|part| part.is_continuous),
     };
     if is_empty {
-        return Answer::Empty(sign);
+        return CellClass::Empty(sign);
     }
-    let is_cut = |part: &PartBounds| usize::from(part.part) >= question.first_cut;
+    let is_cut = |part: &PartBounds| usize::from(part.part) >= query.first_cut;
     let has_sign =
         |part: &PartBounds| (part.value.lo > 0.0 || part.value.hi < 0.0) && part.is_continuous;
     if parts.iter().any(is_cut) && parts.iter().all(|part| is_cut(part) || has_sign(part)) {
-        return Answer::Empty(0);
+        return CellClass::Empty(0);
     }
-    Answer::Open(Arc::new(Local { choice, parts }))
+    CellClass::Open(Arc::new(Local { choice, parts }))
 }
 
 /// Bounds of a choice. `None` if it has no part with bounds.

@@ -1,8 +1,8 @@
-//! A check that triangles which share no corner do not meet, and that others meet only in corners
-//! and edges that they share.
+//! Checks that triangles do not cross: triangles that share no corner do not meet, and others meet
+//! only in the corners and edges that they share.
 //!
-//! All distances are compared with a bound for the rounding of vertices: whatever rounding did, it
-//! cannot make triangles meet that pass.
+//! All distances are compared with a bound of the rounding of vertices. So triangles that pass do
+//! not meet, however their vertices were rounded.
 
 use glam::DVec3;
 
@@ -10,8 +10,8 @@ use glam::DVec3;
 /// here.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// The least distance that tells triangles of a mesh apart, whose coordinates are at most `largest`
-/// from 0.
+/// The least distance that proves two triangles apart, in a mesh whose coordinates have magnitudes
+/// of at most `largest`.
 pub fn least_distance(largest: f64) -> f64 {
     ROUNDING * largest
 }
@@ -31,8 +31,8 @@ impl Triangle {
         (b - a).cross(c - a).length() > least * longest
     }
 
-    /// Returns whether the triangle is proven to meet another in nothing but the corners that they
-    /// share. Both have an area.
+    /// Returns whether two triangles are proven to meet only in the corners that they share. Both
+    /// must have an area.
     pub fn is_apart(&self, other: &Self, least: f64) -> bool {
         if are_boxes_apart(self, other, least) {
             return true;
@@ -54,7 +54,7 @@ impl Triangle {
         }
     }
 
-    /// The one corner that `is_tip` is true for, and the two others.
+    /// The only corner for which `is_tip` is true, and the two others.
     fn around(&self, is_tip: impl Fn(u32) -> bool) -> (DVec3, [DVec3; 2]) {
         let tip = self.numbers.iter().position(|number| is_tip(*number)).expect("one corner");
         (self.corners[tip], [1, 2].map(|k| self.corners[(tip + k) % 3]))
@@ -68,8 +68,9 @@ fn are_boxes_apart(one: &Triangle, other: &Triangle, least: f64) -> bool {
     gaps.max_element() > least
 }
 
-/// Returns whether a plane between two triangles is found. If they are apart, one is across a
-/// normal or across an edge of each (the separating axis theorem).
+/// Returns whether a plane that separates two triangles is found. Its normal is a normal of one of
+/// them, or the cross product of two edges, or of an edge and its triangle's normal (the separating
+/// axis theorem).
 fn are_apart(one: &[DVec3; 3], other: &[DVec3; 3], least: f64) -> bool {
     let edges = |[a, b, c]: [DVec3; 3]| [b - a, c - b, a - c];
     let (first, second) = (edges(*one), edges(*other));
@@ -91,8 +92,8 @@ fn are_apart(one: &[DVec3; 3], other: &[DVec3; 3], least: f64) -> bool {
         || second.iter().any(|edge| separates(edge.cross(normals[1])))
 }
 
-/// Returns whether two triangles are on two sides of a plane through the corner that they share.
-/// Their edges from there are given.
+/// Returns whether a plane through the shared corner of two triangles separates them. `left` and
+/// `right` are their edges from that corner.
 fn are_cones_apart(left: [DVec3; 2], right: [DVec3; 2], least: f64) -> bool {
     let ends = [left[0], left[1], -right[0], -right[1]];
     let unit = ends.map(|end| end.normalize_or_zero());

@@ -2,7 +2,7 @@
 //!
 //! The mesh of a solid also covers its part of the domain's boundary.
 
-use crate::cells::Question;
+use crate::cells::Query;
 use crate::embedding::{Triangle, least_distance};
 use crate::grid::{Corner, Grid};
 use crate::leaf::{Kind, Leaf};
@@ -22,28 +22,28 @@ use zeroset_scene::choices::Choice;
 pub struct Extracted {
     pub vertices: Vec<DVec3>,
     pub triangles: Vec<[u32; 3]>,
-    /// For each vertex, whether a part is 0 there that cuts the surface.
+    /// For each vertex, whether a part that cuts the surface off is 0 there.
     pub is_cut: Vec<bool>,
-    /// The leaves, by their places in [`Refined::leaves`], in which triangles are not proven to be
-    /// those of g.
+    /// The leaves, as indices in [`Refined::leaves`], whose triangles are not proven to have the
+    /// shape of g's zeros. See [`proof`](crate::proof) for g.
     pub unproven: Vec<usize>,
-    /// For each triangle, the place of its leaf.
+    /// For each triangle, the index of its leaf.
     leaves: Vec<usize>,
 }
 
-/// The mesh in the leaves of a grid. For an equation, triangles where the function jumps or ends
-/// are left out: there is no zero.
+/// The mesh in the leaves of a grid. For an equation, there is no triangle where the function jumps
+/// or ends, since it has no zero there.
 pub fn extract(
     refined: &Refined,
     grid: &Grid,
-    question: &Question<'_>,
+    query: &Query<'_>,
 ) -> Result<Extracted, KernelError> {
-    let &Question { parts: kernels, space, is_solid, first_cut, .. } = question;
+    let &Query { parts: kernels, space, is_solid, first_cut, .. } = query;
     let mut vertices = Vertices::default();
     let mut polygons: Vec<Numbered> = Vec::new();
     let (mut unproven, mut fixed) = (FxHashSet::default(), FxHashSet::default());
     for (number, leaf) in refined.leaves.iter().enumerate() {
-        let added = add_leaf(number, leaf, refined, question, &mut vertices, &mut polygons);
+        let added = add_leaf(number, leaf, refined, query, &mut vertices, &mut polygons);
         unproven.extend(added.is_uncertain.then_some(number));
         fixed.extend((!added.are_disks).then_some(number));
     }
@@ -60,12 +60,13 @@ pub fn extract(
     };
     let zero = |vertex: u32| vertices.zero(vertex as usize, &at);
     restore(&mut mesh, &zero, &polygons, &fixed);
-    // The leaves with vertices that no check has seen in their places. At first, all.
+    // Leaves whose vertices have moved since the last check; `None` for all leaves.
     let mut changed: Option<FxHashSet<usize>> = None;
     while changed.as_ref().is_none_or(|leaves| !leaves.is_empty()) {
         mesh.set(&polygons, vertices.keys.len());
         let crossed = crossed_leaves(&mesh, &refined.leaves, space, changed.as_ref());
-        // Where moved vertices make triangles meet, g's zeros mostly do not.
+        // If triangles meet after their vertices were moved, their vertices go back to g's zeros,
+        // where triangles rarely meet.
         let of_pairs = crossed.iter().copied().flatten().collect();
         let restored = restore(&mut mesh, &zero, &polygons, &of_pairs);
         let is_final = |pair: &[usize; 2]| pair.iter().all(|leaf| !restored.contains(leaf));
@@ -78,8 +79,8 @@ pub fn extract(
     Ok(mesh)
 }
 
-/// Moves the vertices in some leaves back to g's zeros. Returns the leaves with a vertex that was
-/// elsewhere.
+/// Moves the vertices in some leaves back to g's zeros. Returns the leaves that have a moved
+/// vertex.
 fn restore(
     mesh: &mut Extracted,
     zero: &dyn Fn(u32) -> DVec3,
@@ -103,9 +104,9 @@ fn restore(
     polygons.iter().filter(is_moved).map(|polygon| polygon.leaf).collect()
 }
 
-/// The pairs of leaves with two triangles that are not proven to be apart. Leaves at corners of
-/// `changed` ones are compared, or all. A leaf may be paired with itself, also for a triangle
-/// without area.
+/// The pairs of leaves with two triangles that are not proven to be apart. Only leaves around
+/// corners of `changed` leaves are compared; all leaves if it is `None`. A leaf may be paired with
+/// itself, also for a triangle without area.
 fn crossed_leaves(
     mesh: &Extracted,
     leaves: &[Leaf],
@@ -167,9 +168,9 @@ fn crossed_leaves(
 /// everywhere.
 const SMALL: f64 = 1e-4;
 
-/// Returns whether triangles in a leaf are compared with those around. If only one part matters,
-/// there is one polygon whose vertices are on edges, [`APART`](crate::place::APART) from their
-/// ends. Wherever they are, it meets others in shared edges only, and is far from all else.
+/// Returns whether triangles in a leaf must be compared with those around it. If only one part
+/// matters, the leaf has one polygon. Its vertices lie on edges, at least
+/// [`APART`](crate::place::APART) from the ends. So it meets other polygons only in shared edges.
 fn is_checked(leaf: &Leaf, space: &Space) -> bool {
     !matches!(**leaf.choice(), Choice::Part(_)) || size(space, &leaf.cell) < SMALL * space.largest()
 }
@@ -188,7 +189,8 @@ struct Numbered {
 struct Added {
     /// True if rounding may have changed them.
     is_uncertain: bool,
-    /// True if each connected part is a disk. Polygons that cut the surface count, too.
+    /// True if each connected component is a disk. Polygons of parts that cut the surface off
+    /// count, too.
     are_disks: bool,
 }
 
@@ -197,11 +199,11 @@ fn add_leaf(
     number: usize,
     leaf: &Leaf,
     refined: &Refined,
-    question: &Question<'_>,
+    query: &Query<'_>,
     vertices: &mut Vertices,
     polygons: &mut Vec<Numbered>,
 ) -> Added {
-    let &Question { space, is_solid, first_cut, .. } = question;
+    let &Query { space, is_solid, first_cut, .. } = query;
     let mut positive = [0, 1, 2, 3].map(|k| (leaf.cell.numbers[k], leaf.cell.corners[k]));
     if !leaf.cell.is_positive() {
         positive.swap(2, 3);
@@ -234,7 +236,8 @@ fn add_leaf(
     Added { is_uncertain: linear.is_uncertain(), are_disks }
 }
 
-/// Returns whether each connected part of some polygons is a disk: it has Euler's number 1.
+/// Returns whether each connected component of some polygons is a disk: its Euler characteristic is
+/// 1.
 fn are_disks(polygons: &[Polygon]) -> bool {
     if polygons.len() < 2 {
         return true;
@@ -319,7 +322,7 @@ impl Extracted {
         Triangle { numbers, corners: numbers.map(|vertex| self.vertices[vertex as usize]) }
     }
 
-    /// Replaces the triangles. The polygons' vertices are the first `count`.
+    /// Replaces all triangles by those of `polygons`. The polygons' vertices are the first `count`.
     fn set(&mut self, polygons: &[Numbered], count: usize) {
         self.vertices.truncate(count);
         self.is_cut.truncate(count);
@@ -349,7 +352,8 @@ impl Extracted {
         }
         let at = |k: usize| self.vertices[polygon[k % polygon.len()] as usize];
         let count = polygon.len();
-        // The fan whose least triangle is largest: a negative one would be turned over.
+        // Chooses the fan whose smallest triangle is largest, since a triangle of negative area
+        // would be turned over.
         let normal: DVec3 = (0..count).map(|k| at(k).cross(at(k + 1))).sum();
         let worst = |first: usize| {
             let area = |k: usize| {

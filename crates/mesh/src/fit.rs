@@ -7,9 +7,9 @@ use rustc_hash::FxHashMap;
 /// Distance from a face of the domain, as a share of the domain's size, that rounding may cause.
 const ROUNDING: f64 = 1e-9;
 
-/// Returns whether the triangles have no rim, and the edges that are not between two triangles of
-/// the same orientation. A rim of an equation is no misfit on a face of the box between `ends`, nor
-/// between two vertices that `may_end` the mesh.
+/// Returns whether the mesh is closed, and its misfits: edges that do not lie between two triangles
+/// of the same orientation. The edges of an equation's rim are no misfits on a face of the box with
+/// the corners `ends`, or between two vertices for which `may_end` is true.
 pub fn fit(
     mesh: &Mesh,
     ends: [DVec3; 2],

@@ -11,7 +11,7 @@ pub struct Leaf {
     pub kind: Kind,
 }
 
-/// The part that a tetrahedron has in the mesh.
+/// The role of a tetrahedron in the mesh.
 pub enum Kind {
     /// The surface may be in it. `near` states that the mesh is proven to be within the tolerance.
     Open { local: Arc<Local>, near: bool },

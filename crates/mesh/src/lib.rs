@@ -16,7 +16,7 @@ mod refine;
 mod space;
 mod values;
 
-use cells::{PartKernels, Question};
+use cells::{PartKernels, Query};
 use glam::DVec3;
 use leaf::Kind;
 use refine::Limits;
@@ -26,14 +26,14 @@ use zeroset_scene::choices::Choices;
 use zeroset_scene::program::{Program, ProgramError};
 use zeroset_space::Region;
 
-/// Share of the domain's diagonal that is the tolerance, unless another is given.
+/// Default tolerance, as a share of the domain's diagonal.
 pub const TOLERANCE: f64 = 1e-3;
 /// Size of boxes over which bounds may be estimated, as a share of the domain's longest edge.
 const ESTIMATED: f64 = 1.0 / 64.0;
-/// Space around a ball, as a share of the domain's extent.
+/// Width of the space that is added around a ball, as a share of the domain's extent.
 const AROUND: f64 = 1.0 / 32.0;
 
-/// Number of times that other linear functions are tried where triangles would cross.
+/// Number of further attempts, with other linear functions, if triangles would cross.
 const TRIALS: usize = 3;
 
 /// The mesh of one surface.
@@ -74,7 +74,7 @@ pub struct Unproven {
     pub size: DVec3,
 }
 
-/// The choices for a mesh.
+/// The options for a mesh.
 #[derive(Clone, Copy, Debug)]
 pub struct Options {
     /// The domain. Its half-space and its ball cut the mesh.
@@ -87,12 +87,12 @@ pub struct Options {
     /// True if bounds over small boxes are estimated from samples at their corners. Nothing is then
     /// proven: all tetrahedra count as [unproven](Mesh::unproven) and as [far](Mesh::far).
     pub is_estimated: bool,
-    /// Number of tetrahedra that may hold the surface, beyond which none is split for the distance.
-    /// For the proof of the shape, it is twice as many.
+    /// Largest number of tetrahedra that may hold the surface. Above it, none is split to reduce
+    /// the distance; above twice this number, none is split to prove the shape.
     pub most_cells: usize,
 }
 
-/// Number of tetrahedra beyond which none is split, unless another is given.
+/// Default of [`Options::most_cells`].
 pub const MOST_CELLS: usize = 1_500_000;
 
 /// The box in which a program must be valid for a mesh in a region. A ball may touch faces of the
@@ -131,7 +131,7 @@ pub fn mesh(
 ) -> Result<Option<Mesh>, ProgramError> {
     let &Options { region, tolerance, is_solid, is_estimated, most_cells } = options;
     let bounds = domain(&region);
-    // Once for all cells, which lie within it.
+    // Checked once for the whole box, in which all cells lie.
     let is_within =
         |(inner, outer): (&Interval, &Interval)| outer.lo <= inner.lo && inner.hi <= outer.hi;
     assert!(bounds.iter().zip(&program.domain()).all(is_within), "a mesh beyond the domain");
@@ -145,12 +145,12 @@ pub fn mesh(
     // The surface of a solid includes the region's boundary.
     let first_cut = if is_solid { kernels.len() } else { first_cut };
     let estimated = if is_estimated { ESTIMATED * extent } else { 0.0 };
-    let question = Question { parts: &kernels, space: &space, is_solid, first_cut, estimated };
-    let refined = refine::refine(&choice, &question, &mut grid, limits, wanted);
+    let query = Query { parts: &kernels, space: &space, is_solid, first_cut, estimated };
+    let refined = refine::refine(&choice, &query, &mut grid, limits, wanted);
     let Some(mut refined) = refined else { return Ok(None) };
-    let mut triangles = extract::extract(&refined, &grid, &question)?;
+    let mut triangles = extract::extract(&refined, &grid, &query)?;
     for _ in 0..TRIALS {
-        // Elsewhere the proof fails anyway.
+        // Other leaves fail the proof anyway.
         let mut crossed = triangles.unproven.clone();
         crossed.retain(|leaf| !refined.fails(&refined.leaves[*leaf].cell));
         if crossed.is_empty() || is_estimated {
@@ -159,7 +159,7 @@ pub fn mesh(
         if refined.move_again(&crossed, &space, &grid, wanted).is_none() {
             return Ok(None);
         }
-        triangles = extract::extract(&refined, &grid, &question)?;
+        triangles = extract::extract(&refined, &grid, &query)?;
     }
     let mut mesh = Mesh {
         vertices: triangles.vertices,

@@ -14,15 +14,15 @@ use zeroset_scene::choices::Choice;
 const NARROWINGS: usize = 48;
 /// A bracket of this share of its edge is not narrowed further.
 const NARROW: f64 = 1e-12;
-/// Least weight of a corner in a vertex that is moved, so that triangles have an area.
+/// Least weight of each corner for a vertex that is moved, so that triangles have an area.
 const APART: f64 = 1e-4;
 /// The function jumps on an edge if its values on both sides of the narrowed bracket differ by more
-/// than this share of those at the corners.
+/// than this share of the values at the corners.
 const JUMP: f64 = 1e-3;
 /// Number of steps of Newton's method for a vertex where several parts are 0.
 const STEPS: usize = 6;
 
-/// Finds a function's value at each point. The function may differ from vertex to vertex.
+/// Returns the value at each vertex's point of a function that may differ from vertex to vertex.
 type ValuesAt<'a> = dyn Fn(&[usize], &[DVec3]) -> Vec<f64> + 'a;
 
 /// The vertices of a mesh.
@@ -61,9 +61,10 @@ impl Vertices {
         corners.iter().sum::<DVec3>() / corners.len() as f64
     }
 
-    /// Places all vertices. Several on one edge stay at g's zeros, so that they keep their order.
+    /// Moves vertices to zeros of f. If an edge has several vertices, they stay at g's zeros, so
+    /// that they keep their order.
     ///
-    /// Returns, for each, whether it is at a zero: no part jumps there.
+    /// Returns, for each vertex, whether it is at a zero. It is not where the function jumps.
     pub fn place(
         &mut self,
         refined: &Refined,
@@ -155,8 +156,9 @@ impl Vertices {
         signs[0] != signs[1]
     }
 
-    /// Moves vertices on edges to zeros of functions, one for each vertex. Their signs differ at
-    /// the ends of the edge. `at_corner` has the values there, and `values` finds values at points.
+    /// Moves each vertex along its edge to a zero of the vertex's function. The function's signs
+    /// differ at the ends of the edge. `at_corner` returns values at corners, and `values` returns
+    /// values at points.
     fn place_on_edges(
         &mut self,
         vertices: &[usize],
@@ -167,7 +169,8 @@ impl Vertices {
     ) {
         struct Bracket {
             ends: [DVec3; 2],
-            /// From below 0 to above, as shares of the edge, and the values there.
+            /// The ends as shares of the edge. The function is below 0 at the first end, and not at
+            /// the second.
             shares: [f64; 2],
             values: [f64; 2],
             scale: f64,
@@ -216,13 +219,14 @@ impl Vertices {
         for (vertex, bracket) in vertices.iter().zip(brackets) {
             let share = bracket.shares[0].midpoint(bracket.shares[1]).clamp(APART, 1.0 - APART);
             self.places[*vertex] = between(&bracket.ends, &[share]);
-            // False for NaN, beyond which the function is undefined.
+            // False for NaN: the function is undefined at an end.
             at_zero[*vertex] = bracket.values[1] - bracket.values[0] <= JUMP * bracket.scale;
         }
     }
 }
 
-/// The value of a choice, from those of its parts. An undefined part is above all others.
+/// The value of a choice, computed from the values of its parts. An undefined part counts as larger
+/// than all others.
 fn value_of(choice: &Choice, value: &dyn Fn(usize) -> f64) -> f64 {
     let each = |all: &[Choice], pick: fn(f64, f64) -> f64| {
         all.iter().map(|one| value_of(one, value)).reduce(pick).unwrap_or(f64::NAN)
@@ -267,7 +271,7 @@ fn between(corners: &[DVec3], weights: &[f64]) -> DVec3 {
 }
 
 /// The point of a triangle or tetrahedron where two or three parts are 0, by Newton's method from
-/// `start`. If it leaves the corners' hull, the last point inside.
+/// `start`. If the iteration leaves the hull of the corners, the result is its last point inside.
 fn common_zero(
     parts: &[&PartKernels<'_>],
     corners: &[DVec3],

@@ -11,19 +11,20 @@ use std::cmp::Ordering;
 use zeroset_scene::choices::Choice;
 
 /// A vertex: the numbers of the corners it lies between, and the parts that are 0 there, both in
-/// order. There is one corner more than there are parts; the other places are filled up.
+/// order. There is one corner more than there are parts. Unused places hold [`NO_PART`] and
+/// [`NO_CORNER`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct VertexKey {
     corners: [u32; 4],
     pub parts: [u16; 3],
 }
 
-/// Fills places of [`VertexKey::parts`].
+/// Marks unused places of [`VertexKey::parts`].
 pub const NO_PART: u16 = u16::MAX;
-/// Fills places of a vertex's corners.
+/// Marks unused places of a vertex's corners.
 const NO_CORNER: u32 = u32::MAX;
-/// Largest relative error of a determinant of up to three rows, against the sum of its terms
-/// without signs, and of a sum of four products. Each has at most seven roundings.
+/// Largest error of a determinant of up to three rows, or of a sum of four products, relative to
+/// the sum of the terms' absolute values. Each takes at most seven roundings.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 impl VertexKey {
@@ -47,7 +48,7 @@ pub struct Linear {
 /// A line of the tetrahedron that a polygon's edge lies on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Line {
-    /// On the face, or the edge, with these corners, as bits.
+    /// On the face or the edge whose corners have their bits set.
     Side(u8),
     /// On the zeros of this part.
     Part(u16),
@@ -79,7 +80,7 @@ pub struct Polygon {
 }
 
 impl Polygon {
-    /// For each vertex, what tells it from others of the tetrahedron.
+    /// For each vertex, an identifier that is unique in the tetrahedron.
     pub fn ids(&self) -> impl Iterator<Item = (u8, [u16; 3])> {
         self.vertices.iter().map(|vertex| (vertex.between, vertex.parts))
     }
@@ -89,14 +90,14 @@ impl Polygon {
 const ALL: u8 = 0b1111;
 
 impl Linear {
-    /// Functions by the parts' numbers, and their values at the corners.
+    /// Creates linear functions from the parts' numbers and their values at the corners.
     pub fn new(corners: [u32; 4], parts: impl Iterator<Item = (u16, [f64; 4])>) -> Self {
         // Products of four values neither overflow nor vanish.
         let scaled = |(part, values): (u16, [f64; 4])| (part, values.map(|v| v * scale(&values)));
         Self { corners, parts: parts.map(scaled).collect(), is_uncertain: Cell::new(false) }
     }
 
-    /// Returns whether rounding may have changed polygons that were asked for.
+    /// Returns whether rounding may have changed a polygon that was computed.
     pub fn is_uncertain(&self) -> bool {
         self.is_uncertain.get()
     }
@@ -105,8 +106,8 @@ impl Linear {
         self.parts.iter().find(|(number, _)| *number == part).map(|(_, values)| values)
     }
 
-    /// The polygons in which the choice is 0. In front, it is above 0. `is_positive` tells the
-    /// orientation of the corners.
+    /// The polygons in which the choice is 0. On their front side, it is above 0. `is_positive`
+    /// tells the orientation of the corners.
     pub fn zeros(&self, choice: &Choice, is_positive: bool) -> SmallVec<[Polygon; 1]> {
         let sections =
             self.parts.iter().filter_map(|(part, values)| self.section(*part, values, is_positive));
@@ -118,8 +119,8 @@ impl Linear {
         sections.flat_map(zeros).collect()
     }
 
-    /// The parts of a face, with corners in the order seen from in front, where the choice is below
-    /// 0: all of it if no part matters.
+    /// The polygons of a face in which the choice is below 0, or the whole face if no part matters.
+    /// `face` has the corners in their order as seen from in front.
     pub fn face(&self, choice: &Choice, face: [u32; 3]) -> SmallVec<[Polygon; 1]> {
         let bit = |corner: u32| -> u8 {
             1 << self.corners.iter().position(|one| *one == corner).expect("a corner")
@@ -268,7 +269,7 @@ impl Linear {
         pieces.into_iter().filter(|(_, signs)| has_sign(signs)).map(|(piece, _)| piece).collect()
     }
 
-    /// The piece of a polygon where a part is below 0, or is not.
+    /// The piece of a polygon where a part is below 0, or is not if `is_below` is false.
     fn cut(
         &self,
         polygon: &Polygon,
@@ -314,7 +315,7 @@ impl Linear {
     }
 }
 
-/// The sign of a choice, from those of its parts. `None` if none of them matters.
+/// The sign of a choice, computed from the signs of its parts. `None` if none of the parts matters.
 fn sign_of(choice: &Choice, signs: &[(u16, Ordering)]) -> Option<Ordering> {
     let each = |all: &[Choice]| -> Vec<Ordering> {
         all.iter().filter_map(|one| sign_of(one, signs)).collect()
@@ -343,8 +344,8 @@ fn scale(values: &[f64; 4]) -> f64 {
     1.0 / f64::from_bits(largest.to_bits() & EXPONENT)
 }
 
-/// The determinant of the first `count` rows and as many columns, without column `left_out`, if
-/// `minus` subtracts. If it adds absolute values, the sum of the terms without signs.
+/// If `minus` subtracts, the determinant of the first `count` rows and as many columns, without
+/// column `left_out`. If `minus` adds absolute values, the sum of the terms' absolute values.
 fn minor(
     rows: &[[f64; 4]; 3],
     count: usize,

@@ -20,15 +20,15 @@
 use glam::DVec3;
 use zeroset_interval::Interval;
 
-/// Share of a gradient's largest component by which a slope must exceed 0: more than rounding can
-/// change.
+/// A slope counts as positive if it exceeds this share of the gradient's largest component.
+/// Rounding errors are smaller than that.
 const MARGIN: f64 = 1e-12;
 
 /// Greatest distance along each axis between a vertex of the mesh and the zero of g that it stands
 /// for, as a share of the tetrahedron's size.
 pub const MOVED: f64 = 1e-3;
 
-/// Number of corrections of a vector.
+/// Largest number of corrections in the search for a vector.
 const CORRECTIONS: usize = 24;
 
 /// Gradients in a tetrahedron that a vector at one of its corners must not oppose.
@@ -40,8 +40,8 @@ pub struct Slopes {
     pub linear: DVec3,
 }
 
-/// The least slope of a function along `vector`, whose gradient is within bounds, and the gradient
-/// with this slope. Rounded down.
+/// The least slope along `vector` of a function whose gradient is within bounds, rounded down. Also
+/// returns the gradient with this slope.
 pub fn least_slope(gradient: &[Interval; 3], vector: DVec3) -> (f64, DVec3) {
     let worst = DVec3::from_array([0, 1, 2].map(|axis| {
         let Interval { lo, hi } = gradient[axis];
@@ -50,6 +50,7 @@ pub fn least_slope(gradient: &[Interval; 3], vector: DVec3) -> (f64, DVec3) {
     (slope(worst, vector), worst)
 }
 
+/// The scalar product of `gradient` and `vector`, less a margin for rounding.
 fn slope(gradient: DVec3, vector: DVec3) -> f64 {
     let terms = [0, 1, 2].map(|axis| {
         // A gradient may be infinite where the vector is 0.
@@ -73,9 +74,9 @@ pub fn common_vector(star: &[Slopes], faces: [bool; 3]) -> Option<DVec3> {
         DVec3::from_array(along).try_normalize()
     };
     let sum: DVec3 = star.iter().filter_map(|slopes| tangent(middle(&slopes.gradient))).sum();
-    // The shortest vector in the hull of all gradients, each of length 1, is nearest to opposing
-    // none of them. Gilbert's method approaches it: it moves toward the gradient that is most
-    // against the vector.
+    // The shortest vector in the hull of all gradients, each scaled to length 1, opposes them
+    // least. Gilbert's method approaches it: each step moves toward the gradient that opposes the
+    // vector most.
     let mut shortest = sum / star.len() as f64;
     for _ in 0..=CORRECTIONS {
         let vector = shortest.try_normalize()?;
@@ -103,8 +104,9 @@ pub fn common_vector(star: &[Slopes], faces: [bool; 3]) -> Option<DVec3> {
     None
 }
 
-/// Greatest value of f in a triangle of the mesh whose vertices stand for zeros of g, and of g at a
-/// zero of f. Bounds of f's gradient are given. NaN if they have no width.
+/// A bound of two numbers: of |f| in a triangle of the mesh, whose vertices stand for zeros of g,
+/// and of |g| at a zero of f. `gradient` bounds f's gradient. The result is not finite if
+/// `gradient` is not.
 pub fn bend(gradient: &[Interval; 3], corners: &[DVec3; 4]) -> f64 {
     let span = |axis: usize| {
         let along = corners.map(|corner| corner[axis]);

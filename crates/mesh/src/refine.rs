@@ -1,6 +1,6 @@
 //! Refines a grid until the shape of the surface in it is proven, and the mesh is near enough.
 
-use crate::cells::{Answer, Cell, PartBounds, PartKernels, Question, ask};
+use crate::cells::{Cell, CellClass, PartBounds, PartKernels, Query, classify_cells};
 use crate::grid::{Corner, Grid, Tetrahedron};
 use crate::leaf::{Kind, Leaf};
 use crate::proof::{Slopes, bend, common_vector, least_slope, linear_gradient, middle};
@@ -20,17 +20,17 @@ const MOST_FAILING: f64 = 0.2;
 /// Size of the tetrahedra that are not split for the proof, as a share of the domain's longest
 /// edge.
 const FINEST: f64 = 1.0 / 262_144.0;
-/// As [`FINEST`], where only the domain's boundary is in the way of the proof. It may be so at any
-/// size, since the surface may go through an edge of the domain.
+/// The same as [`FINEST`], for tetrahedra in which only the domain's boundary prevents the proof.
+/// It may prevent the proof at any size, since the surface may go through an edge of the domain.
 const BOUNDARY: f64 = 1.0 / 1024.0;
 /// The value of a part where it is undefined: far above 0, since a solid is not there. Products of
 /// three are finite.
 const UNDEFINED: f64 = 1e100;
 
-/// The proof fails at a corner.
+/// A failure of the proof at a corner.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 struct Fails {
-    /// True if it would hold in a larger domain.
+    /// True if the proof would hold in a larger domain.
     at_boundary: bool,
 }
 
@@ -41,8 +41,8 @@ pub struct Limits {
     pub tolerance: f64,
     /// The domain's longest edge, in world units.
     pub extent: f64,
-    /// Number of tetrahedra beyond which none is split for the distance. For the proof of the
-    /// shape, it is twice as many.
+    /// Number of tetrahedra above which none is split to reduce the distance. Above twice this
+    /// number, none is split to prove the shape.
     pub most_cells: usize,
 }
 
@@ -54,20 +54,20 @@ pub struct Refined {
     pub values: CornerValues,
     /// For each corner by its number, whether the proof fails there.
     failing: Vec<bool>,
-    /// For some corners, how often their values were moved apart anew.
+    /// For some corners, the number of times that their values were moved apart again.
     moves: FxHashMap<u32, u64>,
 }
 
-/// Refines `grid` for a function. If it bounds a solid, tetrahedra inside of it stay at the
-/// boundary of the domain. Returns `None` once `wanted` returns false.
+/// Refines `grid` for a function. If the function bounds a solid, the leaves include tetrahedra
+/// inside the solid at the boundary of the domain. Returns `None` once `wanted` returns false.
 pub fn refine(
     choice: &Choice,
-    question: &Question<'_>,
+    query: &Query<'_>,
     grid: &mut Grid,
     limits: Limits,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Option<Refined> {
-    let &Question { parts: kernels, space, is_solid, estimated, .. } = question;
+    let &Query { parts: kernels, space, is_solid, estimated, .. } = query;
     let is_estimated = estimated > 0.0;
     let choice = Arc::new(choice.clone());
     let root = |tetrahedron| Cell { tetrahedron, choice: Arc::clone(&choice) };
@@ -78,15 +78,15 @@ pub fn refine(
     let mut finest = FINEST * limits.extent;
     loop {
         let first = refined.leaves.len();
-        let answers = ask(question, &fresh, wanted)?;
-        for (Cell { tetrahedron: cell, choice }, answer) in fresh.drain(..).zip(answers) {
-            let kind = match answer {
-                Answer::Open(local) => {
+        let classes = classify_cells(query, &fresh, wanted)?;
+        for (Cell { tetrahedron: cell, choice }, class) in fresh.drain(..).zip(classes) {
+            let kind = match class {
+                CellClass::Open(local) => {
                     let near = is_near(space, &cell, &local.parts, limits.tolerance);
                     Kind::Open { local, near }
                 }
-                Answer::Empty(-1) if is_solid && has_face(space, &cell) => Kind::Inside(choice),
-                Answer::Empty(_) => continue,
+                CellClass::Empty(-1) if is_solid && has_face(space, &cell) => Kind::Inside(choice),
+                CellClass::Empty(_) => continue,
             };
             refined.leaves.push(Leaf { cell, kind });
         }
@@ -103,7 +103,8 @@ pub fn refine(
                     let share = match is_smooth {
                         true if is_estimated => 0.5,
                         true => 0.125,
-                        // Where the function may jump or end, only samples tell, in whole planes.
+                        // Where the function may jump or end, no distance is proven, and whole
+                        // planes of tetrahedra stay open.
                         false => 2.0,
                     };
                     may_split(&leaf.cell, share * limits.tolerance)
@@ -219,7 +220,8 @@ impl Refined {
         self.prove_apart(space, grid, wanted).map(drop)
     }
 
-    /// Moves values apart, and proves again what that changes. As [`Self::prove`].
+    /// Moves values apart, and repeats the proof where values changed. Returns leaves as
+    /// [`Self::prove`] does.
     fn prove_apart(
         &mut self,
         space: &Space,
@@ -231,8 +233,8 @@ impl Refined {
         self.prove(space, grid, &|_, leaf| is_moved(leaf), wanted)
     }
 
-    /// Looks for vectors at the corners of the leaves that `changed` is true for. Returns the
-    /// leaves at corners where none is found, in order. `None` once `wanted` returns false.
+    /// Searches for a vector at each corner of the leaves for which `changed` is true. Returns the
+    /// leaves at corners without such a vector, in order. `None` once `wanted` returns false.
     fn prove(
         &mut self,
         space: &Space,

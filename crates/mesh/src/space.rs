@@ -7,7 +7,7 @@ use zeroset_interval::Interval;
 /// Greatest number of cubes along an axis before any split, as a power of two.
 const MOST_CUBES: u32 = 4;
 
-/// The grid over a box of space. Coordinates are mapped along each axis apart.
+/// The grid over a box of space. Coordinates are mapped separately along each axis.
 pub struct Space {
     low: DVec3,
     high: DVec3,
@@ -26,7 +26,7 @@ impl Space {
         (Self { low, high, extent: grid.extent }, grid)
     }
 
-    /// The largest coordinate of a point, as its distance from 0.
+    /// The largest magnitude of a coordinate in the box.
     pub fn largest(&self) -> f64 {
         self.low.abs().max(self.high.abs()).max_element()
     }

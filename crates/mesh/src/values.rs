@@ -1,4 +1,4 @@
-//! The values at the corners of a grid that make the function g out of f: see [`proof`].
+//! The values at the corners of a grid that define the function g: see [`proof`].
 //!
 //! [`proof`]: crate::proof
 
@@ -21,7 +21,7 @@ pub struct CornerValues(Vec<SmallVec<[CornerValue; 1]>>);
 #[derive(Clone, Copy)]
 struct CornerValue {
     part: u16,
-    /// As sampled.
+    /// The sampled value.
     sample: f64,
     /// The value of g, which is not too near 0.
     value: f64,
@@ -44,7 +44,7 @@ impl CornerValues {
         self.0[corner as usize].iter().find(|one| one.part == part).expect("a sample").sample
     }
 
-    /// Makes room for the values at as many corners.
+    /// Makes room for the values at this many corners.
     pub fn resize(&mut self, corners: usize) {
         self.0.resize(corners, SmallVec::new());
     }
@@ -66,10 +66,10 @@ impl CornerValues {
         *room = CornerValue { part, sample: value, value };
     }
 
-    /// Makes g's values out of samples. At corners of leaves with several parts, they are farther
-    /// from 0, each by another share of the values around. So no zero is at a corner, and zeros of
-    /// several parts are told apart: symmetric parts are equal on whole planes of the grid. `moves`
-    /// tells how often other shares were asked for.
+    /// Computes g's values from samples. At corners of leaves with several parts, each value is
+    /// moved away from 0 by its own share of the values around. So no zero is at a corner. And the
+    /// zeros of parts differ, even of symmetric parts, which are equal on whole planes of the grid.
+    /// `moves` has, for some corners, the number of times that other shares were requested.
     ///
     /// Returns, for each corner, whether a value changed since the last time.
     pub fn move_apart(
@@ -114,7 +114,7 @@ impl CornerValues {
     }
 }
 
-/// A number between 0 and 1 that depends on all of these as if by chance.
+/// A pseudorandom number between 0 and 1, determined by the arguments.
 fn chance(corner: Corner, part: u16, times: u64) -> f64 {
     // The steps of the generator SplitMix64.
     let mix = |value: u64| {

@@ -11,8 +11,8 @@ use crate::op::Op;
 pub enum Role {
     /// A function of x, y and z.
     Shape,
-    /// A function of x, y and z whose value is a distance, as that of all builders is. Any other
-    /// function is divided by the length of its gradient.
+    /// A function of x, y and z whose value is a distance. The value of every builder is a
+    /// distance. Any other function is divided by the length of its gradient.
     Distance,
     /// Three numbers: a vector, or three arguments.
     Vector,
@@ -44,9 +44,9 @@ pub enum Distance {
     Exact,
     /// The value changes no faster than the distance. So its magnitude is at most the distance.
     Bound,
-    /// Exact if the values of all arguments are exact, and a bound if they are bounds.
+    /// Exact if every argument is exact; a bound if some arguments are only bounds.
     Same,
-    /// A bound if the values of all arguments are bounds or exact.
+    /// A bound, whether the arguments are exact or bounds.
     StaysBound,
     /// As for `StaysBound`, on a condition that the line of help states.
     Conditional,

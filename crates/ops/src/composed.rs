@@ -8,28 +8,28 @@ pub struct Composed {
     pub name: &'static str,
     /// Other names that formulas may use for the function.
     pub aliases: &'static [&'static str],
-    /// Parameter names, as used in `body`. `n` and `m` stand for constant whole numbers of which m
-    /// is not above n.
+    /// Parameter names, as used in `body`. `n` and `m` stand for constant whole numbers, with m ≤
+    /// n.
     pub parameters: &'static [&'static str],
     /// The formula. A name in it always means the built-in function or constant, even if the user
     /// redefines that name. The formula may call internal operations of the table.
     pub body: &'static str,
-    /// For a sequence of functions: how to get on from `body`, which is the function number 0. The
-    /// first argument, a constant, is the number of the function.
+    /// For a sequence of functions: the formulas for the functions after number 0, which is `body`.
+    /// The first argument of a call, a constant, is the function's number.
     pub sequence: Option<Sequence<&'static str>>,
     /// One line of help about the function.
     pub doc: &'static str,
 }
 
-/// The formulas of a sequence of functions. In these, `p` is the function number n, and `q` the one
-/// before.
+/// Formulas for the further functions of a sequence. In them, `p` stands for function number n, and
+/// `q` for number n − 1.
 #[derive(Clone, Copy, Debug)]
 pub enum Sequence<T> {
-    /// The function number 1, and the one of number n + 1.
+    /// Formulas for function number 1, and for number n + 1.
     Recurrence([T; 2]),
-    /// The function number 1, and those of numbers 2n and 2n − 1.
+    /// Formulas for function number 1, for number 2n and for number 2n − 1.
     Doubling([T; 3]),
-    /// The functions number 1 to 3. There are no others.
+    /// Formulas for the functions number 1 to 3. There are no others.
     Listed([T; 3]),
 }
 
@@ -104,7 +104,7 @@ pub static COMPOSED: &[Composed] = &[
     row("heaviside", &[], &["a", "b"], "select_negative(a, 0, select_negative(-a, 1, b))", "0 where a < 0, 1 where a > 0, b at 0"),
     row("subtract", &["difference"], &["a", "b"], "max(a, -b)", "solid a without solid b"),
     row("blend", &["smooth_union"], &["a", "b", "k"], "min(a, b)-max(k-abs(a-b), 0)^2/(4*k)", "union of solids a and b, rounded over a width k"),
-    // By doubling, bounds stay narrow.
+    // Doubling keeps bounds narrow.
     sequence("chebyshev_t", &["chebyshevt", "chebyshevT", "eval_chebyt"], &["n", "a"], "1", Doubling(["a", "2*p^2-1", "2*p*q-a"]), "Chebyshev polynomial of the first kind and degree n, also T_4(a)"),
     sequence("chebyshev_u", &["chebyshevu", "chebyshevU", "eval_chebyu"], &["n", "a"], "1", Recurrence(["2*a", "2*a*p-q"]), "Chebyshev polynomial of the second kind and degree n, also U_4(a)"),
     sequence("legendre", &["legendrep", "legendreP", "legendre_P", "eval_legendre"], &["n", "a"], "1", Recurrence(["a", "((2*n+1)*a*p-n*q)/(n+1)"]), "Legendre polynomial of degree n, also P_4(a)"),

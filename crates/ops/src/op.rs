@@ -64,7 +64,7 @@ impl Op {
         &crate::TABLE[self as usize]
     }
 
-    /// The order of a Bessel function. Other operations give a number without meaning.
+    /// The order of a Bessel function. For other operations, the result is meaningless.
     pub fn bessel_order(self) -> usize {
         (self as usize).wrapping_sub(Self::BesselJ0 as usize)
     }
@@ -92,20 +92,20 @@ pub struct OpRow {
     pub domain: Domain,
     /// Continuity of the operation within its domain of definition.
     pub continuity: Continuity,
-    /// For a function: integer operands at which it may be continuous but not differentiable. At
-    /// other operands it is differentiable wherever it is continuous. `None` if these integers are
-    /// unknown. Other operations do not use this field.
+    /// Integer operands at which a function may be continuous but not differentiable. At other
+    /// operands the function is differentiable wherever it is continuous. `None` if these integers
+    /// are unknown. Unused for operations that are not functions.
     pub corners: Option<&'static [i32]>,
     /// Kind of the operation, by the laws of algebra that it obeys.
     pub class: Class,
     /// Effect of the operand's sign on the operation's value.
     pub parity: Parity,
-    /// Pairs of an integer operand and the function's value there, an integer. Only functions of
-    /// one operand have such pairs, and no law implies them.
+    /// Pairs of an integer operand and the function's integer value there. Only functions of one
+    /// operand have such pairs. Values that follow from a law are not listed.
     pub values: &'static [(i32, i32)],
     /// For an operation with poles: its numerator and its denominator, two functions without poles.
     pub quotient: Option<[Op; 2]>,
-    /// Differences of the function's values that its operand divides.
+    /// Difference quotients of the function that have a continuous extension, such as sin(a)/a.
     pub secants: &'static [Secant],
     /// A function that shares most of its work with this one, as the cosine does with the sine. For
     /// one operand, both are computed together.

@@ -1,12 +1,11 @@
 //! Quotients that are undefined at one operand only, such as sin(a)/a.
 //!
-//! Near that operand, an enclosure of the plain quotient is unbounded. So each formula cuts the
-//! quotient to two functions between which it lies for every operand. They meet at `b` = 0, where
-//! they equal the limit, and differ elsewhere by O(b⁴) or O(b⁶). The cut changes no value, except
-//! that it hides rounding. Two functions have a sum of roots for a divisor instead.
+//! Near that operand, an enclosure of the plain quotient is unbounded. So each formula clamps the
+//! quotient between two functions that bound it for every operand. Both bounds equal the limit at
+//! `b` = 0. Elsewhere they differ by O(b⁴) or O(b⁶). Clamping changes no exact value. The formulas
+//! for square and cube root divide by a sum of roots instead.
 //!
-//! The bounds come from the Taylor series. Where its terms alternate, and where its terms all have
-//! one sign, the comments name the proof.
+//! The bounds come from the Taylor series. The comments below give the proofs.
 
 use crate::op::Secant;
 
@@ -14,7 +13,7 @@ const fn secant(at: i32, value: i32, formula: &'static str) -> Secant {
     Secant { at, value, order: 1, formula, limit: [1, 1] }
 }
 
-/// 1 − a²/6 ≤ sin(a)/a ≤ 1 − a²/6 + a⁴/120, by integrating cos ≤ 1 again and again from 0.
+/// 1 − a²/6 ≤ sin(a)/a ≤ 1 − a²/6 + a⁴/120, by repeatedly integrating cos ≤ 1 from 0.
 pub(crate) const SIN: Secant =
     secant(0, 0, "min(max(sin(a)/a, 1-sqr(a)/6), 1-sqr(a)/6+sqr(sqr(a))/120)");
 
@@ -55,8 +54,7 @@ pub(crate) const ATAN: Secant =
     secant(0, 0, "min(max(atan(a)/a, 1-sqr(a)/3), 1-sqr(a)/3+sqr(sqr(a))/5)");
 
 /// By integrating 1 − tanh² with tanh(t) ≤ t, and then with t − t³/3 ≤ tanh(t), which holds for all
-/// t ≥ 0. The square of that bound may be used where it is ≥ 0, so up to t = √3. Beyond, the upper
-/// bound of tanh is above 2, and grows.
+/// t ≥ 0. The square of that bound may be used where the bound is ≥ 0: up to t = √3.
 pub(crate) const TANH: Secant =
     secant(0, 0, "min(max(tanh(a)/a, 1-sqr(a)/3), 1-sqr(a)/3+2*sqr(sqr(a))/15)");
 
@@ -75,8 +73,8 @@ pub(crate) const SQRT: Secant = Secant { limit: [1, 2], ..secant(1, 1, "1/(sqrt(
 pub(crate) const CBRT: Secant =
     Secant { limit: [1, 3], ..secant(1, 1, "1/(sqr(cbrt(a))+cbrt(a)+1)") };
 
-/// Jₙ(a)·n!/(a/2)ⁿ is a mean of cos(at) over t from −1 to 1. So the bounds of the cosine, which are
-/// sums of the first terms of its series, are bounds here.
+/// Jₙ(a)·n!/(a/2)ⁿ is a mean of cos(at) over t from −1 to 1. So partial sums of the cosine's
+/// series, which bound the cosine, also give bounds here.
 pub(crate) const BESSEL_J0: Secant = Secant {
     order: 2,
     limit: [-1, 4],

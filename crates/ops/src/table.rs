@@ -37,7 +37,8 @@ const BASE: OpRow = OpRow {
 /// Default row of a function that has a derivative wherever it is continuous.
 const SMOOTH: OpRow = OpRow { corners: Some(&[]), ..BASE };
 
-/// The row [`SMOOTH`] for an operation whose bounds come only from correctly rounded arithmetic.
+/// The row [`SMOOTH`] for an operation whose bounds come only from correctly rounded arithmetic,
+/// and so have no excess.
 const EXACT: OpRow = OpRow { excess: None, ..SMOOTH };
 
 const fn infix(symbol: &'static str) -> Notation {
@@ -172,8 +173,8 @@ pub static TABLE: &[OpRow] = &[
         parity: Odd, values: &[(0, 0)],
         derivative: "2*exp(-sqr(a))/sqrt(acos(-1))*da",
         doc: "error function, the integral of 2/sqrt(pi)*exp(-a^2) from 0", ..SMOOTH },
-    // The excess of Bessel functions is that of bounds of the size of 1/sqrt(a). Angles that are
-    // too large for sine and cosine are so here.
+    // The excess of a Bessel function counts floats of the size of its amplitude, about 1/sqrt(a).
+    // Angles that are too large for sine and cosine are too large for Bessel functions.
     OpRow { op: Op::BesselJ0, name: "besselj0", aliases: &["besj0", "j0"],
         parity: Even, values: &[(0, 1)],
         secants: &[secants::BESSEL_J0],
@@ -189,8 +190,9 @@ pub static TABLE: &[OpRow] = &[
         secants: &[secants::BESSEL_J2],
         derivative: "(besselj1(a)-besselj3(a))/2*da",
         doc: "Bessel function of the first kind of order 2", ..SMOOTH },
-    // The quotient has the bounds of its Taylor series, which takes its place at 0. The last term
-    // has no fourth derivative there, where the series without it has a wrong one.
+    // The clamp of the quotient, and the formula that replaces it at 0, come from the Taylor
+    // series. The last term has no fourth derivative at 0; without that term, the fourth derivative
+    // there would be wrong.
     OpRow { op: Op::BesselJ3, name: "besselj3",
         parity: Odd, values: &[(0, 0)],
         secants: &[secants::BESSEL_J3],

@@ -56,7 +56,7 @@ const fn plain(word: &'static str, kind: SettingKind, hint: &'static str) -> Set
     SettingRow { word, kind, hint: Cow::Borrowed(hint) }
 }
 
-/// The row of a setting that other surfaces have, too.
+/// The row of a setting that the command line, the window and Python also have.
 fn shared(row: &'static Setting, kind: SettingKind) -> SettingRow {
     SettingRow { word: row.word, kind, hint: row.hint().into() }
 }

@@ -23,7 +23,7 @@ pub enum DomainArgument {
     Box([[f64; 2]; 3]),
 }
 
-/// The domain of an argument. Without one, that of the text.
+/// The domain that an argument sets. Without an argument, it is the text's domain.
 pub fn domain(argument: Option<DomainArgument>) -> PyResult<Domain> {
     match argument {
         None => Ok(Domain::Text),
@@ -44,7 +44,7 @@ pub fn background(argument: &Bound<'_, PyAny>) -> PyResult<Background> {
     }
 }
 
-/// Reads a name, such as that of a method.
+/// Reads a name, such as the name of a method.
 pub fn named<T: FromStr<Err = zeroset::Error>>(name: &str) -> PyResult<T> {
     name.parse().map_err(|error: zeroset::Error| exception(&error))
 }

@@ -43,8 +43,8 @@ impl Mesh {
         vertices(self.0.surfaces().iter()).into_pyarray(py)
     }
 
-    /// The triangles of all surfaces, as rows of `vertices`: uint32 (M, 3). From f > 0 they run
-    /// counterclockwise.
+    /// The triangles of all surfaces, as rows of `vertices`: uint32 (M, 3). Seen from f > 0, their
+    /// vertices run counterclockwise.
     #[getter]
     fn faces<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<u32>> {
         faces(self.0.surfaces().iter()).into_pyarray(py)
@@ -80,7 +80,7 @@ impl Mesh {
     /// The triangles as a mesh of trimesh, which must be installed.
     fn to_trimesh<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let options = PyDict::new(py);
-        // Vertices stay where and as many as they are.
+        // Keep all vertices, in their order.
         options.set_item("process", false)?;
         let arguments = (self.vertices(py), self.faces(py));
         import(py, "trimesh", "Mesh.to_trimesh")?.call_method("Trimesh", arguments, Some(&options))

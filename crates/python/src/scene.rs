@@ -28,7 +28,7 @@ pub struct Scene {
 /// The two forms in which the library takes the text, with the same values of parameters.
 struct State {
     scene: zeroset::Scene,
-    /// Only a text with one equation has one.
+    /// The text as a function. An error unless the text has exactly one equation.
     function: OnceLock<Result<Function, zeroset::Error>>,
 }
 
@@ -111,7 +111,8 @@ impl Scene {
     }
 
     /// Writes values at points, given as arrays (N,) of coordinates, to `out` (N,): NaN where the
-    /// function is undefined. NumPy allocates `out` in large pages, which are there sooner.
+    /// function is undefined. The caller allocates `out`, since NumPy uses large pages, which the
+    /// system supplies sooner.
     fn values<'py>(
         &self,
         py: Python<'py>,

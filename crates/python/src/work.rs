@@ -7,10 +7,10 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-/// Time between two looks for an interrupt.
+/// Interval between checks for an interrupt.
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// Flags that no work uses. Flags live forever, so they are used again.
+/// Flags that are not in use. Flags live forever, so they are reused.
 static FREE: Mutex<Vec<&'static AtomicBool>> = Mutex::new(Vec::new());
 
 fn free() -> MutexGuard<'static, Vec<&'static AtomicBool>> {

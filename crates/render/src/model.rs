@@ -327,7 +327,8 @@ impl Model {
         self.sample_of(&self.program, surface, point)
     }
 
-    /// Like [`Model::sample`], but always for the typed function. `document` is that of the model.
+    /// Like [`Model::sample`], but always for the typed function. `document` is the model's
+    /// document.
     pub fn sample_typed(
         &self,
         document: &Document,

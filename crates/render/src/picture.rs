@@ -65,7 +65,7 @@ pub struct Settings {
     pub choices: Choices,
     /// Background. `None` for the document's, or else the look's color.
     pub background: Option<Background>,
-    /// Colors are kept as bytes, or as floats. With floats, the picture also has
+    /// The format in which colors are kept: bytes or floats. With floats, the picture also has
     /// [`Picture::light`].
     pub depth: ColorDepth,
 }
@@ -110,12 +110,13 @@ impl Settings {
         self.options.depth.saturating_sub(1).max(1)
     }
 
-    /// Returns whether a picture has a transparent background. `typed` is that of the document.
+    /// Returns whether a picture has a transparent background. `typed` is the document's
+    /// background.
     pub fn is_transparent(&self, typed: Option<Background>) -> bool {
         self.background.or(typed) == Some(Background::Transparent)
     }
 
-    /// These settings, with those of `other` that only affect how a traced picture is painted:
+    /// These settings, with the fields of `other` that only affect how a traced picture is painted:
     /// light, look, background, antialiasing and color format.
     #[must_use]
     pub fn painted_as(&self, other: &Self) -> Self {
@@ -163,8 +164,8 @@ pub struct Picture {
     /// Red, green and blue light of each pixel (primaries of sRGB, 1 at full), then its opacity.
     /// Empty unless colors are kept as floats.
     pub light: Vec<[f32; 4]>,
-    /// The share of its light that reaches the ground at each pixel; NaN far from where the ground
-    /// is seen. Empty without a ground, and for strips.
+    /// The share of the unshadowed light that reaches the ground at each pixel; NaN far from where
+    /// the ground is seen. Empty without a ground, and for strips.
     pub(crate) ground: Vec<f32>,
     /// Color of pixels that show no surface, as sRGB bytes. It is the look's if the background is
     /// transparent.
@@ -220,8 +221,8 @@ impl Picture {
         fallback.map_or(self.method, |(_, fallback)| fallback.method)
     }
 
-    /// Colors for a medium that has no opacities: a transparent background becomes that of the
-    /// look.
+    /// Colors for a medium that has no opacities: a transparent background becomes the look's
+    /// background.
     pub fn opaque_rgb(&self) -> Cow<'_, [u8]> {
         flattened(&self.rgb, &self.alpha, self.background)
     }

@@ -58,8 +58,8 @@ impl<T: WholeFloat> TreeNode<T> {
         node
     }
 
-    /// Divides the box. A part that needs nearly all steps is left out. A box without end has no
-    /// middle, and stays whole: `eval` takes points from everywhere.
+    /// Divides the box into a part for each lane. Parts that need nearly as many steps as the box
+    /// are left out. An unbounded box cannot be divided evenly, so it has no parts.
     fn divided(&self) -> Vec<Self> {
         if self.bounds.iter().any(|range| !range.lo.is_finite() || !range.hi.is_finite()) {
             return Vec::new();
@@ -105,6 +105,8 @@ impl<T: WholeFloat> Kernel<SampleGradient, T> for BoxTree<T> {
         let mut rest: Vec<usize> = (0..points.count as usize).collect();
         let mut some = Gradients::default();
         let at = |lane: usize| points.at.each_ref().map(|axis| axis[lane].into());
+        // Each round evaluates the first remaining point with the kernel of its box. The results of
+        // the other points in that box are kept, too.
         while let Some(&first) = rest.first() {
             let point = at(first);
             if point.iter().any(|at| !at.is_finite()) {

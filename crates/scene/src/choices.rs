@@ -55,7 +55,7 @@ enum Nodes {
 }
 
 impl Nodes {
-    /// The same choice of other functions, with the least and the greatest exchanged if `turned`.
+    /// The same choice with `f` applied to each node. Minima and maxima are exchanged if `turned`.
     fn map(
         self,
         graph: &mut Graph,
@@ -125,8 +125,8 @@ fn choices(graph: &Graph) -> Vec<bool> {
     found
 }
 
-/// The choice that a node is. Sums with a choice are choices of sums. At most `left` choices are
-/// taken apart, since a node that is shared is taken apart each time.
+/// A node as a choice. Sums with a choice are choices of sums. At most `left` choices are taken
+/// apart, since a node that is shared is taken apart each time.
 fn nodes(graph: &mut Graph, is_choice: &[bool], node: NodeId, left: &mut usize) -> Nodes {
     let Node::Apply(op, operands) = graph.node(node).clone() else { return Nodes::Part(node) };
     if *left == 0 || !is_choice[node.index()] {

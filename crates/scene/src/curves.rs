@@ -46,10 +46,10 @@ pub struct TracedLine {
     pub width: Option<f64>,
 }
 
-/// A point.
+/// A point that is drawn.
 #[derive(Clone, Debug)]
 pub struct TracedPoint {
-    /// The point.
+    /// The point's place in space.
     pub at: DVec3,
     /// The text beside it.
     pub label: String,
@@ -274,7 +274,7 @@ pub fn with_margin([low, high]: [DVec3; 2]) -> [DVec3; 2] {
 const MARGIN: f64 = 0.05;
 
 /// The document with one surface for each curve of two equations: the equation that both hold. Its
-/// domain is that of the curves. `None` if there is no such curve.
+/// domain is the curves' domain. `None` if there is no such curve.
 pub fn as_surfaces(document: &Document) -> Option<Document> {
     let surfaces = functions::both_zero(document);
     let (graph, surfaces) = surfaces?;

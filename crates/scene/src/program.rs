@@ -65,12 +65,12 @@ impl Program {
         let solid = solid(document);
         let (mut graph, mut roots) = typed.clone();
         if is_drawn {
-            // A picture asks for zeros and signs alone.
+            // A picture needs only zeros and signs.
             roots = roots.iter().map(|root| same_sign(&mut graph, *root)).collect();
         }
         let (mut symbolic, mut rewritten) = rewrite(&graph, &roots, &domain, &parameters)?;
         if is_drawn {
-            // Equal functions, with narrower enclosures.
+            // Replaces functions by equal ones with narrower enclosures.
             let narrow = |root: &NodeId| {
                 let root = quadratic_blends(&mut symbolic, *root);
                 let root = algebraic_angles(&mut symbolic, root);
@@ -178,8 +178,8 @@ impl Program {
             && typed(document) == *before
     }
 
-    /// The same program for all times in the range of the time, if it has one. Its proofs hold at
-    /// every such time.
+    /// The same program for all times in the range of the document's time, if that has a range.
+    /// Proofs of the program then hold at each of these times.
     #[must_use]
     pub fn over_time(&self, document: &Document) -> Self {
         let assumed = &self.store.simplified.assumptions.parameters;
@@ -287,9 +287,10 @@ impl Program {
         (self.store.simplified.nodes_before, count(self.graph(), self.roots()))
     }
 
-    /// Returns whether the typed function was replaced by another with the same zeros: all of them
-    /// are simple, or enclosures are narrower. Or, for a solid, by one without zeros on faces
-    /// inside of the solid and on sheets without thickness.
+    /// Returns whether the typed function was replaced. The function of an equation is replaced by
+    /// one with the same zeros, which are simple or have narrower enclosures. The function of a
+    /// solid is replaced by one without zeros on faces inside of the solid and on sheets without
+    /// thickness.
     pub fn is_reduced(&self, surface: usize) -> bool {
         self.store.simplified.reduced[surface]
     }

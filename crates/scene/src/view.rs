@@ -217,7 +217,7 @@ pub fn region_while(
         if let Finding::Unbounded | Finding::UnboundedInBall = found.finding {
             found.finding = if is_ball { Finding::UnboundedInBall } else { Finding::Unbounded };
         }
-        // A given range is no choice of the search, so nothing is to be said of it.
+        // A given range was not chosen by the search, so it does not count as cut.
         for axis in (0..3).filter(|axis| ranges[*axis].is_some()) {
             found.cut[axis] = [false; 2];
         }

@@ -1,5 +1,5 @@
 //! Pictures of a stretched space, as seen in the displayed space. Light, edges and occlusion are
-//! those of the displayed space, so what computes them knows no stretched space.
+//! those of the displayed space, so the code that computes them ignores stretching.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -11,8 +11,8 @@ const LEAST: usize = 4096;
 
 /// A picture and its rays in the displayed space.
 pub struct Displayed<'a> {
-    /// The G-buffer, whose distances and normals are those of the displayed space. Its brackets are
-    /// not converted.
+    /// The G-buffer, whose distances and normals are measured in the displayed space. Its brackets
+    /// are not converted.
     pub buffer: Cow<'a, GBuffer>,
     /// The rays.
     pub rays: Cow<'a, RayGrid>,

@@ -215,8 +215,8 @@ pub fn slope(normal: [f32; 3], along: Vec3) -> f32 {
     ((1.0 - cosine * cosine).max(0.0) / (cosine * cosine)).sqrt()
 }
 
-/// Returns whether a pixel shows a crease of a surface: its normal differs from that of one of the
-/// four pixels beside it, or only one of the two is on a cap.
+/// Returns whether a pixel shows a crease of a surface: its normal differs from the normal of one
+/// of the four pixels beside it, or only one of these two pixels is on a cap.
 pub fn is_creased(buffer: &GBuffer, rays: &RayGrid, pixel: usize) -> bool {
     let normal = |pixel: usize| Vec3::from_array(buffer.normal[pixel]);
     let differs = |other: usize| {

@@ -42,8 +42,9 @@ impl Light {
     }
 
     /// The light as a disc that faces `centre`. Its radius is a 20th of its distance from there.
-    /// The function gives the place on it with these polar coordinates: the square of the distance
-    /// from its middle, as a share of the squared radius, and the angle in turns.
+    /// The returned function maps polar coordinates to a place on the disc. The coordinates are the
+    /// square of the distance from its middle, as a share of the squared radius, and the angle in
+    /// turns.
     pub fn disc(self, centre: DVec3) -> impl Fn([f64; 2]) -> Self + Sync {
         let (way, distance) = self.towards(centre);
         let (across, upward) = way.try_normalize().unwrap_or(DVec3::Z).any_orthonormal_pair();

@@ -1,9 +1,9 @@
 //! Normals of painted points. They are computed after the traversal, and only for painted pixels.
 //!
 //! For a hit, the gradient is taken at the painted point. If it may have another direction at the
-//! zero, it is taken again after one step of Newton's method. If that turned it, the zero is found
-//! in `f64`, if the picture's precision allows it, and the gradient is taken there. If the zero is
-//! a multiple one, normals beside it are averaged.
+//! zero, it is taken again after one step of Newton's method. If that step turned the gradient, the
+//! zero is found in `f64`, if the picture's precision allows it, and the gradient is taken there.
+//! If the zero is a multiple one, normals beside it are averaged.
 //!
 //! For an undecided pixel, the gradient is taken half a pixel before the painted point: where f
 //! only touches 0, the gradient at the point is 0. A gradient may not exist (NaN, infinite or zero)
@@ -80,7 +80,8 @@ struct Rest {
 struct BandNormals<'a> {
     /// The picture's normals; empty if it does not keep them.
     kept: &'a mut [[f32; 3]],
-    /// If the picture keeps no normals: those of the windows that wait for some of them.
+    /// If the picture keeps no normals: the normals of windows for which some normals are still
+    /// missing.
     waiting: Vec<[[f32; 3]; LANES]>,
 }
 
@@ -98,8 +99,9 @@ impl BandNormals<'_> {
         !self.kept.is_empty()
     }
 
-    /// Adds a window that waits for the normals of its wanted lanes. `known` has those of its other
-    /// lanes, unless normals are kept. Then they are stored already.
+    /// Adds a window whose wanted lanes still need normals. `known` returns the normals of its
+    /// other lanes. If the picture keeps normals, these are stored already, and `known` is not
+    /// called.
     #[inline(always)]
     fn wait(
         &mut self,
@@ -165,6 +167,8 @@ impl<T: Real> NormalSource<'_, T> {
         work
     }
 
+    /// The normals at a batch of points. Each is found in the first way that works: from gradients,
+    /// from differences of values, or from the ray's direction alone.
     fn of_batch(
         &self,
         rests: &[Rest],
@@ -247,6 +251,7 @@ impl<T: Real> NormalSource<'_, T> {
             .collect()
     }
 
+    /// The function's values at points. The values of unused lanes follow.
     fn sample(&self, points: &[DVec3], work: &mut KernelStats) -> Vec<T> {
         let batches = Points::near(points);
         let (values, count): (Vec<_>, _) = match self {
@@ -301,6 +306,7 @@ fn at_roots(
     }
 }
 
+/// The function's gradients at points.
 fn gradients<T: Real>(
     kernel: &dyn Kernel<SampleGradient, T>,
     points: impl Iterator<Item = DVec3>,

@@ -153,8 +153,8 @@ impl<'a> AmbientOcclusion<'a> {
         if step == 1 { occlusion } else { self.for_all_pixels(&occlusion) }
     }
 
-    /// The values of all pixels, from those of sampled pixels: means over the nearest sampled
-    /// pixels on the same part of the same surface.
+    /// The values of all pixels, computed from the values of sampled pixels: means over the nearest
+    /// sampled pixels on the same part of the same surface.
     fn for_all_pixels(&self, sampled: &[u8]) -> Vec<u8> {
         let Self { rays, buffer, centre, step, size: [width, height], .. } = *self;
         let mut all = vec![0; buffer.drawn.len()];

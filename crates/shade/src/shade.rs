@@ -41,7 +41,7 @@ pub enum UndecidedStyle {
     Miss,
 }
 
-/// The color of one point, if it differs from that of its surface.
+/// The color of one point, if it differs from the color of its surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Paint {
     /// Color of the point on either side; NaN for the surface's color.

@@ -83,8 +83,8 @@ impl Region {
     /// The box with the corners `low` and `high`.
     ///
     /// # Errors
-    /// If a coordinate is NaN or exceeds 1e18 in magnitude, or that of `low` is not below that of
-    /// `high`.
+    /// If a coordinate is NaN or exceeds 1e18 in magnitude, or a coordinate of `low` is not below
+    /// the same coordinate of `high`.
     pub fn new(low: DVec3, high: DVec3) -> Result<Self, RegionError> {
         for (axis, (low, high)) in
             ['x', 'y', 'z'].into_iter().zip(low.to_array().into_iter().zip(high.to_array()))

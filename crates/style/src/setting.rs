@@ -107,7 +107,7 @@ pub struct Setting {
     pub default: &'static str,
     /// The flag's name on the command line, without its dashes; empty without a flag.
     pub flag: &'static str,
-    /// Set if documents may have a line that begins with the word.
+    /// True if documents may have a line that begins with the word.
     pub is_line: bool,
     /// Returns the value; `None` if it is not chosen, or kept elsewhere.
     pub get: fn(&Choices) -> Option<f64>,

@@ -133,7 +133,7 @@ pub static BITS: Setting = Setting {
     ..switch("write PNG files with this many bits per channel")
 };
 
-/// All settings: [`CHOICES`], and those whose values are kept elsewhere.
+/// All settings: [`CHOICES`], and the settings whose values are kept elsewhere.
 pub fn settings() -> impl Iterator<Item = &'static Setting> {
     CHOICES.iter().chain([&OPACITY, &WIDTH, &ANTIALIAS, &BITS])
 }

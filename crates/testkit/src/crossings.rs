@@ -19,7 +19,7 @@ pub struct Crossings {
 /// Finds the [`Crossings`] of all triangles of a mesh. Triangles without area count only as such.
 ///
 /// # Panics
-/// If a triangle names a vertex that there is not.
+/// If a triangle has the number of a missing vertex.
 pub fn crossings(vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Crossings {
     let at = |triangle: [u32; 3]| triangle.map(|vertex| vertices[vertex as usize]);
     let is_flat = |number: &usize| is_flat(at(triangles[*number]));
@@ -100,8 +100,8 @@ fn meet(vertices: &[[f64; 3]], one: [u32; 3], other: [u32; 3]) -> bool {
             edges(places[0]).into_iter().any(|edge| meets(edge, places[1]))
                 || edges(places[1]).into_iter().any(|edge| meets(edge, places[0]))
         }
-        // Where two triangles meet in a stretch that begins at their corner, it ends on the edge
-        // opposite to that in one of them.
+        // If two triangles meet along a segment that begins at their shared corner, the segment
+        // ends on the edge opposite to that corner in one of them.
         1 => meets([left[0], left[1]], places[1]) || meets([right[0], right[1]], places[0]),
         2 => {
             let [a, b] = [at(shared[0]), at(shared[1])];
@@ -138,7 +138,7 @@ fn meets([from, to]: [[f64; 3]; 2], [a, b, c]: [[f64; 3]; 3]) -> bool {
     around.iter().all(|side| *side >= 0) || around.iter().all(|side| *side <= 0)
 }
 
-/// Returns whether signs are not both above 0 or both below.
+/// Returns whether two signs are not both positive and not both negative.
 fn differ([one, other]: [i8; 2]) -> bool {
     one * other <= 0
 }
@@ -157,7 +157,7 @@ fn is_flat([a, b, c]: [[f64; 3]; 3]) -> bool {
     (0..3).all(|axis| sign2(axis, a, b, c) == 0)
 }
 
-/// An axis along which a triangle with an area still has one.
+/// An axis along which the projection of a triangle with an area has an area, too.
 fn axis_across([a, b, c]: [[f64; 3]; 3]) -> usize {
     (0..3).find(|axis| sign2(*axis, a, b, c) != 0).expect("an area")
 }

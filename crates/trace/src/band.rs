@@ -31,7 +31,7 @@ pub struct Band<'a> {
     /// Progress callback. Its argument is the number of results since the last call. It returns
     /// whether more results are wanted.
     pub(crate) advance: &'a dyn Fn(usize) -> bool,
-    /// Number of results that `advance` has not been told.
+    /// Number of results not yet reported to `advance`.
     pub(crate) found: Cell<usize>,
 }
 
@@ -111,8 +111,8 @@ impl Band<'_> {
         is_unseen(self.status[pixel], self.reason[pixel])
     }
 
-    /// Returns whether a pixel has neither a hit nor an undecided segment. A miss counts, too: what
-    /// is proven to exist outweighs it.
+    /// Returns whether a pixel has neither a hit nor an undecided segment. A miss counts as free: a
+    /// zero that is proven elsewhere outweighs it.
     #[inline]
     fn is_free(&self, pixel: usize) -> bool {
         self.is_unseen(pixel) || self.status[pixel] == Status::Miss

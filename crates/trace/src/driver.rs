@@ -85,6 +85,7 @@ impl Driver<'_> {
         (buffer, work)
     }
 
+    /// Traces the wanted pixels of a band of rows, unless the caller cancels. Returns the work.
     fn rows(&self, rows: &mut Rows<'_>, only: &[bool], before: (&[Status], &[f64])) -> KernelStats {
         let (mut work, told) = (KernelStats::default(), Cell::new(0));
         let advance = |found: usize| {

@@ -218,7 +218,8 @@ impl GBuffer {
         let pixels = width * height;
         (self.width, self.height) = (width, height);
         resize(&mut self.bracket, if kept.brackets { pixels } else { 0 }, [0.0; 2]);
-        // In new memory `drawn` is 0, so no old status may stay a miss: clearing skips misses.
+        // In new memory `drawn` is 0. Clearing skips misses, so no pixel may keep an old status of
+        // a miss.
         if self.drawn.capacity() < pixels {
             self.status.clear();
         }

@@ -260,7 +260,7 @@ impl RayGrid {
     }
 
     /// For each axis, the factor by which lengths are multiplied for display. The directions of
-    /// view, and the widths of pixels, are those of the displayed space.
+    /// view and the widths of pixels are measured in the displayed space.
     pub fn stretch(&self) -> DVec3 {
         self.stretch
     }

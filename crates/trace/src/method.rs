@@ -69,7 +69,7 @@ pub trait Tracer: Sync {
         work: &mut KernelStats,
     );
 
-    /// The method that traces these rays if this method cannot trace them.
+    /// The method to use instead if this one cannot trace these rays; `None` if it can.
     fn fallback(&self, _: &RayGrid) -> Option<Fallback> {
         None
     }
@@ -90,7 +90,8 @@ pub struct Fallback {
     pub why: String,
 }
 
-/// [`Tracer::band`] for methods that only have [`Tracer::follow`].
+/// Traces a band with [`Tracer::follow`], one square of pixels after another. For methods without a
+/// [`Tracer::band`] of their own.
 pub(crate) fn by_squares<T: Tracer + ?Sized>(
     tracer: &T,
     rays: &RayGrid,

@@ -141,7 +141,7 @@ impl<T: Scalar> Packet<T> {
         self.planes = SlabAxis { k, start, extent: end - start, inverse: 1.0 / (end - start) };
         self.count = segments.len();
         self.place(simd, lines, region);
-        self.round(simd, segments, region);
+        self.restrict_to_ball(simd, segments, region);
         true
     }
 
@@ -237,7 +237,7 @@ impl<T: Scalar> Packet<T> {
             }
             self.coordinates[axis] = side;
         }
-        self.clip(simd, lines, &t0, &dt, region);
+        self.restrict_to_half_space(simd, lines, &t0, &dt, region);
     }
 
     /// Restricts each ray to the τ between its lanes of `from` and `to`. NaN restricts nothing.
@@ -255,7 +255,7 @@ impl<T: Scalar> Packet<T> {
 
     /// Restricts the rays to the region's ball.
     #[inline(always)]
-    fn round<S: Simd>(&mut self, simd: S, segments: &[Segment], region: &Region) {
+    fn restrict_to_ball<S: Simd>(&mut self, simd: S, segments: &[Segment], region: &Region) {
         if region.ball().is_none() {
             return;
         }
@@ -274,7 +274,7 @@ impl<T: Scalar> Packet<T> {
 
     /// Restricts the rays to the region's half-space.
     #[inline(always)]
-    fn clip<S: Simd>(
+    fn restrict_to_half_space<S: Simd>(
         &mut self,
         simd: S,
         lines: &RayLanes,

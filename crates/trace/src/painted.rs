@@ -141,12 +141,14 @@ pub fn windows(
     let width = width.max(1);
     // Memory is reserved for the largest number of windows, since it is soon released.
     let mut found = Vec::with_capacity(status.len().div_ceil(width) * width.div_ceil(LANES));
-    dispatch!(vectors, simd => look(simd, status, drawn, first, width, &mut found));
+    dispatch!(vectors, simd => find_windows(simd, status, drawn, first, width, &mut found));
     found
 }
 
+/// Appends windows that contain all painted pixels to `found`. `first` is the number of the first
+/// row.
 #[inline(always)]
-fn look<S: Simd>(
+fn find_windows<S: Simd>(
     simd: S,
     status: &[Status],
     drawn: &[f64],

@@ -121,7 +121,7 @@ impl RayResult {
         ..Self::MISS
     };
 
-    /// Returns whether the result is that of a ray that was not examined.
+    /// Returns whether the ray was not examined.
     pub(crate) fn is_unseen(&self) -> bool {
         self.reason == UndecidedReason::Unseen
     }

@@ -153,8 +153,8 @@ pub fn cap_rows<T: Real>(
     work
 }
 
-/// Judges entry points: first groups of neighbors together, then the points of groups that are not
-/// decided.
+/// Decides for each entry point whether it lies in the solid. Groups of neighbors are tested
+/// together first, then the points of groups that stay undecided.
 fn judge<T: Real>(
     batch: &[(usize, Entry)],
     rays: &RayGrid,
@@ -185,7 +185,7 @@ fn judge<T: Real>(
     verdicts
 }
 
-/// Judges the points in boxes.
+/// Decides for each box whether its points lie in the solid.
 fn verdicts_of<T: Real>(
     boxes: &[[Interval; 3]],
     kernel: &dyn Kernel<Enclose, T>,

@@ -25,6 +25,7 @@ fn lanes(row: &Row) -> Option<f64> {
     Some(lanes as f64 / (row.size * row.size) as f64).filter(|lanes| *lanes > 0.0)
 }
 
+/// A figure of the lanes per pixel at each value of an option, with a line for each family.
 fn work(rows: &MeasuredRows<'_>, option: MethodOption) -> Option<Figure> {
     let mut numbers: Vec<f64> = rows.0.iter().filter_map(|(_, one)| one.number(option)).collect();
     numbers.sort_by(f64::total_cmp);

@@ -59,7 +59,8 @@ impl Window {
     }
 
     /// Pastes one line into the typed line. Several lines are a document, which replaces the
-    /// present one. `selected` pastes what is selected in some window, if the system knows that.
+    /// present one. With `selected`, pastes the text that is selected in any window, if the system
+    /// knows it.
     pub(super) fn paste(&mut self, selected: bool) {
         let text = match self.clipboard.text(selected) {
             Ok(text) => text,

@@ -25,7 +25,7 @@ pub const ZOOM: f64 = 0.85;
 pub struct Shortcut {
     /// The keys, as help writes them.
     pub name: &'static str,
-    /// Two or three words on what the command does.
+    /// A description of the command, in two or three words.
     pub help: &'static str,
     held: Held,
     keys: &'static [Key],
@@ -44,6 +44,7 @@ enum Held {
 }
 
 impl Held {
+    /// Returns whether exactly the required modifiers are pressed.
     fn fits(self, Modifiers { control, shift }: Modifiers) -> bool {
         match self {
             Self::Nothing => !control && !shift,
@@ -129,6 +130,7 @@ pub const SHORTCUTS: &[Shortcut] = &[
 ];
 
 impl Window {
+    /// Handles the keys that were typed since the last call.
     pub(super) fn keys(&mut self) {
         let is_active = self.native.is_active();
         if self.was_active && !is_active {
@@ -287,7 +289,7 @@ impl Window {
         }
     }
 
-    /// Edits the typed line. Returns whether the key has a meaning there.
+    /// Edits the typed line. Returns whether the key has a meaning in a line.
     fn edit(&mut self, key: Key, Modifiers { control, shift }: Modifiers) -> bool {
         let Some(line) = &mut self.line else { return false };
         let mut candidates = Vec::new();

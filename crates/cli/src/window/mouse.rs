@@ -15,7 +15,7 @@ const CLICK_DISTANCE: f64 = 3.0;
 #[derive(Default)]
 pub struct Mouse {
     drag: Option<Drag>,
-    /// Last position of the pointer, and whether a button was held there.
+    /// Last position of the pointer, and whether a button was held at that time.
     last: Option<((f64, f64), bool)>,
     wheel: Wheel,
     /// Whether the middle button was held at the last poll.
@@ -161,8 +161,9 @@ impl Window {
         }
     }
 
-    /// Puts the cursor of the typed line where the pointer is, if it is there. With `select`, the
-    /// text in between is selected.
+    /// Moves the cursor of the typed line to the pointer, if the pointer is on that line. With
+    /// `select`, the text between the old and the new place is selected. Returns whether the
+    /// pointer is on the line.
     fn press_line(&mut self, at: (f64, f64), select: bool) -> bool {
         let Some(position) = self.line_position(at) else { return false };
         self.open_line().step_to(position, select);

@@ -39,6 +39,7 @@ impl MenuLayout {
 }
 
 impl RecentMenu {
+    /// Places the menu in the middle of the canvas, with as many files as fit.
     fn layout(&self, canvas: &Canvas) -> MenuLayout {
         let (pad, row) = (canvas.dots(PAD), canvas.line_height());
         let texts = self.files.iter().map(String::as_str).chain([self.title()]);

@@ -1,7 +1,7 @@
 //! Converts the scroll counts of the window's library to steps of the mouse wheel.
 
-/// The library's count for one step. On X11 the wheel is a button, and the library counts both its
-/// press and its release.
+/// The count that the window's library gives for one step of the wheel. On X11 the wheel is a
+/// button, and the library counts both its press and its release.
 const COUNTED: f32 = if cfg!(all(unix, not(target_os = "macos"))) { 2.0 } else { 1.0 };
 
 /// Converts scroll counts to steps. The count of an incomplete step is kept for the next call.

@@ -103,6 +103,7 @@ impl<M: Machine> Rule<'_, M> {
         if guard { (self.close(neg_lo), self.close(hi)) } else { (neg_lo, hi) }
     }
 
+    /// Does the work of `product` for two operands whose signs are not known.
     fn product_unknown(
         &mut self,
         a: &Enclosure<M::V>,

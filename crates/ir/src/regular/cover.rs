@@ -1,10 +1,10 @@
 //! Sets that cover the faces which the members of a group share.
 //!
-//! The union of P with v ≤ c and of Q with v ≥ c contains the intersection of P and Q. Added to the
-//! union, this set changes nothing, but the function of the union is below 0 on the shared face
-//! then, where P and Q are. (Logic design adds such terms against hazards; logicians call them
-//! consensus, or resolvents.) If the added set contains one of the two, that member is dropped: so
-//! two boxes with a common face become one. The intersection of unions has the dual rule.
+//! The union of P ∩ (v ≤ c) and Q ∩ (v ≥ c) contains P ∩ Q. So adding P ∩ Q to the union does not
+//! change the set. But it makes the function of the union negative on the shared face v = c, at
+//! points of both P and Q. (Logic design adds such terms against hazards; logicians call them
+//! consensus, or resolvents.) If the added set contains a member, the member is dropped. So two
+//! boxes with a common face become one box. The intersection of unions has the dual rule.
 
 use super::reduce::Ranges;
 use super::sets::{Bound, Kind, Set, SetId, Sets, Side};
@@ -12,7 +12,7 @@ use num_rational::BigRational;
 use rustc_hash::FxHashMap;
 use std::rc::Rc;
 
-/// Number of sets that may be added to a group, besides one for each member.
+/// A group of n members gets at most n + `ADDED` additional sets.
 const ADDED: usize = 16;
 
 /// A member of a group: a group of the other kind, or a set that was added.
@@ -43,13 +43,14 @@ impl Index {
 }
 
 impl Sets<'_> {
-    /// Returns an equal set, up to thin ones, that contains the faces which its members share, or
-    /// whose complement does.
+    /// Returns a set that is equal up to thin sets. The result or its complement contains the faces
+    /// that members share.
     pub fn cover(&mut self, id: SetId) -> SetId {
         let mut known = FxHashMap::default();
         self.cover_once(id, &mut known)
     }
 
+    /// Covers a set after its members. `known` has the sets that are covered already.
     fn cover_once(&mut self, id: SetId, known: &mut FxHashMap<SetId, SetId>) -> SetId {
         let Set::Group(kind, members) = self.set(id) else { return id };
         if let Some(covered) = known.get(&id) {
@@ -127,7 +128,8 @@ impl Sets<'_> {
                 };
                 let parts: Vec<usize> =
                     (0..members.len()).filter(|k| is_part(&members[*k])).collect();
-                // An added set need not be covered again, unless that makes a larger one of two.
+                // An added set is paired with others only if the new cover contains a member, which
+                // is then dropped.
                 if parts.is_empty() && (is_added || members[other].is_added) {
                     continue;
                 }
@@ -143,8 +145,8 @@ impl Sets<'_> {
         (added > 0).then(|| self.group(kind, kept))
     }
 
-    /// The bounds among the members of a set, which is a member of a group of this kind, and those
-    /// among the members of its members.
+    /// The bounds inside `set`, a member of a group of this kind. The first list has the bounds
+    /// among its own members, the second has the bounds among the members of its members.
     fn inner_bounds(&self, kind: Kind, set: SetId) -> [Vec<Bound>; 2] {
         let (mut own, mut nested) = (Vec::new(), Vec::new());
         for member in &*self.members(!kind, set) {
@@ -158,8 +160,8 @@ impl Sets<'_> {
         [own, nested]
     }
 
-    /// The set that covers the face of `bound`, which the first of two members has, and whose
-    /// opposite side the second has. `None` if no such set is needed, or none is found.
+    /// The set that covers the face of `bound`. The first member has `bound`, and the second has
+    /// the opposite bound. `None` if no such set is needed, or none is found.
     fn shared(
         &mut self,
         kind: Kind,
@@ -171,18 +173,18 @@ impl Sets<'_> {
         }
         let opposite = Bound { side: !bound.side, ..bound.clone() };
         let parts = [
-            self.member_where_undecided(kind, first.set, [bound, &opposite])?,
-            self.member_where_undecided(kind, second.set, [&opposite, bound])?,
+            self.substitute_bounds(kind, first.set, [bound, &opposite])?,
+            self.substitute_bounds(kind, second.set, [&opposite, bound])?,
         ];
         let cover = self.group(!kind, parts);
         let cover = self.reduce(cover);
         (cover != kind.neutral()).then_some(cover)
     }
 
-    /// A member of a group of this kind at those points of a face where `held` decides nothing:
-    /// in a union, where it holds. There the other bound is that of the other side. `None` if there
-    /// is too much to do.
-    fn member_where_undecided(
+    /// Substitutes truth values for two bounds inside a member of a group. In a union, `held` is
+    /// true and `other` is false; in an intersection, the reverse. `None` if this takes too many
+    /// steps.
+    fn substitute_bounds(
         &mut self,
         kind: Kind,
         set: SetId,
@@ -197,7 +199,7 @@ impl Sets<'_> {
                 let (found, members) = (*found, Rc::clone(members));
                 let left: Option<Vec<SetId>> = members
                     .iter()
-                    .map(|id| self.member_where_undecided(kind, *id, [held, other]))
+                    .map(|id| self.substitute_bounds(kind, *id, [held, other]))
                     .collect();
                 let left = left?;
                 Some(if left[..] == members[..] { set } else { self.group(found, left) })
@@ -222,7 +224,8 @@ impl Sets<'_> {
     }
 }
 
-/// Returns whether two members share no more than a face of a bound other than `except`.
+/// Returns whether a bound other than `except` separates two members: they share at most points of
+/// its face.
 fn exclude(first: &Ranges, second: &Ranges, except: &Bound) -> bool {
     let ends = |a: &Option<Rc<BigRational>>, b: &Option<Rc<BigRational>>| {
         a.as_ref().zip(b.as_ref()).is_some_and(|(a, b)| a >= b)

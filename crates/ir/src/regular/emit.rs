@@ -25,12 +25,13 @@ impl Plan {
         Self { entries, made: FxHashMap::default() }
     }
 
-    /// Returns a function that is ≤ 0 in the set, and above 0 elsewhere. It is a node of the given
-    /// function where the set is that of the node.
+    /// Returns a function that is ≤ 0 in the set, and above 0 elsewhere. Reuses a node of the given
+    /// function if the set is the set of that node.
     pub fn emit(mut self, graph: &mut Graph, root: SetId) -> NodeId {
         self.node(graph, root)
     }
 
+    /// The node of a set's function, which is created at most once.
     fn node(&mut self, graph: &mut Graph, id: SetId) -> NodeId {
         if let Some(node) = self.made.get(&id) {
             return *node;
@@ -58,8 +59,8 @@ impl Plan {
         node
     }
 
-    /// The functions whose maximum or minimum is that of a group. Two opposite bounds with the same
-    /// slope, such as x − 1 and −x − 1, have one function: |x| − 1.
+    /// The functions whose maximum or minimum is the function of a group. Two opposite bounds with
+    /// the same slope, such as x − 1 and −x − 1, have one function: |x| − 1.
     fn nodes(&mut self, graph: &mut Graph, kind: Kind, members: &[SetId]) -> Vec<NodeId> {
         let mut nodes = Vec::with_capacity(members.len());
         // The place and the form of each bound, by the terms of the opposite bound.
@@ -81,7 +82,7 @@ impl Plan {
         nodes
     }
 
-    /// The form of a bound that is no node of the given function.
+    /// The linear form of a bound. `None` if the bound is already a node of the given function.
     fn made_form(&self, id: SetId) -> Option<Rc<LinearForm>> {
         let Entry { set, source, form } = &self.entries[id.index()];
         let is_made = matches!(set, Set::Bound(_)) && source.is_none();

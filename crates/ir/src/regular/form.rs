@@ -65,6 +65,7 @@ impl Forms {
         self.within(graph, id, 0)
     }
 
+    /// The linear form of a node. A node that is no sum of terms is a term itself.
     fn within(&mut self, graph: &Graph, id: NodeId, depth: usize) -> Rc<LinearForm> {
         if let Some(form) = self.0.get(&id) {
             return Rc::clone(form);

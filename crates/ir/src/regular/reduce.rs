@@ -1,4 +1,4 @@
-//! Members of unions and intersections that their neighbors decide.
+//! Drops members of unions and intersections that are decided by other members.
 //!
 //! In an intersection with v ≤ c, only points with v ≤ c count for the other members. There the
 //! bound v ≤ d holds if d ≥ c. The bound v ≥ d fails if d > c. If d = c, it fails except on the
@@ -22,7 +22,7 @@ pub(super) struct Range {
 }
 
 impl Range {
-    /// Adds that a bound holds.
+    /// Narrows the range to points where a bound holds.
     pub fn narrow(&mut self, side: Side, at: &Rc<BigRational>) {
         let end = match side {
             Side::Below => &mut self.high,
@@ -48,6 +48,8 @@ impl Sets<'_> {
         self.reduce_within(id, &mut Ranges::default())
     }
 
+    /// Does the work of [`Self::reduce`] where the members around the set restrict values to
+    /// `ranges`.
     fn reduce_within(&mut self, id: SetId, ranges: &mut Ranges) -> SetId {
         let Some(work) = self.work.checked_sub(1) else { return id };
         self.work = work;
@@ -84,8 +86,8 @@ impl Sets<'_> {
         now
     }
 
-    /// The members that are left of a group, in their order. `None` if the group is its absorbing
-    /// set.
+    /// Returns the remaining members of a group, in their order. `None` if the group is its
+    /// absorbing set.
     fn reduce_members(
         &mut self,
         kind: Kind,
@@ -100,15 +102,15 @@ impl Sets<'_> {
                     let side = kind.effective(bound.side);
                     own.entry(bound.sum).or_default().narrow(side, &bound.at);
                 }
-                // The surroundings decide the bound, and the bound decides the group.
+                // The surroundings decide this bound, and the bound decides the group.
                 Some(holds) if holds == (kind == Kind::Union) => return None,
                 Some(_) => {}
             }
         }
         for (sum, Range { low, high }) in &own {
             let (Some(low), Some(high)) = (low, high) else { continue };
-            // In an intersection nothing is left, not even the face if it is thin. In a union
-            // nothing is missing: v > c and v < d for d > c, or for the closed sets d = c.
+            // In an intersection, no point meets both bounds, up to a thin face. In a union, every
+            // point meets one of them.
             if low > high || low == high && self.is_empty_face(kind, *sum, low) {
                 return None;
             }

@@ -18,10 +18,11 @@ use zeroset_ops::Op;
 const DEPTH_LIMIT: usize = 128;
 /// Largest number of choices in one sum that are replaced by their cases.
 const CASES_LIMIT: usize = 3;
-/// Number of steps that all rules together may take, for a function without nodes and for each
-/// node: some tenths of a second for most functions. A set is left as it is once they are used up.
+/// Limits on the steps that all rules together may take: a constant part, and a part for each node.
+/// Most functions take at most some tenths of a second. A set is left as it is once the steps are
+/// used up.
 const WORK_LIMITS: [usize; 2] = [200_000, 64];
-/// The same for large functions.
+/// Largest number of steps, however many nodes a function has.
 const WORK_LIMIT: usize = 2_000_000;
 
 /// Index of a set in [`Sets`].
@@ -55,7 +56,7 @@ impl Kind {
         }
     }
 
-    /// The set that a group with this member is.
+    /// The set that decides a group: a group that has this set as a member equals it.
     pub fn absorbing(self) -> SetId {
         (!self).neutral()
     }
@@ -125,7 +126,7 @@ struct Sum {
     values: Option<Vec<Option<Rc<Vec<Interval>>>>>,
 }
 
-/// The set where a function is ≤ 0.
+/// The set where a function is ≤ 0, with a property of the function.
 #[derive(Clone, Copy)]
 struct Found {
     set: SetId,
@@ -201,7 +202,8 @@ impl<'a> Sets<'a> {
         }
     }
 
-    /// The members of a set as a group of this kind: of any other set, the set itself.
+    /// The members of set `id` if it is a group of this kind. Otherwise the set itself, as the only
+    /// member.
     pub fn members(&self, kind: Kind, id: SetId) -> Rc<[SetId]> {
         match self.set(id) {
             Set::Group(found, members) if *found == kind => Rc::clone(members),
@@ -210,6 +212,7 @@ impl<'a> Sets<'a> {
         }
     }
 
+    /// The number of a set, which is added unless it is known.
     fn intern(&mut self, set: Set, form: Option<Rc<LinearForm>>) -> SetId {
         if let Some(id) = self.index.get(&set) {
             return *id;
@@ -220,7 +223,8 @@ impl<'a> Sets<'a> {
         id
     }
 
-    /// The group of these sets. Groups of the same kind among them are dissolved.
+    /// The group of these sets. A member that is a group of the same kind is replaced by its
+    /// members.
     pub fn group(&mut self, kind: Kind, sets: impl IntoIterator<Item = SetId>) -> SetId {
         let mut members: Vec<SetId> = Vec::new();
         let mut known = FxHashSet::default();
@@ -340,8 +344,8 @@ impl<'a> Sets<'a> {
         found
     }
 
-    /// The set of a product from those of its factors, if all factors but one are ≥ 0 and thin, or
-    /// that of a power with an odd exponent.
+    /// The set of a product if all factors but one are ≥ 0 and thin, or of a power with an odd
+    /// exponent. `None` for other forms.
     fn factor(&mut self, form: &LinearForm) -> Option<Found> {
         let [(id, coefficient)] = &form.terms[..] else { return None };
         let Node::Apply(op, operands) = *self.graph.node(*id) else { return None };
@@ -372,7 +376,8 @@ impl<'a> Sets<'a> {
         }
     }
 
-    /// The set of a form of which only its terms are known.
+    /// The set of a form, as a bound on the sum of its terms. The terms themselves are not
+    /// examined.
     fn simple(&mut self, form: &Rc<LinearForm>) -> SetId {
         let Some((sum, side, at)) = self.sum_of(form) else {
             return if form.constant.is_positive() { SetId::NONE } else { SetId::ALL };
@@ -402,6 +407,7 @@ impl<'a> Sets<'a> {
         Some((sum, side, Rc::new(-constant)))
     }
 
+    /// Adds a sum of terms, and returns its number.
     fn add_sum(&mut self, terms: Vec<(NodeId, BigRational)>) -> u32 {
         let sum = u32::try_from(self.sums.len()).expect("fewer than 2^32 sums");
         let is_nonneg =

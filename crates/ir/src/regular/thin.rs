@@ -1,10 +1,11 @@
-//! Proofs that a function takes no value on an open set.
+//! Proofs that a function is constant on no open set.
 //!
 //! The proof is for functions made of analytic operations and of choices. The operation |a| chooses
 //! a or −a, a minimum chooses an operand, and √a chooses one of two roots. Suppose that a function
-//! has the value c on an open set. Then one combination of choices has it on a smaller open set.
-//! That combination is analytic along every line. So it is c on each line through the set, and thus
-//! in all of space. Hence no open set has the value c if, at some point, no combination has it.
+//! has the value c on an open set. Then one combination of choices has the value c on a smaller
+//! open set. That combination is analytic along every line. So it has the value c on each line
+//! through the set, and thus in all of space. Hence, if at some point no combination has the value
+//! c, the function is c on no open set.
 //!
 //! The root of a is analytic along a line if a is analytic there and ≥ 0: its zeros on the line
 //! have even orders. So a must be ≥ 0 in all of space, and made without choices.
@@ -71,6 +72,7 @@ impl<'a> Thinness<'a> {
         places.map(|place| self.sum(graph, terms, place)).collect()
     }
 
+    /// The values of a sum at one place. `None` if they are not known.
     fn sum(&mut self, graph: &Graph, terms: &[(NodeId, Constant)], place: usize) -> Values {
         let mut sums = vec![Interval::ZERO];
         for (id, coefficient) in terms {
@@ -82,6 +84,7 @@ impl<'a> Thinness<'a> {
         Some(Rc::new(sums))
     }
 
+    /// The values of a node at one place. `None` if they are not known.
     fn at(&mut self, graph: &Graph, id: NodeId, place: usize, depth: usize) -> Values {
         if let Some(values) = self.values[place].get(&id) {
             return values.clone();
@@ -250,6 +253,7 @@ impl Nonneg {
         self.at(graph, id, 0)
     }
 
+    /// Does the work of [`Self::holds`] for a node `depth` levels below the first one.
     fn at(&mut self, graph: &Graph, id: NodeId, depth: usize) -> bool {
         if let Some(known) = self.known.get(&id) {
             return *known;

@@ -10,6 +10,8 @@ use zeroset_interval::Facts;
 use zeroset_ops::{Class, Domain, Law, Op, Parity, Restriction};
 
 impl Rewriter<'_> {
+    /// Applies a function of one operand. A known value is computed. The sign of the operand's
+    /// coefficient is dropped for an even function, and moved outside of an odd one.
     pub(super) fn function(&mut self, op: Op, operand: PartialExpr) -> PartialExpr {
         let Class::Function(law) = op.row().class else { unreachable!("{op:?} is no function") };
         let mut operand = self.product(operand);
@@ -63,6 +65,7 @@ impl Rewriter<'_> {
         }
     }
 
+    /// Applies a function to a node, simplified by the function's `law`.
     fn function_of(&mut self, op: Op, law: Law, a: NodeId) -> Product {
         let range = self.range(a);
         match law {
@@ -137,6 +140,7 @@ impl Rewriter<'_> {
         matches!(self.graph.node(a), Node::Apply(op, _) if is_integral(op))
     }
 
+    /// The remainder of `first` by `second`, computed if both are known numbers.
     pub(super) fn modulo(&mut self, first: PartialExpr, second: PartialExpr) -> PartialExpr {
         let first = self.product(first);
         let second = self.product(second);

@@ -9,6 +9,7 @@ use num_traits::{One, Signed, ToPrimitive};
 use zeroset_ops::{Op, Restriction};
 
 impl Rewriter<'_> {
+    /// The simplified power with an integer exponent.
     pub(super) fn integer_power(&mut self, base: PartialExpr, n: i64) -> PartialExpr {
         let base = self.product(base);
         if n == 0 {
@@ -79,6 +80,7 @@ impl Rewriter<'_> {
         PartialExpr::Product(result)
     }
 
+    /// The simplified power with a rational exponent.
     fn exact_power(&mut self, base: PartialExpr, exponent: &BigRational) -> PartialExpr {
         if let Some(n) = exponent.is_integer().then(|| exponent.numer().to_i64()).flatten() {
             return self.integer_power(base, n);

@@ -9,8 +9,8 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use zeroset_ops::{Class, Op, Restriction};
 
-/// Largest number of factors of a product that is stored with its node. A longer product is
-/// multiplied on as one factor, whatever its bases. Equal bases are merged once it is complete.
+/// Largest number of factors of a product that is stored with its node. A longer product becomes a
+/// single factor of later products. Its bases are not merged with theirs.
 const REMEMBERED_FACTORS: usize = 8;
 /// Largest number of restrictions that are lifted out of an operand. Further ones stay inside it.
 const LIFTED_CONDITIONS: usize = 16;
@@ -26,6 +26,8 @@ impl Rewriter<'_> {
         }
     }
 
+    /// Converts a node to a product of one factor, or to a number. Restrictions around the node
+    /// become conditions.
     pub(super) fn product_of_node(&self, mut id: NodeId) -> Product {
         let mut conditions = Vec::new();
         while conditions.len() < LIFTED_CONDITIONS
@@ -45,6 +47,7 @@ impl Rewriter<'_> {
         Product { conditions, ..power }
     }
 
+    /// The product of `a` and `b`. Equal bases are merged unless there are too many factors.
     pub(super) fn times(&mut self, mut a: Product, mut b: Product) -> Product {
         if a.factors.len() < b.factors.len() {
             std::mem::swap(&mut a, &mut b);
@@ -90,7 +93,7 @@ impl Rewriter<'_> {
         p.is_unmerged = false;
         loop {
             Self::merge(&mut p);
-            if !self.simplify_powers(&mut p) {
+            if !self.apply_power_laws(&mut p) {
                 break;
             }
         }
@@ -112,6 +115,7 @@ impl Rewriter<'_> {
         p
     }
 
+    /// Merges factors with equal bases by adding their exponents.
     fn merge(p: &mut Product) {
         p.factors.sort_unstable();
         let mut merged: Vec<Factor> = Vec::with_capacity(p.factors.len());
@@ -127,9 +131,9 @@ impl Rewriter<'_> {
         p.factors = merged;
     }
 
-    /// Applies the laws `|u|^2k = u^2k`, `(√u)^2k = u^k` where u ≥ 0, and `(∛u)^3k = u^k`. Returns
-    /// whether anything changed.
-    fn simplify_powers(&mut self, p: &mut Product) -> bool {
+    /// Applies the laws `|u|^2k = u^2k`, `(√u)^2k = u^k` for u ≥ 0, and `(∛u)^3k = u^k` to the
+    /// factors. Returns whether anything changed.
+    fn apply_power_laws(&mut self, p: &mut Product) -> bool {
         let mut changed = false;
         for factor in p.factors.iter_mut().filter(|factor| factor.exponent != 0) {
             if factor.exponent % 2 == 0 {
@@ -211,6 +215,8 @@ impl Rewriter<'_> {
         node
     }
 
+    /// Creates the node of a product without its conditions. Factors that do not vary become one
+    /// operand with the coefficient.
     fn emit_factors(&mut self, p: &Product) -> NodeId {
         let mut uniform = [None, None]; // numerator, denominator
         let mut varying = [Vec::new(), Vec::new()];
@@ -267,7 +273,7 @@ impl Rewriter<'_> {
     /// the first form is shorter, and its enclosure as tight (saves 4 operations over the gallery).
     fn emit_powers(&mut self, powers: &[(NodeId, u64)]) -> Option<NodeId> {
         let common = powers.iter().fold(0, |common, (_, n)| gcd(common, *n));
-        let shared = powers.iter().all(|(base, n)| self.find_power(*base, *n));
+        let shared = powers.iter().all(|(base, n)| self.has_power(*base, *n));
         if powers.len() > 1 && common > 1 && !shared {
             let reduced: Vec<_> = powers.iter().map(|(base, n)| (*base, n / common)).collect();
             let base = self.emit_powers(&reduced)?;
@@ -299,7 +305,9 @@ impl Rewriter<'_> {
         node
     }
 
-    fn find_power(&self, base: NodeId, exponent: u64) -> bool {
+    /// Returns whether the graph has a node for this power. False if the exponent is not a power of
+    /// two.
+    fn has_power(&self, base: NodeId, exponent: u64) -> bool {
         let (squarings, odd) = split_exponent(exponent);
         if odd != 1 {
             return false;

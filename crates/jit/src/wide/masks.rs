@@ -141,7 +141,7 @@ impl Needs {
         !is_of_bits || self.lost & bit(to) == 0
     }
 
-    /// Changes the sets from those after an instruction to those before it.
+    /// Changes the sets from the state after an instruction to the state before it.
     fn go_back(&mut self, instruction: &Instruction) {
         let to = instruction.op0_register();
         self.lost |= bit(to);

@@ -59,6 +59,8 @@ struct SpillSpan {
     lifetime: RangeInclusive<usize>,
 }
 
+/// The instructions in which a place on the stack holds a spilled vector, for each such place at an
+/// offset of at least `slots`.
 fn spans(read: &[Instruction], blocks: &[usize], slots: u32) -> Vec<SpillSpan> {
     let mut places = BTreeMap::<u64, Vec<usize>>::new();
     for (number, instruction) in read.iter().enumerate() {

@@ -77,7 +77,7 @@ pub fn arrange(
     let mut arranger = Arranger { text, limits, depth: 0, is_setting };
     let mut tokens = tokens.into_iter().peekable();
     let mut arranged = arranger.level(&mut tokens, None)?;
-    // The tokens of these kinds that are left have no meaning in any notation.
+    // Tokens of these kinds that remain have no meaning in any notation.
     for token in &mut arranged {
         if matches!(token.kind, Ampersand | QuestionMark | RowEnd | At | Over) {
             token.kind = Unknown;
@@ -277,7 +277,7 @@ impl Arranger<'_> {
         out: &mut Vec<Token>,
     ) -> Fallible<()> {
         if open.is_some() {
-            self.words(&mut nodes);
+            self.mark_keywords(&mut nodes);
         }
         for index in 1..nodes.len() {
             // numpy joins conditions by `&`, as in `(a) & (b)`.
@@ -288,14 +288,14 @@ impl Arranger<'_> {
             }
         }
         if open.is_none() {
-            self.condition_behind(&mut nodes, out.is_empty());
+            self.rewrite_where(&mut nodes, out.is_empty());
         }
         if let Some(at) = nodes.iter().position(|node| node.is(Over)) {
-            over(nodes, at, out);
+            push_over(nodes, at, out);
             return Ok(());
         }
-        self.infix(&mut nodes);
-        self.then(&mut nodes);
+        self.rewrite_infix_mod(&mut nodes);
+        self.rewrite_if_then(&mut nodes);
         let is_ternary = nodes.iter().any(|node| node.is(QuestionMark));
         let is_conditional = nodes.iter().skip(1).any(|node| self.word(node) == "if")
             && nodes.iter().any(|node| self.word(node) == "else");
@@ -319,7 +319,7 @@ impl Arranger<'_> {
     }
 
     /// Rewrites `x + y = z where z > 0` as `x + y = z {z > 0}`.
-    fn condition_behind(&self, nodes: &mut Vec<TokenTree>, is_first: bool) {
+    fn rewrite_where(&self, nodes: &mut Vec<TokenTree>, is_first: bool) {
         let is_lead = |node: &TokenTree| matches!(self.word(node), "where" | "when" | "for");
         let Some(at) = nodes.iter().position(is_lead).filter(|at| *at > 0 && is_first) else {
             return;
@@ -339,7 +339,7 @@ impl Arranger<'_> {
 
     /// Rewrites `a mod b` as `a % b`. `mod` must follow an operand or a bar, and must not precede
     /// brackets with several arguments, as in `mod(a, b)`.
-    fn infix(&self, nodes: &mut [TokenTree]) {
+    fn rewrite_infix_mod(&self, nodes: &mut [TokenTree]) {
         for index in 1..nodes.len() {
             let is_call = |next: &TokenTree| matches!(next, TokenTree::Group(_, inner, _) if inner.iter().any(|token| token.kind == Comma));
             let ends = match &nodes[index - 1] {
@@ -358,7 +358,7 @@ impl Arranger<'_> {
     }
 
     /// Rewrites `if c then a else b` as `c ? a : b`.
-    fn then(&self, nodes: &mut Vec<TokenTree>) {
+    fn rewrite_if_then(&self, nodes: &mut Vec<TokenTree>) {
         if !nodes.iter().any(|node| self.word(node) == "then") {
             return;
         }
@@ -373,7 +373,7 @@ impl Arranger<'_> {
     }
 
     /// Sets the kinds of words that have a role inside brackets: in ranges, generators or choices.
-    fn words(&self, nodes: &mut [TokenTree]) {
+    fn mark_keywords(&self, nodes: &mut [TokenTree]) {
         if nodes.iter().any(|node| node.is(Dots))
             && let Some(TokenTree::Leaf(equals)) = nodes.get_mut(1)
             && equals.kind == Equals
@@ -486,7 +486,7 @@ fn is_called(before: Option<&TokenTree>) -> bool {
 }
 
 /// Appends `a \over b` to `out` as a fraction.
-fn over(mut nodes: Vec<TokenTree>, at: usize, out: &mut Vec<Token>) {
+fn push_over(mut nodes: Vec<TokenTree>, at: usize, out: &mut Vec<Token>) {
     let below = nodes.split_off(at + 1);
     let sign = nodes.pop().map_or(Span::default(), |node| node.span());
     for (index, part) in [nodes, below].into_iter().enumerate() {

@@ -17,8 +17,9 @@ enum Role {
 
 const ROLES: [Role; 3] = [Role::Opens, Role::Closes, Role::Joins];
 
-/// The cheapest roles for the bars up to some bar, the last. The index in [`Readings`] tells the
-/// role of the last bar, and the number of bars that are open after the last bar.
+/// The cheapest roles for the first bars of a level, up to some last bar. The indices in
+/// [`Readings`] are the number of bars that are open after the last bar, and the role of the last
+/// bar.
 #[derive(Clone, Copy)]
 struct Reading {
     /// Sum of the costs of the bars' roles. The reading with the lowest cost wins.

@@ -22,11 +22,13 @@ pub fn marked_curve(text: &str, tokens: &[Token]) -> Fallible<Option<Vec<Token>>
         _ => String::new(),
     };
     let is_labeled =
-        several(tokens).is_some_and(|behind| !behind.is_empty() && is_label(text, behind));
+        after_tuple(tokens).is_some_and(|behind| !behind.is_empty() && is_label(text, behind));
     let rest = match word.as_str() {
         _ if is_labeled => tokens,
         "curve" if is_curve(tokens) => &tokens[1..],
-        "point" if several(&tokens[1..]).is_some_and(|rest| is_label(text, rest)) => &tokens[1..],
+        "point" if after_tuple(&tokens[1..]).is_some_and(|rest| is_label(text, rest)) => {
+            &tokens[1..]
+        }
         _ => without_head(tokens),
     };
     if rest.is_empty() {
@@ -36,8 +38,8 @@ pub fn marked_curve(text: &str, tokens: &[Token]) -> Fallible<Option<Vec<Token>>
     let is_word = is_curve || word == "point" && rest.len() < tokens.len();
     let first = if is_word { tokens[0].span } else { Span::at(tokens[0].span.start) };
     let mut marked = Vec::with_capacity(tokens.len() + 8);
-    let is_point = is_labeled || is_word && !is_curve || tuple(tokens).is_some();
-    if let Some(behind) = several(rest).filter(|behind| is_point && is_label(text, behind)) {
+    let is_point = is_labeled || is_word && !is_curve || after_triple(tokens).is_some();
+    if let Some(behind) = after_tuple(rest).filter(|behind| is_point && is_label(text, behind)) {
         marked.push(Token::new(PointWord, first));
         marked.extend(in_parentheses(&rest[..rest.len() - behind.len()]));
         marked.extend(behind.iter().map(|label| Token::new(Label, label.span)));
@@ -54,14 +56,14 @@ pub fn marked_curve(text: &str, tokens: &[Token]) -> Fallible<Option<Vec<Token>>
     Ok(Some(marked))
 }
 
-/// The tokens behind the left side of `r(t) = (…)` or `(x, y, z) = (…)`. Empty if there are no
+/// The tokens after the left side of `r(t) = (…)` or `(x, y, z) = (…)`. Empty if these are not
 /// three coordinates.
 fn without_head(tokens: &[Token]) -> &[Token] {
     let is_start =
         |pair: &[Token]| pair[0].kind == Equals && matches!(pair[1].kind, OpenParen | OpenList);
     let start = tokens.windows(2).position(is_start).filter(|at| is_head(&tokens[..*at]));
     let rest = &tokens[start.map_or(0, |at| at + 1)..];
-    if tuple(rest).is_some() { rest } else { &[] }
+    if after_triple(rest).is_some() { rest } else { &[] }
 }
 
 /// Returns whether `tokens` may be the left side of a curve. LaTeX writes a bold name in braces.
@@ -73,7 +75,7 @@ fn is_head(tokens: &[Token]) -> bool {
             name.kind.is_name() && (rest.is_empty() || is_call(rest))
         }
         [name, rest @ ..] if name.kind.is_name() => is_call(rest),
-        head => tuple(head).is_some_and(<[Token]>::is_empty),
+        head => after_triple(head).is_some_and(<[Token]>::is_empty),
     }
 }
 
@@ -98,20 +100,20 @@ fn is_curve(tokens: &[Token]) -> bool {
     }
 }
 
-/// The tokens after the three coordinates in brackets with which `tokens` begin.
-fn tuple(tokens: &[Token]) -> Option<&[Token]> {
+/// If `tokens` begin with three coordinates in brackets, returns the tokens after them.
+fn after_triple(tokens: &[Token]) -> Option<&[Token]> {
     let (inner, _) = bracketed(tokens)?;
-    several(tokens).filter(|_| split(inner, Comma).len() == 3)
+    after_tuple(tokens).filter(|_| split(inner, Comma).len() == 3)
 }
 
-/// The tokens after several values in brackets with which `tokens` begin.
-fn several(tokens: &[Token]) -> Option<&[Token]> {
+/// If `tokens` begin with several values in brackets, returns the tokens after them.
+fn after_tuple(tokens: &[Token]) -> Option<&[Token]> {
     let (inner, rest) = bracketed(tokens)?;
     let is_list = matches!(tokens[0].kind, OpenParen | OpenList);
     (is_list && outside(inner, Comma).is_some()).then_some(rest)
 }
 
-/// A point whose list has round brackets.
+/// The tokens of a point. Brackets of a list become round brackets.
 fn in_parentheses(point: &[Token]) -> Vec<Token> {
     let mut point = point.to_vec();
     if let [open, .., close] = point.as_mut_slice()
@@ -143,7 +145,7 @@ fn path(
         if is_name { &text[token.span.range()] } else { "" }
     };
     let word_for = || tokens.iter().position(|token| word(token) == "for").filter(|_| is_curve);
-    let behind = tuple(tokens).map(|rest| tokens.len() - rest.len());
+    let behind = after_triple(tokens).map(|rest| tokens.len() - rest.len());
     let Some(at) = behind.or_else(word_for) else { return Ok(None) };
     let (point, rest) = tokens.split_at(at);
     let is_lead = |token: &&Token| {

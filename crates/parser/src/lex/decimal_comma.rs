@@ -1,7 +1,7 @@
 //! Finds decimal commas, as in `x^2 + y^2 = 0,5`.
 //!
-//! A comma separates. Only a text that cannot be read so is read again with points in place of
-//! decimal commas, so the lexer and the grammar know nothing of them.
+//! Commas separate values. Only if a text cannot be read in this way, it is read again with points
+//! in place of decimal commas. So the lexer and the grammar do not know decimal commas.
 
 use crate::lex::scanner::scan;
 use crate::lex::spelling::decimal;
@@ -35,11 +35,11 @@ pub fn with_points(text: &str, limits: &Limits) -> Option<(String, Vec<Note>)> {
 /// The commas directly inside one pair of brackets.
 #[derive(Default)]
 struct Commas {
-    /// Notes on those between digits.
+    /// Notes on commas that may be decimal commas.
     doubts: Vec<Note>,
-    /// True if a comma elsewhere has a blank after it.
+    /// True if any other comma has a blank after it.
     has_spaced: bool,
-    /// True if a comma elsewhere has no blank after it.
+    /// True if any other comma has no blank after it.
     has_tight: bool,
 }
 

@@ -134,7 +134,8 @@ fn begins_matrix(text: &str, token: Token) -> bool {
     token.kind == OpenParen && text[token.span.range()].starts_with(r"\begin{")
 }
 
-/// Tokens of the row vector at the start of `tokens`, without and with a transposition sign.
+/// Lengths of the row vector at the start of `tokens`, in tokens: without and with a transposition
+/// sign.
 fn row(text: &str, tokens: &[Token]) -> Option<(usize, usize)> {
     let end = closing(tokens).filter(|_| begins_matrix(text, tokens[0]))? + 1;
     match shape(text, &tokens[..end]) {

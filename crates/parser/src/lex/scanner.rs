@@ -102,7 +102,7 @@ pub fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
             // Windows ends a line with two characters. Only the second one counts.
             LineEnd if rest.starts_with("\r\n") => kind = Blank,
             // A row that starts with an operator continues the row before it.
-            RowEnd if !in_rows => kind = if goes_on(&text[end..]) { Blank } else { LineEnd },
+            RowEnd if !in_rows => kind = if continues_row(&text[end..]) { Blank } else { LineEnd },
             _ => {}
         }
         if matches!(kind, Blank | OpenAlignment | CloseAlignment) {
@@ -158,7 +158,7 @@ pub fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
     Ok(statements)
 }
 
-/// Returns whether a text has a function of Python, in which `//` divides.
+/// Returns whether a text uses functions of Python, in which `//` divides.
 fn is_python(text: &str) -> bool {
     text.lines().any(|line| line.trim_start().starts_with("def ") && line.contains("):"))
 }
@@ -210,7 +210,7 @@ fn is_comment(rest: &str, tokens: &[Token], open: Option<Token>, text: &str) -> 
 }
 
 /// Returns whether the row at the start of `rest` continues the row before it.
-fn goes_on(rest: &str) -> bool {
+fn continues_row(rest: &str) -> bool {
     const BLANKS: [&str; 11] =
         [" ", "\n", "\r", "\t", "&", "{}", r"\quad", r"\qquad", r"\,", r"\;", r"\ "];
     let mut rest = rest;

@@ -121,7 +121,8 @@ pub fn start(text: &str, most: usize) -> &str {
 /// Signs behind a function that stand for its derivative. The last one stands for two.
 pub(crate) const PRIMES: [char; 4] = ['\'', '′', '’', '″'];
 
-/// The rest of the upper part of an operator of differentiation, such as `f` in `\partial^2 f`.
+/// The upper part of an operator of differentiation without `∂` or `d` and its order: `f` for
+/// `\partial^2 f`.
 pub(crate) fn differentiated(above: &str) -> &str {
     let above = above.trim().trim_start_matches(r"\partial").trim_start_matches(['d', '∂']);
     above.trim_start_matches(['^', '{', '}', '2', '3', '4', '²', '³', ' '])

@@ -300,7 +300,7 @@ pub enum NamedValue {
     Time,
     /// The imaginary unit, `i`.
     ImaginaryUnit,
-    /// A constant of the language. A document may define its name otherwise.
+    /// A constant of the language. A document may give its name another meaning.
     Constant(NamedConstant),
     /// A parameter of the function being defined.
     Local(String),
@@ -419,7 +419,7 @@ pub enum CurveForm {
         /// Conditions in braces. Each one restricts where the equations are defined.
         restrictions: Vec<Expr>,
     },
-    /// The points that the values of a parameter give.
+    /// The points for all values of a parameter in a range.
     Path {
         /// Three coordinates, or one vector.
         at: Vec<Expr>,

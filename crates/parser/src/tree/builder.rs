@@ -177,6 +177,7 @@ impl<'a> Builder<'a> {
     // The recursion over brackets runs through the following functions. Other work is in separate
     // functions, so it does not enlarge the stack frame of each recursion level.
 
+    /// Builds a condition from negated comparisons that are joined by `and` and `or`.
     #[inline(never)]
     fn condition(&mut self, parts: &[Pair<'_>]) -> Fallible<Expr> {
         let mut any = Vec::new();
@@ -194,6 +195,7 @@ impl<'a> Builder<'a> {
         joined(any, "or")
     }
 
+    /// Builds a chain of comparisons with any number of `not` before it.
     #[inline(never)]
     fn negation(&mut self, parts: &[Pair<'_>]) -> Fallible<Expr> {
         let count = parts.iter().take_while(|part| part.as_rule() == Rule::not).count();

@@ -23,7 +23,7 @@ pub(crate) enum Operator {
     Nabla,
 }
 
-/// The operator that a name is.
+/// The operator with this name; `None` if no operator has it.
 pub(crate) fn operator(typed: &str) -> Option<Operator> {
     match typed {
         "∇" | r"\nabla" => Some(Operator::Nabla),
@@ -149,6 +149,7 @@ impl Builder<'_> {
         Some(differentiated(above)).filter(|name| !name.is_empty()).map(plain_name)
     }
 
+    /// The operand of a derivative that consists of a name.
     fn named_operand(&mut self, name: &str, span: Span) -> Fallible<Expr> {
         if let Some(call) = self.at_point(name, span) {
             return Ok(call);
@@ -164,6 +165,8 @@ impl Builder<'_> {
         }
     }
 
+    /// Takes the operand of an operator. It is one group in brackets, or one factor for `∇`, else
+    /// all remaining factors.
     fn operand(
         &mut self,
         operator: Operator,

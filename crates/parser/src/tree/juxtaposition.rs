@@ -93,6 +93,7 @@ impl Builder<'_> {
         Ok(items)
     }
 
+    /// Adds the items of one element of a product to `items`.
     fn item<'i>(&mut self, pair: Pair<'i>, items: &mut FactorItems<'i>) -> Fallible<()> {
         let span = self.span(&pair);
         let typed = self.typed(&pair);
@@ -288,6 +289,7 @@ impl Builder<'_> {
         }
     }
 
+    /// The item of a named value. Records that the value is used.
     fn leaf(&mut self, value: NamedValue, span: Span) -> FactorItem<'static> {
         self.use_value(&value);
         if let NamedValue::Constant(constant) = value
@@ -345,14 +347,15 @@ impl Builder<'_> {
                 | FactorItem::Factorial(_)
                 | FactorItem::Caret(..)
                 | FactorItem::Superscript(_),
-            ) => self.behind(base, items),
+            ) => self.with_postfixes(base, items),
             _ => Ok(base),
         }
     }
 
-    /// Reads the items after a factor that belong to it: components, methods, `!` and exponents.
+    /// Adds to a factor the items after it that belong to it: components, methods, `!` and
+    /// exponents.
     #[inline(never)] // keeps the stack frames of nested plain factors small
-    fn behind(&mut self, mut base: Expr, items: &mut FactorItems<'_>) -> Fallible<Expr> {
+    fn with_postfixes(&mut self, mut base: Expr, items: &mut FactorItems<'_>) -> Fallible<Expr> {
         while let Some(FactorItem::Component(..)) = items.front() {
             base = Self::component(base, items)?;
             self.check_depth(base.span, 1)?;
@@ -370,6 +373,7 @@ impl Builder<'_> {
         }
     }
 
+    /// Takes a component such as `.x` after `base`, if there is one.
     #[inline(never)]
     fn component(base: Expr, items: &mut FactorItems<'_>) -> Fallible<Expr> {
         let Some(FactorItem::Component(letters, span)) = items.pop_front() else { return Ok(base) };
@@ -405,6 +409,7 @@ impl Builder<'_> {
         self.call(&callee, span, arguments, place)
     }
 
+    /// Takes all exponents after `base`, and returns the power.
     #[inline(never)] // keeps the stack frames of nested factors without exponents small
     fn exponents(&mut self, base: Expr, items: &mut FactorItems<'_>) -> Fallible<Expr> {
         let mut levels = 0;
@@ -526,6 +531,8 @@ impl Builder<'_> {
         Error::new(span, ErrorKind::MissingBefore { sign })
     }
 
+    /// Takes the operand of a sign such as `√`. Adds a note if a reader may expect the root to
+    /// extend further.
     #[inline(never)]
     fn radical(
         &mut self,

@@ -24,6 +24,7 @@ enum Tightness {
     Atom,
 }
 
+/// The tightness of an expression's outermost operation.
 fn tightness(expr: &Expr) -> Tightness {
     match &expr.kind {
         ExprKind::Or(_) => Tightness::Or,
@@ -47,6 +48,8 @@ fn write(f: &mut fmt::Formatter<'_>, expr: &Expr, needed: Tightness) -> fmt::Res
     if tightness(expr) >= needed { write!(f, "{expr}") } else { write!(f, "({expr})") }
 }
 
+/// Writes expressions with `joint` between them. Those that bind less tightly than `needed` get
+/// brackets.
 fn list(f: &mut fmt::Formatter<'_>, items: &[Expr], joint: &str, needed: Tightness) -> fmt::Result {
     for (index, item) in items.iter().enumerate() {
         if index > 0 {

@@ -12,8 +12,8 @@ pub struct Scope {
     /// Names that the document or an override defines, each with its number of parameters. A value
     /// has `None` in place of the number.
     defined: FxHashMap<String, Option<usize>>,
-    /// Defined names that are not in the text, such as those of steps of programs. They are never
-    /// suggested.
+    /// Defined names that are not in the text, such as the names of steps of programs. They are
+    /// never suggested.
     unwritten: FxHashSet<String>,
     /// Coordinates that the text uses without defining them. They have a standard definition.
     implied: Vec<&'static str>,
@@ -115,7 +115,7 @@ impl Scope {
         self.defined.insert(name.to_owned(), parameters);
     }
 
-    /// Suggests no defined names but those that occur in `text`, and those in `others`.
+    /// Limits suggestions of defined names to names that occur in `text` or in `others`.
     pub fn suggest_only(&mut self, text: &str, others: &[(String, String)]) {
         let words = text.split(|c: char| !(c.is_alphanumeric() || c == '_'));
         let written: FxHashSet<&str> =
@@ -167,6 +167,7 @@ impl Scope {
         NameMeaning::Unknown
     }
 
+    /// The value that a name stands for. `None` if it stands for none.
     fn value(&self, name: &str, locals: &[Name]) -> Option<NamedValue> {
         if locals.iter().any(|local| local.text == name) {
             return Some(NamedValue::Local(name.to_owned()));
@@ -336,7 +337,7 @@ impl std::fmt::Display for Signatures {
 /// whether n is odd.
 pub const ROOT_NAMES: &[&str] = &["root", "nroot", "nthroot", "surd"];
 
-/// No builder takes more arguments, its vectors written as three numbers each.
+/// Upper limit on the number of arguments of a builder, if each vector is written as three numbers.
 const MOST_ARGUMENTS: usize = 12;
 
 /// Returns whether an operation of two operands also combines more operands, from left to right.

@@ -98,6 +98,7 @@ impl Builder<'_> {
         self.series_with_index(is_product, body, &index, built, place)
     }
 
+    /// Builds a sum or a product over `index`. Its body is read with the index as a local name.
     #[inline(never)]
     fn series_with_index(
         &mut self,

@@ -196,7 +196,8 @@ pub fn resolve_heads(
 }
 
 /// Finds equations that look like definitions. After a definition of `f(x, y, z)`, the equation
-/// `f(x, y, z) = 4` is a level surface. After one of `f(x, y)`, `f(x, y) = z` is the graph of f.
+/// `f(x, y, z) = 4` is a level surface. After a definition of `f(x, y)`, the equation `f(x, y) = z`
+/// is the graph of f.
 fn resolve_level_sets(text: &str, lines: &mut [ParsedStatement<'_>], notes: &mut Vec<Note>) {
     let mut defined: FxHashSet<(String, usize)> = FxHashSet::default();
     let numbers = numbers(text, lines);

@@ -32,6 +32,7 @@ const IN_WORDS: &[&str] =
     &["squared", "cubed", "plus", "minus", "times", "equals", "divided", "squareroot", "the"];
 
 impl Builder<'_> {
+    /// The error for a function that is not known.
     pub(crate) fn unknown_function(&self, name: &str, span: Span) -> Box<Error> {
         if let Some(kind) = unsupported_function(name) {
             return Error::new(span, kind);

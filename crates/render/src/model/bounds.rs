@@ -25,7 +25,8 @@ const DEPTH: u32 = 6;
 
 impl Model {
     /// A box that is proven to hold all zeros of a surface in the region. If the region may cut the
-    /// surface, a solid, the box also holds all of the solid there. `None` if there is nothing.
+    /// surface, a solid, the box also holds all of the solid there. `None` if the region has
+    /// neither zeros nor such parts of a solid.
     fn bounds(&self, surface: usize, is_cut: bool) -> Option<Cell> {
         let known = &self.bounds[surface][usize::from(is_cut)];
         *known.get_or_init(|| self.search_bounds(surface, is_cut, WORK, DEPTH))
@@ -43,7 +44,7 @@ impl Model {
         let [low, high] = [self.region.low(), self.region.high()].map(|end| end.to_array());
         let whole = Cell { low, high };
         let kernels = self.program.kernels::<f64>(surface);
-        // The parts of a large formula are left out where they have no zeros, in any case.
+        // A large formula needs no box: its parts are left out anyway where they have no zeros.
         if kernels.has_parts() {
             return Some(whole);
         }

@@ -47,8 +47,8 @@ pub(super) struct Ground {
     /// The light and the opacity at each pixel. `None` where the ground is not seen. Before a
     /// transparent background, the ground is black, and only as opaque as its shadow.
     pub colors: Vec<Option<[f32; 4]>>,
-    /// The share of its light that reaches the ground at each pixel; NaN far from where the ground
-    /// is seen.
+    /// The share of the unshadowed light that reaches the ground at each pixel; NaN far from where
+    /// the ground is seen.
     pub light: Vec<f32>,
     /// The cost of the shadows.
     pub work: KernelStats,
@@ -122,7 +122,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         Ok(Ground { colors, light, work })
     }
 
-    /// The share of its light that reaches the ground at each pixel of `plane`, and the cost.
+    /// The share of the unshadowed light that reaches the ground at each pixel of `plane`, and the
+    /// cost.
     fn light_of_ground(
         &self,
         rays: &RayGrid,
@@ -150,7 +151,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         Ok((light, work))
     }
 
-    /// The share of its `light` that is hidden from each point of the ground; 255 means all of it.
+    /// The share of `light` that is hidden from each point of the ground; 255 means all of it.
     /// Translucent surfaces let a part of the light through.
     fn hidden(
         &self,
@@ -190,8 +191,8 @@ impl Model {
 }
 
 impl Overview {
-    /// The share of its light that reaches the ground at each pixel whose distance `drawn` is
-    /// finite; NaN at other pixels.
+    /// The share of the unshadowed light that reaches the ground at each pixel whose distance
+    /// `drawn` is finite; NaN at other pixels.
     fn interpolated_light(&self, rays: &RayGrid, drawn: &[f64]) -> Vec<f32> {
         let of_pixel = |pixel: usize| {
             let (mut sum, mut weights) = (0.0, 0.0);
@@ -219,8 +220,9 @@ fn quasirandom([column, row]: [usize; 2]) -> [f64; 2] {
     ]
 }
 
-/// A distant light for a place in the unit square. If places are spread evenly over the square,
-/// there are as many lights per solid angle as a horizontal plane receives light from there.
+/// A distant light for a place in the unit square. If places are spread evenly over the square, the
+/// number of lights per solid angle is proportional to the light that a horizontal plane receives
+/// from there.
 fn sky([square, turns]: [f64; 2]) -> Light {
     let (sine, cosine) = (turns * TAU).sin_cos();
     let aside = square.sqrt();

@@ -93,7 +93,7 @@ impl Model {
 struct Line<'a> {
     kernel: &'a dyn Kernel<Enclose, f64>,
     ray: &'a Ray,
-    /// The box in which the kernel may be asked.
+    /// The domain of the kernel.
     domain: [Interval; 3],
 }
 

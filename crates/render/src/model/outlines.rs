@@ -7,20 +7,20 @@ use super::blur::box_blur;
 use crate::pixels::{ColorBuffer, is_dark};
 use zeroset_shade::{Displayed, edges};
 
-/// Rows of a picture in which lines are as thin as possible.
+/// The radius of lines is a pixel for each of this many rows of the picture, but at least a pixel.
 const ROWS: f64 = 900.0;
 
-/// Largest radius of a line, in pixels. A strip knows more rows than that beyond its own.
+/// Largest radius of a line, in pixels. A strip has more extra rows than that.
 const WIDEST: f64 = 14.0;
 
-/// Share of a pixel's color that a line has at most.
+/// Largest share of a pixel's color that a line takes.
 const INK: f32 = 0.75;
 
 /// Colors of lines before a light background and before a dark one.
 const COLORS: [[u8; 3]; 2] = [[24, 24, 30], [226, 228, 236]];
 
-/// Draws lines over the colors of a picture. `height` is that of the whole picture, if this is a
-/// strip of it. The lines contrast with the background.
+/// Draws lines over the colors of a picture. `height` is the height of the whole picture, of which
+/// `pixels` may be a strip. The lines contrast with the background.
 pub(super) fn draw(
     seen: &Displayed<'_>,
     height: usize,

@@ -26,14 +26,14 @@ const DENSE: f64 = 3.0;
 const LEAST_RANGE: f64 = 1e-2;
 /// Uncertainty of the position of a painted point along its ray, in pixels.
 const POINT_UNCERTAINTY: f64 = 0.1;
-/// Number of points that a thread processes between two looks at the time.
+/// Number of points that a thread processes between two checks of the time.
 const PART: usize = 8;
 
 /// Everything needed to color a picture: light, surface colors and paint.
 pub(super) struct Coloring<'a> {
     /// Light and surface colors.
     pub appearance: Appearance,
-    /// Colors are kept as bytes, or as floats.
+    /// The format in which colors are kept: bytes or floats.
     pub depth: ColorDepth,
     /// Color maps and contour lines. `None` if there are neither.
     pub painter: Option<Painter<'a>>,

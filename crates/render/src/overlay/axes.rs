@@ -20,6 +20,7 @@ const SPACE: f64 = 5.0;
 const PIECES: usize = 256;
 
 impl Projector<'_> {
+    /// Draws a segment between two points in space. Its hidden parts are fainter.
     fn line(&self, cover: &mut Cover, from: DVec3, to: DVec3) {
         // Start, end and opacity of a part of the edge with the same visibility throughout.
         let mut part: Option<(DVec2, DVec2, Option<u32>)> = None;

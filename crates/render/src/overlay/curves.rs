@@ -28,7 +28,7 @@ const NEAREST: f64 = 1e-4;
 /// Width of the gap that a tube leaves in a tube behind it, in pixels on each side.
 const GAP: f64 = 1.3;
 
-/// A tube leaves a gap in what is farther by this many of its widths.
+/// A tube leaves a gap in tubes that are farther away by at least this many of its widths.
 const CUT: f64 = 4.0;
 
 /// Parts of a curve that are nearer than this along it leave no gap in each other, in pixels.
@@ -72,7 +72,7 @@ struct PixelCover {
     y: u32,
     /// The tube or ball that is nearest to the eye.
     front: Cover,
-    /// The nearest of those behind it.
+    /// The nearest of the tubes and balls behind `front`.
     back: Cover,
     /// A nearer tube has a gap beside it, in which tubes beyond this distance are left out. The
     /// second number is the nearer tube's position along the curves.
@@ -135,6 +135,7 @@ impl PixelCovers {
         Self { width, numbers: vec![0; width * height], all: Vec::new(), loops: Vec::new() }
     }
 
+    /// The tubes and balls over a pixel, which is added unless it is known.
     fn at(&mut self, x: usize, y: usize) -> &mut PixelCover {
         let number = &mut self.numbers[y * self.width + x];
         if *number == 0 {
@@ -146,6 +147,7 @@ impl PixelCovers {
         &mut self.all[*number as usize - 1]
     }
 
+    /// Draws all pixels on the canvas, the farther tube or ball first.
     fn blend(&self, canvas: &mut Canvas) {
         for pixel in &self.all {
             for cover in [pixel.back, pixel.front] {
@@ -265,7 +267,7 @@ fn draw_segment(
             if length >= gap {
                 continue;
             }
-            // Depths are even in the picture as reciprocals.
+            // Along a segment in the picture, the reciprocal of the depth changes evenly.
             let weight = share * from.depth / (share * from.depth + (1.0 - share) * to.depth);
             let distance = from.distance + (to.distance - from.distance) * weight;
             let depth = from.depth + (to.depth - from.depth) * weight;

@@ -49,8 +49,8 @@ impl<'a> Projector<'a> {
         Self { shown, rays: RayGrid::new(shown.camera, width, height) }
     }
 
-    /// Position of a point in pixels, and its distance from the ray's origin. `None` behind the
-    /// eye.
+    /// Projects a point into the picture. Returns its position in pixels, and its distance from the
+    /// ray's origin in world units. `None` if the point is not in front of the eye.
     pub fn project(&self, point: DVec3) -> Option<(DVec2, f64)> {
         let rays = &self.rays;
         let off = point - rays.eye();
@@ -104,9 +104,9 @@ impl<'a> Projector<'a> {
         ((point - self.rays.eye()) * self.rays.stretch()).dot(self.rays.forward())
     }
 
-    /// Number of the shown picture's pixel at a position, and whether a surface there, or in a
-    /// neighboring pixel, lets a point at this distance be seen. So a curve that lies on a surface
-    /// is seen, however steep the surface is.
+    /// Returns the index of the shown picture's pixel at a position, and whether a point at this
+    /// distance is seen there or in a neighboring pixel. So a curve that lies on a surface is seen,
+    /// however steep the surface is.
     pub fn is_seen_nearby(&self, at: DVec2, distance: f64) -> (usize, bool) {
         let buffer = &self.shown.picture.buffer;
         let [x, y] = self.pixel(at);

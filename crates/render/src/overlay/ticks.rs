@@ -17,7 +17,7 @@ const NEAR: f64 = 1e-9;
 /// Steps smaller than π, in units of π.
 const PARTS: [f64; 2] = [0.25, 0.5];
 
-/// Numbers whose largest is within this range are written without an exponent.
+/// Numbers are written without an exponent if their largest magnitude is within this range.
 const PLAIN: std::ops::Range<f64> = 1e-3..1e5;
 
 /// Positions and texts of the ticks between two ends, and the step between them.

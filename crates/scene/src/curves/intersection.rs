@@ -42,7 +42,8 @@ impl Grid {
     }
 }
 
-/// The pieces of the curve on which two functions are 0, and what is wrong with them.
+/// The pieces of the curve on which two functions are 0, and a remark if they are missing or not
+/// exact.
 pub fn traced(
     document: &Document,
     both: [NodeId; 2],

@@ -41,6 +41,7 @@ struct Local {
 }
 
 impl Local {
+    /// Values and gradients in a lane. `None` if one of the numbers is not finite.
     fn of(outputs: &[Gradients<f64>; 2], lane: usize) -> Option<Self> {
         let values = outputs.each_ref().map(|output| output.value[lane]);
         let gradients = outputs

@@ -30,7 +30,7 @@ pub struct Path {
     ends: [f64; 2],
 }
 
-/// A value of the parameter, and the point there.
+/// A value of the parameter, and the curve's point at that value.
 #[derive(Clone, Copy)]
 struct Sample {
     t: f64,
@@ -89,7 +89,8 @@ impl Path {
         Some([low, high])
     }
 
-    /// The curve's pieces, and what is wrong with them. Parts far from the region are coarse.
+    /// The curve's pieces, and a remark if they are not exact. Parts far from the region are
+    /// coarse.
     pub fn traced(&self, region: &Region, size: f64) -> (Vec<Vec<DVec3>>, Option<&'static str>) {
         let mut all = self.first();
         let mut is_complete = true;

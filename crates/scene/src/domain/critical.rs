@@ -99,6 +99,7 @@ struct NewtonPath {
 }
 
 impl CriticalSearch<'_> {
+    /// Searches for critical points from several starts. Returns their distances from the center.
     pub fn find(&self) -> CriticalDistances {
         let starts: Vec<Coordinates> = (1..=STARTS).map(|n| self.start(n)).collect();
         let ends = self.descend(&starts);
@@ -170,6 +171,8 @@ impl CriticalSearch<'_> {
         [[0; 3]].into_iter().chain(steps).map(there).collect()
     }
 
+    /// Takes one step of Newton's method. `values` are the function's values at the path's place
+    /// and at the points around it.
     fn step(&self, way: &mut NewtonPath, values: &[f64]) {
         let (here, up, down, both) = (values[0], &values[1..4], &values[4..7], &values[7..13]);
         let mut gradient = [0, 1, 2].map(|a| (up[a] - down[a]) / 2.0);

@@ -69,7 +69,7 @@ pub fn distances(heights: &Heights<'_>, axes: [bool; 2]) -> [Option<f64>; 2] {
         if whole == 0.0 || !whole.is_finite() {
             return None;
         }
-        // Rest by distance, from the center on.
+        // The rest of the change at each distance, from the center outward.
         let rests: Vec<f64> = (1..=outward.len())
             .map(|k| changes.iter().map(|line| line[k]).fold(0.0, f64::max) / whole)
             .collect();

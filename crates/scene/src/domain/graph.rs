@@ -138,8 +138,8 @@ impl WindowChooser<'_> {
         Ground { ranges: [range(0), range(1)] }
     }
 
-    /// The ends of the ground of a ridge, which is as wide as the ridge. `heights` are those over
-    /// `ground`, and `across` is the axis of the ground along which they do not vary.
+    /// The ends of the ground of a ridge, which is as wide as the ridge. `heights` are the heights
+    /// over `ground`, and `across` is the axis of the ground along which they do not vary.
     fn ends_of_ridge(heights: &Heights<'_>, half: f64, across: usize) -> [[Option<f64>; 2]; 2] {
         let widened = |places: &[[f64; 2]]| {
             let mut places = places.to_vec();

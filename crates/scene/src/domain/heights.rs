@@ -75,7 +75,8 @@ const AROUND: [[f64; 2]; 16] = [
 /// Distance from a pole to the place beside it, as a share of the distance between grid points.
 const BESIDE: f64 = 0.37;
 
-/// A height that rounding left at a pole is this many times as large as those around it.
+/// A height that rounding left at a pole is at least this many times as large as the heights around
+/// it.
 const ABRUPT: f64 = 100.0;
 
 /// Share of the distance between two grid points within which a change counts as abrupt.
@@ -242,8 +243,9 @@ fn climbed(
     ([x, y], height)
 }
 
-/// Returns whether rounding left a finite height at a pole: it is far larger than the heights
-/// around it, near and nearer. `apart` is the distance between grid points.
+/// Returns whether a place is a pole at which rounding left a finite height. Such a height is far
+/// larger than most heights around it, at two distances from the place. `apart` is the distance
+/// between grid points.
 pub fn is_pole(heights: &Heights<'_>, [x, y]: [f64; 2], height: f64, apart: f64) -> bool {
     [AT_ONCE, AT_ONCE / 32.0].into_iter().all(|share| {
         let far = share * apart;

@@ -11,7 +11,8 @@ use zeroset_space::Cell;
 /// longest extent is at least this.
 const SMALL: f64 = DEFAULT_HALF / 8.0;
 
-/// An extent below this, or below this share of the coordinates, is that of a plane or a line.
+/// An extent counts as 0, as for a plane or a line, if it is below this, or below this share of the
+/// coordinates.
 const LEAST: f64 = 1e-12;
 const LEAST_SHARE: f64 = 1e-5;
 

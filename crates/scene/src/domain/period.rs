@@ -35,6 +35,7 @@ struct Course {
 const CONSTANT: Course = Course { period: 0.0, slope: 0.0, has_cells: false };
 
 impl Course {
+    /// The course of `self + sign · other`. `None` if the periods have no common multiple.
     fn sum(self, sign: f64, other: Self) -> Option<Self> {
         let sum = self.slope + sign * other.slope;
         let size = self.slope.abs().max(other.slope.abs());
@@ -129,7 +130,7 @@ fn value(op: Op, operands: &[Option<f64>]) -> Option<f64> {
     }
 }
 
-/// The course of an operation along an axis, from those of its operands.
+/// The course of an operation along an axis, computed from the courses of its operands.
 fn combined(op: Op, operands: &[Course], values: &[Option<f64>]) -> Option<Course> {
     let number = |k: usize| values.get(k).copied().flatten();
     let cells = |period: f64, slope: f64| Some(Course { period, slope, has_cells: true });

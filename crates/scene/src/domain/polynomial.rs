@@ -37,6 +37,8 @@ impl Polynomial {
         Self::default().with(powers, 1.0)
     }
 
+    /// Adds a term: `factor` times the product of the coordinates' powers. A sum that may be 0 up
+    /// to rounding is removed.
     fn with(mut self, powers: [u32; 3], factor: f64) -> Self {
         let sum = self.0.entry(powers).or_default();
         let size = sum.abs() + factor.abs();

@@ -192,7 +192,7 @@ impl GraphShape {
     }
 }
 
-/// The properties of an operation, from those of its operands.
+/// The properties of an operation, computed from the properties of its operands.
 fn combined(op: Op, operands: &[NodeShape]) -> NodeShape {
     let depends = [0, 1, 2].map(|axis| operands.iter().any(|one| one.depends[axis]));
     let number = |k: usize| operands.get(k).and_then(|one| one.value);

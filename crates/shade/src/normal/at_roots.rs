@@ -26,7 +26,7 @@ const ROUNDING: f64 = 1e-6;
 pub(super) struct Start {
     /// The ray, whose origin is the painted point.
     pub ray: Ray,
-    /// Width of a pixel there, in units of the ray's t.
+    /// Width of a pixel at the painted point, in units of the ray's t.
     pub pixel: f64,
 }
 

@@ -24,11 +24,12 @@ const INK: f32 = 0.8;
 /// Share of the key light that reaches points in its shadow.
 const SCATTERED: f32 = 0.1;
 
-/// Light of walls that is reflected.
+/// Light that surfaces reflect from the walls.
 const WALLS: f32 = 0.28;
 
-/// Light of a white background that is reflected, and of a floor before it, as a share of that.
+/// Light that surfaces reflect from a white background.
 const BACKDROP: f32 = 0.42;
+/// Light of the floor in front of the background, as a share of the background's light.
 const FLOOR: f32 = 0.4;
 
 /// Color of undecided pixels under [`UndecidedStyle::Tint`]. No default pair has its hue.
@@ -311,9 +312,9 @@ impl Shader<'_> {
         }
     }
 
-    /// The light of the surroundings in the directions `way`. They are a dark room with a pale
-    /// ceiling and a floor. The background is behind the surfaces. A wide panel shines at the key
-    /// light, and a narrow one at the fill light.
+    /// The light that the surroundings send from the directions `way`. The surroundings are a dark
+    /// room with a pale ceiling and a floor. The background is behind the surfaces. A wide panel
+    /// shines at the key light, and a narrow one at the fill light.
     #[inline(always)]
     fn surroundings<S: Simd>(
         &self,

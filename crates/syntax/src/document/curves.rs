@@ -16,8 +16,8 @@ use zeroset_parser::{Error, ErrorKind, Errors, Fallible, Span};
 /// The curves and points of a document, in one graph.
 #[derive(Clone, Debug, Default)]
 pub struct Curves {
-    /// Functions of all curves and points, exactly as typed. The parameters are those of the
-    /// document. The parameter after them is that of the curves with a parameter.
+    /// Functions of all curves and points, exactly as typed. The graph has the parameters of the
+    /// document, and as its last one the parameter of the curves.
     pub graph: Graph,
     /// The curves and points, in the order of the text.
     pub all: Vec<Curve>,
@@ -95,6 +95,7 @@ impl CurveShape {
         }
     }
 
+    /// Replaces all nodes of the shape by `nodes`, in the order of the shape's fields.
     fn replace(&mut self, mut nodes: impl Iterator<Item = NodeId>) {
         let all: Vec<&mut NodeId> = match self {
             Self::Intersection(both) => both.iter_mut().collect(),
@@ -145,6 +146,7 @@ impl DocumentReader<'_> {
     }
 }
 
+/// Lowers a curve to its shape. `parameter` is the number of a path's parameter in the graph.
 fn shape<'d>(
     lowering: &mut Lowering<'d>,
     curve: &'d CurveStatement,

@@ -4,8 +4,8 @@ use crate::document::reading::{DocumentReader, Options};
 use zeroset_parser::Errors;
 use zeroset_parser::lex::decimal_comma::with_points;
 
-/// Reads `text` by `read`. If that fails, and a reading with decimal commas throughout succeeds,
-/// returns the latter. Otherwise the errors are those of the first reading.
+/// Reads `text` by `read`, at first with commas as separators. If that fails, reads all commas
+/// between digits as decimal commas. If both fail, returns the errors of the first reading.
 pub(crate) fn with_either_comma<T>(
     text: &str,
     options: &Options<'_>,

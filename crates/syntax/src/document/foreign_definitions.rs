@@ -1,5 +1,5 @@
-//! Definitions of functions that other systems have and this language has not. A text that uses
-//! such a function without defining it gets the definition.
+//! Definitions of functions that this language lacks and other systems have. A text that uses such
+//! a function without defining it gets the definition.
 
 use crate::document::implied_coordinates::define;
 use zeroset_parser::lex::spelling::plain_name;

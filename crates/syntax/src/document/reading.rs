@@ -94,8 +94,8 @@ pub struct Surface {
     /// is below all surfaces, the first `color` line below this surface counts.
     pub color: Option<SurfaceColor>,
     /// Opacity from 0 to 1: the share of light that the surface blocks. The `color` line sets it,
-    /// or else an `opacity` line, which the rule for `color` lines selects. The default is that of
-    /// the material.
+    /// or else an `opacity` line, which the rule for `color` lines selects. The default is the
+    /// opacity of the material.
     pub opacity: f64,
     /// Material from a `material` line, which the rule for `color` lines selects.
     pub material: &'static Material,
@@ -302,7 +302,7 @@ impl<'a> DocumentReader<'a> {
         }
     }
 
-    /// Sorts the notes by their places, and drops repeated ones and those beyond the limit.
+    /// Sorts the notes by their places, and drops repeated notes and notes beyond the limit.
     fn sort_notes(&mut self) {
         self.notes.sort_by_key(|note| note.span);
         // A note that explains a name is given once, for all uses of the name.

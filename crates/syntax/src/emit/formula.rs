@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 use zeroset_ir::{Constant, Graph, Node, NodeId, Precedence};
 use zeroset_ops::Op;
 
-/// Longest text of a value within another one, in bytes, and its deepest nesting.
+/// A value gets a line of its own if its text is longer than this, in bytes, or nested deeper.
 const LONGEST: usize = 72;
 const DEEPEST: u32 = 8;
 /// Largest whole exponent that GLSL gets as a product.
@@ -101,7 +101,7 @@ impl Writer<'_> {
         self.pieces[id.index()].as_ref().expect("operands come first")
     }
 
-    /// The text of a value where at least `needed` is wanted.
+    /// The text of a node, in brackets if it binds less tightly than `needed`.
     fn text(&self, id: NodeId, needed: Precedence) -> String {
         let piece = self.piece(id);
         if piece.precedence >= needed { piece.text.clone() } else { self.bracketed(&piece.text) }
@@ -198,7 +198,7 @@ impl Writer<'_> {
         Ok(Piece::new(text, precedence, nesting))
     }
 
-    /// Writes what has a notation of its own in some format.
+    /// Writes operations that need a notation of their own in some format.
     fn special(&self, op: Op, operands: &[NodeId], nesting: u32) -> Result<Piece, EmitError> {
         use Precedence::{Atom, Power, Product, Sum};
         let text = |index: usize, needed| self.text(operands[index], needed);

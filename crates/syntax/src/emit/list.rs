@@ -19,8 +19,8 @@ pub(super) fn emit(document: &Document) -> Result<String, EmitError> {
     let mut writer = Writer { graph, text: String::new(), names: FxHashMap::default(), count: 0 };
     let needed = graph.reachable(&[root]);
     let mut places: Vec<u32> = vec![0; graph.len()];
-    // Only what the root needs by the operations of the format is written, in the graph's order.
-    // Constants come when they are first used: exponents need none.
+    // Writes only the nodes that the root needs in the format's operations, in the order of the
+    // graph. A constant is written at its first use, so constants in exponents get no line.
     for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
         places[id.index()] = match node {
             Node::Constant(_) => continue,
@@ -31,8 +31,8 @@ pub(super) fn emit(document: &Document) -> Result<String, EmitError> {
             Node::Apply(op, operands) => writer.apply(*op, operands, &places)?,
         };
     }
-    // A function that is a constant has no line yet. A function whose line is not the last one,
-    // because an equal line was written before, is written again.
+    // The last line is the function. A constant function has no line yet. A function whose line is
+    // not the last one, because an equal line came first, is written again.
     let last = writer.value(root, &places)?;
     if last + 1 != writer.count {
         let zero = writer.constant(&Constant::integer(0))?;
@@ -161,7 +161,8 @@ fn applied(graph: &Graph, node: NodeId, op: Op) -> Option<&[NodeId]> {
     }
 }
 
-/// The operation and the operands that reading composes to this one.
+/// The list operation that is read as this operation, and its operands. `None` if no list operation
+/// is read as this operation.
 fn composed(graph: &Graph, op: Op, operands: &[NodeId]) -> Option<(&'static str, Vec<NodeId>)> {
     if op == Op::SelectNegative {
         let size = applied(graph, applied(graph, operands[0], Op::Neg)?[0], Op::Abs)?[0];

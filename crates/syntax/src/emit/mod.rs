@@ -41,7 +41,7 @@ impl Format {
         }
     }
 
-    /// Returns whether a text of this format tells solids from equations.
+    /// Returns whether a text of this format distinguishes solids from equations.
     pub fn holds_kinds(self) -> bool {
         matches!(self, Self::Tex | Self::Zset)
     }
@@ -77,7 +77,7 @@ impl EmitError {
 /// Writes the functions of `document` in a format.
 ///
 /// `zset` keeps sliders, the title and the lines about the picture, which are copied from `text`,
-/// the document's own text. The other formats hold neither.
+/// the document's own text. The other formats keep none of these.
 ///
 /// # Errors
 /// If the format cannot hold an operation, a number or several surfaces, or if there is a curve.

@@ -1,10 +1,10 @@
-//! The notation of operations in formulas, for each format. No operation has a wildcard, so a new
-//! one needs its notation here, or the statement that there is none.
+//! The notation of operations in formulas, for each format. There is no wildcard, so a new
+//! operation must be listed here, even if a format has no notation for it.
 
 use super::Format;
 use zeroset_ops::Op;
 
-/// How an operation of one or two operands is written.
+/// The notation of an operation with one or two operands.
 #[derive(Clone, Copy)]
 pub(super) enum Notation {
     /// A name before operands in brackets.
@@ -13,9 +13,9 @@ pub(super) enum Notation {
     Around(&'static str, &'static str),
     /// A sign between operands, or before one: `formula` knows how tightly it binds.
     Sign(&'static str),
-    /// `formula` writes it.
+    /// The file `formula` writes the operation.
     Special,
-    /// The format has none.
+    /// The format has no notation for the operation.
     Missing,
 }
 

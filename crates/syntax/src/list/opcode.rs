@@ -1,7 +1,7 @@
 //! The operations of expression lists, by the names that fidget 0.5.1 reads, and `recip`.
 //!
-//! Their values are those of real numbers. An operation of floats that no function of real numbers
-//! equals is named here, so that its error can say so.
+//! Their values are those of real numbers. Operations on the bits of floats have no equal among
+//! functions of real numbers. They are listed so that their error can say so.
 
 use rustc_hash::FxHashMap;
 use std::sync::LazyLock;

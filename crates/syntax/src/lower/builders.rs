@@ -172,8 +172,8 @@ impl Lowering<'_> {
         Err(error.unwrap_or_else(|| Error::new(span, ErrorKind::Empty)))
     }
 
-    /// Lowers the formula of a builder. Returns also the axis on which its shape depends and whose
-    /// coordinate the builder fixes, if there is one.
+    /// Lowers the formula of a builder. If its shape depends on an axis whose coordinate the
+    /// builder fixes, returns that axis too.
     fn built(
         &mut self,
         index: usize,
@@ -408,6 +408,7 @@ fn needs(role: Role) -> &'static str {
     }
 }
 
+/// The kind of a value in words, for error messages.
 fn kind_of(value: &Tensor) -> &'static str {
     match value {
         Tensor::Number(_) => "a number",

@@ -217,7 +217,7 @@ impl<'a> Lowering<'a> {
         Ok(all.unwrap_or_else(|| Tensor::Number(self.graph.integer(empty))))
     }
 
-    /// The function of a sequence that the first argument numbers.
+    /// The function of a sequence. The first argument is the number of the function.
     pub(crate) fn numbered(
         &mut self,
         index: usize,

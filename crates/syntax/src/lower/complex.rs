@@ -50,7 +50,8 @@ impl Lowering<'_> {
         }
     }
 
-    /// The imaginary part of a complex number, or the vector of those of a quaternion.
+    /// The imaginary part of a complex number, or the vector of a quaternion's three imaginary
+    /// parts.
     pub(crate) fn imaginary_part(&mut self, value: &Tensor, span: Span) -> Fallible<Tensor> {
         Ok(match *self.promoted(value, 2, span)? {
             [_, imaginary] => Tensor::Number(imaginary),
@@ -124,7 +125,8 @@ impl Lowering<'_> {
         Ok(Tensor::Complex(product))
     }
 
-    /// The square, with each product of two different components taken once.
+    /// The square of a complex number or quaternion. Each product of two different components is
+    /// computed once.
     fn complex_square(&mut self, value: &Tensor, span: Span) -> Fallible<Tensor> {
         let parts = parts(value, span)?.to_vec();
         let (two, real) = (self.graph.integer(2), parts[0]);

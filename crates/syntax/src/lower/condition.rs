@@ -129,8 +129,8 @@ impl<'a> Lowering<'a> {
     }
 }
 
-/// Finds for each node of a graph whether it is defined everywhere. `total` says so of the first
-/// nodes, and is extended.
+/// Extends `total` to all nodes of the graph. Its entry for a node is true if the node is defined
+/// everywhere.
 pub(crate) fn extend_total(graph: &Graph, total: &mut Vec<bool>, moves: &Moves) {
     for (_, node) in graph.since(total.len()) {
         let is_total = match node {
@@ -165,7 +165,7 @@ pub(crate) fn extend_total(graph: &Graph, total: &mut Vec<bool>, moves: &Moves) 
 }
 
 /// `node` where it is defined, else the number `outside`. A node that is defined everywhere is
-/// returned unchanged. `total` is that of [`extend_total`].
+/// returned unchanged. `total` is as in [`extend_total`].
 pub(crate) fn or_outside(
     graph: &mut Graph,
     total: &mut Vec<bool>,

@@ -16,8 +16,8 @@ use zeroset_parser::tree::ast::{
 };
 use zeroset_parser::{Error, ErrorKind, Fallible, Limits, Note, Span};
 
-/// Largest number of definitions that are lowered within one another by recursion. Where a chain is
-/// longer, lowering starts again after the part beyond was lowered.
+/// Largest number of definitions that recursion lowers within one another. In a longer chain, the
+/// definitions beyond are lowered first, and then the lowering starts again.
 const MAX_EXPANSIONS: usize = 16;
 /// Visits to expressions allowed per node of [`Limits::nodes`]. Some visits add no node.
 pub(crate) const VISITS: usize = 8;
@@ -75,7 +75,7 @@ pub(crate) struct Lowering<'a> {
     values: FxHashMap<&'a str, Tensor>,
     /// Number of expansions that are being lowered within one another.
     expansions: usize,
-    /// An expansion that has to be lowered first. While it is set, errors mean nothing else.
+    /// An expansion that has to be lowered first. While it is set, every error means only this.
     postponed: Option<Expansion<'a>>,
     visits: usize,
     /// Whether the graph has variables of differentiation, which no root depends on.
@@ -114,13 +114,14 @@ impl<'a> Lowering<'a> {
         }
     }
 
-    /// Returns whether the graph may have nodes that stand for others. No root depends on them.
+    /// Returns whether the graph may have placeholders or variables of differentiation. No root
+    /// depends on them.
     pub(crate) fn has_placeholders(&self) -> bool {
         self.has_variables || !self.moves.is_empty()
     }
 
-    /// Lowers by `attempt`, which is repeated each time an expansion that it postponed is lowered.
-    /// All trees must be lowered within a call of this function.
+    /// Lowers by `attempt`. If the attempt postpones an expansion, lowers the expansion and repeats
+    /// the attempt. All trees must be lowered within a call of this function.
     pub(crate) fn complete<T>(
         &mut self,
         mut attempt: impl FnMut(&mut Self) -> Fallible<T>,
@@ -384,6 +385,7 @@ impl<'a> Lowering<'a> {
         }
     }
 
+    /// The value that a name stands for.
     #[inline(never)]
     fn named(&mut self, value: &NamedValue, span: Span, locals: &Locals<'a>) -> Fallible<Tensor> {
         let varies = || {
@@ -471,7 +473,8 @@ impl<'a> Lowering<'a> {
                 self.derived(function, *order, &arguments[0], span)
             }
             Function::OfDerivatives(function) => self.of_derivatives(*function, &arguments, span),
-            // Its argument is lowered for the variables' places, by `differentiated`.
+            // `differentiated` lowers derivatives: it needs the argument as an expression, not as a
+            // value.
             Function::Derivative(_) => Err(Error::new(span, ErrorKind::WhichVariable)),
             Function::Builder(name) => {
                 let arguments: Vec<_> =

@@ -72,8 +72,8 @@ pub(crate) fn complex(op: Op) -> Option<&'static Expr> {
     COMPLEX_BODIES[op as usize].as_ref()
 }
 
-/// The point of evaluation, if it is another, and the value of the builder at `index` of
-/// [`BUILDERS`].
+/// The place and the body of the builder at `index` of [`BUILDERS`]. The place is `None` if the
+/// builder evaluates at the same point.
 pub(crate) fn builder(index: usize) -> (Option<&'static Expr>, &'static Expr) {
     let (place, body) = &BUILDER_FORMULAS[index];
     (place.as_ref(), body)

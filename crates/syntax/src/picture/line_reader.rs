@@ -59,7 +59,7 @@ impl LineReader<'_> {
         Ok(self.one_of(line, word, ["on", "off"], 0)? == 0)
     }
 
-    /// Reads one of `words`, and returns its index. A line without a word means word `usual`.
+    /// Reads one of `words`, and returns its index. A line without a word means the index `usual`.
     pub(crate) fn one_of<const COUNT: usize>(
         &mut self,
         line: Pair<'_>,
@@ -109,7 +109,7 @@ impl LineReader<'_> {
         self.checked(&value, whole, row, place)
     }
 
-    /// Returns this part of `whole`, if the setting takes it.
+    /// The value of an expression, divided by `whole`. Fails if the setting does not accept it.
     fn checked(
         &self,
         value: &Expr,

@@ -22,17 +22,18 @@ use zeroset_style::{Choices, MATERIALS, Material, OPACITY, WIDTH};
 /// Settings without a field of their own in the document. A setting is `None` if no line sets it.
 #[derive(Clone, Debug, Default)]
 pub struct PictureLines {
-    /// Choices that other surfaces have, too.
+    /// Settings that the command line, the window and Python also have.
     pub choices: Choices,
     /// Coefficients a, b, c and d of the half-space a·x + b·y + c·z ≤ d that is not cut off.
     pub clip: Option<[Constant; 4]>,
     /// Position of the light, in world units.
     pub light: Option<[Constant; 3]>,
-    /// Set if lengths along all axes are displayed alike, whatever the extents of a graph.
+    /// True if lengths along all axes are displayed at the same scale, whatever the extents of a
+    /// graph.
     pub is_equal: bool,
     /// A line of text at the top of the picture.
     pub title: Option<String>,
-    /// Turns on or off lines of equal x, y and z on the surfaces. On a graph z = f(x, y), only
+    /// Whether to draw lines of equal x, y and z on the surfaces. On a graph z = f(x, y), only
     /// those of equal x and y.
     pub mesh: Option<bool>,
     /// Contour lines on the surfaces.

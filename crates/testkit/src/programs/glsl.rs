@@ -50,9 +50,9 @@ enum Helper {
     Fold,
     /// `float count(float a)`, which changes a global variable
     Count,
-    /// `float lit(float a)`, which reads it
+    /// `float lit(float a)`, which reads that variable
     Lit,
-    /// `void dim(float a)`, which changes it
+    /// `void dim(float a)`, which changes that variable
     Dim,
     /// `int half(int a)`
     Half,

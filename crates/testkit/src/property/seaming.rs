@@ -1,5 +1,5 @@
-//! Waves of angles and quotients are rewritten before they are drawn. They keep the values and the
-//! zeros of what was typed.
+//! Waves of angles and quotients are rewritten before they are drawn. The rewritten functions must
+//! keep the values and the zeros of the typed ones.
 
 use super::scene::Formula;
 use crate::suite::{Failure, Tally, contradiction};

@@ -1,5 +1,5 @@
-//! Random formulas as text that fold, jump, divide or take waves of angles: those for which there
-//! are rules of their own. Random operations hardly ever produce them.
+//! Random formulas as text with folds, jumps, quotients or waves of angles, for which there are
+//! special rules. Random operations hardly ever produce them.
 
 use super::Rng;
 use super::values::below;

@@ -13,9 +13,10 @@ pub struct Solid {
     pub tolerance: f64,
 }
 
-/// Returns a random solid: planes at any angle, boxes, quadrics and cubics, joined, met and taken
-/// away. Many of them go through one point, inside the domain, or on a face, an edge or a corner of
-/// it. The numbers of half of them are dyadic, so that parts lie in planes of grids.
+/// Returns a random solid: planes at any angle, boxes, quadrics and cubics, combined by union,
+/// intersection and difference. Many of them go through one point, inside the domain, or on a face,
+/// an edge or a corner of it. The numbers of half of them are dyadic, so that parts lie in planes
+/// of grids.
 pub fn random_solid(rng: &mut Rng) -> Solid {
     let half = [1.0, 2.0, 1.5][rng.u32(0..3) as usize];
     let tolerance = half * [0.3, 0.1, 0.04][rng.u32(0..3) as usize];

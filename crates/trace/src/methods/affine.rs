@@ -77,14 +77,14 @@ fn knoll_row() -> &'static Method {
 struct Affine<'a, T: Scalar> {
     tiles: &'a dyn Kernel<ContractTiles, T>,
     follower: Follower<'a, T>,
-    /// Whether forms bound a numerator. A zero of the numerator need not be a zero of the function.
+    /// True if forms bound a numerator. A zero of the numerator need not be a zero of the function.
     cleared: bool,
     task: Task<'a>,
     /// Maximum length of a hit's bracket, in pixels: [`TraceOptions::longest`].
     longest: f64,
     /// Buffers that no thread is using.
     buffers: BufferPool<Box<BandBuffers<T>>>,
-    /// The parts of the latest picture.
+    /// The tree of parts of the latest picture.
     tree: Mutex<Option<Arc<PartTree>>>,
     /// This method in `f64`, created for the first picture that needs it.
     double: OnceLock<Option<Box<Affine<'a, f64>>>>,

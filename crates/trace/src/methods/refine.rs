@@ -47,8 +47,9 @@ impl RayParts {
 struct Brackets {
     ends: [Lanes<f64>; 2],
     values: [Lanes<f64>; 2],
-    /// The initial length of each bracket, then the length at which it is short enough.
+    /// The initial length of each bracket.
     length: Lanes<f64>,
+    /// The length at which a bracket is short enough.
     enough: Lanes<f64>,
     /// Maximum length of the bracket after this round. It is halved in each round.
     halved: Lanes<f64>,

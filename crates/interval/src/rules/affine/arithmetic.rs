@@ -88,8 +88,8 @@ impl<M: Machine> Rule<'_, M> {
             slopes,
             error: self.sum_of(a.error, b.error),
             magnitude: Some(magnitude),
-            // The units of a count for the magnitude of a, those of b for the magnitude of b. The
-            // larger number of units covers both.
+            // `a.units` counts units of a's magnitude, `b.units` units of b's. The larger number
+            // covers both.
             units: a.units.max(b.units) + 1.25,
             bounds: match (a.bounds, b.bounds) {
                 (Some(a), Some(b)) => Some([self.m.add(a[0], b[0]), self.m.add(a[1], b[1])]),
@@ -99,6 +99,7 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
+    /// The form of a · b. At least one operand must have slopes.
     pub(super) fn form_product<const N: usize>(
         &mut self,
         a: &FormOperand<M::V, N>,
@@ -134,7 +135,7 @@ impl<M: Machine> Rule<'_, M> {
         let b = &factor.value;
         let exact = factor.range.singleton();
         let a = if exact.is_some() { a.value } else { self.including_rounding(a).value };
-        // A factor that is a single number x is taken itself, since the middle of [x, x] may
+        // A factor that is a single number is used directly: computing the middle of its bounds may
         // overflow.
         let by = exact.map_or(b.centre, |number| self.number(number));
         let slopes = a.slopes.map(|slopes| self.pairwise(slopes, [by; N], M::mul));
@@ -168,6 +169,8 @@ impl<M: Machine> Rule<'_, M> {
         }
     }
 
+    /// The form of a · b for two operands with slopes, without the bounds that interval arithmetic
+    /// gives.
     fn form_product_varying<const N: usize>(
         &mut self,
         a: &Form<M::V, N>,
@@ -188,8 +191,8 @@ impl<M: Machine> Rule<'_, M> {
             let first = self.m.mul(a.centre, b_slopes[k]);
             self.m.mul_add(a_slopes[k], b.centre, first)
         });
-        // The error bounds all products of symbols, less the half that was added to the center. It
-        // still counts the rounding of that half.
+        // The error bounds all products of symbols, except for the half that was added to the
+        // center. The rounding of that half is included.
         let size = self.m.abs(depth);
         let tiny = self.tiny();
         let mut error = if N == 1 {

@@ -40,7 +40,7 @@ pub(super) struct Derivatives<V> {
     bend: [V; 2],
 }
 
-/// Largest error of a result of few operations without cancellation, in units of the result.
+/// Bound on the error of a result of few operations without cancellation, in units of the result.
 const UNITS: f64 = 32.0;
 
 impl<M: Machine> Rule<'_, M> {
@@ -71,8 +71,8 @@ impl<M: Machine> Rule<'_, M> {
     /// `bend`, both in magnitude. `ends` bound it at the ends of its operand, each as [−lo, hi];
     /// `value` encloses it.
     ///
-    /// For any α, f(x) − αx lies between its values at the ends but for ⅛ · `bend` · width². Here α
-    /// is the slope of the chord.
+    /// For any α, f(x) − αx lies between its values at the ends, or at most ⅛ · `bend` · width²
+    /// outside. Here α is the slope of the chord.
     pub(super) fn form_chord<const N: usize>(
         &mut self,
         a: &FormOperand<M::V, N>,
@@ -124,12 +124,13 @@ impl<M: Machine> Rule<'_, M> {
         self.with_bounds(&form, &value)
     }
 
-    /// The operand that is the single number `at` within `bounds`.
+    /// The operand whose only value is `at`. Everything else is copied from `bounds`.
     pub(super) fn point(&mut self, at: M::V, bounds: &Operand<M::V>) -> Operand<M::V> {
         Operand { value: Enclosure::total(self.m.neg(at), at), ..*bounds }
     }
 
-    /// The form f(m) + α(a − m), whose error bounds the rest of the Taylor series.
+    /// The form f(m) + α(a − m), where m is `middle`. Its error bounds the rest of the Taylor
+    /// series for operands that differ from m by at most `reach`. `here` encloses f(m).
     fn form_taylor<const N: usize>(
         &mut self,
         a: &Form<M::V, N>,
@@ -152,7 +153,7 @@ impl<M: Machine> Rule<'_, M> {
         self.form_line(&moved, shape.slope, offset, half)
     }
 
-    /// The form of a − m, which keeps the bounds of a.
+    /// The form of a − m. Its stored bounds are still those of a.
     pub(super) fn form_moved<const N: usize>(
         &mut self,
         a: &Form<M::V, N>,

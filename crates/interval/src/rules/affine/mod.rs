@@ -83,8 +83,8 @@ impl<V: Copy, const N: usize> Form<V, N> {
         }
     }
 
-    /// A code of what is known when code is compiled: which vectors there are, which facts hold,
-    /// and the number of units.
+    /// A code for the structure of the form, which is known when code is compiled: the vectors that
+    /// exist, the facts that hold, and the number of units.
     pub fn shape(&self) -> u128 {
         let has = [
             self.slopes.is_some(),
@@ -253,8 +253,8 @@ pub fn linearise_sincos<M: Machine, const N: usize>(
 }
 
 impl<M: Machine> Rule<'_, M> {
-    /// The unit of rounding. A result errs by less than this fraction of itself, whether it is
-    /// rounded up or to nearest.
+    /// The unit of rounding. A result, rounded up or to nearest, errs by less than this fraction of
+    /// itself.
     fn unit(&self) -> f64 {
         2f64.powi(self.format.pick(-23, -52))
     }
@@ -264,7 +264,7 @@ impl<M: Machine> Rule<'_, M> {
         self.m.add(error, tiny)
     }
 
-    /// More than the sum of the errors of a dozen results below the normal numbers.
+    /// More than the total error of a dozen subnormal results.
     fn tiny(&mut self) -> M::V {
         self.m.bits(self.format, 64)
     }

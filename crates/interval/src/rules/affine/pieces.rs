@@ -87,7 +87,8 @@ impl<M: Machine> Rule<'_, M> {
         self.with_bounds(&form, &value)
     }
 
-    /// The form of `a` in the lanes of the mask, else of `b`. Bounds and facts are those of `b`.
+    /// The form of `a` in the lanes of the mask, and of `b` in the other lanes. Bounds and facts
+    /// are taken from `b`.
     fn form_select<const N: usize>(
         &mut self,
         mask: M::V,

@@ -26,6 +26,7 @@ struct CenteredOperand<V, const N: usize> {
 }
 
 impl<M: Machine> Rule<'_, M> {
+    /// The forms of the sine and the cosine of `a`.
     pub(super) fn form_waves<const N: usize>(
         &mut self,
         a: &FormOperand<M::V, N>,

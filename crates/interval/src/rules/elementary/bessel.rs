@@ -22,7 +22,7 @@ use crate::rules::Rule;
 use std::array;
 use std::sync::LazyLock;
 
-/// Number of functions.
+/// Number of orders: 0 to 3.
 const ORDERS: usize = 4;
 /// Middles of the ranges of (x/2)² that are near, in `f32` and in `f64`. The ranges end at |x| =
 /// √128 and √512.
@@ -118,16 +118,16 @@ impl<M: Machine> Rule<'_, M> {
     }
 }
 
-/// The operands for which a routine is meant.
+/// The operands for which a routine must work.
 pub(crate) enum Reach {
-    /// Those of the near range.
+    /// Operands in the near range.
     Near,
-    /// All that these parts of π/2 can reduce.
+    /// All operands that these parts of π/2 can reduce.
     Anywhere(&'static HalfPi),
 }
 
 impl Reach {
-    /// The reach for operands within `range`, in the format of this number.
+    /// The reach that covers operands within `range`. `format` is 0 for `f32` and 1 for `f64`.
     pub(crate) fn of(range: Interval, format: usize) -> Self {
         let end = (8.0 * MIDDLES[format] as f64).sqrt().next_down();
         if (Interval { lo: -end, hi: end }).encloses(range) {
@@ -160,6 +160,7 @@ impl<M: Machine> Approximator<'_, M> {
         Approximation { absolute, exponent, ..Approximation::new(sum, near.error) }
     }
 
+    /// The Bessel function of this order near 0, from its series in (x/2)².
     fn bessel_near(&mut self, order: usize, x: M::V) -> Approximation<M::V> {
         let place = self.pick(0, 1);
         let w = self.beside_middle(x, reciprocal(4.0 * MIDDLES[place] as f64));
@@ -187,7 +188,7 @@ impl<M: Machine> Approximator<'_, M> {
         let minus_cos = self.opposite(cos);
         let (above, below) = (self.sum(cos, sin), self.sum(sin, minus_cos));
         // `above` and `below` are √2 cos χ and √2 sin χ for order 0. For order 1 they are −√2 sin χ
-        // and √2 cos χ. Order 2 negates what order 0 has; order 3 negates what order 1 has.
+        // and √2 cos χ. Order 2 has the negated values of order 0, and order 3 those of order 1.
         let value = if order.is_multiple_of(2) {
             let (p, q) = (self.times(p, above), self.times(q, below));
             let q = self.opposite(q);

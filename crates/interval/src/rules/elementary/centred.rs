@@ -10,14 +10,14 @@ use crate::machine::Machine;
 
 /// Number of fraction bits of a coefficient.
 const FRACTION: i32 = 90;
-/// More terms than any series needs: those beyond sum to less than 2⁻⁹⁰.
+/// A number of terms that suffices for all series: the terms beyond sum to less than 2⁻⁹⁰.
 const TERMS: usize = 128;
 
 /// A polynomial in w for |w| ≤ 1.
 pub(super) struct CentredSeries {
-    /// The coefficients as sums of head and tail, that of w⁰ first.
+    /// The coefficients as sums of head and tail, starting with the coefficient of w⁰.
     coefficients: Vec<[f64; 2]>,
-    /// Number of the first coefficient from which on terms are computed without tails.
+    /// Index of the first coefficient whose term is computed without a tail.
     plain: usize,
 }
 
@@ -156,8 +156,8 @@ fn to_float(fixed: i128) -> [f64; 2] {
 }
 
 impl<M: Machine> Approximator<'_, M> {
-    /// Computes the polynomial at w. Results in `f32` err by the rounding of plain lanes besides:
-    /// 2⁻⁵⁰ times the number of terms and the sum of the coefficients' magnitudes.
+    /// Computes the polynomial at w. For results in `f32`, plain lanes add a rounding error: 2⁻⁵⁰
+    /// times the number of terms times the sum of the coefficients' magnitudes.
     pub(super) fn centred(
         &mut self,
         series: &CentredSeries,

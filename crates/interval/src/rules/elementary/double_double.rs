@@ -342,6 +342,7 @@ impl<M: Machine> Approximator<'_, M> {
         self.raised(value, near.exponent)
     }
 
+    /// A bound of the absolute error of an approximation.
     fn slack(&mut self, near: &Approximation<M::V>) -> M::V {
         let (magnitude, mut error) = (self.m.abs(near.sum.head), self.number(near.error));
         if let Some(extra) = near.extra {

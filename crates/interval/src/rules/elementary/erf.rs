@@ -11,7 +11,7 @@ use std::sync::LazyLock;
 /// Middles of the ranges of x², in `f32` and in `f64`. The ranges end at x = 2√6 and x = 6. Beyond,
 /// 1 − erf x is below 2⁻³⁷ and 2⁻⁵⁵.
 const MIDDLES: [i128; 2] = [12, 18];
-/// The series are at least 0.147, so their relative errors are below 2⁻³⁵ and 2⁻⁵⁶.
+/// The values of the series are at least 0.147, so their relative errors are below 2⁻³⁵ and 2⁻⁵⁶.
 static SERIES: LazyLock<[CentredSeries; 2]> = LazyLock::new(|| {
     let error = [2f64.powi(-38), 2f64.powi(-59)];
     [0, 1].map(|n| CentredSeries::erf(MIDDLES[n], error[n]))
@@ -27,8 +27,8 @@ impl<M: Machine> Rule<'_, M> {
         self.at_both_ends(a, |approx, x| approx.erf(x))
     }
 
-    /// Encloses the error function, which increases and is never beyond ±1, from its bounds at the
-    /// ends of the operand.
+    /// Encloses the error function, from its bounds at the ends of the operand. The function
+    /// increases and stays within ±1.
     pub(in crate::rules) fn erf(
         &mut self,
         a: &Operand<M::V>,
@@ -68,8 +68,8 @@ impl<M: Machine> Approximator<'_, M> {
         self.sum(minus_one, ratio)
     }
 
-    /// For results with tails, multiplies tiny operands by 2^600. Returns the exponent that takes
-    /// the product of `count` such operands back.
+    /// For results with tails, multiplies tiny operands by 2^600. Returns the exponent of the power
+    /// of 2 by which the product of `count` such operands must then be multiplied.
     pub(super) fn enlarged(&mut self, x: M::V, count: i32) -> (M::V, Option<M::V>) {
         if !self.has_tails() || count == 0 {
             return (x, None);

@@ -9,7 +9,7 @@ use super::double_double::{Approximation, DoubleDouble};
 use crate::machine::{Format, Machine};
 
 const F64: Format = Format::F64;
-/// Bits of the double nearest to √½; `ONE` has those of 1.
+/// Bits of the double nearest to √½; `ONE` has the bits of 1.
 const ROOT_HALF: u64 = 0x3fe6_a09e_667f_3bcd;
 const ONE: u64 = 0x3ff0_0000_0000_0000;
 /// For x above this limit (2³⁰), in `f64`, asinh x and acosh x equal ln 2x to 2⁻⁶⁶.

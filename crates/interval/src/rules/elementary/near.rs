@@ -159,6 +159,7 @@ impl<M: Machine> Rule<'_, M> {
         })
     }
 
+    /// Bounds of the sine and the cosine at one end of the operand.
     fn near_end(&mut self, x: M::V) -> EndBounds<M::V> {
         let turned = self.near_reduce(x);
         let [sin, cos] = self.near_sums(&turned);
@@ -182,6 +183,7 @@ impl<M: Machine> Rule<'_, M> {
         EndBounds { sin, cos, quarters: self.m.int_add(turned.bits, before) }
     }
 
+    /// Subtracts the nearest multiple of π/2 from an angle.
     fn near_reduce(&mut self, x: M::V) -> ReducedAngle<M::V> {
         let two_over_pi = self.nearest(std::f64::consts::FRAC_2_PI);
         let quarters = self.m.mul(x, two_over_pi);
@@ -220,8 +222,8 @@ impl<M: Machine> Rule<'_, M> {
         [HeadAndTail { head: s, tail: self.m.mul_sub(cube, series, moved) }, cos]
     }
 
-    /// Turns values or bounds for the rest into those for the angle. Each is returned with a
-    /// vector: in lanes with that vector's sign bit set, the caller must negate it.
+    /// Converts values or bounds for the rest of an angle to those for the angle. Each is returned
+    /// with a vector: in lanes with that vector's sign bit set, the caller must negate it.
     fn turn_back<const N: usize>(
         &mut self,
         turned: &ReducedAngle<M::V>,

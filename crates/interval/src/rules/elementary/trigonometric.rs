@@ -182,6 +182,7 @@ impl<M: Machine> Approximator<'_, M> {
         [self.sin_of(x, &angle, reduced), self.cos_of(&angle, reduced)]
     }
 
+    /// The sine of x, from the sine and cosine of the reduced angle.
     fn sin_of(
         &mut self,
         x: M::V,
@@ -195,6 +196,7 @@ impl<M: Machine> Approximator<'_, M> {
         Approximation::new(value, self.pick(WAVE_ERROR_F32, 2f64.powi(-54)))
     }
 
+    /// The cosine of an angle, from the sine and cosine of the reduced angle.
     fn cos_of(
         &mut self,
         angle: &Angle<M::V>,

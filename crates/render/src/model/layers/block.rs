@@ -47,7 +47,7 @@ impl Block {
         rows.or_else(|| halve(&mut self.columns).map(|columns| Self { columns, ..self.clone() }))
     }
 
-    /// The block with the pixels around it.
+    /// The block, extended on each side by [`BAND_ROWS`] pixels that lie in the picture.
     pub fn known(&self, rays: &RayGrid) -> Self {
         let around = |range: &Range<usize>, end: usize| {
             range.start.saturating_sub(BAND_ROWS)..(range.end + BAND_ROWS).min(end)
@@ -85,7 +85,7 @@ impl Block {
         })
     }
 
-    /// Sets `all` of the block's pixels for which `part` is set.
+    /// Sets the elements of `all` for those of the block's pixels whose element of `part` is set.
     pub fn mark(&self, part: &[bool], all: &mut [bool], width: usize) {
         self.pixels_of(self, width).for_each(|(pixel, own)| all[pixel] |= part[own]);
     }

@@ -264,8 +264,8 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         (strength > 0.0).then_some(Haze { color, between, strength: strength as f32 })
     }
 
-    /// The light and the colors of surfaces. `is_seen` is asked before the sides of a surface are
-    /// told apart, which takes a kernel: whether any surface is painted.
+    /// The light and the colors of surfaces. `is_seen` returns whether any surface is painted. If
+    /// none is, the sides of surfaces are not determined, since that takes a kernel.
     pub(super) fn appearance(&self, rays: &RayGrid, is_seen: &dyn Fn() -> bool) -> Appearance {
         let settings = self.settings;
         let plain =

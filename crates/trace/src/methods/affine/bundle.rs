@@ -71,7 +71,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
             self.write_hits(&patch, classes.short, classes.uneven, &found);
         }
         for bit in ones(classes.open) {
-            let ends = self.memory.left(bit);
+            let ends = self.memory.remaining(bit);
             self.set_apart(rays.at(bit), ends.map(Into::into));
         }
         // The far ends are copied, since evaluating the pool overwrites them.

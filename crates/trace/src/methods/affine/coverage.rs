@@ -2,7 +2,7 @@
 //!
 //! A pixel without a result becomes a miss only if its tile has reached the far end of its rays. A
 //! tile gets there by segments that follow each other without a gap. Each segment was examined, or
-//! proven empty as a whole. So whatever leaves out a tile makes no misses of its pixels.
+//! proven empty as a whole. So code that leaves out a tile cannot make its pixels misses.
 
 use std::ops::Range;
 
@@ -19,7 +19,7 @@ pub(super) struct Coverage {
 pub(super) type TileRanges = [Range<usize>; 2];
 
 impl Coverage {
-    /// Begins with rows of tiles, whose rays start at `near`.
+    /// Resets the tiles: `across` columns and `down` rows, whose rays start at `near`.
     pub fn begin(&mut self, [across, down]: [usize; 2], near: f64) {
         self.across = across;
         self.reached.clear();

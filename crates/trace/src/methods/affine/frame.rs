@@ -76,10 +76,10 @@ impl RayFrame {
         (T::GRAIN * self.size()).max(FORM_BLUR * self.error_in::<T>(self.size()).max_element())
     }
 
-    /// Returns bounds of the error of coordinates that kernels compute in `T` from this frame, for
-    /// |s| up to `most`.
+    /// Returns a bound for each axis of the error of coordinates that kernels compute in `T` from
+    /// this frame. It holds at places on rays with |s| of at most `most`.
     ///
-    /// They cover underflow, and the rounding of vectors and screen coordinates to `T`.
+    /// It covers underflow, and the rounding of vectors and screen coordinates to `T`.
     pub fn error_in<T: Scalar>(&self, most: f64) -> DVec3 {
         let least: f64 = T::LEAST_NORMAL.into();
         let scale = (1.0 + most) * (1.0 + self.reach[0] + self.reach[1]);
@@ -101,7 +101,8 @@ impl RayFrame {
         tiles
     }
 
-    /// Returns the error of coordinates of this picture's rays, in each lane of a batch.
+    /// Returns a bound of the error of coordinates of this picture's rays: for each axis, the same
+    /// number in all lanes.
     pub fn segments_error<T: Scalar>(&self) -> [Lanes<T>; 3] {
         let error = self.error_in::<T>(self.size());
         [error.x, error.y, error.z].map(|error| Lanes::splat(T::above(error)))
@@ -156,7 +157,7 @@ impl RayFrame {
         [&self.origin, &self.direction].map(|parts| parts[0] + a * parts[1] + b * parts[2])
     }
 
-    /// Returns the components of o, o₁ and o₂ for each axis, then those of d, d₁ and d₂.
+    /// Returns the components of o, o₁ and o₂ for each axis, then the components of d, d₁ and d₂.
     #[inline(always)]
     pub fn by_axis(&self) -> [[[f64; 3]; 3]; 2] {
         [self.origin, self.direction]
@@ -192,9 +193,9 @@ impl RayFrame {
                 let enter = up.select(low - o[1], o[0] - high);
                 let leave = up.select(high - o[0], o[1] - low);
                 let (least, most) = (up.select(d[0], -d[1]), up.select(d[1], -d[0]));
-                // The earliest entry is a negative distance divided by the least speed, or a
-                // positive one by the greatest. The latest exit is a negative one by the greatest,
-                // or a positive one by the least.
+                // The earliest entry divides a negative distance by the least speed, or a positive
+                // distance by the greatest. The latest exit divides a negative distance by the
+                // greatest speed, or a positive distance by the least.
                 let first = enter / enter.simd_lt(0.0).select(least, most);
                 let last = leave / leave.simd_lt(0.0).select(most, least);
                 let one_way = up | down;

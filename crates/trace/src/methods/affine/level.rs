@@ -97,7 +97,7 @@ impl<T: Scalar> Level<T> {
         [*near, *far] = segment.map(|end| Lanes::splat(T::nearest(end)));
         if tracer.rays.is_patched() {
             for lane in ones(self.live) {
-                let segment = tracer.from(self.place(lane), segment).map(T::nearest);
+                let segment = tracer.clip_to_patch(self.place(lane), segment).map(T::nearest);
                 [self.batch.near[lane], self.batch.far[lane]] = segment;
             }
         }
@@ -264,6 +264,7 @@ impl<T: Scalar> Level<T> {
         self.batch.count = LANES as u32 - self.live.leading_zeros();
     }
 
+    /// Moves the live tiles of the batch to its first lanes.
     #[inline(always)]
     fn pack_batch<S: Simd>(&mut self, simd: S) {
         // The compiler keeps this copy in a register. It would read `self.live` again for each

@@ -24,7 +24,7 @@ pub(super) struct TilePixels {
     pub index: usize,
     /// Column and row of the first pixel, in the band.
     first: [usize; 2],
-    /// Change of column and of row in the band from one row of the tile's pixels to the next.
+    /// Offset in the band, in columns and rows, from each row of the tile's pixels to the next row.
     next: [usize; 2],
     /// Screen coordinates of the tile's columns, then of its rows.
     pub across: [f64; 4],

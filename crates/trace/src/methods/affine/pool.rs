@@ -102,8 +102,8 @@ impl<T: Scalar> RayBuffers<T> {
         self.pool.evaluated.segments.error = error;
     }
 
-    /// Returns the part that the kernel left of a lane's segment.
-    pub fn left(&self, lane: usize) -> [T; 2] {
+    /// Returns the part of a lane's segment that remains after the kernel narrowed it.
+    pub fn remaining(&self, lane: usize) -> [T; 2] {
         [self.contractions.near[lane], self.contractions.far[lane]]
     }
 }

@@ -105,6 +105,8 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         );
     }
 
+    /// Evaluates the segments of all rays in the pool once. Rays that are decided, or that were
+    /// evaluated too often, leave the pool.
     #[inline(always)]
     fn evaluate_pool_once(&mut self) {
         let RayBuffers { pool, contractions, .. } = &mut *self.memory;
@@ -128,13 +130,13 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         }
         pool.resume(classes.empty);
         for lane in ones(classes.short) {
-            let ends = self.memory.left(lane);
+            let ends = self.memory.remaining(lane);
             let (ray, _) = self.memory.pool.free_lane(lane);
             self.add_hit(&ray, ends.map(Into::into), classes.uneven >> lane & 1 == 1);
         }
         let over = exhausted & self.memory.pool.live & !classes.open;
         for lane in ones(classes.open | over) {
-            let mut ends = self.memory.left(lane);
+            let mut ends = self.memory.remaining(lane);
             if over >> lane & 1 == 1 {
                 let Segments { near, far, .. } = &self.memory.pool.evaluated.segments;
                 ends = [near[lane], far[lane]];

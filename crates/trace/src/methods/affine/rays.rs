@@ -24,7 +24,7 @@ fn is_blurred<T: Scalar>(local_ray: &LocalRay) -> bool {
 }
 
 /// Returns the part of a segment in which zeros are searched for. Rounded ends may lie outside,
-/// where the kernels of a part of space mean nothing.
+/// where the kernels of a part of space are not valid.
 fn within(local_ray: &LocalRay, [near, far]: [f64; 2]) -> [f64; 2] {
     let [first, last] = local_ray.span;
     [near.max(first), far.min(last)]
@@ -172,7 +172,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
             let FollowResult::Open([near, far], _) = *step else { continue };
             let segment = within(local_ray, [near, far]);
             let length = segment[1] - segment[0];
-            // Nor is a bracket around the ray's start wanted.
+            // A bracket around the ray's start is not wanted either.
             let is_short = length > 0.0 && length <= local_ray.longest;
             if is_short
                 && local_ray.start < segment[0]
@@ -270,6 +270,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
         RayFunction { kernel, local_ray, region, is_solid: options.is_solid }
     }
 
+    /// Does the work of [`Self::bracket_across_gap`] with the kernels of a scalar type.
     fn bracket_across_gap_in<U: Scalar>(
         &self,
         local_ray: &LocalRay,
@@ -281,7 +282,8 @@ impl<'a, T: Scalar> Follower<'a, T> {
         }
         let kernels = U::kernels(self.task.surface);
         if let Some(Ok(kernel)) = kernels.bounds_in_part() {
-            // By the steps of the part, as far as the ray is in it, which takes far less time.
+            // Within the part of space, the part's own kernel is tried first: it takes far less
+            // time.
             let part = LocalRay { inside: within(local_ray, local_ray.inside), ..*local_ray };
             let bracket = self.along(kernel, &part).bracket(within(local_ray, segment));
             if bracket.is_some() {
@@ -291,6 +293,7 @@ impl<'a, T: Scalar> Follower<'a, T> {
         self.along(kernels.bounds().ok()?, local_ray).bracket(segment)
     }
 
+    /// Does the work of [`Self::classify_open`] with the kernels of a scalar type.
     fn classify_open_in<U: Scalar>(
         &self,
         local_ray: &LocalRay,

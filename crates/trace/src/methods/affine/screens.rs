@@ -7,8 +7,8 @@ use zeroset_eval::{LANES, Lanes};
 /// Screen coordinates of rays, or of the centers of tiles. For tiles, also their half extents.
 pub(super) type ScreenRays<'a, T> = (&'a [Lanes<T>; 2], Option<&'a [Lanes<T>; 2]>);
 
-/// Returns the screen coordinates of 4×4 places, row by row. `across` has those of the columns,
-/// `upward` those of the rows.
+/// Returns the screen coordinates of 4×4 places, row by row. `across` has the coordinates of the
+/// columns, and `upward` has the coordinates of the rows.
 #[inline(always)]
 pub(super) fn spread<S: Simd>(simd: S, across: [f64; 4], upward: [f64; 4]) -> [[f64x8<S>; 2]; 2] {
     let across = f64x4::simd_from(simd, across);

@@ -116,7 +116,7 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
 
     /// Returns the part of a segment to examine: for a patch, the part in
     /// [`Patch::between`](crate::Patch).
-    pub(super) fn from(&self, place: [usize; 2], [near, far]: [f64; 2]) -> [f64; 2] {
+    pub(super) fn clip_to_patch(&self, place: [usize; 2], [near, far]: [f64; 2]) -> [f64; 2] {
         match self.rays.patch(self.band.top + place[1]) {
             Some(patch) => {
                 let [from, until] = patch.between.map(|t| T::nearest(t - self.frame.start).into());

@@ -113,6 +113,8 @@ impl Isolated {
         if near < next && next < far { next } else { middle }
     }
 
+    /// Moves an end of the bracket to `place` if the sign of `value` there is known. Otherwise
+    /// extends the uncertain stretch to `place`.
     fn narrow(&mut self, place: f64, value: Interval) {
         if let Some(is_above) = sign(value) {
             let end = usize::from(is_above != self.is_above[0]);
