@@ -23,8 +23,10 @@ use std::time::{Duration, Instant};
 use zeroset_eval::{Boxes, KernelFloat, Points, SurfaceKernels};
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Graph};
+use zeroset_scene::camera::CameraChoice;
 use zeroset_scene::curves::{self, TracedCurves};
 use zeroset_scene::kernels::Evaluator;
+use zeroset_scene::number::nearest;
 use zeroset_scene::program::{Program, ProgramError};
 use zeroset_scene::{proportions, view};
 use zeroset_shade::Light;
@@ -66,6 +68,8 @@ struct DocumentStyle {
     look: Option<&'static Look>,
     background: Option<Background>,
     lines: PictureLines,
+    /// The document's choice of a camera.
+    camera: CameraChoice,
     /// The values x, y and z, for lines whose values the document does not name. `None` without
     /// lines.
     coordinates: Option<[PointValue; 3]>,
@@ -88,11 +92,12 @@ impl DocumentStyle {
             Some(true) => &[0, 1, 2],
             Some(false) | None => &[],
         };
-        let values = document.parameters.iter().map(|parameter| view::nearest(&parameter.value));
+        let values = document.parameters.iter().map(|parameter| nearest(&parameter.value));
         Self {
             look: document.look,
             background: document.background,
             lines: lines.clone(),
+            camera: CameraChoice::typed(document),
             coordinates: (lines.contours.is_some() || !mesh.is_empty())
                 .then(|| [(Axis::X, "x"), (Axis::Y, "y"), (Axis::Z, "z")].map(coordinate)),
             mesh,
@@ -279,6 +284,11 @@ impl Model {
         settings.look.or(self.setting.look).unwrap_or_default()
     }
 
+    /// The camera that the document chooses.
+    pub(crate) fn camera(&self) -> &CameraChoice {
+        &self.setting.camera
+    }
+
     /// Returns whether a picture with these settings has a ground.
     pub(crate) fn has_ground(&self, settings: &Settings) -> bool {
         self.choices(settings).ground == Some(true) && settings.normals.is_some()
@@ -292,7 +302,7 @@ impl Model {
     /// The light that casts shadows, in the displayed space.
     pub(crate) fn key_light(&self, settings: &Settings, rays: &RayGrid) -> Light {
         let typed = self.setting.lines.light.as_ref();
-        let typed = typed.map(|place| place.each_ref().map(view::nearest).into());
+        let typed = typed.map(|place| place.each_ref().map(nearest).into());
         match settings.light.or(typed) {
             Some(place) => Light::Positional(place * rays.stretch()),
             None => Light::above_left(rays),

@@ -9,7 +9,6 @@ use super::shape::Growth;
 use super::tops::around_tops;
 use super::window::{WindowChooser, few_digits};
 use super::{DEFAULT_HALF, FLAT, SPACE, THIN, climb, fading};
-use crate::proportions;
 use zeroset_space::Cell;
 
 /// If a graph has heights in a part of the window only, the bound of that part is rounded to this
@@ -63,7 +62,7 @@ impl WindowChooser<'_> {
         let half = around_tops(&heights);
         let grid = Grid::new(&heights, half);
         let reach = grid.ends().map_or(0.0, |[low, high]| high - low);
-        if self.is_stretched && reach > 0.0 && proportions::differ(reach, 2.0 * half) {
+        if self.is_stretched && reach > 0.0 && super::differ(reach, 2.0 * half) {
             return true;
         }
         if self.shape.growth == Growth::Polynomial {
