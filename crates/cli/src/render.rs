@@ -147,7 +147,7 @@ fn modeled(
     threads: Option<usize>,
 ) -> Result<(Model, ThreadPool)> {
     let pool = thread_pool(threads)?;
-    let mut model = pool.install(|| Model::simplified(document, region, settings))?;
+    let mut model = pool.install(|| Model::simplified(document, region, region, settings))?;
     let Some(left) = settings.limit.time_left() else {
         pool.install(|| model.compile(settings, &|| true))?;
         return Ok((model, pool));

@@ -106,13 +106,6 @@ impl DocumentStyle {
     }
 }
 
-/// Simplifies all surfaces of `document` in `region`. Returns the time that it took, too.
-fn simplified(document: &Document, region: &Region) -> Result<(Program, Times), ProgramError> {
-    let watch = Instant::now();
-    let program = Program::new(document, view::bounds(region))?;
-    Ok((program, Times { simplify: watch.elapsed(), ..Times::default() }))
-}
-
 impl Model {
     /// Simplifies all surfaces of `document` in `region`, and compiles the kernels that a picture
     /// with these settings needs.
@@ -124,7 +117,7 @@ impl Model {
         region: &Region,
         settings: &Settings,
     ) -> Result<Self, ProgramError> {
-        let mut model = Self::simplified(document, region, settings)?;
+        let mut model = Self::simplified(document, region, region, settings)?;
         model.compile(settings, &|| true)?;
         Ok(model)
     }
@@ -143,28 +136,29 @@ impl Model {
         settings: &Settings,
         wanted: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Self>, ProgramError> {
-        let (program, times) = simplified(document, reach)?;
-        program.hurry();
-        let curves = curves::trace(document, region);
-        let precision = settings.options.precision;
-        let mut model = Self::of(program, document, region, curves.into(), precision, Some(times));
+        let mut model = Self::simplified(document, region, reach, settings)?;
+        model.program.hurry();
         Ok(model.compile(settings, wanted)?.then_some(model))
     }
 
-    /// Simplifies all surfaces of `document` in `region`. Kernels are compiled when first needed,
-    /// or by [`Model::compile`].
+    /// Simplifies all surfaces of `document` in `region`. The code serves all regions within
+    /// `reach`, as for [`Model::new_while`]. Kernels are compiled when first needed, or by
+    /// [`Model::compile`].
     ///
     /// # Errors
     /// If a formula is constant or undefined everywhere.
     pub fn simplified(
         document: &Document,
         region: &Region,
+        reach: &Region,
         settings: &Settings,
     ) -> Result<Self, ProgramError> {
-        let (program, times) = simplified(document, region)?;
+        let watch = Instant::now();
+        let program = Program::new(document, view::bounds(reach))?;
+        let times = Some(Times { simplify: watch.elapsed(), ..Times::default() });
         let curves = curves::trace(document, region);
         let precision = settings.options.precision;
-        Ok(Self::of(program, document, region, curves.into(), precision, Some(times)))
+        Ok(Self::of(program, document, region, curves.into(), precision, times))
     }
 
     /// Optimizes the kernels of [`Model::new_while`], in parallel. It checks `wanted` between

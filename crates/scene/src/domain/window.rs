@@ -240,8 +240,14 @@ impl WindowChooser<'_> {
             |n: &usize| sizes[..*n].iter().all(|other| !(0.5..=2.0).contains(&(sizes[*n] / other)));
         let find = |n: usize| {
             let Self { search, values, centre, .. } = *self;
-            CriticalSearch { search, values, depends: self.shape.depends, centre, half: sizes[n] }
-                .find()
+            CriticalSearch {
+                search,
+                values,
+                depends: self.shape.depends,
+                centre: centre.into(),
+                half: sizes[n],
+            }
+            .find()
         };
         (0..sizes.len())
             .filter(is_new)
