@@ -230,7 +230,6 @@ fn both(
             };
             [0, 1].map(|side| reaches(one, side) || reaches(other, side))
         }),
-        work: one.work + other.work,
     });
     (region, searched)
 }

@@ -83,8 +83,6 @@ pub struct AutoDomain {
     pub finding: Finding,
     /// Per axis, whether the surface is a graph that continues beyond the lower and the upper end.
     pub cut: [[bool; 2]; 3],
-    /// Number of evaluations that the search took.
-    pub work: u64,
 }
 
 impl AutoDomain {
@@ -93,7 +91,7 @@ impl AutoDomain {
         let cut = [[false; 2]; 3];
         let [low, high] = ends.map_or([DVec3::NEG_ONE, DVec3::ONE], around_curves);
         let (low, high) = (low.to_array(), high.to_array());
-        Self { low, high, finding: Finding::Traced, cut, work: 0 }
+        Self { low, high, finding: Finding::Traced, cut }
     }
 
     /// This domain, extended to hold the box of curves and points too.
@@ -202,30 +200,29 @@ pub fn find_while(
     let work = Counter::new(share(WORK));
     let mut search = CellSearch { surfaces, forms: Vec::new(), wanted, work };
     let mut at_infinity = share(WORK_AT_INFINITY);
-    let whole = everything(program, &search, &mut at_infinity)
+    let bounds = everything(program, &search, &mut at_infinity)
         .map_or_else(|| bounds::bounds(&search), Some);
-    let is_empty = whole.is_none();
-    let whole = whole.filter(Cell::is_finite);
+    let whole = bounds.filter(Cell::is_finite);
     let whole = whole.map(|whole| (whole, Finding::Bounded, Finding::Empty));
     let near =
         || everything_near(&search).map(|whole| (whole, Finding::BoundedNear, Finding::EmptyNear));
     let mut cut = [[false; 2]; 3];
-    let (found, finding) = if is_empty {
-        (Cell::cube(DEFAULT_HALF), Finding::Empty)
-    } else if let Some((whole, bounded, empty)) = whole.or_else(near) {
-        match tighten(program, &mut search, whole)? {
+    let (found, finding) = match bounds.map(|bounds| (bounds, whole.or_else(near))) {
+        None => (Cell::cube(DEFAULT_HALF), Finding::Empty),
+        Some((_, Some((whole, bounded, empty)))) => match tighten(program, &mut search, whole)? {
             Some(hull) => (around(program, &hull), bounded),
             None => (Cell::cube(DEFAULT_HALF), empty),
+        },
+        Some((bounds, None)) => {
+            let window = windows(program, is_stretched, &search, bounds)?;
+            cut = window.cut;
+            let is_round = window.is_round;
+            (window.cell, if is_round { Finding::UnboundedInBall } else { Finding::Unbounded })
         }
-    } else {
-        let Window { cell, is_round, cut: is_cut } = windows(program, is_stretched, &search)?;
-        cut = is_cut;
-        (cell, if is_round { Finding::UnboundedInBall } else { Finding::Unbounded })
     };
-    let work = share(WORK) - search.work.get() + share(WORK_AT_INFINITY) - at_infinity;
     let Cell { low, high } = valid_box(found);
     // The result of a cancelled search is not reliable.
-    Ok(wanted().then_some(AutoDomain { low, high, finding, cut, work }))
+    Ok(wanted().then_some(AutoDomain { low, high, finding, cut }))
 }
 
 /// A box around all parts of `whole` that may hold a surface. Intervals find it, then affine forms
@@ -363,11 +360,13 @@ fn gcd(a: u32, b: u32) -> u32 {
 }
 
 /// A box around the windows on all surfaces. It is clipped to a ball if all surfaces look better
-/// so. If `is_stretched`, the box may have any proportions.
+/// so. If `is_stretched`, the box may have any proportions. All surfaces are proven to lie in
+/// `bounds`.
 fn windows(
     program: &Program,
     is_stretched: bool,
     search: &CellSearch<'_>,
+    bounds: Cell,
 ) -> Result<Window, ProgramError> {
     let (graph, parameters) = (program.graph(), program.values());
     let mut windows = Vec::with_capacity(program.roots().len());
@@ -396,7 +395,10 @@ fn windows(
             waves: waves.iter().map(|wave| wave as &Wave<'_>).collect(),
             is_solid: program.is_solid(surface),
             is_stretched,
-            bounds: bounds::bounds(&alone).unwrap_or(EVERYWHERE),
+            bounds: match program.roots().len() {
+                1 => bounds,
+                _ => bounds::bounds(&alone).unwrap_or(EVERYWHERE),
+            },
             cut: [[false; 2]; 3],
         };
         windows.push(sight.window());
