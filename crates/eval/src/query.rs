@@ -177,7 +177,8 @@ pub(crate) fn eval_lanes<Q: Query<Input<T> = Boxes<T>>, T: Real>(
 }
 
 /// Defines the queries. A row has the name for reports, the number of expressions that a tape must
-/// compute, the kind of values, the batches that a kernel reads and writes, and the result.
+/// compute, and the kind of their values. Then come the batches that a kernel reads and writes, and
+/// the result. A query that is not evaluated as a whole also names its own `answer`.
 macro_rules! queries {
     ($(
         $(#[$doc:meta])*

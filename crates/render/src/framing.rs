@@ -103,7 +103,7 @@ pub fn camera(
     }
 }
 
-/// What a camera is chosen from, apart from what is visible.
+/// The region, the choices and the settings from which a camera is made.
 pub(crate) struct Framing<'a> {
     /// The region of the pictures.
     pub region: &'a Region,
