@@ -8,9 +8,10 @@ use crate::settings::Settings;
 use crate::text::{Parameter, Text};
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
+use zeroset_render::drawing::draw;
 use zeroset_render::framing;
-use zeroset_render::model::{Model, Strip};
-use zeroset_render::overlay::{Overlay, PictureView};
+use zeroset_render::model::Model;
+use zeroset_render::overlay::Overlay;
 use zeroset_scene::program::ProgramError;
 use zeroset_scene::view::{Clipping, region};
 use zeroset_trace::RayGrid;
@@ -99,19 +100,14 @@ impl Scene {
         let anew = || Model::new(document, &region, &settings);
         let model = Arc::new(again.map_or_else(anew, Ok).map_err(Error::formula)?);
         *last() = Some(Arc::clone(&model));
-        let camera = framing::camera(&model, document, choice, &settings, around.axes);
+        let camera = framing::camera(&model, choice, &settings, around.axes);
         let camera = camera.map_err(Error::scene)?;
-        let (mut rows, mut marks) = (PictureArrays::default(), None);
-        let size = [settings.width, settings.height];
-        let mut add = |Strip { top, picture, overview }: Strip<'_>| -> Result<(), ProgramError> {
-            let seen = overview.unwrap_or(&*picture);
-            let shown = PictureView::of(&model, &camera, seen);
-            let marks = marks.get_or_insert_with(|| around.marks(shown, size));
-            marks.mix_into_picture(picture, top);
+        let mut rows = PictureArrays::default();
+        let mut add = |_, picture: &mut _| -> Result<(), ProgramError> {
             rows.add(picture);
             Ok(())
         };
-        let whole = model.strips(&camera, &settings, &|_, _| {}, &mut add);
+        let whole = draw(&model, &camera, &settings, &around, &|_, _| {}, &mut add);
         let rays = RayGrid::new(&camera, settings.width, settings.height);
         Ok(Picture::new(camera, rays, &region, rows, whole.map_err(Error::formula)?))
     }

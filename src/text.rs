@@ -4,7 +4,7 @@ use crate::error::{Diagnostic, Error};
 use std::ops::RangeInclusive;
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
-use zeroset_scene::view::nearest;
+use zeroset_scene::number::nearest;
 use zeroset_syntax::{Document, Options};
 
 /// A named number that can be set without reading the text again. Examples are `r = 2`, the slider

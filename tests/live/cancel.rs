@@ -5,7 +5,8 @@ use std::time::Duration;
 use zeroset_render::limit::Limit;
 use zeroset_render::model::Model;
 use zeroset_render::picture::{Picture, Settings};
-use zeroset_scene::view::{self, CameraChoice, DomainChoice};
+use zeroset_scene::camera::{self, CameraChoice};
+use zeroset_scene::view::{self, DomainChoice};
 use zeroset_space::Region;
 use zeroset_style::Choices;
 use zeroset_syntax::{Document, Options};
@@ -40,7 +41,7 @@ fn a_compile_ends_between_kernels() {
 /// number of calls.
 fn picture(model: &Model, settings: &Settings, last: usize) -> (Picture, usize) {
     let (document, region) = document();
-    let camera = view::camera(&document, &region, &CameraChoice::default()).expect("valid");
+    let camera = camera::camera(&CameraChoice::typed(&document), &region).expect("valid");
     let asked = AtomicUsize::new(0);
     let advance = |_| asked.fetch_add(1, Ordering::Relaxed) < last;
     let picture = model.trace(&camera, settings, &advance);

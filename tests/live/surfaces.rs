@@ -4,7 +4,8 @@
 use super::live_support::{settled, start};
 use zeroset_live::{Axes, Live, Rendering};
 use zeroset_render::model::{Model, render};
-use zeroset_scene::view::{self, CameraChoice, DomainChoice};
+use zeroset_scene::camera::{self, CameraChoice};
+use zeroset_scene::view::{self, DomainChoice};
 use zeroset_syntax::{Document, Options};
 
 const THREE: &str = "domain 2\ncolor red\nx^2+y^2+z^2 = 1\ncolor green\nz = 1.2\ncolor blue\n\
@@ -122,7 +123,7 @@ fn a_picture_of_a_file_lacks_what_is_hidden() {
         let (hidden, alone) =
             (document(&hidden), document(&format!("domain 2\n{extra}x^2+y^2+z^2 = 1")));
         let (region, _) = view::region(&alone, DomainChoice::Document, None).expect("a region");
-        let camera = view::camera(&alone, &region, &CameraChoice::default()).expect("a camera");
+        let camera = camera::camera(&CameraChoice::typed(&alone), &region).expect("a camera");
         let picture = |document: &Document| {
             render(document, &region, &camera, &settings, &|_, _| {}).expect("renders")
         };

@@ -8,9 +8,10 @@ use zeroset_eval::Boxes;
 use zeroset_interval::Interval;
 use zeroset_render::model::render;
 use zeroset_render::picture::Settings;
+use zeroset_scene::camera::{self, CameraChoice};
 use zeroset_scene::gallery::examples;
 use zeroset_scene::program::Program;
-use zeroset_scene::view::{self, CameraChoice, DomainChoice};
+use zeroset_scene::view::{self, DomainChoice};
 use zeroset_shade::Pattern;
 use zeroset_syntax::{Document, Options, read};
 
@@ -76,7 +77,7 @@ fn draw_spheres() {
     }
     let document = read(&text.replace("--", "+"), &Options::default()).expect("reads");
     let (region, _) = view::region(&document, DomainChoice::Document, None).expect("a region");
-    let camera = view::camera(&document, &region, &CameraChoice::default()).expect("a camera");
+    let camera = camera::camera(&CameraChoice::typed(&document), &region).expect("a camera");
     let antialias = Pattern::of(16).expect("a pattern");
     let settings = Settings { width: 256, height: 256, antialias, ..Settings::default() };
     let before = kilobytes("VmHWM:");

@@ -3,8 +3,9 @@
 use glam::Vec3;
 use zeroset_render::model::Model;
 use zeroset_render::picture::{Normals, Picture, Settings};
+use zeroset_scene::camera::{self, CameraChoice};
 use zeroset_scene::gallery::example;
-use zeroset_scene::view::{self, CameraChoice, DomainChoice};
+use zeroset_scene::view::{self, DomainChoice};
 use zeroset_shade::{LinearRgb, Pattern, edges};
 use zeroset_space::Camera;
 use zeroset_style::{Choices, RAY_COUNTS};
@@ -15,7 +16,7 @@ fn scene(text: &str, settings: &Settings) -> (Model, Camera) {
     let text = example(text).map_or(text, |example| example.text);
     let document = read(text, &Options::default()).expect("reads");
     let (region, _) = view::region(&document, DomainChoice::Document, None).expect("a region");
-    let camera = view::camera(&document, &region, &CameraChoice::default()).expect("a camera");
+    let camera = camera::camera(&CameraChoice::typed(&document), &region).expect("a camera");
     (Model::new(&document, &region, settings).expect("compiles"), camera)
 }
 

@@ -9,8 +9,9 @@ use std::time::Instant;
 use zeroset_render::framing;
 use zeroset_render::model::Model;
 use zeroset_render::picture::Settings;
+use zeroset_scene::camera::CameraChoice;
 use zeroset_scene::gallery::examples;
-use zeroset_scene::view::{CameraChoice, DomainChoice, region};
+use zeroset_scene::view::{DomainChoice, region};
 use zeroset_space::{Camera, Projection};
 use zeroset_syntax::{Options, read};
 use zeroset_trace::RayGrid;
@@ -54,7 +55,7 @@ fn what_is_visible_fills_the_picture_and_nothing_bounded_is_cut() {
         let settings = Settings { width: SIDE, height: SIDE, ..Settings::default() };
         let model = Model::new(&document, &region, &settings).expect(&text);
         let started = Instant::now();
-        let camera = framing::camera(&model, &document, &CameraChoice::default(), &settings, false);
+        let camera = framing::camera(&model, &CameraChoice::default(), &settings, false);
         let camera = camera.expect(&text);
         times.push(started.elapsed().as_secs_f64() * 1e3);
         let (share, touches) = share(&model, &camera, SIDE, SIDE);
@@ -86,7 +87,7 @@ fn graphs_fill_the_picture_and_show_their_upper_side() {
         let settings =
             Settings { width: SIDE, height: SIDE, keeps_normals: true, ..Settings::default() };
         let model = Model::new(&document, &region, &settings).expect(text);
-        let camera = framing::camera(&model, &document, &CameraChoice::default(), &settings, false);
+        let camera = framing::camera(&model, &CameraChoice::default(), &settings, false);
         let camera = camera.expect(text);
         let (share, _) = share(&model, &camera, SIDE, SIDE);
         let buffer = model.trace(&camera, &settings, &|_| true).expect(text).buffer;
@@ -116,7 +117,7 @@ fn a_tall_picture_and_a_wide_one_hold_it_all() {
     for (width, height) in [(60, 150), (150, 60), (90, 90)] {
         let settings = Settings { width, height, ..Settings::default() };
         let model = Model::new(&document, &region, &settings).expect("compiles");
-        let camera = framing::camera(&model, &document, &CameraChoice::default(), &settings, false);
+        let camera = framing::camera(&model, &CameraChoice::default(), &settings, false);
         let (share, touches) = share(&model, &camera.expect("a camera"), width, height);
         assert!(!touches && (SHARES[0]..SHARES[1]).contains(&share), "{width}x{height}: {share}");
     }
@@ -143,8 +144,10 @@ fn what_was_chosen_stays() {
         let (region, _) = region(&document, DomainChoice::Document, None).expect("given");
         let settings = Settings { width: SIDE, height: SIDE, ..Settings::default() };
         let model = Model::new(&document, &region, &settings).expect("compiles");
-        let framed = framing::camera(&model, &document, &choice, &settings, false).expect("valid");
-        let given = zeroset_scene::view::camera(&document, &region, &choice).expect("valid");
+        let framed = framing::camera(&model, &choice, &settings, false).expect("valid");
+        let given =
+            zeroset_scene::camera::camera(&choice.or(CameraChoice::typed(&document)), &region)
+                .expect("valid");
         assert_eq!(framed, given, "{text} {choice:?}");
     }
 }
@@ -156,7 +159,7 @@ fn flat_things_are_not_seen_edge_on() {
         let (region, _) = region(&document, DomainChoice::Document, None).expect("a plane");
         let settings = Settings { width: SIDE, height: SIDE, ..Settings::default() };
         let model = Model::new(&document, &region, &settings).expect("compiles");
-        let camera = framing::camera(&model, &document, &CameraChoice::default(), &settings, false);
+        let camera = framing::camera(&model, &CameraChoice::default(), &settings, false);
         let camera = camera.expect("a camera");
         let settings = Settings { normals: None, ..settings };
         let buffer = model.trace(&camera, &settings, &|_| true).expect("kernels").buffer;

@@ -3,8 +3,9 @@
 use zeroset_render::framing;
 use zeroset_render::model::{Model, Strip};
 use zeroset_render::picture::{Picture, Settings};
+use zeroset_scene::camera::CameraChoice;
 use zeroset_scene::program::ProgramError;
-use zeroset_scene::view::{CameraChoice, DomainChoice, region};
+use zeroset_scene::view::{DomainChoice, region};
 use zeroset_space::Camera;
 use zeroset_style::MATERIALS;
 use zeroset_syntax::{Options, read};
@@ -23,7 +24,7 @@ fn drawn_from(camera: Option<Camera>, text: &str) -> (Camera, Picture) {
     let settings = Settings { width: SIDE, height: SIDE, brackets: true, ..Settings::default() };
     let model = Model::new(&document, &region, &settings).expect(text);
     let choice = CameraChoice::default();
-    let fitted = || framing::camera(&model, &document, &choice, &settings, false).expect(text);
+    let fitted = || framing::camera(&model, &choice, &settings, false).expect(text);
     let camera = camera.unwrap_or_else(fitted);
     let picture = model.trace(&camera, &settings, &|_| true).expect(text);
     (camera, picture)

@@ -4,8 +4,9 @@
 use zeroset_render::framing;
 use zeroset_render::model::Model;
 use zeroset_render::picture::Settings;
+use zeroset_scene::camera::CameraChoice;
 use zeroset_scene::gallery::models;
-use zeroset_scene::view::{CameraChoice, DomainChoice, region};
+use zeroset_scene::view::{DomainChoice, region};
 use zeroset_syntax::{Options, SurfaceKind, read};
 use zeroset_testkit::{Defined, Oracle};
 use zeroset_trace::{RayGrid, Status};
@@ -34,7 +35,7 @@ fn models_are_decided_and_their_pictures_are_those_of_what_is_typed() {
         let settings = Settings { width: SIDE, height: SIDE, ..Settings::default() };
         let model = Model::new(&document, &region, &settings).expect(name);
         let choice = CameraChoice::default();
-        let camera = framing::camera(&model, &document, &choice, &settings, false).expect(name);
+        let camera = framing::camera(&model, &choice, &settings, false).expect(name);
         let buffer = model.trace(&camera, &settings, &|_| true).expect("kernels").buffer;
         let counts = buffer.counts();
         assert!(counts.hit > SIDE * SIDE / 8, "{name}: {counts:?}");

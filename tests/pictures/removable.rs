@@ -5,7 +5,8 @@ use std::f64::consts::{LN_2, PI};
 use zeroset_render::framing;
 use zeroset_render::model::Model;
 use zeroset_render::picture::Settings;
-use zeroset_scene::view::{CameraChoice, DomainChoice, region};
+use zeroset_scene::camera::CameraChoice;
+use zeroset_scene::view::{DomainChoice, region};
 use zeroset_syntax::{Options, read};
 use zeroset_trace::{RayGrid, Status};
 
@@ -148,7 +149,7 @@ fn compare((side, (text, function)): (&str, Row)) {
     let settings = Settings { width: SIDE, height: SIDE, brackets: true, ..Settings::default() };
     let model = Model::new(&document, &region, &settings).expect("kernels");
     let choice = CameraChoice::default();
-    let camera = framing::camera(&model, &document, &choice, &settings, false).expect("kernels");
+    let camera = framing::camera(&model, &choice, &settings, false).expect("kernels");
     let buffer = model.trace(&camera, &settings, &|_| true).expect("kernels").buffer;
     let counts = buffer.counts();
     assert!(counts.undecided <= SIDE * SIDE / 500, "{text}: {counts:?}");

@@ -233,8 +233,8 @@ fn what_has_no_single_roots_is_refused_or_undecided() {
     for case in cases("stability/others.json") {
         let region = region(&case);
         let document = document(&case);
-        let choice = zeroset_scene::view::CameraChoice::default();
-        let camera = zeroset_scene::view::camera(&document, &region, &choice).expect("a camera");
+        let choice = zeroset_scene::camera::CameraChoice::typed(&document);
+        let camera = zeroset_scene::camera::camera(&choice, &region).expect("a camera");
         let picture = match render(&document, &region, &camera, &settings(), &|_, _| {}) {
             Ok(picture) => picture,
             Err(error) => {

@@ -6,7 +6,7 @@ use super::stability::{Case, cases, check_zero_throughout, document, picture_wit
 use super::truth_support::{Pixel, SIDE, read};
 use zeroset_render::model::render;
 use zeroset_render::picture::{Picture, Settings};
-use zeroset_scene::view::{self, CameraChoice};
+use zeroset_scene::camera::{self, CameraChoice};
 use zeroset_space::{Camera, Projection};
 use zeroset_testkit::property::{Formula, Scene, picture as check_claims};
 use zeroset_trace::{RayGrid, Status, TraceOptions, UndecidedReason};
@@ -116,7 +116,7 @@ fn check_against_certified(case: &Case, camera: &Camera, picture: &Picture) {
 fn what_has_no_single_roots_is_refused_or_undecided() {
     for case in cases("stability/others.json") {
         let (region, document) = (region(&case), document(&case));
-        let camera = view::camera(&document, &region, &CameraChoice::default()).expect("a camera");
+        let camera = camera::camera(&CameraChoice::typed(&document), &region).expect("a camera");
         let picture = match render(&document, &region, &camera, &settings(), &|_, _| {}) {
             Ok(picture) => picture,
             Err(error) => {

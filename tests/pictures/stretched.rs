@@ -4,7 +4,8 @@ use glam::DVec3;
 use zeroset_render::framing;
 use zeroset_render::model::Model;
 use zeroset_render::picture::{Picture, Settings};
-use zeroset_scene::view::{CameraChoice, DomainChoice, region};
+use zeroset_scene::camera::CameraChoice;
+use zeroset_scene::view::{DomainChoice, region};
 use zeroset_space::{Camera, Region};
 use zeroset_syntax::{Document, Options, read};
 use zeroset_trace::{RayGrid, Status};
@@ -26,7 +27,7 @@ fn read_in(text: &str) -> (Document, Region) {
 fn drawn(text: &str) -> (Region, Camera, Picture) {
     let ((document, region), settings) = (read_in(text), settings());
     let model = Model::new(&document, &region, &settings).expect(text);
-    let camera = framing::camera(&model, &document, &CameraChoice::default(), &settings, false);
+    let camera = framing::camera(&model, &CameraChoice::default(), &settings, false);
     let camera = camera.expect(text);
     let picture = model.trace(&camera, &settings, &|_| true).expect(text);
     (region, camera, picture)

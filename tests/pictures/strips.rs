@@ -2,8 +2,9 @@
 
 use zeroset_render::model::{Model, Strip};
 use zeroset_render::picture::{ColorDepth, Picture, Precision, Settings};
+use zeroset_scene::camera::{self, CameraChoice};
 use zeroset_scene::program::ProgramError;
-use zeroset_scene::view::{self, CameraChoice, DomainChoice};
+use zeroset_scene::view::{self, DomainChoice};
 use zeroset_shade::{Pattern, UndecidedStyle};
 use zeroset_space::Camera;
 use zeroset_style::Choices;
@@ -13,7 +14,7 @@ use zeroset_trace::{GBuffer, RayResult, TraceOptions};
 fn scene(text: &str, settings: &Settings) -> (Model, Camera) {
     let document = read(text, &Options::default()).expect("reads");
     let (region, _) = view::region(&document, DomainChoice::Document, None).expect("a region");
-    let camera = view::camera(&document, &region, &CameraChoice::default()).expect("a camera");
+    let camera = camera::camera(&CameraChoice::typed(&document), &region).expect("a camera");
     (Model::new(&document, &region, settings).expect("compiles"), camera)
 }
 

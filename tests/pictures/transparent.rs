@@ -4,8 +4,9 @@ use zeroset_render::framing;
 use zeroset_render::model::{Model, Strip};
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_render::pixels::flattened;
+use zeroset_scene::camera::CameraChoice;
 use zeroset_scene::program::ProgramError;
-use zeroset_scene::view::{CameraChoice, DomainChoice, region};
+use zeroset_scene::view::{DomainChoice, region};
 use zeroset_shade::{LinearRgb, Pattern};
 use zeroset_syntax::{Background, Options, SrgbColor, read};
 
@@ -27,7 +28,7 @@ fn drawn(text: &str, background: Background, rows: usize) -> Picture {
     let settings =
         Settings { width, height, brackets: true, antialias, background, ..Settings::default() };
     let model = Model::new(&document, &region, &settings).expect(text);
-    let camera = framing::camera(&model, &document, &CameraChoice::default(), &settings, false);
+    let camera = framing::camera(&model, &CameraChoice::default(), &settings, false);
     let camera = camera.expect(text);
     let mut all: Option<Picture> = None;
     let mut add = |Strip { picture, .. }: Strip<'_>| -> Result<(), ProgramError> {

@@ -12,7 +12,9 @@ use zeroset_export::{UNITS, Unit};
 use zeroset_render::names::Named;
 use zeroset_render::overlay::Overlay;
 use zeroset_render::picture::{Normals, Precision};
-use zeroset_scene::view::{self, CameraChoice, ClipChoice, ClipShape, Clipping, DomainChoice};
+use zeroset_scene::camera::CameraChoice;
+use zeroset_scene::number;
+use zeroset_scene::view::{ClipChoice, ClipShape, Clipping, DomainChoice};
 use zeroset_shade::UndecidedStyle;
 use zeroset_space::Projection;
 use zeroset_style::{
@@ -250,7 +252,7 @@ fn overrides(defined: &[String]) -> Result<Vec<(String, String)>> {
 /// Returns the value of `--time`, if it was given.
 fn time(text: Option<&str>) -> Result<Option<f64>> {
     let number = |text| {
-        view::number(text).with_context(|| format!("--time '{text}' is not a finite number"))
+        number::number(text).with_context(|| format!("--time '{text}' is not a finite number"))
     };
     text.map(number).transpose()
 }
@@ -378,6 +380,7 @@ impl CameraArgs {
             target: self.target,
             up: self.up,
             projection: parallel.or(self.fov.map(|fov| Projection::Perspective { fov })),
+            ..CameraChoice::default()
         }
     }
 
@@ -475,7 +478,7 @@ impl Args for ChoiceArgs {
                 return arg.action(ArgAction::SetTrue);
             }
             let arg = arg.value_name(row.values.notation()).allow_hyphen_values(true);
-            arg.value_parser(|text: &str| row.values.read(text, view::number))
+            arg.value_parser(|text: &str| row.values.read(text, number::number))
         };
         let command = command.args(CHOICES.iter().map(flag));
         let command = command.mut_arg("axes", |arg| arg.help_heading(None).display_order(3));
@@ -805,7 +808,7 @@ pub struct GalleryArgs {
 
 /// Returns a parser that accepts the numbers of a setting.
 fn count(row: &'static Setting) -> impl TypedValueParser<Value = usize> {
-    move |text: &str| row.values.read(text, view::number).map(|number| number as usize)
+    move |text: &str| row.values.read(text, number::number).map(|number| number as usize)
 }
 
 /// Returns a parser that accepts the names in [`LOOKS`].

@@ -9,7 +9,7 @@ use zeroset_parser::Limits;
 use zeroset_parser::tree::ast::Statement;
 use zeroset_render::model::{Located, true_digits};
 use zeroset_render::picture::Precision;
-use zeroset_scene::view::nearest;
+use zeroset_scene::number::nearest;
 use zeroset_space::Ray;
 use zeroset_syntax::{Document, Parameter, ParameterKind, parse};
 use zeroset_trace::{Proves, RayGrid, Status, UndecidedReason};

@@ -16,10 +16,10 @@ use glam::DVec3;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
+use zeroset_render::drawing::draw;
 use zeroset_render::framing;
 use zeroset_render::limit::Limit;
-use zeroset_render::model::{Model, Strip};
-use zeroset_render::overlay::PictureView;
+use zeroset_render::model::Model;
 use zeroset_render::picture::{ColorDepth, Picture, Precision, Settings, UndecidedStatistics};
 use zeroset_render::png_file::PngFormat;
 use zeroset_scene::blank::Blank;
@@ -54,8 +54,8 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     let threads = arguments.tracing.threads;
     let (region, searched) = chosen(&subject, cut, &settings, threads)?;
     let (model, pool) = modeled(document, &region, &settings, threads)?;
-    let draw = || -> Result<_> {
-        let camera = framing::camera(&model, document, &choice, &settings, around.axes)?;
+    let make = || -> Result<_> {
+        let camera = framing::camera(&model, &choice, &settings, around.axes)?;
         interrupt::defer_first();
         let seen = document.surfaces.iter().filter(|surface| !surface.hidden).count();
         let pixels = settings.width * settings.height * seen;
@@ -67,23 +67,18 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         let format = PngFormat { has_alpha, depth: settings.depth };
         let mut files = files.begin(size, format, settings.options.precision, &origin)?;
         let rays = RayGrid::new(&camera, settings.width, settings.height);
-        let mut marks = None;
-        let mut write = |Strip { top, picture, overview }: Strip<'_>| -> Result<()> {
-            let seen = overview.unwrap_or(&*picture);
-            let shown = PictureView::of(&model, &camera, seen);
-            let marks = marks.get_or_insert_with(|| around.marks(shown, size));
-            marks.mix_into_picture(picture, top);
+        let mut write = |top: usize, picture: &mut Picture| -> Result<()> {
             let rows = top..top + picture.buffer.height;
             files.add(picture, &rays.part(0..settings.width, rows))
         };
-        let picture = model.strips(&camera, &settings, &advance, &mut write)?;
+        let picture = draw(&model, &camera, &settings, &around, &advance, &mut write)?;
         let is_stopped = settings.limit.is_stopped();
         let held = interrupt::hold();
         files.finish()?;
         drop(held);
         Ok((camera, picture, is_stopped))
     };
-    let (camera, picture, is_stopped) = pool.install(draw)?;
+    let (camera, picture, is_stopped) = pool.install(make)?;
 
     if let Some(found) = searched {
         notes::note(&subject::describe_domain(&found));
@@ -152,7 +147,7 @@ fn modeled(
     threads: Option<usize>,
 ) -> Result<(Model, ThreadPool)> {
     let pool = thread_pool(threads)?;
-    let mut model = pool.install(|| Model::simplified(document, region, settings))?;
+    let mut model = pool.install(|| Model::simplified(document, region, region, settings))?;
     let Some(left) = settings.limit.time_left() else {
         pool.install(|| model.compile(settings, &|| true))?;
         return Ok((model, pool));

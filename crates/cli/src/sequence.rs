@@ -20,6 +20,7 @@ use zeroset_render::overlay::{Overlay, PictureView};
 use zeroset_render::picture::{ColorDepth, Picture, Settings};
 use zeroset_render::png_file::PngFormat;
 use zeroset_render::sequence::{Sequence, Stage, Sweep};
+use zeroset_scene::number::number;
 use zeroset_scene::{proportions, view};
 use zeroset_space::Camera;
 use zeroset_syntax::Options;
@@ -104,10 +105,10 @@ fn swept(text: &str) -> Result<Sweep> {
 /// Parses `A..B`.
 fn parse_range(text: &str) -> Result<(f64, f64)> {
     let (from, to) = text.split_once("..").context("two values are written a..b, as 0..2pi")?;
-    let number = |text: &str| {
-        view::number(text).with_context(|| format!("'{}' is not a finite number", text.trim()))
+    let finite = |text: &str| {
+        number(text).with_context(|| format!("'{}' is not a finite number", text.trim()))
     };
-    Ok((number(from)?, number(to)?))
+    Ok((finite(from)?, finite(to)?))
 }
 
 /// Parses `I/N`, and returns I - 1 and N.

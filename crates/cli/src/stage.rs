@@ -4,8 +4,9 @@ use anyhow::{Result, anyhow};
 use zeroset_render::framing;
 use zeroset_render::model::Model;
 use zeroset_render::picture::Settings;
+use zeroset_scene::camera::CameraChoice;
 use zeroset_scene::gallery::Example;
-use zeroset_scene::view::{self, CameraChoice, DomainChoice};
+use zeroset_scene::view::{self, DomainChoice};
 use zeroset_space::Camera;
 use zeroset_syntax::Options;
 
@@ -28,6 +29,6 @@ pub fn stage(
     };
     let choice = CameraChoice::default();
     let axes = settings.choices.axes == Some(true);
-    let camera = framing::camera_while(&model, &document, &choice, settings, axes, wanted)?;
+    let camera = framing::camera_while(&model, &choice, settings, axes, wanted)?;
     Ok(camera.map(|camera| (model, camera)))
 }

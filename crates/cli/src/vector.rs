@@ -4,7 +4,7 @@ use anyhow::{Result, ensure};
 use glam::DVec3;
 use std::str::FromStr;
 use zeroset_render::picture::MOST_PIXELS_HELD;
-use zeroset_scene::view::numbers;
+use zeroset_scene::number::numbers;
 
 /// Parses three numbers that are separated by commas.
 ///

@@ -111,29 +111,6 @@ pub struct QueryResult<V> {
     pub masks: Vec<Fact<V>>,
 }
 
-/// The queries as values.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum QueryNumber {
-    /// [`Enclose`].
-    Enclose,
-    /// [`FindZeros`].
-    FindZeros,
-    /// [`FindZerosInBranch`].
-    FindZerosInBranch,
-    /// [`EncloseGradient`].
-    EncloseGradient,
-    /// [`ContractSegments`].
-    ContractSegments,
-    /// [`ContractTiles`].
-    ContractTiles,
-    /// [`Sample`].
-    Sample,
-    /// [`SampleGradient`].
-    SampleGradient,
-    /// [`SampleForward`].
-    SampleForward,
-}
-
 /// A task for any query in any precision. It is [run](QueryNumber::run) from a function that is not
 /// generic, so that no other crate compiles the task again.
 pub trait QueryTask {
@@ -142,29 +119,6 @@ pub trait QueryTask {
 
     /// Carries out the task for one query in one precision.
     fn run<Q: Query, T: Real>(self) -> Self::Result;
-}
-
-impl QueryNumber {
-    /// Carries out a task for this query.
-    pub fn run<K: QueryTask>(self, format: Format, task: K) -> K::Result {
-        fn run<Q: Query, K: QueryTask>(format: Format, task: K) -> K::Result {
-            match format {
-                Format::F32 => task.run::<Q, f32>(),
-                Format::F64 => task.run::<Q, f64>(),
-            }
-        }
-        match self {
-            Self::Enclose => run::<Enclose, K>(format, task),
-            Self::FindZeros => run::<FindZeros, K>(format, task),
-            Self::FindZerosInBranch => run::<FindZerosInBranch, K>(format, task),
-            Self::EncloseGradient => run::<EncloseGradient, K>(format, task),
-            Self::ContractSegments => run::<ContractSegments, K>(format, task),
-            Self::ContractTiles => run::<ContractTiles, K>(format, task),
-            Self::Sample => run::<Sample, K>(format, task),
-            Self::SampleGradient => run::<SampleGradient, K>(format, task),
-            Self::SampleForward => run::<SampleForward, K>(format, task),
-        }
-    }
 }
 
 /// An evaluator of one query about one function.
@@ -222,278 +176,192 @@ pub(crate) fn eval_lanes<Q: Query<Input<T> = Boxes<T>>, T: Real>(
     spread
 }
 
-/// Bounds of the function over a box. They contain the function's value at each real point of the
-/// box where it is defined. The facts tell where the function is defined and continuous.
-#[derive(Clone, Copy, Debug)]
-pub struct Enclose;
+/// Defines the queries. A row has the name for reports, the number of expressions that a tape must
+/// compute, and the kind of their values. Then come the batches that a kernel reads and writes, and
+/// the result. A query that is not evaluated as a whole also names its own `answer`.
+macro_rules! queries {
+    ($(
+        $(#[$doc:meta])*
+        $query:ident($name:literal, $outputs:literal, $kind:ty, $input:ident => $output:ty)
+            = |$m:pat_param, $loader:pat_param, $context:pat_param, $values:pat_param, $bounded:pat_param|
+            $result:expr $(, $answer:expr)?;
+    )*) => {
+        /// The queries as values.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum QueryNumber {
+            $(#[doc = concat!("[`", stringify!($query), "`].")] $query,)*
+        }
 
-/// A test whether a box may hold a zero of the function. If a lane's bit in [`Zeros::possible`] is
-/// clear, its box is proven to hold no zero. A set bit proves nothing.
-#[derive(Clone, Copy, Debug)]
-pub struct FindZeros;
+        impl QueryNumber {
+            /// Carries out a task for this query.
+            pub fn run<K: QueryTask>(self, format: Format, task: K) -> K::Result {
+                match (self, format) {
+                    $((Self::$query, Format::F32) => task.run::<$query, f32>(),
+                    (Self::$query, Format::F64) => task.run::<$query, f64>(),)*
+                }
+            }
+        }
 
-/// A test of one combination of branches of a function that jumps. The tape is made by
-/// [`Tape::branches`], and the binding selects the combination. The results hold at those points of
-/// the box that belong to it.
-#[derive(Clone, Copy, Debug)]
-pub struct FindZerosInBranch;
+        $(
+            $(#[$doc])*
+            #[derive(Clone, Copy, Debug)]
+            pub struct $query;
 
-/// Bounds of the function and its gradient over a box, and whether the function is Lipschitz
-/// continuous and differentiable in it. The tape computes the function and its three partial
-/// derivatives.
-#[derive(Clone, Copy, Debug)]
-pub struct EncloseGradient;
+            impl sealed::Sealed for $query {}
 
-/// Narrows a segment of a ray to a part that contains all zeros on the segment within the domain.
-/// Also tells whether the function's signs at the segment's ends prove a zero.
-#[derive(Clone, Copy, Debug)]
-pub struct ContractSegments;
+            impl Query for $query {
+                const NUMBER: QueryNumber = QueryNumber::$query;
+                const NAME: &'static str = $name;
+                const OUTPUTS: usize = $outputs;
+                type Kind = $kind;
+                type Input<T: Real> = $input<T>;
+                type Output<T: Real> = $output;
 
-/// Like [`ContractSegments`], but for all rays of a tile at once. Also returns a linear
-/// approximation of the function over the tile.
-#[derive(Clone, Copy, Debug)]
-pub struct ContractTiles;
+                fn result<T: Real, M: Machine>(
+                    $m: &mut M,
+                    $loader: &mut impl Loader<M>,
+                    $context: QueryContext<Self, M>,
+                    $values: &[QueryValue<Self, M>],
+                    $bounded: bool,
+                ) -> QueryResult<M::V> {
+                    $result
+                }
 
-/// Approximate value of the function at a point, computed in `T`. It has no error bound.
-#[derive(Clone, Copy, Debug)]
-pub struct Sample;
+                $(fn answer<T: Real, M: Machine>(
+                    tape: &Tape<T>,
+                    m: &mut M,
+                    loader: &mut impl Loader<M>,
+                ) -> QueryResult<M::V> {
+                    $answer(tape, m, loader)
+                })?
+            }
+        )*
+    };
+}
 
-/// Approximate value and gradient of the function at a point. Like those of [`Sample`], they have
-/// no error bounds. The tape computes the function and its three partial derivatives.
-#[derive(Clone, Copy, Debug)]
-pub struct SampleGradient;
-
-/// Like [`SampleGradient`], but the tape computes the function alone. Its gradient is propagated
-/// forward.
-#[derive(Clone, Copy, Debug)]
-pub struct SampleForward;
-
-impl Query for Enclose {
-    const NUMBER: QueryNumber = QueryNumber::Enclose;
-    const NAME: &'static str = "bounds";
-    const OUTPUTS: usize = 1;
-    type Kind = Intervals;
-    type Input<T: Real> = Boxes<T>;
-    type Output<T: Real> = Enclosures<T>;
-
-    fn result<T: Real, M: Machine>(
-        _: &mut M,
-        _: &mut impl Loader<M>,
-        (): (),
-        values: &[Enclosure<M::V>],
-        _: bool,
-    ) -> QueryResult<M::V> {
+queries! {
+    /// Bounds of the function over a box. They contain the function's value at each real point of
+    /// the box where it is defined. The facts tell where the function is defined and continuous.
+    Enclose("bounds", 1, Intervals, Boxes => Enclosures<T>) = |_, _, (), values, _| {
         let Enclosure { neg_lo, hi, facts } = values[0];
         let masks = vec![facts.nowhere, facts.defined, facts.continuous];
         QueryResult { quantities: vec![neg_lo, hi], masks }
-    }
-}
+    };
 
-impl Query for FindZeros {
-    const NUMBER: QueryNumber = QueryNumber::FindZeros;
-    const NAME: &'static str = "zeros";
-    const OUTPUTS: usize = 1;
-    type Kind = Intervals;
-    type Input<T: Real> = Boxes<T>;
-    type Output<T: Real> = Zeros;
+    /// A test whether a box may hold a zero of the function. If a lane's bit in [`Zeros::possible`]
+    /// is clear, its box is proven to hold no zero. A set bit proves nothing.
+    FindZeros("zeros", 1, Intervals, Boxes => Zeros) = |m, _, (), values, is_bounded| {
+        zeros::<T, M>(m, values[0], is_bounded)
+    };
 
-    fn result<T: Real, M: Machine>(
-        m: &mut M,
-        _: &mut impl Loader<M>,
-        (): (),
-        values: &[Enclosure<M::V>],
-        is_bounded: bool,
-    ) -> QueryResult<M::V> {
-        let value = values[0];
-        let possible = may_vanish(m, T::FORMAT, &value);
-        let unbounded = if is_bounded {
-            Fact::False
-        } else {
-            let most = m.max(value.neg_lo, value.hi);
-            let largest = m.number(T::FORMAT, T::LARGEST.into());
-            Fact::Lanes(m.lt(largest, most))
-        };
-        let masks = vec![possible, unbounded, value.facts.continuous.not(m, T::FORMAT)];
-        QueryResult { quantities: Vec::new(), masks }
-    }
-}
-
-impl Query for FindZerosInBranch {
-    const NUMBER: QueryNumber = QueryNumber::FindZerosInBranch;
-    const NAME: &'static str = "zeros";
-    const OUTPUTS: usize = 1;
-    type Kind = Intervals;
-    type Input<T: Real> = Boxes<T>;
-    type Output<T: Real> = BranchSigns<T>;
-
-    fn result<T: Real, M: Machine>(
-        _: &mut M,
-        _: &mut impl Loader<M>,
-        (): (),
-        _: &[Enclosure<M::V>],
-        _: bool,
-    ) -> QueryResult<M::V> {
+    /// A test of one combination of branches of a function that jumps. The tape is made by
+    /// [`Tape::branches`], and the binding selects the combination. The results hold at those points
+    /// of the box that belong to it.
+    FindZerosInBranch("zeros", 1, Intervals, Boxes => BranchSigns<T>) = |_, _, (), _, _| {
         unreachable!("a tape of branches is not evaluated as a whole")
-    }
+    }, zeros_in_branch;
 
-    fn answer<T: Real, M: Machine>(
-        tape: &Tape<T>,
-        m: &mut M,
-        loader: &mut impl Loader<M>,
-    ) -> QueryResult<M::V> {
-        assert!(tape.is_by_branches(), "a tape without branches");
-        let answer = tape.enclose_in_branch(m, loader);
-        let possible = answer.possible(m, T::FORMAT);
-        let [below, above] = answer.sides(m, T::FORMAT);
-        let choices = answer.choices(m, T::FORMAT);
-        QueryResult { quantities: vec![choices], masks: vec![possible, below, above] }
-    }
-}
+    /// Bounds of the function and its gradient over a box, and whether the function is Lipschitz
+    /// continuous and differentiable in it. The tape computes the function and its three partial
+    /// derivatives.
+    EncloseGradient("gradient bounds", 4, Smoothness, Boxes => GradientEnclosures<T>)
+        = |m, _, (), values, _| gradient_bounds(m, values);
 
-impl Query for EncloseGradient {
-    const NUMBER: QueryNumber = QueryNumber::EncloseGradient;
-    const NAME: &'static str = "gradient bounds";
-    const OUTPUTS: usize = 4;
-    type Kind = Smoothness;
-    type Input<T: Real> = Boxes<T>;
-    type Output<T: Real> = GradientEnclosures<T>;
+    /// Narrows a segment of a ray to a part that contains all zeros on the segment within the
+    /// domain. Also tells whether the function's signs at the segment's ends prove a zero.
+    ContractSegments("segments", 1, Forms<SegmentPath, 1>, Segments => Contractions<T>)
+        = |m, loader, depth, forms, _| {
+            let new = contract_path::<SegmentPath, _, 1>(m, T::FORMAT, loader, depth, &forms[0]);
+            let masks = vec![new.possible, new.crossing];
+            QueryResult { quantities: vec![new.near, new.far], masks }
+        };
 
-    fn result<T: Real, M: Machine>(
-        m: &mut M,
-        _: &mut impl Loader<M>,
-        (): (),
-        values: &[Smooth<M::V>],
-        _: bool,
-    ) -> QueryResult<M::V> {
-        let (function, derivatives) = values.split_first().expect("a function");
-        let (mut lipschitz, mut differentiable) = (function.lipschitz, function.differentiable);
-        for derivative in derivatives {
-            // A derivative's bounds hold only at points where its formula is defined.
-            lipschitz = lipschitz.and(m, derivative.value.facts.defined);
-            differentiable = differentiable.and(m, derivative.value.facts.defined);
-        }
-        let lower = derivatives.iter().map(|derivative| derivative.value.neg_lo);
-        let upper = derivatives.iter().map(|derivative| derivative.value.hi);
-        let own = [function.value.neg_lo, function.value.hi];
-        let quantities = own.into_iter().chain(lower).chain(upper).collect();
-        QueryResult { quantities, masks: vec![lipschitz, differentiable] }
-    }
-}
+    /// Like [`ContractSegments`], but for all rays of a tile at once. Also returns a linear
+    /// approximation of the function over the tile.
+    ContractTiles("tiles", 1, Forms<TilePath, 3>, Tiles => Planes<T>)
+        = |m, loader, depth, forms, _| planes::<T, M>(m, loader, depth, &forms[0]);
 
-impl Query for ContractSegments {
-    const NUMBER: QueryNumber = QueryNumber::ContractSegments;
-    const NAME: &'static str = "segments";
-    const OUTPUTS: usize = 1;
-    type Kind = Forms<SegmentPath, 1>;
-    type Input<T: Real> = Segments<T>;
-    type Output<T: Real> = Contractions<T>;
-
-    fn result<T: Real, M: Machine>(
-        m: &mut M,
-        loader: &mut impl Loader<M>,
-        depth: RayRange<M::V>,
-        forms: &[Form<M::V, 1>],
-        _: bool,
-    ) -> QueryResult<M::V> {
-        let new = contract_path::<SegmentPath, _, 1>(m, T::FORMAT, loader, depth, &forms[0]);
-        QueryResult { quantities: vec![new.near, new.far], masks: vec![new.possible, new.crossing] }
-    }
-}
-
-impl Query for ContractTiles {
-    const NUMBER: QueryNumber = QueryNumber::ContractTiles;
-    const NAME: &'static str = "tiles";
-    const OUTPUTS: usize = 1;
-    type Kind = Forms<TilePath, 3>;
-    type Input<T: Real> = Tiles<T>;
-    type Output<T: Real> = Planes<T>;
-
-    fn result<T: Real, M: Machine>(
-        m: &mut M,
-        loader: &mut impl Loader<M>,
-        depth: RayRange<M::V>,
-        forms: &[Form<M::V, 3>],
-        _: bool,
-    ) -> QueryResult<M::V> {
-        let (form, RayRange { middle, half }) = (&forms[0], depth);
-        let new = contract_path::<TilePath, _, 3>(m, T::FORMAT, loader, depth, form);
-        let zero = m.number(T::FORMAT, 0.0);
-        let [a, b, depth] = form.slopes.unwrap_or([zero; 3]);
-        let error = form.error(m, T::FORMAT).unwrap_or(zero);
-        let quantities = vec![new.near, new.far, form.centre, a, b, depth, error, middle, half];
-        let jumping = form.facts.continuous.not(m, T::FORMAT);
-        QueryResult { quantities, masks: vec![new.possible, new.crossing, jumping] }
-    }
-}
-
-impl Query for Sample {
-    const NUMBER: QueryNumber = QueryNumber::Sample;
-    const NAME: &'static str = "values";
-    const OUTPUTS: usize = 1;
-    type Kind = Numbers;
-    type Input<T: Real> = Points<T>;
-    type Output<T: Real> = Values<T>;
-
-    fn result<T: Real, M: Machine>(
-        _: &mut M,
-        _: &mut impl Loader<M>,
-        (): (),
-        values: &[M::V],
-        _: bool,
-    ) -> QueryResult<M::V> {
+    /// Approximate value of the function at a point, computed in `T`. It has no error bound.
+    Sample("values", 1, Numbers, Points => Values<T>) = |_, _, (), values, _| {
         QueryResult { quantities: values.to_vec(), masks: Vec::new() }
-    }
-}
+    };
 
-impl Query for SampleGradient {
-    const NUMBER: QueryNumber = QueryNumber::SampleGradient;
-    const NAME: &'static str = "gradients";
-    const OUTPUTS: usize = 4;
-    type Kind = Numbers;
-    type Input<T: Real> = Points<T>;
-    type Output<T: Real> = Gradients<T>;
-
-    fn result<T: Real, M: Machine>(
-        _: &mut M,
-        _: &mut impl Loader<M>,
-        (): (),
-        values: &[M::V],
-        _: bool,
-    ) -> QueryResult<M::V> {
+    /// Approximate value and gradient of the function at a point. Like those of [`Sample`], they
+    /// have no error bounds. The tape computes the function and its three partial derivatives.
+    SampleGradient("gradients", 4, Numbers, Points => Gradients<T>) = |_, _, (), values, _| {
         QueryResult { quantities: values.to_vec(), masks: Vec::new() }
-    }
-}
+    };
 
-impl Query for SampleForward {
-    const NUMBER: QueryNumber = QueryNumber::SampleForward;
-    const NAME: &'static str = "gradients";
-    const OUTPUTS: usize = 1;
-    type Kind = Duals;
-    type Input<T: Real> = Points<T>;
-    type Output<T: Real> = Gradients<T>;
-
-    fn result<T: Real, M: Machine>(
-        m: &mut M,
-        _: &mut impl Loader<M>,
-        (): (),
-        values: &[Dual<M::V>],
-        _: bool,
-    ) -> QueryResult<M::V> {
+    /// Like [`SampleGradient`], but the tape computes the function alone. Its gradient is propagated
+    /// forward.
+    SampleForward("gradients", 1, Duals, Points => Gradients<T>) = |m, _, (), values, _| {
         let Dual { value, slopes } = values[0];
         let slopes = slopes.unwrap_or_else(|| [m.number(T::FORMAT, 0.0); 3]);
         QueryResult { quantities: [&[value], &slopes[..]].concat(), masks: Vec::new() }
+    };
+}
+
+fn zeros<T: Real, M: Machine>(
+    m: &mut M,
+    value: Enclosure<M::V>,
+    is_bounded: bool,
+) -> QueryResult<M::V> {
+    let possible = may_vanish(m, T::FORMAT, &value);
+    let unbounded = if is_bounded {
+        Fact::False
+    } else {
+        let most = m.max(value.neg_lo, value.hi);
+        let largest = m.number(T::FORMAT, T::LARGEST.into());
+        Fact::Lanes(m.lt(largest, most))
+    };
+    let masks = vec![possible, unbounded, value.facts.continuous.not(m, T::FORMAT)];
+    QueryResult { quantities: Vec::new(), masks }
+}
+
+fn zeros_in_branch<T: Real, M: Machine>(
+    tape: &Tape<T>,
+    m: &mut M,
+    loader: &mut impl Loader<M>,
+) -> QueryResult<M::V> {
+    assert!(tape.is_by_branches(), "a tape without branches");
+    let answer = tape.enclose_in_branch(m, loader);
+    let possible = answer.possible(m, T::FORMAT);
+    let [below, above] = answer.sides(m, T::FORMAT);
+    let choices = answer.choices(m, T::FORMAT);
+    QueryResult { quantities: vec![choices], masks: vec![possible, below, above] }
+}
+
+fn gradient_bounds<M: Machine>(m: &mut M, values: &[Smooth<M::V>]) -> QueryResult<M::V> {
+    let (function, derivatives) = values.split_first().expect("a function");
+    let (mut lipschitz, mut differentiable) = (function.lipschitz, function.differentiable);
+    for derivative in derivatives {
+        // A derivative's bounds hold only at points where its formula is defined.
+        lipschitz = lipschitz.and(m, derivative.value.facts.defined);
+        differentiable = differentiable.and(m, derivative.value.facts.defined);
     }
+    let lower = derivatives.iter().map(|derivative| derivative.value.neg_lo);
+    let upper = derivatives.iter().map(|derivative| derivative.value.hi);
+    let own = [function.value.neg_lo, function.value.hi];
+    let quantities = own.into_iter().chain(lower).chain(upper).collect();
+    QueryResult { quantities, masks: vec![lipschitz, differentiable] }
+}
+
+fn planes<T: Real, M: Machine>(
+    m: &mut M,
+    loader: &mut impl Loader<M>,
+    depth: RayRange<M::V>,
+    form: &Form<M::V, 3>,
+) -> QueryResult<M::V> {
+    let RayRange { middle, half } = depth;
+    let new = contract_path::<TilePath, _, 3>(m, T::FORMAT, loader, depth, form);
+    let zero = m.number(T::FORMAT, 0.0);
+    let [a, b, depth] = form.slopes.unwrap_or([zero; 3]);
+    let error = form.error(m, T::FORMAT).unwrap_or(zero);
+    let quantities = vec![new.near, new.far, form.centre, a, b, depth, error, middle, half];
+    let jumping = form.facts.continuous.not(m, T::FORMAT);
+    QueryResult { quantities, masks: vec![new.possible, new.crossing, jumping] }
 }
 
 mod sealed {
     pub trait Sealed {}
-    impl Sealed for super::Enclose {}
-    impl Sealed for super::FindZeros {}
-    impl Sealed for super::FindZerosInBranch {}
-    impl Sealed for super::EncloseGradient {}
-    impl Sealed for super::ContractSegments {}
-    impl Sealed for super::ContractTiles {}
-    impl Sealed for super::Sample {}
-    impl Sealed for super::SampleGradient {}
-    impl Sealed for super::SampleForward {}
 }

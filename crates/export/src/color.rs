@@ -7,8 +7,8 @@ use crate::scene::Object;
 use rayon::prelude::*;
 use zeroset_ir::Constant;
 use zeroset_mesh::Mesh;
+use zeroset_scene::number::nearest;
 use zeroset_scene::point_value::{Place, PointValues};
-use zeroset_scene::view::nearest;
 use zeroset_shade::{LinearRgb, SurfaceColors};
 use zeroset_syntax::{Document, MappedColor, Surface, SurfaceColor};
 

@@ -193,10 +193,11 @@ mod tests {
             (b + outside * (a - b) - k * (outside - outside * outside), true),
             (k * h * (one - h) - a * h - b * (one - h), true),
             (b * (one - other) + a * other + k * other * (one - other), true),
-            // The width is another, a clamp is left out, and the sum has another operand.
+            // The width is another, a clamp is left out, and a term is added.
             (b * (one - h) + a * h - half * h * (one - h), false),
             (b * (one - h) + a * (half + half * (b - a) / k) - k * h * (one - h), false),
             (b * (one - h) + a * h - k * h * (one - h) + a, false),
+            (b * (one - h) + a * h - k * h * (one - h) + half * h, false),
         ]
     }
 

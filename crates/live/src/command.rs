@@ -10,7 +10,9 @@ use super::settings::{look, method, option, shadows, switch};
 use super::values::{TIME, defined};
 use super::{cut, status};
 use std::sync::LazyLock;
-use zeroset_scene::view::{self, CameraChoice, DomainChoice};
+use zeroset_scene::camera::CameraChoice;
+use zeroset_scene::number;
+use zeroset_scene::view::DomainChoice;
 use zeroset_space::Region;
 use zeroset_style::{OPACITY, StandardView, settings};
 use zeroset_trace::{OPTIONS, TraceOptions};
@@ -142,7 +144,7 @@ const ROWS: &[CommandRow] = &[
         })) },
     CommandRow { name: "opacity", arguments: "N SHARE", doc: "how opaque the N-th surface is, as 50% or 0.5",
         purpose: Purpose::Document, example: ":opacity 1 50%",
-        run: |live, rest| { let (number, share) = rest.split_once(' ')?; Some(done(live.set_opacity(number.parse().ok()?, OPACITY.values.read(share.trim(), view::number).ok()?))) } },
+        run: |live, rest| { let (number, share) = rest.split_once(' ')?; Some(done(live.set_opacity(number.parse().ok()?, OPACITY.values.read(share.trim(), number::number).ok()?))) } },
     CommandRow { name: "move", arguments: "N TO", doc: "move the N-th surface to another place in the list",
         purpose: Purpose::Document, example: ":move 2 1",
         run: |live, rest| { let (from, to) = rest.split_once(' ')?; Some(done(live.move_surface(from.parse().ok().filter(|from| *from > 0)?, to.trim().parse().ok().filter(|to| *to > 0)?))) } },
@@ -199,7 +201,7 @@ const ROWS: &[CommandRow] = &[
         run: |live, name| Some(method(live, name)) },
     CommandRow { name: "time", arguments: "T", doc: "set the time t",
         purpose: Purpose::View, example: ":time 0.5",
-        run: |live, time| view::number(time).map(|_| live.set(TIME, time)) },
+        run: |live, time| number::number(time).map(|_| live.set(TIME, time)) },
     CommandRow { name: "load", arguments: "FILE|NAME", doc: "draw a file or a surface of the gallery",
         purpose: Purpose::Files, example: ":load torus.zset",
         run: |_, from| Some(Ok(Reply::Load(given(from)?))) },
@@ -239,7 +241,7 @@ const BARE_WORDS: [(&str, &str); 3] = [("help", "help"), ("quit", "quit"), ("exi
 /// A file name, and a tolerance after it if the line ends in a number. `None` if the name is
 /// missing.
 fn mesh(line: &str) -> Option<Reply> {
-    let number = |text: &str| view::number(text).filter(|length| *length > 0.0);
+    let number = |text: &str| number::number(text).filter(|length| *length > 0.0);
     let split = line.rsplit_once(' ').and_then(|(to, last)| Some((to.trim(), number(last)?)));
     let (to, tolerance) = split.map_or((line, None), |(to, length)| (to, Some(length)));
     Some(Reply::Mesh { to: given(to)?, tolerance })
@@ -337,7 +339,7 @@ fn set(live: &Live, text: &str) -> Option<Result<Reply, Refusal>> {
     if !valid || value.contains(['\n', ';', '=']) {
         return None;
     }
-    Some(match (name, view::number(value)) {
+    Some(match (name, number::number(value)) {
         (TIME, None) => refused(format!("'{value}' is not a finite number")),
         _ => live.set(name, value),
     })

@@ -7,7 +7,7 @@ use zeroset_dialect::is_scene_function;
 use zeroset_parser::Limits;
 use zeroset_parser::settings::setting_word;
 use zeroset_parser::tree::ast::{ExprKind, Function, Statement};
-use zeroset_scene::view::number;
+use zeroset_scene::number::number;
 use zeroset_syntax::{is_expression_list, parse};
 
 /// Returns `text` after `line` is entered.

@@ -181,14 +181,23 @@ fn axes(pole: DVec3) -> (DVec3, DVec3) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use zeroset_scene::view::standard_camera;
-    use zeroset_style::VIEWS;
+    use zeroset_scene::camera::{CameraChoice, camera};
+    use zeroset_style::{StandardView, VIEWS};
     use zeroset_trace::RayGrid;
 
     const PERSPECTIVE: Projection = Projection::Perspective { fov: 40.0 };
 
     fn region() -> Region {
         Region::new(DVec3::new(-1.0, 0.0, 2.0), DVec3::new(3.0, 1.0, 5.0)).expect("valid")
+    }
+
+    fn standard(
+        view: &'static StandardView,
+        region: &Region,
+        projection: Projection,
+    ) -> Result<Camera, CameraError> {
+        let (view, projection) = (Some(view), Some(projection));
+        camera(&CameraChoice { view, projection, ..CameraChoice::default() }, region)
     }
 
     fn same(one: &Camera, other: &Camera) {
@@ -203,7 +212,7 @@ mod tests {
         let region = region();
         for view in &VIEWS {
             for projection in [PERSPECTIVE, Projection::Orthographic { height: 3.0 }] {
-                let camera = standard_camera(view, &region, projection).expect("valid");
+                let camera = standard(view, &region, projection).expect("valid");
                 let orbit = Orbit::from_camera(&camera, &region);
                 let again = orbit.camera(&region).expect("valid");
                 same(&camera, &again);
@@ -223,7 +232,7 @@ mod tests {
     #[test]
     fn a_drag_turns_about_z_and_stops_at_the_poles() {
         let region = region();
-        let start = standard_camera(&VIEWS[0], &region, PERSPECTIVE).expect("valid");
+        let start = standard(&VIEWS[0], &region, PERSPECTIVE).expect("valid");
         let mut orbit = Orbit::from_camera(&start, &region);
         orbit.turn(100.0, 0.0, 400);
         let turned = orbit.camera(&region).expect("valid");
@@ -254,7 +263,7 @@ mod tests {
     fn zoom_keeps_what_is_under_the_pointer_and_pan_moves_it_along() {
         let region = region();
         for projection in [PERSPECTIVE, Projection::Orthographic { height: 5.0 }] {
-            let camera = standard_camera(&VIEWS[0], &region, projection).expect("valid");
+            let camera = standard(&VIEWS[0], &region, projection).expect("valid");
             let basis = camera.basis();
             let point = camera.target() + 0.4 * basis.right - 0.3 * basis.up;
             let at = pixel(&camera, point, 480.0);
@@ -275,7 +284,7 @@ mod tests {
         for view in &VIEWS {
             for projection in [PERSPECTIVE, Projection::Orthographic { height: 0.3 }] {
                 for (width, height) in [(800, 600), (300, 200), (100, 400)] {
-                    let camera = standard_camera(view, &region, projection).expect("valid");
+                    let camera = standard(view, &region, projection).expect("valid");
                     let mut orbit = Orbit::from_camera(&camera, &region);
                     orbit.pan(77.0, -50.0, height);
                     orbit.fit(&region, &region, width, height);
@@ -298,7 +307,7 @@ mod tests {
     #[test]
     fn projections_change_without_a_jump() {
         let region = region();
-        let camera = standard_camera(&VIEWS[0], &region, PERSPECTIVE).expect("valid");
+        let camera = standard(&VIEWS[0], &region, PERSPECTIVE).expect("valid");
         let point = camera.target() + 0.5 * camera.basis().right;
         let mut orbit = Orbit::from_camera(&camera, &region);
         let before = pixel(&camera, point, 480.0).0;

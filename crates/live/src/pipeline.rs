@@ -23,8 +23,9 @@ use zeroset_render::model::Model;
 use zeroset_render::overlay::PictureView;
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::blank::Blank;
+use zeroset_scene::camera::CameraChoice;
 use zeroset_scene::domain::AutoDomain;
-use zeroset_scene::view::{CameraChoice, ClipChoice, DomainChoice, SceneError};
+use zeroset_scene::view::{ClipChoice, DomainChoice, SceneError};
 use zeroset_space::{Camera, Region};
 use zeroset_syntax::{Document, Options};
 

@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use zeroset_parser::Limits;
 use zeroset_render::picture::Settings;
-use zeroset_scene::view::CameraChoice;
+use zeroset_scene::camera::CameraChoice;
 use zeroset_shade::UndecidedStyle;
 use zeroset_syntax::parse;
 

@@ -9,7 +9,8 @@ use super::undo::{Checkpoint, Dragged, Gesture};
 use super::values::{format_value, right_side};
 use std::f64::consts::TAU;
 use std::sync::Arc;
-use zeroset_scene::view::{self, nearest};
+use zeroset_scene::number::nearest;
+use zeroset_scene::view;
 use zeroset_syntax::{Parameter, ParameterKind};
 
 /// A movable value of the document that a picture shows.

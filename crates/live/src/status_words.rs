@@ -124,7 +124,7 @@ mod tests {
     use crate::{Live, Reply, Request};
     use glam::DVec3;
     use std::time::Duration;
-    use zeroset_scene::view::CameraChoice;
+    use zeroset_scene::camera::CameraChoice;
     use zeroset_space::Projection;
 
     fn said(text: &str, method: &str) -> String {

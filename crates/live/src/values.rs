@@ -4,7 +4,7 @@
 use std::ops::Range;
 use zeroset_parser::Limits;
 use zeroset_parser::tree::ast::Statement;
-use zeroset_scene::view::number;
+use zeroset_scene::number::number;
 use zeroset_syntax::parse;
 
 /// Name of the time.

@@ -8,11 +8,10 @@
 use crate::model::Model;
 use crate::picture::Settings;
 use glam::{DQuat, DVec3};
-use zeroset_scene::view::{self, CameraChoice, SceneError};
+use zeroset_scene::camera::{self, CameraChoice};
+use zeroset_scene::view::SceneError;
 use zeroset_shade::Light;
 use zeroset_space::{Basis, Camera, CameraError, Projection, Region};
-use zeroset_style::StandardView;
-use zeroset_syntax::Document;
 use zeroset_trace::{RayGrid, TraceOptions};
 
 /// Rows and columns of the small picture.
@@ -67,101 +66,23 @@ const SIDES: [DVec3; 5] = [
     DVec3::new(-3.0, 2.0, 2.6),
 ];
 
-/// The camera for pictures of `model`, which was compiled from `document`. Camera settings in
-/// `choice` or the document are kept. If neither sets an eye, a target, a scale, or a view other
-/// than the default, the visible points are fitted into the picture. With `axes`, the region's
-/// whole box and its labels are fitted instead. Returns `None` once `wanted` returns false.
+/// The camera for pictures of `model`. Camera settings in `choice` or the model's document are kept.
+/// If neither sets an eye, a target, a scale, or a view other than the default, the visible points
+/// are fitted into the picture. With `axes`, the region's whole box and its labels are fitted
+/// instead. Returns `None` once `wanted` returns false.
 ///
 /// # Errors
 /// If eye and target coincide, if the up direction is parallel to the view, or if a number is out
 /// of range.
 pub fn camera_while(
     model: &Model,
-    document: &Document,
     choice: &CameraChoice,
     settings: &Settings,
     axes: bool,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Camera>, SceneError> {
-    if axes {
-        return of_domain(model.region(), document, choice, settings).map(Some);
-    }
-    camera_over(&[model], document, choice, settings, model.region(), false, wanted)
-}
-
-/// Like [`camera_while`], for pictures of several models over the same region. If `is_turned`, the
-/// camera will turn about its target, and the points visible from all sides must fit.
-///
-/// # Errors
-/// As [`camera_while`].
-pub fn camera_over(
-    models: &[&Model],
-    document: &Document,
-    choice: &CameraChoice,
-    settings: &Settings,
-    region: &Region,
-    is_turned: bool,
-    wanted: &(dyn Fn() -> bool + Sync),
-) -> Result<Option<Camera>, SceneError> {
-    let (given, view) = usual(document, region, choice, settings)?;
-    let Some(view) = view else { return Ok(Some(given)) };
-    // All fitting is done in the displayed space.
-    let (stretch, usual) = (region.stretch(), given.displayed());
-    let back = (usual.eye() - usual.target()).normalize();
-    let look = |back: DVec3| view.seen(models, back, region, settings, wanted);
-    let add_shadows = |back: DVec3, spots: &mut Vec<Spot>| {
-        let Some(ground) = ground_height(models, settings) else { return };
-        let Ok(camera) = view.fitted(back, spots, FILLED) else { return };
-        let light =
-            models[0].key_light(settings, &RayGrid::new(&camera.in_stretched(stretch), SIDE, SIDE));
-        spots.extend(shadows(spots, ground * stretch.z, &light));
-    };
-    if is_turned {
-        let look = |back: DVec3| {
-            let mut seen = look(back)?;
-            if let Some(seen) = &mut seen {
-                add_shadows(back, &mut seen.spots);
-            }
-            Ok(seen)
-        };
-        let fitted = view.fitted_around(back, &usual, region, &look)?;
-        return Ok(fitted.map(|camera| camera.in_stretched(stretch)));
-    }
-    let is_upright =
-        choice.up.is_none() && document.view.as_ref().is_none_or(|view| view.up.is_none());
-    let Some(mut seen) = look(back)? else { return Ok(None) };
-    let mut side = back;
-    if is_upright {
-        // The normal of the upper side. A vertical plane has none.
-        let upper = |normal: DVec3| {
-            let is_vertical = normal.z.abs() < VERTICAL;
-            normal * if is_vertical { normal.dot(back) } else { normal.z }.signum()
-        };
-        let flat = flat(&seen.spots).map(upper);
-        let sides = match flat {
-            Some(normal) if normal.dot(back) < LEAST_SINE => {
-                let all = SIDES.map(DVec3::normalize);
-                let steep = |side: &&DVec3| normal.dot(**side) >= LEAST_SINE;
-                vec![*all.iter().find(steep).unwrap_or(&all[0])]
-            }
-            Some(_) => Vec::new(),
-            None => (1..TURNS).map(|n| turned(usual.up(), n, TURNS) * back).collect(),
-        };
-        for other in sides {
-            let Some(mut found) = look(other)? else { return Ok(None) };
-            // No point lies outside of the outline, from whatever side it was found.
-            found.spots.append(&mut seen.spots);
-            seen.spots = found.spots;
-            if flat.is_some() || found.area > MORE * seen.area {
-                (side, seen.area) = (other, found.area);
-            }
-        }
-    }
-    let mut spots = if seen.spots.len() < LEAST { corners(region) } else { seen.spots };
-    add_shadows(side, &mut spots);
-    let fitted = view.fitted(side, &spots, FILLED);
-    // If floats cannot represent the fitted camera, the camera shows the whole region.
-    Ok(Some(fitted.unwrap_or(usual).in_stretched(stretch)))
+    let framing = Framing { region: model.region(), choice, typed: model.camera(), settings };
+    if axes { framing.of_domain().map(Some) } else { framing.over(&[model], false, wanted) }
 }
 
 /// Like [`camera_while`], within a part of the settings' time budget. When that time is over, the
@@ -171,82 +92,129 @@ pub fn camera_over(
 /// As [`camera_while`].
 pub fn camera(
     model: &Model,
-    document: &Document,
     choice: &CameraChoice,
     settings: &Settings,
     axes: bool,
 ) -> Result<Camera, SceneError> {
     let wanted = settings.limit.wanted_to_choose();
-    match camera_while(model, document, choice, settings, axes, &wanted)? {
+    match camera_while(model, choice, settings, axes, &wanted)? {
         Some(camera) => Ok(camera),
-        None => whole(model.region(), document, choice, settings),
+        None => Ok(camera::camera(&choice.or(*model.camera()), model.region())?),
     }
 }
 
-/// The camera that shows the whole region, unless `choice` or the document sets another one.
-///
-/// # Errors
-/// As [`camera_while`].
-pub(crate) fn whole(
-    region: &Region,
-    document: &Document,
-    choice: &CameraChoice,
-    settings: &Settings,
-) -> Result<Camera, SceneError> {
-    Ok(usual(document, region, choice, settings)?.0)
+/// The region, the choices and the settings from which a camera is made.
+pub(crate) struct Framing<'a> {
+    /// The region of the pictures.
+    pub region: &'a Region,
+    /// The caller's choice.
+    pub choice: &'a CameraChoice,
+    /// The document's choice.
+    pub typed: &'a CameraChoice,
+    /// The settings of the pictures.
+    pub settings: &'a Settings,
 }
 
-/// The camera for the whole region, and data for a fitted camera: `None` if the view is fixed.
-fn usual(
-    document: &Document,
-    region: &Region,
-    choice: &CameraChoice,
-    settings: &Settings,
-) -> Result<(Camera, Option<FreeView>), SceneError> {
-    let usual = view::camera(document, region, choice)?;
-    let view = match usual.projection() {
-        Projection::Perspective { fov } if !is_chosen(document, choice) => {
-            let aspect = settings.width as f64 / settings.height as f64;
-            Some(FreeView { fov, up: usual.displayed().up(), aspect })
+impl Framing<'_> {
+    /// The camera for pictures of these models. If `is_turned`, the camera will turn about its
+    /// target, and the points visible from all sides must fit. Returns `None` once `wanted` returns
+    /// false.
+    pub fn over(
+        &self,
+        models: &[&Model],
+        is_turned: bool,
+        wanted: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Option<Camera>, SceneError> {
+        let Self { region, choice, typed, settings } = *self;
+        let (given, view) = self.usual()?;
+        let Some(view) = view else { return Ok(Some(given)) };
+        // All fitting is done in the displayed space.
+        let (stretch, usual) = (region.stretch(), given.displayed());
+        let back = (usual.eye() - usual.target()).normalize();
+        let look = |back: DVec3| view.seen(models, back, region, settings, wanted);
+        let add_shadows = |back: DVec3, spots: &mut Vec<Spot>| {
+            let Some(ground) = ground_height(models, settings) else { return };
+            let Ok(camera) = view.fitted(back, spots, FILLED) else { return };
+            let light = models[0]
+                .key_light(settings, &RayGrid::new(&camera.in_stretched(stretch), SIDE, SIDE));
+            spots.extend(shadows(spots, ground * stretch.z, &light));
+        };
+        if is_turned {
+            let look = |back: DVec3| {
+                let mut seen = look(back)?;
+                if let Some(seen) = &mut seen {
+                    add_shadows(back, &mut seen.spots);
+                }
+                Ok(seen)
+            };
+            let fitted = view.fitted_around(back, &usual, region, &look)?;
+            return Ok(fitted.map(|camera| camera.in_stretched(stretch)));
         }
-        Projection::Perspective { .. } | Projection::Orthographic { .. } => None,
-    };
-    Ok((usual, view))
-}
+        let is_upright = choice.up.is_none() && typed.up.is_none();
+        let Some(mut seen) = look(back)? else { return Ok(None) };
+        let mut side = back;
+        if is_upright {
+            // The normal of the upper side. A vertical plane has none.
+            let upper = |normal: DVec3| {
+                let is_vertical = normal.z.abs() < VERTICAL;
+                normal * if is_vertical { normal.dot(back) } else { normal.z }.signum()
+            };
+            let flat = flat(&seen.spots).map(upper);
+            let sides = match flat {
+                Some(normal) if normal.dot(back) < LEAST_SINE => {
+                    let all = SIDES.map(DVec3::normalize);
+                    let steep = |side: &&DVec3| normal.dot(**side) >= LEAST_SINE;
+                    vec![*all.iter().find(steep).unwrap_or(&all[0])]
+                }
+                Some(_) => Vec::new(),
+                None => (1..TURNS).map(|n| turned(usual.up(), n, TURNS) * back).collect(),
+            };
+            for other in sides {
+                let Some(mut found) = look(other)? else { return Ok(None) };
+                // No point lies outside of the outline, from whatever side it was found.
+                found.spots.append(&mut seen.spots);
+                seen.spots = found.spots;
+                if flat.is_some() || found.area > MORE * seen.area {
+                    (side, seen.area) = (other, found.area);
+                }
+            }
+        }
+        let mut spots = if seen.spots.len() < LEAST { corners(region) } else { seen.spots };
+        add_shadows(side, &mut spots);
+        let fitted = view.fitted(side, &spots, FILLED);
+        // If floats cannot represent the fitted camera, the camera shows the whole region.
+        Ok(Some(fitted.unwrap_or(usual).in_stretched(stretch)))
+    }
 
-/// Like [`camera_while`], but fits the region's whole box with its axis labels.
-///
-/// # Errors
-/// As [`camera_while`].
-pub(crate) fn of_domain(
-    region: &Region,
-    document: &Document,
-    choice: &CameraChoice,
-    settings: &Settings,
-) -> Result<Camera, SceneError> {
-    let (given, view) = usual(document, region, choice, settings)?;
-    let Some(view) = view else { return Ok(given) };
-    let usual = given.displayed();
-    let back = (usual.eye() - usual.target()).normalize();
-    let slope = FILLED_BY_DOMAIN * view.slope();
-    let fitted = view.fitted_within(back, &corners(region), [slope * view.aspect, slope]);
-    Ok(fitted.unwrap_or(usual).in_stretched(region.stretch()))
-}
+    /// The camera that shows the whole region, unless the caller or the document sets another one.
+    pub fn whole(&self) -> Result<Camera, SceneError> {
+        Ok(self.usual()?.0)
+    }
 
-/// Returns whether the view is fixed by the user or the document: a side other than the usual one,
-/// an eye, a target or a scale.
-fn is_chosen(document: &Document, choice: &CameraChoice) -> bool {
-    let CameraChoice { view, eye, target, up: _, projection } = choice;
-    let other = |view: &'static StandardView| view != <&StandardView>::default();
-    let asked = view.is_some();
-    let given =
-        view.is_some_and(other) || eye.is_some() || target.is_some() || projection.is_some();
-    given
-        || document.view.as_ref().is_some_and(|view| {
-            let side = view.preset;
-            let place = !asked && (view.eye.is_some() || side.is_some_and(other));
-            place || view.target.is_some() || view.fov.is_some() || view.ortho.is_some()
-        })
+    /// Fits the region's whole box with its axis labels.
+    pub fn of_domain(&self) -> Result<Camera, SceneError> {
+        let (given, view) = self.usual()?;
+        let Some(view) = view else { return Ok(given) };
+        let usual = given.displayed();
+        let back = (usual.eye() - usual.target()).normalize();
+        let slope = FILLED_BY_DOMAIN * view.slope();
+        let fitted = view.fitted_within(back, &corners(self.region), [slope * view.aspect, slope]);
+        Ok(fitted.unwrap_or(usual).in_stretched(self.region.stretch()))
+    }
+
+    /// The camera for the whole region, and data for a fitted camera: `None` if the view is fixed.
+    fn usual(&self) -> Result<(Camera, Option<FreeView>), SceneError> {
+        let choice = self.choice.or(*self.typed);
+        let usual = camera::camera(&choice, self.region)?;
+        let view = match usual.projection() {
+            Projection::Perspective { fov } if !choice.is_fixed() => {
+                let aspect = self.settings.width as f64 / self.settings.height as f64;
+                Some(FreeView { fov, up: usual.displayed().up(), aspect })
+            }
+            Projection::Perspective { .. } | Projection::Orthographic { .. } => None,
+        };
+        Ok((usual, view))
+    }
 }
 
 /// The points that are visible from one side.
@@ -265,7 +233,7 @@ struct Spot {
 
 /// The corners of the region's box as displayed.
 fn corners(region: &Region) -> Vec<Spot> {
-    view::corners(&region.displayed()).map(|at| Spot { at, radius: 0.0 }).to_vec()
+    camera::corners(&region.displayed()).map(|at| Spot { at, radius: 0.0 }).to_vec()
 }
 
 /// The height of the lowest ground of these models. `None` without a ground.

@@ -5,6 +5,7 @@
 //! files, and nothing here knows terminals.
 
 pub mod atomic_file;
+pub mod drawing;
 pub mod framing;
 pub mod legend;
 pub mod limit;

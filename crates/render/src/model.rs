@@ -23,8 +23,10 @@ use std::time::{Duration, Instant};
 use zeroset_eval::{Boxes, KernelFloat, Points, SurfaceKernels};
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Graph};
+use zeroset_scene::camera::CameraChoice;
 use zeroset_scene::curves::{self, TracedCurves};
 use zeroset_scene::kernels::Evaluator;
+use zeroset_scene::number::nearest;
 use zeroset_scene::program::{Program, ProgramError};
 use zeroset_scene::{proportions, view};
 use zeroset_shade::Light;
@@ -66,6 +68,8 @@ struct DocumentStyle {
     look: Option<&'static Look>,
     background: Option<Background>,
     lines: PictureLines,
+    /// The document's choice of a camera.
+    camera: CameraChoice,
     /// The values x, y and z, for lines whose values the document does not name. `None` without
     /// lines.
     coordinates: Option<[PointValue; 3]>,
@@ -88,24 +92,18 @@ impl DocumentStyle {
             Some(true) => &[0, 1, 2],
             Some(false) | None => &[],
         };
-        let values = document.parameters.iter().map(|parameter| view::nearest(&parameter.value));
+        let values = document.parameters.iter().map(|parameter| nearest(&parameter.value));
         Self {
             look: document.look,
             background: document.background,
             lines: lines.clone(),
+            camera: CameraChoice::typed(document),
             coordinates: (lines.contours.is_some() || !mesh.is_empty())
                 .then(|| [(Axis::X, "x"), (Axis::Y, "y"), (Axis::Z, "z")].map(coordinate)),
             mesh,
             parameters: values.collect(),
         }
     }
-}
-
-/// Simplifies all surfaces of `document` in `region`. Returns the time that it took, too.
-fn simplified(document: &Document, region: &Region) -> Result<(Program, Times), ProgramError> {
-    let watch = Instant::now();
-    let program = Program::new(document, view::bounds(region))?;
-    Ok((program, Times { simplify: watch.elapsed(), ..Times::default() }))
 }
 
 impl Model {
@@ -119,7 +117,7 @@ impl Model {
         region: &Region,
         settings: &Settings,
     ) -> Result<Self, ProgramError> {
-        let mut model = Self::simplified(document, region, settings)?;
+        let mut model = Self::simplified(document, region, region, settings)?;
         model.compile(settings, &|| true)?;
         Ok(model)
     }
@@ -138,28 +136,29 @@ impl Model {
         settings: &Settings,
         wanted: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Self>, ProgramError> {
-        let (program, times) = simplified(document, reach)?;
-        program.hurry();
-        let curves = curves::trace(document, region);
-        let precision = settings.options.precision;
-        let mut model = Self::of(program, document, region, curves.into(), precision, Some(times));
+        let mut model = Self::simplified(document, region, reach, settings)?;
+        model.program.hurry();
         Ok(model.compile(settings, wanted)?.then_some(model))
     }
 
-    /// Simplifies all surfaces of `document` in `region`. Kernels are compiled when first needed,
-    /// or by [`Model::compile`].
+    /// Simplifies all surfaces of `document` in `region`. The code serves all regions within
+    /// `reach`, as for [`Model::new_while`]. Kernels are compiled when first needed, or by
+    /// [`Model::compile`].
     ///
     /// # Errors
     /// If a formula is constant or undefined everywhere.
     pub fn simplified(
         document: &Document,
         region: &Region,
+        reach: &Region,
         settings: &Settings,
     ) -> Result<Self, ProgramError> {
-        let (program, times) = simplified(document, region)?;
+        let watch = Instant::now();
+        let program = Program::new(document, view::bounds(reach))?;
+        let times = Some(Times { simplify: watch.elapsed(), ..Times::default() });
         let curves = curves::trace(document, region);
         let precision = settings.options.precision;
-        Ok(Self::of(program, document, region, curves.into(), precision, Some(times)))
+        Ok(Self::of(program, document, region, curves.into(), precision, times))
     }
 
     /// Optimizes the kernels of [`Model::new_while`], in parallel. It checks `wanted` between
@@ -279,6 +278,11 @@ impl Model {
         settings.look.or(self.setting.look).unwrap_or_default()
     }
 
+    /// The camera that the document chooses.
+    pub(crate) fn camera(&self) -> &CameraChoice {
+        &self.setting.camera
+    }
+
     /// Returns whether a picture with these settings has a ground.
     pub(crate) fn has_ground(&self, settings: &Settings) -> bool {
         self.choices(settings).ground == Some(true) && settings.normals.is_some()
@@ -292,7 +296,7 @@ impl Model {
     /// The light that casts shadows, in the displayed space.
     pub(crate) fn key_light(&self, settings: &Settings, rays: &RayGrid) -> Light {
         let typed = self.setting.lines.light.as_ref();
-        let typed = typed.map(|place| place.each_ref().map(view::nearest).into());
+        let typed = typed.map(|place| place.each_ref().map(nearest).into());
         match settings.light.or(typed) {
             Some(place) => Light::Positional(place * rays.stretch()),
             None => Light::above_left(rays),

@@ -4,15 +4,16 @@
 //! machines. All frames share one region, and one camera apart from its turning. Both are chosen
 //! from samples of the whole sequence.
 
-use crate::framing;
+use crate::framing::Framing;
 use crate::model::Model;
 use crate::picture::Settings;
 use glam::{DQuat, DVec3};
 use zeroset_interval::Interval;
 use zeroset_ir::Constant;
 use zeroset_parser::Errors;
+use zeroset_scene::camera::CameraChoice;
 use zeroset_scene::domain::AutoDomain;
-use zeroset_scene::view::{self, CameraChoice, Clipping, DomainChoice, SceneError};
+use zeroset_scene::view::{self, Clipping, DomainChoice, SceneError};
 use zeroset_space::{Camera, CameraError, Region};
 use zeroset_syntax::{Document, Options};
 
@@ -167,16 +168,17 @@ impl Sequence {
         }
         let models: Vec<&Model> = models.iter().collect();
         let is_turned = self.turn.is_some();
+        let typed = &CameraChoice::typed(&seen[0]);
+        let framing = Framing { region: &region, choice, typed, settings };
         // Without models, the camera shows the whole box.
         let visible = if shows_domain { &[] } else { &*models };
         let camera = if shows_domain && !is_turned {
-            framing::of_domain(&region, &seen[0], choice, settings).map(Some)
+            framing.of_domain().map(Some)
         } else {
-            let (document, wanted) = (&seen[0], &settings.limit.wanted_to_choose());
-            framing::camera_over(visible, document, choice, settings, &region, is_turned, wanted)
+            framing.over(visible, is_turned, &settings.limit.wanted_to_choose())
         };
-        let whole = || framing::whole(&region, &seen[0], choice, settings);
-        let camera = camera.and_then(|camera| camera.map_or_else(whole, Ok)).map_err(at_start)?;
+        let camera = camera.and_then(|camera| camera.map_or_else(|| framing.whole(), Ok));
+        let camera = camera.map_err(at_start)?;
         Ok(Stage { region, searched, camera })
     }
 
@@ -228,7 +230,6 @@ fn both(
             };
             [0, 1].map(|side| reaches(one, side) || reaches(other, side))
         }),
-        work: one.work + other.work,
     });
     (region, searched)
 }

@@ -1,6 +1,6 @@
 //! Coordinates as text that reads back as the same float, with π where it fits.
 
-use crate::view::number;
+use crate::number::number;
 use std::f64::consts::FRAC_PI_4;
 
 /// A coordinate as text that reads back as the same float: a multiple of π/4, or a decimal.

@@ -9,7 +9,7 @@ mod march;
 mod path;
 mod shaped;
 
-use crate::view::nearest;
+use crate::number::nearest;
 use functions::bound;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -259,19 +259,6 @@ fn extent_now(document: &Document) -> Option<[DVec3; 2]> {
     let high = places.iter().copied().reduce(DVec3::max)?;
     Some([low, high])
 }
-
-/// The box `ends` with a margin around it. No side of the result is empty.
-pub fn with_margin([low, high]: [DVec3; 2]) -> [DVec3; 2] {
-    let largest = (high - low).max_element();
-    let margin = if largest > 0.0 { MARGIN * largest } else { 1.0 };
-    // The margin must not vanish beside large coordinates.
-    let least = 1e-6 * low.abs().max(high.abs()).max_element();
-    let margin = DVec3::splat(margin.max(least));
-    [low - margin, high + margin]
-}
-
-/// Space around curves, as a share of their largest extent.
-const MARGIN: f64 = 0.05;
 
 /// The document with one surface for each curve of two equations: the equation that both hold. Its
 /// domain is the curves' domain. `None` if there is no such curve.

@@ -25,6 +25,7 @@ mod window;
 
 use crate::coordinate::coordinate;
 use crate::program::{Program, ProgramError};
+use glam::DVec3;
 use homogeneous::Homogeneous;
 pub(crate) use shape::GraphShape;
 use std::cell::Cell as Counter;
@@ -59,8 +60,17 @@ const SHORT: u64 = 2_000;
 /// Largest number of evaluations at infinity for one box.
 const WORK_AT_ONCE: u64 = 6_000;
 
-/// Space left around a bounded surface, as a share of its extent on each axis.
+/// Space left around a bounded surface, as a share of its extent on each axis. Around curves, it is a
+/// share of their largest extent.
 const SPACE: f64 = 0.05;
+
+/// Extents are displayed with their own ratio up to this ratio.
+const MOST_UNEVEN: f64 = 4.0;
+
+/// Returns whether two extents differ too much to be displayed with their own ratio.
+pub(crate) fn differ(one: f64, other: f64) -> bool {
+    one > MOST_UNEVEN * other || other > MOST_UNEVEN * one
+}
 
 /// A domain, and the result of the search that found it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -73,26 +83,25 @@ pub struct AutoDomain {
     pub finding: Finding,
     /// Per axis, whether the surface is a graph that continues beyond the lower and the upper end.
     pub cut: [[bool; 2]; 3],
-    /// Number of evaluations that the search took.
-    pub work: u64,
 }
 
 impl AutoDomain {
-    /// The domain of curves and points alone: the box `ends`.
-    pub(crate) fn of_box([low, high]: [glam::DVec3; 2]) -> Self {
+    /// The domain of curves and points alone: a box around `ends`, or a cube without them.
+    pub(crate) fn of_box(ends: Option<[DVec3; 2]>) -> Self {
         let cut = [[false; 2]; 3];
+        let [low, high] = ends.map_or([DVec3::NEG_ONE, DVec3::ONE], around_curves);
         let (low, high) = (low.to_array(), high.to_array());
-        Self { low, high, finding: Finding::Traced, cut, work: 0 }
+        Self { low, high, finding: Finding::Traced, cut }
     }
 
     /// This domain, extended to hold the box of curves and points too.
-    pub(crate) fn with_box(self, ends: [glam::DVec3; 2]) -> Self {
+    pub(crate) fn with_box(self, ends: [DVec3; 2]) -> Self {
         let [low, high] = ends.map(|end| end.to_array());
         let is_within = (0..3).all(|k| self.low[k] <= low[k] && high[k] <= self.high[k]);
         if is_within {
             return self;
         }
-        let [low, high] = crate::curves::with_margin(ends).map(|end| end.to_array());
+        let [low, high] = around_curves(ends).map(|end| end.to_array());
         if self.finding.is_empty() {
             return Self { low, high, finding: Finding::Traced, ..self };
         }
@@ -105,6 +114,7 @@ impl AutoDomain {
         let high = [0, 1, 2].map(|k| self.high[k].max(high[k]));
         Self { low, high, finding, ..self }
     }
+
     /// One phrase that describes the finding, and where the domain cuts a graph.
     pub fn describe(&self) -> String {
         let mut phrase = self.finding.describe().to_owned();
@@ -190,30 +200,29 @@ pub fn find_while(
     let work = Counter::new(share(WORK));
     let mut search = CellSearch { surfaces, forms: Vec::new(), wanted, work };
     let mut at_infinity = share(WORK_AT_INFINITY);
-    let whole = everything(program, &search, &mut at_infinity)
+    let bounds = everything(program, &search, &mut at_infinity)
         .map_or_else(|| bounds::bounds(&search), Some);
-    let is_empty = whole.is_none();
-    let whole = whole.filter(Cell::is_finite);
+    let whole = bounds.filter(Cell::is_finite);
     let whole = whole.map(|whole| (whole, Finding::Bounded, Finding::Empty));
     let near =
         || everything_near(&search).map(|whole| (whole, Finding::BoundedNear, Finding::EmptyNear));
     let mut cut = [[false; 2]; 3];
-    let (found, finding) = if is_empty {
-        (Cell::cube(DEFAULT_HALF), Finding::Empty)
-    } else if let Some((whole, bounded, empty)) = whole.or_else(near) {
-        match tighten(program, &mut search, whole)? {
+    let (found, finding) = match bounds.map(|bounds| (bounds, whole.or_else(near))) {
+        None => (Cell::cube(DEFAULT_HALF), Finding::Empty),
+        Some((_, Some((whole, bounded, empty)))) => match tighten(program, &mut search, whole)? {
             Some(hull) => (around(program, &hull), bounded),
             None => (Cell::cube(DEFAULT_HALF), empty),
+        },
+        Some((bounds, None)) => {
+            let window = windows(program, is_stretched, &search, bounds)?;
+            cut = window.cut;
+            let is_round = window.is_round;
+            (window.cell, if is_round { Finding::UnboundedInBall } else { Finding::Unbounded })
         }
-    } else {
-        let Window { cell, is_round, cut: is_cut } = windows(program, is_stretched, &search)?;
-        cut = is_cut;
-        (cell, if is_round { Finding::UnboundedInBall } else { Finding::Unbounded })
     };
-    let work = share(WORK) - search.work.get() + share(WORK_AT_INFINITY) - at_infinity;
     let Cell { low, high } = valid_box(found);
     // The result of a cancelled search is not reliable.
-    Ok(wanted().then_some(AutoDomain { low, high, finding, cut, work }))
+    Ok(wanted().then_some(AutoDomain { low, high, finding, cut }))
 }
 
 /// A box around all parts of `whole` that may hold a surface. Intervals find it, then affine forms
@@ -351,11 +360,13 @@ fn gcd(a: u32, b: u32) -> u32 {
 }
 
 /// A box around the windows on all surfaces. It is clipped to a ball if all surfaces look better
-/// so. If `is_stretched`, the box may have any proportions.
+/// so. If `is_stretched`, the box may have any proportions. All surfaces are proven to lie in
+/// `bounds`.
 fn windows(
     program: &Program,
     is_stretched: bool,
     search: &CellSearch<'_>,
+    bounds: Cell,
 ) -> Result<Window, ProgramError> {
     let (graph, parameters) = (program.graph(), program.values());
     let mut windows = Vec::with_capacity(program.roots().len());
@@ -384,7 +395,10 @@ fn windows(
             waves: waves.iter().map(|wave| wave as &Wave<'_>).collect(),
             is_solid: program.is_solid(surface),
             is_stretched,
-            bounds: bounds::bounds(&alone).unwrap_or(EVERYWHERE),
+            bounds: match program.roots().len() {
+                1 => bounds,
+                _ => bounds::bounds(&alone).unwrap_or(EVERYWHERE),
+            },
             cut: [[false; 2]; 3],
         };
         windows.push(sight.window());
@@ -466,6 +480,16 @@ fn cube_about(place: [f64; 3], half: f64) -> Cell {
         if along == 0.0 { side } else { rounded(along + side, half / 1000.0) }
     };
     Cell { low: place.map(|along| end(along, -half)), high: place.map(|along| end(along, half)) }
+}
+
+/// The box `ends` of curves with a margin around it. No side of the result is empty.
+fn around_curves([low, high]: [DVec3; 2]) -> [DVec3; 2] {
+    let largest = (high - low).max_element();
+    let margin = if largest > 0.0 { SPACE * largest } else { 1.0 };
+    // The margin must not vanish beside large coordinates.
+    let least = 1e-6 * low.abs().max(high.abs()).max_element();
+    let margin = DVec3::splat(margin.max(least));
+    [low - margin, high + margin]
 }
 
 /// The box with some space on each side, its bounds rounded outward to few digits.

@@ -2,17 +2,20 @@
 //!
 //! A [`program::Program`] is a document simplified over a domain, with values bound to its
 //! parameters. Its kernels are compiled when a method first requests them. [`domain`] finds a
-//! domain if none is given. [`curves`] traces curves and points. [`view`] derives region and camera
-//! from the document and the caller's choices. Nothing here knows pixels, files or terminals.
+//! domain if none is given. [`view`] derives the region from the document and the caller's choice.
+//! [`curves`] traces curves and points in it, and [`camera`] is where it is seen from. Nothing here
+//! knows pixels, files or terminals.
 
 pub mod blank;
 mod box_tree;
+pub mod camera;
 pub mod choices;
 pub mod coordinate;
 pub mod curves;
 pub mod domain;
 pub mod gallery;
 pub mod kernels;
+pub mod number;
 pub mod point_value;
 pub mod program;
 pub mod proportions;

@@ -2,7 +2,7 @@
 //!
 //! They are computed in ordinary floats. No proof depends on them.
 
-use crate::view::nearest;
+use crate::number::nearest;
 use zeroset_interval::{Exponent, Format, Software, Vector128};
 use zeroset_ir::{Constant, Node, NodeId};
 use zeroset_syntax::{POINT_NAMES, PointValue};

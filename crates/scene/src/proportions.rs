@@ -1,13 +1,10 @@
 //! The proportions in which graphs are displayed. A graph z = f(x, y) whose heights are in another
 //! unit than x and y would look like a plane, or like a needle, if all axes had the same scale.
 
-use crate::domain::GraphShape;
+use crate::domain::{GraphShape, differ};
 use glam::DVec3;
 use zeroset_space::Region;
 use zeroset_syntax::{Document, SurfaceKind};
-
-/// Extents are displayed with their own ratio up to this ratio.
-const MOST: f64 = 4.0;
 
 /// The displayed height of a stretched graph, as a share of its ground.
 const HEIGHT: f64 = 0.4;
@@ -32,12 +29,12 @@ pub fn are_graphs(document: &Document) -> bool {
 }
 
 /// The factors by which lengths along the axes are multiplied for display: powers of two. All are 1
-/// unless the document consists of graphs and the extents of `region` differ much.
-pub fn stretch(document: &Document, region: &Region) -> DVec3 {
+/// unless the extents of `region` differ much, and the document [may be stretched](may_stretch).
+pub fn stretch(region: &Region, may_stretch: impl FnOnce() -> bool) -> DVec3 {
     let size = region.high() - region.low();
     let ground = size.x.max(size.y);
     let is_uneven = differ(size.x, size.y) || differ(size.z, ground);
-    if !is_uneven || region.ball().is_some() || !may_stretch(document) {
+    if !is_uneven || region.ball().is_some() || !may_stretch() {
         return DVec3::ONE;
     }
     let mut stretch = DVec3::ONE;
@@ -49,11 +46,6 @@ pub fn stretch(document: &Document, region: &Region) -> DVec3 {
         stretch.z = power_of_two(HEIGHT * ground / size.z);
     }
     stretch
-}
-
-/// Returns whether two extents differ too much to be displayed with their own ratio.
-pub(crate) fn differ(one: f64, other: f64) -> bool {
-    one > MOST * other || other > MOST * one
 }
 
 /// The power of two nearest to a positive ratio.

@@ -1,20 +1,16 @@
-//! The domain and the camera of a document. The caller's choice comes first, then the document's,
-//! then a default.
+//! The region of a document. The caller's choice comes first, then the document's, then a default.
 
 use crate::curves;
 use crate::domain::{self, AutoDomain, Finding};
+use crate::number::{nearest, numbers};
 use crate::program::{Program, ProgramError};
 use crate::proportions;
 use glam::DVec3;
-use num_traits::ToPrimitive;
+use std::cell::LazyCell;
 use std::str::FromStr;
-
 use zeroset_interval::Interval;
 use zeroset_ir::{Constant, Node, NodeId};
-use zeroset_space::{
-    Camera, CameraError, HalfSpace, LARGEST_COORDINATE, Projection, Region, RegionError,
-};
-use zeroset_style::{FOV, StandardView};
+use zeroset_space::{CameraError, HalfSpace, LARGEST_COORDINATE, Region, RegionError};
 use zeroset_syntax::{Document, DomainLine, Parameter, ParameterKind, PointValue, SurfaceColor};
 
 /// The caller's choice of a domain.
@@ -116,37 +112,6 @@ impl From<Option<ClipChoice>> for Clipping {
     }
 }
 
-/// Reads numbers, or constant expressions such as `2π`, separated by commas.
-///
-/// # Errors
-/// One phrase that names the part that is not a number.
-pub fn numbers(text: &str) -> Result<Vec<f64>, String> {
-    let one = |part: &str| {
-        let part = part.trim();
-        let float = part.parse().ok();
-        float.or_else(|| number(part)).ok_or_else(|| format!("'{part}' is not a number"))
-    };
-    text.split(',').map(one).collect()
-}
-
-/// The caller's choice of a camera. A field that is `None` is taken from the document. If the
-/// document does not set it either, the camera shows the whole domain from
-/// [`VIEWS[0]`](zeroset_style::VIEWS). The module `framing` of the render crate then moves the
-/// camera as near as the visible part allows.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct CameraChoice {
-    /// A standard view. It replaces the document's eye and upward direction.
-    pub view: Option<&'static StandardView>,
-    /// The eye.
-    pub eye: Option<DVec3>,
-    /// The point looked at.
-    pub target: Option<DVec3>,
-    /// The direction shown upright.
-    pub up: Option<DVec3>,
-    /// Perspective or parallel projection, and its field of view.
-    pub projection: Option<Projection>,
-}
-
 /// The reason why a document cannot be shown as requested.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
@@ -209,8 +174,11 @@ pub fn region_while(
     let is_typed_ball =
         matches!((choice, &document.domain), (DomainChoice::Document, Some(DomainLine::Ball(_))));
     let mut is_ball = to == ClipShape::Ball || to == ClipShape::Auto && is_typed_ball;
+    let is_tall = LazyCell::new(|| proportions::may_stretch(document));
     if ranges.contains(&None) {
-        let Some(mut found) = search_while(search, document, wanted)? else { return Ok(None) };
+        let Some(mut found) = search_while(search, document, *is_tall, wanted)? else {
+            return Ok(None);
+        };
         let looks_better =
             found.finding == Finding::UnboundedInBall && ranges.iter().all(Option::is_none);
         is_ball |= to == ClipShape::Auto && looks_better;
@@ -235,7 +203,7 @@ pub fn region_while(
     let [x, y, z] = ranges.map(Option::unwrap_or_default);
     let (low, high) = (DVec3::new(x[0], y[0], z[0]), DVec3::new(x[1], y[1], z[1]));
     let region = clipped(low, high, is_ball, plane.or(typed_clip(document)))?;
-    Ok(Some((region.with_stretch(proportions::stretch(document, &region)), searched)))
+    Ok(Some((region.with_stretch(proportions::stretch(&region, || *is_tall)), searched)))
 }
 
 /// Returns whether [`region`] must search for the surface.
@@ -296,7 +264,8 @@ pub fn clipped(
 /// # Panics
 /// Never: this search is not cancelled.
 pub fn search(document: &Document) -> Result<AutoDomain, ProgramError> {
-    Ok(search_while(&mut None, document, &|| true)?.expect("wanted to the end"))
+    let is_tall = proportions::may_stretch(document);
+    Ok(search_while(&mut None, document, is_tall, &|| true)?.expect("wanted to the end"))
 }
 
 /// As [`search`], but can be cancelled, and reuses the program of the previous search if possible.
@@ -304,12 +273,12 @@ pub fn search(document: &Document) -> Result<AutoDomain, ProgramError> {
 fn search_while(
     search: &mut Option<Program>,
     document: &Document,
+    is_tall: bool,
     wanted: &dyn Fn() -> bool,
 ) -> Result<Option<AutoDomain>, ProgramError> {
     let ends = curves::extent(document);
     let proxy = document.surfaces.is_empty().then(|| curves::as_surfaces(document));
     let Some(document) = proxy.as_ref().map_or(Some(document), Option::as_ref) else {
-        let ends = ends.map_or([DVec3::NEG_ONE, DVec3::ONE], curves::with_margin);
         return Ok(Some(AutoDomain::of_box(ends)));
     };
     let again = search.take().and_then(|before| before.rebound(document)?.ok());
@@ -321,7 +290,6 @@ fn search_while(
         program.hurry();
         program
     });
-    let is_tall = proportions::may_stretch(document);
     let found = domain::find_while(&program.over_time(document), is_tall, wanted)?;
     Ok(found.map(|found| ends.map_or(found, |ends| found.with_box(ends))))
 }
@@ -341,91 +309,6 @@ pub fn same_search(one: &Document, other: &Document) -> bool {
 /// The bounds of x, y and z of a region's box.
 pub fn bounds(region: &Region) -> [Interval; 3] {
     [0, 1, 2].map(|axis| Interval { lo: region.low()[axis], hi: region.high()[axis] })
-}
-
-/// The corners of a region's box. Bit k of a corner's index is set if it lies at the upper end of
-/// axis k.
-pub fn corners(region: &Region) -> [DVec3; 8] {
-    let (low, high) = (region.low(), region.high());
-    std::array::from_fn(|n| {
-        DVec3::from_array([0, 1, 2].map(|k| if n >> k & 1 == 1 { high[k] } else { low[k] }))
-    })
-}
-
-/// The camera for `document` in `region`.
-///
-/// # Errors
-/// If eye and target coincide, the upward direction is parallel to the view, or a number is out of
-/// range.
-pub fn camera(
-    document: &Document,
-    region: &Region,
-    choice: &CameraChoice,
-) -> Result<Camera, CameraError> {
-    let typed = document.view.clone().unwrap_or_default();
-    let point = |numbers: &Option<[Constant; 3]>| {
-        numbers.as_ref().map(|n| DVec3::from_array([0, 1, 2].map(|k| nearest(&n[k]))))
-    };
-    // A view chosen by the caller replaces the document's eye and upward direction.
-    let (typed_eye, typed_up) = match choice.view {
-        Some(_) => (None, None),
-        None => (point(&typed.eye), point(&typed.up)),
-    };
-    let view = choice.view.or(typed.preset);
-    // In programs of shaders, y points up. A named view, such as the top, ignores this.
-    let is_y_up = view.is_none() && document.is_y_up;
-    let view = view.unwrap_or_default();
-    let turned =
-        |[x, y, z]: [f64; 3]| if is_y_up { DVec3::new(x, z, -y) } else { [x, y, z].into() };
-    let (offset, view_up) = (turned(view.offset), turned(view.up));
-    // The camera is set up in the displayed space.
-    let (stretch, shown) = (region.stretch(), region.displayed());
-    let displayed = |point: DVec3| point * stretch;
-    let given_eye = choice.eye.or(typed_eye).map(displayed);
-    // An eye in the center keeps the view's direction: its target lies opposite to the offset.
-    let usual = match given_eye {
-        Some(eye) if eye == shown.centre() => eye - offset * shown.half_extent(),
-        _ => shown.centre(),
-    };
-    let target = choice.target.or(point(&typed.target)).map_or(usual, displayed);
-    let eye = given_eye.unwrap_or(target + offset * shown.half_extent());
-    let usual_up = || {
-        // An eye set by the caller or the document may look straight down. Then y is the upward
-        // direction, as in the view from the top.
-        let vertical = given_eye.is_some() && (target - eye).cross(view_up) == DVec3::ZERO;
-        if vertical { turned([0.0, 1.0, 0.0]) } else { view_up }
-    };
-    let up = choice.up.or(typed_up).map_or_else(usual_up, displayed);
-    let projection = choice.projection.unwrap_or_else(|| match (&typed.ortho, &typed.fov) {
-        (Some(height), _) => Projection::Orthographic { height: nearest(height) },
-        (None, Some(fov)) => Projection::Perspective { fov: nearest(fov) },
-        (None, None) => Projection::Perspective { fov: FOV },
-    });
-    Ok(Camera::new(eye, target, up, projection)?.in_stretched(stretch))
-}
-
-/// The camera that shows the box of `region` from a standard view. Its distance from the center is
-/// a fixed multiple of half the largest extent. With the default [`FOV`], the views from the six
-/// sides show all of a cube. The default view shows all but the tips of some corners.
-///
-/// # Errors
-/// If `projection` is out of range.
-pub fn standard_camera(
-    view: &StandardView,
-    region: &Region,
-    projection: Projection,
-) -> Result<Camera, CameraError> {
-    let shown = region.displayed();
-    let (offset, centre) = (DVec3::from(view.offset), shown.centre());
-    let eye = centre + offset * shown.half_extent();
-    Ok(Camera::new(eye, centre, view.up.into(), projection)?.in_stretched(region.stretch()))
-}
-
-/// The `f64` nearest to a constant expression such as `1/3`. `None` if the text is no such
-/// expression, or if its value is not finite.
-pub fn number(text: &str) -> Option<f64> {
-    let value = nearest(&zeroset_syntax::constant(text).ok()?);
-    value.is_finite().then_some(value)
 }
 
 /// Returns whether nothing that `document` draws depends on `parameter`.
@@ -449,14 +332,6 @@ pub fn is_idle(document: &Document, parameter: &Parameter) -> bool {
 pub fn depends_on_time(document: &Document) -> bool {
     let mut times = document.parameters.iter().filter(|one| one.kind == ParameterKind::Time);
     times.any(|time| !is_idle(document, time))
-}
-
-/// The `f64` nearest to a typed number. Cameras and domains consist of such floats, so the same
-/// digits have the same value in a file and in a flag.
-pub fn nearest(constant: &Constant) -> f64 {
-    let bounds = constant.bounds();
-    let exact = constant.exact().and_then(ToPrimitive::to_f64);
-    exact.unwrap_or_else(|| bounds.lo.midpoint(bounds.hi)).clamp(bounds.lo, bounds.hi)
 }
 
 #[cfg(test)]

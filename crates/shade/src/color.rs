@@ -121,17 +121,6 @@ impl LinearRgb {
         let within = |amount| if amount > BLACK { f32::min(amount, 1.0) } else { BLACK };
         self.0.map(|amount| SrgbTable::get().byte(within(amount)))
     }
-
-    /// The color written `#rrggbb` or `rrggbb`, or `None` if `text` is neither.
-    pub fn from_hex(text: &str) -> Option<Self> {
-        let digits = text.strip_prefix('#').unwrap_or(text);
-        if digits.len() != 6 || !digits.bytes().all(|byte| byte.is_ascii_hexdigit()) {
-            return None;
-        }
-        let value = u32::from_str_radix(digits, 16).ok()?;
-        let [_, red, green, blue] = value.to_be_bytes();
-        Some(Self::from_srgb([red, green, blue]))
-    }
 }
 
 #[cfg(test)]
@@ -191,15 +180,6 @@ mod tests {
             for amount in [begin.next_down(), begin, begin.next_up()] {
                 assert_eq!(SrgbTable::get().byte(amount.max(BLACK)), exact(amount), "{amount:e}");
             }
-        }
-    }
-
-    #[test]
-    fn hexadecimal_colors_are_read() {
-        assert_eq!(LinearRgb::from_hex("#ff8000").map(LinearRgb::to_srgb), Some([255, 128, 0]));
-        assert_eq!(LinearRgb::from_hex("FF8000").map(LinearRgb::to_srgb), Some([255, 128, 0]));
-        for text in ["", "#fff", "#ff80000", "+f8000", "red", "#ff80é"] {
-            assert_eq!(LinearRgb::from_hex(text), None, "{text}");
         }
     }
 }

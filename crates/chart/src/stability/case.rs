@@ -9,7 +9,7 @@ use crate::views::View;
 use glam::DVec3;
 use serde::Deserialize;
 use std::path::Path;
-use zeroset_scene::view::{self, CameraChoice};
+use zeroset_scene::camera::{self, CameraChoice};
 use zeroset_space::{Camera, Projection, Region};
 use zeroset_testkit::npy::{read_f64, read_u8};
 
@@ -120,7 +120,7 @@ impl Case {
                 let [eye, target, up] = [eye, self.target, self.up].map(DVec3::from_array);
                 Camera::new(eye, target, up, Projection::Perspective { fov: self.fov })
             }
-            None => view::camera(&surface.document, &surface.region, &CameraChoice::default()),
+            None => camera::camera(&CameraChoice::typed(&surface.document), &surface.region),
         };
         let camera = camera.map_err(ChartError::of_surface(&self.slug))?;
         Ok((surface, View { name: "stability".to_owned(), camera }))

@@ -76,7 +76,7 @@ impl Worker {
             }
         }
         let wanted = || self.shared.wanted(job);
-        let camera = framing::camera_while(model, document, choice, settings, axes, &wanted)?;
+        let camera = framing::camera_while(model, choice, settings, axes, &wanted)?;
         let (model, region) = (Arc::downgrade(model), *model.region());
         let framed = |camera| FittedCamera { model, region, formula, key, camera, arrived: true };
         self.framed = camera.map(framed);

@@ -5,7 +5,7 @@ use super::letters::{width, with_minus};
 use super::projector::{PictureView, Projector};
 use super::ticks::ticks;
 use glam::{DVec2, DVec3};
-use zeroset_scene::view::corners;
+use zeroset_scene::camera::corners;
 
 const SEEN: u32 = 190;
 const HIDDEN: u32 = 36;
@@ -242,8 +242,9 @@ mod tests {
     use crate::framing;
     use crate::model::Model;
     use crate::picture::Settings;
+    use zeroset_scene::camera::CameraChoice;
     use zeroset_scene::curves::TracedCurves;
-    use zeroset_scene::view::{self, CameraChoice, DomainChoice};
+    use zeroset_scene::view::{self, DomainChoice};
 
     /// Returns the labels of a picture of this size, for the region from -2 to 2 on each axis.
     fn labels(width: usize, height: usize, scale: f64, fitted: bool) -> Vec<Label> {
@@ -253,8 +254,8 @@ mod tests {
         let (document, choice) = (document.expect("reads"), CameraChoice::default());
         let region = view::region(&document, DomainChoice::Document, None).expect("a cube").0;
         let model = Model::new(&document, &region, &settings).expect("a model");
-        let whole = framing::camera(&model, &document, &choice, &settings, true);
-        let near = framing::camera(&model, &document, &choice, &settings, false);
+        let whole = framing::camera(&model, &choice, &settings, true);
+        let near = framing::camera(&model, &choice, &settings, false);
         let camera = if fitted { whole } else { near }.expect("a camera");
         let picture = model.picture(&camera, &settings, &|_, _| {}).expect("a picture");
         let curves = TracedCurves::default();

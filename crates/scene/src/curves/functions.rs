@@ -1,8 +1,8 @@
 //! Functions of curves, with the parameters' values in place of parameters, and their kernels.
 
+use crate::number::nearest;
 use crate::point_value::{Place, PointValues};
 use crate::program::constants;
-use crate::view::nearest;
 use glam::DVec3;
 use zeroset_eval::{Assumptions, Binding, Kernel, Points, Query, Reference, SampleGradient, Tape};
 use zeroset_interval::Interval;

@@ -1,7 +1,7 @@
 //! Curves with a parameter: samples, as dense as the curve bends.
 
 use super::functions::{bound, coordinates, points_at};
-use crate::view::nearest;
+use crate::number::nearest;
 use glam::DVec3;
 use zeroset_eval::{Kernel, SampleGradient};
 use zeroset_ir::NodeId;

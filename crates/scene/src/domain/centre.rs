@@ -67,7 +67,7 @@ pub fn centre(graph: &Graph, root: NodeId, parameters: &[Interval]) -> [f64; 3] 
         let pull = if polynomial.degree() > 1 { &mut curved } else { &mut flat };
         pull.join(&polynomial.middle());
     }
-    let centre = curved.mean(Some(&flat));
+    let centre = curved.mean(Some(&flat)).to_array();
     if centre.iter().all(|along| along.abs() <= REACH) { centre } else { [0.0; 3] }
 }
 

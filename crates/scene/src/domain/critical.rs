@@ -6,7 +6,8 @@
 //! rule out a zero. Some points may be missed. This module depends neither on cameras nor on
 //! pictures.
 
-use super::polynomial::{Coordinates, principal};
+use super::polynomial::{Symmetric, principal};
+use glam::DVec3;
 use zeroset_eval::{Kernel, Sample};
 use zeroset_space::{Cell, CellSearch, places_about};
 
@@ -35,7 +36,7 @@ pub struct CriticalSearch<'a> {
     pub values: &'a dyn Kernel<Sample, f64>,
     /// Whether the function depends on each axis.
     pub depends: [bool; 3],
-    pub centre: [f64; 3],
+    pub centre: DVec3,
     /// Half the side of the cube in which starts are spread. Some points are found farther away.
     pub half: f64,
 }
@@ -94,23 +95,23 @@ enum PathEnd {
 /// A path to a critical point: its latest place, and its end once it has ended.
 #[derive(Clone, Copy)]
 struct NewtonPath {
-    place: Coordinates,
+    place: DVec3,
     end: Option<PathEnd>,
 }
 
 impl CriticalSearch<'_> {
     /// Searches for critical points from several starts. Returns their distances from the center.
     pub fn find(&self) -> CriticalDistances {
-        let starts: Vec<Coordinates> = (1..=STARTS).map(|n| self.start(n)).collect();
+        let starts: Vec<DVec3> = (1..=STARTS).map(|n| self.start(n)).collect();
         let ends = self.descend(&starts);
         let among =
             || ends.iter().filter(|(_, end)| *end == PathEnd::OnCurve).map(|(place, _)| *place);
         // On a curve that is not closed, points are found at every distance that is searched.
         let farthest = among().map(|place| distance(place, self.centre)).fold(0.0, f64::max);
         let is_closed = among().count() >= CURVE_POINTS && farthest <= CLOSED * self.half;
-        let (mut known, mut found) = (Vec::<Coordinates>::new(), CriticalDistances::default());
+        let (mut known, mut found) = (Vec::<DVec3>::new(), CriticalDistances::default());
         for (place, end) in ends {
-            let is_same = |other: &Coordinates| distance(*other, place) <= MERGED * self.half;
+            let is_same = |other: &DVec3| distance(*other, place) <= MERGED * self.half;
             if known.iter().any(is_same) {
                 continue;
             }
@@ -129,18 +130,18 @@ impl CriticalSearch<'_> {
     /// The point where path `n` starts. The points fill the cube evenly: their coordinates are the
     /// multiples by `n`, modulo 1, of 1/g, 1/g² and 1/g³ with g⁴ = g + 1 (Roberts, 2018: the
     /// sequence R₃).
-    fn start(&self, n: u32) -> Coordinates {
+    fn start(&self, n: u32) -> DVec3 {
         let strides = [0.819_172_513_396, 0.671_043_606_703, 0.549_700_477_901];
-        [0, 1, 2].map(|axis| {
+        let along = |axis: usize| {
             let place = 2.0 * (f64::from(n) * strides[axis]).fract() - 1.0;
-            let along = if self.depends[axis] { self.half * place } else { 0.0 };
-            self.centre[axis] + along
-        })
+            if self.depends[axis] { self.half * place } else { 0.0 }
+        };
+        self.centre + DVec3::from_array([0, 1, 2].map(along))
     }
 
     /// The critical points at which paths from these starts end.
-    fn descend(&self, starts: &[Coordinates]) -> Vec<(Coordinates, PathEnd)> {
-        let way = |place: &Coordinates| NewtonPath { place: *place, end: None };
+    fn descend(&self, starts: &[DVec3]) -> Vec<(DVec3, PathEnd)> {
+        let way = |place: &DVec3| NewtonPath { place: *place, end: None };
         let mut ways: Vec<NewtonPath> = starts.iter().map(way).collect();
         for _ in 0..STEPS {
             let on_the_way = ways.iter_mut().filter(|way| way.end.is_none());
@@ -160,22 +161,20 @@ impl CriticalSearch<'_> {
 
     /// The places whose values give the derivatives at `place`: itself, one step either way along
     /// each axis, and one step either way along each pair of axes.
-    fn around(&self, place: Coordinates) -> Vec<Coordinates> {
-        let alone: [[i8; 3]; 3] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
-        let both: [[i8; 3]; 3] = [[0, 1, 1], [1, 0, 1], [1, 1, 0]];
-        let back = |steps: [[i8; 3]; 3]| steps.map(|step| step.map(|along| -along));
-        let apart = DIFFERENCE * self.half;
-        let there =
-            |step: [i8; 3]| [0, 1, 2].map(|axis| place[axis] + apart * f64::from(step[axis]));
+    fn around(&self, place: DVec3) -> Vec<[f64; 3]> {
+        let alone = [DVec3::X, DVec3::Y, DVec3::Z];
+        let both = alone.map(|axis| DVec3::ONE - axis);
+        let back = |steps: [DVec3; 3]| steps.map(|step| -step);
         let steps = [alone, back(alone), both, back(both)].into_iter().flatten();
-        [[0; 3]].into_iter().chain(steps).map(there).collect()
+        let there = |step: DVec3| (place + DIFFERENCE * self.half * step).to_array();
+        [DVec3::ZERO].into_iter().chain(steps).map(there).collect()
     }
 
     /// Takes one step of Newton's method. `values` are the function's values at the path's place
     /// and at the points around it.
     fn step(&self, way: &mut NewtonPath, values: &[f64]) {
         let (here, up, down, both) = (values[0], &values[1..4], &values[4..7], &values[7..13]);
-        let mut gradient = [0, 1, 2].map(|a| (up[a] - down[a]) / 2.0);
+        let mut gradient = DVec3::from_array([0, 1, 2].map(|a| (up[a] - down[a]) / 2.0));
         let along = [0, 1, 2].map(|a| up[a] - 2.0 * here + down[a]);
         let bend = |a: usize, b: usize| {
             if a == b {
@@ -184,22 +183,22 @@ impl CriticalSearch<'_> {
             let other = 3 - a - b;
             (both[other] - 2.0 * here + both[3 + other] - along[a] - along[b]) / 2.0
         };
-        let mut matrix = [0, 1, 2].map(|a| [bend(a, 0), bend(a, 1), bend(a, 2)]);
-        let most = matrix.as_flattened().iter().fold(0.0_f64, |most, part| most.max(part.abs()));
+        let mut matrix = [0, 1, 2].map(|a| DVec3::new(bend(a, 0), bend(a, 1), bend(a, 2)));
+        let most = matrix.map(largest).into_iter().fold(0.0, f64::max);
         for axis in (0..3).filter(|axis| !self.depends[*axis]) {
-            (matrix[axis], gradient[axis]) = ([0.0; 3], 0.0);
+            (matrix[axis], gradient[axis]) = (DVec3::ZERO, 0.0);
             matrix[axis][axis] = most;
         }
-        let solved = solve(matrix, gradient.map(|slope| -slope));
+        let solved = solve(matrix, -gradient);
         let Some(NewtonStep { way: step, rest, determinant }) = solved else {
             way.end = Some(PathEnd::Lost);
             return;
         };
-        let [step, rest] = [step, rest].map(|way| way.map(|along| DIFFERENCE * self.half * along));
+        let [step, rest] = [step, rest].map(|way| DIFFERENCE * self.half * way);
         let far = distance(way.place, self.centre);
-        let [length, left] = [step, rest].map(|way| distance(way, [0.0; 3]));
+        let [length, left] = [step, rest].map(largest);
         let share = (far.max(self.half) / (2.0 * length)).min(1.0);
-        way.place = [0, 1, 2].map(|axis| way.place[axis] + share * step[axis]);
+        way.place += share * step;
         way.end = if far > FARTHEST * self.half {
             Some(PathEnd::Lost)
         } else if length.max(left) <= CONVERGED * self.half {
@@ -216,7 +215,7 @@ impl CriticalSearch<'_> {
     /// The distance of a critical point from the center. `None` if the surface is not near the
     /// point. Also `None` for a point on a line through the center along an axis: another search
     /// covers these lines.
-    fn distance_if_near(&self, place: Coordinates) -> Option<f64> {
+    fn distance_if_near(&self, place: DVec3) -> Option<f64> {
         let far = distance(place, self.centre);
         let is_off = |axis: &usize| (place[*axis] - self.centre[*axis]).abs() > MERGED * self.half;
         if (0..3).filter(is_off).count() < 2 {
@@ -224,31 +223,35 @@ impl CriticalSearch<'_> {
         }
         let is_near = (0..HALVINGS).rev().map(|k| NEAR * far * 0.5_f64.powi(k)).any(|radius| {
             let steps = self.depends.map(|depends| if depends { radius } else { 0.0 });
-            let around: Vec<Coordinates> = places_about(place, steps).collect();
+            let around: Vec<[f64; 3]> = places_about(place.to_array(), steps).collect();
             let values = self.search.values(self.values, &around);
             // The middle one of 27 places is the critical point.
             let here = values[13];
             let most = values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
             let is_on = here.abs() <= ZERO * most;
             let is_near = is_on || values.iter().any(|there| here * there < 0.0);
-            is_near && !self.search.open(&[Cell::about(place, radius)]).is_empty()
+            is_near && !self.search.open(&[Cell::about(place.to_array(), radius)]).is_empty()
         });
-        let way = [0, 1, 2].map(|axis| place[axis] - self.centre[axis]);
-        is_near.then(|| way.iter().map(|along| along * along).sum::<f64>().sqrt())
+        is_near.then(|| place.distance(self.centre))
     }
 }
 
 /// The distance in the maximum norm.
-fn distance(a: Coordinates, b: Coordinates) -> f64 {
-    (0..3).map(|axis| (a[axis] - b[axis]).abs()).fold(0.0, f64::max)
+fn distance(a: DVec3, b: DVec3) -> f64 {
+    largest(a - b)
+}
+
+/// The largest magnitude of a coordinate.
+fn largest(way: DVec3) -> f64 {
+    way.to_array().into_iter().fold(0.0, |most: f64, along| most.max(along.abs()))
 }
 
 /// The solution of a symmetric system, and how reliable it is.
 struct NewtonStep {
-    way: Coordinates,
+    way: DVec3,
     /// The possible error of each coordinate of the solution, caused by directions with almost no
     /// second derivative.
-    rest: Coordinates,
+    rest: DVec3,
     /// The determinant of the scaled matrix.
     determinant: f64,
 }
@@ -256,35 +259,29 @@ struct NewtonStep {
 /// Solves `matrix` · step = `wanted`. If the determinant is below [`LEAST_DETERMINANT`], the
 /// shortest solution is taken, since any step along a curve of critical points would do. `None` if
 /// the result is not finite.
-fn solve(matrix: [Coordinates; 3], wanted: Coordinates) -> Option<NewtonStep> {
-    let most = matrix.map(|row| row.iter().fold(0.0_f64, |most, part| most.max(part.abs())));
-    let least = FLATTEST * most.iter().copied().fold(0.0, f64::max);
-    let scale = most.map(|most| most.max(least).sqrt().recip());
-    let scaled = [0, 1, 2].map(|a| [0, 1, 2].map(|b| scale[a] * matrix[a][b] * scale[b]));
-    let wanted = [0, 1, 2].map(|axis| scale[axis] * wanted[axis]);
-    let [a, b, c] = scaled;
-    let cross = |a: Coordinates, b: Coordinates| {
-        [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-    };
-    let columns = [cross(b, c), cross(c, a), cross(a, b)];
-    let determinant: f64 = (0..3).map(|k| a[k] * columns[0][k]).sum();
-    let (mut solution, mut rest) = ([0.0; 3], [0.0; 3]);
+fn solve(matrix: Symmetric, wanted: DVec3) -> Option<NewtonStep> {
+    let most = matrix.map(largest);
+    let least = FLATTEST * most.into_iter().fold(0.0, f64::max);
+    let scale = DVec3::from_array(most.map(|most| most.max(least).sqrt().recip()));
+    let scaled = [0, 1, 2].map(|axis| scale[axis] * matrix[axis] * scale);
+    let (wanted, [a, b, c]) = (scale * wanted, scaled);
+    let columns = [b.cross(c), c.cross(a), a.cross(b)];
+    let determinant = a.dot(columns[0]);
+    let (mut solution, mut rest) = (DVec3::ZERO, DVec3::ZERO);
     if determinant.abs() >= LEAST_DETERMINANT {
-        for (column, wanted) in columns.iter().zip(wanted) {
-            solution = [0, 1, 2].map(|axis| solution[axis] + column[axis] * wanted / determinant);
+        for (column, wanted) in columns.into_iter().zip(wanted.to_array()) {
+            solution += column * wanted / determinant;
         }
     } else {
         for (size, along) in principal(scaled) {
-            let far = (0..3).map(|k| along[k] * wanted[k]).sum::<f64>();
+            let far = along.dot(wanted);
             if size.abs() >= LEAST_DETERMINANT {
-                solution = [0, 1, 2].map(|axis| solution[axis] + far / size * along[axis]);
+                solution += far / size * along;
             } else {
-                rest = [0, 1, 2]
-                    .map(|axis| rest[axis] + (far / LEAST_DETERMINANT * along[axis]).abs());
+                rest += (far / LEAST_DETERMINANT * along).abs();
             }
         }
     }
-    let [way, rest] = [solution, rest].map(|way| [0, 1, 2].map(|axis| scale[axis] * way[axis]));
-    let is_finite = way.iter().chain(&rest).all(|along| along.is_finite());
-    is_finite.then_some(NewtonStep { way, rest, determinant })
+    let (way, rest) = (scale * solution, scale * rest);
+    (way.is_finite() && rest.is_finite()).then_some(NewtonStep { way, rest, determinant })
 }

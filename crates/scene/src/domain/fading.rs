@@ -26,10 +26,6 @@ const GREATEST: i32 = 12;
 /// Share of the change that may happen beyond the greatest distance.
 const REST_AT_GREATEST: f64 = 0.05;
 
-/// Share of the lines that may vary most without counting: a curve of poles crosses few lines of
-/// samples near to itself.
-const OUTLIERS: f64 = 0.01;
-
 /// Per axis, the distance from the center up to which a graph is shown. `None` along an axis on
 /// which it does not fade out, or is constant.
 pub fn distances(heights: &Heights<'_>, axes: [bool; 2]) -> [Option<f64>; 2] {
@@ -62,10 +58,7 @@ pub fn distances(heights: &Heights<'_>, axes: [bool; 2]) -> [Option<f64>; 2] {
                 ]);
             }
         }
-        // Half lines that change most come first.
-        changes.sort_unstable_by(|a, b| b[0].total_cmp(&a[0]));
-        let changes = &changes[(OUTLIERS * changes.len() as f64) as usize..];
-        let whole = changes.first().map_or(0.0, |line| line[0]);
+        let whole = changes.iter().map(|line| line[0]).fold(0.0, f64::max);
         if whole == 0.0 || !whole.is_finite() {
             return None;
         }

@@ -5,11 +5,10 @@
 
 use super::ground::{self, Ground};
 use super::heights::{Grid, Heights, ROUNDING, ShownHeights, choose_heights};
-use super::shape::Growth;
+use super::shape::{GraphAxes, Growth};
 use super::tops::around_tops;
 use super::window::{WindowChooser, few_digits};
 use super::{DEFAULT_HALF, FLAT, SPACE, THIN, climb, fading};
-use crate::proportions;
 use zeroset_space::Cell;
 
 /// If a graph has heights in a part of the window only, the bound of that part is rounded to this
@@ -37,33 +36,16 @@ const ALL_HEIGHTS: f64 = 0.95;
 /// Waves that fade out have more.
 const MOST_TOPS: usize = 8;
 
-/// A graph: its axis, and the coefficient of that axis in the function. The function is the
-/// coefficient times the axis, plus a function of the ground.
-#[derive(Clone, Copy)]
-pub struct GraphAxes {
-    pub up: usize,
-    pub factor: f64,
-    /// The only axis that the heights depend on, if there is only one.
-    pub along: Option<usize>,
-}
-
 impl WindowChooser<'_> {
-    /// The axes of a graph, if the surface is one.
-    pub(super) fn graph_axes(&self) -> Option<GraphAxes> {
-        let over_two = self.shape.height.map(|(up, factor)| GraphAxes { up, factor, along: None });
-        let profile = self.shape.profile;
-        over_two.or(profile.map(|(up, along, factor)| GraphAxes { up, factor, along: Some(along) }))
-    }
-
     /// Returns whether the window on a function of two axes is that of a graph. The window on a
     /// plane, or on a polynomial without turns far apart, is chosen by other features.
     pub(super) fn is_profile(&self) -> bool {
-        let Some(graph) = self.graph_axes().filter(|_| !self.shape.is_plane) else { return false };
+        let Some(graph) = self.shape.graph.filter(|_| !self.shape.is_plane) else { return false };
         let heights = |places: &[[f64; 2]]| self.heights(graph, places);
         let half = around_tops(&heights);
         let grid = Grid::new(&heights, half);
         let reach = grid.ends().map_or(0.0, |[low, high]| high - low);
-        if self.is_stretched && reach > 0.0 && proportions::differ(reach, 2.0 * half) {
+        if self.is_stretched && reach > 0.0 && super::differ(reach, 2.0 * half) {
             return true;
         }
         if self.shape.growth == Growth::Polynomial {

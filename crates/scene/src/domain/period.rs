@@ -5,8 +5,6 @@
 //! kernels nor on boxes.
 
 use std::f64::consts::{PI, TAU};
-use zeroset_interval::Interval;
-use zeroset_ir::{Graph, Node, NodeId};
 use zeroset_ops::{Class, Law, Op, Rounding};
 
 /// Two periods have a common one if some multiple of the longer one, by at most this number, is a
@@ -25,14 +23,14 @@ pub struct Period {
 
 /// How a node behaves along an axis: it is a periodic function plus `slope` times the coordinate.
 #[derive(Clone, Copy, Debug)]
-struct Course {
+pub struct Course {
     /// The period; 0 if the periodic function is constant.
-    period: f64,
-    slope: f64,
-    has_cells: bool,
+    pub period: f64,
+    pub slope: f64,
+    pub has_cells: bool,
 }
 
-const CONSTANT: Course = Course { period: 0.0, slope: 0.0, has_cells: false };
+pub const CONSTANT: Course = Course { period: 0.0, slope: 0.0, has_cells: false };
 
 impl Course {
     /// The course of `self + sign · other`. `None` if the periods have no common multiple.
@@ -71,67 +69,18 @@ fn common(a: f64, b: f64) -> Option<f64> {
     (1..=MULTIPLES).map(|n| f64::from(n) * long).find(|all| is_whole(all / short))
 }
 
-/// The period of the function at `root` along each axis, for parameters within bounds. `None` if
-/// the function does not depend on the axis, or has no period along it.
-pub fn periods(graph: &Graph, root: NodeId, parameters: &[Interval]) -> [Option<Period>; 3] {
-    let needed = graph.reachable(&[root]);
-    let mut known: Vec<[Option<Course>; 3]> = Vec::with_capacity(graph.len());
-    let mut numbers: Vec<Option<f64>> = Vec::with_capacity(graph.len());
-    for (id, node) in graph.iter() {
-        let number = |bounds: Interval| Some(bounds.lo.midpoint(bounds.hi));
-        let (courses, value) = match node {
-            _ if !needed[id.index()] => ([Some(CONSTANT); 3], None),
-            Node::Variable(axis) => {
-                let slope = |k: usize| if k == *axis as usize { 1.0 } else { 0.0 };
-                ([0, 1, 2].map(|k| Some(Course { slope: slope(k), ..CONSTANT })), None)
-            }
-            Node::Parameter(at) => {
-                ([Some(CONSTANT); 3], parameters.get(*at as usize).copied().and_then(number))
-            }
-            Node::Constant(value) => ([Some(CONSTANT); 3], number(value.bounds())),
-            Node::Apply(op, operands) => {
-                let values: Vec<_> = operands.iter().map(|id| numbers[id.index()]).collect();
-                let course = |axis: usize| {
-                    let operands: Option<Vec<_>> =
-                        operands.iter().map(|id| known[id.index()][axis]).collect();
-                    combined(*op, &operands?, &values)
-                };
-                ([0, 1, 2].map(course), value(*op, &values))
-            }
-        };
-        known.push(courses);
-        numbers.push(value);
-    }
-    known[root.index()].map(|course| {
+impl Period {
+    /// The period of a function with this course. `None` if it does not depend on the axis, or has
+    /// no period along it.
+    pub fn of(course: Option<Course>) -> Option<Self> {
         let Course { period, has_cells, .. } = course.filter(|course| course.is_level())?;
-        (period > 0.0 && period.is_finite()).then_some(Period { length: period, has_cells })
-    })
-}
-
-/// The value of an operation on numbers, if it is one of those that scale arguments.
-fn value(op: Op, operands: &[Option<f64>]) -> Option<f64> {
-    let number = |k: usize| operands.get(k).copied().flatten();
-    match op.row().class {
-        Class::Negation => Some(-number(0)?),
-        Class::Sum if op == Op::Add => Some(number(0)? + number(1)?),
-        Class::Sum => Some(number(0)? - number(1)?),
-        Class::Product => Some(number(0)? * number(1)?),
-        Class::Quotient => Some(number(0)? / number(1)?),
-        Class::Square => Some(number(0)? * number(0)?),
-        Class::Function(Law::SquareRoot) => Some(number(0)?.sqrt()),
-        Class::Power
-        | Class::Remainder
-        | Class::Extremum
-        | Class::Choice
-        | Class::Fallback
-        | Class::Restriction(_)
-        | Class::Function(_)
-        | Class::FunctionOfTwo => None,
+        (period > 0.0 && period.is_finite()).then_some(Self { length: period, has_cells })
     }
 }
 
-/// The course of an operation along an axis, computed from the courses of its operands.
-fn combined(op: Op, operands: &[Course], values: &[Option<f64>]) -> Option<Course> {
+/// The course of an operation along an axis, computed from the courses of its operands. `values`
+/// are the operands that are numbers.
+pub fn combined(op: Op, operands: &[Course], values: &[Option<f64>]) -> Option<Course> {
     let number = |k: usize| values.get(k).copied().flatten();
     let cells = |period: f64, slope: f64| Some(Course { period, slope, has_cells: true });
     // A function of operands that only repeat repeats with them.
@@ -181,8 +130,10 @@ fn combined(op: Op, operands: &[Course], values: &[Option<f64>]) -> Option<Cours
 
 #[cfg(test)]
 mod tests {
+    use super::super::shape::shapes;
     use super::*;
     use crate::program::Program;
+    use zeroset_interval::Interval;
     use zeroset_syntax::{Options, read};
 
     #[test]
@@ -205,7 +156,8 @@ mod tests {
         ] {
             let document = read(text, &Options::default()).expect(text);
             let program = Program::new(&document, [Interval::ENTIRE; 3]).expect(text);
-            let found = periods(program.graph(), program.roots()[0], program.values());
+            let known = shapes(program.graph(), program.roots()[0], program.values());
+            let found = known[program.roots()[0].index()].courses.map(Period::of);
             for (found, wanted) in found.into_iter().zip(wanted) {
                 let is_near = match (found, wanted) {
                     (Some(found), Some(wanted)) => {

@@ -3,12 +3,13 @@
 //! Everything is computed in floats rounded to nearest; nothing is a proof. This module depends
 //! neither on kernels nor on boxes.
 
+use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// Three numbers, one per axis.
-pub type Coordinates = [f64; 3];
 /// A symmetric matrix.
-pub type Symmetric = [Coordinates; 3];
+pub type Symmetric = [DVec3; 3];
+
+const IDENTITY: Symmetric = [DVec3::X, DVec3::Y, DVec3::Z];
 
 /// A polynomial: coefficients by the powers of x, y and z.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -105,9 +106,11 @@ impl Polynomial {
     }
 
     /// The polynomial in coordinates whose origin is at `place`.
-    fn translated_to(&self, place: Coordinates) -> Self {
+    fn translated_to(&self, place: DVec3) -> Self {
         let mut seen = self.clone();
-        for (axis, along) in place.into_iter().enumerate().filter(|(_, along)| *along != 0.0) {
+        for (axis, along) in
+            place.to_array().into_iter().enumerate().filter(|(_, along)| *along != 0.0)
+        {
             let mut moved = Self::default();
             for (powers, factor) in &seen.0 {
                 // The binomial terms, from the highest power down.
@@ -137,8 +140,8 @@ impl Polynomial {
     /// directions do not change the highest terms; along these, terms of lower degrees are treated
     /// in the same way. For x = y², this gives the parabola's tip.
     pub fn middle(&self) -> DirectionalSum {
-        let mut free: Symmetric = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let (mut pull, mut place) = (DirectionalSum::default(), [0.0; 3]);
+        let mut free = IDENTITY;
+        let (mut pull, mut place) = (DirectionalSum::default(), DVec3::ZERO);
         let (mut seen, mut from) = (self.clone(), place);
         for degree in (1..=self.degree()).rev() {
             if place != from {
@@ -146,17 +149,16 @@ impl Polynomial {
             }
             let (highest, lower) = (seen.form(degree), seen.form(degree - 1));
             let changes = [0, 1, 2].map(|axis| highest.derivative(axis));
-            let together =
-                |a: usize| [0, 1, 2].map(|b| changes[a].coefficient_product(&changes[b]));
-            let gram = [0, 1, 2].map(together);
-            let wanted = [0, 1, 2].map(|axis| -changes[axis].coefficient_product(&lower));
+            let products = |other: &Self| -> DVec3 {
+                changes.each_ref().map(|change| change.coefficient_product(other)).into()
+            };
+            let (gram, wanted) = (changes.each_ref().map(products), -products(&lower));
             let least = LEAST_CHANGE * (gram[0][0] + gram[1][1] + gram[2][2]);
             for (size, along) in principal(within(free, gram)) {
                 // Because of rounding, a direction that was already used may be found again.
-                if size > least && dot(times(free, along), along) > 0.5 {
-                    let far = dot(along, wanted) / size;
-                    place = [0, 1, 2].map(|axis| place[axis] + far * along[axis]);
-                    pull.add(along, dot(place, along));
+                if size > least && times(free, along).dot(along) > 0.5 {
+                    place += along.dot(wanted) / size * along;
+                    pull.add(along, place.dot(along));
                     free = without_direction(free, along);
                 }
             }
@@ -169,37 +171,31 @@ impl Polynomial {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DirectionalSum {
     directions: Symmetric,
-    places: Coordinates,
+    places: DVec3,
 }
 
 impl DirectionalSum {
     /// Adds the coordinate `place` along a direction of length 1.
-    fn add(&mut self, along: Coordinates, place: f64) {
-        let places = along.map(|along| along * place);
-        self.join(&Self { directions: onto(along), places });
+    fn add(&mut self, along: DVec3, place: f64) {
+        self.join(&Self { directions: onto(along), places: along * place });
     }
 
     pub fn join(&mut self, other: &Self) {
-        for axis in 0..3 {
-            self.places[axis] += other.places[axis];
-            for k in 0..3 {
-                self.directions[axis][k] += other.directions[axis][k];
-            }
+        self.places += other.places;
+        for (row, other) in self.directions.iter_mut().zip(other.directions) {
+            *row += other;
         }
     }
 
     /// The mean of the places that were added. Along directions without coordinates it is the mean
     /// of `rest`, or else 0.
-    pub fn mean(&self, rest: Option<&Self>) -> Coordinates {
-        let mut free: Symmetric = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let mut place = [0.0; 3];
+    pub fn mean(&self, rest: Option<&Self>) -> DVec3 {
+        let (mut free, mut place) = (IDENTITY, DVec3::ZERO);
         for pull in [Some(self), rest].into_iter().flatten() {
-            let known = times(pull.directions, place);
-            let missing = [0, 1, 2].map(|axis| pull.places[axis] - known[axis]);
+            let missing = pull.places - times(pull.directions, place);
             for (size, along) in principal(within(free, pull.directions)) {
                 if size > LEAST_WEIGHT {
-                    let far = dot(along, missing) / size;
-                    place = [0, 1, 2].map(|axis| place[axis] + far * along[axis]);
+                    place += along.dot(missing) / size * along;
                     free = without_direction(free, along);
                 }
             }
@@ -211,12 +207,8 @@ impl DirectionalSum {
 /// A direction with a smaller weight than this counts as having no coordinate.
 const LEAST_WEIGHT: f64 = 1e-6;
 
-fn dot(a: Coordinates, b: Coordinates) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn times(matrix: Symmetric, vector: Coordinates) -> Coordinates {
-    matrix.map(|row| dot(row, vector))
+fn times(matrix: Symmetric, vector: DVec3) -> DVec3 {
+    matrix.map(|row| row.dot(vector)).into()
 }
 
 /// The matrix restricted to the directions onto which `free` projects.
@@ -226,14 +218,14 @@ fn within(free: Symmetric, matrix: Symmetric) -> Symmetric {
 }
 
 /// Removes the direction `along` from the projection `free`.
-fn without_direction(free: Symmetric, along: Coordinates) -> Symmetric {
+fn without_direction(free: Symmetric, along: DVec3) -> Symmetric {
     let gone = onto(along);
-    [0, 1, 2].map(|axis| [0, 1, 2].map(|other| free[axis][other] - gone[axis][other]))
+    [0, 1, 2].map(|axis| free[axis] - gone[axis])
 }
 
 /// The projection onto a direction of length 1.
-fn onto(along: Coordinates) -> Symmetric {
-    along.map(|one| along.map(|other| one * other))
+fn onto(along: DVec3) -> Symmetric {
+    along.to_array().map(|one| one * along)
 }
 
 /// Number of sweeps over the three pairs of axes. Each sweep squares the size of the off-diagonal
@@ -241,8 +233,8 @@ fn onto(along: Coordinates) -> Symmetric {
 const SWEEPS: usize = 5;
 
 /// The eigenvalues and eigenvectors of a symmetric matrix, by Jacobi rotations.
-pub fn principal(mut matrix: Symmetric) -> [(f64, Coordinates); 3] {
-    let mut directions: Symmetric = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+pub fn principal(mut matrix: Symmetric) -> [(f64, DVec3); 3] {
+    let mut directions = IDENTITY;
     for (p, q) in [(0, 1), (0, 2), (1, 2)].repeat(SWEEPS) {
         if matrix[p][q] == 0.0 {
             continue;
@@ -284,7 +276,7 @@ mod tests {
         let terms = [([2, 0, 0], 1.0), ([0, 2, 1], 1.0)];
         assert_eq!(one, Polynomial(terms.into_iter().collect()));
         assert_eq!(one.degree(), 3);
-        assert_eq!(umbrella([3.0, -2.0]).translated_to([3.0, -2.0, 0.0]), one);
+        assert_eq!(umbrella([3.0, -2.0]).translated_to(DVec3::new(3.0, -2.0, 0.0)), one);
         assert_eq!(one.plus(-1.0, &one).value(), Some(0.0));
         assert_eq!(one.power(9, &mut 10_000), None);
         assert_eq!(one.power(2, &mut 5), None);
@@ -296,19 +288,18 @@ mod tests {
     #[test]
     fn the_middle_moves_along() {
         let middle = umbrella([3.0, -2.0]).middle().mean(None);
-        let off = [3.0, -2.0, 0.0].iter().zip(middle).map(|(a, b)| (a - b).abs());
-        assert!(off.fold(0.0, f64::max) < 1e-12, "{middle:?}");
+        assert!(middle.distance(DVec3::new(3.0, -2.0, 0.0)) < 1e-12, "{middle:?}");
     }
 
     #[test]
     fn principal_directions_take_a_matrix_apart() {
-        let matrix = [[2.0, 1.0, -0.5], [1.0, -3.0, 4.0], [-0.5, 4.0, 1.0]];
+        let matrix = [[2.0, 1.0, -0.5], [1.0, -3.0, 4.0], [-0.5, 4.0, 1.0]].map(DVec3::from);
         let parts = principal(matrix);
         for a in 0..3 {
             for b in 0..3 {
                 let sum: f64 = parts.iter().map(|(size, along)| size * along[a] * along[b]).sum();
                 assert!((sum - matrix[a][b]).abs() < 1e-12, "{parts:?}");
-                let dot = dot(parts[a].1, parts[b].1);
+                let dot = parts[a].1.dot(parts[b].1);
                 assert!((dot - f64::from(u8::from(a == b))).abs() < 1e-12, "{parts:?}");
             }
         }

@@ -4,7 +4,7 @@
 //! Nothing here is a proof: the properties only serve to choose a window. This module depends
 //! neither on kernels nor on boxes.
 
-use super::period::{Period, periods};
+use super::period::{self, CONSTANT, Course, Period};
 use std::f64::consts::TAU;
 use zeroset_interval::Interval;
 use zeroset_ir::{Graph, Node, NodeId};
@@ -30,19 +30,25 @@ pub struct GraphShape {
     /// Whether the function's zeros are planes or parts of planes: it consists of linear functions
     /// by products, minima and maxima.
     pub is_of_planes: bool,
-    /// For a nonlinear function of three axes: an axis for which it can be solved, and that axis's
-    /// coefficient. The function is the coefficient times the axis, plus a function of the other
-    /// axes.
-    pub height: Option<(usize, f64)>,
-    /// For a function of two axes: the axis for which it can be solved, the other axis, and the
-    /// coefficient of the first.
-    pub profile: Option<(usize, usize, f64)>,
+    /// For a nonlinear function of three axes, or a function of two: an axis for which it can be
+    /// solved.
+    pub graph: Option<GraphAxes>,
     /// How fast the function can grow.
     pub growth: Growth,
 }
 
+/// A graph: its axis, and the coefficient of that axis in the function. The function is the
+/// coefficient times the axis, plus a function of the ground.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GraphAxes {
+    pub up: usize,
+    pub factor: f64,
+    /// The only axis that the heights depend on, if there is only one.
+    pub along: Option<usize>,
+}
+
 /// How fast a function can grow with the coordinates.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Growth {
     /// The function consists of sums, products and whole powers.
     Polynomial,
@@ -56,7 +62,7 @@ pub enum Growth {
 
 /// Properties of a node.
 #[derive(Clone, Copy)]
-struct NodeShape {
+pub struct NodeShape {
     depends: [bool; 3],
     linear: Option<Linear>,
     /// Whether the node's zeros are parts of planes.
@@ -64,89 +70,86 @@ struct NodeShape {
     /// Per axis, a coefficient: the node is the axis times the coefficient, plus a function of the
     /// other axes. `None` if the node has no such form.
     solved: [Option<f64>; 3],
-    is_polynomial: bool,
-    grows_as_power: bool,
-    value: Option<f64>,
+    growth: Growth,
+    /// The node's value, if it is a number.
+    pub value: Option<f64>,
+    /// How the node behaves along each axis, if it repeats apart from a slope.
+    pub courses: [Option<Course>; 3],
+}
+
+/// The properties of all nodes that the function at `root` needs, for parameters within bounds.
+pub fn shapes(graph: &Graph, root: NodeId, parameters: &[Interval]) -> Vec<NodeShape> {
+    let needed = graph.reachable(&[root]);
+    let number = |bounds: Interval| NodeShape {
+        depends: [false; 3],
+        linear: Some([0.0; 3]),
+        is_of_planes: true,
+        solved: [Some(0.0); 3],
+        growth: Growth::Polynomial,
+        value: Some(bounds.lo.midpoint(bounds.hi)),
+        courses: [Some(CONSTANT); 3],
+    };
+    let mut known: Vec<NodeShape> = Vec::with_capacity(graph.len());
+    for (id, node) in graph.iter() {
+        known.push(match node {
+            _ if !needed[id.index()] => number(Interval::ZERO),
+            Node::Variable(axis) => {
+                let unit = |k: usize| if k == *axis as usize { 1.0 } else { 0.0 };
+                let linear = [unit(0), unit(1), unit(2)];
+                NodeShape {
+                    depends: linear.map(|factor| factor != 0.0),
+                    linear: Some(linear),
+                    solved: linear.map(Some),
+                    value: None,
+                    courses: linear.map(|slope| Some(Course { slope, ..CONSTANT })),
+                    ..number(Interval::ZERO)
+                }
+            }
+            Node::Parameter(at) => {
+                number(parameters.get(*at as usize).copied().unwrap_or(Interval::ONE))
+            }
+            Node::Constant(value) => number(value.bounds()),
+            Node::Apply(op, operands) => {
+                let operands: Vec<NodeShape> =
+                    operands.iter().map(|id| known[id.index()]).collect();
+                combined(*op, &operands)
+            }
+        });
+    }
+    known
 }
 
 impl GraphShape {
     /// Returns whether the function's zero set is a graph over x and y.
     pub fn is_over_ground(&self) -> bool {
-        matches!(self.height, Some((2, _))) || matches!(self.profile, Some((2, ..)))
+        self.graph.is_some_and(|graph| graph.up == 2)
     }
 
     /// The shape of the function at `root`, for parameters within bounds.
     pub fn of(graph: &Graph, root: NodeId, parameters: &[Interval]) -> Self {
-        let needed = graph.reachable(&[root]);
-        let number = |bounds: Interval| NodeShape {
-            depends: [false; 3],
-            linear: Some([0.0; 3]),
-            is_of_planes: true,
-            solved: [Some(0.0); 3],
-            is_polynomial: true,
-            grows_as_power: true,
-            value: Some(bounds.lo.midpoint(bounds.hi)),
-        };
-        let mut known: Vec<NodeShape> = Vec::with_capacity(graph.len());
-        let mut shape = Self::default();
-        for (id, node) in graph.iter() {
-            let this = match node {
-                _ if !needed[id.index()] => number(Interval::ZERO),
-                Node::Variable(axis) => {
-                    let unit = |k: usize| if k == *axis as usize { 1.0 } else { 0.0 };
-                    let linear = [unit(0), unit(1), unit(2)];
-                    NodeShape {
-                        depends: linear.map(|factor| factor != 0.0),
-                        linear: Some(linear),
-                        solved: linear.map(Some),
-                        value: None,
-                        ..number(Interval::ZERO)
-                    }
-                }
-                Node::Parameter(at) => {
-                    number(parameters.get(*at as usize).copied().unwrap_or(Interval::ONE))
-                }
-                Node::Constant(value) => number(value.bounds()),
-                Node::Apply(op, operands) => {
-                    let operands: Vec<NodeShape> =
-                        operands.iter().map(|id| known[id.index()]).collect();
-                    combined(*op, &operands)
-                }
-            };
-            known.push(this);
-        }
+        let (known, mut shape) = (shapes(graph, root, parameters), Self::default());
         let found = known[root.index()];
         shape.depends = found.depends;
-        shape.growth = match found {
-            NodeShape { is_polynomial: true, .. } => Growth::Polynomial,
-            NodeShape { grows_as_power: true, .. } => Growth::Power,
-            NodeShape { .. } => Growth::Unlimited,
-        };
+        shape.growth = found.growth;
         shape.is_plane = found.linear.is_some();
         shape.is_of_planes = found.is_of_planes;
         // Graphs over the xy-plane are preferred.
-        let solved = |axis: usize| found.solved[axis].filter(|factor| *factor != 0.0);
-        let heights = || [2, 1, 0].into_iter().filter_map(|up| Some((up, solved(up)?)));
-        if found.depends == [true; 3] {
-            shape.height = heights().next().filter(|_| !shape.is_plane);
-        } else {
-            shape.profile = heights().find_map(|(up, factor)| {
-                let along = (0..3).find(|other| *other != up && found.depends[*other])?;
-                Some((up, along, factor))
-            });
-        }
-        let periods = periods(graph, root, parameters);
-        shape.find_waves(graph, root, &known, periods);
+        let is_of_two = found.depends != [true; 3];
+        shape.graph = [2, 1, 0].into_iter().find_map(|up| {
+            let factor = found.solved[up].filter(|factor| *factor != 0.0)?;
+            let along = (0..3).find(|other| *other != up && found.depends[*other])?;
+            (is_of_two || !shape.is_plane).then_some(GraphAxes {
+                up,
+                factor,
+                along: is_of_two.then_some(along),
+            })
+        });
+        shape.find_waves(graph, root, &known);
         shape
     }
 
-    fn find_waves(
-        &mut self,
-        graph: &Graph,
-        root: NodeId,
-        known: &[NodeShape],
-        periods: [Option<Period>; 3],
-    ) {
+    fn find_waves(&mut self, graph: &Graph, root: NodeId, known: &[NodeShape]) {
+        let periods = known[root.index()].courses.map(Period::of);
         let (mut open, mut seen) = (vec![root], vec![false; graph.len()]);
         let (mut period, mut plain) = ([0.0_f64; 3], [false; 3]);
         while let Some(id) = open.pop() {
@@ -242,13 +245,23 @@ fn combined(op: Op, operands: &[NodeShape]) -> NodeShape {
     } else {
         is_sum || [Op::Neg, Op::Mul, Op::Sqr].contains(&op) || !depends.contains(&true)
     };
-    let is_polynomial = is_built && operands.iter().all(|one| one.is_polynomial);
-    let is_tame = is_built || [Op::Sqrt, Op::Abs, Op::Min, Op::Max].contains(&op);
-    let grows_as_power = is_tame && operands.iter().all(|one| one.grows_as_power);
+    let own = if is_built {
+        Growth::Polynomial
+    } else if [Op::Sqrt, Op::Abs, Op::Min, Op::Max].contains(&op) {
+        Growth::Power
+    } else {
+        Growth::Unlimited
+    };
+    let growth = operands.iter().map(|one| one.growth).fold(own, Growth::max);
     let linear = if depends.contains(&true) { linear } else { Some([0.0; 3]) };
     let is_product = [Op::Mul, Op::Neg, Op::Sqr, Op::Abs, Op::Min, Op::Max].contains(&op)
         || [Op::Pow, Op::Div].contains(&op) && number(1).is_some();
     let is_of_planes =
         linear.is_some() || is_product && operands.iter().all(|one| one.is_of_planes);
-    NodeShape { depends, linear, is_of_planes, solved, is_polynomial, grows_as_power, value }
+    let values: Vec<Option<f64>> = operands.iter().map(|one| one.value).collect();
+    let courses = [0, 1, 2].map(|axis| {
+        let operands: Option<Vec<_>> = operands.iter().map(|one| one.courses[axis]).collect();
+        period::combined(op, &operands?, &values)
+    });
+    NodeShape { depends, linear, is_of_planes, solved, growth, value, courses }
 }

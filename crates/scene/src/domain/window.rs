@@ -94,8 +94,8 @@ impl WindowChooser<'_> {
         // parallel to.
         let known = self.known();
         self.centre = self.centre.map(|along| super::rounded(along, known));
-        if self.shape.profile.is_some() && !self.is_profile() {
-            self.shape.profile = None;
+        if self.shape.graph.is_some_and(|graph| graph.along.is_some()) && !self.is_profile() {
+            self.shape.graph = None;
         }
         let halves = self.halves();
         let half = halves.into_iter().fold(0.0, f64::max);
@@ -105,7 +105,7 @@ impl WindowChooser<'_> {
             if along.abs() <= CENTRED * half { 0.0 } else { super::rounded(along, GRAIN * half) }
         });
         let cell = self.cell(halves);
-        let whole = match self.graph_axes() {
+        let whole = match self.shape.graph {
             Some(_) => None,
             None => self.whole_where_bounded(&cell, half != DEFAULT_HALF),
         };
@@ -117,8 +117,8 @@ impl WindowChooser<'_> {
     /// that look like the surface's own. Planes, periodic surfaces and graphs over two axes look
     /// better in the box.
     fn is_round(&self, cell: &Cell) -> bool {
-        let GraphShape { depends, period, ref waves, is_of_planes, height, .. } = self.shape;
-        let is_flat = is_of_planes || height.is_some() || depends.contains(&false);
+        let GraphShape { depends, period, ref waves, is_of_planes, graph, .. } = self.shape;
+        let is_flat = is_of_planes || graph.is_some() || depends.contains(&false);
         let repeats = !waves.is_empty() || period.iter().any(Option::is_some);
         let largest = cell.largest();
         let is_cube = (0..3).all(|axis| {
@@ -130,8 +130,9 @@ impl WindowChooser<'_> {
 
     /// Half the sides of the window that shows the features.
     fn halves(&self) -> [f64; 3] {
-        let GraphShape { period, height, .. } = self.shape;
-        let on_ground = |axis: usize| height.is_none_or(|(up, _)| axis != up);
+        let GraphShape { period, graph, .. } = self.shape;
+        let height = graph.filter(|graph| graph.along.is_none());
+        let on_ground = |axis: usize| height.is_none_or(|graph| axis != graph.up);
         let on_ground = [0, 1, 2].map(on_ground);
         let periods = [0, 1, 2].map(|axis| period[axis].filter(|_| on_ground[axis]));
         let longest = periods.into_iter().flatten().fold(0.0_f64, f64::max);
@@ -145,7 +146,7 @@ impl WindowChooser<'_> {
         if let Some(half) = half_side_for_waves(&self.waves, self.centre, on_ground) {
             return [few_digits(half); 3];
         }
-        if let Some(graph) = self.graph_axes() {
+        if let Some(graph) = self.shape.graph {
             return self.halves_of_graph(graph);
         }
         [self.half(); 3]
@@ -191,7 +192,7 @@ impl WindowChooser<'_> {
     fn cell(&mut self, halves: [f64; 3]) -> Cell {
         let GraphShape { depends, is_plane, .. } = self.shape;
         let half = halves.into_iter().fold(0.0, f64::max);
-        if let Some(graph) = self.graph_axes() {
+        if let Some(graph) = self.shape.graph {
             let ground = [1, 2].map(|k| halves[(graph.up + k) % 3]);
             if let Some(window) = self.graph(graph, ground) {
                 return window;
@@ -239,8 +240,14 @@ impl WindowChooser<'_> {
             |n: &usize| sizes[..*n].iter().all(|other| !(0.5..=2.0).contains(&(sizes[*n] / other)));
         let find = |n: usize| {
             let Self { search, values, centre, .. } = *self;
-            CriticalSearch { search, values, depends: self.shape.depends, centre, half: sizes[n] }
-                .find()
+            CriticalSearch {
+                search,
+                values,
+                depends: self.shape.depends,
+                centre: centre.into(),
+                half: sizes[n],
+            }
+            .find()
         };
         (0..sizes.len())
             .filter(is_new)

@@ -1,8 +1,6 @@
-//! Domains and cameras chosen by the caller, by the document and by default.
+//! Domains chosen by the caller, by the document and by default.
 
 use super::*;
-use zeroset_space::Basis;
-use zeroset_style::VIEWS;
 use zeroset_syntax::{Options, read};
 
 fn document(text: &str) -> Document {
@@ -83,46 +81,6 @@ fn a_domain_left_open_is_searched_for() {
 }
 
 #[test]
-fn the_camera_comes_from_the_caller_then_the_document_then_the_default() {
-    let text = "domain 2\nview eye (4, 0, 0)\nx+y+z";
-    let document = document(text);
-    let (region, _) = region(&document, DomainChoice::Document, None).expect("valid");
-    let eye = |choice: CameraChoice| camera(&document, &region, &choice).expect("valid").eye();
-    assert_eq!(eye(CameraChoice::default()), DVec3::X * 4.0);
-    let own = CameraChoice { eye: Some(DVec3::Z * 9.0), ..CameraChoice::default() };
-    assert_eq!(eye(own), DVec3::Z * 9.0);
-    let side = CameraChoice { view: Some(&VIEWS[0]), ..CameraChoice::default() };
-    assert_eq!(eye(side), DVec3::new(4.0, -6.0, 4.5));
-}
-
-#[test]
-fn programs_of_shaders_are_seen_with_y_up() {
-    let ups = |text: &str, choice: CameraChoice| {
-        let document = document(text);
-        let (region, _) = region(&document, DomainChoice::Document, None).expect("valid");
-        let camera = camera(&document, &region, &choice).expect("valid");
-        (camera.up(), camera.eye() - camera.target())
-    };
-    let map = "float map(vec3 p) { return length(p) - 1.0; }";
-    for text in [
-        map,
-        "p.y - sin(p.x)*sin(p.z)",
-        "length(vec3(x, y, z)) - 1.0",
-        "isosurface { function { x*x + y*y + z*z - 1 } contained_by { box { -2, 2 } } }",
-    ] {
-        let (up, way) = ups(text, CameraChoice::default());
-        assert!(up == DVec3::Y && way.y > 0.0 && way.z > way.y, "{text}: {up} {way}");
-    }
-    for text in ["x^2+y^2+z^2=1", "y = x^2 - z^2", "f(x, y) = x*y", "float f = x*y; z = f"] {
-        assert_eq!(ups(text, CameraChoice::default()).0, DVec3::Z, "{text}");
-    }
-    // A line or a flag about the view wins.
-    assert_eq!(ups(&format!("view iso\n{map}"), CameraChoice::default()).0, DVec3::Z);
-    let side = CameraChoice { view: Some(&VIEWS[0]), ..CameraChoice::default() };
-    assert_eq!(ups(map, side).0, DVec3::Z);
-}
-
-#[test]
 fn a_surface_beyond_all_domains_is_refused_with_what_to_type() {
     for (text, smaller) in [
         ("x^2+y^2+z^2=1e36", "(1e18*x)^2+(1e18*y)^2+(1e18*z)^2=1e36"),
@@ -139,20 +97,6 @@ fn a_surface_beyond_all_domains_is_refused_with_what_to_type() {
 }
 
 #[test]
-fn every_view_can_be_named_in_a_document() {
-    for view in &VIEWS {
-        let document = document(&format!("domain 2\nview {}\nx+y+z", view.name));
-        let (region, _) = region(&document, DomainChoice::Document, None).expect("valid");
-        let named = camera(&document, &region, &CameraChoice::default());
-        let projection = Projection::Perspective { fov: FOV };
-        assert_eq!(
-            named.expect("valid"),
-            standard_camera(view, &region, projection).expect("valid")
-        );
-    }
-}
-
-#[test]
 fn what_only_a_color_depends_on_is_not_idle() {
     let document = document("r = 2\ns = 3\ncolor viridis(r*z + t)\nx^2+y^2+z^2=1");
     let idle = |name: &str| {
@@ -160,61 +104,4 @@ fn what_only_a_color_depends_on_is_not_idle() {
         is_idle(&document, parameter.expect(name))
     };
     assert!(!idle("r") && !idle("t") && idle("s") && depends_on_time(&document));
-}
-
-fn looks_along(name: &str) -> DVec3 {
-    let region = Region::new(DVec3::splat(-1.0), DVec3::new(3.0, 1.0, 1.0)).expect("valid");
-    let view = StandardView::named(name).expect("listed");
-    let projection = Projection::Perspective { fov: FOV };
-    let camera = standard_camera(view, &region, projection).expect("valid");
-    assert_eq!(camera.target(), DVec3::X);
-    camera.basis().forward
-}
-
-#[test]
-fn views_look_where_their_names_say() {
-    assert_eq!(looks_along("front"), DVec3::Y);
-    assert_eq!(looks_along("back"), DVec3::NEG_Y);
-    assert_eq!(looks_along("left"), DVec3::X);
-    assert_eq!(looks_along("right"), DVec3::NEG_X);
-    assert_eq!(looks_along("top"), DVec3::NEG_Z);
-    assert_eq!(looks_along("bottom"), DVec3::Z);
-    let iso = looks_along("iso");
-    assert!(iso.x < 0.0 && iso.y > 0.0 && iso.z < 0.0);
-}
-
-#[test]
-fn the_six_sides_show_the_whole_cube() {
-    let region = Region::new(DVec3::splat(-1.0), DVec3::splat(1.0)).expect("valid");
-    for view in &VIEWS[1..] {
-        let projection = Projection::Perspective { fov: FOV };
-        let camera = standard_camera(view, &region, projection).expect("valid");
-        let Basis { forward, right, up } = camera.basis();
-        for corner in 0..8 {
-            let sign = |bit: usize| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
-            let to = DVec3::new(sign(0), sign(1), sign(2)) - camera.eye();
-            let depth = to.dot(forward);
-            let reach = depth * (FOV / 2.0).to_radians().tan();
-            let inside = to.dot(up).abs() < reach && to.dot(right).abs() < reach;
-            assert!(inside, "{} loses corner {corner}", view.name);
-        }
-    }
-}
-
-#[test]
-fn an_eye_in_the_center_looks_in_the_direction_of_the_view() {
-    let region = Region::new(DVec3::splat(-1.0), DVec3::splat(3.0)).expect("valid");
-    let eye = Some(DVec3::splat(1.0));
-    for text in ["x = 0", "view top\nx = 0"] {
-        let document = document(text);
-        let looks_along = |choice: &CameraChoice| {
-            let camera = camera(&document, &region, choice).expect("a camera");
-            (camera.target() - camera.eye()).normalize()
-        };
-        let outside = looks_along(&CameraChoice::default());
-        let inside = looks_along(&CameraChoice { eye, ..CameraChoice::default() });
-        assert!((outside - inside).length() < 1e-12, "{text}: {outside}, {inside}");
-    }
-    let same = CameraChoice { eye, target: eye, ..CameraChoice::default() };
-    assert!(camera(&document("x = 0"), &region, &same).is_err());
 }

@@ -5,7 +5,8 @@ use super::super::trace::RenderPass;
 use super::BlockLimits;
 use super::block::Block;
 use crate::picture::{Picture, Settings};
-use zeroset_scene::view::{self, CameraChoice, DomainChoice};
+use zeroset_scene::camera::{self, CameraChoice};
+use zeroset_scene::view::{self, DomainChoice};
 use zeroset_shade::Pattern;
 use zeroset_space::Camera;
 use zeroset_syntax::{Options, read};
@@ -24,7 +25,7 @@ fn scene(text: &str, settings: &Settings) -> (Model, RayGrid) {
     let document = read(text, &Options::default()).expect("reads");
     let (region, _) = view::region(&document, DomainChoice::Document, None).expect("a region");
     let camera: Camera =
-        view::camera(&document, &region, &CameraChoice::default()).expect("a camera");
+        camera::camera(&CameraChoice::typed(&document), &region).expect("a camera");
     let model = Model::new(&document, &region, settings).expect("compiles");
     (model, RayGrid::new(&camera, settings.width, settings.height))
 }
