@@ -255,8 +255,8 @@ queries! {
     };
 
     /// A test of one combination of branches of a function that jumps. The tape is made by
-    /// [`Tape::branches`], and the binding selects the combination. The results hold at those points
-    /// of the box that belong to it.
+    /// [`Tape::branches`], and the binding selects the combination. The results hold at those
+    /// points of the box that belong to it.
     FindZerosInBranch("zeros", 1, Intervals, Boxes => BranchSigns<T>) = |_, _, (), _, _| {
         unreachable!("a tape of branches is not evaluated as a whole")
     }, zeros_in_branch;
@@ -292,8 +292,8 @@ queries! {
         QueryResult { quantities: values.to_vec(), masks: Vec::new() }
     };
 
-    /// Like [`SampleGradient`], but the tape computes the function alone. Its gradient is propagated
-    /// forward.
+    /// Like [`SampleGradient`], but the tape computes the function alone. Its gradient is
+    /// propagated forward.
     SampleForward("gradients", 1, Duals, Points => Gradients<T>) = |m, _, (), values, _| {
         let Dual { value, slopes } = values[0];
         let slopes = slopes.unwrap_or_else(|| [m.number(T::FORMAT, 0.0); 3]);

@@ -2,7 +2,7 @@
 //!
 //! Many programs write the smooth minimum of a and b as mix(b, a, h) − k·h·(1 − h) with
 //! h = clamp(1/2 + (b − a)/2k, 0, 1). This equals min(a, b) − max(k − |a − b|, 0)²/4k, which has
-//! narrower enclosures, and of which parts of space can drop an operand.
+//! narrower enclosures. Where one operand decides, parts of space drop the other.
 //!
 //! More generally, let h = clamp(e, 0, 1), and let N = A + C·(h² − 2e·h) with a number C and with A
 //! and e free of h. The difference is −C times a function of e that is 0 below 0, e² up to 1, and
@@ -19,19 +19,19 @@ use rustc_hash::FxHashMap;
 use std::collections::BTreeSet;
 use zeroset_ops::{Class, Op};
 
-/// Number of products of terms for one sum.
+/// Most products of terms that are computed to test one sum.
 const WORK_LIMIT: u32 = 4_000;
-/// Largest number of clamps in a sum of which each is tried.
+/// Most clamps of a sum that are tried.
 const CLAMP_LIMIT: usize = 4;
-/// Largest number of nodes among which the operands of a blend are sought.
+/// Most nodes among which the operands of a blend are sought.
 const NODES: usize = 48;
 
 /// The clamps of a sum or product, with their degrees.
 type Clamps = Vec<(NodeId, u32)>;
 
 /// Returns a function with the values and the domain of definition of `root`, in which quadratic
-/// blends of [rewritten](crate::rewrite) functions have the form min(a, b) − c·max(k − |a − b|, 0)². The function is added to `graph`. It is
-/// `root` itself if no blend is spelled otherwise.
+/// blends of [rewritten](crate::rewrite) functions have the form min(a, b) − c·max(k − |a − b|,
+/// 0)². The function is added to `graph`. It is `root` itself if no blend is spelled otherwise.
 pub fn quadratic_blends(graph: &mut Graph, root: NodeId) -> NodeId {
     let needed = graph.needed(&[root]);
     if !needed.iter().any(|&id| clamped(graph, id).is_some()) {
@@ -99,7 +99,7 @@ fn own_clamps(graph: &Graph, id: NodeId, clamps: &FxHashMap<NodeId, Clamps>) -> 
     own
 }
 
-/// Returns the blend that a sum is, if it is one by this clamp.
+/// Returns the blend that equals a sum with this clamp; `None` if there is none.
 fn blend(graph: &mut Graph, sum: NodeId, clamp: NodeId) -> Option<NodeId> {
     let work = &mut Work(WORK_LIMIT);
     let inner = clamped(graph, clamp)?;
@@ -149,7 +149,8 @@ fn blend(graph: &mut Graph, sum: NodeId, clamp: NodeId) -> Option<NodeId> {
     Some(if is_negated { graph.apply(Op::Neg, &[blend]) } else { blend })
 }
 
-/// The parts of two sums, down to those that are no sums or products, and without those of a clamp.
+/// The nodes of which two sums are built by sums, products and quotients, and the sums. The parts of
+/// the clamp are not among them.
 fn parts(graph: &Graph, sums: [NodeId; 2], clamp: NodeId) -> Vec<NodeId> {
     let mut parts: Vec<NodeId> = Vec::new();
     let mut next = 0;

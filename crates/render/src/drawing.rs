@@ -6,8 +6,8 @@ use crate::picture::{Picture, Settings};
 use zeroset_scene::program::ProgramError;
 use zeroset_space::Camera;
 
-/// Draws a picture strip by strip, as [`Model::strips`] does. Calls `each` for every strip, with its
-/// first row and its picture, over which curves, axes, legends and title are drawn.
+/// Draws a picture strip by strip, as [`Model::strips`] does. Calls `each` for every strip, with
+/// its first row and its picture, over which curves, axes, legends and title are drawn.
 ///
 /// # Errors
 /// As [`Model::trace`], and errors of `each`.

@@ -66,10 +66,10 @@ const SIDES: [DVec3; 5] = [
     DVec3::new(-3.0, 2.0, 2.6),
 ];
 
-/// The camera for pictures of `model`. Camera settings in `choice` or the model's document are kept.
-/// If neither sets an eye, a target, a scale, or a view other than the default, the visible points
-/// are fitted into the picture. With `axes`, the region's whole box and its labels are fitted
-/// instead. Returns `None` once `wanted` returns false.
+/// The camera for pictures of `model`. Camera settings in `choice` or the model's document are
+/// kept. If neither sets an eye, a target, a scale, or a view other than the default, the visible
+/// points are fitted into the picture. With `axes`, the region's whole box and its labels are
+/// fitted instead. Returns `None` once `wanted` returns false.
 ///
 /// # Errors
 /// If eye and target coincide, if the up direction is parallel to the view, or if a number is out

@@ -1,5 +1,5 @@
-//! The camera of a picture in a region. The caller's choice comes first, then the document's, then a
-//! default.
+//! The camera of a picture in a region. The caller's choice comes first, then the document's, then
+//! a default.
 
 use crate::number::nearest;
 use glam::DVec3;

@@ -60,8 +60,8 @@ const SHORT: u64 = 2_000;
 /// Largest number of evaluations at infinity for one box.
 const WORK_AT_ONCE: u64 = 6_000;
 
-/// Space left around a bounded surface, as a share of its extent on each axis. Around curves, it is a
-/// share of their largest extent.
+/// Space left around a bounded surface, as a share of its extent on each axis. Around curves, it is
+/// a share of their largest extent.
 const SPACE: f64 = 0.05;
 
 /// Extents are displayed with their own ratio up to this ratio.
