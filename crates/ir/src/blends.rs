@@ -29,9 +29,11 @@ const NODES: usize = 48;
 /// The clamps of a sum or product, with their degrees.
 type Clamps = Vec<(NodeId, u32)>;
 
-/// Returns a function with the values and the domain of definition of `root`, in which quadratic
-/// blends of [rewritten](crate::rewrite) functions have the form min(a, b) − c·max(k − |a − b|,
-/// 0)². The function is added to `graph`. It is `root` itself if no blend is spelled otherwise.
+/// Writes the quadratic blends of a [rewritten](crate::rewrite) function as
+/// min(a, b) − c·max(k − |a − b|, 0)².
+///
+/// The new function has the values and the domain of definition of `root`. It is added to `graph`.
+/// It is `root` itself if no blend is spelled otherwise.
 pub fn quadratic_blends(graph: &mut Graph, root: NodeId) -> NodeId {
     let needed = graph.needed(&[root]);
     if !needed.iter().any(|&id| clamped(graph, id).is_some()) {
@@ -99,7 +101,7 @@ fn own_clamps(graph: &Graph, id: NodeId, clamps: &FxHashMap<NodeId, Clamps>) -> 
     own
 }
 
-/// Returns the blend that equals a sum with this clamp; `None` if there is none.
+/// Returns the blend that equals a sum with this clamp. `None` if the sum is not a blend.
 fn blend(graph: &mut Graph, sum: NodeId, clamp: NodeId) -> Option<NodeId> {
     let work = &mut Work(WORK_LIMIT);
     let inner = clamped(graph, clamp)?;

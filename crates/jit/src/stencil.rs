@@ -3,8 +3,8 @@
 //! A stencil reads the values of a step's operands from a frame in memory and writes the step's
 //! value there. Which vectors a value has is known when the stencil is compiled. So an operation
 //! has a stencil for each shape, [coarse](Tape::coarse) range and kind of exponent of its operands.
-//! A clause has one for its operations, and for all of this of its constants, its coordinates and
-//! the steps that it uses.
+//! A clause has a stencil for its operations, and for the shapes, ranges and kinds of exponent of
+//! its constants, its coordinates and the steps that it uses.
 
 use crate::clause_code::ClauseCode;
 use crate::code::Code;
@@ -189,18 +189,19 @@ impl<Q: Query, T: Real> StencilFinder<Q, T> {
         self.read().operands[number as usize]
     }
 
-    /// Returns the number of a clause's code.
-    pub fn clause_number(&mut self, code: ClauseCode) -> ClauseNumber {
-        if let Some(number) = self.read().clause_numbers.get(&code) {
-            return *number;
+    /// Returns the number of a clause's code, and the code as it is kept.
+    pub fn keep_clause(&mut self, code: ClauseCode) -> (ClauseNumber, &'static ClauseCode) {
+        if let Some((code, number)) = self.read().clause_numbers.get_key_value(&code) {
+            return (*number, *code);
         }
         let mut cache = self.write();
         let Cache { clause_numbers, clauses, .. } = &mut *cache;
         let code: &'static ClauseCode = Box::leak(Box::new(code));
-        *clause_numbers.entry(code).or_insert_with(|| {
+        let number = *clause_numbers.entry(code).or_insert_with(|| {
             clauses.push(code);
             clauses.len() as ClauseNumber - 1
-        })
+        });
+        (number, code)
     }
 
     /// Returns the stencil of a step that has a value, and the number of that value.

@@ -9,7 +9,7 @@ use crate::rounding::call_rounding_up;
 use crate::stencil::{OperandNumber, StencilFinder, StencilOperand, StencilStep, parts};
 use crate::stencil_code::{Run, StencilCall, call_loop};
 use clause_calls::{ClauseCalls, ClauseIn, SharedCode, coordinate_offset};
-use constants::{Constants, in_shared_code, used_directly};
+use constants::{Constants, used_directly};
 use smallvec::SmallVec;
 use std::cell::{Cell, RefCell};
 use std::fmt;
@@ -133,8 +133,7 @@ impl<Q: Query, T: Real> StencilTape<Q, T> {
         let mut finder = StencilFinder::<Q, T>::new(width);
         let count = tape.steps().len();
         let mut constants = Constants::new(count, width);
-        let is_in_shared = in_shared_code(tape, clauses);
-        let is_direct = used_directly(tape, clauses, &is_in_shared);
+        let is_direct = used_directly(tape, clauses);
         let mut codes = Vec::new();
         let mut known = vec![None; clauses.shapes()];
         let mut shared: Vec<Option<ClauseCalls>> = Vec::new();
@@ -164,7 +163,7 @@ impl<Q: Query, T: Real> StencilTape<Q, T> {
                     coordinates = 3 * parts::<Q>(&shape) * width;
                     (stencil.code.entry(), shape)
                 }
-                Step::Apply(..) if is_in_shared[index] => {
+                Step::Apply(..) if clauses.is_in_shape(index) => {
                     steps.push(TapeStep::NONE);
                     continue;
                 }
@@ -176,8 +175,8 @@ impl<Q: Query, T: Real> StencilTape<Q, T> {
                         let code = SharedCode::find(&mut codes, known, clause, &mut finder);
                         let table = constants.store(clause.constants())?;
                         shared[index] = Some(ClauseCalls::Shared { code, table });
-                        let SharedCode { number, used, .. } = &codes[code];
-                        finder.find(&StencilStep::Clause(*number, used))?
+                        let SharedCode { number, code } = &codes[code];
+                        finder.find(&StencilStep::Clause(*number, &code.used))?
                     } else {
                         let number = |&used: &usize| match op {
                             Op::Pow => steps[used].exponent,
@@ -252,7 +251,7 @@ impl<Q: Query, T: Real> StencilTape<Q, T> {
     /// Returns the numbers of the operands of an operation, or of the steps that a clause uses.
     fn numbers(&self, index: usize) -> SmallVec<[OperandNumber; 3]> {
         if let Some(ClauseCalls::Shared { code, .. }) = &self.clauses[index] {
-            return self.codes[*code].used.clone();
+            return self.codes[*code].code.used.clone();
         }
         match &self.tape.steps()[index] {
             Step::Apply(_, operands) => {

@@ -45,7 +45,7 @@ pub enum ClauseOperand {
     Constant(Exponent),
     /// Another step of the clause, by its place there.
     Inside(u32),
-    /// A step outside of the clause, by its place among those that the clause uses.
+    /// A step outside of the clause, by its place in [`Clause::used`].
     Used(u8),
 }
 
@@ -108,6 +108,8 @@ pub struct Clauses {
     of: Vec<Option<Box<Clause>>>,
     /// Per step, whether it is inside of a clause.
     is_inside: Vec<bool>,
+    /// Per step, whether it is inside of a clause that has a shape.
+    is_in_shape: Vec<bool>,
     /// Per shape that clauses share, the last steps of these clauses.
     shapes: Vec<Vec<u32>>,
 }
@@ -132,7 +134,8 @@ enum Owner {
 impl Clauses {
     /// Without clauses: each step is selected alone.
     pub fn none(steps: usize) -> Self {
-        Self { of: vec![None; steps], is_inside: vec![false; steps], shapes: Vec::new() }
+        let (is_inside, is_in_shape) = (vec![false; steps], vec![false; steps]);
+        Self { of: vec![None; steps], is_inside, is_in_shape, shapes: Vec::new() }
     }
 
     /// The clause that ends with a step, if there is one.
@@ -143,6 +146,11 @@ impl Clauses {
     /// Whether a step is inside of a clause, and not its last.
     pub fn is_inside(&self, step: usize) -> bool {
         self.is_inside[step]
+    }
+
+    /// Whether a step is inside of a clause that has a shape, and not its last.
+    pub fn is_in_shape(&self, step: usize) -> bool {
+        self.is_in_shape[step]
     }
 
     /// Number of shapes that clauses share.
@@ -306,6 +314,9 @@ impl Clauses {
                 for &last in &lasts {
                     let clause = self.of[last as usize].as_deref_mut().expect("a clause");
                     clause.shape = Some(self.shapes.len() as u32);
+                    for &inside in &clause.steps[..clause.steps.len() - 1] {
+                        self.is_in_shape[inside as usize] = true;
+                    }
                 }
                 self.shapes.push(lasts);
             }

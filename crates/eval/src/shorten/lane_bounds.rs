@@ -47,6 +47,21 @@ impl LaneBounds {
     }
 }
 
+/// Bounds of an operand's value in one lane.
+#[derive(Clone, Copy)]
+pub struct Known {
+    pub values: Interval,
+    /// True if the value is defined throughout.
+    pub is_defined: bool,
+}
+
+impl Known {
+    /// Whether the operand has a value throughout, which is nowhere 0.
+    pub fn is_apart(&self) -> bool {
+        self.is_defined && !self.values.contains(0.0)
+    }
+}
+
 /// Bounds of an operand's value in all lanes, and the lanes in which it is defined throughout.
 #[derive(Clone, Copy)]
 pub enum KnownLanes<'a, T: Real> {
@@ -59,13 +74,14 @@ pub enum KnownLanes<'a, T: Real> {
 }
 
 impl<T: Real> KnownLanes<'_, T> {
-    /// The bounds in a lane, and whether the value is defined throughout.
-    pub fn of(&self, lane: usize) -> (Interval, bool) {
-        match self {
+    /// The bounds in a lane.
+    pub fn of(&self, lane: usize) -> Known {
+        let (values, is_defined) = match self {
             Self::Found(bounds) => (bounds.values(lane), bounds.is_defined(lane)),
             Self::Constant(bounds) => (*bounds, true),
             Self::Nothing => (Interval::ENTIRE, false),
-        }
+        };
+        Known { values, is_defined }
     }
 
     /// Half of the lanes: −lo, hi, and the set of those in which it is defined.
@@ -94,7 +110,7 @@ impl<T: Real> KnownLanes<'_, T> {
 #[derive(Clone, Copy)]
 pub struct Joint {
     pub is_max: bool,
-    /// Whether the step computes the negative.
+    /// True if the step computes the negative.
     pub is_negated: bool,
     /// An upper bound of the width k of a blend, and one of the largest distance from the minimum
     /// or maximum, c·k².

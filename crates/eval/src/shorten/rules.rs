@@ -168,7 +168,7 @@ impl Rules {
     }
 }
 
-/// Whether a step is a coordinate or an operation.
+/// Returns whether a step is a coordinate or an operation.
 fn is_computed(step: &Step) -> bool {
     matches!(step, Step::Coordinate(_) | Step::Apply(..))
 }

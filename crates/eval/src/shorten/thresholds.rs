@@ -3,7 +3,7 @@
 //! A rule names, for a step with given thresholds, those of its operands. It may also replace the
 //! step by one of its operands. `docs/parts.md` has the proofs.
 
-use super::lane_bounds::{Joint, KnownLanes, LaneBounds, Passed};
+use super::lane_bounds::{Joint, Known, KnownLanes, LaneBounds, Passed};
 use super::rules::{Blend, StepRule};
 use super::{DecidingSteps, SelectedOperand, Selection, Shortener, StepBounds};
 use crate::dispatch;
@@ -26,20 +26,6 @@ pub fn lanes(mut set: LaneSet) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Bounds of an operand's value in one lane.
-#[derive(Clone, Copy)]
-struct Known {
-    values: Interval,
-    is_defined: bool,
-}
-
-impl Known {
-    /// Whether the operand has a value throughout, which is nowhere 0.
-    fn is_apart(&self) -> bool {
-        self.is_defined && !self.values.contains(0.0)
-    }
-}
-
 /// Lanes in which a step is needed.
 #[derive(Clone, Copy, Default)]
 pub struct StepNeed {
@@ -49,8 +35,8 @@ pub struct StepNeed {
     pub replaced: [LaneSet; 2],
     /// Lanes in which the negative of the operand replaces the step.
     pub negated: LaneSet,
-    /// The place of its thresholds, plus 1; 0 if there are none, since its operands are needed
-    /// exactly in any case.
+    /// The place of its thresholds, plus 1. It is 0 for a step whose operands are needed exactly,
+    /// whatever its thresholds are.
     thresholds: u32,
 }
 
@@ -181,8 +167,7 @@ impl<'a, T: Real> NeedFinder<'a, T> {
     /// Returns what is known about an operand in a lane.
     #[inline]
     fn known(&self, operand: SelectedOperand, lane: usize) -> Known {
-        let (values, is_defined) = self.known_lanes(operand).of(lane);
-        Known { values, is_defined }
+        self.known_lanes(operand).of(lane)
     }
 
     /// Passes a step's thresholds on to its operands.

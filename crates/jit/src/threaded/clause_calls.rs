@@ -1,4 +1,4 @@
-//! How clauses are called: by code that they share, or step by step.
+//! The calls of a clause: one call of code that clauses share, or one for each step.
 
 use super::{Slots, TapeStep};
 use crate::clause_code::{ClauseCode, CodeOperand, CodeStep, TABLE, USED};
@@ -7,9 +7,6 @@ use crate::stencil_code::StencilCall;
 use smallvec::SmallVec;
 use zeroset_eval::{Clause, ClauseOperand, Query, Real, Step, Tape};
 use zeroset_ops::Op;
-
-/// Numbers of operands.
-type Numbers<const N: usize> = SmallVec<[OperandNumber; N]>;
 
 /// A place of a call in a clause.
 #[derive(Clone, Copy)]
@@ -87,7 +84,7 @@ impl<'a, T: Real> ClauseIn<'a, T> {
     }
 
     /// Returns the numbers of the steps that the clause uses.
-    fn used(self) -> Numbers<3> {
+    fn used(self) -> SmallVec<[OperandNumber; 3]> {
         self.clause.used.iter().map(|&used| self.steps[used].value.number).collect()
     }
 }
@@ -95,32 +92,30 @@ impl<'a, T: Real> ClauseIn<'a, T> {
 /// The code that clauses of one shape share.
 pub(super) struct SharedCode {
     pub number: ClauseNumber,
-    /// The numbers of the steps that the clauses use, as long as none is replaced.
-    pub used: Numbers<3>,
-    /// The numbers of their coordinates and constants.
-    outside: Numbers<8>,
+    pub code: &'static ClauseCode,
 }
 
 impl SharedCode {
-    /// Returns the code of a clause. `known` is that of the last clause with its shape.
+    /// Returns the place of a clause's code among `codes`. `known` is the place for the last clause
+    /// with its shape.
     pub fn find<Q: Query, T: Real>(
         codes: &mut Vec<Self>,
         known: &mut Option<usize>,
         clause: ClauseIn<'_, T>,
         finder: &mut StencilFinder<Q, T>,
     ) -> usize {
-        let outside: Numbers<8> = clause
-            .operands()
-            .filter(|(_, _, kind)| {
-                matches!(kind, ClauseOperand::Coordinate(_) | ClauseOperand::Constant(_))
-            })
-            .map(|(op, operand, _)| clause.number(op, operand))
-            .collect();
-        let used = clause.used();
-        let is_same = |&code: &usize| codes[code].outside == outside && codes[code].used == used;
+        let outside = clause.operands().filter(|(_, _, kind)| {
+            matches!(kind, ClauseOperand::Coordinate(_) | ClauseOperand::Constant(_))
+        });
+        let outside = outside.map(|(op, operand, _)| clause.number(op, operand));
+        let numbers: SmallVec<[_; 8]> = clause.used().into_iter().chain(outside).collect();
+        let is_same = |&place: &usize| {
+            let code = codes[place].code;
+            code.operands(&code.used).eq(&numbers)
+        };
         known.filter(is_same).unwrap_or_else(|| {
-            let number = finder.clause_number(clause.code());
-            codes.push(Self { number, used, outside });
+            let (number, code) = finder.keep_clause(clause.code());
+            codes.push(Self { number, code });
             *known = Some(codes.len() - 1);
             codes.len() - 1
         })
@@ -173,9 +168,9 @@ impl ClauseCalls {
         Self::Steps(calls)
     }
 
-    /// Appends the calls, from the last to the first. `entry` is the code of the clause's value,
-    /// `inside` the offset of the values inside, `value` that of the clause's value, and `used` are
-    /// those of the steps that it uses.
+    /// Appends the calls, from the last to the first. `entry` is the code of the clause's value.
+    /// `inside` and `value` are the offsets of the values inside and of the clause's value. `used`
+    /// has the offset of each step that the clause uses.
     pub fn append(
         &self,
         calls: &mut Vec<StencilCall>,

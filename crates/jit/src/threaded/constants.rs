@@ -52,27 +52,13 @@ impl Constants {
     }
 }
 
-/// Per step, whether it is computed by the shared code of a clause, and is not the clause's last.
-pub(super) fn in_shared_code<T: Real>(tape: &Tape<T>, clauses: &Clauses) -> Vec<bool> {
-    let mut is_inside = vec![false; tape.steps().len()];
-    for index in 0..tape.steps().len() {
-        if let Some(clause) = clauses.ending_with(index).filter(|clause| clause.shape.is_some()) {
-            for &inside in &clause.steps[..clause.steps.len() - 1] {
-                is_inside[inside as usize] = true;
-            }
-        }
-    }
-    is_inside
-}
-
 /// Per step, whether a step or a clause that is called on its own uses it, or it is a result.
-pub(super) fn used_directly<T: Real>(
-    tape: &Tape<T>,
-    clauses: &Clauses,
-    is_in_shared: &[bool],
-) -> Vec<bool> {
+pub(super) fn used_directly<T: Real>(tape: &Tape<T>, clauses: &Clauses) -> Vec<bool> {
     let mut is_used = vec![false; tape.steps().len()];
-    for (index, step) in tape.steps().iter().enumerate().filter(|(at, _)| !is_in_shared[*at]) {
+    for (index, step) in tape.steps().iter().enumerate() {
+        if clauses.is_in_shape(index) {
+            continue;
+        }
         let Step::Apply(_, operands) = step else { continue };
         let clause = clauses.ending_with(index).filter(|clause| clause.shape.is_some());
         let operands = clause.map_or(&operands[..], |clause| &clause.used[..]);
