@@ -397,8 +397,8 @@ impl<T: Real> Tiles<T> {
         (boxes, inside)
     }
 
-    /// Bounds of a coordinate in each tile, cut to the domain. If a tile has no point in the domain,
-    /// its lower bound is above its upper one.
+    /// Bounds of a coordinate in each tile, cut to the domain. If a tile has no point in the
+    /// domain, its lower bound is above its upper one.
     #[inline(always)]
     fn bounds_within(&self, axis: usize, domain: Interval) -> [[f64; 2]; LANES] {
         std::array::from_fn(|lane| {

@@ -151,8 +151,8 @@ fn blend(graph: &mut Graph, sum: NodeId, clamp: NodeId) -> Option<NodeId> {
     Some(if is_negated { graph.apply(Op::Neg, &[blend]) } else { blend })
 }
 
-/// The nodes of which two sums are built by sums, products and quotients, and the sums. The parts of
-/// the clamp are not among them.
+/// The nodes of which two sums are built by sums, products and quotients, and the sums. The parts
+/// of the clamp are not among them.
 fn parts(graph: &Graph, sums: [NodeId; 2], clamp: NodeId) -> Vec<NodeId> {
     let mut parts: Vec<NodeId> = Vec::new();
     let mut next = 0;
