@@ -47,8 +47,9 @@ impl AtomicFile {
             let missing = format!("there is no directory '{}'", directory.display());
             return Err(io::Error::other(missing));
         }
-        temporary(directory)?;
-        let unnamed = BufWriter::new(tempfile::tempfile_in(directory)?);
+        // The full error would mention a temporary file's path.
+        let unnamed = tempfile::tempfile_in(directory).map_err(|error| error.kind())?;
+        let unnamed = BufWriter::new(unnamed);
         // A canonical path identifies the file, however it was spelled.
         Ok(Self(Sink::Renamed(unnamed, directory.canonicalize()?.join(name))))
     }

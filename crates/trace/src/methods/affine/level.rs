@@ -4,6 +4,7 @@ use super::plane::{Plane, PlaneLanes};
 use super::screens::{
     LANE_INDICES, PendingSegments, ends, outward, packed, saves_a_vector, spread,
 };
+use super::tiles::examined;
 use super::tracer::{BandTracer, LAST, SIDES};
 use crate::painted::ones;
 use crate::scalar::Scalar;
@@ -97,8 +98,9 @@ impl<T: Scalar> Level<T> {
         [*near, *far] = segment.map(|end| Lanes::splat(T::nearest(end)));
         if tracer.rays.is_patched() {
             for lane in ones(self.live) {
-                let segment = tracer.clip_to_patch(self.place(lane), segment).map(T::nearest);
-                [self.batch.near[lane], self.batch.far[lane]] = segment;
+                let row = tracer.band.top + self.place(lane)[1];
+                let segment = examined::<T>(tracer.rays, row, tracer.frame.start, segment);
+                [self.batch.near[lane], self.batch.far[lane]] = segment.map(T::nearest);
             }
         }
         self.live &= self.shorten(tracer, plane);

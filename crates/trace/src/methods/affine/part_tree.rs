@@ -5,8 +5,8 @@
 //! patches.
 
 use super::frame::RayFrame;
-use super::tiles::{BandPart, BandState};
-use super::tracer::{LAST, SIDES};
+use super::tiles::{Area, BandPart, BandState};
+use super::tracer::LAST;
 use super::{Affine, parts};
 use crate::band::Band;
 use crate::grid::RayGrid;
@@ -17,9 +17,6 @@ use crate::scalar::Scalar;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 use zeroset_eval::{LANES, PartSurface, SurfaceKernels, Tiles};
-
-/// Center and half the extent of a part of the screen, per axis.
-type Area = [[f64; 2]; 2];
 
 /// A part of a picture.
 struct Part {
@@ -81,7 +78,8 @@ impl PartTree {
         if !rays.is_patched() {
             return pass.trace_tiles(&self.root, columns);
         }
-        let areas: Vec<Area> = rows.map(|row| area(rays, pass.band, row)).collect();
+        let patch = |row: usize| patches(row, row + 1, self.root.span);
+        let areas: Vec<Area> = rows.map(|row| parts::area(rays, pass.band, &patch(row))).collect();
         pass.trace_patches(&self.root, &areas, u16::MAX >> (LANES - areas.len()))
     }
 
@@ -204,14 +202,9 @@ impl<T: Scalar> Pass<'_, '_, '_, T> {
 
     /// The area of the tile in a column of the band.
     fn tile_area(&self, column: usize) -> Area {
-        let Self { rays, band, .. } = self;
-        let side = SIDES[0];
-        let range = |first: usize, size: usize| [first, (first + side).min(size) - 1];
-        let [left, right] = range(side * column, band.width);
-        let [top, bottom] = [band.top, band.top + band.height - 1];
-        let [across, upward] = rays.screen(left + right, top + bottom);
-        let half = |first: usize, last: usize| (last - first) as f64 * rays.unit;
-        [[across, half(left, right)], [upward, half(top, bottom)]]
+        let (columns, span) = (column..column + 1, self.tree.root.span);
+        let tile = BandPart { level: 0, columns, rows: 0..1, span };
+        parts::area(self.rays, self.band, &tile)
     }
 
     /// Traces the patches of these rows in a part. Returns whether the rest of the band is no
@@ -263,24 +256,15 @@ impl<T: Scalar> Pass<'_, '_, '_, T> {
             && self.state.is_open(&patches(row, row + 1, part.span))
     }
 
-    /// Traces those of `count` patches that are in these rows, by the part's own surface.
+    /// Traces those of `count` patches that are in these rows.
     fn trace_all(&mut self, part: &Part, count: usize, rows: u16) -> bool {
-        let task = self.method.task;
-        let own = part
-            .surface
-            .as_ref()
-            .and_then(|surface| Affine::for_part(Task { surface: &**surface, ..task }).ok());
         let mut first = 0;
         while first < count {
             let some = (rows >> first).trailing_ones() as usize;
             if some > 0 {
-                let part = patches(first, first + some, part.span);
-                let Self { state, rays, band, work, method, .. } = self;
-                let is_over = match &own {
-                    Some(own) => state.trace(own, rays, band, &part, work),
-                    None => state.trace(method, rays, band, &part, work),
-                };
-                if is_over {
+                let own = patches(first, first + some, part.span);
+                let Self { method, state, rays, band, work, .. } = self;
+                if parts::trace(method, part.surface.as_deref(), state, rays, band, &own, work) {
                     return true;
                 }
             }
@@ -293,10 +277,9 @@ impl<T: Scalar> Pass<'_, '_, '_, T> {
 /// Number of divisions that may bring no simpler surface. The first parts of a picture are large.
 const IN_VAIN: u32 = 1;
 
-/// Parts at most this high are not divided. In units, from the middle. Smaller ones serve so few
-/// tiles and patches that choosing their steps takes longer than it saves, and where every pixel
-/// has an edge they would fill the memory.
-const LOW: f64 = 40.0;
+/// Parts at most this high are not divided further in the tree. In units, from the middle. Smaller
+/// parts serve so few tiles and patches that they are made where they are needed, and not kept.
+const LOW: f64 = 160.0;
 /// How far the area of a part reaches beyond its share of the screen, in units. It is more than
 /// half the extent of a tile of 16×16 pixels, whose rays are two units apart, or of a patch. So
 /// each of them lies in at least one area.
@@ -305,14 +288,6 @@ const TILE_MARGIN: f64 = 16.0;
 /// The patches in some rows of a band.
 fn patches(first: usize, end: usize, span: [f64; 2]) -> BandPart {
     BandPart { level: LAST, columns: 0..1, rows: first..end, span }
-}
-
-/// The area of the patch in a row of a band.
-fn area(rays: &RayGrid, band: &Band<'_>, row: usize) -> Area {
-    let patch = rays.patch(band.top + row).expect("rays of patches");
-    let ends = [patch.column, patch.row].map(|first| 2 * first + 3);
-    let [across, upward] = [rays.screen(ends[0], ends[0])[0], rays.screen(ends[1], ends[1])[1]];
-    [[across, 3.0 * rays.unit], [upward, 3.0 * rays.unit]]
 }
 
 fn contains(outer: &Area, inner: &Area) -> bool {

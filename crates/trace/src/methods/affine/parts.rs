@@ -6,10 +6,10 @@
 //! no zero is left out.
 
 use super::Affine;
-use super::tiles::{BandPart, BandState};
+use super::tiles::{Area, BandPart, BandState, examined};
 use super::tracer::{LAST, SIDES};
 use crate::band::Band;
-use crate::grid::RayGrid;
+use crate::grid::{Patch, RayGrid};
 use crate::kernel_stats::KernelStats;
 use crate::method::Task;
 use crate::scalar::Scalar;
@@ -23,8 +23,8 @@ const LONGEST: f64 = 2.0;
 /// Number of parts along each direction if a part is divided in both.
 const EACH: usize = 4;
 
-/// Traces a part of a band of pixels, not of patches, by a method, or by the surface of that part
-/// if there is one. Returns whether the rest of the band is no longer wanted.
+/// Traces a part of a band by a method, or by the surface of that part if there is one. Returns
+/// whether the rest of the band is no longer wanted.
 pub(super) fn trace<T: Scalar>(
     method: &Affine<'_, T>,
     surface: Option<&dyn SurfaceKernels>,
@@ -34,14 +34,6 @@ pub(super) fn trace<T: Scalar>(
     part: &BandPart,
     work: &mut KernelStats,
 ) -> bool {
-    let parts = divided::<T>(state, rays, band, part);
-    if parts.is_empty() {
-        // The region is behind the eye.
-        return state.trace(method, rays, band, part, work);
-    }
-    let batch = batch(state, rays, band, &parts);
-    let kernels = T::kernels(surface.unwrap_or(method.task.surface));
-    let surfaces = kernels.in_tiles(&batch);
     // Most parts are divided again. Then no kernels are needed that trace with their surfaces.
     let own = OnceCell::new();
     let create = || Affine::for_part(Task { surface: surface?, ..method.task }).ok();
@@ -51,6 +43,13 @@ pub(super) fn trace<T: Scalar>(
         Some(own) => state.trace(own, rays, band, part, work),
         None => state.trace(method, rays, band, part, work),
     };
+    let parts = divided::<T>(state, rays, band, part);
+    if parts.is_empty() {
+        return trace_all(state, band, part, work);
+    }
+    let batch = batch(state, rays, band, &parts);
+    let kernels = T::kernels(surface.unwrap_or(method.task.surface));
+    let surfaces = kernels.in_tiles(&batch);
     if surfaces.iter().all(|surface| matches!(surface, PartSurface::Same)) {
         return trace_all(state, band, part, work);
     }
@@ -76,20 +75,55 @@ pub(super) fn trace<T: Scalar>(
     false
 }
 
-/// Divides a part into at most sixteen parts: area by area, and each area from near to far.
+/// Divides a part into at most sixteen parts: area by area, and each area from near to far. The
+/// list is empty if the surface gets hardly simpler in shorter parts, or if the region is behind
+/// the eye.
 fn divided<T: Scalar>(
     state: &BandState<T>,
     rays: &RayGrid,
     band: &Band<'_>,
     part: &BandPart,
 ) -> Vec<BandPart> {
-    let [near, far] = part.span;
-    let [columns, _] = pixels(band, part);
+    let Some((across, deep)) = counts(state, rays, band, part) else { return Vec::new() };
+    let mut parts = Vec::new();
+    for area in areas(band, part, across) {
+        let [near, far] = segment(state, rays, band, &area);
+        let end = |k: usize| match k {
+            0 => part.span[0],
+            _ if k == deep => part.span[1],
+            _ => T::nearest(near + (far - near) * k as f64 / deep as f64).into(),
+        };
+        for span in (0..deep).map(|k| [end(k), end(k + 1)]).filter(|[near, far]| near < far) {
+            parts.push(BandPart { span, ..area.clone() });
+        }
+    }
+    parts
+}
+
+/// Number of areas into which a part is divided across, and number of parts of each in depth.
+/// `None` if it is one tile or patch that is shorter than wide.
+fn counts<T: Scalar>(
+    state: &BandState<T>,
+    rays: &RayGrid,
+    band: &Band<'_>,
+    part: &BandPart,
+) -> Option<(usize, usize)> {
+    let patches = part.rows.len();
+    if patches > 1 {
+        return Some((patches, LANES / patches));
+    }
+    let [near, far] = segment(state, rays, band, part);
     let middle = if rays.parallel { 1.0 } else { state.frame.start + 0.5 * (near + far) };
-    let width = 2.0 * (columns[1] - columns[0] + 1) as f64 * rays.unit * middle.max(0.0);
+    let [[_, half], _] = area(rays, band, part);
+    let width = 2.0 * (half + rays.unit) * middle.max(0.0);
     let length = far - near;
     let is_several = part.columns.len() > 1;
-    let (across, deep) = if !is_several && (part.level == LAST || length > LONGEST * width) {
+    Some(if !is_several && part.level == LAST {
+        if length < width {
+            return None;
+        }
+        (1, LANES)
+    } else if !is_several && length > LONGEST * width {
         (1, LANES)
     } else if !is_several {
         (LANES, 1)
@@ -99,30 +133,21 @@ fn divided<T: Scalar>(
         (LANES, 1)
     } else {
         (EACH, EACH)
-    };
-    let ends: Vec<f64> = (0..=deep)
-        .map(|k| match k {
-            0 => near,
-            _ if k == deep => far,
-            _ => T::nearest(near + length * k as f64 / deep as f64).into(),
-        })
-        .collect();
-    let mut parts = Vec::new();
-    for area in areas(band, part, is_several, across) {
-        for ends in ends.windows(2).filter(|ends| ends[0] < ends[1]) {
-            parts.push(BandPart { span: [ends[0], ends[1]], ..area.clone() });
-        }
-    }
-    parts
+    })
 }
 
-/// Divides the tiles of a part into at most `across` areas, with the segment of the part.
-fn areas(band: &Band<'_>, part: &BandPart, is_several: bool, across: usize) -> Vec<BandPart> {
+/// Divides the tiles or patches of a part into at most `across` areas, with the segment of the
+/// part.
+fn areas(band: &Band<'_>, part: &BandPart, across: usize) -> Vec<BandPart> {
     let BandPart { level, columns, rows, .. } = part;
     if across == 1 {
         return vec![part.clone()];
     }
-    if is_several {
+    if rows.len() > 1 {
+        let patch = |row: usize| BandPart { rows: row..row + 1, ..part.clone() };
+        return rows.clone().map(patch).collect();
+    }
+    if columns.len() > 1 {
         let step = columns.len().div_ceil(across);
         let area = |start: usize| BandPart {
             columns: start..columns.end.min(start + step),
@@ -143,7 +168,7 @@ fn areas(band: &Band<'_>, part: &BandPart, is_several: bool, across: usize) -> V
     columns.flat_map(|column| rows.clone().map(move |row| tile(column, row))).collect()
 }
 
-/// Returns parts of a band as tiles.
+/// Returns parts of a band as tiles. Each part is one patch, or has no patches.
 fn batch<T: Scalar>(
     state: &BandState<T>,
     rays: &RayGrid,
@@ -153,21 +178,43 @@ fn batch<T: Scalar>(
     let mut tiles = state.frame.tiles::<T>();
     tiles.count = parts.len() as u32;
     for (lane, part) in parts.iter().enumerate() {
-        for (axis, [first, last]) in pixels(band, part).into_iter().enumerate() {
-            let centre = rays.screen(first + last, first + last)[axis];
-            let half = (last - first) as f64 * rays.unit;
-            state.frame.place_tile(axis, [centre, half], lane, &mut tiles);
+        for (axis, range) in area(rays, band, part).into_iter().enumerate() {
+            state.frame.place_tile(axis, range, lane, &mut tiles);
         }
-        [tiles.near[lane], tiles.far[lane]] = part.span.map(T::nearest);
+        let segment = segment(state, rays, band, part);
+        [tiles.near[lane], tiles.far[lane]] = segment.map(T::nearest);
     }
     tiles
 }
 
-/// Returns the first and last column and row of the pixels in a part of a band.
-fn pixels(band: &Band<'_>, part: &BandPart) -> [[usize; 2]; 2] {
-    let side = SIDES[part.level];
-    let range =
-        |some: &Range<usize>, size: usize| [side * some.start, (side * some.end).min(size) - 1];
-    let rows = range(&part.rows, band.height).map(|row| band.top + row);
-    [range(&part.columns, band.width), rows]
+/// The span of a part, or the segment of it that is examined if it is one patch.
+fn segment<T: Scalar>(
+    state: &BandState<T>,
+    rays: &RayGrid,
+    band: &Band<'_>,
+    part: &BandPart,
+) -> [f64; 2] {
+    let row = band.top + part.rows.start;
+    let [near, far] = examined::<T>(rays, row, state.frame.start, part.span);
+    // What is wanted may lie before or behind the part.
+    [near.min(part.span[1]), far.max(part.span[0])]
+}
+
+/// The area of some tiles, or of one patch.
+pub(super) fn area(rays: &RayGrid, band: &Band<'_>, part: &BandPart) -> Area {
+    let BandPart { level, columns, rows, .. } = part;
+    let side = SIDES[*level];
+    let range = |some: &Range<usize>, size: usize| [side * some.start, (side * some.end).min(size)];
+    let (columns, rows) = match rays.patch(band.top + rows.start) {
+        Some(Patch { column, row, .. }) => ([column, column + side], [row, row + side]),
+        None => {
+            let rows = range(rows, band.height).map(|row| band.top + row);
+            (range(columns, band.width), rows)
+        }
+    };
+    let extent = |axis: usize, [first, end]: [usize; 2]| {
+        let sum = first + end - 1;
+        [rays.screen(sum, sum)[axis], (end - 1 - first) as f64 * rays.unit]
+    };
+    [extent(0, columns), extent(1, rows)]
 }

@@ -64,6 +64,9 @@ pub(super) struct BandPart {
     pub span: [f64; 2],
 }
 
+/// Center and half the extent of a part of the screen, per axis.
+pub(super) type Area = [[f64; 2]; 2];
+
 impl<T: Scalar> BandState<T> {
     pub fn new(method: &Affine<'_, T>, frame: RayFrame, rays: &RayGrid, band: &Band<'_>) -> Self {
         let is_patched = rays.is_patched();
@@ -276,6 +279,24 @@ fn between(rays: &RayGrid, band: &Band<'_>, frame: &RayFrame) -> impl Iterator<I
     let (start, rows) = (frame.start, band.top..band.top + band.height);
     let patches = rows.map_while(|row| rays.patch(row));
     patches.map(move |patch| patch.between.map(|t| t - start))
+}
+
+/// Returns the part of a segment to examine: for the patch in a row of the picture, the part in
+/// [`Patch::between`](crate::Patch). Rays start at `start`.
+#[inline(always)]
+pub(super) fn examined<T: Scalar>(
+    rays: &RayGrid,
+    row: usize,
+    start: f64,
+    [near, far]: [f64; 2],
+) -> [f64; 2] {
+    match rays.patch(row) {
+        Some(patch) => {
+            let [from, until] = patch.between.map(|t| T::nearest(t - start).into());
+            [near.max(from), far.min(until)]
+        }
+        None => [near, far],
+    }
 }
 
 /// Returns a bit for each pixel of each 4×4 tile, row by row. Bits outside the band are clear.

@@ -114,18 +114,6 @@ impl<T: Scalar, S: Simd> BandTracer<'_, '_, '_, T, S> {
         all
     }
 
-    /// Returns the part of a segment to examine: for a patch, the part in
-    /// [`Patch::between`](crate::Patch).
-    pub(super) fn clip_to_patch(&self, place: [usize; 2], [near, far]: [f64; 2]) -> [f64; 2] {
-        match self.rays.patch(self.band.top + place[1]) {
-            Some(patch) => {
-                let [from, until] = patch.between.map(|t| T::nearest(t - self.frame.start).into());
-                [near.max(from), far.min(until)]
-            }
-            None => [near, far],
-        }
-    }
-
     /// Returns those of `lanes` whose remaining segments are [hidden](Self::is_hidden), as bits.
     #[inline(always)]
     pub(super) fn hidden_lanes(&self, level: &Level<T>, lanes: u16, depth: usize) -> u16 {
