@@ -3,6 +3,7 @@
 use crate::cli_support::Sandbox;
 use glam::DVec3;
 use serde_json::Value;
+use std::time::Instant;
 use zeroset_trace::UndecidedReason;
 
 const SPHERE: &str = "x^2+y^2+z^2 = 1";
@@ -223,11 +224,19 @@ fn a_fallback_is_named_with_its_reason() {
 #[test]
 fn one_json_object_tells_times_counts_and_what_was_used() {
     let place = Sandbox::new();
-    let run = place.run(&["render", SPHERE, "--json", "--size", "32"]).ok();
+    let begun = Instant::now();
+    let run =
+        place.run(&["render", SPHERE, "--json", "--size", "32", "--threads", "1", "-o", "p.png"]);
+    let taken = begun.elapsed().as_secs_f64() * 1e3;
+    let run = run.ok();
     let object = run.json();
-    for stage in ["parse", "simplify", "compile", "trace", "shade"] {
-        assert!(object["ms"][stage].as_f64().is_some_and(|ms| ms >= 0.0), "{stage}");
+    let mut sum = 0.0;
+    for stage in ["parse", "domain", "simplify", "compile", "view", "trace", "shade", "write"] {
+        let ms = object["ms"][stage].as_f64().expect("a time");
+        assert!(ms > 0.0, "{stage}: {ms}");
+        sum += ms;
     }
+    assert!(sum <= taken, "{sum} of {taken} ms: {}", object["ms"]);
     let count = |path: &str| object.pointer(path).and_then(Value::as_u64).expect("a count");
     let pixels = ["/pixels/hit", "/pixels/miss", "/pixels/undecided"].map(count);
     assert_eq!(pixels.iter().sum::<u64>(), 32 * 32);

@@ -52,10 +52,14 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     let around = arguments.overlay(&subject.document);
     let document = &subject.document;
     let threads = arguments.tracing.threads;
+    let begun = Instant::now();
     let (region, searched) = chosen(&subject, cut, &settings, threads)?;
+    let domain = begun.elapsed();
     let (model, pool) = modeled(document, &region, &settings, threads)?;
     let make = || -> Result<_> {
+        let begun = Instant::now();
         let camera = framing::camera(&model, &choice, &settings, around.axes)?;
+        let view = begun.elapsed();
         interrupt::defer_first();
         let seen = document.surfaces.iter().filter(|surface| !surface.hidden).count();
         let pixels = settings.width * settings.height * seen;
@@ -67,18 +71,24 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         let format = PngFormat { has_alpha, depth: settings.depth };
         let mut files = files.begin(size, format, settings.options.precision, &origin)?;
         let rays = RayGrid::new(&camera, settings.width, settings.height);
+        let mut write_time = Duration::ZERO;
         let mut write = |top: usize, picture: &mut Picture| -> Result<()> {
+            let begun = Instant::now();
             let rows = top..top + picture.buffer.height;
-            files.add(picture, &rays.part(0..settings.width, rows))
+            files.add(picture, &rays.part(0..settings.width, rows))?;
+            write_time += begun.elapsed();
+            Ok(())
         };
         let picture = draw(&model, &camera, &settings, &around, &advance, &mut write)?;
         let is_stopped = settings.limit.is_stopped();
+        let begun = Instant::now();
         let held = interrupt::hold();
         files.finish()?;
         drop(held);
-        Ok((camera, picture, is_stopped))
+        write_time += begun.elapsed();
+        Ok((camera, picture, is_stopped, [("view", view), ("write", write_time)]))
     };
-    let (camera, picture, is_stopped) = pool.install(make)?;
+    let (camera, picture, is_stopped, times) = pool.install(make)?;
 
     if let Some(found) = searched {
         notes::note(&subject::describe_domain(&found));
@@ -96,7 +106,10 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         notes::note(UNPROVEN);
     }
     if arguments.outputs.json {
-        let object = report::object(&subject, &region, searched, &camera, &settings, &picture);
+        let mut object = report::object(&subject, &region, searched, &camera, &settings, &picture);
+        for (phase, time) in [("domain", domain)].into_iter().chain(times) {
+            object["ms"][phase] = report::ms(time);
+        }
         print(&format!("{object}\n"))?;
     }
     let undecided = picture.statistics.pixels.undecided > 0;

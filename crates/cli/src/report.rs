@@ -2,10 +2,16 @@
 
 use super::subject::Subject;
 use serde_json::{Map, Number, Value, json};
+use std::time::Duration;
 use zeroset_render::picture::{Picture, Settings};
 use zeroset_scene::domain::AutoDomain;
 use zeroset_space::{Camera, Projection, Region};
 use zeroset_trace::{Count, Fallback, OPTIONS, UndecidedReason};
+
+/// A time in milliseconds.
+pub fn ms(time: Duration) -> Value {
+    (time.as_secs_f64() * 1e3).into()
+}
 
 /// Returns times, counts, camera and domain of a picture.
 pub fn object(
@@ -17,7 +23,6 @@ pub fn object(
     picture: &Picture,
 ) -> Value {
     let statistics = &picture.statistics;
-    let ms = |time: std::time::Duration| time.as_secs_f64() * 1e3;
     let count = |count: Count| json!({"calls": count.calls, "lanes": count.lanes});
     let (low, high) = (region.low(), region.high());
     let echoes: Vec<&str> = subject.document.surfaces.iter().map(|s| s.echo.as_str()).collect();
