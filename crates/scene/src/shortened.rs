@@ -2,9 +2,9 @@
 
 use std::sync::{Arc, OnceLock};
 use zeroset_eval::{
-    Binding, Boxes, Clauses, ContractSegments, ContractTiles, Enclose, Enclosures, FindZeros,
-    Kernel, KernelError, KernelResult, Kernels, LANES, LaneSet, PartSurface, Query, Real, Sample,
-    SampleForward, Selection, Shortener, SurfaceKernels, Tape, Tiles,
+    Binding, Boxes, Clauses, ContractSegments, ContractTiles, DecidingSteps, Enclose, Enclosures,
+    FindZeros, Kernel, KernelError, KernelResult, Kernels, LANES, LaneSet, PartSurface, Query,
+    Real, Sample, SampleForward, Selection, Shortener, SurfaceKernels, Tape, Tiles,
 };
 use zeroset_interval::Interval;
 use zeroset_jit::{StencilTape, Threaded};
@@ -180,6 +180,8 @@ impl SurfaceKernels for ShortSurface {
 pub(crate) struct ShortKernels<T: WholeFloat> {
     whole: Arc<WholeFunction>,
     selection: Arc<Selection>,
+    /// The steps whose bounds decide what can be dropped; `None` if there are too few.
+    deciding: OnceLock<Option<DecidingSteps>>,
     zeros: OnceThreaded<FindZeros, T>,
     bounds: OnceThreaded<Enclose, T>,
     segments: OnceThreaded<ContractSegments, T>,
@@ -193,6 +195,7 @@ impl<T: WholeFloat> ShortKernels<T> {
         Self {
             whole: Arc::clone(whole),
             selection: Arc::clone(selection),
+            deciding: OnceLock::new(),
             zeros: OnceLock::new(),
             bounds: OnceLock::new(),
             segments: OnceLock::new(),
@@ -224,6 +227,14 @@ impl<T: WholeFloat> ShortKernels<T> {
         &self.whole
     }
 
+    fn deciding(&self) -> Option<&DecidingSteps> {
+        let find = || {
+            let deciding = self.whole.shortener.deciding(&self.selection);
+            (deciding.positions().len() >= LEAST_DECIDING).then_some(deciding)
+        };
+        self.deciding.get_or_init(find).as_ref()
+    }
+
     /// The steps that matter in each box. `possible` tells from bounds of the function in which
     /// boxes they are wanted. `None` if the function has too few choices.
     pub fn in_boxes(
@@ -232,18 +243,15 @@ impl<T: WholeFloat> ShortKernels<T> {
         possible: impl Fn(&Enclosures<T>) -> LaneSet,
     ) -> Option<Vec<PartSelection>> {
         let (whole, selection) = (T::whole(&self.whole), &self.selection);
-        let shortener = &self.whole.shortener;
-        let deciding = shortener.deciding(selection);
-        if deciding.positions().len() < LEAST_DECIDING {
-            return None;
-        }
+        let deciding = self.deciding()?;
         let stencils = whole.stencils(|stencils| &stencils.bounds).ok()?;
-        let traced = Threaded::traced(stencils, selection, &deciding).ok()?;
+        let traced = Threaded::traced(stencils, selection, deciding).ok()?;
         let most = (selection.steps().len() as f64 * WORTHWHILE) as usize;
         let count = boxes.count as usize;
         Some(traced.eval_traced(boxes, &mut Enclosures::default(), |enclosures, bounds| {
             let open = possible(enclosures) & LaneSet::MAX >> (LANES - count);
-            let chosen = shortener.select(&whole.tape, selection, &deciding, bounds, open, most);
+            let shortener = &self.whole.shortener;
+            let chosen = shortener.select(&whole.tape, selection, deciding, bounds, open, most);
             let part = |(lane, short): (usize, Option<Selection>)| match short {
                 Some(short) => PartSelection::Short(Arc::new(short)),
                 None if open >> lane & 1 == 1 => PartSelection::Same,
@@ -297,6 +305,10 @@ impl<T: WholeFloat> Kernels<T> for ShortKernels<T> {
 
     fn values(&self) -> KernelResult<'_, Sample, T> {
         self.kernel(&self.values, |stencils| &stencils.values)
+    }
+
+    fn has_parts(&self) -> bool {
+        self.deciding().is_some()
     }
 
     fn in_tiles(&self, tiles: &Tiles<T>) -> Vec<PartSurface> {

@@ -46,6 +46,7 @@ use crate::scalar::Scalar;
 use frame::RayFrame;
 use narrow::Scratch;
 use part_tree::PartTree;
+use parts::BandPass;
 use rays::Follower;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use tiles::{BandBuffers, BandState};
@@ -203,7 +204,8 @@ impl<T: Scalar> Tracer for Affine<'_, T> {
         let mut state = BandState::new(self, frame, rays, band);
         let has_parts = T::kernels(self.task.surface).has_parts();
         let is_over = if has_parts {
-            self.tree(frame, rays).trace(self, &mut state, rays, band, work)
+            let pass = BandPass { method: self, state: &mut state, rays, band, work };
+            self.tree(frame, rays).trace(pass)
         } else {
             let whole = state.whole(rays, band);
             state.trace(self, rays, band, &whole, work)

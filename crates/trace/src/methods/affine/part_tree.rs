@@ -5,12 +5,10 @@
 //! patches.
 
 use super::frame::RayFrame;
-use super::tiles::{Area, BandPart, BandState};
+use super::parts::{BandPass, IN_VAIN};
+use super::tiles::{Area, BandPart};
 use super::tracer::LAST;
-use super::{Affine, parts};
-use crate::band::Band;
 use crate::grid::RayGrid;
-use crate::kernel_stats::KernelStats;
 use crate::method::Task;
 use crate::painted::ones;
 use crate::scalar::Scalar;
@@ -65,28 +63,23 @@ impl PartTree {
     }
 
     /// Traces a band. Returns whether the rest of the band is no longer wanted.
-    pub fn trace<T: Scalar>(
-        &self,
-        method: &Affine<'_, T>,
-        state: &mut BandState<T>,
-        rays: &RayGrid,
-        band: &mut Band<'_>,
-        work: &mut KernelStats,
-    ) -> bool {
-        let BandPart { columns, rows, .. } = state.whole(rays, band);
-        let mut pass = Pass { tree: self, method, state, rays, band, work };
-        if !rays.is_patched() {
-            return pass.trace_tiles(&self.root, columns);
+    pub fn trace<T: Scalar>(&self, pass: BandPass<'_, '_, '_, T>) -> bool {
+        let BandPart { columns, rows, .. } = pass.state.whole(pass.rays, pass.band);
+        if !pass.rays.is_patched() {
+            return TreePass { tree: self, pass }.trace_tiles(&self.root, columns);
         }
-        let patch = |row: usize| patches(row, row + 1, self.root.span);
-        let areas: Vec<Area> = rows.map(|row| parts::area(rays, pass.band, &patch(row))).collect();
-        pass.trace_patches(&self.root, &areas, u16::MAX >> (LANES - areas.len()))
+        let area = |row: usize| pass.area(&patches(row, row + 1, self.root.span));
+        let areas: Vec<Area> = rows.map(area).collect();
+        let all = u16::MAX >> (LANES - areas.len());
+        TreePass { tree: self, pass }.trace_patches(&self.root, &areas, all)
     }
 
     /// Divides a part into sixteen. The list is empty if the part is low, or if the surface has too
     /// few choices.
     fn divided<T: Scalar>(&self, part: &Part, rays: &RayGrid, task: Task<'_>) -> Vec<Part> {
-        if part.area[1][1] <= LOW * self.unit {
+        let kernels = T::kernels(part.surface.as_deref().unwrap_or(task.surface));
+        let low = if rays.is_patched() { LOW_OF_PATCHES } else { LOW };
+        if part.area[1][1] <= low * self.unit || !kernels.has_parts() {
             return Vec::new();
         }
         let frame = &self.frame;
@@ -126,7 +119,6 @@ impl PartTree {
             }
             [tiles.near[lane], tiles.far[lane]] = span.map(T::nearest);
         }
-        let kernels = T::kernels(part.surface.as_deref().unwrap_or(task.surface));
         let surfaces = kernels.in_tiles(&tiles);
         if surfaces.is_empty() {
             return Vec::new();
@@ -148,29 +140,24 @@ impl PartTree {
 }
 
 /// A band that is traced.
-struct Pass<'p, 'b, 'm, T: Scalar> {
+struct TreePass<'p, 'b, 'm, T: Scalar> {
     tree: &'p PartTree,
-    method: &'p Affine<'m, T>,
-    state: &'p mut BandState<T>,
-    rays: &'p RayGrid,
-    band: &'p mut Band<'b>,
-    work: &'p mut KernelStats,
+    pass: BandPass<'p, 'b, 'm, T>,
 }
 
-impl<T: Scalar> Pass<'_, '_, '_, T> {
+impl<T: Scalar> TreePass<'_, '_, '_, T> {
     /// Traces these columns of tiles in a part. Returns whether the rest of the band is no longer
     /// wanted.
     fn trace_tiles(&mut self, part: &Part, columns: Range<usize>) -> bool {
         let Part { span, surface, .. } = part;
         let own = BandPart { level: 0, columns: columns.clone(), rows: 0..1, span: *span };
-        if !self.state.is_open(&own) {
-            return !self.band.is_wanted();
+        if !self.pass.state.is_open(&own) {
+            return !self.pass.band.is_wanted();
         }
-        let divide = || self.tree.divided::<T>(part, self.rays, self.method.task);
+        let divide = || self.tree.divided::<T>(part, self.pass.rays, self.pass.method.task);
         let inner = part.parts.get_or_init(divide);
         if inner.is_empty() {
-            let Self { method, state, rays, band, work, .. } = self;
-            return parts::trace(method, surface.as_deref(), state, rays, band, &own, work);
+            return self.pass.trace(surface.as_deref(), &own, part.divisions);
         }
         // Areas overlap. In each range of depth, a tile is traced in the first area around it.
         // Areas are in order from left to right. A tile around which there is no area would stay
@@ -184,7 +171,7 @@ impl<T: Scalar> Pass<'_, '_, '_, T> {
                 for column in columns.clone() {
                     if contains(&inner.area, &self.tile_area(column)) {
                         let (columns, span) = (column..column + 1, inner.span);
-                        self.state.pass_over(&BandPart { columns, span, ..own.clone() });
+                        self.pass.state.pass_over(&BandPart { columns, span, ..own.clone() });
                     }
                 }
                 continue;
@@ -204,7 +191,7 @@ impl<T: Scalar> Pass<'_, '_, '_, T> {
     fn tile_area(&self, column: usize) -> Area {
         let (columns, span) = (column..column + 1, self.tree.root.span);
         let tile = BandPart { level: 0, columns, rows: 0..1, span };
-        parts::area(self.rays, self.band, &tile)
+        self.pass.area(&tile)
     }
 
     /// Traces the patches of these rows in a part. Returns whether the rest of the band is no
@@ -213,10 +200,11 @@ impl<T: Scalar> Pass<'_, '_, '_, T> {
         let rows: u16 =
             ones(rows).filter(|row| self.is_wanted(*row, part)).map(|row| 1 << row).sum();
         if rows == 0 {
-            return !self.band.is_wanted();
+            return !self.pass.band.is_wanted();
         }
-        let parts =
-            part.parts.get_or_init(|| self.tree.divided::<T>(part, self.rays, self.method.task));
+        let parts = part
+            .parts
+            .get_or_init(|| self.tree.divided::<T>(part, self.pass.rays, self.pass.method.task));
         if parts.is_empty() {
             return self.trace_all(part, areas.len(), rows);
         }
@@ -233,7 +221,7 @@ impl<T: Scalar> Pass<'_, '_, '_, T> {
                 .sum();
             if inner.is_empty {
                 ones(inside).for_each(|row| {
-                    self.state.pass_over(&patches(row, row + 1, inner.span));
+                    self.pass.state.pass_over(&patches(row, row + 1, inner.span));
                 });
                 continue;
             }
@@ -249,11 +237,11 @@ impl<T: Scalar> Pass<'_, '_, '_, T> {
     /// are wanted.
     fn is_wanted(&self, row: usize, part: &Part) -> bool {
         let [near, far] = part.span.map(|s| self.tree.frame.start + s);
-        let wanted = self.rays.patch(self.band.top + row).expect("a patch").between;
+        let wanted = self.pass.rays.patch(self.pass.band.top + row).expect("a patch").between;
         let slack = 1e-9 * (near.abs() + far.abs());
         near - slack <= wanted[1]
             && wanted[0] <= far + slack
-            && self.state.is_open(&patches(row, row + 1, part.span))
+            && self.pass.state.is_open(&patches(row, row + 1, part.span))
     }
 
     /// Traces those of `count` patches that are in these rows.
@@ -263,8 +251,7 @@ impl<T: Scalar> Pass<'_, '_, '_, T> {
             let some = (rows >> first).trailing_ones() as usize;
             if some > 0 {
                 let own = patches(first, first + some, part.span);
-                let Self { method, state, rays, band, work, .. } = self;
-                if parts::trace(method, part.surface.as_deref(), state, rays, band, &own, work) {
+                if self.pass.trace(part.surface.as_deref(), &own, part.divisions) {
                     return true;
                 }
             }
@@ -274,12 +261,11 @@ impl<T: Scalar> Pass<'_, '_, '_, T> {
     }
 }
 
-/// Number of divisions that may bring no simpler surface. The first parts of a picture are large.
-const IN_VAIN: u32 = 1;
-
 /// Parts at most this high are not divided further in the tree. In units, from the middle. Smaller
-/// parts serve so few tiles and patches that they are made where they are needed, and not kept.
+/// parts serve so few tiles that they are made where they are needed, and not kept.
 const LOW: f64 = 160.0;
+/// [`LOW`] for patches. It is smaller, since many patches lie in one part, in any order.
+const LOW_OF_PATCHES: f64 = 120.0;
 /// How far the area of a part reaches beyond its share of the screen, in units. It is more than
 /// half the extent of a tile of 16×16 pixels, whose rays are two units apart, or of a patch. So
 /// each of them lies in at least one area.
