@@ -29,6 +29,7 @@ fn each_frame_is_the_picture_of_its_values() {
         assert_eq!(frame["domain"], frames[0]["domain"]);
         assert_eq!(frame["camera"], frames[0]["camera"]);
         assert_eq!(frame["ms"]["compile"] == 0.0, frame["frame"] != 0, "{}", frame["ms"]);
+        assert!(frame["ms"]["parse"].as_f64() > Some(0.0), "{}", frame["ms"]);
         let list = |value: &Value| {
             let numbers = value.as_array().expect("numbers").iter().map(Value::to_string);
             numbers.collect::<Vec<_>>().join(",")
@@ -50,6 +51,19 @@ fn each_frame_is_the_picture_of_its_values() {
         let name = format!("f-{:02}.png", frame["frame"].as_u64().expect("a number"));
         assert_eq!(pixels(&place, &name), pixels(&place, "alone.png"), "{name}");
     }
+}
+
+#[test]
+fn only_the_first_frame_of_a_turn_reads_and_compiles() {
+    let place = Sandbox::new();
+    let turn = ["render", "tangle", "--turntable", "--frames", "3", "--size", "32", "--json"];
+    let run = place.run(&[&turn[..], &["-o", "f-%d.png"]].concat()).ok();
+    for (n, frame) in frames(run.text()).iter().enumerate() {
+        for phase in ["parse", "simplify", "compile"] {
+            assert_eq!(frame["ms"][phase] == 0.0, n > 0, "{phase} of frame {n}: {}", frame["ms"]);
+        }
+    }
+    assert_ne!(pixels(&place, "f-0.png"), pixels(&place, "f-1.png"));
 }
 
 #[test]

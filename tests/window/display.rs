@@ -60,6 +60,14 @@ impl Display {
         let manager = Manager(manager.expect("openbox runs"));
         // Without a manager xdotool counts one desktop. This manager has four.
         until("there is a manager", || self.tool(&["get_num_desktops"]) == "4");
+        // It answers once it has begun to manage windows. One that opens before does not get the
+        // keyboard.
+        for desktop in ["1", "0"] {
+            until("the manager answers", || {
+                self.tool(&["set_desktop", desktop]);
+                self.tool(&["get_desktop"]) == desktop
+            });
+        }
         manager
     }
 

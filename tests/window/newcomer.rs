@@ -38,8 +38,13 @@ impl Scene {
     fn restarted(self, arguments: &[&str]) -> Self {
         self.key("ctrl+q");
         let place = self.terminal.shared_place();
-        let Self { terminal, display, .. } = self;
+        let Self { terminal, display, window } = self;
         assert_eq!(terminal.ends(), 0);
+        // The server learns of the end later than this test.
+        until("the window is gone", || {
+            let named = display.tool(&["search", "--name", " - zeroset$"]);
+            named.lines().all(|other| other != window)
+        });
         let terminal = Terminal::start_again(place, arguments, Some(&display.name));
         let window = display.window();
         let scene = Self { terminal, display, window };

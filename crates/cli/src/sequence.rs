@@ -14,6 +14,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::time::{Duration, Instant};
 use zeroset_parser::{ErrorKind, Errors};
 use zeroset_render::model::Model;
 use zeroset_render::overlay::{Overlay, PictureView};
@@ -263,6 +264,8 @@ struct FrameRenderer<'a> {
     sequence: &'a Sequence,
     settings: &'a Settings,
     stage: Stage,
+    /// The model of the last frame, whose kernels serve the next one.
+    last: Option<Model>,
     around: Overlay,
     progress: Progress,
 }
@@ -295,8 +298,9 @@ impl<'a> FrameRenderer<'a> {
         }
         let around = arguments.overlay(&subject.document);
         let (text, place) = (&subject.source.text, (subject.domain, arguments.cut()));
-        let choice = arguments.camera.choice();
-        let stage = sequence.stage(text, &options, place, &choice, around.axes, settings)?;
+        let (first, choice) = ((&subject.document, &**text), arguments.camera.choice());
+        let (stage, last) =
+            sequence.stage(first, &options, place, &choice, around.axes, settings)?;
         if let Some(found) = &stage.searched {
             notes::note(&subject::describe_domain(found));
         }
@@ -304,16 +308,11 @@ impl<'a> FrameRenderer<'a> {
             notes::note(&stretched);
         }
         let progress = Progress::new(sequence.frames as u64, "frames");
-        Ok(Self { subject, overrides, time, sequence, settings, stage, around, progress })
+        Ok(Self { subject, overrides, time, sequence, settings, stage, last, around, progress })
     }
 
-    /// Renders a frame, if possible with the kernels of the model `last`. The frame's model
-    /// replaces it.
-    fn render_frame(
-        &mut self,
-        frame: usize,
-        last: &mut Option<Model>,
-    ) -> Result<(Camera, Picture)> {
+    /// Renders a frame, if possible with the kernels of the last one.
+    fn render_frame(&mut self, frame: usize) -> Result<(Camera, Picture)> {
         let Self { overrides, time, sequence, stage, .. } = self;
         let settings = Settings { limit: self.settings.limit.begin(), ..self.settings.clone() };
         let options = Options { overrides, time: *time, ..Options::default() };
@@ -321,18 +320,26 @@ impl<'a> FrameRenderer<'a> {
             let values = sequence.values(frame).map(|(name, value)| format!(", {name} = {value}"));
             format!("frame {frame}{}", values.collect::<String>())
         };
-        let document = sequence.document(&self.subject.source.text, &options, frame);
-        let document = document.map_err(|errors| anyhow!("{errors}")).with_context(named)?;
-        let rebound = last.as_ref().and_then(|model| model.rebound(&document, &stage.region));
-        let model = rebound.unwrap_or_else(|| Model::new(&document, &stage.region, &settings));
-        let model = model.with_context(named)?;
+        let model = match self.last.take() {
+            Some(model) if sequence.is_still() => model,
+            last => {
+                let begun = Instant::now();
+                let document = sequence.document(&self.subject.source.text, &options, frame);
+                let document =
+                    document.map_err(|errors| anyhow!("{errors}")).with_context(named)?;
+                self.subject.parse = begun.elapsed();
+                let rebound = last.and_then(|model| model.rebound(&document, &stage.region));
+                self.subject.document = document;
+                let new = || Model::new(&self.subject.document, &stage.region, &settings);
+                rebound.unwrap_or_else(new).with_context(named)?
+            }
+        };
         let camera = sequence.camera(stage, frame).with_context(named)?;
         let mut picture = model.picture(&camera, &settings, &|_, _| {}).with_context(named)?;
         let size = [settings.width, settings.height];
         let marks = self.around.marks(PictureView::of(&model, &camera, &picture), size);
         marks.mix_into_picture(&mut picture, 0);
-        self.subject.document = document;
-        *last = Some(model);
+        self.last = Some(model.again());
         Ok((camera, picture))
     }
 
@@ -344,7 +351,7 @@ impl<'a> FrameRenderer<'a> {
         (shard, of): (usize, usize),
         resume: bool,
     ) -> Result<FrameCounts> {
-        let (mut count, mut last) = (FrameCounts::default(), None);
+        let mut count = FrameCounts::default();
         let origin = PictureOrigin::typed(&self.subject.source.text);
         let frames = (shard..self.sequence.frames).step_by(of);
         let all = frames.len();
@@ -379,7 +386,7 @@ impl<'a> FrameRenderer<'a> {
                 continue;
             }
             let opened = Files::create(&files)?;
-            let (camera, picture) = self.render_frame(frame, &mut last)?;
+            let (camera, picture) = self.render_frame(frame)?;
             let held = interrupt::hold();
             let rays = RayGrid::new(&camera, picture.buffer.width, picture.buffer.height);
             opened.finish(&picture, &rays, &origin)?;
@@ -394,6 +401,8 @@ impl<'a> FrameRenderer<'a> {
                 print(&format!("{object}\n"))?;
             }
             drop(held);
+            // The next frame may show the same document.
+            self.subject.parse = Duration::ZERO;
             count.add(&picture, self.settings.method);
             picture.hand_back();
             self.progress.reach(frame as u64 + 1);
@@ -415,12 +424,12 @@ impl<'a> FrameRenderer<'a> {
         let has_alpha = self.settings.is_transparent(self.subject.document.background);
         let pixels = PngFormat { has_alpha, depth: self.settings.depth };
         let frames = self.sequence.frames;
-        let (mut count, mut last, mut wrong) = (FrameCounts::default(), None, None);
+        let (mut count, mut wrong) = (FrameCounts::default(), None);
         let written = output.stream(|out| {
             let mut animation =
                 Animation::begin(format, out, size, pixels, (frames, fps), &origin)?;
             for frame in 0..frames {
-                let picture = match self.render_frame(frame, &mut last) {
+                let picture = match self.render_frame(frame) {
                     Ok((_, picture)) => picture,
                     Err(error) => {
                         wrong = Some(error);

@@ -253,6 +253,12 @@ impl Model {
         }))
     }
 
+    /// The same model for a further picture, for which nothing is simplified or compiled.
+    #[must_use]
+    pub fn again(self) -> Self {
+        Self { times: None, ..self }
+    }
+
     /// Returns whether the code was compiled for another model.
     pub fn is_rebound(&self) -> bool {
         self.times.is_none()

@@ -77,6 +77,11 @@ pub enum SequenceError {
 }
 
 impl Sequence {
+    /// Returns whether all frames show the same document, from other sides.
+    pub fn is_still(&self) -> bool {
+        self.sweeps.is_empty()
+    }
+
     /// Progress of the motion at a frame, from 0 to 1. Frames count from 0.
     fn share(&self, frame: usize) -> f64 {
         let steps = if self.is_loop { self.frames } else { self.frames.saturating_sub(1) };
@@ -123,7 +128,8 @@ impl Sequence {
 
     /// Chooses region and camera for all frames. Frames without a surface are skipped. The camera
     /// fits the visible points. It fits the whole box instead if `shows_domain` is true, or if the
-    /// time for choosing runs out.
+    /// time for choosing runs out. `first` is the document of the first frame. If all frames show
+    /// the same document, also returns its model.
     ///
     /// # Errors
     /// If the text has errors, if no frame has a surface, or if region or camera are not valid.
@@ -132,21 +138,25 @@ impl Sequence {
     /// Never: there is at least one sample.
     pub fn stage(
         &self,
-        text: &str,
+        (first, text): (&Document, &str),
         options: &Options<'_>,
         (domain, cut): (DomainChoice, Clipping),
         choice: &CameraChoice,
         shows_domain: bool,
         settings: &Settings,
-    ) -> Result<Stage, SequenceError> {
-        let (samples, last) = (self.frames.clamp(1, SAMPLES), self.frames.saturating_sub(1));
+    ) -> Result<(Stage, Option<Model>), SequenceError> {
+        let samples = if self.is_still() { 1 } else { self.frames.clamp(1, SAMPLES) };
+        let last = self.frames.saturating_sub(1);
         let mut seen: Vec<Document> = Vec::new();
         let mut found: Option<(Region, Option<AutoDomain>)> = None;
         let mut refused = None;
         for sample in 0..samples {
             let frame = sample * last / (samples - 1).max(1);
-            let text = self.document(text, options, frame);
-            let document = text.map_err(|errors| SequenceError::Text { frame, errors })?;
+            let read = match frame {
+                0 => Ok(first.clone()),
+                _ => self.document(text, options, frame),
+            };
+            let document = read.map_err(|errors| SequenceError::Text { frame, errors })?;
             match view::region(&document, domain, cut) {
                 Ok(one) => {
                     found = Some(found.map_or(one, |before| both(&before, &one)));
@@ -166,12 +176,12 @@ impl Sequence {
             // Frames without a surface are reported later, when they are drawn.
             models.extend(made);
         }
-        let models: Vec<&Model> = models.iter().collect();
+        let all: Vec<&Model> = models.iter().collect();
         let is_turned = self.turn.is_some();
         let typed = &CameraChoice::typed(&seen[0]);
         let framing = Framing { region: &region, choice, typed, settings };
         // Without models, the camera shows the whole box.
-        let visible = if shows_domain { &[] } else { &*models };
+        let visible = if shows_domain { &[] } else { &*all };
         let camera = if shows_domain && !is_turned {
             framing.of_domain().map(Some)
         } else {
@@ -179,7 +189,8 @@ impl Sequence {
         };
         let camera = camera.and_then(|camera| camera.map_or_else(|| framing.whole(), Ok));
         let camera = camera.map_err(at_start)?;
-        Ok(Stage { region, searched, camera })
+        let model = models.into_iter().next().filter(|_| self.is_still());
+        Ok((Stage { region, searched, camera }, model))
     }
 
     /// The camera of a frame, counted from 0.
