@@ -70,7 +70,7 @@ impl Watch {
             Some(watcher)
         });
         let mut watched =
-            WatchedFile { path, text: text.to_owned(), lost: false, stamp: None, report };
+            WatchedFile { path, text: text.to_owned(), lost: None, stamp: None, report };
         let thread = std::thread::spawn(move || watched.run(&messages));
         Ok(Self { _watcher: watcher, stop, thread: Some(thread) })
     }
@@ -94,7 +94,8 @@ impl Drop for Watch {
 struct WatchedFile<R> {
     path: PathBuf,
     text: String,
-    lost: bool,
+    /// The reason why the file cannot be read, if so.
+    lost: Option<String>,
     stamp: Option<(SystemTime, u64)>,
     report: R,
 }
@@ -143,7 +144,7 @@ impl<R: FnMut(Change)> WatchedFile<R> {
         };
         match read {
             Ok(Source { text, .. }) => {
-                if std::mem::take(&mut self.lost) {
+                if self.lost.take().is_some() {
                     (self.report)(Change::Found);
                 }
                 if text != self.text && !text.trim().is_empty() {
@@ -151,11 +152,13 @@ impl<R: FnMut(Change)> WatchedFile<R> {
                     (self.report)(Change::Text(text));
                 }
             }
-            // A file that cannot be read is reported only once.
-            Err(_) if self.lost => {}
+            // A file that cannot be read is reported once for each reason.
             Err(error) => {
-                self.lost = true;
-                (self.report)(Change::Lost(format!("{error:#}")));
+                let reason = format!("{error:#}");
+                if self.lost.as_ref() != Some(&reason) {
+                    self.lost = Some(reason.clone());
+                    (self.report)(Change::Lost(reason));
+                }
             }
         }
     }
@@ -317,6 +320,13 @@ mod tests {
             assert_eq!(next(), Change::Found);
         }
         assert_eq!(next(), Change::Text("x = 2".to_owned()));
+        // A directory takes the file's place.
+        std::fs::remove_file(&path).expect("removed");
+        assert!(matches!(next(), Change::Lost(_)));
+        std::fs::create_dir(&path).expect("created");
+        assert!(
+            matches!(next(), Change::Lost(reason) if reason.ends_with("is not a file any more"))
+        );
         drop(watch.expect("watched"));
         assert!(changes.try_recv().is_err());
     }

@@ -3,12 +3,13 @@
 mod clause_calls;
 mod constants;
 
+use crate::clause_code::{TABLE, USED};
 use crate::compiler::vector_widths;
 use crate::error::Error;
 use crate::rounding::call_rounding_up;
 use crate::stencil::{OperandNumber, StencilFinder, StencilOperand, StencilStep, parts};
 use crate::stencil_code::{Run, StencilCall, call_loop};
-use clause_calls::{ClauseCalls, ClauseIn, SharedCode, coordinate_offset};
+use clause_calls::{ClauseIn, ClauseSteps, SharedCode, coordinate_offset};
 use constants::{Constants, used_directly};
 use smallvec::SmallVec;
 use std::cell::{Cell, RefCell};
@@ -56,8 +57,8 @@ const LAYOUT_STEPS: usize = 1 << 20;
 pub struct StencilTape<Q: Query, T: Real = f32> {
     tape: Arc<Tape<T>>,
     steps: Vec<TapeStep>,
-    /// Per step, the calls of the clause that ends with it.
-    clauses: Vec<Option<ClauseCalls>>,
+    /// The calls of the clauses that share no code.
+    clauses: Vec<ClauseSteps>,
     /// The codes that clauses share.
     codes: Vec<SharedCode>,
     /// Bytes for coordinates, with which a frame begins.
@@ -80,13 +81,28 @@ struct StepValue {
     parts: u32,
 }
 
-/// A step of a tape. If it is a constant or a parameter, it has a place, and another number as an
-/// exponent.
+/// A step of a tape: all that a layout needs of it. If it is a constant or a parameter, it has a
+/// place, and another number as an exponent.
 struct TapeStep {
     value: StepValue,
     exponent: OperandNumber,
     /// Offset in bytes among the constants.
     at: u32,
+    /// Numbers of the operands of an operation, or of the steps that shared code uses.
+    used: [OperandNumber; 3],
+    clause: ClauseCall,
+}
+
+/// How the clause is called that ends with a step.
+#[derive(Clone, Copy)]
+enum ClauseCall {
+    /// No clause ends with the step.
+    None,
+    /// By one call of shared code: its number among those of the tape, and the offset of the
+    /// clause's table of constants.
+    Shared { code: u32, table: u32 },
+    /// By a call for each step: the number among [`StencilTape::clauses`].
+    Steps(u32),
 }
 
 // SAFETY: the addresses in `steps` are those of finished code, which is read-only, shared and never
@@ -136,13 +152,12 @@ impl<Q: Query, T: Real> StencilTape<Q, T> {
         let is_direct = used_directly(tape, clauses);
         let mut codes = Vec::new();
         let mut known = vec![None; clauses.shapes()];
-        let mut shared: Vec<Option<ClauseCalls>> = Vec::new();
-        shared.resize_with(count, || None);
         let mut steps = Vec::<TapeStep>::with_capacity(count);
         let mut coordinates = 0;
         for (index, step) in tape.steps().iter().enumerate() {
             let m = &mut Software::new();
             let clause = clauses.ending_with(index);
+            let (mut used, mut call) = ([OperandNumber::MAX; 3], ClauseCall::None);
             let (entry, shape) = match step {
                 Step::Parameter(_) | Step::Constant(..) => {
                     let value = match step {
@@ -167,22 +182,26 @@ impl<Q: Query, T: Real> StencilTape<Q, T> {
                     steps.push(TapeStep::NONE);
                     continue;
                 }
-                Step::Apply(op, used) => {
+                Step::Apply(op, operands) => {
                     let shape = clause.and_then(|clause| Some((clause, clause.shape?)));
                     let stencil = if let Some((clause, shape)) = shape {
                         let clause = ClauseIn { tape, steps: &steps, clause, width };
                         let known = &mut known[shape as usize];
                         let code = SharedCode::find(&mut codes, known, clause, &mut finder);
                         let table = constants.store(clause.constants())?;
-                        shared[index] = Some(ClauseCalls::Shared { code, table });
+                        call = ClauseCall::Shared { code: code as u32, table };
                         let SharedCode { number, code } = &codes[code];
+                        used.iter_mut().zip(&code.used).for_each(|(used, number)| *used = *number);
                         finder.find(&StencilStep::Clause(*number, &code.used))?
                     } else {
-                        let number = |&used: &usize| match op {
-                            Op::Pow => steps[used].exponent,
-                            _ => steps[used].value.number,
+                        let number = |&operand: &usize| match op {
+                            Op::Pow => steps[operand].exponent,
+                            _ => steps[operand].value.number,
                         };
-                        let operands: SmallVec<[_; 3]> = used.iter().map(number).collect();
+                        for (used, operand) in used.iter_mut().zip(operands) {
+                            *used = steps[*operand].value.number;
+                        }
+                        let operands: SmallVec<[_; 3]> = operands.iter().map(number).collect();
                         finder.find(&StencilStep::Apply(*op, &operands))?
                     };
                     (stencil.code.entry(), stencil.shape.expect("a step has a value"))
@@ -200,24 +219,24 @@ impl<Q: Query, T: Real> StencilTape<Q, T> {
                 exponent => number(exponent),
             };
             let value = StepValue { entry, number: own, parts: parts::<Q>(&shape) as u32 };
-            steps.push(TapeStep { value, exponent, at });
+            steps.push(TapeStep { value, exponent, at, used, clause: call });
         }
         let mut slots = Slots::default();
         let mut inside = 0;
-        let lay_out = |(index, shared): (usize, Option<ClauseCalls>)| {
-            shared.or_else(|| {
-                let clause = clauses.ending_with(index)?;
-                let clause = ClauseIn { tape, steps: &steps, clause, width };
-                let calls = ClauseCalls::of_steps(clause, &mut slots);
-                inside = inside.max(slots.end);
-                Some(calls)
-            })
-        };
-        let clauses = shared.into_iter().enumerate().map(lay_out).collect();
+        let mut apart = Vec::new();
+        for index in 0..count {
+            let ClauseCall::None = steps[index].clause else { continue };
+            let Some(clause) = clauses.ending_with(index) else { continue };
+            let clause = ClauseIn { tape, steps: &steps, clause, width };
+            let calls = ClauseSteps::new(clause, &mut slots);
+            inside = inside.max(slots.end);
+            steps[index].clause = ClauseCall::Steps(apart.len() as u32);
+            apart.push(calls);
+        }
         Ok(Self {
             tape: Arc::clone(tape),
             steps,
-            clauses,
+            clauses: apart,
             codes,
             coordinates: coordinates.next_multiple_of(ALIGNMENT),
             inside,
@@ -248,19 +267,6 @@ impl<Q: Query, T: Real> StencilTape<Q, T> {
         }
     }
 
-    /// Returns the numbers of the operands of an operation, or of the steps that a clause uses.
-    fn numbers(&self, index: usize) -> SmallVec<[OperandNumber; 3]> {
-        if let Some(ClauseCalls::Shared { code, .. }) = &self.clauses[index] {
-            return self.codes[*code].code.used.clone();
-        }
-        match &self.tape.steps()[index] {
-            Step::Apply(_, operands) => {
-                operands.iter().map(|&operand| self.steps[operand].value.number).collect()
-            }
-            Step::Coordinate(_) | Step::Parameter(_) | Step::Constant(..) => SmallVec::new(),
-        }
-    }
-
     /// Returns the exponent of a step that is a power in the tape. A constant that replaces it is
     /// no whole exponent, though it may be a whole number: real powers of numbers below 0 stay
     /// undefined.
@@ -276,8 +282,9 @@ impl<Q: Query, T: Real> StencilTape<Q, T> {
 impl TapeStep {
     /// A step inside of shared code, which has no code of its own.
     const NONE: Self = {
-        let value = StepValue { entry: std::ptr::null(), number: OperandNumber::MAX, parts: 0 };
-        Self { value, exponent: OperandNumber::MAX, at: 0 }
+        let number = OperandNumber::MAX;
+        let value = StepValue { entry: std::ptr::null(), number, parts: 0 };
+        Self { value, exponent: number, at: 0, used: [number; 3], clause: ClauseCall::None }
     };
 }
 
@@ -483,24 +490,25 @@ impl<Q: Query, T: Real> Threaded<Q, T> {
                 call.operands().take(1).for_each(|operand| *operand = at);
                 calls.push(call);
             }
-            let clause = step.origin().and_then(|origin| tape.clauses[origin].as_ref());
-            if let Some(clause) = clause {
+            let clause = step.origin().map_or(ClauseCall::None, |origin| tape.steps[origin].clause);
+            let places = step.operands().iter().map(|&operand| place(slots, operand));
+            if let ClauseCall::Steps(number) = clause {
                 let mut used = [0; 3];
-                for (at, &operand) in used.iter_mut().zip(step.operands()) {
-                    *at = place(slots, operand);
+                used.iter_mut().zip(places).for_each(|(at, place)| *at = place);
+                tape.clauses[number as usize].append(&mut calls, [inside as u32, at], &used);
+            } else {
+                let mut call = StencilCall::new(value.entry, at);
+                if let ClauseCall::Shared { table, .. } = clause {
+                    call.places[TABLE] = table;
+                    call.places[USED..].iter_mut().zip(places).for_each(|(at, place)| *at = place);
+                } else {
+                    call.operands().zip(places).for_each(|(at, place)| *at = place);
                 }
-                clause.append(&mut calls, value.entry, [inside as u32, at], &used);
-                slots.give(position, value.parts);
-                continue;
-            }
-            let mut call = StencilCall::new(value.entry, at);
-            for (at, &operand) in call.operands().zip(step.operands()) {
-                *at = place(slots, operand);
+                calls.push(call);
             }
             // A stencil may store one vector of its value before it has loaded the last of its
             // operands. So its place is free for earlier steps only now.
             slots.give(position, value.parts);
-            calls.push(call);
         }
         if slots.end > u32::MAX as usize {
             return Err(TOO_LARGE);
@@ -597,27 +605,27 @@ fn find_values<Q: Query, T: Real>(
             values.push(tape.steps[origin].value);
             continue;
         }
-        let exponent = tape.exponent(step);
         let number = |operand: &SelectedOperand| match operand.position() {
             Some(position) => values[position].number,
-            None if exponent == Some(operand.origin()) => tape.steps[operand.origin()].exponent,
-            None => tape.steps[operand.origin()].value.number,
+            None => {
+                let constant = &tape.steps[operand.origin()];
+                let is_exponent = tape.exponent(step) == Some(operand.origin());
+                if is_exponent { constant.exponent } else { constant.value.number }
+            }
         };
         let operands: SmallVec<[_; 3]> = step.operands().iter().map(number).collect();
-        let clause = step.origin().and_then(|origin| tape.clauses[origin].as_ref());
-        if let Some(origin) = step.origin()
-            && tape.numbers(origin) == operands
-        {
-            values.push(tape.steps[origin].value);
+        let own = step.origin().map(|origin| &tape.steps[origin]);
+        if let Some(own) = own.filter(|own| own.used[..operands.len()] == operands[..]) {
+            values.push(own.value);
             continue;
         }
-        let changed = match clause {
-            Some(ClauseCalls::Shared { code, .. }) => {
-                StencilStep::Clause(tape.codes[*code].number, &operands)
+        let changed = match own.map_or(ClauseCall::None, |own| own.clause) {
+            ClauseCall::Shared { code, .. } => {
+                StencilStep::Clause(tape.codes[code as usize].number, &operands)
             }
             // Nothing replaces the steps that other clauses use.
-            Some(ClauseCalls::Steps { .. }) => unreachable!("a clause that is as in the tape"),
-            None => StencilStep::Apply(tape.operation(step), &operands),
+            ClauseCall::Steps(_) => unreachable!("a clause that is as in the tape"),
+            ClauseCall::None => StencilStep::Apply(tape.operation(step), &operands),
         };
         let (stencil, number) = finder.find_valued(&changed)?;
         let parts = parts::<Q>(&stencil.shape.expect("a step has a value")) as u32;

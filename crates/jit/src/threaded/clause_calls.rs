@@ -1,7 +1,7 @@
-//! The calls of a clause: one call of code that clauses share, or one for each step.
+//! Calls of clauses: the code that clauses of one shape share, or a call for each step.
 
 use super::{Slots, TapeStep};
-use crate::clause_code::{ClauseCode, CodeOperand, CodeStep, TABLE, USED};
+use crate::clause_code::{ClauseCode, CodeOperand, CodeStep};
 use crate::stencil::{ClauseNumber, OperandNumber, StencilFinder};
 use crate::stencil_code::StencilCall;
 use smallvec::SmallVec;
@@ -21,14 +21,8 @@ pub(super) enum ClausePlace {
     Used(u8),
 }
 
-/// The calls of a clause.
-pub(super) enum ClauseCalls {
-    /// One call of shared code, by the code's number among those of the tape, with the offset of
-    /// the clause's table of constants.
-    Shared { code: usize, table: u32 },
-    /// The calls of all steps, from the last to the first. Their places are relative.
-    Steps(Vec<(StencilCall, [ClausePlace; 4])>),
-}
+/// The calls of all steps of a clause, from the last to the first. Their places are relative.
+pub(super) struct ClauseSteps(Vec<(StencilCall, [ClausePlace; 4])>);
 
 /// A tape whose steps up to the end of a clause have numbers.
 #[derive(Clone, Copy)]
@@ -127,9 +121,9 @@ pub(super) fn coordinate_offset(axis: usize, parts: u32, width: usize) -> u32 {
     (axis * parts as usize * width) as u32
 }
 
-impl ClauseCalls {
+impl ClauseSteps {
     /// Lays out the calls of the steps of a clause. Then `slots` ends behind the values inside.
-    pub fn of_steps<T: Real>(of: ClauseIn<'_, T>, slots: &mut Slots) -> Self {
+    pub fn new<T: Real>(of: ClauseIn<'_, T>, slots: &mut Slots) -> Self {
         let ClauseIn { tape, steps, clause, width } = of;
         let inside = &clause.steps;
         slots.start(inside.len(), 0, width);
@@ -165,37 +159,23 @@ impl ClauseCalls {
             }
             calls.push((call, kinds));
         }
-        Self::Steps(calls)
+        Self(calls)
     }
 
-    /// Appends the calls, from the last to the first. `entry` is the code of the clause's value.
-    /// `inside` and `value` are the offsets of the values inside and of the clause's value. `used`
-    /// has the offset of each step that the clause uses.
-    pub fn append(
-        &self,
-        calls: &mut Vec<StencilCall>,
-        entry: *const u8,
-        [inside, value]: [u32; 2],
-        used: &[u32; 3],
-    ) {
-        match self {
-            Self::Shared { table, .. } => {
-                let mut call = StencilCall::new(entry, value);
-                call.places[TABLE] = *table;
-                call.places[USED..].copy_from_slice(used);
-                calls.push(call);
+    /// Appends the calls, from the last to the first. `inside` and `value` are the offsets of the
+    /// values inside and of the clause's value. `used` has the offset of each step that the clause
+    /// uses.
+    pub fn append(&self, calls: &mut Vec<StencilCall>, [inside, value]: [u32; 2], used: &[u32; 3]) {
+        calls.extend(self.0.iter().map(|&(mut call, kinds)| {
+            for (place, kind) in call.places.iter_mut().zip(kinds) {
+                *place = match kind {
+                    ClausePlace::Fixed => *place,
+                    ClausePlace::Inside => inside + *place,
+                    ClausePlace::Value => value,
+                    ClausePlace::Used(number) => used[number as usize],
+                };
             }
-            Self::Steps(steps) => calls.extend(steps.iter().map(|&(mut call, kinds)| {
-                for (place, kind) in call.places.iter_mut().zip(kinds) {
-                    *place = match kind {
-                        ClausePlace::Fixed => *place,
-                        ClausePlace::Inside => inside + *place,
-                        ClausePlace::Value => value,
-                        ClausePlace::Used(number) => used[number as usize],
-                    };
-                }
-                call
-            })),
-        }
+            call
+        }));
     }
 }
