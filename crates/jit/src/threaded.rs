@@ -44,7 +44,7 @@ thread_local! {
 /// Memory for laying out calls.
 #[derive(Default)]
 struct Layout {
-    /// Per step, what its users need to know of its value.
+    /// The code and the kind of each step's value.
     values: Vec<StepValue>,
     slots: Slots,
 }
@@ -71,7 +71,7 @@ pub struct StencilTape<Q: Query, T: Real = f32> {
     query: PhantomData<Q>,
 }
 
-/// What calls of stencils need to know of a step's value.
+/// The code and the kind of a step's value.
 #[derive(Clone, Copy)]
 struct StepValue {
     /// First instruction of the stencil; null for a constant.
@@ -93,15 +93,15 @@ struct TapeStep {
     clause: ClauseCall,
 }
 
-/// How the clause is called that ends with a step.
+/// The call of a clause that ends with a step.
 #[derive(Clone, Copy)]
 enum ClauseCall {
     /// No clause ends with the step.
     None,
-    /// By one call of shared code: its number among those of the tape, and the offset of the
-    /// clause's table of constants.
+    /// A call of shared code: its number among those of the tape, and the offset of the clause's
+    /// table of constants.
     Shared { code: u32, table: u32 },
-    /// By a call for each step: the number among [`StencilTape::clauses`].
+    /// A call for each step: the number among [`StencilTape::clauses`].
     Steps(u32),
 }
 

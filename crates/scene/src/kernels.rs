@@ -467,7 +467,7 @@ impl<T: WholeFloat> Bindings<T> {
         unreachable!("a program's values are within what it assumes")
     }
 
-    /// The function branch by branch. `None` if it does not jump.
+    /// The test of a function that jumps, branch by branch. `None` if it does not jump.
     fn branches(&self) -> Result<Option<Arc<BranchTest<T>>>, KernelError> {
         let make = || {
             let code = self.code(&self.codes.branches, KernelSource::Branches)?;

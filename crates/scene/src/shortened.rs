@@ -1,4 +1,4 @@
-//! Surfaces as far as a part of space is concerned: kernels of the steps that matter there.
+//! The surface in a part of space: kernels that run only the steps that matter there.
 
 use std::sync::{Arc, OnceLock};
 use zeroset_eval::{
@@ -9,12 +9,11 @@ use zeroset_eval::{
 use zeroset_interval::Interval;
 use zeroset_jit::{StencilTape, Threaded};
 
-/// Least number of steps whose bounds decide what can be dropped. A formula with fewer has a kernel
-/// of its own that is faster than stencils; among fewer selected steps, choosing takes longer than
-/// it saves.
+/// Least number of steps whose bounds decide which steps can be dropped. With fewer, choosing takes
+/// longer than it saves. A whole formula with fewer is compiled, which is faster than stencils.
 const LEAST_DECIDING: usize = 32;
-/// Least number of products that count as choices. A product of 1,000 planes takes a third of the
-/// time by parts, but one of 300 takes a third more, and six times the memory.
+/// Least number of products that count as choices. By parts, a product of 1,000 planes takes a
+/// third of the time, but one of 300 planes a third more time and six times the memory.
 const LEAST_PRODUCTS: usize = 500;
 /// Least number of steps of a function whose parts get kernels of their own.
 pub(crate) const LEAST_STEPS: usize = 256;
@@ -68,8 +67,8 @@ impl<T: Real> WholeTape<T> {
 }
 
 impl WholeFunction {
-    /// `None` if the function has too few choices for parts of space to do with far fewer steps.
-    /// Only otherwise `double` is called.
+    /// Examines the steps of a function. `None` if it has too few choices: then parts of space need
+    /// nearly as many steps. `double` makes the tape of 64 bits, if there are enough.
     ///
     /// # Panics
     /// If the tapes differ in their steps.
@@ -120,13 +119,14 @@ impl WholeFloat for f64 {
 /// A kernel that is created when it is first requested.
 type OnceThreaded<Q, T> = OnceLock<Result<Box<Threaded<Q, T>>, KernelError>>;
 
-/// Returns a kernel, or the error of its creation.
-fn known<Q: Query, T: Real>(
+/// Borrows a kernel, or the error of its creation.
+fn borrowed<Q: Query, T: Real>(
     once: &Result<Box<Threaded<Q, T>>, KernelError>,
 ) -> KernelResult<'_, Q, T> {
     once.as_ref().map(|kernel| &**kernel as _).map_err(Arc::clone)
 }
 
+/// Moves a new kernel to the heap, and shares the error of its creation.
 fn boxed<Q: Query, T: Real>(
     threaded: Result<Threaded<Q, T>, zeroset_jit::Error>,
 ) -> Result<Box<Threaded<Q, T>>, KernelError> {
@@ -205,6 +205,8 @@ impl<T: WholeFloat> ShortKernels<T> {
         }
     }
 
+    /// Returns the kernel for a query, and creates it if it is the first such request. `of` finds
+    /// the stencils of the query.
     fn kernel<'a, Q: Query>(
         &self,
         once: &'a OnceThreaded<Q, T>,
@@ -214,7 +216,7 @@ impl<T: WholeFloat> ShortKernels<T> {
             let stencils = T::whole(&self.whole).stencils(of)?;
             boxed(Threaded::selected(stencils, &self.selection))
         };
-        known(once.get_or_init(make))
+        borrowed(once.get_or_init(make))
     }
 
     /// The kernel that samples the function and propagates its gradient forward.
@@ -227,6 +229,7 @@ impl<T: WholeFloat> ShortKernels<T> {
         &self.whole
     }
 
+    /// The steps whose bounds decide what can be dropped; `None` if there are too few.
     fn deciding(&self) -> Option<&DecidingSteps> {
         let find = || {
             let deciding = self.whole.shortener.deciding(&self.selection);
@@ -284,7 +287,7 @@ impl<T: WholeFloat> Kernels<T> for ShortKernels<T> {
             let stencils = whole.stencils(|stencils| &stencils.bounds)?;
             boxed(Threaded::selected(stencils, &self.whole.all))
         };
-        known(whole.bounds.get_or_init(make))
+        borrowed(whole.bounds.get_or_init(make))
     }
 
     fn bounds_in_part(&self) -> Option<KernelResult<'_, Enclose, T>> {

@@ -276,6 +276,7 @@ fn patches(first: usize, end: usize, span: [f64; 2]) -> BandPart {
     BandPart { level: LAST, columns: 0..1, rows: first..end, span }
 }
 
+/// Returns whether all of an area lies in another.
 fn contains(outer: &Area, inner: &Area) -> bool {
     outer
         .iter()
