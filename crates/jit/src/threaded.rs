@@ -605,13 +605,13 @@ fn find_values<Q: Query, T: Real>(
             values.push(tape.steps[origin].value);
             continue;
         }
-        let number = |operand: &SelectedOperand| match operand.position() {
-            Some(position) => values[position].number,
-            None => {
-                let constant = &tape.steps[operand.origin()];
-                let is_exponent = tape.exponent(step) == Some(operand.origin());
-                if is_exponent { constant.exponent } else { constant.value.number }
+        let number = |operand: &SelectedOperand| {
+            if let Some(position) = operand.position() {
+                return values[position].number;
             }
+            let constant = &tape.steps[operand.origin()];
+            let is_exponent = tape.exponent(step) == Some(operand.origin());
+            if is_exponent { constant.exponent } else { constant.value.number }
         };
         let operands: SmallVec<[_; 3]> = step.operands().iter().map(number).collect();
         let own = step.origin().map(|origin| &tape.steps[origin]);
