@@ -42,7 +42,7 @@ impl<'r> Writer<'r> {
         }
         if self.one_in(6) {
             let plane = self.plane();
-            all = format!("({all}){{{plane} < 0.9}}");
+            all = self.define(format!("({all}){{{plane} < 0.9}}"));
         }
         let _ = match self.rng.u32(0..6) {
             0..=2 => writeln!(self.text, "0 = {all}"),
