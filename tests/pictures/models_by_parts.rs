@@ -6,6 +6,7 @@
 use super::parts_support::models::Writer;
 use super::parts_support::{Counts, EVALUATORS, Scene, claimed};
 use glam::DVec3;
+use std::sync::atomic::{AtomicU64, Ordering};
 use zeroset_render::picture::Precision;
 use zeroset_scene::program::Program;
 use zeroset_space::{Camera, HalfSpace, Projection};
@@ -93,6 +94,8 @@ struct Survey {
     tall: usize,
     pixels: usize,
     pictures: Counts,
+    /// Pictures by parts that are given up.
+    given_up: Counts,
     /// Rays of patches with windows.
     rays: usize,
     patches: Counts,
@@ -241,6 +244,11 @@ fn models_by_parts_are_as_by_all_steps() {
             let trace = |program| scene.trace((program, surface), &rays, &|_| true);
             let pictures = programs.each_ref().map(trace);
             survey.pictures.add(&text, &pictures);
+            // A picture that is given up claims no more than one that is finished.
+            let (wanted, done) = (rng.u64(0..pictures[0].status.len() as u64), AtomicU64::new(0));
+            let advance = |pixels: usize| done.fetch_add(pixels as u64, Ordering::Relaxed) < wanted;
+            let given_up = scene.trace((&programs[0], surface), &rays, &advance);
+            survey.given_up.add(&text, &[given_up, pictures[1].clone()]);
             survey.surfaces += 1;
             survey.by_parts += usize::from(programs[0].kernels::<f32>(surface).has_parts());
             survey.tall += usize::from(size[1] >= TALL);
