@@ -45,9 +45,9 @@ fn camera(rng: &mut Rng) -> Option<Camera> {
     Camera::new(eye, vector(rng, 0.8), vector(rng, 1.0), projection).ok()
 }
 
-/// A model, the size of its picture, and a text that repeats the case. `None` if the model has no
-/// surface or the camera no direction.
-fn random_case(seed: u64) -> Option<(Scene, [usize; 2], String)> {
+/// A model, the size of its picture, and a text that repeats the case. The error is the reason why
+/// there is no surface or no view.
+fn random_case(seed: u64) -> Result<(Scene, [usize; 2], String), String> {
     let mut rng = Rng::with_seed(seed);
     let rng = &mut rng;
     let is_tall = seed.is_multiple_of(9);
@@ -63,10 +63,10 @@ fn random_case(seed: u64) -> Option<(Scene, [usize; 2], String)> {
         [rng.u32(17..=56) as usize, rng.u32(17..=56) as usize]
     };
     let mut scene = Scene::read(&text)?;
-    scene.camera = camera(rng)?;
+    scene.camera = camera(rng).ok_or("a camera without direction")?;
     if rng.u32(0..4) == 0 {
         let (normal, offset) = (vector(rng, 1.0), between(rng, -0.3, 0.8));
-        scene.region = scene.region.with_clip(HalfSpace { normal, offset }).ok()?;
+        scene.region = scene.region.with_clip(HalfSpace { normal, offset }).expect("a normal");
     }
     if rng.u32(0..6) == 0 {
         scene.region = scene.region.with_ball();
@@ -81,7 +81,7 @@ fn random_case(seed: u64) -> Option<(Scene, [usize; 2], String)> {
         "ZEROSET_SEED={seed:#x} ZEROSET_CASES=1 cargo test --test all models_by_parts -- --nocapture"
     );
     let case = format!("{command}\n{camera:?}\n{region:?}\n{options:?}\n{size:?}\n{text}");
-    Some((scene, size, case))
+    Ok((scene, size, case))
 }
 
 /// Counts over a run.
@@ -231,11 +231,15 @@ impl PatchCase<'_> {
 #[test]
 fn models_by_parts_are_as_by_all_steps() {
     let effort = Effort::from_environment(0x5eed_ca00, 24);
-    let mut survey = Survey::default();
+    let (mut survey, mut left_out) = (Survey::default(), 0);
     for seed in effort.seed..effort.seed + effort.cases {
-        let Some((scene, size, text)) = random_case(seed) else {
-            println!("{seed:#x}: no surface");
-            continue;
+        let (scene, size, text) = match random_case(seed) {
+            Ok(case) => case,
+            Err(why) => {
+                println!("{seed:#x} is left out: {why}");
+                left_out += 1;
+                continue;
+            }
         };
         let rng = &mut Rng::with_seed(!seed);
         let programs = EVALUATORS.map(|evaluator| scene.program.on(evaluator));
@@ -259,12 +263,13 @@ fn models_by_parts_are_as_by_all_steps() {
             case.compare(&pictures[1], rng, &mut survey);
         }
     }
-    println!("{survey:?}");
-    let is_few = |[parts, whole]: [usize; 2], all: usize| parts <= whole + whole / 4 + all / 1000;
-    assert!(is_few(survey.pictures.undecided, survey.pixels), "{survey:?}");
-    assert!(is_few(survey.patches.undecided, survey.rays), "{survey:?}");
+    println!("{survey:?}, {left_out} left out");
     // A single case that is repeated need not reach these shares.
     if effort.cases > 20 {
+        let is_few = |[parts, whole]: [usize; 2], all| parts <= whole + whole / 4 + all / 1000;
+        assert!(is_few(survey.pictures.undecided, survey.pixels), "{survey:?}");
+        assert!(is_few(survey.patches.undecided, survey.rays), "{survey:?}");
+        assert!(8 * left_out < effort.cases, "{left_out} cases are left out");
         assert!(4 * survey.by_parts > 3 * survey.surfaces && survey.tall > 2, "{survey:?}");
         assert!(8 * survey.pictures.hit > survey.pixels, "{survey:?}");
         assert!(

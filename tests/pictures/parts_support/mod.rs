@@ -31,16 +31,18 @@ impl Scene {
         Self::read(text).expect("a surface")
     }
 
-    /// `None` if the text has no surface.
-    pub fn read(text: &str) -> Option<Self> {
-        let document = read(text, &Options::default()).ok()?;
+    /// # Errors
+    /// If the text has no surface. The message has the reason.
+    pub fn read(text: &str) -> Result<Self, String> {
+        let document = read(text, &Options::default()).map_err(|error| format!("{error:?}"))?;
         let cube = DomainChoice::Bounds([-2.0, 2.0, -2.0, 2.0, -2.0, 2.0]);
-        let (region, _) = region(&document, cube, None).ok()?;
-        let program = Program::new(&document, bounds(&region)).ok()?;
+        let (region, _) = region(&document, cube, None).map_err(|error| error.to_string())?;
+        let program = Program::new(&document, bounds(&region));
+        let program = program.map_err(|error| error.to_string())?;
         let projection = Projection::Perspective { fov: 40.0 };
         let eye = DVec3::new(4.0, 5.0, 3.0);
-        let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).ok()?;
-        Some(Self { program, region, camera, options: TraceOptions::default() })
+        let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("a camera");
+        Ok(Self { program, region, camera, options: TraceOptions::default() })
     }
 
     /// Traces a surface of one of the scene's programs, as far as `advance` wants it. The picture
@@ -65,14 +67,14 @@ impl Scene {
 
 /// The pictures of a text, by parts and by all steps. `None` if the text has no surface.
 pub fn both(text: &str, options: TraceOptions) -> Option<[GBuffer; 2]> {
-    let scene = Scene { options, ..Scene::read(text)? };
+    let scene = Scene { options, ..Scene::read(text).ok()? };
     let rays = RayGrid::new(&scene.camera, SIZE, SIZE);
     let trace = |evaluator| scene.trace((&scene.program.on(evaluator), 0), &rays, &|_| true);
     Some(EVALUATORS.map(trace))
 }
 
-/// The distances between which a picture proves the first zero of a pixel's ray to lie. They are
-/// infinite if it proves that there is none. The second one is infinite, too, if it proves none.
+/// Bounds that a picture proves for the distance of the first zero on a pixel's ray. Both are
+/// infinite for a miss. Only the upper one is infinite for an undecided pixel.
 pub fn claimed(buffer: &GBuffer, pixel: usize) -> [f64; 2] {
     match buffer.status[pixel] {
         Status::Hit => buffer.bracket[pixel],
@@ -93,7 +95,7 @@ impl Counts {
     /// Adds the pictures of a case.
     ///
     /// # Panics
-    /// If one picture proves a zero where the other proves that there is none.
+    /// If one picture proves a zero where the other disproves it.
     pub fn add(&mut self, case: &str, pictures: &[GBuffer; 2]) {
         for pixel in 0..pictures[0].status.len() {
             let claims = pictures.each_ref().map(|picture| claimed(picture, pixel));

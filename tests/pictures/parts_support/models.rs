@@ -42,7 +42,8 @@ impl<'r> Writer<'r> {
         }
         if self.one_in(6) {
             let plane = self.plane();
-            all = self.define(format!("({all}){{{plane} < 0.9}}"));
+            // A definition cannot be restricted as a whole.
+            all = self.define(format!("max(({all}){{{plane} < 0.9}},{all}-1)"));
         }
         let _ = match self.rng.u32(0..6) {
             0..=2 => writeln!(self.text, "0 = {all}"),
