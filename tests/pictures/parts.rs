@@ -2,6 +2,7 @@
 //!
 //! A long run: `ZEROSET_CASES=200 cargo test --test all random_solids -- --nocapture`.
 
+use super::parts_support::{Counts, EVALUATORS, SIZE, Scene, both};
 use glam::DVec3;
 use std::fmt::Write as _;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -10,67 +11,12 @@ use zeroset_eval::{
     Kernels, PartSurface, SurfaceKernels, Tiles,
 };
 use zeroset_render::picture::Precision;
-use zeroset_scene::kernels::Evaluator;
-use zeroset_scene::program::Program;
-use zeroset_scene::view::{DomainChoice, bounds, region};
-use zeroset_space::{Camera, Projection, Region};
-use zeroset_syntax::{Options, read};
+use zeroset_space::{Camera, Projection};
 use zeroset_testkit::property::random_choices;
 use zeroset_testkit::{Effort, Rng};
 use zeroset_trace::{
     Driver, GBuffer, Method, Patch, RayGrid, Status, TraceOptions, UndecidedReason,
 };
-
-const SIZE: usize = 48;
-
-/// A document in the cube from −2 to 2, and its camera.
-struct Scene {
-    program: Program,
-    region: Region,
-    camera: Camera,
-    options: TraceOptions,
-}
-
-impl Scene {
-    /// # Panics
-    /// If the text has no surface.
-    fn new(text: &str) -> Self {
-        Self::read(text).expect("a surface")
-    }
-
-    fn read(text: &str) -> Option<Self> {
-        let document = read(text, &Options::default()).ok()?;
-        let cube = DomainChoice::Bounds([-2.0, 2.0, -2.0, 2.0, -2.0, 2.0]);
-        let (region, _) = region(&document, cube, None).ok()?;
-        let program = Program::new(&document, bounds(&region)).ok()?;
-        let projection = Projection::Perspective { fov: 40.0 };
-        let eye = DVec3::new(4.0, 5.0, 3.0);
-        let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).ok()?;
-        Some(Self { program, region, camera, options: TraceOptions::default() })
-    }
-
-    /// The statuses of a picture, as far as `advance` wants it.
-    fn status(&self, advance: &(dyn Fn(usize) -> bool + Sync)) -> Vec<Status> {
-        self.status_on(Evaluator::Native, advance)
-    }
-
-    fn status_on(
-        &self,
-        evaluator: Evaluator,
-        advance: &(dyn Fn(usize) -> bool + Sync),
-    ) -> Vec<Status> {
-        let rays = RayGrid::new(&self.camera, SIZE, SIZE);
-        let method = Method::named("affine").expect("the default method");
-        let program = self.program.on(evaluator);
-        let mut buffer = GBuffer::new(SIZE, SIZE, 0);
-        let surface = program.surface(0);
-        let tracer = method.prepare(surface, &self.region, self.options).expect("kernels");
-        Driver { rays: &rays, tracer: &*tracer, advance }.picture(&mut buffer);
-        // Even where a picture is cancelled, each pixel is examined or given up.
-        assert_eq!(buffer.reasons()[UndecidedReason::Unseen as usize], 0);
-        buffer.status
-    }
-}
 
 /// A surface that says nothing about the last part of each space that is divided into parts.
 struct LeavesOut<'a>(Box<dyn SurfaceKernels + 'a>);
@@ -133,36 +79,10 @@ impl SurfaceKernels for Lent<'_> {
     }
 }
 
-/// The statuses of a picture of a text, by parts and by all steps. `None` if the text has no
-/// surface.
-fn both(text: &str, options: TraceOptions) -> Option<[Vec<Status>; 2]> {
-    let scene = Scene { options, ..Scene::read(text)? };
-    let evaluators = [Evaluator::Native, Evaluator::Whole];
-    Some(evaluators.map(|evaluator| scene.status_on(evaluator, &|_| true)))
-}
-
-/// Number of pixels that are hit, undecided by parts, and undecided by all steps.
-#[derive(Debug, Default)]
-struct Counts {
-    hit: usize,
-    undecided: [usize; 2],
-}
-
-impl Counts {
-    /// Adds the pictures of a text.
-    ///
-    /// # Panics
-    /// If one picture proves a hit where the other proves a miss.
-    fn add(&mut self, text: &str, [parts, whole]: &[Vec<Status>; 2]) {
-        for (pixel, pair) in parts.iter().zip(whole).enumerate() {
-            let contradict =
-                matches!(pair, (Status::Hit, Status::Miss) | (Status::Miss, Status::Hit));
-            assert!(!contradict, "pixel {pixel}: {pair:?}\n{text}");
-            self.hit += usize::from(*pair.1 == Status::Hit);
-            self.undecided[0] += usize::from(*pair.0 == Status::Undecided);
-            self.undecided[1] += usize::from(*pair.1 == Status::Undecided);
-        }
-    }
+/// The statuses of a picture by parts, as far as `advance` wants it.
+fn status(scene: &Scene, advance: &(dyn Fn(usize) -> bool + Sync)) -> Vec<Status> {
+    let rays = RayGrid::new(&scene.camera, SIZE, SIZE);
+    scene.trace((&scene.program, 0), &rays, advance).status
 }
 
 /// A union of spheres, sharp or blended.
@@ -289,12 +209,12 @@ fn corners_at_zeros_are_proven_by_signs() {
 fn what_is_given_up_is_no_miss() {
     let text = spheres(80, false, &mut Rng::with_seed(0x5eed_c200));
     let scene = Scene::new(&text);
-    let whole = scene.status(&|_| true);
+    let whole = status(&scene, &|_| true);
     let mut undecided = 0;
     for wanted in (0..SIZE * SIZE).step_by(SIZE * SIZE / 24) {
         let done = AtomicUsize::new(0);
         let advance = |pixels: usize| done.fetch_add(pixels, Ordering::Relaxed) < wanted;
-        for (found, whole) in scene.status(&advance).iter().zip(&whole) {
+        for (found, whole) in status(&scene, &advance).iter().zip(&whole) {
             let is_false = (*found, *whole) == (Status::Miss, Status::Hit);
             assert!(!is_false, "{wanted} pixels");
             undecided += usize::from(*found == Status::Undecided);
@@ -311,7 +231,7 @@ fn a_region_behind_the_eye_is_missed() {
     let projection = Projection::Perspective { fov: 40.0 };
     scene.camera =
         Camera::new(DVec3::X * 10.0, DVec3::X * 20.0, DVec3::Z, projection).expect("a camera");
-    assert!(scene.status(&|_| true).iter().all(|status| *status == Status::Miss));
+    assert!(status(&scene, &|_| true).iter().all(|status| *status == Status::Miss));
 }
 
 /// A function is above 0 everywhere, but nearly touches it. The steps that matter in one part cross
@@ -331,7 +251,7 @@ fn steps_prove_nothing_beyond_their_part() {
     scene.camera =
         Camera::new(DVec3::Z * 5.0, DVec3::ZERO, DVec3::Y, projection).expect("a camera");
     scene.options = TraceOptions { precision: Precision::F64, ..TraceOptions::default() };
-    assert!(scene.status(&|_| true).iter().all(|status| *status != Status::Hit));
+    assert!(status(&scene, &|_| true).iter().all(|status| *status != Status::Hit));
 }
 
 /// Where a part is left out, pixels are undecided: neither a miss nor a hit behind it is claimed.
@@ -374,7 +294,7 @@ fn patches_of_any_size_are_traced() {
     let scene = Scene::new(&spheres(80, false, &mut Rng::with_seed(0x5eed_c500)));
     let method = Method::named("affine").expect("the default method");
     let between = [0.0, f64::INFINITY];
-    let pictures = [Evaluator::Native, Evaluator::Whole].map(|evaluator| {
+    let pictures = EVALUATORS.map(|evaluator| {
         let program = scene.program.on(evaluator);
         let surface = program.surface(0);
         let tracer = method.prepare(surface, &scene.region, scene.options).expect("kernels");

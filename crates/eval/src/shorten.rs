@@ -10,6 +10,8 @@
 mod clauses;
 mod lane_bounds;
 mod rules;
+#[cfg(test)]
+mod tests;
 mod thresholds;
 
 use crate::lanes::{LANES, Lanes};

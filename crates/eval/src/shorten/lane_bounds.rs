@@ -112,9 +112,8 @@ pub struct Joint {
     pub is_max: bool,
     /// True if the step computes the negative.
     pub is_negated: bool,
-    /// An upper bound of the width k of a blend, and one of the largest distance from the minimum
-    /// or maximum, c·k².
-    pub blend: Option<[f64; 2]>,
+    /// An upper bound of the width k of a blend.
+    pub width: Option<f64>,
 }
 
 /// The thresholds that a joint passes on.
@@ -154,18 +153,13 @@ impl Joint {
             let [(a, a_defined), (b, b_defined)] =
                 [operands[0].half(simd, half), operands[1].half(simd, half)];
             let given = |end: usize| f64x8::from_slice(simd, &thresholds.0[end][lanes.clone()]);
-            // Thresholds are clamped to bounds of the value.
-            let mut lowest = a[neg_lo].max(b[neg_lo]);
-            if let Some([_, depth]) = self.blend {
-                lowest = sum_above(simd, lowest, depth);
-            }
+            // Thresholds are clamped to bounds of the minimum. A blend may be lower, but not its
+            // operands.
+            let lowest = a[neg_lo].max(b[neg_lo]);
             let highest = a[hi].min(b[hi]);
             let own_hi = given(from_hi).min(highest).max(-given(from_lo));
             let own_neg_lo = given(from_lo).min(lowest).max(-own_hi);
-            let each_hi = match self.blend {
-                Some([width, _]) => sum_above(simd, own_hi, width),
-                None => own_hi,
-            };
+            let each_hi = self.width.map_or(own_hi, |width| sum_above(simd, own_hi, width));
             let store = |to: &mut LaneBounds, ends: [f64x8<S>; 2]| {
                 ends[0].store_slice(&mut to.0[neg_lo][lanes.clone()]);
                 ends[1].store_slice(&mut to.0[hi][lanes.clone()]);

@@ -119,9 +119,6 @@ pub struct Blend {
     pub is_negated: bool,
     /// An upper bound of k.
     pub width: f64,
-    /// An upper bound of c·k². This is the largest distance of the blend from the minimum or
-    /// maximum.
-    pub depth: f64,
 }
 
 /// The rules of all steps of a tape.
@@ -324,17 +321,15 @@ impl<'a, T: Real> BlendFinder<'a, T> {
         let is_of_them = of == [a, b] || of == [b, a];
         // The rules hold for 0 ≤ c·k ≤ 1.
         let is_flat = factors.lo >= 0.0 && widths.lo >= 0.0 && factors.times(widths).hi <= 1.0;
-        let depth = factors.times(widths.power(2));
         let blend = Blend {
             operands: [a, b],
             inside: [extremum, square, squared, part, rest, magnitude, difference],
             is_max,
             is_negated,
             width: widths.hi,
-            depth: depth.hi,
         };
-        let is_bounded = widths.is_bounded() && depth.is_bounded();
-        (is_of_them && is_flat && zeros == Interval::ZERO && is_bounded).then_some(blend)
+        let is_quadratic = is_of_them && zeros == Interval::ZERO;
+        (is_quadratic && is_flat && widths.is_bounded()).then_some(blend)
     }
 }
 

@@ -184,13 +184,12 @@ impl<'a, T: Real> NeedFinder<'a, T> {
             }
             StepRule::Min | StepRule::Max => {
                 let is_max = rule == StepRule::Max;
-                self.pass_on_joint(index, pair, Joint { is_max, is_negated: false, blend: None });
+                self.pass_on_joint(index, pair, Joint { is_max, is_negated: false, width: None });
             }
             StepRule::Blend(number) => {
                 let blend = &self.choosing.shortener.rules.blends[number as usize];
-                let Blend { is_max, is_negated, width, depth, .. } = *blend;
-                let blend = Some([width, depth]);
-                self.pass_on_joint(index, pair, Joint { is_max, is_negated, blend });
+                let Blend { is_max, is_negated, width, .. } = *blend;
+                self.pass_on_joint(index, pair, Joint { is_max, is_negated, width: Some(width) });
             }
             StepRule::Neg | StepRule::Shift(_) => {
                 let operand = match rule {
