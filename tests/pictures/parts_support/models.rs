@@ -40,14 +40,13 @@ impl<'r> Writer<'r> {
             let part = self.seam();
             all = self.define(format!("min({all},{part})"));
         }
-        if self.one_in(6) {
-            let plane = self.plane();
-            // A definition cannot be restricted as a whole.
-            all = self.define(format!("max(({all}){{{plane} < 0.9}},{all}-1)"));
-        }
-        let _ = match self.rng.u32(0..6) {
-            0..=2 => writeln!(self.text, "0 = {all}"),
-            3 => writeln!(self.text, "{all} >= 0"),
+        let _ = match self.rng.u32(0..8) {
+            0 | 1 => {
+                let plane = self.plane();
+                writeln!(self.text, "0 = ({all}){{{plane} < 0.9}}")
+            }
+            2..=4 => writeln!(self.text, "0 = {all}"),
+            5 => writeln!(self.text, "{all} >= 0"),
             _ => writeln!(self.text, "{all} <= 0"),
         };
     }
