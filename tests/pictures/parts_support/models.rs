@@ -38,7 +38,7 @@ impl<'r> Writer<'r> {
         let mut all = open.remove(0);
         if self.one_in(8) {
             let part = self.seam();
-            all = self.define(format!("min({all},{part})"));
+            all = self.define(&format!("min({all},{part})"));
         }
         let _ = match self.rng.u32(0..8) {
             0 | 1 => {
@@ -51,7 +51,7 @@ impl<'r> Writer<'r> {
         };
     }
 
-    fn define(&mut self, value: String) -> String {
+    fn define(&mut self, value: &str) -> String {
         let name = format!("v_{}", self.lines);
         let _ = writeln!(self.text, "{name} = {value}");
         self.lines += 1;
@@ -82,7 +82,7 @@ impl<'r> Writer<'r> {
                 _ => axis.to_owned(),
             };
             let [at, by] = [self.number(-0.8, 0.8), self.number(0.0, 0.8)];
-            let fold = self.define(format!("abs({inner}-{at})-{by}"));
+            let fold = self.define(&format!("abs({inner}-{at})-{by}"));
             self.folds.push(fold);
         }
         self.folds[self.rng.u32(0..self.folds.len() as u32) as usize].clone()
@@ -112,8 +112,8 @@ impl<'r> Writer<'r> {
             0..=2 => format!("sqrt({x}^2+{y}^2+{z}^2)-{r}"),
             3 => format!("{x}^2+{y}^2+{z}^2-{r}^2"),
             4 | 5 => {
-                let p = self.define(format!("max(abs{x}-{r},abs{y}-{h})"));
-                let q = self.define(format!("abs{z}-{r}"));
+                let p = self.define(&format!("max(abs{x}-{r},abs{y}-{h})"));
+                let q = self.define(&format!("abs{z}-{r}"));
                 format!("min(max({p},{q}),0)+sqrt(max({p},0)^2+max({q},0)^2)")
             }
             6 => {
@@ -129,7 +129,7 @@ impl<'r> Writer<'r> {
             }
             _ => format!("sqrt((sqrt({x}^2+{y}^2)-{r}-0.1)^2+{z}^2)-{r}/3"),
         };
-        let name = self.define(value);
+        let name = self.define(&value);
         self.primitives.push(name.clone());
         name
     }
@@ -160,7 +160,7 @@ impl<'r> Writer<'r> {
         match self.rng.u32(0..4) {
             0 => {
                 let (h, k) = (format!("clamp(0.5+0.5*({b}-{a})/{k:.4},0,1)"), format!("{k:.4}"));
-                let h = self.define(if is_max { format!("1-{h}") } else { h });
+                let h = self.define(&if is_max { format!("1-{h}") } else { h });
                 format!("(mix({b},{a},{h}){sign}{k}*{h}*(1-{h}))")
             }
             _ => format!("({word}({a},{b}){sign}{c:.4}*max({k:.4}-abs({a}-{b}),0)^2)"),
@@ -176,11 +176,11 @@ impl<'r> Writer<'r> {
             17..=22 => self.blend(false, a, b),
             23 => {
                 let offset = self.number(0.3, 1.0);
-                let wide = self.define(format!("{b}-{offset}"));
+                let wide = self.define(&format!("{b}-{offset}"));
                 self.blend(true, a, &wide)
             }
             24 => {
-                let hole = self.define(format!("-{b}"));
+                let hole = self.define(&format!("-{b}"));
                 self.blend(true, a, &hole)
             }
             25 => {
@@ -204,10 +204,10 @@ impl<'r> Writer<'r> {
             _ => {
                 let other = self.primitive();
                 let both = self.blend(false, a, &other);
-                let whole = self.define(both);
+                let whole = self.define(&both);
                 self.blend(false, &whole, b)
             }
         };
-        self.define(value)
+        self.define(&value)
     }
 }

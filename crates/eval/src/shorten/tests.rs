@@ -92,8 +92,8 @@ fn a_negated_blend_swaps_thresholds() {
     assert_eq!(between([0.61, 1.0]), [(Op::Neg, true), (Op::Add, true)]);
 }
 
-/// A substitute may have other values than the step that it replaces, but code of the tape relies on
-/// ranges of operands. So all steps above it are marked, also if steps are chosen again.
+/// A substitute may have other values than the step that it replaces, but code of the tape relies
+/// on ranges of operands. So all steps above it are marked, also if steps are chosen again.
 #[test]
 fn users_of_substitutes_are_changed() {
     let formula = Formula::new(|graph, [x, y, z]| {
