@@ -3,6 +3,7 @@
 use super::arguments::MeasureArgs;
 use super::output::print;
 use super::render::{budget, in_threads};
+use super::report::ms;
 use super::subject::{self, Subject};
 use super::{interrupt, notes};
 use anyhow::{Context, Result, anyhow, bail, ensure};
@@ -69,7 +70,6 @@ pub fn of_picture(seen: &Rendering, wanted: &(dyn Fn() -> bool + Sync)) -> Resul
 
 /// The report that `--json` prints.
 fn report(found: &Measured, parse: Duration) -> Value {
-    let ms = |time: Duration| time.as_secs_f64() * 1e3;
     let (low, high) = (found.region.low(), found.region.high());
     let surfaces: Vec<Value> = found.surfaces.iter().map(|(name, of)| entry(name, of)).collect();
     json!({

@@ -3,6 +3,7 @@
 use super::arguments::MeshArgs;
 use super::output::{OutputFile, print};
 use super::render::{budget, in_threads};
+use super::report::ms;
 use super::subject::{self, Subject};
 use super::{UNDECIDED, interrupt, notes};
 use anyhow::{Context, Result, bail, ensure};
@@ -214,7 +215,6 @@ fn remarks(found: &Meshes, format: Option<&Format>) -> Vec<String> {
 
 /// The report that `--json` prints.
 fn report(found: &Meshes, subject: &Subject, write: Duration) -> Value {
-    let ms = |time: Duration| time.as_secs_f64() * 1e3;
     let Meshes { objects, region, tolerance, .. } = found;
     let surface = |object: &Object| {
         let mesh = &object.mesh;

@@ -34,9 +34,9 @@ pub(super) struct BandPass<'p, 'b, 'm, T: Scalar> {
 }
 
 impl<T: Scalar> BandPass<'_, '_, '_, T> {
-    /// Traces a part by its surface, or by that of the method if there is none. `divisions` is the
-    /// number of divisions since the surface got simpler. Returns whether the rest of the band is
-    /// no longer wanted.
+    /// Traces a part by its own surface, or else by the method's. `divisions` is the number of
+    /// divisions since the surface got simpler. Returns whether the rest of the band is no longer
+    /// wanted.
     pub fn trace(
         &mut self,
         surface: Option<&dyn SurfaceKernels>,
@@ -73,7 +73,7 @@ impl<T: Scalar> BandPass<'_, '_, '_, T> {
         false
     }
 
-    /// Traces all of a part by its surface, or by that of the method if there is none.
+    /// Traces all of a part by its own surface, or else by the method's.
     fn trace_whole(&mut self, surface: Option<&dyn SurfaceKernels>, part: &BandPart) -> bool {
         let Self { method, state, rays, band, work } = self;
         let own = surface.map(|surface| Affine::for_part(Task { surface, ..method.task }));
