@@ -4,6 +4,7 @@ use crate::cli_support::Sandbox;
 use serde_json::Value;
 use std::collections::{HashMap, HashSet};
 use std::io::Read as _;
+use zeroset_testkit::Stl;
 
 /// A mesh as read from a file.
 #[derive(Default)]
@@ -36,20 +37,11 @@ impl Read {
     }
 
     fn stl(bytes: &[u8]) -> Self {
-        let count = u32::from_le_bytes(bytes[80..84].try_into().expect("four")) as usize;
-        assert_eq!(bytes.len(), 84 + 50 * count);
-        assert!(!bytes.starts_with(b"solid"));
-        let mut corners = Vec::new();
-        for record in bytes[84..].as_chunks::<50>().0 {
-            let floats: Vec<f32> =
-                record[..48].as_chunks().0.iter().map(|four| f32::from_le_bytes(*four)).collect();
-            let [normal, a, b, c] = floats.as_chunks::<3>().0 else { panic!("twelve floats") };
-            let length = normal.iter().map(|along| along * along).sum::<f32>();
-            let toward: f32 = (0..3).map(|k| normal[k] * cross(a, b, c)[k]).sum();
-            assert!((length - 1.0).abs() < 1e-5 && toward > 0.0 || length == 0.0, "{normal:?}");
-            corners.extend([*a, *b, *c]);
-        }
-        Self::weld(&corners)
+        let mesh = Stl::read(bytes).expect("a mesh");
+        assert_eq!(mesh.flaws().normal, 0);
+        let triangle = |corners: &[u32; 3]| corners.map(|vertex| vertex as usize);
+        let triangles = mesh.triangles.iter().map(triangle).collect();
+        Self { vertices: mesh.vertices, triangles, ..Self::default() }
     }
 
     fn obj(text: &str) -> Self {
@@ -276,12 +268,6 @@ fn encode(amount: f64) -> u8 {
     let share =
         if amount <= 0.003_130_8 { 12.92 * amount } else { 1.055 * amount.powf(1.0 / 2.4) - 0.055 };
     (255.0 * share).round() as u8
-}
-
-/// Twice a triangle's area, as a vector.
-fn cross(a: &[f32; 3], b: &[f32; 3], c: &[f32; 3]) -> [f32; 3] {
-    let (u, v) = ([0, 1, 2].map(|k| b[k] - a[k]), [0, 1, 2].map(|k| c[k] - a[k]));
-    [0, 1, 2].map(|k| u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3])
 }
 
 /// Meshes `text` into a file and reads it.

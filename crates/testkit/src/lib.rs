@@ -6,13 +6,15 @@
 //! - Seeded generators draw adversarial numbers, boxes, points, rays and graphs. The graphs use
 //!   every operation of the table, internal ones included.
 //! - The [`suite`] checks any evaluator against the oracle over the whole table.
-//! - [`crossings`] finds triangles of a mesh that cross, in exact arithmetic.
+//! - [`crossings`] finds triangles of a mesh that cross, in exact arithmetic. [`Stl`] reads a file
+//!   as any other program would, and finds its flaws.
 //! - A [`property`] must hold for every input, which is drawn from a seed or from a fuzzer's bytes.
 //!   [`attack`] tries a property on many inputs.
 //! - A [`Case`] is a function with its domain and parameters. [`minimise`] shrinks a failing case.
 //! - [`reproduce`] prints a failing case as a line that `zeroset eval` reads.
 
 mod attack;
+mod bounds;
 mod case;
 pub mod certified;
 mod crossings;
@@ -26,6 +28,7 @@ pub mod property;
 mod random;
 mod reproduce;
 pub mod simd;
+mod stl;
 pub mod suite;
 
 pub use attack::attack;
@@ -39,3 +42,4 @@ pub use random::{
     random_domain, random_graph, random_parameters, random_ray, random_solid, range_within,
 };
 pub use reproduce::{Place, hexadecimal, reproduce, reproduce_in, typed};
+pub use stl::{Figures, Flaws, Stl};
