@@ -19,6 +19,7 @@ mod documents;
 mod edit_support;
 #[cfg(unix)]
 mod interrupt;
+mod parts;
 #[cfg(unix)]
 mod prompt;
 #[cfg(unix)]

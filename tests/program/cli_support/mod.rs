@@ -11,6 +11,8 @@ const LIMIT: Duration = Duration::from_mins(1);
 /// A temporary directory, in which the program runs.
 pub struct Sandbox {
     directory: tempfile::TempDir,
+    /// A run that takes longer fails the test.
+    pub limit: Duration,
 }
 
 pub struct Run {
@@ -21,7 +23,7 @@ pub struct Run {
 
 impl Sandbox {
     pub fn new() -> Self {
-        Self { directory: tempfile::tempdir().expect("a temporary directory") }
+        Self { directory: tempfile::tempdir().expect("a temporary directory"), limit: LIMIT }
     }
 
     pub fn path(&self, name: &str) -> PathBuf {
@@ -68,10 +70,10 @@ impl Sandbox {
             if let Some(status) = child.try_wait().expect("waited for") {
                 break status;
             }
-            if started.elapsed() > LIMIT {
+            if started.elapsed() > self.limit {
                 child.kill().expect("ended");
                 child.wait().expect("waited for");
-                panic!("still running after {LIMIT:?}");
+                panic!("still running after {:?}", self.limit);
             }
             std::thread::sleep(Duration::from_millis(2));
         };
