@@ -28,6 +28,7 @@ pub struct MeshSettings {
     domain: Domain,
     tolerance: Option<f64>,
     is_estimated: bool,
+    is_full: bool,
     limit: Limit,
 }
 
@@ -76,6 +77,12 @@ impl MeshSettings {
         self
     }
 
+    /// Keeps all triangles of the first mesh. Default: as few triangles as the tolerance allows.
+    pub fn full(mut self) -> Self {
+        self.is_full = true;
+        self
+    }
+
     /// Limits the time. A mesh that is not done in time is an error. Default: no limit.
     pub fn budget(mut self, time: Duration) -> Self {
         self.limit.budget = Some(time);
@@ -91,8 +98,8 @@ impl MeshSettings {
 
 impl Mesh {
     pub(crate) fn new(document: &Document, settings: &MeshSettings) -> Result<Self, Error> {
-        let &MeshSettings { tolerance, is_estimated, limit, .. } = settings;
-        let quality = Quality { tolerance, is_estimated };
+        let &MeshSettings { tolerance, is_estimated, is_full, limit, .. } = settings;
+        let quality = Quality { tolerance, is_estimated, is_full };
         if !tolerance.is_none_or(|tolerance| tolerance > 0.0 && tolerance.is_finite()) {
             return Err(Error::argument("tolerance must be a finite length above 0"));
         }

@@ -740,6 +740,10 @@ pub struct MeshArgs {
     #[arg(long)]
     pub estimate: bool,
 
+    /// Keep as few triangles as the tolerance allows, or all of the first mesh
+    #[arg(long, value_parser = ["least", "full"], default_value = "least")]
+    pub detail: String,
+
     /// Set the unit of coordinates, in 3MF and GLB [default: millimeter in 3MF, meter in GLB]
     #[arg(long, value_parser = units())]
     pub unit: Option<&'static Unit>,

@@ -30,7 +30,11 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
         tolerance.is_none_or(|tolerance| tolerance > 0.0 && tolerance.is_finite()),
         "--tolerance needs a finite number above 0"
     );
-    let quality = Quality { tolerance, is_estimated: arguments.estimate };
+    let quality = Quality {
+        tolerance,
+        is_estimated: arguments.estimate,
+        is_full: arguments.detail == "full",
+    };
     let budget = budget(arguments.budget)?;
     interrupt::listen("nothing is written")?;
     let files = Files::create(arguments)?;

@@ -2,12 +2,12 @@
 
 use crate::color::{Color, map_colors};
 use std::time::{Duration, Instant};
-use zeroset_mesh::{MOST_CELLS, Mesh, Options, TOLERANCE, mesh};
+use zeroset_mesh::{MOST_CELLS, Mesh, Options, Simplification, TOLERANCE, mesh, simplify};
 use zeroset_scene::domain::AutoDomain;
-use zeroset_scene::program::Program;
+use zeroset_scene::program::{Program, ProgramError};
 use zeroset_scene::view::{self, Clipping, DomainChoice, SceneError};
 use zeroset_space::Region;
-use zeroset_syntax::Document;
+use zeroset_syntax::{Document, SurfaceColor};
 
 /// The mesh of one surface.
 #[derive(Clone, Debug)]
@@ -49,6 +49,9 @@ pub struct Quality {
     pub tolerance: Option<f64>,
     /// True if bounds are [estimated](Options::is_estimated) instead of proven.
     pub is_estimated: bool,
+    /// True if all triangles of the first mesh stay, instead of as few as the tolerance allows. So
+    /// they do for a surface with a color map, whose colors need them.
+    pub is_full: bool,
 }
 
 /// Makes the meshes of all visible surfaces, in the document's region. Returns `None` once `wanted`
@@ -60,14 +63,14 @@ pub fn meshes(
     document: &Document,
     domain: DomainChoice,
     cut: Clipping,
-    Quality { tolerance, is_estimated }: Quality,
+    Quality { tolerance, is_estimated, is_full }: Quality,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Meshes>, SceneError> {
     let found = view::region_while(&mut None, document, domain, cut, wanted)?;
     let Some((region, searched)) = found else { return Ok(None) };
     let clock = Instant::now();
     let program = Program::new(document, zeroset_mesh::domain(&region))?;
-    let simplify = clock.elapsed();
+    let simplifying = clock.elapsed();
     let tolerance = tolerance.unwrap_or(TOLERANCE * (region.high() - region.low()).length());
     let clock = Instant::now();
     let visible = document.surfaces.iter().enumerate().filter(|(_, surface)| !surface.hidden);
@@ -75,8 +78,22 @@ pub fn meshes(
     for (number, surface) in visible {
         is_undefined &= program.is_undefined(number);
         let is_solid = program.is_solid(number);
-        let options = Options { region, tolerance, is_solid, is_estimated, most_cells: MOST_CELLS };
-        let Some(mesh) = mesh(&program, number, &options, wanted)? else { return Ok(None) };
+        let is_mapped = matches!(surface.color, Some(SurfaceColor::Mapped(_)));
+        // Half of the tolerance is for the first mesh, and half for fewer triangles.
+        let distance = if is_full || is_mapped { 0.0 } else { 0.5 * tolerance };
+        let options = Options {
+            region,
+            tolerance: tolerance - distance,
+            is_solid,
+            is_estimated,
+            most_cells: MOST_CELLS,
+        };
+        let Some(mut mesh) = mesh(&program, number, &options, wanted)? else { return Ok(None) };
+        let options = Simplification { region, tolerance, distance };
+        let done = simplify(&program, number, &mut mesh, &options, wanted);
+        if done.map_err(ProgramError::from)?.is_none() {
+            return Ok(None);
+        }
         let name = surface.line();
         objects.push(Object { name, mesh, color: Color::of(number, surface) });
         surfaces.push(number);
@@ -84,7 +101,16 @@ pub fn meshes(
     map_colors(document, &surfaces, &mut objects);
     let mesh = clock.elapsed();
     let remarks = program.remarks(document);
-    Ok(Some(Meshes { objects, region, searched, tolerance, remarks, is_undefined, simplify, mesh }))
+    Ok(Some(Meshes {
+        objects,
+        region,
+        searched,
+        tolerance,
+        remarks,
+        is_undefined,
+        simplify: simplifying,
+        mesh,
+    }))
 }
 
 impl Meshes {

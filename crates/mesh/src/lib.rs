@@ -13,6 +13,7 @@ mod place;
 mod polygon;
 mod proof;
 mod refine;
+mod simplify;
 mod space;
 mod values;
 
@@ -20,6 +21,7 @@ use cells::{PartKernels, Query};
 use glam::DVec3;
 use leaf::Kind;
 use refine::Limits;
+pub use simplify::{Simplification, simplify};
 use space::Space;
 use zeroset_interval::Interval;
 use zeroset_scene::choices::Choices;
@@ -53,6 +55,8 @@ pub struct Mesh {
     pub cells: usize,
     /// True if the triangles have no rim.
     pub is_closed: bool,
+    /// True if all coordinates are `f32`.
+    pub is_single: bool,
     /// True if bounds were [estimated](Options::is_estimated), so that nothing is proven: not even
     /// that there is no surface.
     pub is_estimated: bool,

@@ -61,8 +61,8 @@ impl Vertices {
         corners.iter().sum::<DVec3>() / corners.len() as f64
     }
 
-    /// Moves vertices to zeros of f. If an edge has several vertices, they stay at g's zeros, so
-    /// that they keep their order.
+    /// Moves vertices to zeros of f. If an edge has several vertices, and they would lose their
+    /// order, they stay at g's zeros.
     ///
     /// Returns, for each vertex, whether it is at a zero. It is not where the function jumps.
     pub fn place(
@@ -127,10 +127,30 @@ impl Vertices {
             sample_choices(&choices, points, kernels)
         };
         self.place_on_edges(&of_choices, &at_corner, &values, at, &mut at_zero);
-        for vertex in shared.into_values().flatten() {
-            self.places[vertex] = self.zero(vertex, at);
+        for vertices in shared.into_values() {
+            if !self.keep_order(&vertices, at) {
+                for vertex in vertices {
+                    self.places[vertex] = self.zero(vertex, at);
+                }
+            }
         }
         Ok(at_zero)
+    }
+
+    /// Returns whether vertices on one edge have the order of g's zeros, and are apart.
+    fn keep_order(&self, vertices: &[usize], at: &dyn Fn(u32) -> DVec3) -> bool {
+        let mut sorted: SmallVec<[(f64, f64); 4]> = vertices
+            .iter()
+            .map(|vertex| {
+                let ends = [0, 1].map(|end| at(self.keys[*vertex].corners()[end]));
+                let along = ends[1] - ends[0];
+                let share = (self.places[*vertex] - ends[0]).dot(along) / along.length_squared();
+                (self.weights[*vertex][1], share)
+            })
+            .collect();
+        sorted.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+        // False for NaN.
+        sorted.windows(2).all(|pair| pair[1].1 - pair[0].1 >= APART)
     }
 
     /// The vertices on each edge that has several.

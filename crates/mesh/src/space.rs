@@ -7,6 +7,10 @@ use zeroset_interval::Interval;
 /// Greatest number of cubes along an axis before any split, as a power of two.
 const MOST_CUBES: u32 = 4;
 
+/// The largest differences of steps along each axis from their mean, as shares of it. So creases and
+/// faces of symmetric surfaces do not go through corners and edges of the grid.
+const UNEVEN: [f64; 3] = [0.021, 0.034, 0.055];
+
 /// The grid over a box of space. Coordinates are mapped separately along each axis.
 pub struct Space {
     low: DVec3,
@@ -41,6 +45,7 @@ impl Space {
                 return high;
             }
             let share = f64::from(along[axis]) / f64::from(self.extent[axis]);
+            let share = share + UNEVEN[axis] * share * (1.0 - share);
             (low + share * (high - low)).clamp(low, high)
         }))
     }

@@ -1,0 +1,108 @@
+//! Fewer triangles of the same shape, and coordinates that files hold.
+//!
+//! Edges are removed, the cheapest first, while the triangles stay near the surface, as far as
+//! samples tell. Each removal is [proven](change) to keep the shape. At the end, the distance
+//! between the first triangles and the last ones is [proven](distance).
+
+mod blocks;
+mod change;
+mod distance;
+mod guide;
+mod index;
+mod lattice;
+mod projection;
+mod quadric;
+mod queue;
+mod reduction;
+mod rounding;
+mod triangulation;
+mod view;
+
+use crate::{Mesh, Unproven, domain};
+use distance::Cover;
+use glam::DVec3;
+use guide::Guide;
+use lattice::Lattice;
+use reduction::{Reduction, Setting};
+use triangulation::Triangulation;
+use zeroset_eval::KernelError;
+use zeroset_scene::program::Program;
+use zeroset_space::Region;
+
+/// Shares of the allowed distance that the samples may be from the surface. The first one that
+/// leads to a proven distance counts. The first triangles may be on the other side of the surface.
+const SHARES: [f64; 3] = [0.65, 0.4, 0.2];
+/// Coordinates become `f32` if that moves vertices by less than this share of the tolerance.
+const ROUNDING: f64 = 1.0 / 16.0;
+
+/// The wanted triangles.
+#[derive(Clone, Copy, Debug)]
+pub struct Simplification {
+    /// The domain of the mesh.
+    pub region: Region,
+    /// Largest distance between the mesh and its surface, in world units.
+    pub tolerance: f64,
+    /// Largest distance between the old triangles and the new ones. 0 keeps all triangles, and only
+    /// rounds coordinates.
+    pub distance: f64,
+}
+
+/// Replaces the triangles of a mesh by fewer ones of the same shape, and makes coordinates `f32` if
+/// the tolerance allows. A vertex for which that is not proven to keep the shape becomes an
+/// [unproven](Mesh::unproven) place. Returns `None` once `wanted` returns false.
+///
+/// # Errors
+/// If a kernel is not available.
+pub fn simplify(
+    program: &Program,
+    surface: usize,
+    mesh: &mut Mesh,
+    options: &Simplification,
+    wanted: &(dyn Fn() -> bool + Sync),
+) -> Result<Option<()>, KernelError> {
+    let bounds = domain(&options.region);
+    let ends = [bounds.map(|along| along.lo), bounds.map(|along| along.hi)];
+    let ends = ends.map(DVec3::from_array);
+    let lattice = Lattice::new(ends, ROUNDING * options.tolerance);
+    let guide = Guide::new(program, surface, &options.region)?;
+    let start = || {
+        let places = mesh.vertices.iter().map(|place| lattice.nearest(*place)).collect();
+        Triangulation::new(places, mesh.triangles.clone())
+    };
+    let ends = ends.map(|end| lattice.nearest(end));
+    let setting = Setting { lattice: &lattice, guide: &guide, ends, most: 0.0 };
+    let mut done = None;
+    if options.distance > 0.0 {
+        let first = Cover::new(&start());
+        let distance = options.distance / lattice.unit;
+        for share in SHARES {
+            let setting = Setting { most: share * options.distance, ..setting };
+            let mut reduction = Reduction::new(&setting, start());
+            reduction.measure();
+            if reduction.run(wanted).is_none() {
+                return Ok(None);
+            }
+            let Some(left) = reduction.round(wanted) else { return Ok(None) };
+            let now = Cover::new(&reduction.mesh);
+            if now.is_within(distance, &first) && first.is_within(distance, &now) {
+                done = Some((reduction.mesh, left));
+                break;
+            }
+        }
+    }
+    let (last, left) = match done {
+        Some(done) => done,
+        None => {
+            let setting = Setting { most: 4.0 * lattice.step_length(), ..setting };
+            let mut reduction = Reduction::new(&setting, start());
+            let Some(left) = reduction.round(wanted) else { return Ok(None) };
+            (reduction.mesh, left)
+        }
+    };
+    (mesh.vertices, mesh.triangles) = last.compact(|place| lattice.place(place));
+    mesh.is_single = lattice.is_single;
+    let size = DVec3::splat(lattice.step_length());
+    let unproven = |vertex: &u32| Unproven { centre: lattice.place(last.place(*vertex)), size };
+    mesh.unproven.extend(left.iter().map(unproven));
+    Ok(Some(()))
+}

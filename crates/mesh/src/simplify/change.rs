@@ -1,0 +1,284 @@
+//! A change of a few triangles, and the proof that it keeps the shape.
+//!
+//! A vertex moves along a straight line, and another one may become one with it. Seen along some
+//! direction, all triangles turn to the left before and after, and so they do on the way, since
+//! their areas change evenly. They are in one layer as seen: around the vertex they turn once, or
+//! less than once on a rim. So the old and the new triangles, and all on the way, are graphs. No
+//! other triangle meets the space that they sweep. So nothing passes through anything.
+
+use crate::simplify::distance::distance_to;
+use crate::simplify::index::Bounds;
+use crate::simplify::projection::{Direction, Seen};
+use crate::simplify::triangulation::{Edges, Few, Triangulation, facing};
+use crate::simplify::view::{
+    Corners, View, are_beside, ends_stay_apart, is_above, turned_left, turns, turns_left,
+};
+use glam::{DVec3, I64Vec3};
+use smallvec::SmallVec;
+
+/// Least cosine of the angle by which a triangle may turn.
+const TURN: f64 = 0.5;
+
+/// Points in units of the grid.
+pub type Samples = SmallVec<[DVec3; 64]>;
+/// Shares of the two corners that face the moved vertex, for samples of a triangle: on the edge
+/// that it shares with the next new triangle, and inside.
+const SHARES: [[f64; 2]; 7] = [
+    [0.5, 0.0],
+    [0.25, 0.0],
+    [0.75, 0.0],
+    [1.0 / 3.0, 1.0 / 3.0],
+    [2.0 / 3.0, 1.0 / 6.0],
+    [1.0 / 6.0, 2.0 / 3.0],
+    [1.0 / 6.0, 1.0 / 6.0],
+];
+
+/// A vertex moves, and another one may become one with it.
+pub struct Change<'a> {
+    mesh: &'a Triangulation,
+    keep: u32,
+    to: I64Vec3,
+    /// The triangles that change.
+    old: Few,
+    /// For each new triangle, the edge that faces `keep`.
+    facing: Edges,
+    /// Vertices that move, or are dropped.
+    moving: SmallVec<[u32; 2]>,
+    /// The ends of the rim around the only vertex that moves, if it is on a rim.
+    rim: Option<[u32; 2]>,
+}
+
+impl<'a> Change<'a> {
+    /// Replaces `drop` by `keep`, which stays where it is. `None` if that would change how
+    /// triangles are connected.
+    pub fn into_other(mesh: &'a Triangulation, drop: u32, keep: u32) -> Option<Self> {
+        let rim = mesh.link(drop)?.rim;
+        let along_rim = rim.is_some_and(|ends| ends.contains(&keep));
+        let is_possible = if rim.is_some() {
+            along_rim && shared(mesh, drop, keep) == 1
+        } else {
+            shared(mesh, drop, keep) == 2
+        };
+        let facing = facing_all(mesh, drop, Some(keep));
+        if !is_possible || facing.is_empty() {
+            return None;
+        }
+        let (old, to) = (Few::from_slice(mesh.around(drop)), mesh.place(keep));
+        Some(Self { mesh, keep, to, old, facing, moving: [drop].into_iter().collect(), rim })
+    }
+
+    /// Moves two vertices to a place, where they are one. `None` if that would change how triangles
+    /// are connected, or if one is on a rim.
+    pub fn joined(mesh: &'a Triangulation, drop: u32, keep: u32, to: I64Vec3) -> Option<Self> {
+        let is_inner = |vertex| mesh.link(vertex).is_some_and(|link| link.rim.is_none());
+        if !is_inner(drop) || !is_inner(keep) || shared(mesh, drop, keep) != 2 {
+            return None;
+        }
+        let mut facing = facing_all(mesh, drop, Some(keep));
+        facing.extend(facing_all(mesh, keep, Some(drop)));
+        let mut old = Few::from_slice(mesh.around(drop));
+        let is_new = |one: &&u32| !mesh.corners(**one).contains(&drop);
+        old.extend(mesh.around(keep).iter().filter(is_new).copied());
+        let moving = [drop, keep].into_iter().collect();
+        Some(Self { mesh, keep, to, old, facing, moving, rim: None })
+    }
+
+    /// Moves a vertex.
+    pub fn moved(mesh: &'a Triangulation, keep: u32, to: I64Vec3) -> Option<Self> {
+        let rim = mesh.link(keep)?.rim;
+        let facing = facing_all(mesh, keep, None);
+        let old = Few::from_slice(mesh.around(keep));
+        Some(Self { mesh, keep, to, old, facing, moving: [keep].into_iter().collect(), rim })
+    }
+
+    /// Returns whether the shape is proven to stay, and the new triangles are near the surface.
+    /// `near` is asked for some of their points, unless old and new triangles are the same set of
+    /// points. No vertex strays by more than `most` units. Triangles whose height is less than `thin` units may turn.
+    pub fn is_proven(&self, most: f64, thin: f64, near: &dyn Fn(&Samples) -> bool) -> bool {
+        if self.turns(thin) || self.strays(most) {
+            return false;
+        }
+        let normal = self.old.iter().map(|one| normal(self.places(*one))).sum::<DVec3>();
+        let Some(normal) = normal.try_normalize() else { return false };
+        let view = Direction::near(normal).into_iter().find_map(|direction| self.view(direction));
+        view.is_some_and(|view| {
+            (self.rim.is_none() && view.is_same()) || (near(&self.samples()) && self.is_free(&view))
+        })
+    }
+
+    /// A box around old and new triangles.
+    pub fn bounds(&self) -> Bounds {
+        let ring = self.facing.iter().flatten().chain(&self.moving);
+        let corners = self.old.iter().flat_map(|one| self.mesh.corners(*one));
+        let all = ring.copied().chain(corners).map(|vertex| self.mesh.place(vertex));
+        Bounds::of(all.chain([self.to]))
+    }
+
+    fn places(&self, triangle: u32) -> [I64Vec3; 3] {
+        self.mesh.corners(triangle).map(|corner| self.mesh.place(corner))
+    }
+
+    /// Points of new edges and triangles, in units.
+    fn samples(&self) -> Samples {
+        let to = self.to.as_dvec3();
+        let mut all = Samples::new();
+        if self.mesh.place(self.keep) != self.to {
+            all.push(to);
+        }
+        for edge in &self.facing {
+            let [from, next] = edge.map(|vertex| self.mesh.place(vertex).as_dvec3());
+            all.extend(SHARES.map(|[a, b]| a * from + b * next + (1.0 - a - b) * to));
+        }
+        all
+    }
+
+    /// Returns whether a triangle would turn by too large an angle.
+    fn turns(&self, thin: f64) -> bool {
+        let turns = |[a, b]: &[u32; 2]| {
+            let has = |one: &&u32| {
+                let corners = self.mesh.corners(**one);
+                corners.contains(a) && corners.contains(b)
+            };
+            let Some(old) = self.old.iter().find(has) else { return true };
+            let corners = self.places(*old);
+            let old = normal(corners);
+            // The direction of a thin triangle is a matter of rounding.
+            let [p, q, r] = corners.map(|corner| corner.as_dvec3());
+            let longest = (q - p).length().max((r - q).length()).max((p - r).length());
+            if old.length() <= thin * longest {
+                return false;
+            }
+            let new = normal([self.to, self.mesh.place(*a), self.mesh.place(*b)]);
+            // Negated, so that NaN turns.
+            !(old.dot(new) >= TURN * old.length() * new.length())
+        };
+        self.facing.iter().any(turns)
+    }
+
+    /// Returns whether a vertex that moves is more than `most` units beside the new triangles, or
+    /// beside the new rim.
+    fn strays(&self, most: f64) -> bool {
+        let place = |vertex: u32| self.mesh.place(vertex).as_dvec3();
+        let to = self.to.as_dvec3();
+        let new = || self.facing.iter().map(|&[a, b]| [to, place(a), place(b)]);
+        self.moving.iter().any(|moving| {
+            let from = place(*moving);
+            match self.rim {
+                Some([first, last]) => {
+                    let rim = [[to, place(first), place(first)], [to, place(last), place(last)]];
+                    rim.iter().all(|side| distance_to(from, side) > most)
+                }
+                None => new().all(|triangle| distance_to(from, &triangle) > most),
+            }
+        })
+    }
+
+    /// The triangles as seen along a direction. `None` if they are not proven to be graphs.
+    fn view(&self, direction: Direction) -> Option<View> {
+        let see = |vertex: u32| direction.see(self.mesh.place(vertex));
+        let corners = |one: &u32| self.mesh.corners(*one).map(see);
+        let old: SmallVec<[Corners; 16]> = self.old.iter().map(corners).collect();
+        let apex = direction.see(self.to);
+        let corners = |edge: &[u32; 2]| [apex, see(edge[0]), see(edge[1])];
+        let new: SmallVec<[Corners; 16]> = self.facing.iter().map(corners).collect();
+        if !old.iter().chain(&new).all(turns_left) {
+            return None;
+        }
+        let moving: SmallVec<[Seen; 2]> = self.moving.iter().map(|one| see(*one)).collect();
+        // The edges that face the only vertex that moves.
+        let facing_it =
+            || self.old.iter().map(|one| facing(self.mesh.corners(*one), self.moving[0]));
+        let mut sweeps = SmallVec::new();
+        if let Some(ends) = self.rim {
+            let turns_less_than_once = |center: Seen, edges: &Edges| {
+                let start = edges.iter().map(|edge| edge[0]);
+                let start = start.into_iter().find(|one| edges.iter().all(|edge| edge[1] != *one));
+                let edges = edges.iter().map(|edge| edge.map(see));
+                start.is_some_and(|start| turns(center, see(start), edges) == 0)
+            };
+            let before: Edges = facing_it().collect();
+            let is_layer = turns_less_than_once(moving[0], &before)
+                && turns_less_than_once(apex, &self.facing)
+                && ends_stay_apart(ends.map(see), [moving[0], apex]);
+            if !is_layer {
+                return None;
+            }
+            for [from, to] in &before {
+                for end in [from, to] {
+                    sweeps.extend(turned_left([moving[0], apex, see(*end)]));
+                }
+            }
+        } else {
+            let ahead = |center: Seen| Seen { x: center.x + 1, ..center };
+            let around = |center: Seen, edges: &mut dyn Iterator<Item = [u32; 2]>| {
+                turns(center, ahead(center), edges.map(|edge| edge.map(see))) == 1
+            };
+            let is_layer = match self.moving.len() {
+                1 => around(moving[0], &mut facing_it()),
+                _ => around(apex, &mut self.facing.iter().copied()),
+            };
+            if !is_layer {
+                return None;
+            }
+        }
+        Some(View { direction, apex, moving, old, new, sweeps })
+    }
+
+    /// Returns whether no other triangle meets the space between old and new triangles, apart from
+    /// their boundary.
+    fn is_free(&self, view: &View) -> bool {
+        let bounds = self.bounds();
+        self.mesh.index.all_near(&bounds, &mut |other| {
+            self.old.contains(&other)
+                || !self.mesh.bounds(other).meets(&bounds)
+                || self.is_clear(other, view)
+        })
+    }
+
+    /// Returns whether a triangle is proven not to meet the space between.
+    fn is_clear(&self, other: u32, view: &View) -> bool {
+        let corners = self.mesh.corners(other);
+        let seen = corners.map(|corner| view.direction.see(self.mesh.place(corner)));
+        if self.rim.is_some() {
+            // The new rim must not touch anything else.
+            let ring =
+                |corner: &u32| self.old.iter().any(|one| self.mesh.corners(*one).contains(corner));
+            let may_touch = corners.map(|corner| ring(&corner));
+            return view.all().all(|one| are_beside(&seen, may_touch, one));
+        }
+        if view.new.iter().all(|one| are_beside(&seen, [true; 3], one)) {
+            return true;
+        }
+        let is_shared = |with: [u32; 3]| corners.map(|corner| with.contains(&corner));
+        let old = self.old.iter().map(|number| is_shared(self.mesh.corners(*number)));
+        let new = self.facing.iter().map(|&[a, b]| is_shared([self.keep, a, b]));
+        let mut side = None;
+        for (is_shared, one) in old.zip(&view.old).chain(new.zip(&view.new)) {
+            if are_beside(&seen, [true; 3], one) {
+                continue;
+            }
+            let found = is_above(&seen, one, is_shared);
+            if found.is_none() || side.is_some_and(|side| Some(side) != found) {
+                return false;
+            }
+            side = found;
+        }
+        true
+    }
+}
+
+/// The number of vertices that are neighbors of both.
+fn shared(mesh: &Triangulation, one: u32, other: u32) -> usize {
+    let others = mesh.neighbors(other);
+    mesh.neighbors(one).iter().filter(|vertex| others.contains(vertex)).count()
+}
+
+/// The edges that face a vertex, but for those at `but`.
+fn facing_all(mesh: &Triangulation, vertex: u32, but: Option<u32>) -> Edges {
+    let edges = mesh.around(vertex).iter().map(|one| facing(mesh.corners(*one), vertex));
+    edges.filter(|edge| but.is_none_or(|but| !edge.contains(&but))).collect()
+}
+
+fn normal([a, b, c]: [I64Vec3; 3]) -> DVec3 {
+    (b - a).as_dvec3().cross((c - a).as_dvec3())
+}

@@ -1,0 +1,68 @@
+//! Estimates of the distance between points and a surface. They prove nothing.
+
+use glam::DVec3;
+use rayon::prelude::*;
+use smallvec::SmallVec;
+use zeroset_eval::{Gradients, Kernel, KernelError, LANES, Points};
+use zeroset_scene::program::Program;
+use zeroset_space::Region;
+
+/// A surface in a region.
+pub struct Guide<'a> {
+    gradients: &'a dyn Kernel<zeroset_eval::SampleGradient, f64>,
+    region: &'a Region,
+    is_solid: bool,
+}
+
+impl<'a> Guide<'a> {
+    pub fn new(
+        program: &'a Program,
+        surface: usize,
+        region: &'a Region,
+    ) -> Result<Self, KernelError> {
+        let gradients = program.kernels::<f64>(surface).gradients()?;
+        Ok(Self { gradients, region, is_solid: program.is_solid(surface) })
+    }
+
+    /// The unit normals of the surface near points, and the distances along them. `None` where
+    /// there is no gradient.
+    pub fn planes(&self, points: &[DVec3]) -> Vec<Option<(DVec3, f64)>> {
+        let planes = |some: &[DVec3]| -> SmallVec<[Option<(DVec3, f64)>; LANES]> {
+            let mut found = Gradients::<f64>::default();
+            self.gradients.eval(&Points::near(some)[0], &mut found);
+            let plane = |lane: usize| {
+                let slope = DVec3::from_array(found.gradient.each_ref().map(|axis| axis[lane]));
+                let (normal, off) = (slope.try_normalize()?, found.value[lane] / slope.length());
+                off.is_finite().then_some((normal, off))
+            };
+            (0..some.len()).map(plane).collect()
+        };
+        points.par_chunks(LANES).flat_map_iter(planes).collect()
+    }
+
+    /// Returns whether all points seem to be within a distance of the surface. For a solid, faces
+    /// where the region cuts it count, too.
+    pub fn are_near(&self, points: &[DVec3], distance: f64) -> bool {
+        points.chunks(LANES).all(|some| {
+            let mut found = Gradients::<f64>::default();
+            self.gradients.eval(&Points::near(some)[0], &mut found);
+            some.iter().enumerate().all(|(lane, point)| {
+                let slope = DVec3::from_array(found.gradient.each_ref().map(|axis| axis[lane]));
+                let inside = found.value[lane] / slope.length();
+                let off = if self.is_solid { inside.max(self.outside(*point)) } else { inside };
+                // False for NaN.
+                off.abs() <= distance
+            })
+        })
+    }
+
+    /// The distance by which a point is outside the region: below 0 inside.
+    fn outside(&self, point: DVec3) -> f64 {
+        let region = self.region;
+        let of_box = (region.low() - point).max(point - region.high()).max_element();
+        let of_ball = region.ball().map(|ball| (point - ball.centre).length() - ball.radius);
+        let of_plane =
+            region.clip().map(|clip| (clip.normal.dot(point) - clip.offset) / clip.normal.length());
+        [of_ball, of_plane].into_iter().flatten().fold(of_box, f64::max)
+    }
+}

@@ -1,0 +1,249 @@
+//! The removal of edges.
+
+use crate::simplify::blocks;
+use crate::simplify::change::{Change, Samples};
+use crate::simplify::guide::Guide;
+use crate::simplify::index::Bounds;
+use crate::simplify::lattice::Lattice;
+use crate::simplify::quadric::Quadric;
+use crate::simplify::queue::{Entry, Queue};
+use crate::simplify::triangulation::Triangulation;
+use glam::{DVec3, I64Vec3};
+
+/// Share of triangles that a pass must remove for another pass to follow.
+const PROGRESS: f64 = 0.02;
+/// Largest number of triangles around a vertex that is changed.
+const MOST_AROUND: usize = 64;
+/// Least cosine of the angle between a triangle and the plane that stands for the surface there.
+const ALIKE: f64 = 0.7;
+/// Triangles may turn whose height is less than this share of the allowed distance.
+const THIN: f64 = 0.25;
+/// Distance from a plane that rounding may cause, in units.
+const ROUNDING: f64 = 8.0;
+/// Of two places whose costs differ by less than this share, an end of the edge is taken: fewer
+/// triangles change.
+const ALMOST: f64 = 1e-4;
+/// The cost of a squared squared length, so that the shortest of edges that cost nothing comes first.
+const LENGTH: f64 = 1e-12;
+
+/// All that a reduction does not change.
+#[derive(Clone, Copy)]
+pub struct Setting<'a> {
+    pub lattice: &'a Lattice,
+    pub guide: &'a Guide<'a>,
+    /// Corners of the domain.
+    pub ends: [I64Vec3; 2],
+    /// Largest distance from the surface that samples may have, in world units.
+    pub most: f64,
+}
+
+/// Triangles that become fewer.
+pub struct Reduction<'a> {
+    pub setting: &'a Setting<'a>,
+    pub mesh: Triangulation,
+    queue: Queue,
+    /// All changes are strictly inside this box, if there is one.
+    pub within: Option<Bounds>,
+}
+
+/// A place for both ends of an edge.
+#[derive(Clone, Copy)]
+struct Target {
+    cost: f64,
+    /// The end that stays where it is, if one does.
+    end: Option<usize>,
+    place: I64Vec3,
+}
+
+impl<'a> Reduction<'a> {
+    pub fn new(setting: &'a Setting<'a>, mesh: Triangulation) -> Self {
+        Self { setting, mesh, queue: Queue::new(), within: None }
+    }
+
+    /// Finds each vertex's quadric, from the planes that touch the surface near the triangles
+    /// around it. Vertices may be a little beside the surface's edges, but those planes are not.
+    pub fn measure(&mut self) {
+        let Setting { lattice, guide, most, .. } = self.setting;
+        let present: Vec<u32> = self.mesh.present().collect();
+        let places = |one: &u32| {
+            self.mesh.corners(*one).map(|corner| lattice.relative(self.mesh.place(corner)))
+        };
+        let all: Vec<[DVec3; 3]> = present.iter().map(places).collect();
+        let origin = lattice.place(I64Vec3::ZERO);
+        let middle = |places: &[DVec3; 3]| places.iter().sum::<DVec3>() / 3.0;
+        let middles: Vec<DVec3> = all.iter().map(|places| origin + middle(places)).collect();
+        let planes = guide.planes(&middles);
+        for ((triangle, places), plane) in present.iter().zip(all).zip(planes) {
+            let [a, b, c] = places;
+            let across = (b - a).cross(c - a);
+            let Some(own) = across.try_normalize() else { continue };
+            let of_surface =
+                plane.filter(|(normal, off)| normal.dot(own).abs() > ALIKE && off.abs() <= *most);
+            let (normal, point) = match of_surface {
+                Some((normal, off)) => (normal, middle(&places) - off * normal),
+                None => (own, a),
+            };
+            let quadric = Quadric::of_plane(normal, point, across.length());
+            let corners = self.mesh.corners(*triangle);
+            for corner in corners {
+                self.mesh.quadrics[corner as usize] += quadric;
+            }
+            for k in 0..3 {
+                let (one, other) = (corners[k], corners[(k + 1) % 3]);
+                if !self.mesh.is_rim(one, other) {
+                    continue;
+                }
+                // A rim stays where it is.
+                let along = places[(k + 1) % 3] - places[k];
+                let Some(aside) = along.cross(own).try_normalize() else { continue };
+                let quadric = Quadric::of_plane(aside, places[k], along.length_squared());
+                self.mesh.quadrics[one as usize] += quadric;
+                self.mesh.quadrics[other as usize] += quadric;
+            }
+        }
+    }
+
+    /// Removes edges until few are left that can be removed. `None` once `wanted` returns false.
+    pub fn run(&mut self, wanted: &(dyn Fn() -> bool + Sync)) -> Option<()> {
+        blocks::reduce(self, wanted)?;
+        let mut left = self.mesh.present().count();
+        loop {
+            self.pass(wanted)?;
+            let now = self.mesh.present().count();
+            if now as f64 > (1.0 - PROGRESS) * left as f64 {
+                return Some(());
+            }
+            left = now;
+        }
+    }
+
+    /// Tries all edges, the cheapest first.
+    pub fn pass(&mut self, wanted: &(dyn Fn() -> bool + Sync)) -> Option<()> {
+        self.mesh.sort();
+        for triangle in self.mesh.present().collect::<Vec<u32>>() {
+            let [a, b, c] = self.mesh.corners(triangle);
+            for [from, to] in [[a, b], [b, c], [c, a]] {
+                if from < to || self.mesh.is_rim(from, to) {
+                    self.offer([from, to]);
+                }
+            }
+        }
+        let mut count = 0;
+        while let Some(Entry { ends, stamps }) = self.queue.pop() {
+            count += 1;
+            if count % 1024 == 0 && !wanted() {
+                return None;
+            }
+            let is_fresh = |k: usize| {
+                let end = ends[k] as usize;
+                self.mesh.stamps[end] == stamps[k] && !self.mesh.around[end].is_empty()
+            };
+            if !(is_fresh(0) && is_fresh(1)) {
+                continue;
+            }
+            if let Some(kept) = self.remove(ends) {
+                for neighbor in self.mesh.neighbors(kept) {
+                    self.offer([kept, neighbor]);
+                }
+            }
+        }
+        Some(())
+    }
+
+    fn offer(&mut self, ends: [u32; 2]) {
+        if self
+            .within
+            .is_some_and(|within| !ends.iter().all(|end| within.holds(self.mesh.place(*end))))
+        {
+            return;
+        }
+        let cost = self.targets(ends)[0].cost;
+        let stamps = ends.map(|end| self.mesh.stamps[end as usize]);
+        self.queue.push(cost, Entry { ends, stamps });
+    }
+
+    /// Places to which both ends of an edge may move, the cheapest first.
+    fn targets(&self, ends: [u32; 2]) -> [Target; 3] {
+        let lattice = self.setting.lattice;
+        let [one, other] = ends.map(|end| self.mesh.place(end));
+        let mut quadric = self.mesh.quadrics[ends[0] as usize];
+        quadric += self.mesh.quadrics[ends[1] as usize];
+        let [from, to] = [one, other].map(|place| lattice.relative(place));
+        let tie = LENGTH * (to - from).length_squared().powi(2);
+        let faces = [one, other].map(|place| self.faces(place));
+        let best = self.best(&quadric, 0.5 * (from + to), faces[0] | faces[1]);
+        let floor = self.floor(&quadric);
+        let cost = |place: I64Vec3| quadric.at(lattice.relative(place)).max(floor) + tie;
+        let end = |k: usize, place: I64Vec3| {
+            let leaves_face = faces[1 - k] & !faces[k] != 0;
+            let cost = if leaves_face { f64::MAX } else { cost(place) };
+            Target { cost, end: Some(k), place }
+        };
+        let best = Target { cost: (1.0 + ALMOST) * cost(best), end: None, place: best };
+        let mut all = [end(0, one), end(1, other), best];
+        all.sort_by(|a, b| a.cost.total_cmp(&b.cost));
+        all
+    }
+
+    /// The faces of the domain on which a point lies, a bit for each.
+    pub fn faces(&self, point: I64Vec3) -> u8 {
+        let on = |k: usize, end: I64Vec3| {
+            (0..3).map(|axis| u8::from(point[axis] == end[axis]) << (3 * k + axis)).sum::<u8>()
+        };
+        on(0, self.setting.ends[0]) | on(1, self.setting.ends[1])
+    }
+
+    /// The rounded point with the least sum of a quadric, in faces of the domain.
+    pub fn best(&self, quadric: &Quadric, middle: DVec3, faces: u8) -> I64Vec3 {
+        let Setting { lattice, ends: [low, high], .. } = self.setting;
+        let best = quadric.best(middle).unwrap_or(middle);
+        let mut best = lattice.rounded_relative(best).clamp(*low, *high);
+        for (k, end) in [low, high].into_iter().enumerate() {
+            for axis in 0..3 {
+                if faces >> (3 * k + axis) & 1 == 1 {
+                    best[axis] = end[axis];
+                }
+            }
+        }
+        best
+    }
+
+    /// The least sum of a quadric that is told from 0.
+    pub fn floor(&self, quadric: &Quadric) -> f64 {
+        (ROUNDING * self.setting.lattice.unit).powi(2) * quadric.weight()
+    }
+
+    /// Removes an edge, if that is proven. Returns the vertex that is left.
+    fn remove(&mut self, ends: [u32; 2]) -> Option<u32> {
+        if ends.iter().any(|end| self.mesh.around(*end).len() > MOST_AROUND) {
+            return None;
+        }
+        for Target { cost, end, place } in self.targets(ends) {
+            if cost == f64::MAX {
+                continue;
+            }
+            let [drop, keep] = if end == Some(0) { [ends[1], ends[0]] } else { ends };
+            let change = match end {
+                Some(_) => Change::into_other(&self.mesh, drop, keep),
+                None => Change::joined(&self.mesh, drop, keep, place),
+            };
+            if change.is_some_and(|change| self.is_proven(&change)) {
+                self.mesh.apply(keep, Some(drop), place);
+                return Some(keep);
+            }
+        }
+        None
+    }
+
+    /// Returns whether a change is proven to keep the shape, and seems to stay near the surface.
+    pub fn is_proven(&self, change: &Change<'_>) -> bool {
+        let &Setting { lattice, guide, most, .. } = self.setting;
+        if self.within.is_some_and(|within| !within.holds_all(&change.bounds())) {
+            return false;
+        }
+        change.is_proven(most / lattice.unit, THIN * most / lattice.unit, &|points| {
+            let places: Samples = points.iter().map(|point| lattice.between(*point)).collect();
+            guide.are_near(&places, most)
+        })
+    }
+}
