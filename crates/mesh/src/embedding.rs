@@ -8,7 +8,7 @@ use glam::DVec3;
 
 /// A share of the largest coordinate: more than the rounding of a vertex, and of the computations
 /// here.
-const ROUNDING: f64 = 64.0 * f64::EPSILON;
+const ROUNDING: f64 = 1.0 / (1_u64 << 36) as f64;
 
 /// The least distance that proves two triangles apart, in a mesh whose coordinates have magnitudes
 /// of at most `largest`.

@@ -65,9 +65,10 @@ pub fn extract(
     while changed.as_ref().is_none_or(|leaves| !leaves.is_empty()) {
         mesh.set(&polygons, vertices.keys.len());
         let crossed = crossed_leaves(&mesh, &refined.leaves, space, changed.as_ref());
-        // If triangles meet after their vertices were moved, their vertices go back to g's zeros,
-        // where triangles rarely meet.
-        let of_pairs = crossed.iter().copied().flatten().collect();
+        // If triangles meet or turn over after their vertices were moved, their vertices go back to
+        // g's zeros, where triangles rarely meet.
+        let mut of_pairs: FxHashSet<usize> = crossed.iter().copied().flatten().collect();
+        of_pairs.extend(turned_leaves(&mesh, &zero, &polygons, &refined.leaves));
         let restored = restore(&mut mesh, &zero, &polygons, &of_pairs);
         let is_final = |pair: &[usize; 2]| pair.iter().all(|leaf| !restored.contains(leaf));
         unproven.extend(crossed.into_iter().filter(is_final).flatten());
@@ -102,6 +103,33 @@ fn restore(
     }
     let is_moved = |polygon: &&Numbered| polygon.vertices.iter().any(|one| moved.contains(one));
     polygons.iter().filter(is_moved).map(|polygon| polygon.leaf).collect()
+}
+
+/// The leaves with a triangle that is turned over, as against the zeros of g.
+fn turned_leaves(
+    mesh: &Extracted,
+    zero: &dyn Fn(u32) -> DVec3,
+    polygons: &[Numbered],
+    leaves: &[Leaf],
+) -> Vec<usize> {
+    let mut turned = Vec::new();
+    let mut first = 0;
+    for polygon in polygons {
+        let triangles = first..first + polygon.triangles();
+        first = triangles.end;
+        if matches!(**leaves[polygon.leaf].choice(), Choice::Part(_)) {
+            continue;
+        }
+        let zeros: SmallVec<[DVec3; 8]> = polygon.vertices.iter().map(|one| zero(*one)).collect();
+        let cross = |k: usize| (zeros[k] - zeros[0]).cross(zeros[(k + 1) % zeros.len()] - zeros[0]);
+        let normal: DVec3 = (0..zeros.len()).map(cross).sum();
+        let is_turned = |number: usize| {
+            let [a, b, c] = mesh.triangle(number).corners;
+            (b - a).cross(c - a).dot(normal) <= 0.0
+        };
+        turned.extend(triangles.into_iter().any(is_turned).then_some(polygon.leaf));
+    }
+    turned
 }
 
 /// The pairs of leaves with two triangles that are not proven to be apart. Only leaves around
@@ -183,6 +211,14 @@ struct Numbered {
     leaf: usize,
     vertices: SmallVec<[u32; 4]>,
     is_joined: bool,
+}
+
+impl Numbered {
+    /// The number of its triangles.
+    fn triangles(&self) -> usize {
+        let is_fan = !self.is_joined || self.vertices.len() == 3;
+        self.vertices.len() - if is_fan { 2 } else { 0 }
+    }
 }
 
 /// Properties of a leaf's polygons.

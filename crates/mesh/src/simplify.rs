@@ -4,6 +4,7 @@
 //! samples tell. Each removal is [proven](change) to keep the shape. At the end, the distance
 //! between the first triangles and the last ones is [proven](distance).
 
+mod apart;
 mod blocks;
 mod change;
 mod distance;
@@ -79,6 +80,7 @@ pub fn simplify(
             let setting = Setting { most: share * options.distance, ..setting };
             let mut reduction = Reduction::new(&setting, start());
             reduction.measure();
+            reduction.straighten();
             if reduction.run(wanted).is_none() {
                 return Ok(None);
             }

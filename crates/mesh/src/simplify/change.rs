@@ -6,12 +6,13 @@
 //! less than once on a rim. So the old and the new triangles, and all on the way, are graphs. No
 //! other triangle meets the space that they sweep. So nothing passes through anything.
 
+use crate::simplify::apart::{Corners as Apart, are_apart};
 use crate::simplify::distance::distance_to;
 use crate::simplify::index::Bounds;
 use crate::simplify::projection::{Direction, Seen};
 use crate::simplify::triangulation::{Edges, Few, Triangulation, facing};
 use crate::simplify::view::{
-    Corners, View, are_beside, ends_stay_apart, is_above, turned_left, turns, turns_left,
+    Corners, View, are_beside, ends_stay_apart, turned_left, turns, turns_left,
 };
 use glam::{DVec3, I64Vec3};
 use smallvec::SmallVec;
@@ -235,35 +236,35 @@ impl<'a> Change<'a> {
         })
     }
 
-    /// Returns whether a triangle is proven not to meet the space between.
+    /// Returns whether a triangle is proven not to meet the space that old triangles sweep.
     fn is_clear(&self, other: u32, view: &View) -> bool {
-        let corners = self.mesh.corners(other);
-        let seen = corners.map(|corner| view.direction.see(self.mesh.place(corner)));
-        if self.rim.is_some() {
+        let numbers = self.mesh.corners(other);
+        let places = self.places(other);
+        let seen = places.map(|place| view.direction.see(place));
+        let is_beside = if self.rim.is_some() {
             // The new rim must not touch anything else.
-            let ring =
-                |corner: &u32| self.old.iter().any(|one| self.mesh.corners(*one).contains(corner));
-            let may_touch = corners.map(|corner| ring(&corner));
-            return view.all().all(|one| are_beside(&seen, may_touch, one));
-        }
-        if view.new.iter().all(|one| are_beside(&seen, [true; 3], one)) {
-            return true;
-        }
-        let is_shared = |with: [u32; 3]| corners.map(|corner| with.contains(&corner));
-        let old = self.old.iter().map(|number| is_shared(self.mesh.corners(*number)));
-        let new = self.facing.iter().map(|&[a, b]| is_shared([self.keep, a, b]));
-        let mut side = None;
-        for (is_shared, one) in old.zip(&view.old).chain(new.zip(&view.new)) {
-            if are_beside(&seen, [true; 3], one) {
-                continue;
-            }
-            let found = is_above(&seen, one, is_shared);
-            if found.is_none() || side.is_some_and(|side| Some(side) != found) {
-                return false;
-            }
-            side = found;
-        }
-        true
+            let has =
+                |number: u32| self.old.iter().any(|one| self.mesh.corners(*one).contains(&number));
+            view.all().all(|one| are_beside(&seen, numbers.map(has), one))
+        } else {
+            view.new.iter().all(|one| are_beside(&seen, [true; 3], one))
+        };
+        is_beside
+            || self.old.iter().all(|old| {
+                let corners = self.mesh.corners(*old);
+                let [a, b, c] = self.places(*old);
+                // Another vertex that replaces the moving one may belong to the triangle.
+                let replaces = !self.moving.contains(&self.keep);
+                let is_own =
+                    |number: &u32| corners.contains(number) || (replaces && *number == self.keep);
+                let swept = [a, b, c, self.to];
+                let own = Apart { places: &places, is_shared: numbers.map(|one| is_own(&one)) };
+                let shared = |place: &I64Vec3| {
+                    places.iter().zip(own.is_shared).any(|(one, shared)| shared && one == place)
+                };
+                let is_shared = swept.each_ref().map(shared);
+                are_apart(&own, &Apart { places: &swept, is_shared })
+            })
     }
 }
 

@@ -47,9 +47,13 @@ impl Lattice {
         ((place - self.base) / self.unit).round().as_i64vec3()
     }
 
-    /// The nearest point whose coordinates are multiples of a step.
-    pub fn rounded(&self, place: DVec3) -> I64Vec3 {
-        ((place - self.base) / self.step_length()).round().as_i64vec3() * self.step
+    /// The eight points around a point whose coordinates are multiples of a step, the nearest first.
+    pub fn around(&self, point: I64Vec3) -> [I64Vec3; 8] {
+        let low = point - (point & (self.step - 1));
+        let corner = |k: i64| low + I64Vec3::new(k & 1, k >> 1 & 1, k >> 2) * self.step;
+        let mut all = [0, 1, 2, 3, 4, 5, 6, 7].map(corner);
+        all.sort_by_key(|corner| (*corner - point).length_squared());
+        all
     }
 
     /// Returns whether a point's coordinates are multiples of a step.

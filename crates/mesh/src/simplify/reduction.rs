@@ -16,8 +16,6 @@ const PROGRESS: f64 = 0.02;
 const MOST_AROUND: usize = 64;
 /// Least cosine of the angle between a triangle and the plane that stands for the surface there.
 const ALIKE: f64 = 0.7;
-/// Triangles may turn whose height is less than this share of the allowed distance.
-const THIN: f64 = 0.25;
 /// Distance from a plane that rounding may cause, in units.
 const ROUNDING: f64 = 8.0;
 /// Of two places whose costs differ by less than this share, an end of the edge is taken: fewer
@@ -227,7 +225,7 @@ impl<'a> Reduction<'a> {
                 Some(_) => Change::into_other(&self.mesh, drop, keep),
                 None => Change::joined(&self.mesh, drop, keep, place),
             };
-            if change.is_some_and(|change| self.is_proven(&change)) {
+            if change.is_some_and(|change| self.is_proven(&change, 0.0)) {
                 self.mesh.apply(keep, Some(drop), place);
                 return Some(keep);
             }
@@ -236,12 +234,13 @@ impl<'a> Reduction<'a> {
     }
 
     /// Returns whether a change is proven to keep the shape, and seems to stay near the surface.
-    pub fn is_proven(&self, change: &Change<'_>) -> bool {
+    /// Triangles may turn whose height is less than `thin`, a share of the allowed distance.
+    pub fn is_proven(&self, change: &Change<'_>, thin: f64) -> bool {
         let &Setting { lattice, guide, most, .. } = self.setting;
         if self.within.is_some_and(|within| !within.holds_all(&change.bounds())) {
             return false;
         }
-        change.is_proven(most / lattice.unit, THIN * most / lattice.unit, &|points| {
+        change.is_proven(most / lattice.unit, thin * most / lattice.unit, &|points| {
             let places: Samples = points.iter().map(|point| lattice.between(*point)).collect();
             guide.are_near(&places, most)
         })

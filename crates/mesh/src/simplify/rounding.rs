@@ -2,42 +2,94 @@
 
 use crate::simplify::change::Change;
 use crate::simplify::reduction::Reduction;
+use glam::I64Vec3;
 
 /// A place is better if its sum of squared distances is less than this share.
 const BETTER: f64 = 0.1;
+/// Where a vertex cannot move, triangles may turn whose height is less than this share of the
+/// allowed distance.
+const THIN: f64 = 0.25;
+/// Number of rounds. Vertices that cannot move may do so once their neighbors have moved.
+const ROUNDS: usize = 3;
 
 impl Reduction<'_> {
     /// Moves vertices onto edges of the surface that are near, and to rounded places. Returns the
     /// vertices for which that is not proven, or `None` once `wanted` returns false.
     pub fn round(&mut self, wanted: &(dyn Fn() -> bool + Sync)) -> Option<Vec<u32>> {
-        let lattice = self.setting.lattice;
-        let mut left = Vec::new();
-        for vertex in 0..self.mesh.places.len() as u32 {
-            if vertex % 1024 == 0 && !wanted() {
-                return None;
+        let mut left: Vec<u32> = (0..self.mesh.places.len() as u32).collect();
+        for _ in 0..ROUNDS {
+            let mut kept = Vec::new();
+            for (count, vertex) in left.into_iter().enumerate() {
+                if count % 1024 == 0 && !wanted() {
+                    return None;
+                }
+                if !self.mesh.around(vertex).is_empty() && !self.round_one(vertex) {
+                    kept.push(vertex);
+                }
             }
-            if self.mesh.around(vertex).is_empty() {
-                continue;
-            }
-            let place = self.mesh.place(vertex);
-            let quadric = &self.mesh.quadrics[vertex as usize];
-            let sum = |place| quadric.at(lattice.relative(place));
-            let best = self.best(quadric, lattice.relative(place), self.faces(place));
-            let is_better = sum(best) < BETTER * sum(place) && sum(place) > self.floor(quadric);
-            let nearest = lattice.rounded(lattice.place(place));
-            let places = [best, nearest];
-            let mut places = places.into_iter().skip(usize::from(!is_better));
-            let may_move = |to: &_| {
-                let change = Change::moved(&self.mesh, vertex, *to);
-                change.is_some_and(|change| self.is_proven(&change))
-            };
-            if is_better || !lattice.is_round(place) {
-                match places.find(may_move) {
-                    Some(to) => self.mesh.apply(vertex, None, to),
-                    None => left.extend((!lattice.is_round(place)).then_some(vertex)),
+            left = kept;
+        }
+        left.retain(|vertex| !self.remove_one(*vertex));
+        Some(left)
+    }
+
+    /// Replaces a vertex that cannot move by a neighbor. Thin triangles may turn. Returns whether
+    /// that is done.
+    fn remove_one(&mut self, vertex: u32) -> bool {
+        let may_replace = |neighbor: &u32| {
+            let change = Change::into_other(&self.mesh, vertex, *neighbor);
+            self.setting.lattice.is_round(self.mesh.place(*neighbor))
+                && change.is_some_and(|change| self.is_proven(&change, 0.0))
+        };
+        let found = self.mesh.neighbors(vertex).into_iter().find(may_replace);
+        if let Some(neighbor) = found {
+            self.mesh.apply(neighbor, Some(vertex), self.mesh.place(neighbor));
+        }
+        found.is_some()
+    }
+
+    /// Moves vertices onto edges and corners of the surface that are near.
+    pub fn straighten(&mut self) {
+        for _ in 0..ROUNDS {
+            for vertex in 0..self.mesh.places.len() as u32 {
+                if let Some(better) = self.better(vertex) {
+                    self.move_to(vertex, [better]);
                 }
             }
         }
-        Some(left)
+    }
+
+    /// Moves a vertex to a rounded place. Returns whether it is at one.
+    fn round_one(&mut self, vertex: u32) -> bool {
+        let lattice = self.setting.lattice;
+        let place = self.mesh.place(vertex);
+        let is_round = lattice.is_round(place);
+        let around = lattice.around(place).into_iter().filter(|_| !is_round);
+        self.move_to(vertex, self.better(vertex).into_iter().chain(around));
+        lattice.is_round(self.mesh.place(vertex))
+    }
+
+    /// A rounded place that is much nearer to the planes around a vertex, if there is one.
+    fn better(&self, vertex: u32) -> Option<I64Vec3> {
+        let lattice = self.setting.lattice;
+        let (place, quadric) = (self.mesh.place(vertex), &self.mesh.quadrics[vertex as usize]);
+        let sum = |place| quadric.at(lattice.relative(place));
+        let now = sum(place);
+        if now <= self.floor(quadric) {
+            return None;
+        }
+        let best = self.best(quadric, lattice.relative(place), self.faces(place));
+        (sum(best) < BETTER * now).then_some(best)
+    }
+
+    /// Moves a vertex to the first of some places for which that is proven.
+    fn move_to(&mut self, vertex: u32, places: impl IntoIterator<Item = I64Vec3>) {
+        let may_move = |to: &I64Vec3| {
+            let change = Change::moved(&self.mesh, vertex, *to);
+            change.is_some_and(|change| self.is_proven(&change, 0.0))
+        };
+        if let Some(to) = places.into_iter().find(may_move) {
+            self.mesh.apply(vertex, None, to);
+        }
     }
 }

@@ -129,20 +129,3 @@ pub fn are_beside(one: &Corners, may_touch: [bool; 3], other: &Corners) -> bool 
                 || (turn <= 0 && right([there, here], other, touching)))
     })
 }
-
-/// Returns whether the first triangle is above the second one, or false if it is below. They may
-/// touch in corners that are shared. `None` if neither is proven.
-pub fn is_above(one: &Corners, other: &Corners, is_shared: [bool; 3]) -> Option<bool> {
-    let side = |&[a, b, c]: &Corners, points: &Corners, shared: [bool; 3]| {
-        let left = points.iter().zip(shared).filter(|(_, shared)| !shared);
-        let mut sides = left.map(|(point, _)| volume(a, b, c, *point).signum());
-        let first = sides.next()?;
-        (first != 0 && sides.all(|side| side == first)).then_some(first > 0)
-    };
-    if let Some(above) = side(other, one, is_shared) {
-        return Some(above);
-    }
-    let is_of_one = |corner: &Seen| one.iter().zip(is_shared).any(|(own, s)| s && own == corner);
-    let plane = turned_left(*one)?;
-    side(&plane, other, other.each_ref().map(is_of_one)).map(|above| !above)
-}

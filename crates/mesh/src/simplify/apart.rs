@@ -1,0 +1,54 @@
+//! An exact test whether a triangle and a tetrahedron are apart.
+
+use glam::I64Vec3;
+
+/// A vector with exact components.
+type Vector = [i128; 3];
+
+/// The corners of a triangle or a tetrahedron, each with whether both have it.
+pub struct Corners<'a, const N: usize> {
+    pub places: &'a [I64Vec3; N],
+    pub is_shared: [bool; N],
+}
+
+/// Returns whether a plane is found that separates two convex sets. Only shared corners of one of
+/// them may be on the plane. Its normal is a normal of a face, or the cross product of two edges.
+pub fn are_apart(triangle: &Corners<'_, 3>, tetrahedron: &Corners<'_, 4>) -> bool {
+    let [a, b, c] = *triangle.places;
+    let [p, q, r, s] = *tetrahedron.places;
+    let own = [b - a, c - b, a - c];
+    let others = [q - p, r - p, s - p, r - q, s - q, s - r];
+    let separates = |axis: Vector| is_between(axis, triangle, tetrahedron);
+    separates(cross(own[0], own[1]))
+        || [[0, 1], [1, 2], [0, 2], [3, 4]]
+            .into_iter()
+            .any(|[one, other]| separates(cross(others[one], others[other])))
+        || own.iter().any(|one| others.iter().any(|other| separates(cross(*one, *other))))
+}
+
+/// Returns whether a plane across an axis is between two sets.
+fn is_between(axis: Vector, one: &Corners<'_, 3>, other: &Corners<'_, 4>) -> bool {
+    let base = one.places[0];
+    let along = |place: &I64Vec3| {
+        let from = (*place - base).to_array().map(i128::from);
+        (0..3).map(|k| axis[k] * from[k]).sum::<i128>()
+    };
+    let (first, second) = (one.places.each_ref().map(along), other.places.each_ref().map(along));
+    let is_below = |low: &[i128], low_shared: &[bool], high: &[i128], high_shared: &[bool]| {
+        let (most, least) = (low.iter().max(), high.iter().min());
+        let only_shared = |all: &[i128], shared: &[bool], end: Option<&i128>| {
+            all.iter().zip(shared).all(|(one, shared)| *shared || Some(one) != end)
+        };
+        most < least
+            || (most == least
+                && (only_shared(low, low_shared, most) || only_shared(high, high_shared, least)))
+    };
+    axis != [0; 3]
+        && (is_below(&first, &one.is_shared, &second, &other.is_shared)
+            || is_below(&second, &other.is_shared, &first, &one.is_shared))
+}
+
+fn cross(u: I64Vec3, v: I64Vec3) -> Vector {
+    let (u, v) = (u.to_array().map(i128::from), v.to_array().map(i128::from));
+    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+}
