@@ -1,6 +1,7 @@
 //! Tests of meshes.
 
 mod crossings;
+mod orientation;
 mod shapes;
 
 use glam::DVec3;
