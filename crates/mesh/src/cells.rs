@@ -1,6 +1,7 @@
 //! Bounds of functions over tetrahedra. A function is a choice: minima and maxima of parts.
 
 use crate::grid::{Corner, CornerMap, Tetrahedron};
+use crate::regular::{Regularized, regularize};
 use crate::space::Space;
 use rayon::prelude::*;
 use smallvec::SmallVec;
@@ -41,6 +42,8 @@ pub struct Query<'a> {
     pub space: &'a Space,
     /// True if the function's surface bounds a solid.
     pub is_solid: bool,
+    /// For each part of a solid, the part with the opposite sign everywhere. Empty for an equation.
+    pub opposites: &'a [Option<usize>],
     /// Number of the first part that only cuts the surface off, where the part is above 0. Zeros of
     /// such a part are no surface.
     pub first_cut: usize,
@@ -63,6 +66,15 @@ pub struct PartBounds {
     may_vanish: bool,
     /// True if the part is proven to be defined and continuous in the box.
     is_continuous: bool,
+}
+
+impl PartBounds {
+    /// Returns whether the part is proven to be 0 on no open set: along some axis, it only
+    /// increases, or only decreases.
+    fn has_thin_zeros(&self) -> bool {
+        let is_monotone = |slope: &Interval| slope.lo > 0.0 || slope.hi < 0.0;
+        self.is_continuous && self.gradient.is_some_and(|along| along.iter().any(is_monotone))
+    }
 }
 
 /// Bounds of the parts that matter in a cell, mostly one.
@@ -245,7 +257,10 @@ fn classify_cell(choice: &Arc<Choice>, bounds: &Parts, query: &Query<'_>) -> Cel
     let is_solid = query.is_solid;
     let choice = match &**choice {
         Choice::Part(_) => Arc::clone(choice),
-        several => Arc::new(pruned(several, bounds)),
+        several => match regularized(pruned(several, bounds), bounds, query) {
+            Regularized::Choice(choice) => Arc::new(choice),
+            Regularized::Constant(sign) => return CellClass::Empty(sign),
+        },
     };
     let left = parts_of(&choice);
     let is_left = |one: &&PartBounds| left.binary_search(&usize::from(one.part)).is_ok();
@@ -270,6 +285,15 @@ fn classify_cell(choice: &Arc<Choice>, bounds: &Parts, query: &Query<'_>) -> Cel
         return CellClass::Empty(0);
     }
     CellClass::Open(Arc::new(Local { choice, parts }))
+}
+
+/// The choice in a cell of the regularized solid, whose zeros bound the interior.
+fn regularized(choice: Choice, bounds: &[PartBounds], query: &Query<'_>) -> Regularized {
+    let is_thin = |part: usize| {
+        let place = bounds.binary_search_by_key(&part, |one| usize::from(one.part));
+        place.is_ok_and(|place| bounds[place].has_thin_zeros())
+    };
+    if query.is_solid { regularize(choice, query.opposites, &is_thin) } else { choice.into() }
 }
 
 /// Bounds of a choice. `None` if it has no part with bounds.

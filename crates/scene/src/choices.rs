@@ -5,7 +5,7 @@ use crate::program::{Program, ProgramError};
 use crate::simplified::Simplified;
 use num_rational::BigRational;
 use std::sync::{Arc, OnceLock};
-use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, simplify};
+use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, multiples, simplify};
 use zeroset_ops::Op;
 use zeroset_space::{Ball, HalfSpace, Region};
 
@@ -29,8 +29,13 @@ pub struct Choices {
     pub choice: Choice,
     /// A program whose surfaces are the parts.
     pub parts: Program,
-    /// The number of the first part that restricts the function or cuts the region.
+    /// For an equation, the number of the first part that restricts the function or cuts the
+    /// region. For a solid, the number of parts.
     pub first_cut: usize,
+    /// For each part of a solid's function, the number of the part that has the opposite sign
+    /// everywhere, if there is one. No two parts of a solid have the same sign everywhere, as far
+    /// as that is found.
+    pub opposites: Vec<Option<usize>>,
 }
 
 impl Choice {
@@ -45,6 +50,41 @@ impl Choice {
             .collect();
         if flat.len() == 1 { flat.remove(0) } else { Self::Max(flat) }
     }
+
+    /// The same choice of parts with other numbers.
+    fn renumbered(self, numbers: &[usize]) -> Self {
+        let each = |all: Vec<Self>| all.into_iter().map(|one| one.renumbered(numbers)).collect();
+        match self {
+            Self::Part(part) => Self::Part(numbers[part]),
+            Self::Min(all) => Self::Min(each(all)),
+            Self::Max(all) => Self::Max(each(all)),
+        }
+    }
+}
+
+/// Replaces each part of a solid's function by the first of its positive multiples. Returns the
+/// parts' [opposites](Choices::opposites).
+fn merge(graph: &Graph, choice: Choice, parts: &mut Vec<NodeId>) -> (Choice, Vec<Option<usize>>) {
+    let (mut numbers, mut kept) = (Vec::with_capacity(parts.len()), Vec::new());
+    let mut opposites: Vec<Option<usize>> = Vec::new();
+    // For each part, the number of the part that has the opposite sign.
+    let mut negative: Vec<Option<usize>> = vec![None; parts.len()];
+    for (place, (first, is_negative)) in multiples(graph, parts).into_iter().enumerate() {
+        let known = if is_negative { negative[first] } else { numbers.get(first).copied() };
+        let number = known.unwrap_or_else(|| {
+            kept.push(parts[place]);
+            opposites.push(None);
+            kept.len() - 1
+        });
+        numbers.push(number);
+        if is_negative && known.is_none() {
+            let other = numbers[first];
+            negative[first] = Some(number);
+            (opposites[number], opposites[other]) = (Some(other), Some(number));
+        }
+    }
+    *parts = kept;
+    (choice.renumbered(&numbers), opposites)
 }
 
 /// Nodes in place of numbers of parts.
@@ -226,7 +266,7 @@ impl Program {
         }
         let mut parts = Vec::new();
         let choice = choice.numbered(&mut parts);
-        let first_cut = parts.len();
+        let mut first_cut = parts.len();
         let negated = |graph: &mut Graph, node: NodeId| graph.apply(Op::Neg, &[node]);
         let mut all = vec![choice];
         for limit in limits {
@@ -236,7 +276,12 @@ impl Program {
             all.push(Choice::Part(parts.len()));
             parts.push(cut);
         }
-        let choice = Choice::greatest(all);
+        let mut choice = Choice::greatest(all);
+        let mut opposites = vec![None; parts.len()];
+        if whole.solid[surface] {
+            (choice, opposites) = merge(&graph, choice, &mut parts);
+            first_cut = parts.len();
+        }
         let assumptions = whole.assumptions.clone();
         let (simple, roots) =
             simplify(&graph, &parts, &assumptions.domain, &assumptions.parameters)?;
@@ -256,7 +301,7 @@ impl Program {
         };
         let store = CodeStore::new(Arc::new(simplified), Evaluator::Native);
         let parts = Self::of(Arc::new(store), self.values().to_vec());
-        Ok(Choices { choice, parts, first_cut })
+        Ok(Choices { choice, parts, first_cut, opposites })
     }
 }
 

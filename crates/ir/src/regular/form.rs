@@ -2,7 +2,7 @@
 
 use crate::graph::{Graph, Node, NodeId};
 use num_rational::BigRational;
-use num_traits::{One, Zero};
+use num_traits::{One, Signed, Zero};
 use rustc_hash::FxHashMap;
 use std::rc::Rc;
 use zeroset_ops::Op;
@@ -53,6 +53,33 @@ impl LinearForm {
         terms.retain(|(_, c)| !c.is_zero());
         Self { terms, constant: &self.constant + &other.constant }
     }
+}
+
+/// For each node, the place of the first of the nodes of which it is a multiple. The flag tells
+/// whether the factor is negative; no factor is 0. A node whose factor is not found to be an exact
+/// number has its own place.
+///
+/// ```
+/// use zeroset_ir::{Axis, Graph, multiples};
+/// use zeroset_ops::Op;
+///
+/// let mut graph = Graph::new();
+/// let (x, one) = (graph.variable(Axis::X), graph.integer(1));
+/// let right = graph.apply(Op::Sub, &[x, one]);
+/// let left = graph.apply(Op::Sub, &[one, x]);
+/// assert_eq!(multiples(&graph, &[right, x, left]), [(0, false), (1, false), (0, true)]);
+/// ```
+pub fn multiples(graph: &Graph, nodes: &[NodeId]) -> Vec<(usize, bool)> {
+    let (mut forms, mut known) = (Forms::default(), FxHashMap::default());
+    let place = |(place, node): (usize, &NodeId)| {
+        let form = forms.of(graph, *node);
+        let Some((_, first)) = form.terms.first() else { return (place, false) };
+        let is_negative = first.is_negative();
+        let (found, was_negative) =
+            *known.entry(form.scaled(&first.recip())).or_insert((place, is_negative));
+        (found, is_negative != was_negative)
+    };
+    nodes.iter().enumerate().map(place).collect()
 }
 
 /// The forms of nodes, each computed once.

@@ -1,6 +1,7 @@
 //! Tests of meshes.
 
 mod crossings;
+mod flush;
 mod orientation;
 mod shapes;
 
