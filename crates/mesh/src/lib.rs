@@ -147,7 +147,7 @@ pub fn mesh(
     assert!(bounds.iter().zip(&program.domain()).all(is_within), "a mesh beyond the domain");
     let [low, high] = [bounds.map(|along| along.lo), bounds.map(|along| along.hi)];
     let (low, high) = (DVec3::from_array(low), DVec3::from_array(high));
-    let Choices { choice, parts, first_cut, opposites } = program.choices(surface, &region)?;
+    let Choices { choice, parts, first_cut } = program.choices(surface, &region)?;
     let kernels = PartKernels::of(&parts)?;
     let (space, mut grid) = Space::new(low, high);
     let extent = (high - low).max_element();
@@ -155,8 +155,7 @@ pub fn mesh(
     // The surface of a solid includes the region's boundary.
     let first_cut = if is_solid { kernels.len() } else { first_cut };
     let estimated = if is_estimated { ESTIMATED * extent } else { 0.0 };
-    let opposites = if is_solid { &opposites[..] } else { &[] };
-    let query = Query { parts: &kernels, space: &space, is_solid, opposites, first_cut, estimated };
+    let query = Query { parts: &kernels, space: &space, is_solid, first_cut, estimated };
     let refined = refine::refine(&choice, &query, &mut grid, limits, wanted);
     let Some(mut refined) = refined else { return Ok(None) };
     let mut triangles = extract::extract(&refined, &grid, &query)?;

@@ -17,7 +17,10 @@
 //!
 //! `docs/meshes.md` goes on from g to the triangles, whose vertices are moved and rounded.
 
+use crate::cells::Side;
+use crate::regular::MOST_TWO_SIDED;
 use glam::DVec3;
+use smallvec::{SmallVec, smallvec};
 use zeroset_interval::Interval;
 
 /// A slope counts as positive if it exceeds this share of the gradient's largest component.
@@ -34,10 +37,61 @@ const CORRECTIONS: usize = 24;
 /// Gradients in a tetrahedron that a vector at one of its corners must not oppose.
 #[derive(Clone, Copy)]
 pub struct Slopes {
+    /// The part's number.
+    pub part: u16,
+    /// The side of its zeros on which f is above 0.
+    pub side: Side,
     /// Bounds of the gradient of f.
     pub gradient: [Interval; 3],
     /// The gradient of g.
     pub linear: DVec3,
+}
+
+impl Slopes {
+    /// The slopes of the part with the opposite sign.
+    fn opposite(&self) -> Self {
+        let gradient = self.gradient.map(|bounds| Interval { lo: -bounds.hi, hi: -bounds.lo });
+        Self { gradient, linear: -self.linear, ..*self }
+    }
+}
+
+/// Vectors that carry the zeros of f to those of g at a corner. There is one along which f and g
+/// increase in all tetrahedra around. Or else there is, for all parts that matter there and for
+/// each combination of their signs, one along which the parts with these signs increase. `None` if
+/// they are not found. The vectors have no component across the boundary's `faces`.
+pub fn vectors(star: &[Slopes], faces: [bool; 3]) -> Option<SmallVec<[DVec3; 1]>> {
+    if star.iter().all(|slopes| slopes.side == Side::Above) {
+        return common_vector(star, faces).map(|vector| smallvec![vector]);
+    }
+    let along = |slopes: &Slopes| match slopes.side {
+        Side::Above => Some(*slopes),
+        Side::Below => Some(slopes.opposite()),
+        Side::Both | Side::Unknown => None,
+    };
+    let one_sided: Option<Vec<Slopes>> = star.iter().map(along).collect();
+    if let Some(vector) = one_sided.and_then(|star| common_vector(&star, faces)) {
+        return Some(smallvec![vector]);
+    }
+    let mut parts: SmallVec<[u16; MOST_TWO_SIDED]> = SmallVec::new();
+    for Slopes { part, .. } in star {
+        if !parts.contains(part) {
+            parts.push(*part);
+        }
+    }
+    let is_unknown = |slopes: &Slopes| slopes.side == Side::Unknown;
+    if parts.len() > MOST_TWO_SIDED || star.iter().any(is_unknown) {
+        return None;
+    }
+    // The opposite of a vector serves for the opposite signs.
+    let signs = 0..1_usize << (parts.len() - 1);
+    let vector = |signs: usize| {
+        let signed = |slopes: &Slopes| {
+            let place = parts.iter().position(|part| *part == slopes.part);
+            if signs >> place.expect("a part") & 1 == 1 { slopes.opposite() } else { *slopes }
+        };
+        common_vector(&star.iter().map(signed).collect::<Vec<_>>(), faces)
+    };
+    signs.map(vector).collect()
 }
 
 /// The least slope along `vector` of a function whose gradient is within bounds, rounded down. Also
@@ -68,7 +122,7 @@ pub fn middle(gradient: &[Interval; 3]) -> DVec3 {
 
 /// Returns a unit vector along which both functions increase in all tetrahedra, or `None` if none
 /// is found. Its components are 0 across the boundary's `faces`.
-pub fn common_vector(star: &[Slopes], faces: [bool; 3]) -> Option<DVec3> {
+fn common_vector(star: &[Slopes], faces: [bool; 3]) -> Option<DVec3> {
     let tangent = |vector: DVec3| {
         let along = [0, 1, 2].map(|axis| if faces[axis] { 0.0 } else { vector[axis] });
         DVec3::from_array(along).try_normalize()

@@ -1,13 +1,15 @@
 //! Regularizes a solid in a cell: removes faces that are not on the boundary of its interior.
 //!
-//! A part p stands for the set p ≤ 0, a minimum for a union, a maximum for an intersection. Where
-//! two parts have opposite signs everywhere, and are 0 on no open set, their sets are complements,
-//! up to their common boundary. So a choice is a Boolean function of a few sets. Where it does not
-//! depend on one of them, that set's boundary is no boundary of the solid: coincident faces vanish.
+//! A part p stands for the set p ≤ 0, and its opposite for the complement, up to the thin set where
+//! p is 0. A minimum stands for a union, a maximum for an intersection. So a choice is a Boolean
+//! function of a few sets. Where it does not depend on one of them, that set's boundary is no
+//! boundary of the solid: coincident faces vanish.
 //!
-//! The choice is then written anew, with the parts on which the Boolean function depends. That is
-//! possible if no part occurs in it together with its opposite. Otherwise the solid's boundary
-//! crosses itself, and the choice is left as it is: no proof is possible there.
+//! The choice is written anew as the union of all prime implicants: the intersections of sets, or
+//! of complements, that are in the solid and in no larger such intersection. At a point where some
+//! sets' parts are 0, this choice is below 0 if the function is true whatever holds of these sets,
+//! above 0 if it is false, and else 0. So its sign depends on the point alone. Two cells, in which
+//! different sets matter, agree on it wherever they meet.
 
 use smallvec::SmallVec;
 use zeroset_scene::choices::Choice;
@@ -23,136 +25,149 @@ const INSIDE: [u64; MOST] = [
     0xffff_0000_ffff_0000,
     0xffff_ffff_0000_0000,
 ];
+/// Largest number of sets that may occur in a choice together with their complements: more planes
+/// have no point in common, unless by chance.
+pub const MOST_TWO_SIDED: usize = 3;
 
 /// A regularized choice.
 pub enum Regularized {
     Choice(Choice),
+    /// The same choice as before, if the boundary of the solid may cross itself.
+    Crossing(Choice),
     /// The choice has no zero that bounds an interior. This is its sign elsewhere, −1 or 1.
     Constant(i8),
 }
 
-impl From<Choice> for Regularized {
-    fn from(choice: Choice) -> Self {
-        Self::Choice(choice)
+/// Returns the regularized choice. It is the same if each part occurs once in it, or if there are
+/// too many parts.
+pub fn regularize(choice: Choice) -> Regularized {
+    let Some(sets) = Sets::of(&choice) else { return Regularized::Choice(choice) };
+    match sets.values(&choice) {
+        0 => Regularized::Constant(1),
+        u64::MAX => Regularized::Constant(-1),
+        values => match sets.choice(values) {
+            Some(regular) => Regularized::Choice(regular),
+            None => Regularized::Crossing(choice),
+        },
     }
 }
 
-/// Returns the regularized choice. `opposites` has for each part the part with the opposite sign.
-/// `is_thin` returns whether a part is proven to be 0 on no open set of the cell.
-pub fn regularize(
-    choice: Choice,
-    opposites: &[Option<usize>],
-    is_thin: &dyn Fn(usize) -> bool,
-) -> Regularized {
-    let Some(sets) = Sets::of(&choice, opposites, is_thin) else { return choice.into() };
-    let values = sets.values(&choice);
-    if values == 0 || values == u64::MAX {
-        return Regularized::Constant(if values == 0 { 1 } else { -1 });
-    }
-    sets.choice(values).unwrap_or(choice).into()
-}
+/// The parts of a choice in which some part occurs twice. Each is the part of a set.
+struct Sets(SmallVec<[usize; MOST]>);
 
-/// The sets of a choice in which some part occurs twice, or with its opposite.
-struct Sets<'a> {
-    /// The part of each set. Its opposite stands for the complement.
-    parts: SmallVec<[usize; MOST]>,
-    opposites: &'a [Option<usize>],
-}
-
-impl<'a> Sets<'a> {
-    /// The sets of a choice. `None` if each has one part that occurs once, if a set's boundary may
-    /// be thick, or if there are too many sets.
-    fn of(
-        choice: &Choice,
-        opposites: &'a [Option<usize>],
-        is_thin: &dyn Fn(usize) -> bool,
-    ) -> Option<Self> {
-        let mut occurring = SmallVec::new();
-        add_parts(choice, &mut occurring);
-        let mut sets = Self { parts: SmallVec::new(), opposites };
-        for part in &occurring {
-            match sets.of_part(*part) {
-                None if sets.parts.len() == MOST => return None,
-                None => sets.parts.push(*part),
-                Some((_, false)) => {}
-                Some((_, true)) if is_thin(*part) => {}
-                Some((_, true)) => return None,
+impl Sets {
+    /// The sets of a choice. `None` if each part occurs once, or if there are too many.
+    fn of(choice: &Choice) -> Option<Self> {
+        fn add(choice: &Choice, parts: &mut SmallVec<[usize; MOST]>, count: &mut usize) {
+            match choice {
+                Choice::Part(part) | Choice::Opposite(part) => {
+                    *count += 1;
+                    if !parts.contains(part) {
+                        parts.push(*part);
+                    }
+                }
+                Choice::Min(all) | Choice::Max(all) => {
+                    all.iter().for_each(|one| add(one, parts, count));
+                }
             }
         }
-        (sets.parts.len() < occurring.len()).then_some(sets)
-    }
-
-    /// The number of a part's set, and whether the part stands for the complement.
-    fn of_part(&self, part: usize) -> Option<(usize, bool)> {
-        let opposite = self.opposites[part];
-        let is_own = |one: &usize| *one == part || Some(*one) == opposite;
-        let number = self.parts.iter().position(is_own)?;
-        Some((number, self.parts[number] != part))
+        let (mut parts, mut count) = (SmallVec::new(), 0);
+        add(choice, &mut parts, &mut count);
+        (parts.len() < count && parts.len() <= MOST).then_some(Self(parts))
     }
 
     /// All values of the Boolean function: bit k tells whether points are in the choice's set if
     /// they are in the sets of the bits of k.
     fn values(&self, choice: &Choice) -> u64 {
+        let inside = |part: &usize| {
+            INSIDE[self.0.iter().position(|one| one == part).expect("a part of the choice")]
+        };
         match choice {
-            Choice::Part(part) => {
-                let (number, is_opposite) = self.of_part(*part).expect("a part of the choice");
-                if is_opposite { !INSIDE[number] } else { INSIDE[number] }
-            }
+            Choice::Part(part) => inside(part),
+            Choice::Opposite(part) => !inside(part),
             Choice::Min(all) => all.iter().fold(0, |union, one| union | self.values(one)),
             Choice::Max(all) => all.iter().fold(u64::MAX, |common, one| common & self.values(one)),
         }
     }
 
-    /// The choice with these values, in which no part occurs together with its opposite. `None` if
-    /// there is none.
+    /// The union of all prime implicants. `None` if the boundary may cross itself.
     fn choice(&self, values: u64) -> Option<Choice> {
-        // The sets on which the values depend, each with the part that stands for it or for its
-        // complement. A point that moves into such a set moves into the solid, or stays.
-        let mut used: SmallVec<[(usize, u64); MOST]> = SmallVec::new();
-        for (number, part) in self.parts.iter().enumerate() {
-            let shift = 1 << number;
-            let inside = values & INSIDE[number];
-            let outside = (values & !INSIDE[number]) << shift;
-            match (outside & !inside, inside & !outside) {
-                (0, 0) => {}
-                (0, _) => used.push((*part, INSIDE[number])),
-                (_, 0) => used.push((self.opposites[*part]?, !INSIDE[number])),
-                _ => return None,
-            }
-        }
-        // The least intersections of sets that are in the solid; the choice is their union.
-        let mut least: Vec<u32> = Vec::new();
-        let mut groups: Vec<u32> = (0..1 << used.len()).collect();
-        groups.sort_by_key(|group| group.count_ones());
-        for group in groups {
-            let common =
-                members(group, &used).fold(u64::MAX, |common, (_, inside)| common & inside);
-            if common & !values == 0 && !least.iter().any(|known| known & group == *known) {
-                least.push(group);
-            }
-        }
-        let intersection = |group: u32| {
-            let parts = members(group, &used).map(|(part, _)| Choice::Part(*part)).collect();
-            single(parts, Choice::Max)
+        // The values where a point enters a set and stays in the solid or comes into it, and those
+        // where it leaves the solid.
+        let changes = |number: &usize| {
+            let inside = values & INSIDE[*number];
+            let outside = (values & !INSIDE[*number]) << (1 << *number);
+            (inside & !outside != 0, outside & !inside != 0)
         };
-        Some(single(least.into_iter().map(intersection).collect(), Choice::Min))
+        let used: SmallVec<[usize; MOST]> =
+            (0..self.0.len()).filter(|number| changes(number) != (false, false)).collect();
+        let is_two_sided = used.iter().any(|number| changes(number) == (true, true));
+        if is_two_sided && !(used.len() <= MOST_TWO_SIDED && is_manifold(values, &used)) {
+            return None;
+        }
+        // Each set is a digit to base 3: it does not matter, or its part does, or the opposite.
+        let digits = |term: u32| {
+            (0..used.len() as u32).map(move |number| term / 3_u32.pow(number) % 3).zip(&used)
+        };
+        let size = |term: &u32| digits(*term).filter(|(digit, _)| *digit > 0).count();
+        let is_within = |term: u32, other: u32| {
+            digits(term).zip(digits(other)).all(|((own, _), (of, _))| of == 0 || own == of)
+        };
+        let mut terms: Vec<u32> = (0..3_u32.pow(used.len() as u32)).collect();
+        terms.sort_by_key(size);
+        let mut primes: Vec<u32> = Vec::new();
+        for term in terms {
+            let common = digits(term).fold(u64::MAX, |common, (digit, number)| match digit {
+                0 => common,
+                1 => common & INSIDE[*number],
+                _ => common & !INSIDE[*number],
+            });
+            if common & !values == 0 && !primes.iter().any(|prime| is_within(term, *prime)) {
+                primes.push(term);
+            }
+        }
+        let intersection = |term: u32| {
+            let part = |(digit, number): (u32, &usize)| match digit {
+                0 => None,
+                1 => Some(Choice::Part(self.0[*number])),
+                _ => Some(Choice::Opposite(self.0[*number])),
+            };
+            single(digits(term).filter_map(part).collect(), Choice::Max)
+        };
+        Some(single(primes.into_iter().map(intersection).collect(), Choice::Min))
     }
 }
 
-/// The members of a group, given as bits.
-fn members<T>(group: u32, all: &[T]) -> impl Iterator<Item = &T> {
-    all.iter().enumerate().filter(move |(number, _)| group >> number & 1 == 1).map(|(_, one)| one)
+/// Returns whether the boundary of a solid is a surface, also where all of up to three planes meet.
+/// The octants inside are then connected by faces, and so are those outside, and the same holds of
+/// the quadrants around each line.
+fn is_manifold(values: u64, used: &[usize]) -> bool {
+    let bits = |octant: usize| -> usize {
+        used.iter().enumerate().map(|(k, number)| (octant >> k & 1) << *number).sum()
+    };
+    let count = 1_usize << used.len();
+    let is_inside = |octant: usize| values >> bits(octant) & 1 == 1;
+    let is_connected = |side: bool, fixed: usize, at: usize| {
+        let is_own = |octant: &usize| octant & fixed == at && is_inside(*octant) == side;
+        let Some(first) = (0..count).find(is_own) else { return true };
+        let (mut found, mut rest) = (1_u32 << first, vec![first]);
+        while let Some(octant) = rest.pop() {
+            for next in (0..used.len()).map(|axis| octant ^ 1 << axis).filter(is_own) {
+                if found >> next & 1 == 0 {
+                    found |= 1 << next;
+                    rest.push(next);
+                }
+            }
+        }
+        (0..count).filter(is_own).count() == found.count_ones() as usize
+    };
+    (0..count).all(|fixed| {
+        let mut places = (0..count).filter(|at| at & !fixed == 0);
+        places.all(|at| is_connected(true, fixed, at) && is_connected(false, fixed, at))
+    })
 }
 
 /// The only choice, or a group of several.
 fn single(mut all: Vec<Choice>, group: fn(Vec<Choice>) -> Choice) -> Choice {
     if all.len() == 1 { all.remove(0) } else { group(all) }
-}
-
-/// Adds the parts of a choice, as often as they occur.
-fn add_parts(choice: &Choice, parts: &mut SmallVec<[usize; 2 * MOST]>) {
-    match choice {
-        Choice::Part(part) => parts.push(*part),
-        Choice::Min(all) | Choice::Max(all) => all.iter().for_each(|one| add_parts(one, parts)),
-    }
 }

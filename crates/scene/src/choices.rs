@@ -5,6 +5,7 @@ use crate::program::{Program, ProgramError};
 use crate::simplified::Simplified;
 use num_rational::BigRational;
 use std::sync::{Arc, OnceLock};
+use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, multiples, simplify};
 use zeroset_ops::Op;
 use zeroset_space::{Ball, HalfSpace, Region};
@@ -17,6 +18,9 @@ const MOST_PARTS: usize = 128;
 pub enum Choice {
     /// The part with this number.
     Part(usize),
+    /// The part with this number, with the opposite sign: a solid's part where a face of another
+    /// part is coincident, and looks the other way.
+    Opposite(usize),
     /// The least of some functions, at least two.
     Min(Vec<Choice>),
     /// The greatest of some functions, at least two.
@@ -32,10 +36,6 @@ pub struct Choices {
     /// For an equation, the number of the first part that restricts the function or cuts the
     /// region. For a solid, the number of parts.
     pub first_cut: usize,
-    /// For each part of a solid's function, the number of the part that has the opposite sign
-    /// everywhere, if there is one. No two parts of a solid have the same sign everywhere, as far
-    /// as that is found.
-    pub opposites: Vec<Option<usize>>,
 }
 
 impl Choice {
@@ -51,40 +51,52 @@ impl Choice {
         if flat.len() == 1 { flat.remove(0) } else { Self::Max(flat) }
     }
 
-    /// The same choice of parts with other numbers.
-    fn renumbered(self, numbers: &[usize]) -> Self {
-        let each = |all: Vec<Self>| all.into_iter().map(|one| one.renumbered(numbers)).collect();
+    /// Returns whether a choice is this choice, or one of its alternatives at any depth.
+    pub fn has(&self, other: &Self) -> bool {
         match self {
-            Self::Part(part) => Self::Part(numbers[part]),
+            Self::Min(all) | Self::Max(all) if self != other => {
+                all.iter().any(|one| one.has(other))
+            }
+            _ => self == other,
+        }
+    }
+
+    /// The choice with other parts: those at these places, which are opposite if the flag is set.
+    fn replaced(self, parts: &[(usize, bool)]) -> Self {
+        let each = |all: Vec<Self>| all.into_iter().map(|one| one.replaced(parts)).collect();
+        match self {
+            Self::Part(part) | Self::Opposite(part) => {
+                let (other, is_opposite) = parts[part];
+                let is_opposite = is_opposite != matches!(self, Self::Opposite(_));
+                if is_opposite { Self::Opposite(other) } else { Self::Part(other) }
+            }
             Self::Min(all) => Self::Min(each(all)),
             Self::Max(all) => Self::Max(each(all)),
         }
     }
 }
 
-/// Replaces each part of a solid's function by the first of its positive multiples. Returns the
-/// parts' [opposites](Choices::opposites).
-fn merge(graph: &Graph, choice: Choice, parts: &mut Vec<NodeId>) -> (Choice, Vec<Option<usize>>) {
-    let (mut numbers, mut kept) = (Vec::with_capacity(parts.len()), Vec::new());
-    let mut opposites: Vec<Option<usize>> = Vec::new();
-    // For each part, the number of the part that has the opposite sign.
-    let mut negative: Vec<Option<usize>> = vec![None; parts.len()];
-    for (place, (first, is_negative)) in multiples(graph, parts).into_iter().enumerate() {
-        let known = if is_negative { negative[first] } else { numbers.get(first).copied() };
-        let number = known.unwrap_or_else(|| {
+/// Replaces parts of a solid's function whose zeros bound the same sets by the first of these parts.
+/// The choice keeps its sign up to thin sets, but not its value.
+fn merge(
+    graph: &Graph,
+    choice: Choice,
+    parts: &mut Vec<NodeId>,
+    parameters: &[Interval],
+) -> Choice {
+    let mut merged = multiples(graph, parts, parameters);
+    let mut kept: Vec<NodeId> = Vec::new();
+    for place in 0..parts.len() {
+        let (first, is_opposite) = merged[place];
+        if first == place {
             kept.push(parts[place]);
-            opposites.push(None);
-            kept.len() - 1
-        });
-        numbers.push(number);
-        if is_negative && known.is_none() {
-            let other = numbers[first];
-            negative[first] = Some(number);
-            (opposites[number], opposites[other]) = (Some(other), Some(number));
+            merged[place] = (kept.len() - 1, false);
+        } else {
+            merged[place] = (merged[first].0, is_opposite);
         }
     }
     *parts = kept;
-    (choice.renumbered(&numbers), opposites)
+    choice.replaced(&merged)
 }
 
 /// Nodes in place of numbers of parts.
@@ -277,9 +289,8 @@ impl Program {
             parts.push(cut);
         }
         let mut choice = Choice::greatest(all);
-        let mut opposites = vec![None; parts.len()];
         if whole.solid[surface] {
-            (choice, opposites) = merge(&graph, choice, &mut parts);
+            choice = merge(&graph, choice, &mut parts, &whole.assumptions.parameters);
             first_cut = parts.len();
         }
         let assumptions = whole.assumptions.clone();
@@ -301,7 +312,7 @@ impl Program {
         };
         let store = CodeStore::new(Arc::new(simplified), Evaluator::Native);
         let parts = Self::of(Arc::new(store), self.values().to_vec());
-        Ok(Choices { choice, parts, first_cut, opposites })
+        Ok(Choices { choice, parts, first_cut })
     }
 }
 
