@@ -171,3 +171,106 @@ fn is_manifold(values: u64, used: &[usize]) -> bool {
 fn single(mut all: Vec<Choice>, group: fn(Vec<Choice>) -> Choice) -> Choice {
     if all.len() == 1 { all.remove(0) } else { group(all) }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use Choice::{Max, Min, Opposite, Part};
+
+    /// A random choice of parts and opposites.
+    fn random_choice(random: &mut fastrand::Rng, parts: usize, depth: usize) -> Choice {
+        if depth == 0 {
+            let part = random.usize(..parts);
+            return if random.bool() { Part(part) } else { Opposite(part) };
+        }
+        let all = (0..2 + random.usize(..2)).map(|_| {
+            let below = random.usize(..depth);
+            random_choice(random, parts, below)
+        });
+        let all = all.collect();
+        if random.bool() { Min(all) } else { Max(all) }
+    }
+
+    fn value(choice: &Choice, of: &[i32]) -> i32 {
+        let each = |all: &[Choice]| -> Vec<i32> { all.iter().map(|one| value(one, of)).collect() };
+        match choice {
+            Part(part) => of[*part],
+            Opposite(part) => -of[*part],
+            Min(all) => each(all).into_iter().min().expect("some"),
+            Max(all) => each(all).into_iter().max().expect("some"),
+        }
+    }
+
+    /// All combinations of values of parts among `of`, where the parts that `given` has as 0 vary.
+    fn combinations(given: &[i32], of: &[i32]) -> Vec<Vec<i32>> {
+        given.iter().fold(vec![Vec::new()], |all, value| {
+            let choices = if *value == 0 { of } else { std::slice::from_ref(value) };
+            let longer = |start: &Vec<i32>| {
+                let start = start.clone();
+                choices.iter().map(move |value| [&start[..], &[*value]].concat())
+            };
+            all.iter().flat_map(longer).collect()
+        })
+    }
+
+    /// The sign of a regularized choice at a point is that of all places around it, if it is the
+    /// same there, and else 0.
+    #[test]
+    fn signs_are_those_of_the_neighborhood() {
+        let (mut zeros, mut signs, mut crossing, mut constant) = (0, 0, 0, 0);
+        for seed in 0..6000 {
+            let random = &mut fastrand::Rng::with_seed(seed);
+            let parts = 2 + random.usize(..3);
+            let choice = random_choice(random, parts, 4);
+            let regular = match regularize(choice.clone()) {
+                Regularized::Choice(regular) => Ok(regular),
+                Regularized::Constant(sign) => Err(i32::from(sign)),
+                Regularized::Crossing(same) => {
+                    assert_eq!(same, choice, "seed {seed}");
+                    crossing += 1;
+                    continue;
+                }
+            };
+            constant += usize::from(regular.is_err());
+            for at in combinations(&vec![0; parts], &[-1, 0, 1]) {
+                let around = combinations(&at, &[-1, 1]);
+                let mut around = around.iter().map(|place| value(&choice, place));
+                let first = around.next().expect("a place");
+                let expected = if around.all(|sign| sign == first) { first } else { 0 };
+                let found =
+                    regular.as_ref().map_or_else(|sign| *sign, |regular| value(regular, &at));
+                assert_eq!(found, expected, "seed {seed}: {choice:?} at {at:?}");
+                zeros += usize::from(expected == 0);
+                signs += usize::from(expected != 0);
+            }
+        }
+        println!("{zeros} zeros, {signs} signs, {constant} constant, {crossing} crossing");
+        assert!(zeros.min(signs) > 5000 && constant.min(crossing) > 50);
+    }
+
+    #[test]
+    fn coincident_faces_vanish() {
+        let regular = |choice: Choice| match regularize(choice) {
+            Regularized::Choice(choice) => choice,
+            Regularized::Constant(sign) => panic!("constant: {sign}"),
+            Regularized::Crossing(choice) => panic!("crossing: {choice:?}"),
+        };
+        // Two halves, and a hole that ends in a face.
+        let halves = Min(vec![Max(vec![Part(0), Part(1)]), Max(vec![Part(1), Opposite(0)])]);
+        assert_eq!(regular(halves), Part(1));
+        let hole = Max(vec![Part(0), Min(vec![Opposite(0), Part(1)])]);
+        assert_eq!(regular(hole), Max(vec![Part(0), Part(1)]));
+        // A sheet, and all of space.
+        let sheet = regularize(Max(vec![Part(0), Opposite(0), Part(1)]));
+        assert!(matches!(sheet, Regularized::Constant(1)));
+        let all = regularize(Min(vec![Part(0), Part(1), Opposite(0)]));
+        assert!(matches!(all, Regularized::Constant(-1)));
+        // Two wedges that share an edge.
+        let wedges = Min(vec![Max(vec![Part(0), Part(1)]), Max(vec![Opposite(0), Opposite(1)])]);
+        assert!(matches!(regularize(wedges), Regularized::Crossing(_)));
+        // Boxes that cross: one above a plane, one below.
+        let crossed = Min(vec![Max(vec![Part(0), Part(1)]), Max(vec![Opposite(0), Part(2)])]);
+        let Min(terms) = regular(crossed) else { panic!("a union") };
+        assert!(terms.len() == 3 && terms.contains(&Max(vec![Part(1), Part(2)])), "{terms:?}");
+    }
+}

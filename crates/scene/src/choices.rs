@@ -343,6 +343,40 @@ mod tests {
         }
     }
 
+    /// A solid has one part for faces in one plane, if its function does not jump there. An equation
+    /// has all parts.
+    #[test]
+    fn parts_of_a_solid_in_one_plane_are_one() {
+        use Choice::{Max, Min, Opposite, Part};
+        for (text, expected, parts) in [
+            ("min(max(x, y), max(2x, z)) <= 0", "min(max(0, 1), max(2, 0))", 3),
+            ("min(max(x, y), max(-3x, z)) <= 0", "min(max(0, 1), max(2, -0), max(2, 1))", 3),
+            (
+                "min(max(1 - x^2, y), max(x^2/2 - 1/2, z)) <= 0",
+                "min(max(0, 1), max(2, -1), max(2, 0))",
+                3,
+            ),
+            ("min(max(x, y), max(-3x, z)) = 0", "min(max(0, 1), max(2, 3))", 4),
+            ("min(max(floor(x), y), max(-floor(x), z)) <= 0", "min(max(0, 1), max(2, 3))", 4),
+        ] {
+            let document = read(text, &Options::default()).expect(text);
+            let region = Region::new(DVec3::splat(-2.0), DVec3::splat(2.0)).expect("a region");
+            let program = Program::new(&document, view::bounds(&region)).expect(text);
+            let found = program.choices(0, &region).expect(text);
+            fn written(choice: &Choice) -> String {
+                let all = |all: &[Choice]| all.iter().map(written).collect::<Vec<_>>().join(", ");
+                match choice {
+                    Part(part) => part.to_string(),
+                    Opposite(part) => format!("-{part}"),
+                    Min(inner) => format!("min({})", all(inner)),
+                    Max(inner) => format!("max({})", all(inner)),
+                }
+            }
+            assert_eq!(written(&found.choice), expected, "{text}");
+            assert_eq!(found.parts.roots().len(), parts, "{text}");
+        }
+    }
+
     #[test]
     fn restrictions_are_parts_that_cut() {
         use Choice::{Max, Min, Part};

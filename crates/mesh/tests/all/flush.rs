@@ -7,7 +7,7 @@ use glam::DVec3;
 use std::f64::consts::PI;
 use std::time::Instant;
 use zeroset_space::Region;
-use zeroset_testkit::Effort;
+use zeroset_testkit::{Crossings, Effort, crossings};
 
 #[test]
 fn flush_faces_are_proven() {
@@ -222,6 +222,8 @@ fn random_boxes_with_common_planes_have_their_shapes() {
             continue;
         }
         proven += 1;
+        let vertices: Vec<[f64; 3]> = mesh.vertices.iter().map(|at| at.to_array()).collect();
+        assert_eq!(crossings(&vertices, &mesh.triangles), Crossings::default(), "{line}");
         assert_eq!(euler(&mesh), (cubes.euler(), 0), "{line}");
         let (found, exact) = (volume(&mesh), cubes.volume() as f64);
         let most = tolerance * cubes.area() as f64;
