@@ -71,11 +71,11 @@ pub struct PartBounds {
 /// A side of a part's zeros.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
-    /// Where the part is above 0.
+    /// The part is above 0 on this side.
     Above,
-    /// Where the part is below 0.
+    /// The part is below 0 on this side.
     Below,
-    /// One side at some zeros, and the other one at others.
+    /// The side is above at some zeros, and below at others.
     Both,
     /// The surface may cross itself, so that nothing is proven.
     Unknown,

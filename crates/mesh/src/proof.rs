@@ -12,6 +12,10 @@
 //! their gradients over the tetrahedron. At a corner on the boundary of the domain, the vector is
 //! tangent to the boundary, so that the domain is carried to itself.
 //!
+//! A solid may have a part together with its opposite. No vector serves for both. But up to three
+//! parts are carried all at once if each combination of their signs has such a vector: see
+//! [`vectors`].
+//!
 //! In all other tetrahedra, f has no zero because of the signs of its parts. The parts of g have
 //! the same signs, so g has no zero either.
 //!

@@ -5,11 +5,12 @@
 //! function of a few sets. Where it does not depend on one of them, that set's boundary is no
 //! boundary of the solid: coincident faces vanish.
 //!
-//! The choice is written anew as the union of all prime implicants: the intersections of sets, or
-//! of complements, that are in the solid and in no larger such intersection. At a point where some
-//! sets' parts are 0, this choice is below 0 if the function is true whatever holds of these sets,
-//! above 0 if it is false, and else 0. So its sign depends on the point alone. Two cells, in which
-//! different sets matter, agree on it wherever they meet.
+//! The choice is written anew as the union of all prime implicants. These are the intersections of
+//! sets and complements that are in the solid and in no larger such intersection. At a point where
+//! the parts of some sets are 0, each of these sets may hold the point or not. The new choice is
+//! below 0 there if the function is true in all these cases, above 0 if it is false in all, and
+//! else 0. So its sign depends on the point alone. Two cells in which different sets matter agree
+//! on it wherever they meet.
 
 use smallvec::SmallVec;
 use zeroset_scene::choices::Choice;
@@ -67,7 +68,9 @@ impl Sets {
                     }
                 }
                 Choice::Min(all) | Choice::Max(all) => {
-                    all.iter().for_each(|one| add(one, parts, count));
+                    for one in all {
+                        add(one, parts, count);
+                    }
                 }
             }
         }
@@ -92,8 +95,7 @@ impl Sets {
 
     /// The union of all prime implicants. `None` if the boundary may cross itself.
     fn choice(&self, values: u64) -> Option<Choice> {
-        // The values where a point enters a set and stays in the solid or comes into it, and those
-        // where it leaves the solid.
+        // Whether a point that enters a set may enter the solid, and whether it may leave it.
         let changes = |number: &usize| {
             let inside = values & INSIDE[*number];
             let outside = (values & !INSIDE[*number]) << (1 << *number);

@@ -343,11 +343,21 @@ mod tests {
         }
     }
 
+    /// A choice as a text.
+    fn written(choice: &Choice) -> String {
+        let all = |all: &[Choice]| all.iter().map(written).collect::<Vec<_>>().join(", ");
+        match choice {
+            Choice::Part(part) => part.to_string(),
+            Choice::Opposite(part) => format!("-{part}"),
+            Choice::Min(inner) => format!("min({})", all(inner)),
+            Choice::Max(inner) => format!("max({})", all(inner)),
+        }
+    }
+
     /// A solid has one part for faces in one plane, if its function does not jump there. An equation
     /// has all parts.
     #[test]
     fn parts_of_a_solid_in_one_plane_are_one() {
-        use Choice::{Max, Min, Opposite, Part};
         for (text, expected, parts) in [
             ("min(max(x, y), max(2x, z)) <= 0", "min(max(0, 1), max(2, 0))", 3),
             ("min(max(x, y), max(-3x, z)) <= 0", "min(max(0, 1), max(2, -0), max(2, 1))", 3),
@@ -363,15 +373,6 @@ mod tests {
             let region = Region::new(DVec3::splat(-2.0), DVec3::splat(2.0)).expect("a region");
             let program = Program::new(&document, view::bounds(&region)).expect(text);
             let found = program.choices(0, &region).expect(text);
-            fn written(choice: &Choice) -> String {
-                let all = |all: &[Choice]| all.iter().map(written).collect::<Vec<_>>().join(", ");
-                match choice {
-                    Part(part) => part.to_string(),
-                    Opposite(part) => format!("-{part}"),
-                    Min(inner) => format!("min({})", all(inner)),
-                    Max(inner) => format!("max({})", all(inner)),
-                }
-            }
             assert_eq!(written(&found.choice), expected, "{text}");
             assert_eq!(found.parts.roots().len(), parts, "{text}");
         }
