@@ -189,3 +189,43 @@ pub fn linear_gradient(corners: &[DVec3; 4], values: &[f64; 4]) -> DVec3 {
     let rise = [1, 2, 3].map(|k| values[k] - values[0]);
     (rise[0] * across_u + rise[1] * across_v + rise[2] * across_w) / volume
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn slopes(part: u16, side: Side, along: DVec3) -> Slopes {
+        let bounds = |slope: f64| Interval { lo: slope - 0.01, hi: slope + 0.01 };
+        Slopes { part, side, gradient: along.to_array().map(bounds), linear: along }
+    }
+
+    #[test]
+    fn vectors_serve_for_all_signs_of_independent_parts() {
+        use Side::{Above, Below, Both, Unknown};
+        let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+        let count = |star: &[(u16, Side, DVec3)]| {
+            let star: Vec<Slopes> = star.iter().map(|(p, s, at)| slopes(*p, *s, *at)).collect();
+            let found = vectors(&star, [false; 3])?;
+            if let [vector] = found[..] {
+                for Slopes { side, linear, .. } in &star {
+                    assert!(*side == Both || (linear.dot(vector) > 0.0) == (*side == Above));
+                }
+            }
+            Some(found.len())
+        };
+        assert_eq!(count(&[(0, Above, x), (1, Above, y), (2, Below, z)]), Some(1));
+        assert_eq!(count(&[(0, Above, x), (1, Above, -x)]), None);
+        assert_eq!(count(&[(0, Above, x), (1, Below, -x)]), Some(1));
+        // Below a plane in one cell, and above it in another.
+        assert_eq!(count(&[(0, Above, x), (1, Above, y), (0, Below, x)]), Some(2));
+        assert_eq!(count(&[(0, Both, x), (1, Above, y), (2, Below, z)]), Some(4));
+        assert_eq!(count(&[(0, Both, x), (1, Above, y), (2, Below, z), (3, Above, z)]), None);
+        assert_eq!(count(&[(0, Both, x), (1, Unknown, y)]), None);
+        // Whatever place among the parts the dependent one has.
+        for both in 0..3 {
+            let side = |part: u16| if part == both { Both } else { Above };
+            assert_eq!(count(&[(0, side(0), x), (1, side(1), y), (2, side(2), x + y)]), None);
+            assert_eq!(count(&[(0, side(0), x), (1, side(1), y), (2, side(2), x - y)]), None);
+        }
+    }
+}
