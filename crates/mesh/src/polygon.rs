@@ -412,27 +412,33 @@ fn merged(pieces: SmallVec<[Polygon; 1]>, is_two_sided: bool) -> SmallVec<[Polyg
         return pieces;
     }
     let id = |vertex: &Vertex| (vertex.between, vertex.parts);
-    let mut edges: Vec<(Vertex, Vertex)> = Vec::new();
-    for piece in &pieces {
+    // Each edge with the number of its piece.
+    let mut edges: Vec<(Vertex, Vertex, usize)> = Vec::new();
+    for (number, piece) in pieces.iter().enumerate() {
         for (k, vertex) in piece.vertices.iter().enumerate() {
             let next = piece.vertices[(k + 1) % piece.vertices.len()];
-            let back = |(a, b): &(Vertex, Vertex)| id(a) == id(&next) && id(b) == id(vertex);
+            let back =
+                |(a, b, _): &(Vertex, Vertex, usize)| id(a) == id(&next) && id(b) == id(vertex);
             match edges.iter().position(back) {
                 Some(position) => drop(edges.swap_remove(position)),
-                None => edges.push((*vertex, next)),
+                None => edges.push((*vertex, next, number)),
             }
         }
     }
     let mut loops = SmallVec::new();
-    while let Some((first, mut end)) = edges.pop() {
+    while let Some((first, mut end, mut piece)) = edges.pop() {
         let mut vertices = vec![first];
         while id(&end) != id(&first) {
-            let Some(position) = edges.iter().position(|(from, _)| id(from) == id(&end)) else {
+            // Two pieces may meet in a vertex alone. Then each goes on with its own edge.
+            let follows = |(from, _, _): &(Vertex, Vertex, usize)| id(from) == id(&end);
+            let is_own = |edge: &(Vertex, Vertex, usize)| follows(edge) && edge.2 == piece;
+            let own = edges.iter().position(is_own);
+            let Some(position) = own.or_else(|| edges.iter().position(follows)) else {
                 return pieces;
             };
-            let edge = edges.swap_remove(position);
-            vertices.push(edge.0);
-            end = edge.1;
+            let from;
+            (from, end, piece) = edges.swap_remove(position);
+            vertices.push(from);
         }
         let is_bend = |k: &usize| {
             let before = vertices[(k + vertices.len() - 1) % vertices.len()];
