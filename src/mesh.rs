@@ -176,7 +176,8 @@ impl SurfaceMesh {
     }
 
     /// Returns the vertices of each triangle, by number. They go counterclockwise as seen from
-    /// outside, where the function is above 0.
+    /// outside, where the function is above 0. If it is below 0 around a closed piece of an
+    /// equation, outside is where it is below 0, for this piece and for all pieces inside of it.
     pub fn faces(&self) -> &[[u32; 3]] {
         &self.faces
     }

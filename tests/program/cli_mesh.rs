@@ -323,6 +323,16 @@ fn a_solid_is_closed_by_its_domain() {
 }
 
 #[test]
+fn an_equation_that_is_above_0_inside_faces_out() {
+    let told = "its function is below 0 outside; the triangles face outside all the same";
+    for (text, is_told) in [("1 = x^2+y^2+z^2", true), ("x^2+y^2+z^2 = 1", false)] {
+        let (mesh, stderr) = read(&[text, "--tolerance", "0.05"], "a.ply");
+        assert!(mesh.volume() > 4.0, "{text}: {}", mesh.volume());
+        assert_eq!(stderr.contains(told), is_told, "{text}: {stderr}");
+    }
+}
+
+#[test]
 fn several_surfaces_are_several_objects() {
     let two = ["x^2+y^2+z^2 = 1\n(x-3)^2+y^2+z^2 <= r\nhidden\nz = 0", "-D", "r=0.5"];
     let two = [&two[..], &["--tolerance", "0.05"]].concat();

@@ -195,6 +195,11 @@ fn remarks(found: &Meshes, format: Option<&Format>) -> Vec<String> {
         if mesh.triangles.is_empty() {
             remarks.push(format!("`{name}` has no triangle in this domain"));
         }
+        if mesh.turned > 0 {
+            remarks.push(format!(
+                "`{name}`: its function is below 0 outside; the triangles face outside all the same"
+            ));
+        }
     }
     let Some(format) = format else { return remarks };
     if found.objects.len() > 1 && !format.has_objects {

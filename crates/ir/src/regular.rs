@@ -33,6 +33,7 @@ mod thin;
 
 use crate::algebra::neg;
 use crate::graph::{Graph, Node, NodeId};
+pub use form::multiples;
 use sets::Sets;
 pub(crate) use thin::{Nonneg, is_thin_zero};
 use zeroset_interval::{Decorated, Facts, Interval, fold};

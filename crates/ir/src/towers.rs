@@ -4,8 +4,8 @@
 use crate::testing::TestGraphBuilder;
 use crate::{
     Axis, Graph, NodeId, algebraic_angles, bounded_logarithms, clear, compact, derivative, display,
-    fix_exponents, gradient, hoist, radical, regularize, rewrite, same_sign, simplify, substitute,
-    variabilities, without_gaps,
+    fix_exponents, gradient, hoist, multiples, radical, regularize, rewrite, same_sign, simplify,
+    substitute, variabilities, without_gaps,
 };
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
@@ -41,6 +41,7 @@ const PASSES: &[Pass] = &[
     ("fix_exponents", |graph, root| _ = fix_exponents(graph, &[root], &[])),
     ("gradient", |graph, root| _ = gradient(graph, root)),
     ("hoist", |graph, root| _ = hoist(graph, &[root], 0)),
+    ("multiples", |graph, root| _ = multiples(graph, &[root], &[])),
     ("radical", |graph, root| _ = radical(graph, root)),
     ("regularize", |graph, root| _ = regularize(graph, root, Some(true), &DOMAIN, &[])),
     ("regularize a thin one", |graph, root| _ = regularize(graph, root, None, &DOMAIN, &[])),

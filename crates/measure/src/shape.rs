@@ -1,7 +1,7 @@
 //! Pieces, genus and area of a mesh.
 
 use glam::DVec3;
-use zeroset_mesh::Mesh;
+use zeroset_mesh::{Connected, Mesh};
 
 /// The shape of a mesh, and so of the surface, if the mesh is proven to have the surface's shape.
 #[derive(Clone, Debug, Default)]
@@ -15,30 +15,26 @@ pub struct Shape {
 pub struct Piece {
     /// Number of handles, or `None` if the piece has a rim.
     pub genus: Option<u32>,
-    /// True if the piece is closed and f > 0 inside: it bounds a hollow of a solid.
+    /// True if the piece is closed, and its triangles face what it encloses: a hollow.
     pub is_hollow: bool,
 }
 
 /// The shape of a mesh. Pieces are in the order of their first vertices.
 pub fn shape(mesh: &Mesh) -> Shape {
-    let mut sets = Sets { parents: (0..mesh.vertices.len() as u32).collect() };
-    for [a, b, c] in &mesh.triangles {
-        sets.join(*a, *b);
-        sets.join(*b, *c);
-    }
+    let mut sets = Connected::new(mesh.vertices.len(), &mesh.triangles);
     let mut numbers = vec![u32::MAX; mesh.vertices.len()];
     let mut counts: Vec<Counts> = Vec::new();
     for vertex in 0..mesh.vertices.len() as u32 {
-        let root = sets.root(vertex) as usize;
-        if numbers[root] == u32::MAX {
-            numbers[root] = counts.len() as u32;
+        let first = sets.first(vertex) as usize;
+        if numbers[first] == u32::MAX {
+            numbers[first] = counts.len() as u32;
             counts.push(Counts::default());
         }
-        counts[numbers[root] as usize].vertices += 1;
+        counts[numbers[first] as usize].vertices += 1;
     }
     let mut sides: Vec<[u32; 3]> = Vec::with_capacity(3 * mesh.triangles.len());
     for &[a, b, c] in &mesh.triangles {
-        let number = numbers[sets.root(a) as usize];
+        let number = numbers[sets.first(a) as usize];
         let piece = &mut counts[number as usize];
         let [p, q, r] = [a, b, c].map(|vertex| mesh.vertices[vertex as usize]);
         piece.triangles += 1;
@@ -70,27 +66,6 @@ impl Counts {
         let euler = self.vertices - self.edges + self.triangles;
         let genus = if self.has_rim { None } else { u32::try_from((2 - euler) / 2).ok() };
         Piece { genus, is_hollow: !self.has_rim && self.volume < 0.0 }
-    }
-}
-
-/// Disjoint sets of connected vertices.
-struct Sets {
-    parents: Vec<u32>,
-}
-
-impl Sets {
-    fn root(&mut self, mut vertex: u32) -> u32 {
-        while self.parents[vertex as usize] != vertex {
-            let parent = self.parents[vertex as usize];
-            self.parents[vertex as usize] = self.parents[parent as usize];
-            vertex = parent;
-        }
-        vertex
-    }
-
-    fn join(&mut self, one: u32, other: u32) {
-        let (one, other) = (self.root(one), self.root(other));
-        self.parents[one.max(other) as usize] = one.min(other);
     }
 }
 

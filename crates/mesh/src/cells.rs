@@ -1,6 +1,7 @@
 //! Bounds of functions over tetrahedra. A function is a choice: minima and maxima of parts.
 
 use crate::grid::{Corner, CornerMap, Tetrahedron};
+use crate::regular::{Regularized, regularize};
 use crate::space::Space;
 use rayon::prelude::*;
 use smallvec::SmallVec;
@@ -54,6 +55,8 @@ pub struct Query<'a> {
 pub struct PartBounds {
     /// The part's number.
     pub part: u16,
+    /// The side of the part's zeros on which the function is above 0.
+    pub side: Side,
     /// The part's values.
     value: Interval,
     /// The partial derivatives, at each point where they exist. `None` if the part is not proven
@@ -63,6 +66,31 @@ pub struct PartBounds {
     may_vanish: bool,
     /// True if the part is proven to be defined and continuous in the box.
     is_continuous: bool,
+}
+
+/// A side of a part's zeros.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The part is above 0 on this side.
+    Above,
+    /// The part is below 0 on this side.
+    Below,
+    /// The side is above at some zeros, and below at others.
+    Both,
+    /// The surface may cross itself, so that nothing is proven.
+    Unknown,
+}
+
+impl Side {
+    /// The side on which a choice with this part is above 0.
+    pub fn of(part: u16, choice: &Choice) -> Self {
+        let part = usize::from(part);
+        match (choice.has(&Choice::Part(part)), choice.has(&Choice::Opposite(part))) {
+            (_, false) => Self::Above,
+            (false, true) => Self::Below,
+            (true, true) => Self::Both,
+        }
+    }
 }
 
 /// Bounds of the parts that matter in a cell, mostly one.
@@ -166,6 +194,7 @@ fn bounds(
         };
         PartBounds {
             part,
+            side: Side::Above,
             value: Interval { lo: -bounds.neg_lo[lane], hi: bounds.hi[lane] },
             gradient: (bounds.lipschitz >> lane & 1 == 1).then(slopes),
             may_vanish: zeros.possible >> lane & 1 == 1,
@@ -215,6 +244,7 @@ fn estimates(
             let may_vanish = value.lo <= 0.0 && value.hi >= 0.0;
             all.push(PartBounds {
                 part,
+                side: Side::Above,
                 value,
                 gradient: Some(gradient),
                 may_vanish,
@@ -229,7 +259,7 @@ fn estimates(
 pub fn parts_of(choice: &Choice) -> SmallVec<[usize; 4]> {
     fn add(choice: &Choice, parts: &mut SmallVec<[usize; 4]>) {
         match choice {
-            Choice::Part(part) => parts.push(*part),
+            Choice::Part(part) | Choice::Opposite(part) => parts.push(*part),
             Choice::Min(all) | Choice::Max(all) => all.iter().for_each(|one| add(one, parts)),
         }
     }
@@ -243,13 +273,23 @@ pub fn parts_of(choice: &Choice) -> SmallVec<[usize; 4]> {
 /// Classifies a cell by the bounds of the parts in it.
 fn classify_cell(choice: &Arc<Choice>, bounds: &Parts, query: &Query<'_>) -> CellClass {
     let is_solid = query.is_solid;
+    let mut is_crossing = false;
     let choice = match &**choice {
-        Choice::Part(_) => Arc::clone(choice),
-        several => Arc::new(pruned(several, bounds)),
+        Choice::Part(_) | Choice::Opposite(_) => Arc::clone(choice),
+        several => match regularize(pruned(several, bounds)) {
+            Regularized::Choice(choice) => Arc::new(choice),
+            Regularized::Crossing(choice) => {
+                is_crossing = true;
+                Arc::new(choice)
+            }
+            Regularized::Constant(sign) => return CellClass::Empty(sign),
+        },
     };
     let left = parts_of(&choice);
     let is_left = |one: &&PartBounds| left.binary_search(&usize::from(one.part)).is_ok();
-    let parts: Parts = bounds.iter().filter(is_left).copied().collect();
+    let side = |part: u16| if is_crossing { Side::Unknown } else { Side::of(part, &choice) };
+    let sided = |one: &PartBounds| PartBounds { side: side(one.part), ..*one };
+    let parts: Parts = bounds.iter().filter(is_left).map(sided).collect();
     let value = value(&choice, &parts).unwrap_or(Interval::ENTIRE);
     let sign = i8::from(value.lo > 0.0) - i8::from(value.hi < 0.0);
     // If several parts matter, the bounds also hold for functions that are linear in the cell and
@@ -283,6 +323,9 @@ fn value(choice: &Choice, bounds: &[PartBounds]) -> Option<Interval> {
             let place = bounds.binary_search_by_key(part, |one| usize::from(one.part));
             place.ok().map(|place| bounds[place].value)
         }
+        Choice::Opposite(part) => {
+            value(&Choice::Part(*part), bounds).map(|v| Interval { lo: -v.hi, hi: -v.lo })
+        }
         Choice::Min(all) => fold(all, f64::min),
         Choice::Max(all) => fold(all, f64::max),
     }
@@ -292,7 +335,7 @@ fn value(choice: &Choice, bounds: &[PartBounds]) -> Option<Interval> {
 /// may be undefined stays, since the choice is undefined there, too.
 fn pruned(choice: &Choice, bounds: &[PartBounds]) -> Choice {
     let (all, is_max) = match choice {
-        Choice::Part(part) => return Choice::Part(*part),
+        Choice::Part(_) | Choice::Opposite(_) => return choice.clone(),
         Choice::Min(all) => (all, false),
         Choice::Max(all) => (all, true),
     };
@@ -317,7 +360,7 @@ fn pruned(choice: &Choice, bounds: &[PartBounds]) -> Choice {
 /// Returns whether all parts of a choice are proven continuous.
 fn is_certain(choice: &Choice, bounds: &[PartBounds]) -> bool {
     match choice {
-        Choice::Part(part) => {
+        Choice::Part(part) | Choice::Opposite(part) => {
             let place = bounds.binary_search_by_key(part, |one| usize::from(one.part));
             place.is_ok_and(|place| bounds[place].is_continuous)
         }

@@ -4,20 +4,24 @@
 //! ([`mesh`]). The mesh is cut out of the tetrahedra along the zeros on their edges.
 
 mod cells;
+mod connected;
 mod embedding;
 mod extract;
 mod fit;
 mod grid;
 mod leaf;
+mod orientation;
 mod place;
 mod polygon;
 mod proof;
 mod refine;
+mod regular;
 mod simplify;
 mod space;
 mod values;
 
 use cells::{PartKernels, Query};
+pub use connected::Connected;
 use glam::DVec3;
 use leaf::Kind;
 use refine::Limits;
@@ -43,8 +47,14 @@ const TRIALS: usize = 3;
 pub struct Mesh {
     /// Places of the vertices, in world units.
     pub vertices: Vec<DVec3>,
-    /// The vertices of each triangle, counterclockwise from outside, where f > 0.
+    /// The vertices of each triangle, counterclockwise from outside, where f > 0. If f < 0 around a
+    /// closed piece of an equation, outside is where f < 0, for this piece and for all pieces
+    /// inside of it.
     pub triangles: Vec<[u32; 3]>,
+    /// The number of closed pieces of an equation that are inside of no other one, with f < 0
+    /// around them. It is 0 if f [was replaced](Program::is_reduced), perhaps by a function with
+    /// other signs.
+    pub turned: usize,
     /// The places in which the shape is not proven: tetrahedra, and edges of triangles that do not
     /// fit together.
     pub unproven: Vec<Unproven>,
@@ -185,8 +195,12 @@ pub fn mesh(
     }
     // Rounding may decide differently in neighbors where more than three parts are 0 at a point.
     let may_end = |vertex: u32| triangles.is_cut[vertex as usize];
-    let (is_closed, misfits) = fit::fit(&mesh, [low, high], is_solid, &may_end);
-    mesh.is_closed = is_closed;
+    let (rims, misfits) = fit::fit(&mesh, [low, high], is_solid, &may_end);
+    mesh.is_closed = rims.is_empty();
+    if !is_solid {
+        let turned = orientation::face_out(&mesh.vertices, &mut mesh.triangles, &rims);
+        mesh.turned = if program.is_reduced(surface) { 0 } else { turned };
+    }
     for (from, to) in misfits {
         let size = (to - from).abs();
         mesh.unproven.push(Unproven { centre: 0.5 * (from + to), size });

@@ -253,6 +253,7 @@ fn value_of(choice: &Choice, value: &dyn Fn(usize) -> f64) -> f64 {
     };
     match choice {
         Choice::Part(part) => Some(value(*part)).filter(|v| !v.is_nan()).unwrap_or(f64::INFINITY),
+        Choice::Opposite(part) => -value(*part),
         Choice::Min(all) => each(all, f64::min),
         Choice::Max(all) => each(all, f64::max),
     }

@@ -5,6 +5,7 @@
 //!
 //! Polygons are as in exact arithmetic, unless a [`Linear`] is uncertain.
 
+use crate::cells::Side;
 use smallvec::{SmallVec, smallvec};
 use std::cell::Cell;
 use std::cmp::Ordering;
@@ -84,7 +85,20 @@ impl Polygon {
     pub fn ids(&self) -> impl Iterator<Item = (u8, [u16; 3])> {
         self.vertices.iter().map(|vertex| (vertex.between, vertex.parts))
     }
+
+    /// The same polygon as seen from the back.
+    fn turned(self) -> Self {
+        let count = self.vertices.len();
+        let vertex = |k: usize| {
+            let next = self.vertices[(2 * count - k - 2) % count].next;
+            Vertex { next, ..self.vertices[count - k - 1] }
+        };
+        Self { vertices: (0..count).map(vertex).collect(), ..self }
+    }
 }
+
+/// Signs of parts.
+type Signs = Vec<(u16, Ordering)>;
 
 /// All four corners.
 const ALL: u8 = 0b1111;
@@ -111,10 +125,32 @@ impl Linear {
     pub fn zeros(&self, choice: &Choice, is_positive: bool) -> SmallVec<[Polygon; 1]> {
         let sections =
             self.parts.iter().filter_map(|(part, values)| self.section(*part, values, is_positive));
+        let is_both = |(part, _): &(u16, [f64; 4])| Side::of(*part, choice) == Side::Both;
+        let is_two_sided = self.parts.len() > 1 && self.parts.iter().any(is_both);
         // On a section, one part is 0. So is the choice where the other parts leave it at 0.
-        let zeros = |section| match choice {
+        let zeros = |section: Polygon| match choice {
             Choice::Part(_) => smallvec![section],
-            several => merged(self.cut_by_sign(several, section, Ordering::Equal)),
+            Choice::Opposite(_) => smallvec![section.turned()],
+            several => {
+                // On the back of a section, the part is below 0, and the choice may be above 0.
+                let part = section.part;
+                let is_turned = |(_, signs): &(Polygon, Signs)| {
+                    let behind = |(one, sign): &(u16, Ordering)| {
+                        (*one, if *one == part { Ordering::Less } else { *sign })
+                    };
+                    let behind: Signs = signs.iter().map(behind).collect();
+                    sign_of(several, &behind) == Some(Ordering::Greater)
+                };
+                let pieces = self.cut_by_sign(several, section, Ordering::Equal);
+                let (turned, others): (Vec<_>, Vec<_>) = pieces.into_iter().partition(is_turned);
+                let of = |pieces: Vec<(Polygon, Signs)>| {
+                    let pieces = pieces.into_iter().map(|(piece, _)| piece);
+                    merged(pieces.collect(), is_two_sided)
+                };
+                let mut all = of(others);
+                all.extend(of(turned).into_iter().map(Polygon::turned));
+                all
+            }
         };
         sections.flat_map(zeros).collect()
     }
@@ -141,7 +177,8 @@ impl Linear {
         if self.parts.is_empty() {
             return smallvec![polygon];
         }
-        merged(self.cut_by_sign(choice, polygon, Ordering::Less))
+        let pieces = self.cut_by_sign(choice, polygon, Ordering::Less);
+        merged(pieces.into_iter().map(|(piece, _)| piece).collect(), false)
     }
 
     /// The polygon in which a part is 0.
@@ -237,20 +274,20 @@ impl Linear {
         polygon.vertices.iter().map(|vertex| self.key(vertex))
     }
 
-    /// Cuts a polygon along the zeros of all parts, and keeps the pieces in which the choice has
-    /// this sign.
+    /// Cuts a polygon along the zeros of all parts. Returns the pieces in which the choice has this
+    /// sign, with the signs of the parts.
     fn cut_by_sign(
         &self,
         choice: &Choice,
         polygon: Polygon,
         sign: Ordering,
-    ) -> SmallVec<[Polygon; 1]> {
-        let mut pieces = vec![(polygon, Vec::new())];
+    ) -> Vec<(Polygon, Signs)> {
+        let mut pieces = vec![(polygon, Signs::new())];
         for (part, values) in &self.parts {
             let whole = std::mem::take(&mut pieces);
             for (polygon, signs) in whole {
                 let with = |sign: Ordering| {
-                    let mut signs: Vec<(u16, Ordering)> = signs.clone();
+                    let mut signs: Signs = signs.clone();
                     signs.push((*part, sign));
                     signs
                 };
@@ -266,7 +303,8 @@ impl Linear {
             }
         }
         let has_sign = |signs: &[(u16, Ordering)]| sign_of(choice, signs) == Some(sign);
-        pieces.into_iter().filter(|(_, signs)| has_sign(signs)).map(|(piece, _)| piece).collect()
+        pieces.retain(|(_, signs)| has_sign(signs));
+        pieces
     }
 
     /// The piece of a polygon where a part is below 0, or is not if `is_below` is false.
@@ -324,6 +362,7 @@ fn sign_of(choice: &Choice, signs: &[(u16, Ordering)]) -> Option<Ordering> {
         Choice::Part(part) => {
             signs.iter().find(|(one, _)| usize::from(*one) == *part).map(|(_, sign)| *sign)
         }
+        Choice::Opposite(part) => sign_of(&Choice::Part(*part), signs).map(Ordering::reverse),
         Choice::Min(all) => each(all).into_iter().min(),
         Choice::Max(all) => each(all).into_iter().max(),
     }
@@ -366,37 +405,45 @@ fn minor(
 }
 
 /// Pieces of one polygon, joined along the edges that they share. A vertex in the middle of a line
-/// is left out, since neighbors do not have it.
-fn merged(pieces: SmallVec<[Polygon; 1]>) -> SmallVec<[Polygon; 1]> {
+/// is left out, since neighbors do not have it. Where the choice has a part and its opposite,
+/// neighbors may have it if three parts are 0 there.
+fn merged(pieces: SmallVec<[Polygon; 1]>, is_two_sided: bool) -> SmallVec<[Polygon; 1]> {
     if pieces.len() < 2 {
         return pieces;
     }
     let id = |vertex: &Vertex| (vertex.between, vertex.parts);
-    let mut edges: Vec<(Vertex, Vertex)> = Vec::new();
-    for piece in &pieces {
+    // Each edge with the number of its piece.
+    let mut edges: Vec<(Vertex, Vertex, usize)> = Vec::new();
+    for (number, piece) in pieces.iter().enumerate() {
         for (k, vertex) in piece.vertices.iter().enumerate() {
             let next = piece.vertices[(k + 1) % piece.vertices.len()];
-            let back = |(a, b): &(Vertex, Vertex)| id(a) == id(&next) && id(b) == id(vertex);
+            let back =
+                |(a, b, _): &(Vertex, Vertex, usize)| id(a) == id(&next) && id(b) == id(vertex);
             match edges.iter().position(back) {
                 Some(position) => drop(edges.swap_remove(position)),
-                None => edges.push((*vertex, next)),
+                None => edges.push((*vertex, next, number)),
             }
         }
     }
     let mut loops = SmallVec::new();
-    while let Some((first, mut end)) = edges.pop() {
+    while let Some((first, mut end, mut piece)) = edges.pop() {
         let mut vertices = vec![first];
         while id(&end) != id(&first) {
-            let Some(position) = edges.iter().position(|(from, _)| id(from) == id(&end)) else {
+            // Two pieces may meet in a vertex alone. Then each goes on with its own edge.
+            let follows = |(from, _, _): &(Vertex, Vertex, usize)| id(from) == id(&end);
+            let is_own = |edge: &(Vertex, Vertex, usize)| follows(edge) && edge.2 == piece;
+            let own = edges.iter().position(is_own);
+            let Some(position) = own.or_else(|| edges.iter().position(follows)) else {
                 return pieces;
             };
-            let edge = edges.swap_remove(position);
-            vertices.push(edge.0);
-            end = edge.1;
+            let from;
+            (from, end, piece) = edges.swap_remove(position);
+            vertices.push(from);
         }
         let is_bend = |k: &usize| {
             let before = vertices[(k + vertices.len() - 1) % vertices.len()];
-            before.next != vertices[*k].next
+            let is_corner = is_two_sided && !vertices[*k].parts.contains(&NO_PART);
+            before.next != vertices[*k].next || is_corner
         };
         let vertices: SmallVec<[Vertex; 4]> =
             (0..vertices.len()).filter(is_bend).map(|k| vertices[k]).collect();

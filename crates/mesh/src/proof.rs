@@ -12,12 +12,19 @@
 //! their gradients over the tetrahedron. At a corner on the boundary of the domain, the vector is
 //! tangent to the boundary, so that the domain is carried to itself.
 //!
+//! A solid may have a part together with its opposite. No vector serves for both. But up to three
+//! parts are carried all at once if each combination of their signs has such a vector: see
+//! [`vectors`].
+//!
 //! In all other tetrahedra, f has no zero because of the signs of its parts. The parts of g have
 //! the same signs, so g has no zero either.
 //!
 //! `docs/meshes.md` goes on from g to the triangles, whose vertices are moved and rounded.
 
+use crate::cells::Side;
+use crate::regular::MOST_TWO_SIDED;
 use glam::DVec3;
+use smallvec::{SmallVec, smallvec};
 use zeroset_interval::Interval;
 
 /// A slope counts as positive if it exceeds this share of the gradient's largest component.
@@ -34,10 +41,61 @@ const CORRECTIONS: usize = 24;
 /// Gradients in a tetrahedron that a vector at one of its corners must not oppose.
 #[derive(Clone, Copy)]
 pub struct Slopes {
+    /// The part's number.
+    pub part: u16,
+    /// The side of its zeros on which f is above 0.
+    pub side: Side,
     /// Bounds of the gradient of f.
     pub gradient: [Interval; 3],
     /// The gradient of g.
     pub linear: DVec3,
+}
+
+impl Slopes {
+    /// The slopes of the part with the opposite sign.
+    fn opposite(&self) -> Self {
+        let gradient = self.gradient.map(|bounds| Interval { lo: -bounds.hi, hi: -bounds.lo });
+        Self { gradient, linear: -self.linear, ..*self }
+    }
+}
+
+/// Vectors that carry the zeros of f to those of g at a corner. There is one along which f and g
+/// increase in all tetrahedra around. Or else there is, for all parts that matter there and for
+/// each combination of their signs, one along which the parts with these signs increase. `None` if
+/// they are not found. The vectors have no component across the boundary's `faces`.
+pub fn vectors(star: &[Slopes], faces: [bool; 3]) -> Option<SmallVec<[DVec3; 1]>> {
+    if star.iter().all(|slopes| slopes.side == Side::Above) {
+        return common_vector(star, faces).map(|vector| smallvec![vector]);
+    }
+    let along = |slopes: &Slopes| match slopes.side {
+        Side::Above => Some(*slopes),
+        Side::Below => Some(slopes.opposite()),
+        Side::Both | Side::Unknown => None,
+    };
+    let one_sided: Option<Vec<Slopes>> = star.iter().map(along).collect();
+    if let Some(vector) = one_sided.and_then(|star| common_vector(&star, faces)) {
+        return Some(smallvec![vector]);
+    }
+    let mut parts: SmallVec<[u16; MOST_TWO_SIDED]> = SmallVec::new();
+    for Slopes { part, .. } in star {
+        if !parts.contains(part) {
+            parts.push(*part);
+        }
+    }
+    let is_unknown = |slopes: &Slopes| slopes.side == Side::Unknown;
+    if parts.len() > MOST_TWO_SIDED || star.iter().any(is_unknown) {
+        return None;
+    }
+    // The opposite of a vector serves for the opposite signs.
+    let signs = 0..1_usize << (parts.len() - 1);
+    let vector = |signs: usize| {
+        let signed = |slopes: &Slopes| {
+            let place = parts.iter().position(|part| *part == slopes.part);
+            if signs >> place.expect("a part") & 1 == 1 { slopes.opposite() } else { *slopes }
+        };
+        common_vector(&star.iter().map(signed).collect::<Vec<_>>(), faces)
+    };
+    signs.map(vector).collect()
 }
 
 /// The least slope along `vector` of a function whose gradient is within bounds, rounded down. Also
@@ -68,7 +126,7 @@ pub fn middle(gradient: &[Interval; 3]) -> DVec3 {
 
 /// Returns a unit vector along which both functions increase in all tetrahedra, or `None` if none
 /// is found. Its components are 0 across the boundary's `faces`.
-pub fn common_vector(star: &[Slopes], faces: [bool; 3]) -> Option<DVec3> {
+fn common_vector(star: &[Slopes], faces: [bool; 3]) -> Option<DVec3> {
     let tangent = |vector: DVec3| {
         let along = [0, 1, 2].map(|axis| if faces[axis] { 0.0 } else { vector[axis] });
         DVec3::from_array(along).try_normalize()
@@ -130,4 +188,44 @@ pub fn linear_gradient(corners: &[DVec3; 4], values: &[f64; 4]) -> DVec3 {
     let volume = u.dot(across_u);
     let rise = [1, 2, 3].map(|k| values[k] - values[0]);
     (rise[0] * across_u + rise[1] * across_v + rise[2] * across_w) / volume
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn slopes(part: u16, side: Side, along: DVec3) -> Slopes {
+        let bounds = |slope: f64| Interval { lo: slope - 0.01, hi: slope + 0.01 };
+        Slopes { part, side, gradient: along.to_array().map(bounds), linear: along }
+    }
+
+    #[test]
+    fn vectors_serve_for_all_signs_of_independent_parts() {
+        use Side::{Above, Below, Both, Unknown};
+        let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
+        let count = |star: &[(u16, Side, DVec3)]| {
+            let star: Vec<Slopes> = star.iter().map(|(p, s, at)| slopes(*p, *s, *at)).collect();
+            let found = vectors(&star, [false; 3])?;
+            if let [vector] = found[..] {
+                for Slopes { side, linear, .. } in &star {
+                    assert!(*side == Both || (linear.dot(vector) > 0.0) == (*side == Above));
+                }
+            }
+            Some(found.len())
+        };
+        assert_eq!(count(&[(0, Above, x), (1, Above, y), (2, Below, z)]), Some(1));
+        assert_eq!(count(&[(0, Above, x), (1, Above, -x)]), None);
+        assert_eq!(count(&[(0, Above, x), (1, Below, -x)]), Some(1));
+        // Below a plane in one cell, and above it in another.
+        assert_eq!(count(&[(0, Above, x), (1, Above, y), (0, Below, x)]), Some(2));
+        assert_eq!(count(&[(0, Both, x), (1, Above, y), (2, Below, z)]), Some(4));
+        assert_eq!(count(&[(0, Both, x), (1, Above, y), (2, Below, z), (3, Above, z)]), None);
+        assert_eq!(count(&[(0, Both, x), (1, Unknown, y)]), None);
+        // Whatever place among the parts the dependent one has.
+        for both in 0..3 {
+            let side = |part: u16| if part == both { Both } else { Above };
+            assert_eq!(count(&[(0, side(0), x), (1, side(1), y), (2, side(2), x + y)]), None);
+            assert_eq!(count(&[(0, side(0), x), (1, side(1), y), (2, side(2), x - y)]), None);
+        }
+    }
 }

@@ -3,7 +3,7 @@
 use crate::cells::{Cell, CellClass, PartBounds, PartKernels, Query, classify_cells};
 use crate::grid::{Corner, Grid, Tetrahedron};
 use crate::leaf::{Kind, Leaf};
-use crate::proof::{Slopes, bend, common_vector, least_slope, linear_gradient, middle};
+use crate::proof::{Slopes, bend, least_slope, linear_gradient, middle, vectors};
 use crate::space::Space;
 use crate::values::CornerValues;
 use glam::DVec3;
@@ -182,16 +182,22 @@ fn has_face(space: &Space, cell: &Tetrahedron) -> bool {
 /// tetrahedron, if the shape is proven.
 fn is_near(space: &Space, cell: &Tetrahedron, parts: &[PartBounds], distance: f64) -> bool {
     let slopes = |part: &PartBounds| {
-        part.gradient.map(|gradient| Slopes { gradient, linear: middle(&gradient) })
+        let PartBounds { part, side, gradient, .. } = *part;
+        gradient.map(|gradient| Slopes { part, side, gradient, linear: middle(&gradient) })
     };
     let Some(slopes) = parts.iter().map(slopes).collect::<Option<Vec<Slopes>>>() else {
         return false;
     };
-    let Some(vector) = common_vector(&slopes, [false; 3]) else { return false };
-    // Both |f| on the mesh and |g| on the surface are at most the bend. Along the vector, either
+    let Some(vectors) = vectors(&slopes, [false; 3]) else { return false };
+    // Both |f| on the mesh and |g| on the surface are at most the bend. Along a vector, either
     // changes at least at the least slope.
     let corners = space.corners(cell);
-    let least = slopes.iter().map(|part| least_slope(&part.gradient, vector).0);
+    let least = vectors.iter().flat_map(|vector| {
+        slopes.iter().map(|part| {
+            let up = least_slope(&part.gradient, *vector).0;
+            up.max(least_slope(&part.gradient, -*vector).0)
+        })
+    });
     let reach = distance * least.fold(f64::INFINITY, f64::min);
     // False for NaN.
     slopes.iter().all(|part| bend(&part.gradient, &corners) <= reach)
@@ -279,7 +285,8 @@ impl Refined {
             let slopes = |part: &PartBounds| {
                 let gradient = part.gradient?;
                 let values = leaf.cell.numbers.map(|corner| self.values.at(corner, part.part));
-                Some(Slopes { gradient, linear: linear_gradient(&corners, &values) })
+                let linear = linear_gradient(&corners, &values);
+                Some(Slopes { part: part.part, side: part.side, gradient, linear })
             };
             local.parts.iter().map(slopes).collect()
         };
@@ -294,10 +301,10 @@ impl Refined {
                 all.extend_from_slice(slopes);
             }
             let faces = space.faces(grid.corners[*corner as usize]);
-            if common_vector(all, faces).is_some() {
+            if vectors(all, faces).is_some() {
                 return None;
             }
-            let at_boundary = faces != [false; 3] && common_vector(all, [false; 3]).is_some();
+            let at_boundary = faces != [false; 3] && vectors(all, [false; 3]).is_some();
             Some(Fails { at_boundary })
         };
         let corners: Vec<u32> =

@@ -43,8 +43,8 @@ impl Mesh {
         vertices(self.0.surfaces().iter()).into_pyarray(py)
     }
 
-    /// The triangles of all surfaces, as rows of `vertices`: uint32 (M, 3). Seen from f > 0, their
-    /// vertices run counterclockwise.
+    /// The triangles of all surfaces, as rows of `vertices`: uint32 (M, 3). Seen from outside,
+    /// their vertices run counterclockwise.
     #[getter]
     fn faces<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<u32>> {
         faces(self.0.surfaces().iter()).into_pyarray(py)

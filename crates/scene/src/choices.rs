@@ -5,7 +5,8 @@ use crate::program::{Program, ProgramError};
 use crate::simplified::Simplified;
 use num_rational::BigRational;
 use std::sync::{Arc, OnceLock};
-use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, simplify};
+use zeroset_interval::Interval;
+use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, multiples, simplify};
 use zeroset_ops::Op;
 use zeroset_space::{Ball, HalfSpace, Region};
 
@@ -17,6 +18,9 @@ const MOST_PARTS: usize = 128;
 pub enum Choice {
     /// The part with this number.
     Part(usize),
+    /// The part with this number, with the opposite sign: a solid's part where a face of another
+    /// part is coincident, and looks the other way.
+    Opposite(usize),
     /// The least of some functions, at least two.
     Min(Vec<Choice>),
     /// The greatest of some functions, at least two.
@@ -29,7 +33,8 @@ pub struct Choices {
     pub choice: Choice,
     /// A program whose surfaces are the parts.
     pub parts: Program,
-    /// The number of the first part that restricts the function or cuts the region.
+    /// For an equation, the number of the first part that restricts the function or cuts the
+    /// region. For a solid, the number of parts.
     pub first_cut: usize,
 }
 
@@ -45,6 +50,53 @@ impl Choice {
             .collect();
         if flat.len() == 1 { flat.remove(0) } else { Self::Max(flat) }
     }
+
+    /// Returns whether a choice is this choice, or one of its alternatives at any depth.
+    pub fn has(&self, other: &Self) -> bool {
+        match self {
+            Self::Min(all) | Self::Max(all) if self != other => {
+                all.iter().any(|one| one.has(other))
+            }
+            _ => self == other,
+        }
+    }
+
+    /// The choice with other parts: those at these places, which are opposite if the flag is set.
+    fn replaced(self, parts: &[(usize, bool)]) -> Self {
+        let each = |all: Vec<Self>| all.into_iter().map(|one| one.replaced(parts)).collect();
+        match self {
+            Self::Part(part) | Self::Opposite(part) => {
+                let (other, is_opposite) = parts[part];
+                let is_opposite = is_opposite != matches!(self, Self::Opposite(_));
+                if is_opposite { Self::Opposite(other) } else { Self::Part(other) }
+            }
+            Self::Min(all) => Self::Min(each(all)),
+            Self::Max(all) => Self::Max(each(all)),
+        }
+    }
+}
+
+/// Replaces parts of a solid's function whose zeros bound the same sets by the first of these parts.
+/// The choice keeps its sign up to thin sets, but not its value.
+fn merge(
+    graph: &Graph,
+    choice: Choice,
+    parts: &mut Vec<NodeId>,
+    parameters: &[Interval],
+) -> Choice {
+    let mut merged = multiples(graph, parts, parameters);
+    let mut kept: Vec<NodeId> = Vec::new();
+    for place in 0..parts.len() {
+        let (first, is_opposite) = merged[place];
+        if first == place {
+            kept.push(parts[place]);
+            merged[place] = (kept.len() - 1, false);
+        } else {
+            merged[place] = (merged[first].0, is_opposite);
+        }
+    }
+    *parts = kept;
+    choice.replaced(&merged)
 }
 
 /// Nodes in place of numbers of parts.
@@ -226,7 +278,7 @@ impl Program {
         }
         let mut parts = Vec::new();
         let choice = choice.numbered(&mut parts);
-        let first_cut = parts.len();
+        let mut first_cut = parts.len();
         let negated = |graph: &mut Graph, node: NodeId| graph.apply(Op::Neg, &[node]);
         let mut all = vec![choice];
         for limit in limits {
@@ -236,7 +288,11 @@ impl Program {
             all.push(Choice::Part(parts.len()));
             parts.push(cut);
         }
-        let choice = Choice::greatest(all);
+        let mut choice = Choice::greatest(all);
+        if whole.solid[surface] {
+            choice = merge(&graph, choice, &mut parts, &whole.assumptions.parameters);
+            first_cut = parts.len();
+        }
         let assumptions = whole.assumptions.clone();
         let (simple, roots) =
             simplify(&graph, &parts, &assumptions.domain, &assumptions.parameters)?;
@@ -284,6 +340,41 @@ mod tests {
             let found = program.choices(0, &region).expect(text);
             let count = found.parts.roots().len();
             assert_eq!((found.choice, count, found.first_cut), (expected, parts, parts), "{text}");
+        }
+    }
+
+    /// A choice as a text.
+    fn written(choice: &Choice) -> String {
+        let all = |all: &[Choice]| all.iter().map(written).collect::<Vec<_>>().join(", ");
+        match choice {
+            Choice::Part(part) => part.to_string(),
+            Choice::Opposite(part) => format!("-{part}"),
+            Choice::Min(inner) => format!("min({})", all(inner)),
+            Choice::Max(inner) => format!("max({})", all(inner)),
+        }
+    }
+
+    /// A solid has one part for faces in one plane, if its function does not jump there. An equation
+    /// has all parts.
+    #[test]
+    fn parts_of_a_solid_in_one_plane_are_one() {
+        for (text, expected, parts) in [
+            ("min(max(x, y), max(2x, z)) <= 0", "min(max(0, 1), max(2, 0))", 3),
+            ("min(max(x, y), max(-3x, z)) <= 0", "min(max(0, 1), max(2, -0), max(2, 1))", 3),
+            (
+                "min(max(1 - x^2, y), max(x^2/2 - 1/2, z)) <= 0",
+                "min(max(0, 1), max(2, -1), max(2, 0))",
+                3,
+            ),
+            ("min(max(x, y), max(-3x, z)) = 0", "min(max(0, 1), max(2, 3))", 4),
+            ("min(max(floor(x), y), max(-floor(x), z)) <= 0", "min(max(0, 1), max(2, 3))", 4),
+        ] {
+            let document = read(text, &Options::default()).expect(text);
+            let region = Region::new(DVec3::splat(-2.0), DVec3::splat(2.0)).expect("a region");
+            let program = Program::new(&document, view::bounds(&region)).expect(text);
+            let found = program.choices(0, &region).expect(text);
+            assert_eq!(written(&found.choice), expected, "{text}");
+            assert_eq!(found.parts.roots().len(), parts, "{text}");
         }
     }
 

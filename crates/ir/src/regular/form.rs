@@ -1,10 +1,12 @@
 //! Linear forms of nodes, with exact coefficients.
 
+use super::thin::is_thin_zero;
 use crate::graph::{Graph, Node, NodeId};
 use num_rational::BigRational;
-use num_traits::{One, Zero};
+use num_traits::{One, Signed, Zero};
 use rustc_hash::FxHashMap;
 use std::rc::Rc;
+use zeroset_interval::Interval;
 use zeroset_ops::Op;
 
 /// Largest number of terms of a form. A longer sum is a term of its own.
@@ -53,6 +55,36 @@ impl LinearForm {
         terms.retain(|(_, c)| !c.is_zero());
         Self { terms, constant: &self.constant + &other.constant }
     }
+}
+
+/// For each node, the place of the first of the nodes whose zeros bound the same sets: it is a
+/// multiple of that node. The flag tells whether the factor is negative, so that the sets where
+/// the two are below 0 are complements. Then both are proven to be defined everywhere, and 0 on no
+/// open set. A node that is not found to be a multiple has its own place.
+///
+/// ```
+/// use zeroset_ir::{Axis, Graph, multiples};
+/// use zeroset_ops::Op;
+///
+/// let mut graph = Graph::new();
+/// let (x, one) = (graph.variable(Axis::X), graph.integer(1));
+/// let right = graph.apply(Op::Sub, &[x, one]);
+/// let left = graph.apply(Op::Sub, &[one, x]);
+/// assert_eq!(multiples(&graph, &[right, x, left], &[]), [(0, false), (1, false), (0, true)]);
+/// ```
+pub fn multiples(graph: &Graph, nodes: &[NodeId], parameters: &[Interval]) -> Vec<(usize, bool)> {
+    let mut forms = Forms::default();
+    let mut known: FxHashMap<LinearForm, (usize, bool)> = FxHashMap::default();
+    let place = |(place, node): (usize, &NodeId)| {
+        let form = forms.of(graph, *node);
+        let Some((_, first)) = form.terms.first() else { return (place, false) };
+        let own = (place, first.is_negative());
+        let (found, was_negative) = *known.entry(form.scaled(&first.recip())).or_insert(own);
+        let is_opposite = own.1 != was_negative;
+        let is_found = !is_opposite || is_thin_zero(graph, *node, parameters);
+        if is_found { (found, is_opposite) } else { (place, false) }
+    };
+    nodes.iter().enumerate().map(place).collect()
 }
 
 /// The forms of nodes, each computed once.

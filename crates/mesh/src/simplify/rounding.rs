@@ -39,7 +39,7 @@ impl Reduction<'_> {
         let may_replace = |neighbor: &u32| {
             let change = Change::into_other(&self.mesh, vertex, *neighbor);
             self.setting.lattice.is_round(self.mesh.place(*neighbor))
-                && change.is_some_and(|change| self.is_proven(&change, 0.0))
+                && change.is_some_and(|change| self.is_proven(&change, THIN))
         };
         let found = self.mesh.neighbors(vertex).into_iter().find(may_replace);
         if let Some(neighbor) = found {

@@ -1,6 +1,8 @@
 //! Tests of meshes.
 
 mod crossings;
+mod flush;
+mod orientation;
 mod shapes;
 
 use glam::DVec3;

@@ -12,7 +12,7 @@ use zeroset_syntax::read;
 
 /// Euler's number and the number of edges with one triangle. Panics if an edge has more than two
 /// triangles, or two that run along it in the same direction.
-fn euler(mesh: &Mesh) -> (i64, usize) {
+pub fn euler(mesh: &Mesh) -> (i64, usize) {
     let mut edges: HashMap<[u32; 2], [u32; 2]> = HashMap::new();
     for triangle in &mesh.triangles {
         for k in 0..3 {
@@ -101,7 +101,7 @@ fn shapes_are_right_and_proven() {
 }
 
 /// The volume that a closed mesh encloses.
-fn volume(mesh: &Mesh) -> f64 {
+pub fn volume(mesh: &Mesh) -> f64 {
     let at = |vertex: u32| mesh.vertices[vertex as usize];
     mesh.triangles.iter().map(|[a, b, c]| at(*a).dot(at(*b).cross(at(*c))) / 6.0).sum()
 }
