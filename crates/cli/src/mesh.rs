@@ -212,10 +212,10 @@ fn remarks(found: &Meshes, format: Option<&Format>) -> Vec<String> {
     }
     let largest = found.region.low().abs().max(found.region.high().abs()).max_element();
     let rounding = largest * f64::from(f32::EPSILON) / 2.0;
-    if format.is_single && rounding > ROUNDING * found.tolerance {
+    if format.is_single && found.objects.iter().any(|object| !object.mesh.is_single) {
         remarks.push(format!(
-            "{} rounds coordinates, by up to {rounding:.1e} here: formats with more digits do \
-             not",
+            "{} rounds coordinates, by up to {rounding:.1e} here, which is not proven to keep the \
+             shape: a larger --tolerance, a place near the origin, or a format with more digits does",
             format.name
         ));
     }
@@ -268,9 +268,6 @@ fn listed(holds: impl Fn(&&Format) -> bool) -> String {
     let (last, others) = names.split_last().unwrap_or((&"", &[]));
     if others.is_empty() { (*last).to_owned() } else { format!("{} and {last}", others.join(", ")) }
 }
-
-/// Rounding of coordinates up to this share of the tolerance is not mentioned.
-const ROUNDING: f64 = 0.01;
 
 /// One line for each surface that has triangles.
 fn lines(found: &Meshes) -> impl Iterator<Item = String> {

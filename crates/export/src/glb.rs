@@ -26,8 +26,8 @@ const ROUGHNESS: f64 = 0.5;
 
 pub fn write(objects: &[&Object], unit: Option<&Unit>, out: &mut dyn Write) -> io::Result<()> {
     let scale = unit.map_or(1.0, |unit| unit.meters);
-    let parts: Vec<Part<'_>> = objects.iter().map(|object| Part::new(object, scale)).collect();
-    let (json, bytes) = describe(&parts);
+    let parts: Vec<Part<'_>> = objects.iter().map(|object| Part::new(object)).collect();
+    let (json, bytes) = describe(&parts, scale);
     let mut json = json.to_string().into_bytes();
     json.resize(json.len().next_multiple_of(4), b' ');
     let whole = HEADER + 2 * PART_HEADER + json.len() + bytes;
@@ -54,9 +54,9 @@ struct Part<'a> {
 }
 
 impl<'a> Part<'a> {
-    fn new(object: &'a Object, scale: f64) -> Self {
+    fn new(object: &'a Object) -> Self {
         let corners = Corners::of(&object.mesh);
-        let place = |vertex: &u32| turned(scale * object.mesh.vertices[*vertex as usize]).as_vec3();
+        let place = |vertex: &u32| turned(object.mesh.vertices[*vertex as usize]).as_vec3();
         let places = corners.vertices.iter().map(place).collect();
         Self { object, corners, places }
     }
@@ -86,8 +86,9 @@ impl<'a> Part<'a> {
     }
 }
 
-/// The description of a file's lists, and the number of their bytes.
-fn describe(parts: &[Part<'_>]) -> (Value, usize) {
+/// The description of a file's lists, and the number of their bytes. `scale` is the length of 1 in
+/// meters. Readers multiply by it, so that coordinates in the file stay exact.
+fn describe(parts: &[Part<'_>], scale: f64) -> (Value, usize) {
     let (mut views, mut accessors, mut bytes) = (Vec::new(), Vec::new(), 0);
     let mut add = |size: usize, target: u32, mut accessor: Value| {
         views.push(json!({
@@ -139,7 +140,11 @@ fn describe(parts: &[Part<'_>]) -> (Value, usize) {
                 { "attributes": attributes, "indices": indices, "material": number, "mode": 4 },
             ],
         }));
-        nodes.push(json!({ "name": object.name, "mesh": number }));
+        let mut node = json!({ "name": object.name, "mesh": number });
+        if scale != 1.0 {
+            node["scale"] = json!([scale, scale, scale]);
+        }
+        nodes.push(node);
     }
     let scene: Vec<usize> = (0..nodes.len()).collect();
     let json = json!({

@@ -50,7 +50,7 @@ pub struct Quality {
     /// True if bounds are [estimated](Options::is_estimated) instead of proven.
     pub is_estimated: bool,
     /// True if all triangles of the first mesh stay, instead of as few as the tolerance allows. So
-    /// they do for a surface with a color map, whose colors need them.
+    /// they do for a surface with a color map, whose colors need them, and if bounds are estimated.
     pub is_full: bool,
 }
 
@@ -80,7 +80,7 @@ pub fn meshes(
         let is_solid = program.is_solid(number);
         let is_mapped = matches!(surface.color, Some(SurfaceColor::Mapped(_)));
         // Half of the tolerance is for the first mesh, and half for fewer triangles.
-        let distance = if is_full || is_mapped { 0.0 } else { 0.5 * tolerance };
+        let distance = if is_full || is_mapped || is_estimated { 0.0 } else { 0.5 * tolerance };
         let options = Options {
             region,
             tolerance: tolerance - distance,
@@ -90,8 +90,12 @@ pub fn meshes(
         };
         let Some(mut mesh) = mesh(&program, number, &options, wanted)? else { return Ok(None) };
         let options = Simplification { region, tolerance, distance };
-        let done = simplify(&program, number, &mut mesh, &options, wanted);
-        if done.map_err(ProgramError::from)?.is_none() {
+        let done = match is_estimated {
+            true => Some(()),
+            false => simplify(&program, number, &mut mesh, &options, wanted)
+                .map_err(ProgramError::from)?,
+        };
+        if done.is_none() {
             return Ok(None);
         }
         let name = surface.line();

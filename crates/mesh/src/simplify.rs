@@ -61,6 +61,9 @@ pub fn simplify(
     options: &Simplification,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<()>, KernelError> {
+    if mesh.triangles.is_empty() {
+        return Ok(Some(()));
+    }
     let bounds = domain(&options.region);
     let ends = [bounds.map(|along| along.lo), bounds.map(|along| along.hi)];
     let ends = ends.map(DVec3::from_array);

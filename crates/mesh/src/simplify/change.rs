@@ -20,6 +20,9 @@ use smallvec::SmallVec;
 /// Least cosine of the angle by which a triangle may turn.
 const TURN: f64 = 0.5;
 
+/// Number of steps toward a vector that many are along.
+const STEPS: usize = 16;
+
 /// Points in units of the grid.
 pub type Samples = SmallVec<[DVec3; 64]>;
 /// Shares of the two corners that face the moved vertex, for samples of a triangle: on the edge
@@ -99,9 +102,12 @@ impl<'a> Change<'a> {
         if self.turns(thin) || self.strays(most) {
             return false;
         }
-        let normal = self.old.iter().map(|one| normal(self.places(*one))).sum::<DVec3>();
-        let Some(normal) = normal.try_normalize() else { return false };
-        let view = Direction::near(normal).into_iter().find_map(|direction| self.view(direction));
+        let normals: SmallVec<[DVec3; 16]> =
+            self.old.iter().map(|one| normal(self.places(*one))).collect();
+        let sum: DVec3 = normals.iter().sum();
+        let view = [sum, middle(&normals)].into_iter().find_map(|vector| {
+            Direction::near(vector.try_normalize()?).find_map(|direction| self.view(direction))
+        });
         view.is_some_and(|view| {
             (self.rim.is_none() && view.is_same()) || (near(&self.samples()) && self.is_free(&view))
         })
@@ -266,6 +272,19 @@ impl<'a> Change<'a> {
                 are_apart(&own, &Apart { places: &swept, is_shared })
             })
     }
+}
+
+/// A vector that all of some vectors are along, as far as that is found in a few steps: each step
+/// adds the one that is along least.
+fn middle(vectors: &[DVec3]) -> DVec3 {
+    let units: SmallVec<[DVec3; 16]> = vectors.iter().map(|one| one.normalize_or_zero()).collect();
+    let mut sum: DVec3 = units.iter().sum();
+    for _ in 0..STEPS {
+        let least = units.iter().min_by(|a, b| a.dot(sum).total_cmp(&b.dot(sum)));
+        let Some(least) = least else { break };
+        sum = sum.normalize_or_zero() + 0.25 * *least;
+    }
+    sum
 }
 
 /// The number of vertices that are neighbors of both.

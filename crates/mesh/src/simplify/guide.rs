@@ -25,17 +25,21 @@ impl<'a> Guide<'a> {
     }
 
     /// The unit normals of the surface near points, and the distances along them. `None` where
-    /// there is no gradient.
+    /// there is no gradient. For a solid, faces where the region cuts it count, too.
     pub fn planes(&self, points: &[DVec3]) -> Vec<Option<(DVec3, f64)>> {
         let planes = |some: &[DVec3]| -> SmallVec<[Option<(DVec3, f64)>; LANES]> {
             let mut found = Gradients::<f64>::default();
             self.gradients.eval(&Points::near(some)[0], &mut found);
-            let plane = |lane: usize| {
+            let plane = |(lane, point): (usize, &DVec3)| {
                 let slope = DVec3::from_array(found.gradient.each_ref().map(|axis| axis[lane]));
                 let (normal, off) = (slope.try_normalize()?, found.value[lane] / slope.length());
+                let cut = self.cut(*point);
+                if self.is_solid && cut.1 > off {
+                    return Some(cut);
+                }
                 off.is_finite().then_some((normal, off))
             };
-            (0..some.len()).map(plane).collect()
+            some.iter().enumerate().map(plane).collect()
         };
         points.par_chunks(LANES).flat_map_iter(planes).collect()
     }
@@ -49,20 +53,30 @@ impl<'a> Guide<'a> {
             some.iter().enumerate().all(|(lane, point)| {
                 let slope = DVec3::from_array(found.gradient.each_ref().map(|axis| axis[lane]));
                 let inside = found.value[lane] / slope.length();
-                let off = if self.is_solid { inside.max(self.outside(*point)) } else { inside };
+                let off = if self.is_solid { inside.max(self.cut(*point).1) } else { inside };
                 // False for NaN.
                 off.abs() <= distance
             })
         })
     }
 
-    /// The distance by which a point is outside the region: below 0 inside.
-    fn outside(&self, point: DVec3) -> f64 {
+    /// The unit normal of the face of the region that is nearest to a point inside, or farthest from
+    /// a point outside, and the distance from it: below 0 inside.
+    fn cut(&self, point: DVec3) -> (DVec3, f64) {
         let region = self.region;
-        let of_box = (region.low() - point).max(point - region.high()).max_element();
-        let of_ball = region.ball().map(|ball| (point - ball.centre).length() - ball.radius);
-        let of_plane =
-            region.clip().map(|clip| (clip.normal.dot(point) - clip.offset) / clip.normal.length());
-        [of_ball, of_plane].into_iter().flatten().fold(of_box, f64::max)
+        let faces = DVec3::AXES.into_iter().enumerate().flat_map(|(axis, normal)| {
+            let (low, high) = (region.low()[axis], region.high()[axis]);
+            [(-normal, low - point[axis]), (normal, point[axis] - high)]
+        });
+        let ball = region.ball().map(|ball| {
+            let from = point - ball.centre;
+            (from.normalize_or_zero(), from.length() - ball.radius)
+        });
+        let plane = region.clip().map(|clip| {
+            let length = clip.normal.length();
+            (clip.normal / length, (clip.normal.dot(point) - clip.offset) / length)
+        });
+        let all = faces.chain(ball).chain(plane);
+        all.max_by(|a, b| a.1.total_cmp(&b.1)).expect("a box has faces")
     }
 }

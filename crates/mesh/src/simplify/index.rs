@@ -6,7 +6,7 @@
 use glam::I64Vec3;
 
 /// Number of bits that boxes leave out of coordinates.
-const COARSE: i64 = 9;
+const COARSE: i64 = 10;
 
 /// The box around some points: least and largest coordinates.
 #[derive(Clone, Copy, Debug)]
@@ -138,7 +138,7 @@ impl Index {
 /// The place of a point on Morton's curve through a grid of 2²¹ cells along each axis.
 fn on_curve(point: I64Vec3) -> u64 {
     let spread = |along: i64| {
-        let mut bits = (along >> 18) as u64 & 0x1f_ffff;
+        let mut bits = (along >> 19) as u64 & 0x1f_ffff;
         for (shift, mask) in [
             (32, 0x001f_0000_0000_ffff),
             (16, 0x001f_0000_ff00_00ff),

@@ -4,7 +4,7 @@ use glam::{DVec3, I64Vec3};
 
 /// Number of bits of a coordinate within the domain. Products of three differences, and sums of six
 /// such products, fit 128 bits.
-const BITS: i32 = 38;
+const BITS: i32 = 39;
 /// Number of bits of a coordinate from the origin, so that each is exact in `f64`.
 const BITS_FROM_ORIGIN: i32 = 52;
 /// Number of bits of the significand of `f32`.

@@ -1,14 +1,14 @@
-//! Triangles as seen along one of 26 directions, by exact arithmetic.
+//! Triangles as seen along directions with small whole components, by exact arithmetic.
 
 use glam::{DVec3, I64Vec3};
 
-/// A direction whose components are −1, 0 or 1. Seen along it, points have two coordinates, and a
-/// height along it.
+/// A direction with small whole components. Seen along it, points have two coordinates, and a height
+/// along it.
 #[derive(Clone, Copy, Debug)]
 pub struct Direction {
     along: I64Vec3,
-    /// The axis with a component of ±1 that the height is measured on, and the two others, in an
-    /// order that keeps turns to the left.
+    /// The axis that heights are measured on, and the two others, in an order that keeps turns to
+    /// the left.
     axes: [usize; 3],
 }
 
@@ -17,43 +17,33 @@ pub struct Direction {
 pub struct Seen {
     pub x: i64,
     pub y: i64,
-    /// Height, in steps of the direction.
+    /// Height, which grows along the direction.
     pub height: i64,
 }
 
-impl Direction {
-    fn new(along: I64Vec3) -> Self {
-        let axis = (0..3).find(|axis| along[*axis] != 0).expect("a direction is not 0");
-        let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
-        let axes = if along[axis] > 0 { [axis, next, last] } else { [axis, last, next] };
-        Self { along, axes }
-    }
+/// The largest components of directions near a vector.
+const LARGEST: [f64; 3] = [1.0, 2.0, 3.0];
 
-    /// The directions nearest to a vector, the nearest one first.
-    pub fn near(vector: DVec3) -> [Self; 4] {
-        let [p, q, r] = {
-            let mut axes = [0, 1, 2];
-            axes.sort_by(|a, b| vector[*b].abs().total_cmp(&vector[*a].abs()));
-            axes
-        };
-        let unit = |axis: usize| {
-            let mut unit = I64Vec3::ZERO;
-            unit[axis] = if vector[axis] < 0.0 { -1 } else { 1 };
-            unit
-        };
-        let axis = unit(p);
-        let mut all = [axis, axis + unit(q), axis + unit(q) + unit(r), axis + unit(r)];
-        let cosine = |along: &I64Vec3| along.as_dvec3().normalize().dot(vector);
-        all.sort_by(|a, b| cosine(b).total_cmp(&cosine(a)));
-        all.map(Self::new)
+impl Direction {
+    /// Directions near a vector that is not 0.
+    pub fn near(vector: DVec3) -> impl Iterator<Item = Self> {
+        let most = vector.abs().max_element();
+        let directions = LARGEST.map(|largest| (vector * (largest / most)).round().as_i64vec3());
+        directions.into_iter().map(|along| {
+            let axis = (0..3).max_by_key(|axis| along[*axis].abs()).unwrap_or(0);
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            let axes = if along[axis] > 0 { [axis, next, last] } else { [axis, last, next] };
+            Self { along, axes }
+        })
     }
 
     /// A point as seen.
     pub fn see(&self, point: I64Vec3) -> Seen {
         let [axis, x, y] = self.axes;
-        let height = point[axis] * self.along[axis];
-        let flat = point - height * self.along;
-        Seen { x: flat[x], y: flat[y], height }
+        let from = self.along[axis].abs();
+        let height = point[axis] * self.along[axis].signum();
+        let flat = |along: usize| point[along] * from - height * self.along[along];
+        Seen { x: flat(x), y: flat(y), height }
     }
 }
 

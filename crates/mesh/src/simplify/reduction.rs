@@ -108,7 +108,7 @@ impl<'a> Reduction<'a> {
         loop {
             self.pass(wanted)?;
             let now = self.mesh.present().count();
-            if now as f64 > (1.0 - PROGRESS) * left as f64 {
+            if now as f64 >= (1.0 - PROGRESS) * left as f64 {
                 return Some(());
             }
             left = now;
@@ -244,5 +244,10 @@ impl<'a> Reduction<'a> {
             let places: Samples = points.iter().map(|point| lattice.between(*point)).collect();
             guide.are_near(&places, most)
         })
+    }
+
+    /// Returns whether a change by a step is proven to keep the shape.
+    pub fn keeps_shape(&self, change: &Change<'_>) -> bool {
+        change.is_proven(self.setting.most / self.setting.lattice.unit, 0.0, &|_| true)
     }
 }

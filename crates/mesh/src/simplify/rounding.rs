@@ -62,11 +62,21 @@ impl Reduction<'_> {
     /// Moves a vertex to a rounded place. Returns whether it is at one.
     fn round_one(&mut self, vertex: u32) -> bool {
         let lattice = self.setting.lattice;
+        if let Some(better) = self.better(vertex) {
+            self.move_to(vertex, [better]);
+        }
         let place = self.mesh.place(vertex);
-        let is_round = lattice.is_round(place);
-        let around = lattice.around(place).into_iter().filter(|_| !is_round);
-        self.move_to(vertex, self.better(vertex).into_iter().chain(around));
-        lattice.is_round(self.mesh.place(vertex))
+        if lattice.is_round(place) {
+            return true;
+        }
+        let may_move = |to: &I64Vec3| {
+            Change::moved(&self.mesh, vertex, *to).is_some_and(|change| self.keeps_shape(&change))
+        };
+        let found = lattice.around(place).into_iter().find(may_move);
+        if let Some(to) = found {
+            self.mesh.apply(vertex, None, to);
+        }
+        found.is_some()
     }
 
     /// A rounded place that is much nearer to the planes around a vertex, if there is one.
