@@ -221,7 +221,7 @@ mod tests {
         assert_eq!(count(&[(0, Both, x), (1, Above, y), (2, Below, z)]), Some(4));
         assert_eq!(count(&[(0, Both, x), (1, Above, y), (2, Below, z), (3, Above, z)]), None);
         assert_eq!(count(&[(0, Both, x), (1, Unknown, y)]), None);
-        // Whatever place among the parts the dependent one has.
+        // This holds for each place of the dependent part among the parts.
         for both in 0..3 {
             let side = |part: u16| if part == both { Both } else { Above };
             assert_eq!(count(&[(0, side(0), x), (1, side(1), y), (2, side(2), x + y)]), None);

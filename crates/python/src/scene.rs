@@ -287,13 +287,14 @@ impl Scene {
     }
 
     /// Makes triangles of all surfaces.
-    #[pyo3(signature = (*, region=None, tolerance=None, estimate=false, budget=None))]
+    #[pyo3(signature = (*, region=None, tolerance=None, estimate=false, full=false, budget=None))]
     fn mesh(
         &self,
         py: Python<'_>,
         region: Option<DomainArgument>,
         tolerance: Option<f64>,
         estimate: bool,
+        full: bool,
         budget: Option<f64>,
     ) -> PyResult<Mesh> {
         let mut settings = MeshSettings::new().domain(domain(region)?);
@@ -302,6 +303,9 @@ impl Scene {
         }
         if estimate {
             settings = settings.estimate();
+        }
+        if full {
+            settings = settings.full();
         }
         if let Some(budget) = budget {
             settings = settings.budget(seconds(budget)?);

@@ -2,7 +2,8 @@
 
 /// Number of buckets: two for each power of two.
 const BUCKETS: usize = 512;
-/// The bits of a float below those that tell its bucket: all but the first one of the significand.
+/// Number of low bits of a float that do not matter for its bucket: all but the first one of the
+/// significand.
 const BITS: u32 = 51;
 /// The bucket of costs around 2⁻²⁰⁰ and below.
 const FIRST: u64 = (1023 - 200) << 1;

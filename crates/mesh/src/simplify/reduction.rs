@@ -18,8 +18,8 @@ const MOST_AROUND: usize = 64;
 const ALIKE: f64 = 0.7;
 /// Distance from a plane that rounding may cause, in units.
 const ROUNDING: f64 = 8.0;
-/// Of two places whose costs differ by less than this share, an end of the edge is taken: fewer
-/// triangles change.
+/// If an end of the edge costs more than the best place, but less than by this share, the edge is
+/// moved to the end: fewer triangles change.
 const ALMOST: f64 = 1e-4;
 /// The cost of a squared squared length, so that the shortest of edges that cost nothing comes first.
 const LENGTH: f64 = 1e-12;

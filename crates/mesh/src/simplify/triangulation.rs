@@ -129,8 +129,8 @@ impl Triangulation {
         (0..self.triangles.len() as u32).filter(|one| self.has(*one))
     }
 
-    /// How triangles are connected around a vertex. `None` if they are neither a disk nor half of
-    /// one, as far as its edges tell.
+    /// Finds the curve around a vertex. `None` if the edges that face the vertex are neither closed
+    /// curves nor one open curve.
     pub fn link(&self, vertex: u32) -> Option<Link> {
         let edges: Edges =
             self.around(vertex).iter().map(|one| facing(self.corners(*one), vertex)).collect();

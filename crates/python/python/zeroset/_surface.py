@@ -306,14 +306,15 @@ class Surface:
         *,
         domain: Domain | None = None,
         estimate: bool = False,
+        full: bool = False,
         budget: float | None = None,
     ) -> Mesh:
         """Triangles no farther than `tolerance` from the surface, by default a thousandth of the
         domain's diagonal. With `estimate`, nothing is proven, and many are done several times as
-        fast.
+        fast. With `full`, all triangles of the first mesh stay.
         """
         return self._scene.mesh(
-            region=domain, tolerance=tolerance, estimate=estimate, budget=budget
+            region=domain, tolerance=tolerance, estimate=estimate, full=full, budget=budget
         )
 
     def measure(

@@ -130,6 +130,7 @@ class Scene:
         region: Any = None,
         tolerance: float | None = None,
         estimate: bool = False,
+        full: bool = False,
         budget: float | None = None,
     ) -> Mesh: ...
     def measure(
