@@ -6,8 +6,9 @@
 
 use glam::DVec3;
 
-/// A share of the largest coordinate: more than two vertices move when they are rounded to the points
-/// that [`simplify`](mod@crate::simplify) uses, and more than the rounding of computations here.
+/// A share of the largest coordinate: more than two vertices move when they are rounded to the
+/// points that [`simplify`](mod@crate::simplify) uses, and more than the rounding of computations
+/// here.
 const ROUNDING: f64 = 1.0 / (1_u64 << 36) as f64;
 
 /// The least distance that proves two triangles apart, in a mesh whose coordinates have magnitudes

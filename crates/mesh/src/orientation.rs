@@ -6,8 +6,8 @@
 //! whole. So between the pieces of a nest, orientation goes on alternating with the sign of f.
 //!
 //! A piece is inside of another one if a ray from one of its points crosses the other one an odd
-//! number of times. All rays point up. Each is moved sideways by an infinitely small amount, so that
-//! it crosses no edge, and all decisions are exact.
+//! number of times. All rays point up. Each is moved sideways by an infinitely small amount, so
+//! that it crosses no edge, and all decisions are exact.
 
 use crate::connected::Connected;
 use glam::DVec3;
@@ -23,8 +23,8 @@ struct Piece {
     volume: f64,
 }
 
-/// Turns all nests of closed pieces whose outermost piece faces in. `rims` has the ends of all edges
-/// that do not lie between two triangles. Returns the number of nests that were turned.
+/// Turns all nests of closed pieces whose outermost piece faces in. `rims` has the ends of all
+/// edges that do not lie between two triangles. Returns the number of nests that were turned.
 pub fn face_out(vertices: &[DVec3], triangles: &mut [[u32; 3]], rims: &[[u32; 2]]) -> usize {
     let mut connected = Connected::new(vertices.len(), triangles);
     let mut numbers = vec![u32::MAX; vertices.len()];
@@ -77,7 +77,8 @@ fn outermost(
     // A triangle is small, so few rays are between its least and its greatest x.
     let from = |piece: &u32| pieces[*piece as usize].from;
     closed.sort_by(|a, b| from(a).x.total_cmp(&from(b).x));
-    // Pairs of pieces, where the ray of the first one crosses the second one an odd number of times.
+    // Pairs of pieces, where the ray of the first one crosses the second one an odd number of
+    // times.
     let mut inside: FxHashSet<[u32; 2]> = FxHashSet::default();
     for triangle in triangles {
         let own = numbers[triangle[0] as usize];

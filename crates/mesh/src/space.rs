@@ -7,8 +7,8 @@ use zeroset_interval::Interval;
 /// Greatest number of cubes along an axis before any split, as a power of two.
 const MOST_CUBES: u32 = 4;
 
-/// The largest differences of steps along each axis from their mean, as shares of it. So creases and
-/// faces of symmetric surfaces do not go through corners and edges of the grid.
+/// The largest differences of steps along each axis from their mean, as shares of it. So creases
+/// and faces of symmetric surfaces do not go through corners and edges of the grid.
 const UNEVEN: [f64; 3] = [0.021, 0.034, 0.055];
 
 /// The grid over a box of space. Coordinates are mapped separately along each axis.

@@ -76,8 +76,8 @@ impl Choice {
     }
 }
 
-/// Replaces parts of a solid's function whose zeros bound the same sets by the first of these parts.
-/// The choice keeps its sign up to thin sets, but not its value.
+/// Replaces parts of a solid's function whose zeros bound the same sets by the first of these
+/// parts. The choice keeps its sign up to thin sets, but not its value.
 fn merge(
     graph: &Graph,
     choice: Choice,
@@ -354,8 +354,8 @@ mod tests {
         }
     }
 
-    /// A solid has one part for faces in one plane, if its function does not jump there. An equation
-    /// has all parts.
+    /// A solid has one part for faces in one plane, if its function does not jump there. An
+    /// equation has all parts.
     #[test]
     fn parts_of_a_solid_in_one_plane_are_one() {
         for (text, expected, parts) in [

@@ -97,7 +97,8 @@ impl<'a> Change<'a> {
 
     /// Returns whether the shape is proven to stay, and the new triangles are near the surface.
     /// `near` is asked for some of their points, unless old and new triangles are the same set of
-    /// points. No vertex strays by more than `most` units. Triangles whose height is less than `thin` units may turn.
+    /// points. No vertex strays by more than `most` units. Triangles whose height is less than
+    /// `thin` units may turn.
     pub fn is_proven(&self, most: f64, thin: f64, near: &dyn Fn(&Samples) -> bool) -> bool {
         if self.turns(thin) || self.strays(most) {
             return false;

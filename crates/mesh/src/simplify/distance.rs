@@ -2,8 +2,8 @@
 //!
 //! Take a triangle of one mesh, and look along its normal. The triangles of the other mesh that
 //! overlap it as seen are found one after another, across shared edges. If all of them face the
-//! viewer, and no rim is in the way, they cover it: on both sides of an edge there is one. Where one
-//! overlaps it, the difference of heights is greatest at a corner of the overlap.
+//! viewer, and no rim is in the way, they cover it: on both sides of an edge there is one. Where
+//! one overlaps it, the difference of heights is greatest at a corner of the overlap.
 //!
 //! Where that fails, as at creases, the corners of a triangle may all be near one triangle of the
 //! other mesh, which is convex. Else the triangle is divided into four.
@@ -85,7 +85,8 @@ impl Cover {
         each.map_init(search, is_near).all(|is_near| is_near)
     }
 
-    /// Returns whether each point of a triangle is within a distance of one of the triangles `near`.
+    /// Returns whether each point of a triangle is within a distance of one of the triangles
+    /// `near`.
     fn holds(
         &self,
         piece: &[DVec3; 3],
@@ -127,8 +128,8 @@ impl Cover {
         pieces.iter().all(|piece| self.holds(piece, near.clone(), distance, left, search))
     }
 
-    /// Returns whether a triangle is proven to be covered, within a distance, by triangles that face
-    /// the same way. One of those `near` is the first.
+    /// Returns whether a triangle is proven to be covered, within a distance, by triangles that
+    /// face the same way. One of those `near` is the first.
     fn covers(&self, piece: &[DVec3; 3], near: &[u32], distance: f64, search: &mut Search) -> bool {
         let [a, b, c] = *piece;
         let Some(normal) = (b - a).cross(c - a).try_normalize() else { return false };

@@ -60,8 +60,8 @@ impl<'a> Guide<'a> {
         })
     }
 
-    /// The unit normal of the face of the region that is nearest to a point inside, or farthest from
-    /// a point outside, and the distance from it: below 0 inside.
+    /// The unit normal of the face of the region that is nearest to a point inside, or farthest
+    /// from a point outside, and the distance from it: below 0 inside.
     fn cut(&self, point: DVec3) -> (DVec3, f64) {
         let region = self.region;
         let faces = DVec3::AXES.into_iter().enumerate().flat_map(|(axis, normal)| {

@@ -47,7 +47,8 @@ impl Lattice {
         ((place - self.base) / self.unit).round().as_i64vec3()
     }
 
-    /// The eight points around a point whose coordinates are multiples of a step, the nearest first.
+    /// The eight points around a point whose coordinates are multiples of a step, the nearest
+    /// first.
     pub fn around(&self, point: I64Vec3) -> [I64Vec3; 8] {
         let low = point - (point & (self.step - 1));
         let corner = |k: i64| low + I64Vec3::new(k & 1, k >> 1 & 1, k >> 2) * self.step;

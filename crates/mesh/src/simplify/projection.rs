@@ -2,8 +2,8 @@
 
 use glam::{DVec3, I64Vec3};
 
-/// A direction with small whole components. Seen along it, points have two coordinates, and a height
-/// along it.
+/// A direction with small whole components. Seen along it, points have two coordinates, and a
+/// height along it.
 #[derive(Clone, Copy, Debug)]
 pub struct Direction {
     along: I64Vec3,
@@ -54,8 +54,8 @@ pub fn area(a: Seen, b: Seen, c: Seen) -> i128 {
     ux * vy - uy * vx
 }
 
-/// Six times the volume of a tetrahedron: above 0 if `d` is above the triangle `abc`, which turns to
-/// the left.
+/// Six times the volume of a tetrahedron: above 0 if `d` is above the triangle `abc`, which turns
+/// to the left.
 pub fn volume(a: Seen, b: Seen, c: Seen, d: Seen) -> i128 {
     let height = |point: Seen| i128::from(point.height - a.height);
     area(a, b, c) * height(d) - area(a, b, d) * height(c) + area(a, c, d) * height(b)

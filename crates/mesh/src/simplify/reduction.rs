@@ -21,7 +21,8 @@ const ROUNDING: f64 = 8.0;
 /// If an end of the edge costs more than the best place, but less than by this share, the edge is
 /// moved to the end: fewer triangles change.
 const ALMOST: f64 = 1e-4;
-/// The cost of a squared squared length, so that the shortest of edges that cost nothing comes first.
+/// The cost of a squared squared length, so that the shortest of edges that cost nothing comes
+/// first.
 const LENGTH: f64 = 1e-12;
 
 /// All that a reduction does not change.
