@@ -363,14 +363,14 @@ fn normals_are_of_the_surface_and_edges_have_two() {
         if file != "a.glb" {
             for (place, normal) in mesh.vertices.iter().zip(&mesh.normals) {
                 let along: f64 = (0..3).map(|k| place[k] * normal[k]).sum();
-                // Small triangles turn where coordinates are rounded to `f32`.
-                assert!((along - 1.0).abs() < 1e-5, "{file}: {place:?} {normal:?}");
+                assert!((along - 1.0).abs() < 1e-6, "{file}: {place:?} {normal:?}");
             }
         }
     }
     // A can: flat at its ends, which are its only faces that look up or down.
     for file in ["a.obj", "a.glb"] {
-        let (mesh, _) = read(&["x^2+y^2 <= 0.25", "--domain", "1", "--tolerance", "0.02"], file);
+        let can = ["x^2+y^2 <= 0.25", "--domain=1", "--tolerance=0.02", "--detail", "full"];
+        let (mesh, _) = read(&can, file);
         assert_eq!(mesh.closed_euler(), 2);
         assert!(mesh.normals.len() > mesh.vertices.len() + 10, "{file}");
         let (mut ends, mut sides) = (0, 0);
@@ -379,7 +379,9 @@ fn normals_are_of_the_surface_and_edges_have_two() {
             ends += usize::from(z.abs() > 0.999_999);
             sides += usize::from(z.abs() < 1e-3);
         }
-        assert_eq!(ends + sides, mesh.normals.len(), "{file}");
+        // A few slivers at the edges have other normals.
+        let others = mesh.normals.len() - ends - sides;
+        assert!(100 * others <= mesh.normals.len(), "{file}: {others}");
         assert!(ends > 10 && sides > 10, "{file}: {ends} {sides}");
     }
 }
@@ -399,7 +401,7 @@ fn colors_are_those_of_pictures() {
         // The yellow end of the map is at a pole.
         assert!(mesh.colors.iter().any(|color| color.starts_with('f')), "{file}");
         for (place, value) in mesh.vertices.iter().zip(&mesh.values) {
-            assert!((place[2] - value).abs() < 1e-4, "{place:?} {value}");
+            assert!((place[2] - value).abs() < 1e-6, "{place:?} {value}");
         }
         assert_eq!(mesh.values.is_empty(), file != "a.ply");
     }

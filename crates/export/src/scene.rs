@@ -89,14 +89,12 @@ pub fn meshes(
             most_cells: MOST_CELLS,
         };
         let Some(mut mesh) = mesh(&program, number, &options, wanted)? else { return Ok(None) };
-        let options = Simplification { region, tolerance, distance };
-        let done = match is_estimated {
-            true => Some(()),
-            false => simplify(&program, number, &mut mesh, &options, wanted)
-                .map_err(ProgramError::from)?,
-        };
-        if done.is_none() {
-            return Ok(None);
+        if distance > 0.0 {
+            let options = Simplification { region, tolerance, distance };
+            let done = simplify(&program, number, &mut mesh, &options, wanted);
+            if done.map_err(ProgramError::from)?.is_none() {
+                return Ok(None);
+            }
         }
         let name = surface.line();
         objects.push(Object { name, mesh, color: Color::of(number, surface) });

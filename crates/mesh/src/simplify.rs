@@ -43,8 +43,7 @@ pub struct Simplification {
     pub region: Region,
     /// Largest distance between the mesh and its surface, in world units.
     pub tolerance: f64,
-    /// Largest distance between the old triangles and the new ones. 0 keeps all triangles, and only
-    /// rounds coordinates.
+    /// Largest distance between the old triangles and the new ones, above 0.
     pub distance: f64,
 }
 
@@ -76,23 +75,21 @@ pub fn simplify(
     let ends = ends.map(|end| lattice.nearest(end));
     let setting = Setting { lattice: &lattice, guide: &guide, ends, most: 0.0 };
     let mut done = None;
-    if options.distance > 0.0 {
-        let first = Cover::new(&start());
-        let distance = options.distance / lattice.unit;
-        for share in SHARES {
-            let setting = Setting { most: share * options.distance, ..setting };
-            let mut reduction = Reduction::new(&setting, start());
-            reduction.measure();
-            reduction.straighten();
-            if reduction.run(wanted).is_none() {
-                return Ok(None);
-            }
-            let Some(left) = reduction.round(wanted) else { return Ok(None) };
-            let now = Cover::new(&reduction.mesh);
-            if now.is_within(distance, &first) && first.is_within(distance, &now) {
-                done = Some((reduction.mesh, left));
-                break;
-            }
+    let first = Cover::new(&start());
+    let distance = options.distance / lattice.unit;
+    for share in SHARES {
+        let setting = Setting { most: share * options.distance, ..setting };
+        let mut reduction = Reduction::new(&setting, start());
+        reduction.measure();
+        reduction.straighten();
+        if reduction.run(wanted).is_none() {
+            return Ok(None);
+        }
+        let Some(left) = reduction.round(wanted) else { return Ok(None) };
+        let now = Cover::new(&reduction.mesh);
+        if now.is_within(distance, &first) && first.is_within(distance, &now) {
+            done = Some((reduction.mesh, left));
+            break;
         }
     }
     let (last, left) = match done {
