@@ -92,14 +92,13 @@ pub fn simplify(
             break;
         }
     }
-    let (last, left) = match done {
-        Some(done) => done,
-        None => {
-            let setting = Setting { most: 4.0 * lattice.step_length(), ..setting };
-            let mut reduction = Reduction::new(&setting, start());
-            let Some(left) = reduction.round(wanted) else { return Ok(None) };
-            (reduction.mesh, left)
-        }
+    let (last, left) = if let Some(done) = done {
+        done
+    } else {
+        let setting = Setting { most: 4.0 * lattice.step_length(), ..setting };
+        let mut reduction = Reduction::new(&setting, start());
+        let Some(left) = reduction.round(wanted) else { return Ok(None) };
+        (reduction.mesh, left)
     };
     (mesh.vertices, mesh.triangles) = last.compact(|place| lattice.place(place));
     mesh.is_single = lattice.is_single;

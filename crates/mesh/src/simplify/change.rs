@@ -157,8 +157,7 @@ impl<'a> Change<'a> {
                 return false;
             }
             let new = normal([self.to, self.mesh.place(*a), self.mesh.place(*b)]);
-            // Negated, so that NaN turns.
-            !(old.dot(new) >= TURN * old.length() * new.length())
+            old.dot(new) < TURN * old.length() * new.length()
         };
         self.facing.iter().any(turns)
     }

@@ -229,8 +229,8 @@ pub fn distance_to(point: DVec3, [a, b, c]: &[DVec3; 3]) -> f64 {
     let to_side = |from: DVec3, to: DVec3| {
         let along = to - from;
         let share = (point - from).dot(along) / along.length_squared();
-        // NaN becomes 0.
-        (from + share.max(0.0).min(1.0) * along - point).length()
+        // NaN for a segment without length, which `min` ignores.
+        (from + share.clamp(0.0, 1.0) * along - point).length()
     };
     to_side(*a, *b).min(to_side(*b, *c)).min(to_side(*c, *a))
 }
