@@ -39,7 +39,7 @@ struct Part<'a> {
 struct Outcome {
     /// The checks that failed.
     failed: BTreeSet<&'static str>,
-    /// Whether the program says that shape and distance are proven.
+    /// True if the program says that shape and distance are proven.
     is_proven: bool,
     /// All figures.
     line: String,

@@ -197,7 +197,7 @@ impl Flaws {
 struct Edge {
     /// The two vertices, the smaller number first.
     ends: [u32; 2],
-    /// Whether the triangle goes from the first to the second.
+    /// True if the triangle goes from the first to the second.
     is_forward: bool,
     /// The places of both ends among the corners of all triangles.
     corners: [usize; 2],

@@ -12,7 +12,7 @@ use crate::simplify::index::Bounds;
 use crate::simplify::projection::{Direction, Seen};
 use crate::simplify::triangulation::{Edges, Few, Triangulation, facing};
 use crate::simplify::view::{
-    Corners, View, are_beside, ends_stay_apart, turned_left, turns, turns_left,
+    Corners, View, are_beside, ends_stay_apart, is_on_side, turned_left, turns, turns_left,
 };
 use glam::{DVec3, I64Vec3};
 use smallvec::SmallVec;
@@ -251,7 +251,10 @@ impl<'a> Change<'a> {
             // The new rim must not touch anything else.
             let has =
                 |number: u32| self.old.iter().any(|one| self.mesh.corners(*one).contains(&number));
-            view.all().all(|one| are_beside(&seen, numbers.map(has), one))
+            // A vertex that moves to a new place might come to lie on a side.
+            let is_new = self.moving.contains(&self.keep);
+            let may_lie = is_new && is_on_side(&seen, view.apex);
+            !may_lie && view.all().all(|one| are_beside(&seen, numbers.map(has), one))
         } else {
             view.new.iter().all(|one| are_beside(&seen, [true; 3], one))
         };

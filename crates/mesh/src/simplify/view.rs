@@ -129,3 +129,13 @@ pub fn are_beside(one: &Corners, may_touch: [bool; 3], other: &Corners) -> bool 
                 || (turn <= 0 && right([there, here], other, touching)))
     })
 }
+
+/// Returns whether a point is on a side of a triangle as seen.
+pub fn is_on_side(corners: &Corners, point: Seen) -> bool {
+    edges(corners).into_iter().any(|[from, to]| {
+        let is_between = |a: i64, b: i64, c: i64| a.min(b) <= c && c <= a.max(b);
+        area(from, to, point) == 0
+            && is_between(from.x, to.x, point.x)
+            && is_between(from.y, to.y, point.y)
+    })
+}
