@@ -23,8 +23,16 @@ const TURN: f64 = 0.5;
 /// Number of steps toward a vector that many are along.
 const STEPS: usize = 16;
 
-/// Points in units of the grid.
-pub type Samples = SmallVec<[DVec3; 64]>;
+/// Points of new triangles.
+#[derive(Default)]
+pub struct Samples {
+    pub inner: SmallVec<[DVec3; 64]>,
+    /// Points on the new rim.
+    pub rim: SmallVec<[DVec3; 8]>,
+}
+
+/// Shares of a rim's edge.
+const ALONG: [f64; 3] = [0.25, 0.5, 0.75];
 /// Shares of the two corners that face the moved vertex, for samples of a triangle: on the edge
 /// that it shares with the next new triangle, and inside.
 const SHARES: [[f64; 2]; 7] = [
@@ -128,14 +136,19 @@ impl<'a> Change<'a> {
 
     /// Points of new edges and triangles, in units.
     fn samples(&self) -> Samples {
+        let place = |vertex: u32| self.mesh.place(vertex).as_dvec3();
         let to = self.to.as_dvec3();
-        let mut all = Samples::new();
+        let mut all = Samples::default();
         if self.mesh.place(self.keep) != self.to {
-            all.push(to);
+            all.inner.push(to);
         }
         for edge in &self.facing {
-            let [from, next] = edge.map(|vertex| self.mesh.place(vertex).as_dvec3());
-            all.extend(SHARES.map(|[a, b]| a * from + b * next + (1.0 - a - b) * to));
+            let [from, next] = edge.map(place);
+            all.inner.extend(SHARES.map(|[a, b]| a * from + b * next + (1.0 - a - b) * to));
+        }
+        for end in self.rim.into_iter().flatten().filter(|end| *end != self.keep) {
+            all.rim.push(to);
+            all.rim.extend(ALONG.map(|share| to.lerp(place(end), share)));
         }
         all
     }

@@ -7,6 +7,13 @@ use zeroset_eval::{Gradients, Kernel, KernelError, LANES, Points};
 use zeroset_scene::program::Program;
 use zeroset_space::Region;
 
+/// A unit normal, and a distance along it from a plane.
+type Plane = (DVec3, f64);
+
+/// A rim that is farther from all faces of the region than so many allowed distances is not on a
+/// face.
+const AWAY: f64 = 8.0;
+
 /// A surface in a region.
 pub struct Guide<'a> {
     gradients: &'a dyn Kernel<zeroset_eval::SampleGradient, f64>,
@@ -26,20 +33,9 @@ impl<'a> Guide<'a> {
 
     /// The unit normals of the surface near points, and the distances along them. `None` where
     /// there is no gradient. For a solid, faces where the region cuts it count, too.
-    pub fn planes(&self, points: &[DVec3]) -> Vec<Option<(DVec3, f64)>> {
-        let planes = |some: &[DVec3]| -> SmallVec<[Option<(DVec3, f64)>; LANES]> {
-            let mut found = Gradients::<f64>::default();
-            self.gradients.eval(&Points::near(some)[0], &mut found);
-            let plane = |(lane, point): (usize, &DVec3)| {
-                let slope = DVec3::from_array(found.gradient.each_ref().map(|axis| axis[lane]));
-                let (normal, off) = (slope.try_normalize()?, found.value[lane] / slope.length());
-                let cut = self.cut(*point);
-                if self.is_solid && cut.1 > off {
-                    return Some(cut);
-                }
-                off.is_finite().then_some((normal, off))
-            };
-            some.iter().enumerate().map(plane).collect()
+    pub fn planes(&self, points: &[DVec3]) -> Vec<Option<Plane>> {
+        let planes = |some: &[DVec3]| -> SmallVec<[Option<Plane>; LANES]> {
+            self.some_planes(some).map(|(_, plane)| plane).collect()
         };
         points.par_chunks(LANES).flat_map_iter(planes).collect()
     }
@@ -47,22 +43,51 @@ impl<'a> Guide<'a> {
     /// Returns whether all points seem to be within a distance of the surface. For a solid, faces
     /// where the region cuts it count, too.
     pub fn are_near(&self, points: &[DVec3], distance: f64) -> bool {
-        points.chunks(LANES).all(|some| {
-            let mut found = Gradients::<f64>::default();
-            self.gradients.eval(&Points::near(some)[0], &mut found);
-            some.iter().enumerate().all(|(lane, point)| {
-                let slope = DVec3::from_array(found.gradient.each_ref().map(|axis| axis[lane]));
-                let inside = found.value[lane] / slope.length();
-                let off = if self.is_solid { inside.max(self.cut(*point).1) } else { inside };
-                // False for NaN.
-                off.abs() <= distance
-            })
+        let is_near = |plane: Option<Plane>| plane.is_some_and(|(_, off)| off.abs() <= distance);
+        points.chunks(LANES).all(|some| self.some_planes(some).all(|(_, plane)| is_near(plane)))
+    }
+
+    /// Returns whether all points seem to be within a distance of the surface's rim, where that is
+    /// on a face of the region.
+    pub fn are_near_rim(&self, points: &[DVec3], distance: f64) -> bool {
+        let is_near = |(point, plane): (&DVec3, Option<Plane>)| {
+            let Some((normal, off)) = plane else { return false };
+            let (across, beyond) = self.cut(*point);
+            if beyond.abs() > AWAY * distance {
+                return true;
+            }
+            // The shortest vector to both planes.
+            let cosine = normal.dot(across);
+            let sum = off * off - 2.0 * cosine * off * beyond + beyond * beyond;
+            sum <= (1.0 - cosine * cosine) * distance * distance
+        };
+        points.chunks(LANES).all(|some| self.some_planes(some).all(is_near))
+    }
+
+    /// The plane for each of some points, which fit one batch.
+    fn some_planes<'p>(
+        &self,
+        points: &'p [DVec3],
+    ) -> impl Iterator<Item = (&'p DVec3, Option<Plane>)> {
+        let mut found = Gradients::<f64>::default();
+        self.gradients.eval(&Points::near(points)[0], &mut found);
+        points.iter().enumerate().map(move |(lane, point)| {
+            let slope = DVec3::from_array(found.gradient.each_ref().map(|axis| axis[lane]));
+            let plane = slope.try_normalize().and_then(|normal| {
+                let off = found.value[lane] / slope.length();
+                let cut = self.cut(*point);
+                if self.is_solid && cut.1 > off {
+                    return Some(cut);
+                }
+                off.is_finite().then_some((normal, off))
+            });
+            (point, plane)
         })
     }
 
     /// The unit normal of the face of the region that is nearest to a point inside, or farthest
     /// from a point outside, and the distance from it: below 0 inside.
-    fn cut(&self, point: DVec3) -> (DVec3, f64) {
+    fn cut(&self, point: DVec3) -> Plane {
         let region = self.region;
         let faces = DVec3::AXES.into_iter().enumerate().flat_map(|(axis, normal)| {
             let (low, high) = (region.low()[axis], region.high()[axis]);

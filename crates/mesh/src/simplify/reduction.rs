@@ -1,7 +1,7 @@
 //! The removal of edges.
 
 use crate::simplify::blocks;
-use crate::simplify::change::{Change, Samples};
+use crate::simplify::change::Change;
 use crate::simplify::guide::Guide;
 use crate::simplify::index::Bounds;
 use crate::simplify::lattice::Lattice;
@@ -9,6 +9,7 @@ use crate::simplify::quadric::Quadric;
 use crate::simplify::queue::{Entry, Queue};
 use crate::simplify::triangulation::Triangulation;
 use glam::{DVec3, I64Vec3};
+use smallvec::SmallVec;
 
 /// Share of triangles that a pass must remove for another pass to follow.
 const PROGRESS: f64 = 0.02;
@@ -242,8 +243,11 @@ impl<'a> Reduction<'a> {
             return false;
         }
         change.is_proven(most / lattice.unit, thin * most / lattice.unit, &|points| {
-            let places: Samples = points.iter().map(|point| lattice.between(*point)).collect();
-            guide.are_near(&places, most)
+            let places = |some: &[DVec3]| -> SmallVec<[DVec3; 64]> {
+                some.iter().map(|point| lattice.between(*point)).collect()
+            };
+            guide.are_near(&places(&points.inner), most)
+                && guide.are_near_rim(&places(&points.rim), most)
         })
     }
 
