@@ -96,6 +96,7 @@ const WITH_CODE: &[Pass] = &[
         program.hurry();
         let options = zeroset_mesh::Options {
             region: *region,
+            larger: None,
             tolerance: 1.0,
             is_solid: program.is_solid(0),
             is_estimated: false,
@@ -109,7 +110,7 @@ const WITH_CODE: &[Pass] = &[
         program.hurry();
         let asked = AtomicUsize::new(0);
         let wanted = || asked.fetch_add(1, Ordering::Relaxed) < WANTED;
-        _ = zeroset_measure::measure(&program, 0, region, 1.0, &wanted);
+        _ = zeroset_measure::measure(&program, 0, region, None, 1.0, &wanted);
     }),
     ("curves", |text, _, region| {
         let (definitions, last) = text.rsplit_once('\n').expect("lines");

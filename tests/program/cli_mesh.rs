@@ -325,6 +325,27 @@ fn a_solid_is_closed_by_its_domain() {
     assert!(stderr.contains("with an open rim; the shape is proven"), "{stderr}");
 }
 
+/// A solid may fill the domain around its surface. Then its mesh is closed at the domain's faces,
+/// which have not moved.
+#[test]
+fn a_hollow_solid_is_closed_by_the_domain_around_its_surface() {
+    let (mesh, log) = read(&["x^2+y^2+z^2 >= 1"], "hollow.stl");
+    assert!(log.contains("bounded: proven; domain x, y, z in -1.12..1.12"), "{log}");
+    let largest = mesh.vertices.iter().flatten().fold(0.0_f64, |all, one| all.max(one.abs()));
+    assert!((largest - 1.12).abs() < 1e-3, "{largest}");
+    assert_eq!(mesh.closed_euler(), 4);
+}
+
+/// The space between a flat surface and its domain is narrow. Tetrahedra may be larger.
+#[test]
+fn a_flat_part_has_few_triangles_before_edges_are_removed() {
+    for text in ["box(2, 2, 0.2) <= 0", "subtract(box(2, 2, 0.2), cylinder(1, 1)) <= 0"] {
+        let (mesh, _) = read(&[text, "--detail", "full"], "flat.ply");
+        let count = mesh.triangles.len();
+        assert!((1_000..60_000).contains(&count), "{text}: {count}");
+    }
+}
+
 #[test]
 fn an_equation_that_is_above_0_inside_faces_out() {
     let told = "its function is below 0 outside; the triangles face outside all the same";

@@ -136,6 +136,7 @@ impl Side for Ours<'_> {
         let is_solid = program.is_solid(0);
         let options = Options {
             region,
+            larger: None,
             tolerance: self.tolerance,
             is_solid,
             is_estimated: self.is_estimated,

@@ -2,7 +2,7 @@
 
 use crate::color::{Color, map_colors};
 use std::time::{Duration, Instant};
-use zeroset_mesh::{MOST_CELLS, Mesh, Options, Simplification, TOLERANCE, mesh, simplify};
+use zeroset_mesh::{MOST_CELLS, Mesh, Options, Simplification, TOLERANCE, larger, mesh, simplify};
 use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::program::{Program, ProgramError};
 use zeroset_scene::view::{self, Clipping, DomainChoice, SceneError};
@@ -69,7 +69,8 @@ pub fn meshes(
     let found = view::region_while(&mut None, document, domain, cut, wanted)?;
     let Some((region, searched)) = found else { return Ok(None) };
     let clock = Instant::now();
-    let program = Program::new(document, zeroset_mesh::domain(&region))?;
+    let larger = larger(&region, searched.as_ref());
+    let program = Program::new(document, zeroset_mesh::domain(&larger.unwrap_or(region)))?;
     let simplifying = clock.elapsed();
     let tolerance = tolerance.unwrap_or(TOLERANCE * (region.high() - region.low()).length());
     let clock = Instant::now();
@@ -83,6 +84,7 @@ pub fn meshes(
         let distance = if is_full || is_mapped || is_estimated { 0.0 } else { 0.5 * tolerance };
         let options = Options {
             region,
+            larger,
             tolerance: tolerance - distance,
             is_solid,
             is_estimated,

@@ -58,7 +58,8 @@ impl Measures {
     }
 }
 
-/// Measures a surface of a program in a region. The width of a volume's bounds is at most
+/// Measures a surface of a program in a region. Meshes are made in a [larger](zeroset_mesh::larger)
+/// one, if there is one. The width of a volume's bounds is at most
 /// `relative` times the volume, unless that takes too many boxes. Returns `None` once `wanted`
 /// returns false.
 ///
@@ -72,6 +73,7 @@ pub fn measure(
     program: &Program,
     surface: usize,
     region: &Region,
+    larger: Option<Region>,
     relative: f64,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Measures>, ProgramError> {
@@ -87,6 +89,7 @@ pub fn measure(
     let with = |tolerance: f64| {
         let options = zeroset_mesh::Options {
             region: *region,
+            larger,
             tolerance,
             is_solid,
             is_estimated: false,

@@ -97,7 +97,8 @@ pub fn measures(
         }
     }
     let clock = Instant::now();
-    let program = Program::new(document, zeroset_mesh::domain(&region))?;
+    let larger = zeroset_mesh::larger(&region, searched.as_ref());
+    let program = Program::new(document, zeroset_mesh::domain(&larger.unwrap_or(region)))?;
     let simplify = clock.elapsed();
     let clock = Instant::now();
     let mut surfaces = Vec::new();
@@ -105,7 +106,7 @@ pub fn measures(
         if surface.hidden {
             continue;
         }
-        let Some(measures) = measure(&program, number, &region, relative, wanted)? else {
+        let Some(measures) = measure(&program, number, &region, larger, relative, wanted)? else {
             return Ok(None);
         };
         let name = surface.line();

@@ -29,6 +29,7 @@ pub use simplify::{Simplification, simplify};
 use space::Space;
 use zeroset_interval::Interval;
 use zeroset_scene::choices::Choices;
+use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::program::{Program, ProgramError};
 use zeroset_space::Region;
 
@@ -38,6 +39,9 @@ pub const TOLERANCE: f64 = 1e-3;
 const ESTIMATED: f64 = 1.0 / 64.0;
 /// Width of the space that is added around a ball, as a share of the domain's extent.
 const AROUND: f64 = 1.0 / 32.0;
+
+/// Width of the space that [`larger`] adds on each side, as a share of the longest edge.
+const SPACE: f64 = 1.0 / 8.0;
 
 /// Number of further attempts, with other linear functions, if triangles would cross.
 const TRIALS: usize = 3;
@@ -93,6 +97,8 @@ pub struct Unproven {
 pub struct Options {
     /// The domain. Its half-space and its ball cut the mesh.
     pub region: Region,
+    /// A [larger region](larger) in which the surface is the same, if there is one.
+    pub larger: Option<Region>,
     /// Largest allowed distance between mesh and surface, in world units.
     pub tolerance: f64,
     /// Whether the surface bounds a solid, where f ≤ 0. The mesh then covers the solid's part of
@@ -126,6 +132,20 @@ pub fn domain(region: &Region) -> [Interval; 3] {
     })
 }
 
+/// A larger region in which a mesh needs fewer tetrahedra: one that touches a face of the domain
+/// must not hold a part of the surface that is along the face. So tetrahedra are smaller than the
+/// space between the two, which is narrow around a flat part. `None` if the surface is not proven
+/// to lie in `region`, or if a ball or a plane cuts it.
+pub fn larger(region: &Region, searched: Option<&AutoDomain>) -> Option<Region> {
+    let found = searched.filter(|found| found.finding.is_bounded())?;
+    let ends = [found.low, found.high].map(DVec3::from_array);
+    if region.ball().is_some() || region.clip().is_some() || ends != [region.low(), region.high()] {
+        return None;
+    }
+    let space = DVec3::splat(SPACE * (region.high() - region.low()).max_element());
+    Region::new(region.low() - space, region.high() + space).ok()
+}
+
 /// Returns the mesh of a program's surface within a domain, or `None` once `wanted` returns false.
 ///
 /// If no place is [unproven](Mesh::unproven), the mesh is isotopic to the surface, within the
@@ -136,14 +156,36 @@ pub fn domain(region: &Region) -> [Interval; 3] {
 /// If a part of the function is too large, or a kernel is not available.
 ///
 /// # Panics
-/// If there is no such surface, or the program is not valid in [`domain`].
+/// If there is no such surface, or the program is not valid in the [`domain`] of each region.
 pub fn mesh(
     program: &Program,
     surface: usize,
     options: &Options,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Mesh>, ProgramError> {
-    let &Options { region, tolerance, is_solid, is_estimated, most_cells } = options;
+    if let Some(larger) = options.larger {
+        let Some(found) = mesh_in(program, surface, larger, options, wanted)? else {
+            return Ok(None);
+        };
+        // A solid may fill the domain outside of its surface. Its mesh is closed by faces there.
+        let (low, high) = (options.region.low(), options.region.high());
+        let is_inside = |place: &DVec3| low.cmplt(*place).all() && place.cmplt(high).all();
+        if found.vertices.iter().all(is_inside) {
+            return Ok(Some(found));
+        }
+    }
+    mesh_in(program, surface, options.region, options, wanted)
+}
+
+/// Returns the mesh in a region.
+fn mesh_in(
+    program: &Program,
+    surface: usize,
+    region: Region,
+    options: &Options,
+    wanted: &(dyn Fn() -> bool + Sync),
+) -> Result<Option<Mesh>, ProgramError> {
+    let &Options { tolerance, is_solid, is_estimated, most_cells, .. } = options;
     let bounds = domain(&region);
     // Checked once for the whole box, in which all cells lie.
     let is_within =

@@ -40,6 +40,14 @@ impl Quadric {
         xx + yy + zz
     }
 
+    /// The share of pairs of planes that are across each other: 0 if all are parallel, and a quarter
+    /// of the squared sine of the angle between two planes of the same weight.
+    pub fn bend(&self) -> f64 {
+        let [xx, yy, zz, xy, xz, yz] = self.squares;
+        let minors = (xx * yy - xy * xy) + (xx * zz - xz * xz) + (yy * zz - yz * yz);
+        minors / self.weight().powi(2)
+    }
+
     /// The sum at a point, at least 0.
     pub fn at(&self, point: DVec3) -> f64 {
         let slope = self.matrix() * point + 2.0 * self.linear;

@@ -6,6 +6,9 @@ use glam::I64Vec3;
 
 /// A place is better if its sum of squared distances is less than this share.
 const BETTER: f64 = 0.1;
+/// Least [bend](crate::simplify::quadric::Quadric::bend) at an edge of the surface: that of an angle
+/// of 11 degrees.
+const BEND: f64 = 0.01;
 /// Where a vertex cannot move, triangles may turn whose height is less than this share of the
 /// allowed distance.
 const THIN: f64 = 0.25;
@@ -85,7 +88,7 @@ impl Reduction<'_> {
         let (place, quadric) = (self.mesh.place(vertex), &self.mesh.quadrics[vertex as usize]);
         let sum = |place| quadric.at(lattice.relative(place));
         let now = sum(place);
-        if now <= self.floor(quadric) {
+        if now <= self.floor(quadric) || quadric.bend() < BEND {
             return None;
         }
         let best = self.best(quadric, lattice.relative(place), self.faces(place));

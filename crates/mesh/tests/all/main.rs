@@ -27,6 +27,7 @@ fn mesh_with(text: &str, region: Region, tolerance: f64, most_cells: usize) -> M
     let document = read(text, &zeroset_syntax::Options::default()).expect(text);
     let program = Program::new(&document, zeroset_mesh::domain(&region)).expect("a surface");
     let is_solid = document.surfaces[0].kind == SurfaceKind::Solid;
-    let options = Options { region, tolerance, is_solid, is_estimated: false, most_cells };
+    let options =
+        Options { region, larger: None, tolerance, is_solid, is_estimated: false, most_cells };
     mesh(&program, 0, &options, &|| true).expect("kernels").expect("wanted")
 }
