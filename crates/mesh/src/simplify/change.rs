@@ -9,10 +9,10 @@
 use crate::simplify::apart::{Corners as Apart, are_apart};
 use crate::simplify::distance::distance_to;
 use crate::simplify::index::Bounds;
-use crate::simplify::projection::{Direction, Seen};
+use crate::simplify::projection::{Direction, Seen, area};
 use crate::simplify::triangulation::{Edges, Few, Triangulation, facing};
 use crate::simplify::view::{
-    Corners, View, are_beside, ends_stay_apart, is_on_side, turned_left, turns, turns_left,
+    Sides, View, are_beside, ends_stay_apart, is_on_side, turned_left, turns, turns_left,
 };
 use glam::{DVec3, I64Vec3};
 use smallvec::SmallVec;
@@ -114,12 +114,15 @@ impl<'a> Change<'a> {
         let normals: SmallVec<[DVec3; 16]> =
             self.old.iter().map(|one| normal(self.places(*one))).collect();
         let sum: DVec3 = normals.iter().sum();
-        let view = [sum, middle(&normals)].into_iter().find_map(|vector| {
-            Direction::near(vector.try_normalize()?).find_map(|direction| self.view(direction))
-        });
-        view.is_some_and(|view| {
-            (self.rim.is_none() && view.is_same()) || (near(&self.samples()) && self.is_free(&view))
-        })
+        let mut view = View::default();
+        let mut is_graph = |vector: DVec3| {
+            vector.try_normalize().is_some_and(|vector| {
+                Direction::near(vector).any(|direction| self.see(direction, &mut view))
+            })
+        };
+        (is_graph(sum) || is_graph(middle(&normals)))
+            && ((self.rim.is_none() && view.is_same())
+                || (near(&self.samples()) && self.is_free(&view)))
     }
 
     /// A box around old and new triangles.
@@ -193,73 +196,71 @@ impl<'a> Change<'a> {
         })
     }
 
-    /// The triangles as seen along a direction. `None` if they are not proven to be graphs.
-    fn view(&self, direction: Direction) -> Option<View> {
-        let see = |vertex: u32| direction.see(self.mesh.place(vertex));
-        let corners = |one: &u32| self.mesh.corners(*one).map(see);
-        let old: SmallVec<[Corners; 16]> = self.old.iter().map(corners).collect();
+    /// Sees the triangles along a direction. Returns whether they are proven to be graphs.
+    fn see(&self, direction: Direction, view: &mut View) -> bool {
+        view.direction = direction;
+        let see = |vertex: &u32| direction.see(self.mesh.place(*vertex));
         let apex = direction.see(self.to);
-        let corners = |edge: &[u32; 2]| [apex, see(edge[0]), see(edge[1])];
-        let new: SmallVec<[Corners; 16]> = self.facing.iter().map(corners).collect();
-        if !old.iter().chain(&new).all(turns_left) {
-            return None;
+        view.apex = apex;
+        view.old.clear();
+        view.old.extend(self.old.iter().map(|one| self.mesh.corners(*one).each_ref().map(see)));
+        view.new.clear();
+        view.new.extend(self.facing.iter().map(|[a, b]| [apex, see(a), see(b)]));
+        if !view.old.iter().chain(&view.new).all(turns_left) {
+            return false;
         }
-        let moving: SmallVec<[Seen; 2]> = self.moving.iter().map(|one| see(*one)).collect();
+        view.moving.clear();
+        view.moving.extend(self.moving.iter().map(see));
+        view.sweeps.clear();
         // The edges that face the only vertex that moves.
         let facing_it =
             || self.old.iter().map(|one| facing(self.mesh.corners(*one), self.moving[0]));
-        let mut sweeps = SmallVec::new();
-        if let Some(ends) = self.rim {
-            let turns_less_than_once = |center: Seen, edges: &Edges| {
-                let start = edges.iter().map(|edge| edge[0]);
-                let start = start.into_iter().find(|one| edges.iter().all(|edge| edge[1] != *one));
-                let edges = edges.iter().map(|edge| edge.map(see));
-                start.is_some_and(|start| turns(center, see(start), edges) == 0)
-            };
-            let before: Edges = facing_it().collect();
-            let is_layer = turns_less_than_once(moving[0], &before)
-                && turns_less_than_once(apex, &self.facing)
-                && ends_stay_apart(ends.map(see), [moving[0], apex]);
-            if !is_layer {
-                return None;
-            }
-            for [from, to] in &before {
-                for end in [from, to] {
-                    sweeps.extend(turned_left([moving[0], apex, see(*end)]));
-                }
-            }
-        } else {
+        let Some(rim) = self.rim else {
             let ahead = |center: Seen| Seen { x: center.x + 1, ..center };
             let around = |center: Seen, edges: &mut dyn Iterator<Item = [u32; 2]>| {
-                turns(center, ahead(center), edges.map(|edge| edge.map(see))) == 1
+                turns(center, ahead(center), edges.map(|edge| edge.each_ref().map(see))) == 1
             };
-            let is_layer = match self.moving.len() {
-                1 => around(moving[0], &mut facing_it()),
+            return match view.moving[..] {
+                [only] => around(only, &mut facing_it()),
                 _ => around(apex, &mut self.facing.iter().copied()),
             };
-            if !is_layer {
-                return None;
-            }
-        }
-        Some(View { direction, apex, moving, old, new, sweeps })
+        };
+        let turns_less_than_once = |center: Seen, edges: &Edges| {
+            let start = edges.iter().map(|edge| edge[0]);
+            let start = start.into_iter().find(|one| edges.iter().all(|edge| edge[1] != *one));
+            let edges = edges.iter().map(|edge| edge.each_ref().map(see));
+            start.is_some_and(|start| turns(center, see(&start), edges) == 0)
+        };
+        let from = view.moving[0];
+        let before: Edges = facing_it().collect();
+        let ends = before.iter().flatten().map(see);
+        view.sweeps.extend(ends.filter_map(|end| turned_left([from, apex, end])));
+        turns_less_than_once(from, &before)
+            && turns_less_than_once(apex, &self.facing)
+            && ends_stay_apart(rim.each_ref().map(see), [from, apex])
     }
 
     /// Returns whether no other triangle meets the space between old and new triangles, apart from
     /// their boundary.
     fn is_free(&self, view: &View) -> bool {
         let bounds = self.bounds();
+        let sides = if self.rim.is_some() { Sides::new() } else { view.sides() };
         self.mesh.index.all_near(&bounds, &mut |other| {
             self.old.contains(&other)
                 || !self.mesh.bounds(other).meets(&bounds)
-                || self.is_clear(other, view)
+                || self.is_clear(other, view, &sides)
         })
     }
 
-    /// Returns whether a triangle is proven not to meet the space that old triangles sweep.
-    fn is_clear(&self, other: u32, view: &View) -> bool {
+    /// Returns whether a triangle is proven not to meet the space that old triangles sweep, which is
+    /// to the left of `sides`.
+    fn is_clear(&self, other: u32, view: &View, sides: &Sides) -> bool {
         let numbers = self.mesh.corners(other);
         let places = self.places(other);
         let seen = places.map(|place| view.direction.see(place));
+        if sides.iter().any(|&[a, b]| seen.iter().all(|corner| area(a, b, *corner) <= 0)) {
+            return true;
+        }
         let is_beside = if self.rim.is_some() {
             // The new rim must not touch anything else.
             let has =

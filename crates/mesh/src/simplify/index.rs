@@ -4,6 +4,7 @@
 //! neighbors in the tree. A triangle that changes keeps its leaf.
 
 use glam::I64Vec3;
+use smallvec::{SmallVec, smallvec};
 
 /// Number of bits that boxes leave out of coordinates.
 const COARSE: i64 = 10;
@@ -120,7 +121,7 @@ impl Index {
     pub fn all_near(&self, bounds: &Bounds, each: &mut dyn FnMut(u32) -> bool) -> bool {
         let bounds = Coarse::around(bounds);
         let width = self.nodes.len() / 2;
-        let mut open = vec![1];
+        let mut open: SmallVec<[usize; 64]> = smallvec![1];
         while let Some(node) = open.pop() {
             if !self.nodes[node].meets(&bounds) {
                 continue;

@@ -4,7 +4,7 @@ use glam::{DVec3, I64Vec3};
 
 /// A direction with small whole components. Seen along it, points have two coordinates, and a
 /// height along it.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Direction {
     along: I64Vec3,
     /// The axis that heights are measured on, and the two others, in an order that keeps turns to
@@ -13,7 +13,7 @@ pub struct Direction {
 }
 
 /// A point as seen along a direction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Seen {
     pub x: i64,
     pub y: i64,

@@ -6,7 +6,11 @@ use smallvec::SmallVec;
 /// The corners of a triangle, as seen.
 pub type Corners = [Seen; 3];
 
+/// Directed edges, as seen.
+pub type Sides = SmallVec<[[Seen; 2]; 16]>;
+
 /// Old and new triangles, which all turn to the left.
+#[derive(Default)]
 pub struct View {
     pub direction: Direction,
     /// The corner that all new triangles share.
@@ -23,6 +27,15 @@ impl View {
     /// Triangles that cover all that is swept.
     pub fn all(&self) -> impl Iterator<Item = &Corners> {
         self.old.iter().chain(&self.new).chain(&self.sweeps)
+    }
+
+    /// The edges that face the apex and have all new triangles to their left. The apex is to the
+    /// left of each edge that faces it.
+    pub fn sides(&self) -> Sides {
+        let holds_all = |&[a, b]: &[Seen; 2]| {
+            self.new.iter().all(|&[_, p, q]| area(a, b, p) >= 0 && area(a, b, q) >= 0)
+        };
+        self.new.iter().map(|&[_, a, b]| [a, b]).filter(holds_all).collect()
     }
 
     /// Returns whether old and new triangles are the same set of points: they have the same height
