@@ -25,6 +25,7 @@
 mod cover;
 mod emit;
 mod form;
+mod levels;
 mod reduce;
 mod sets;
 #[cfg(test)]
@@ -34,6 +35,7 @@ mod thin;
 use crate::algebra::neg;
 use crate::graph::{Graph, Node, NodeId};
 pub use form::multiples;
+pub use levels::{Level, levels, sheets};
 use sets::Sets;
 pub(crate) use thin::{Nonneg, is_thin_zero};
 use zeroset_interval::{Decorated, Facts, Interval, fold};

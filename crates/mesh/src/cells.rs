@@ -11,7 +11,7 @@ use zeroset_eval::{
     LANES, Points, Sample, Zeros,
 };
 use zeroset_interval::Interval;
-use zeroset_scene::choices::Choice;
+use zeroset_scene::choices::{Choice, Level};
 use zeroset_scene::program::Program;
 
 /// The kernels of one part.
@@ -42,6 +42,8 @@ pub struct Query<'a> {
     pub space: &'a Space,
     /// True if the function's surface bounds a solid.
     pub is_solid: bool,
+    /// For each part, the function of which it is a level.
+    pub levels: &'a [Level],
     /// Number of the first part that only cuts the surface off, where the part is above 0. Zeros of
     /// such a part are no surface.
     pub first_cut: usize,

@@ -10,6 +10,7 @@ use crate::place::Vertices;
 use crate::polygon::{Linear, NO_PART, Polygon};
 use crate::refine::{Refined, size};
 use crate::space::Space;
+use crate::values::keep_order;
 use glam::DVec3;
 use rayon::prelude::*;
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -38,7 +39,7 @@ pub fn extract(
     grid: &Grid,
     query: &Query<'_>,
 ) -> Result<Extracted, KernelError> {
-    let &Query { parts: kernels, space, is_solid, first_cut, .. } = query;
+    let &Query { space, is_solid, first_cut, .. } = query;
     let mut vertices = Vertices::default();
     let mut polygons: Vec<Numbered> = Vec::new();
     let (mut unproven, mut fixed) = (FxHashSet::default(), FxHashSet::default());
@@ -48,7 +49,7 @@ pub fn extract(
         fixed.extend((!added.are_disks).then_some(number));
     }
     let at = |corner: u32| space.at(grid.corners[corner as usize]);
-    let at_zero = vertices.place(refined, kernels, &at)?;
+    let at_zero = vertices.place(refined, query, &at)?;
     if !is_solid {
         polygons.retain(|polygon| polygon.vertices.iter().all(|one| at_zero[*one as usize]));
     }
@@ -239,7 +240,7 @@ fn add_leaf(
     vertices: &mut Vertices,
     polygons: &mut Vec<Numbered>,
 ) -> Added {
-    let &Query { space, is_solid, first_cut, .. } = query;
+    let &Query { space, is_solid, levels, first_cut, .. } = query;
     let mut positive = [0, 1, 2, 3].map(|k| (leaf.cell.numbers[k], leaf.cell.corners[k]));
     if !leaf.cell.is_positive() {
         positive.swap(2, 3);
@@ -251,8 +252,10 @@ fn add_leaf(
         Kind::Inside(_) => &[],
     };
     let values = |part: u16| corners.map(|corner| refined.values.at(corner, part));
-    let parts = parts.iter().map(|part| (part.part, values(part.part)));
-    let (linear, choice) = (Linear::new(corners, parts), leaf.choice());
+    let parts: SmallVec<[(u16, [f64; 4]); 1]> =
+        parts.iter().map(|part| (part.part, values(part.part))).collect();
+    let is_ordered = keep_order(&parts, levels);
+    let (linear, choice) = (Linear::new(corners, parts.into_iter()), leaf.choice());
     let mut found = linear.zeros(choice, is_even(positive.map(|(number, _)| number), corners));
     if is_solid {
         let faces = FACES.map(|face| face.map(|k| positive[k]));
@@ -269,7 +272,8 @@ fn add_leaf(
         let (vertices, is_joined) = (keys.map(keyed).collect(), polygon.is_joined);
         polygons.push(Numbered { leaf: number, vertices, is_joined });
     }
-    Added { is_uncertain: linear.is_uncertain(), are_disks }
+    let is_uncertain = linear.is_uncertain() || !is_ordered;
+    Added { is_uncertain, are_disks }
 }
 
 /// Returns whether each connected component of some polygons is a disk: its Euler characteristic is

@@ -19,6 +19,7 @@ mod regular;
 mod simplify;
 mod space;
 mod values;
+mod wall;
 
 use cells::{PartKernels, Query};
 pub use connected::Connected;
@@ -71,6 +72,9 @@ pub struct Mesh {
     pub is_closed: bool,
     /// True if all coordinates are `f32`.
     pub is_single: bool,
+    /// The thickness of the thinnest wall between faces that were meshed as levels of one function:
+    /// an estimate. `None` if there is none that is thinner than the tetrahedra around it.
+    pub wall: Option<f64>,
     /// True if bounds were [estimated](Options::is_estimated), so that nothing is proven: not even
     /// that there is no surface.
     pub is_estimated: bool,
@@ -193,7 +197,7 @@ fn mesh_in(
     assert!(bounds.iter().zip(&program.domain()).all(is_within), "a mesh beyond the domain");
     let [low, high] = [bounds.map(|along| along.lo), bounds.map(|along| along.hi)];
     let (low, high) = (DVec3::from_array(low), DVec3::from_array(high));
-    let Choices { choice, parts, first_cut } = program.choices(surface, &region)?;
+    let Choices { choice, parts, first_cut, levels } = program.choices(surface, &region)?;
     let kernels = PartKernels::of(&parts)?;
     let (space, mut grid) = Space::new(low, high);
     let extent = (high - low).max_element();
@@ -201,7 +205,8 @@ fn mesh_in(
     // The surface of a solid includes the region's boundary.
     let first_cut = if is_solid { kernels.len() } else { first_cut };
     let estimated = if is_estimated { ESTIMATED * extent } else { 0.0 };
-    let query = Query { parts: &kernels, space: &space, is_solid, first_cut, estimated };
+    let (parts, space, levels) = (&kernels[..], &space, &levels[..]);
+    let query = Query { parts, space, is_solid, levels, first_cut, estimated };
     let refined = refine::refine(&choice, &query, &mut grid, limits, wanted);
     let Some(mut refined) = refined else { return Ok(None) };
     let mut triangles = extract::extract(&refined, &grid, &query)?;
@@ -212,7 +217,7 @@ fn mesh_in(
         if crossed.is_empty() || is_estimated {
             break;
         }
-        if refined.move_again(&crossed, &space, &grid, wanted).is_none() {
+        if refined.move_again(&crossed, &query, &grid, wanted).is_none() {
             return Ok(None);
         }
         triangles = extract::extract(&refined, &grid, &query)?;
@@ -220,6 +225,7 @@ fn mesh_in(
     let mut mesh = Mesh {
         vertices: triangles.vertices,
         triangles: triangles.triangles,
+        wall: wall::thinnest(&refined, &query),
         is_estimated,
         ..Mesh::default()
     };

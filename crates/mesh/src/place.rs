@@ -1,6 +1,6 @@
 //! Vertices of a mesh, and their places on the surface.
 
-use crate::cells::{PartKernels, parts_of};
+use crate::cells::{PartKernels, Query, parts_of};
 use crate::polygon::{NO_PART, VertexKey};
 use crate::refine::{Refined, sample};
 use glam::{DMat3, DVec3};
@@ -8,7 +8,7 @@ use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
 use std::sync::Arc;
 use zeroset_eval::{Gradients, KernelError, Points};
-use zeroset_scene::choices::Choice;
+use zeroset_scene::choices::{Choice, Level};
 
 /// Number of times that a bracket on an edge is narrowed.
 const NARROWINGS: usize = 48;
@@ -16,6 +16,9 @@ const NARROWINGS: usize = 48;
 const NARROW: f64 = 1e-12;
 /// Least weight of each corner for a vertex that is moved, so that triangles have an area.
 const APART: f64 = 1e-4;
+/// Least difference of the weights of two vertices on an edge where levels of one function are 0.
+/// Each weight is known up to [`NARROW`].
+const IN_ORDER: f64 = 1e-11;
 /// The function jumps on an edge if its values on both sides of the narrowed bracket differ by more
 /// than this share of the values at the corners.
 const JUMP: f64 = 1e-3;
@@ -24,6 +27,17 @@ const STEPS: usize = 6;
 
 /// Returns the value at each vertex's point of a function that may differ from vertex to vertex.
 type ValuesAt<'a> = dyn Fn(&[usize], &[DVec3]) -> Vec<f64> + 'a;
+
+/// The vertices on edges that have several, by the edges' corners.
+type SharedEdges = FxHashMap<SmallVec<[u32; 2]>, Shared>;
+
+/// The vertices on an edge that has several.
+#[derive(Default)]
+struct Shared {
+    vertices: SmallVec<[usize; 4]>,
+    /// True if the parts that are 0 there are levels of one function.
+    is_group: bool,
+}
 
 /// The vertices of a mesh.
 #[derive(Default)]
@@ -68,12 +82,12 @@ impl Vertices {
     pub fn place(
         &mut self,
         refined: &Refined,
-        kernels: &[PartKernels<'_>],
+        &Query { parts: kernels, levels, .. }: &Query<'_>,
         at: &dyn Fn(u32) -> DVec3,
     ) -> Result<Vec<bool>, KernelError> {
         self.places = (0..self.keys.len()).map(|vertex| self.zero(vertex, at)).collect();
         let mut at_zero = vec![true; self.keys.len()];
-        let shared = self.shared_edges();
+        let shared = self.shared_edges(levels);
         let mut sorted: Vec<usize> = (0..self.keys.len()).collect();
         sorted.sort_by_key(|k| self.keys[*k].parts);
         let mut of_choices = Vec::new();
@@ -98,7 +112,7 @@ impl Vertices {
                     of_choices.extend(of_choice);
                     let at_corner = |_: usize, corner: u32| refined.values.sample(corner, parts[0]);
                     let values = |_: &[usize], points: &[DVec3]| sample(only.samples, points);
-                    self.place_on_edges(&of_part, &at_corner, &values, at, &mut at_zero);
+                    self.place_on_edges(&of_part, &shared, &at_corner, &values, at, &mut at_zero);
                 }
                 several => {
                     for vertex in some {
@@ -126,10 +140,10 @@ impl Vertices {
             let choices: Vec<&Choice> = vertices.iter().map(|vertex| &*choices[*vertex]).collect();
             sample_choices(&choices, points, kernels)
         };
-        self.place_on_edges(&of_choices, &at_corner, &values, at, &mut at_zero);
-        for vertices in shared.into_values() {
-            if !self.keep_order(&vertices, at) {
-                for vertex in vertices {
+        self.place_on_edges(&of_choices, &shared, &at_corner, &values, at, &mut at_zero);
+        for one in shared.into_values() {
+            if !self.keep_order(&one, at) {
+                for vertex in one.vertices {
                     self.places[vertex] = self.zero(vertex, at);
                 }
             }
@@ -138,8 +152,9 @@ impl Vertices {
     }
 
     /// Returns whether vertices on one edge have the order of g's zeros, and are apart.
-    fn keep_order(&self, vertices: &[usize], at: &dyn Fn(u32) -> DVec3) -> bool {
-        let mut sorted: SmallVec<[(f64, f64); 4]> = vertices
+    fn keep_order(&self, shared: &Shared, at: &dyn Fn(u32) -> DVec3) -> bool {
+        let mut sorted: SmallVec<[(f64, f64); 4]> = shared
+            .vertices
             .iter()
             .map(|vertex| {
                 let ends = [0, 1].map(|end| at(self.keys[*vertex].corners()[end]));
@@ -150,19 +165,24 @@ impl Vertices {
             .collect();
         sorted.sort_by(|(a, _), (b, _)| a.total_cmp(b));
         // False for NaN.
-        sorted.windows(2).all(|pair| pair[1].1 - pair[0].1 >= APART)
+        let least = if shared.is_group { IN_ORDER } else { APART };
+        sorted.windows(2).all(|pair| pair[1].1 - pair[0].1 >= least)
     }
 
     /// The vertices on each edge that has several.
-    fn shared_edges(&self) -> FxHashMap<SmallVec<[u32; 2]>, SmallVec<[usize; 4]>> {
-        let mut edges: FxHashMap<SmallVec<[u32; 2]>, SmallVec<[usize; 4]>> = FxHashMap::default();
+    fn shared_edges(&self, levels: &[Level]) -> SharedEdges {
+        let mut edges = SharedEdges::default();
         for (vertex, key) in self.keys.iter().enumerate() {
             let corners = key.corners();
             if corners.len() == 2 && !matches!(*self.choices[vertex], Choice::Part(_)) {
-                edges.entry(corners.into()).or_default().push(vertex);
+                edges.entry(corners.into()).or_default().vertices.push(vertex);
             }
         }
-        edges.retain(|_, vertices| vertices.len() > 1);
+        edges.retain(|_, shared| shared.vertices.len() > 1);
+        let group = |vertex: &usize| levels[usize::from(self.keys[*vertex].parts[0])].group;
+        for Shared { vertices, is_group } in edges.values_mut() {
+            *is_group = vertices.windows(2).all(|two| group(&two[0]) == group(&two[1]));
+        }
         edges
     }
 
@@ -182,6 +202,7 @@ impl Vertices {
     fn place_on_edges(
         &mut self,
         vertices: &[usize],
+        shared: &SharedEdges,
         at_corner: &dyn Fn(usize, u32) -> f64,
         values: &ValuesAt<'_>,
         at: &dyn Fn(u32) -> DVec3,
@@ -237,7 +258,12 @@ impl Vertices {
             });
         }
         for (vertex, bracket) in vertices.iter().zip(brackets) {
-            let share = bracket.shares[0].midpoint(bracket.shares[1]).clamp(APART, 1.0 - APART);
+            let share = bracket.shares[0].midpoint(bracket.shares[1]);
+            let has_group = |shared: &Shared| shared.is_group;
+            let share = match shared.get(self.keys[*vertex].corners()).is_some_and(has_group) {
+                true => pushed(share),
+                false => share.clamp(APART, 1.0 - APART),
+            };
             self.places[*vertex] = between(&bracket.ends, &[share]);
             // False for NaN: the function is undefined at an end.
             at_zero[*vertex] = bracket.values[1] - bracket.values[0] <= JUMP * bracket.scale;
@@ -277,6 +303,11 @@ fn sample_choices(choices: &[&Choice], points: &[DVec3], kernels: &[PartKernels<
         value_of(choice, &of)
     };
     choices.iter().zip(&found).map(value).collect()
+}
+
+/// A share of an edge that is not near 0 or 1. Shares keep their order.
+fn pushed(share: f64) -> f64 {
+    share + 0.5 * ((APART - share).max(0.0) - (share - (1.0 - APART)).max(0.0))
 }
 
 /// Returns whether a value is below 0. An undefined one is not.

@@ -26,6 +26,7 @@ use crate::regular::MOST_TWO_SIDED;
 use glam::DVec3;
 use smallvec::{SmallVec, smallvec};
 use zeroset_interval::Interval;
+use zeroset_scene::choices::Level;
 
 /// A slope counts as positive if it exceeds this share of the gradient's largest component.
 /// Rounding errors are smaller than that.
@@ -52,6 +53,18 @@ pub struct Slopes {
 }
 
 impl Slopes {
+    /// The slopes of the function of which the part is a level, up to a factor above 0.
+    pub fn of_group(self, levels: &[Level]) -> Self {
+        let Level { group, factor, .. } = levels[usize::from(self.part)];
+        let turned = match self.side {
+            Side::Above => Side::Below,
+            Side::Below => Side::Above,
+            Side::Both | Side::Unknown => self.side,
+        };
+        let own = if factor < 0.0 { Self { side: turned, ..self.opposite() } } else { self };
+        Self { part: group as u16, ..own }
+    }
+
     /// The slopes of the part with the opposite sign.
     fn opposite(&self) -> Self {
         let gradient = self.gradient.map(|bounds| Interval { lo: -bounds.hi, hi: -bounds.lo });

@@ -67,7 +67,7 @@ pub fn refine(
     limits: Limits,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Option<Refined> {
-    let &Query { parts: kernels, space, is_solid, estimated, .. } = query;
+    let &Query { parts: kernels, space, is_solid, levels, estimated, .. } = query;
     let is_estimated = estimated > 0.0;
     let choice = Arc::new(choice.clone());
     let root = |tetrahedron| Cell { tetrahedron, choice: Arc::clone(&choice) };
@@ -82,7 +82,7 @@ pub fn refine(
         for (Cell { tetrahedron: cell, choice }, class) in fresh.drain(..).zip(classes) {
             let kind = match class {
                 CellClass::Open(local) => {
-                    let near = is_near(space, &cell, &local.parts, limits.tolerance);
+                    let near = is_near(query, &cell, &local.parts, limits.tolerance);
                     Kind::Open { local, near }
                 }
                 CellClass::Empty(-1) if is_solid && has_face(space, &cell) => Kind::Inside(choice),
@@ -116,7 +116,7 @@ pub fn refine(
         if middles.is_empty() && is_estimated {
             refined.sample(kernels, space, grid, 0);
             if kernels.len() > 1 {
-                refined.values.move_apart(&refined.leaves, grid, &refined.moves);
+                refined.values.move_apart(&refined.leaves, levels, grid, &refined.moves);
             }
         } else if middles.is_empty() {
             let mut splits = |refined: &Refined, failing: Vec<(usize, Fails)>| -> Vec<Corner> {
@@ -134,11 +134,11 @@ pub fn refine(
                 failing.into_iter().filter_map(middle).collect()
             };
             refined.sample(kernels, space, grid, unproven);
-            let failing = refined.prove(space, grid, &|number, _| number >= unproven, wanted)?;
+            let failing = refined.prove(query, grid, &|number, _| number >= unproven, wanted)?;
             unproven = refined.leaves.len();
             middles = splits(&refined, failing);
             if middles.is_empty() && kernels.len() > 1 {
-                let failing = refined.prove_apart(space, grid, wanted)?;
+                let failing = refined.prove_apart(query, grid, wanted)?;
                 middles = splits(&refined, failing);
             }
         }
@@ -180,10 +180,16 @@ fn has_face(space: &Space, cell: &Tetrahedron) -> bool {
 
 /// Returns whether mesh and surface are proven to be within a distance of each other in a
 /// tetrahedron, if the shape is proven.
-fn is_near(space: &Space, cell: &Tetrahedron, parts: &[PartBounds], distance: f64) -> bool {
+fn is_near(
+    &Query { space, levels, .. }: &Query<'_>,
+    cell: &Tetrahedron,
+    parts: &[PartBounds],
+    distance: f64,
+) -> bool {
     let slopes = |part: &PartBounds| {
         let PartBounds { part, side, gradient, .. } = *part;
-        gradient.map(|gradient| Slopes { part, side, gradient, linear: middle(&gradient) })
+        let linear = middle(&gradient?);
+        Some(Slopes { part, side, gradient: gradient?, linear }.of_group(levels))
     };
     let Some(slopes) = parts.iter().map(slopes).collect::<Option<Vec<Slopes>>>() else {
         return false;
@@ -214,7 +220,7 @@ impl Refined {
     pub fn move_again(
         &mut self,
         leaves: &[usize],
-        space: &Space,
+        query: &Query<'_>,
         grid: &Grid,
         wanted: &(dyn Fn() -> bool + Sync),
     ) -> Option<()> {
@@ -223,27 +229,27 @@ impl Refined {
         for corner in corners {
             *self.moves.entry(corner).or_default() += 1;
         }
-        self.prove_apart(space, grid, wanted).map(drop)
+        self.prove_apart(query, grid, wanted).map(drop)
     }
 
     /// Moves values apart, and repeats the proof where values changed. Returns leaves as
     /// [`Self::prove`] does.
     fn prove_apart(
         &mut self,
-        space: &Space,
+        query: &Query<'_>,
         grid: &Grid,
         wanted: &(dyn Fn() -> bool + Sync),
     ) -> Option<Vec<(usize, Fails)>> {
-        let moved = self.values.move_apart(&self.leaves, grid, &self.moves);
+        let moved = self.values.move_apart(&self.leaves, query.levels, grid, &self.moves);
         let is_moved = |leaf: &Leaf| leaf.cell.numbers.iter().any(|corner| moved[*corner as usize]);
-        self.prove(space, grid, &|_, leaf| is_moved(leaf), wanted)
+        self.prove(query, grid, &|_, leaf| is_moved(leaf), wanted)
     }
 
     /// Searches for a vector at each corner of the leaves for which `changed` is true. Returns the
     /// leaves at corners without such a vector, in order. `None` once `wanted` returns false.
     fn prove(
         &mut self,
-        space: &Space,
+        &Query { space, levels, .. }: &Query<'_>,
         grid: &Grid,
         changed: &dyn Fn(usize, &Leaf) -> bool,
         wanted: &(dyn Fn() -> bool + Sync),
@@ -286,7 +292,8 @@ impl Refined {
                 let gradient = part.gradient?;
                 let values = leaf.cell.numbers.map(|corner| self.values.at(corner, part.part));
                 let linear = linear_gradient(&corners, &values);
-                Some(Slopes { part: part.part, side: part.side, gradient, linear })
+                let slopes = Slopes { part: part.part, side: part.side, gradient, linear };
+                Some(slopes.of_group(levels))
             };
             local.parts.iter().map(slopes).collect()
         };

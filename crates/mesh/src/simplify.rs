@@ -35,6 +35,9 @@ use zeroset_space::Region;
 const SHARES: [f64; 3] = [0.65, 0.4, 0.2];
 /// Coordinates become `f32` if that moves vertices by less than this share of the tolerance.
 const ROUNDING: f64 = 1.0 / 16.0;
+/// Largest distance that samples may be from the surface, as a share of the thinnest wall, so that
+/// the volume of the wall stays.
+const OF_WALL: f64 = 0.6;
 
 /// The wanted triangles.
 #[derive(Clone, Copy, Debug)]
@@ -66,7 +69,9 @@ pub fn simplify(
     let bounds = domain(&options.region);
     let ends = [bounds.map(|along| along.lo), bounds.map(|along| along.hi)];
     let ends = ends.map(DVec3::from_array);
-    let lattice = Lattice::new(ends, ROUNDING * options.tolerance);
+    let wall = mesh.wall.unwrap_or(f64::INFINITY);
+    let allowed = options.distance.min(OF_WALL * wall);
+    let lattice = Lattice::new(ends, ROUNDING * options.tolerance.min(wall));
     let guide = Guide::new(program, surface, &options.region)?;
     let start = || {
         let places = mesh.vertices.iter().map(|place| lattice.nearest(*place)).collect();
@@ -78,7 +83,7 @@ pub fn simplify(
     let first = Cover::new(&start());
     let distance = options.distance / lattice.unit;
     for share in SHARES {
-        let setting = Setting { most: share * options.distance, ..setting };
+        let setting = Setting { most: share * allowed, ..setting };
         let mut reduction = Reduction::new(&setting, start());
         reduction.measure();
         reduction.straighten();

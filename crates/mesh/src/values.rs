@@ -8,10 +8,14 @@ use crate::leaf::{Kind, Leaf};
 use crate::proof::MOVED;
 use rustc_hash::FxHashMap;
 use smallvec::{SmallVec, smallvec};
+use zeroset_scene::choices::Level;
 
 /// Greatest distance by which values of parts are moved away from 0, as a share of the greatest
 /// value at a corner of each leaf around. Zeros move by less than the proof of distances allows.
 const APART: f64 = 0.9 * MOVED;
+
+/// Largest rounding of a quotient of a value and a factor, as a share.
+const ROUNDING: f64 = 2.0 * f64::EPSILON;
 
 /// Values of parts at corners, by the corners' numbers.
 #[derive(Default)]
@@ -75,6 +79,7 @@ impl CornerValues {
     pub fn move_apart(
         &mut self,
         leaves: &[Leaf],
+        levels: &[Level],
         grid: &Grid,
         moves: &FxHashMap<u32, u64>,
     ) -> Vec<bool> {
@@ -83,6 +88,8 @@ impl CornerValues {
         let mut has_several = vec![false; self.0.len()];
         for leaf in leaves {
             let Kind::Open { local, .. } = &leaf.kind else { continue };
+            let group = |part: &PartBounds| levels[usize::from(part.part)].group;
+            let is_mixed = local.parts.windows(2).any(|two| group(&two[0]) != group(&two[1]));
             for PartBounds { part, .. } in &local.parts {
                 let corners = leaf.cell.numbers.map(|corner| {
                     let all = &self.0[corner as usize];
@@ -93,15 +100,28 @@ impl CornerValues {
                 for (corner, k) in corners {
                     let largest = &mut largest[corner as usize][k];
                     *largest = largest.min(most);
-                    has_several[corner as usize] |= local.parts.len() > 1;
+                    has_several[corner as usize] |= is_mixed;
                 }
             }
         }
         let moved = |(number, all): (usize, &mut SmallVec<[CornerValue; 1]>)| {
             let times = moves.get(&(number as u32)).copied().unwrap_or_default();
             let mut changes = false;
-            for (one, largest) in all.iter_mut().zip(&largest[number]) {
-                let chance = chance(grid.corners[number], one.part, times);
+            let level = |part: u16| levels[usize::from(part)];
+            let parts: SmallVec<[u16; 4]> = all.iter().map(|one| one.part).collect();
+            for one in all {
+                // Levels of one function keep their order, since all of them move by one share of
+                // one value.
+                let (mut first, mut largest_of_group) = (one.part, f64::INFINITY);
+                for (part, largest) in parts.iter().zip(&largest[number]) {
+                    if level(*part).group == level(one.part).group {
+                        let scale = (level(one.part).factor / level(*part).factor).abs();
+                        largest_of_group = largest_of_group.min(scale * largest);
+                        first = first.min(*part);
+                    }
+                }
+                let largest = largest_of_group;
+                let chance = chance(grid.corners[number], first, times);
                 let by = 0.5 * APART * largest * (1.0 + chance);
                 let is_moved = has_several[number] && by.is_finite();
                 let by = if is_moved { by.copysign(one.sample) } else { 0.0 };
@@ -112,6 +132,25 @@ impl CornerValues {
         };
         self.0.iter_mut().enumerate().map(moved).collect()
     }
+}
+
+/// Returns whether values at the corners of a tetrahedron are proven to have the order of their
+/// parts' levels. Then no two linear functions with these values are 0 at one point, if their parts
+/// are levels of one function.
+pub fn keep_order(values: &[(u16, [f64; 4])], levels: &[Level]) -> bool {
+    let level = |part: u16| levels[usize::from(part)];
+    values.iter().enumerate().all(|(k, (part, own))| {
+        values[..k].iter().all(|(other, of_other)| {
+            let (one, other) = (level(*part), level(*other));
+            let is_in_order = |(own, of_other): (&f64, &f64)| {
+                let (own, of_other) = (own / one.factor, of_other / other.factor);
+                let rise = if one.rank < other.rank { own - of_other } else { of_other - own };
+                // False for NaN.
+                rise > ROUNDING * (own.abs() + of_other.abs())
+            };
+            one.group != other.group || own.iter().zip(of_other).all(is_in_order)
+        })
+    })
 }
 
 /// A pseudorandom number between 0 and 1, determined by the arguments.

@@ -6,7 +6,8 @@ use crate::simplified::Simplified;
 use num_rational::BigRational;
 use std::sync::{Arc, OnceLock};
 use zeroset_interval::Interval;
-use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, multiples, simplify};
+pub use zeroset_ir::Level;
+use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, levels, multiples, sheets, simplify};
 use zeroset_ops::Op;
 use zeroset_space::{Ball, HalfSpace, Region};
 
@@ -36,6 +37,8 @@ pub struct Choices {
     /// For an equation, the number of the first part that restricts the function or cuts the
     /// region. For a solid, the number of parts.
     pub first_cut: usize,
+    /// For each part, the function of which it is a level. Zeros of parts in one group never meet.
+    pub levels: Vec<Level>,
 }
 
 impl Choice {
@@ -177,39 +180,84 @@ fn choices(graph: &Graph) -> Vec<bool> {
     found
 }
 
-/// A node as a choice. Sums with a choice are choices of sums. At most `left` choices are taken
-/// apart, since a node that is shared is taken apart each time.
-fn nodes(graph: &mut Graph, is_choice: &[bool], node: NodeId, left: &mut usize) -> Nodes {
-    let Node::Apply(op, operands) = graph.node(node).clone() else { return Nodes::Part(node) };
-    if *left == 0 || !is_choice[node.index()] {
-        return Nodes::Part(node);
-    }
-    *left -= 1;
-    let operands: Vec<NodeId> = operands.to_vec();
-    let mut inner = |graph: &mut Graph, k: usize| nodes(graph, is_choice, operands[k], left);
-    let negated = |graph: &mut Graph, node: NodeId| graph.apply(Op::Neg, &[node]);
-    match op {
-        Op::Min => Nodes::Min((0..operands.len()).map(|k| inner(graph, k)).collect()),
-        Op::Max => Nodes::Max((0..operands.len()).map(|k| inner(graph, k)).collect()),
-        Op::Abs => {
-            let part = operands[0];
-            Nodes::Max(vec![Nodes::Part(part), Nodes::Part(negated(graph, part))])
+/// Takes functions apart.
+struct Reader<'a> {
+    /// For each node that there was at first, whether it is a choice.
+    is_choice: Vec<bool>,
+    /// Number of choices that may still be taken apart. A node that is shared is taken apart each
+    /// time.
+    left: usize,
+    /// Bounds of the parameters' values.
+    values: &'a [Interval],
+}
+
+/// A function with the opposite sign.
+fn negated(graph: &mut Graph, node: NodeId) -> NodeId {
+    graph.apply(Op::Neg, &[node])
+}
+
+impl Reader<'_> {
+    /// A node as a choice. Sums with a choice are choices of sums. If only the node's sign matters,
+    /// a product of levels of one function is a choice of these.
+    fn nodes(&mut self, graph: &mut Graph, node: NodeId, by_sign: bool) -> Nodes {
+        let &Node::Apply(op, operands) = graph.node(node) else { return Nodes::Part(node) };
+        if self.left == 0 {
+            return Nodes::Part(node);
         }
-        Op::Neg => inner(graph, 0).map(graph, true, &negated),
-        Op::Add | Op::Sub => {
-            let (left, right) = (inner(graph, 0), inner(graph, 1));
-            let (one, other) = (operands[0], operands[1]);
-            match (left.is_part(), right.is_part()) {
-                (false, true) => {
-                    left.map(graph, false, &|graph, part| graph.apply(op, &[part, other]))
-                }
-                (true, false) => {
-                    right.map(graph, op == Op::Sub, &|graph, part| graph.apply(op, &[one, part]))
-                }
-                _ => Nodes::Part(node),
+        if !self.is_choice.get(node.index()).is_some_and(|is_choice| *is_choice) {
+            let sheets = if by_sign { sheets(graph, node, self.values) } else { None };
+            return match sheets {
+                Some((functions, is_opposite)) => self.bands(graph, functions, is_opposite),
+                None => Nodes::Part(node),
+            };
+        }
+        self.left -= 1;
+        match op {
+            Op::Min => {
+                Nodes::Min(operands.iter().map(|k| self.nodes(graph, *k, by_sign)).collect())
             }
+            Op::Max => {
+                Nodes::Max(operands.iter().map(|k| self.nodes(graph, *k, by_sign)).collect())
+            }
+            Op::Abs => {
+                let [same, other] = [0, 1].map(|_| self.nodes(graph, operands[0], false));
+                Nodes::Max(vec![same, other.map(graph, true, &negated)])
+            }
+            Op::Neg => self.nodes(graph, operands[0], by_sign).map(graph, true, &negated),
+            Op::Add | Op::Sub => {
+                let (one, other) = (operands[0], operands[1]);
+                let [left, right] = [one, other].map(|node| self.nodes(graph, node, false));
+                match (left.is_part(), right.is_part()) {
+                    (false, true) => {
+                        left.map(graph, false, &|graph, part| graph.apply(op, &[part, other]))
+                    }
+                    (true, false) => right
+                        .map(graph, op == Op::Sub, &|graph, part| graph.apply(op, &[one, part])),
+                    _ => Nodes::Part(node),
+                }
+            }
+            _ => Nodes::Part(node),
         }
-        _ => Nodes::Part(node),
+    }
+
+    /// A choice with the sign of the product of some functions, which are levels of one function
+    /// with descending numbers. Above the first number, the product is above 0. Below it, bands in
+    /// which it is below 0 and above 0 follow each other.
+    fn bands(&mut self, graph: &mut Graph, functions: Vec<NodeId>, is_opposite: bool) -> Nodes {
+        self.left = self.left.saturating_sub(functions.len());
+        let bands = functions.chunks(2).map(|ends| {
+            let upper = self.nodes(graph, ends[0], true);
+            match ends.get(1) {
+                Some(lower) => {
+                    let lower = self.nodes(graph, *lower, true).map(graph, true, &negated);
+                    Nodes::Max(vec![upper, lower])
+                }
+                None => upper,
+            }
+        });
+        let mut bands: Vec<Nodes> = bands.collect();
+        let all = if bands.len() == 1 { bands.remove(0) } else { Nodes::Min(bands) };
+        if is_opposite { all.map(graph, true, &negated) } else { all }
     }
 }
 
@@ -266,12 +314,10 @@ impl Program {
                 function = operands[0];
             }
         }
-        let mut left = MOST_PARTS;
-        let mut choice = nodes(&mut graph, &is_choice, function, &mut left);
-        let mut limits: Vec<Nodes> = limits
-            .into_iter()
-            .map(|limit| nodes(&mut graph, &is_choice, limit, &mut left))
-            .collect();
+        let mut reader = Reader { is_choice, left: MOST_PARTS, values: self.values() };
+        let mut choice = reader.nodes(&mut graph, function, true);
+        let mut limits: Vec<Nodes> =
+            limits.into_iter().map(|limit| reader.nodes(&mut graph, limit, true)).collect();
         let count = choice.parts() + limits.iter().map(Nodes::parts).sum::<usize>();
         if count > MOST_PARTS {
             (choice, limits) = (Nodes::Part(root), Vec::new());
@@ -279,7 +325,6 @@ impl Program {
         let mut parts = Vec::new();
         let choice = choice.numbered(&mut parts);
         let mut first_cut = parts.len();
-        let negated = |graph: &mut Graph, node: NodeId| graph.apply(Op::Neg, &[node]);
         let mut all = vec![choice];
         for limit in limits {
             all.push(limit.map(&mut graph, true, &negated).numbered(&mut parts));
@@ -293,6 +338,7 @@ impl Program {
             choice = merge(&graph, choice, &mut parts, &whole.assumptions.parameters);
             first_cut = parts.len();
         }
+        let levels = levels(&graph, &parts, self.values());
         let assumptions = whole.assumptions.clone();
         let (simple, roots) =
             simplify(&graph, &parts, &assumptions.domain, &assumptions.parameters)?;
@@ -312,7 +358,7 @@ impl Program {
         };
         let store = CodeStore::new(Arc::new(simplified), Evaluator::Native);
         let parts = Self::of(Arc::new(store), self.values().to_vec());
-        Ok(Choices { choice, parts, first_cut })
+        Ok(Choices { choice, parts, first_cut, levels })
     }
 }
 

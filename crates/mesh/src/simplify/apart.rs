@@ -1,6 +1,10 @@
 //! An exact test whether a triangle and a tetrahedron are apart.
 
-use glam::I64Vec3;
+use glam::{DVec3, I64Vec3};
+
+/// Share of a sum of products of three coordinates, each taken as positive, that is more than the
+/// rounding of the sum in `f64`.
+const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// A vector with exact components.
 type Vector = [i128; 3];
@@ -18,12 +22,49 @@ pub fn are_apart(triangle: &Corners<'_, 3>, tetrahedron: &Corners<'_, 4>) -> boo
     let [p, q, r, s] = *tetrahedron.places;
     let own = [b - a, c - b, a - c];
     let others = [q - p, r - p, s - p, r - q, s - q, s - r];
-    let separates = |axis: Vector| is_between(axis, triangle, tetrahedron);
-    separates(cross(own[0], own[1]))
+    let separates = |u: I64Vec3, v: I64Vec3| {
+        is_surely_between([u, v], triangle, tetrahedron)
+            .unwrap_or_else(|| is_between(cross(u, v), triangle, tetrahedron))
+    };
+    separates(own[0], own[1])
         || [[0, 1], [1, 2], [0, 2], [3, 4]]
             .into_iter()
-            .any(|[one, other]| separates(cross(others[one], others[other])))
-        || own.iter().any(|one| others.iter().any(|other| separates(cross(*one, *other))))
+            .any(|[one, other]| separates(others[one], others[other]))
+        || own.iter().any(|one| others.iter().any(|other| separates(*one, *other)))
+}
+
+/// Returns the same as [`is_between`], for the cross product of two vectors as axis, if it is told
+/// in `f64`. Differences of places are exact there.
+fn is_surely_between(
+    sides: [I64Vec3; 2],
+    one: &Corners<'_, 3>,
+    other: &Corners<'_, 4>,
+) -> Option<bool> {
+    let [u, v] = sides.map(|side| side.as_dvec3());
+    let axis = u.cross(v);
+    let (u, v) = (u.abs(), v.abs());
+    let size = DVec3::new(u.y * v.z + u.z * v.y, u.z * v.x + u.x * v.z, u.x * v.y + u.y * v.x);
+    let base = one.places[0];
+    // Bounds of the least coordinate along the axis, and of the greatest.
+    let ends = |places: &[I64Vec3]| {
+        let (mut least, mut most) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for place in places {
+            let from = (*place - base).as_dvec3();
+            let (along, error) = (axis.dot(from), ROUNDING * size.dot(from.abs()));
+            for (end, at) in [along - error, along + error].into_iter().enumerate() {
+                (least[end], most[end]) = (least[end].min(at), most[end].max(at));
+            }
+        }
+        (least, most)
+    };
+    let ((least, most), (from, to)) = (ends(one.places), ends(other.places));
+    if most[1] < from[0] || to[1] < least[0] {
+        Some(true)
+    } else if most[0] > from[1] && to[0] > least[1] {
+        Some(false)
+    } else {
+        None
+    }
 }
 
 /// Returns whether a plane across an axis is between two sets.

@@ -158,6 +158,11 @@ impl<'a> Reduction<'a> {
             return;
         }
         let cost = self.targets(ends)[0].cost;
+        let mut quadric = self.mesh.quadrics[ends[0] as usize];
+        quadric += self.mesh.quadrics[ends[1] as usize];
+        if cost > self.setting.most.powi(2) * quadric.weight() {
+            return;
+        }
         let stamps = ends.map(|end| self.mesh.stamps[end as usize]);
         self.queue.push(cost, Entry { ends, stamps });
     }
