@@ -6,6 +6,7 @@ use super::worker::{AnchoredModel, FitKey, FittedCamera, JobContext, Worker, coa
 use super::{FaultReason, NextView, Request};
 use std::sync::Arc;
 use zeroset_render::framing;
+use zeroset_render::progress::Done;
 use zeroset_scene::view::SceneError;
 use zeroset_space::Camera;
 
@@ -40,7 +41,7 @@ impl Worker {
         let wanted = |_| self.shared.wanted(context.job);
         while let Some(camera) = glide.camera() {
             let picture = context.made.model.trace(&camera, &settings, &wanted)?;
-            if !wanted(0) {
+            if !wanted(Done::NOTHING) {
                 // Begin the next glide at this camera, whose picture is visible.
                 if let Some(framed) = &mut self.framed {
                     (framed.camera, framed.arrived) = (camera, false);
@@ -50,7 +51,7 @@ impl Worker {
             self.publish(Arc::new(context.rendering(camera, picture, true)));
             self.rest(context.job, glide.pause());
         }
-        Ok(wanted(0))
+        Ok(wanted(Done::NOTHING))
     }
 
     /// The automatic camera. It is fitted once per model, and kept while parameters are moving.
