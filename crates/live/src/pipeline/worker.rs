@@ -132,7 +132,7 @@ impl Shared {
     }
 
     /// Sets the stage that a late picture's status names.
-    fn begin(&self, stage: &'static str) {
+    pub fn begin(&self, stage: &'static str) {
         let mut state = self.lock();
         (state.stage, state.progress) = (stage, None);
     }
