@@ -103,6 +103,8 @@ pub type Parts = SmallVec<[PartBounds; 1]>;
 pub struct Cell {
     pub tetrahedron: Tetrahedron,
     pub choice: Arc<Choice>,
+    /// The same as [`Leaf::is_strict`](crate::leaf::Leaf::is_strict).
+    pub is_strict: bool,
 }
 
 /// The function in a cell that may hold a zero.
@@ -182,28 +184,46 @@ fn bounds(
     {
         return all;
     }
-    let batch = &Boxes::around(boxes)[0];
-    let (mut zeros, mut bounds) = (Zeros::default(), GradientEnclosures::<f64>::default());
+    let mut zeros = Zeros::default();
     // Cells lie within the domain.
-    kernels.zeros.eval_clipped(batch, &mut zeros);
-    kernels.gradients.eval_clipped(batch, &mut bounds);
-    let of = |lane: usize| {
+    kernels.zeros.eval_clipped(&Boxes::around(boxes)[0], &mut zeros);
+    let of = |(lane, Enclosure { value, gradient }): (usize, Enclosure)| PartBounds {
+        part,
+        side: Side::Above,
+        value,
+        gradient,
+        may_vanish: zeros.possible >> lane & 1 == 1,
+        is_continuous: zeros.jumping >> lane & 1 == 0,
+    };
+    enclosures(kernels, boxes).enumerate().map(of).collect()
+}
+
+/// Bounds of a part over a box.
+pub struct Enclosure {
+    pub value: Interval,
+    /// The same as [`PartBounds::gradient`].
+    pub gradient: Option<[Interval; 3]>,
+}
+
+/// The bounds of a part over boxes in the domain, at most [`LANES`].
+pub fn enclosures(
+    kernels: &PartKernels<'_>,
+    boxes: &[[Interval; 3]],
+) -> impl Iterator<Item = Enclosure> + use<> {
+    let mut bounds = GradientEnclosures::<f64>::default();
+    kernels.gradients.eval_clipped(&Boxes::around(boxes)[0], &mut bounds);
+    (0..boxes.len()).map(move |lane| {
         let slopes = || {
             [0, 1, 2].map(|axis| Interval {
                 lo: -bounds.gradient_neg_lo[axis][lane],
                 hi: bounds.gradient_hi[axis][lane],
             })
         };
-        PartBounds {
-            part,
-            side: Side::Above,
+        Enclosure {
             value: Interval { lo: -bounds.neg_lo[lane], hi: bounds.hi[lane] },
             gradient: (bounds.lipschitz >> lane & 1 == 1).then(slopes),
-            may_vanish: zeros.possible >> lane & 1 == 1,
-            is_continuous: zeros.jumping >> lane & 1 == 0,
         }
-    };
-    (0..boxes.len()).map(of).collect()
+    })
 }
 
 /// Number of corners of a box.

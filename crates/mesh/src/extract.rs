@@ -29,7 +29,7 @@ pub struct Extracted {
     /// shape of g's zeros. See [`proof`](crate::proof) for g.
     pub unproven: Vec<usize>,
     /// For each triangle, the index of its leaf.
-    leaves: Vec<usize>,
+    pub leaves: Vec<usize>,
 }
 
 /// The mesh in the leaves of a grid. For an equation, there is no triangle where the function jumps

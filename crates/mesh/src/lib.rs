@@ -9,7 +9,9 @@ mod embedding;
 mod extract;
 mod fit;
 mod grid;
+mod index;
 mod leaf;
+mod near;
 mod orientation;
 mod place;
 mod polygon;
@@ -24,8 +26,8 @@ mod wall;
 use cells::{PartKernels, Query};
 pub use connected::Connected;
 use glam::DVec3;
-use leaf::Kind;
-use refine::Limits;
+use leaf::{Kind, Nearness};
+use refine::{Limits, Refined, refine};
 pub use simplify::{Simplification, simplify};
 use space::Space;
 use zeroset_interval::Interval;
@@ -46,6 +48,9 @@ const SPACE: f64 = 1.0 / 8.0;
 
 /// Number of further attempts, with other linear functions, if triangles would cross.
 const TRIALS: usize = 3;
+
+/// Number of times that large tetrahedra are split before all that are too large must be small.
+const ROUNDS: usize = 8;
 
 /// The mesh of one surface.
 #[derive(Clone, Debug, Default)]
@@ -207,21 +212,32 @@ fn mesh_in(
     let estimated = if is_estimated { ESTIMATED * extent } else { 0.0 };
     let (parts, space, levels) = (&kernels[..], &space, &levels[..]);
     let query = Query { parts, space, is_solid, levels, first_cut, estimated };
-    let refined = refine::refine(&choice, &query, &mut grid, limits, wanted);
-    let Some(mut refined) = refined else { return Ok(None) };
-    let mut triangles = extract::extract(&refined, &grid, &query)?;
-    for _ in 0..TRIALS {
-        // Other leaves fail the proof anyway.
-        let mut crossed = triangles.unproven.clone();
-        crossed.retain(|leaf| !refined.fails(&refined.leaves[*leaf].cell));
-        if crossed.is_empty() || is_estimated {
-            break;
-        }
-        if refined.move_again(&crossed, &query, &grid, wanted).is_none() {
+    let mut refined = Refined::new(&choice, &mut grid, limits);
+    let mut rounds = 0;
+    let triangles = loop {
+        if refine(&mut refined, &query, &mut grid, limits, wanted).is_none() {
             return Ok(None);
         }
-        triangles = extract::extract(&refined, &grid, &query)?;
-    }
+        let mut triangles = extract::extract(&refined, &grid, &query)?;
+        for _ in 0..TRIALS {
+            // Other leaves fail the proof anyway.
+            let mut crossed = triangles.unproven.clone();
+            crossed.retain(|leaf| !refined.fails(&refined.leaves[*leaf].cell));
+            if crossed.is_empty() || is_estimated {
+                break;
+            }
+            if refined.move_again(&crossed, &query, &grid, wanted).is_none() {
+                return Ok(None);
+            }
+            triangles = extract::extract(&refined, &grid, &query)?;
+        }
+        let far = near::far(&refined, &triangles, &query, tolerance);
+        if far.large.is_empty() && far.strict.is_empty() {
+            break triangles;
+        }
+        rounds += 1;
+        refined.tighten(far, rounds > ROUNDS, &mut grid);
+    };
     let mut mesh = Mesh {
         vertices: triangles.vertices,
         triangles: triangles.triangles,
@@ -234,7 +250,7 @@ fn mesh_in(
         let is_crossed = crossed.next_if_eq(&&number).is_some();
         let Kind::Open { near, .. } = leaf.kind else { continue };
         mesh.cells += 1;
-        mesh.far += usize::from(is_estimated || !near);
+        mesh.far += usize::from(is_estimated || near == Nearness::Far);
         if is_estimated || is_crossed || refined.fails(&leaf.cell) {
             let [x, y, z] = space.between(leaf.cell.bounds());
             let (low, high) = (DVec3::new(x.lo, y.lo, z.lo), DVec3::new(x.hi, y.hi, z.hi));

@@ -30,7 +30,7 @@ use zeroset_scene::choices::Level;
 
 /// A slope counts as positive if it exceeds this share of the gradient's largest component.
 /// Rounding errors are smaller than that.
-const MARGIN: f64 = 1e-12;
+pub const MARGIN: f64 = 1e-12;
 
 /// Greatest distance along each axis between a vertex of the mesh and the zero of g that it stands
 /// for, as a share of the tetrahedron's size.

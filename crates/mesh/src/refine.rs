@@ -2,7 +2,8 @@
 
 use crate::cells::{Cell, CellClass, PartBounds, PartKernels, Query, classify_cells};
 use crate::grid::{Corner, Grid, Tetrahedron};
-use crate::leaf::{Kind, Leaf};
+use crate::leaf::{Kind, Leaf, Nearness};
+use crate::near::{self, Far};
 use crate::proof::{Slopes, bend, least_slope, linear_gradient, middle, vectors};
 use crate::space::Space;
 use crate::values::CornerValues;
@@ -56,39 +57,40 @@ pub struct Refined {
     failing: Vec<bool>,
     /// For some corners, the number of times that their values were moved apart again.
     moves: FxHashMap<u32, u64>,
+    /// Tetrahedra that are no leaves yet.
+    fresh: Vec<Cell>,
+    /// Leaves from this one on have not been proven.
+    unproven: usize,
+    /// Size of the tetrahedra that are not split for the proof, in world units.
+    finest: f64,
 }
 
-/// Refines `grid` for a function. If the function bounds a solid, the leaves include tetrahedra
+/// Refines a grid for a function. If the function bounds a solid, the leaves include tetrahedra
 /// inside the solid at the boundary of the domain. Returns `None` once `wanted` returns false.
 pub fn refine(
-    choice: &Choice,
+    refined: &mut Refined,
     query: &Query<'_>,
     grid: &mut Grid,
     limits: Limits,
     wanted: &(dyn Fn() -> bool + Sync),
-) -> Option<Refined> {
+) -> Option<()> {
     let &Query { parts: kernels, space, is_solid, levels, estimated, .. } = query;
     let is_estimated = estimated > 0.0;
-    let choice = Arc::new(choice.clone());
-    let root = |tetrahedron| Cell { tetrahedron, choice: Arc::clone(&choice) };
-    let mut fresh: Vec<Cell> = grid.roots().into_iter().map(root).collect();
-    let mut refined = Refined::default();
-    // Leaves from this one on have not been proven.
-    let mut unproven = 0;
-    let mut finest = FINEST * limits.extent;
     loop {
         let first = refined.leaves.len();
+        let fresh = std::mem::take(&mut refined.fresh);
         let classes = classify_cells(query, &fresh, wanted)?;
-        for (Cell { tetrahedron: cell, choice }, class) in fresh.drain(..).zip(classes) {
+        for (Cell { tetrahedron: cell, choice, is_strict }, class) in fresh.into_iter().zip(classes)
+        {
             let kind = match class {
                 CellClass::Open(local) => {
-                    let near = is_near(query, &cell, &local.parts, limits.tolerance);
+                    let near = nearness(query, &cell, &local.parts, limits.tolerance, is_strict);
                     Kind::Open { local, near }
                 }
                 CellClass::Empty(-1) if is_solid && has_face(space, &cell) => Kind::Inside(choice),
                 CellClass::Empty(_) => continue,
             };
-            refined.leaves.push(Leaf { cell, kind });
+            refined.leaves.push(Leaf { cell, kind, is_strict });
         }
         let has_room = refined.leaves.len() < limits.most_cells;
         let has_room_to_prove = refined.leaves.len() < 2 * limits.most_cells;
@@ -98,7 +100,7 @@ pub fn refine(
         let mut middles: Vec<Corner> = refined.leaves[first..]
             .iter()
             .filter(|leaf| match &leaf.kind {
-                Kind::Open { local, near: false } if has_room => {
+                Kind::Open { local, near: Nearness::Far } if has_room => {
                     let is_smooth = local.parts.iter().all(|part| part.gradient.is_some());
                     let share = match is_smooth {
                         true if is_estimated => 0.5,
@@ -119,51 +121,34 @@ pub fn refine(
                 refined.values.move_apart(&refined.leaves, levels, grid, &refined.moves);
             }
         } else if middles.is_empty() {
-            let mut splits = |refined: &Refined, failing: Vec<(usize, Fails)>| -> Vec<Corner> {
+            let splits = |refined: &mut Refined, failing: Vec<(usize, Fails)>| -> Vec<Corner> {
                 let cell = |leaf: usize| &refined.leaves[leaf].cell;
                 if failing.len() as f64 > MOST_FAILING * limits.most_cells as f64 {
                     let sizes = failing.iter().map(|(leaf, _)| size(space, cell(*leaf)));
-                    finest = finest.max(sizes.fold(f64::INFINITY, f64::min));
+                    refined.finest = refined.finest.max(sizes.fold(f64::INFINITY, f64::min));
                 }
                 let middle = |(leaf, Fails { at_boundary }): (usize, Fails)| {
                     let least = if at_boundary { BOUNDARY * limits.extent } else { 0.0 };
                     let cell = cell(leaf);
-                    let splits = has_room_to_prove && may_split(cell, least.max(finest));
+                    let splits = has_room_to_prove && may_split(cell, least.max(refined.finest));
                     splits.then(|| cell.middle())
                 };
                 failing.into_iter().filter_map(middle).collect()
             };
-            refined.sample(kernels, space, grid, unproven);
-            let failing = refined.prove(query, grid, &|number, _| number >= unproven, wanted)?;
-            unproven = refined.leaves.len();
-            middles = splits(&refined, failing);
+            let first = refined.unproven;
+            refined.sample(kernels, space, grid, first);
+            let failing = refined.prove(query, grid, &|number, _| number >= first, wanted)?;
+            refined.unproven = refined.leaves.len();
+            middles = splits(refined, failing);
             if middles.is_empty() && kernels.len() > 1 {
                 let failing = refined.prove_apart(query, grid, wanted)?;
-                middles = splits(&refined, failing);
+                middles = splits(refined, failing);
             }
         }
         if middles.is_empty() {
-            return Some(refined);
+            return Some(());
         }
-        for middle in middles {
-            grid.split(middle);
-        }
-        let (mut kept, mut number, mut open) = (0, 0, Vec::new());
-        refined.leaves.retain(|leaf| {
-            let halves = grid.halves(&leaf.cell);
-            kept += usize::from(halves.is_none() && number < unproven);
-            number += 1;
-            let Some(halves) = halves else { return true };
-            open.extend(halves);
-            while let Some(tetrahedron) = open.pop() {
-                match grid.halves(&tetrahedron) {
-                    Some(halves) => open.extend(halves),
-                    None => fresh.push(Cell { tetrahedron, choice: Arc::clone(leaf.choice()) }),
-                }
-            }
-            false
-        });
-        unproven = kept;
+        refined.split(middles, grid);
     }
 }
 
@@ -176,6 +161,24 @@ pub fn size(space: &Space, cell: &Tetrahedron) -> f64 {
 fn has_face(space: &Space, cell: &Tetrahedron) -> bool {
     let on = cell.corners.map(|corner| space.faces(corner));
     (0..3).any(|axis| on.iter().filter(|on| on[axis]).count() >= 3)
+}
+
+/// A bound of the distance between mesh and surface in a tetrahedron.
+fn nearness(
+    query: &Query<'_>,
+    cell: &Tetrahedron,
+    parts: &[PartBounds],
+    distance: f64,
+    is_strict: bool,
+) -> Nearness {
+    let is_near = |distance: f64| is_near(query, cell, parts, distance);
+    if is_near(distance) {
+        Nearness::Near
+    } else if !is_strict && near::may_be_loose(query, parts) && is_near(near::LOOSE * distance) {
+        Nearness::Loose
+    } else {
+        Nearness::Far
+    }
 }
 
 /// Returns whether mesh and surface are proven to be within a distance of each other in a
@@ -210,6 +213,58 @@ fn is_near(
 }
 
 impl Refined {
+    /// The roots of a grid.
+    pub fn new(choice: &Choice, grid: &mut Grid, limits: Limits) -> Self {
+        let choice = Arc::new(choice.clone());
+        let root =
+            |tetrahedron| Cell { tetrahedron, choice: Arc::clone(&choice), is_strict: false };
+        let fresh = grid.roots().into_iter().map(root).collect();
+        Self { fresh, finest: FINEST * limits.extent, ..Self::default() }
+    }
+
+    /// Splits the edges with these middles. Parts of leaves that are split are no leaves yet.
+    fn split(&mut self, middles: Vec<Corner>, grid: &mut Grid) {
+        for middle in middles {
+            grid.split(middle);
+        }
+        let Self { leaves, fresh, unproven, .. } = self;
+        let (mut kept, mut number, mut open) = (0, 0, Vec::new());
+        leaves.retain(|leaf| {
+            let halves = grid.halves(&leaf.cell);
+            kept += usize::from(halves.is_none() && number < *unproven);
+            number += 1;
+            let Some(halves) = halves else { return true };
+            open.extend(halves);
+            while let Some(tetrahedron) = open.pop() {
+                match grid.halves(&tetrahedron) {
+                    Some(halves) => open.extend(halves),
+                    None => fresh.push(Cell {
+                        tetrahedron,
+                        choice: Arc::clone(leaf.choice()),
+                        is_strict: leaf.is_strict,
+                    }),
+                }
+            }
+            false
+        });
+        *unproven = kept;
+    }
+
+    /// Splits loose leaves that are not proven to be near. `strict` ones, and all if `is_last`, must
+    /// then be [`Nearness::Near`].
+    pub fn tighten(&mut self, Far { large, strict }: Far, is_last: bool, grid: &mut Grid) {
+        for leaf in strict.iter().chain(large.iter().filter(|_| is_last)) {
+            let leaf = &mut self.leaves[*leaf];
+            leaf.is_strict = true;
+            if let Kind::Open { near, .. } = &mut leaf.kind {
+                *near = Nearness::Far;
+            }
+        }
+        let cells = large.into_iter().chain(strict).map(|leaf| &self.leaves[leaf].cell);
+        let middles = cells.filter(|cell| !cell.is_finest()).map(Tetrahedron::middle).collect();
+        self.split(middles, grid);
+    }
+
     /// Returns whether the proof fails at a corner of a tetrahedron.
     pub fn fails(&self, cell: &Tetrahedron) -> bool {
         cell.numbers.iter().any(|corner| self.failing.get(*corner as usize) == Some(&true))

@@ -9,7 +9,6 @@ mod blocks;
 mod change;
 mod distance;
 mod guide;
-mod index;
 mod lattice;
 mod projection;
 mod quadric;
@@ -32,7 +31,7 @@ use zeroset_space::Region;
 
 /// Shares of the allowed distance that the samples may be from the surface. The first one that
 /// leads to a proven distance counts. The first triangles may be on the other side of the surface.
-const SHARES: [f64; 3] = [0.65, 0.4, 0.2];
+const SHARES: [f64; 3] = [0.6, 0.4, 0.2];
 /// Coordinates become `f32` if that moves vertices by less than this share of the tolerance.
 const ROUNDING: f64 = 1.0 / 16.0;
 /// Largest distance that samples may be from the surface, as a share of the thinnest wall, so that

@@ -1,7 +1,8 @@
 //! Corners of the grid as points of space.
 
 use crate::grid::{Corner, Grid, Tetrahedron};
-use glam::DVec3;
+use crate::index::Bounds;
+use glam::{DVec3, I64Vec3};
 use zeroset_interval::Interval;
 
 /// Greatest number of cubes along an axis before any split, as a power of two.
@@ -33,6 +34,18 @@ impl Space {
     /// The largest magnitude of a coordinate in the box.
     pub fn largest(&self) -> f64 {
         self.low.abs().max(self.high.abs()).max_element()
+    }
+
+    /// The box around a box of space, in units of 2⁻³⁹ of the space's longest edge.
+    pub fn units(&self, [low, high]: [DVec3; 2]) -> Bounds {
+        let unit = (self.high - self.low).max_element() / (1_u64 << 39) as f64;
+        let units = |point: DVec3| ((point - self.low) / unit).round().as_i64vec3();
+        Bounds { low: units(low) - I64Vec3::ONE, high: units(high) + I64Vec3::ONE }
+    }
+
+    /// Returns whether a box is in the space.
+    pub fn holds(&self, bounds: &[Interval; 3]) -> bool {
+        (0..3).all(|axis| self.low[axis] <= bounds[axis].lo && bounds[axis].hi <= self.high[axis])
     }
 
     /// The point at a corner.

@@ -3,7 +3,7 @@
 //! In a block, only triangles change that are strictly inside, and all that they sweep is inside,
 //! too. Blocks do not overlap. So the changes of two blocks have nothing in common.
 
-use crate::simplify::index::Bounds;
+use crate::index::Bounds;
 use crate::simplify::reduction::Reduction;
 use crate::simplify::triangulation::Triangulation;
 use glam::I64Vec3;

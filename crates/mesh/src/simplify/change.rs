@@ -6,9 +6,9 @@
 //! less than once on a rim. So the old and the new triangles, and all on the way, are graphs. No
 //! other triangle meets the space that they sweep. So nothing passes through anything.
 
+use crate::index::Bounds;
 use crate::simplify::apart::{Corners as Apart, are_apart};
 use crate::simplify::distance::distance_to;
-use crate::simplify::index::Bounds;
 use crate::simplify::projection::{Direction, Seen, area};
 use crate::simplify::triangulation::{Edges, Few, Triangulation, facing};
 use crate::simplify::view::{

@@ -8,7 +8,7 @@
 //! Where that fails, as at creases, the corners of a triangle may all be near one triangle of the
 //! other mesh, which is convex. Else the triangle is divided into four.
 
-use crate::simplify::index::{Bounds, Index};
+use crate::index::{Bounds, Index};
 use crate::simplify::triangulation::Triangulation;
 use glam::{DVec3, I64Vec3};
 use rayon::prelude::*;

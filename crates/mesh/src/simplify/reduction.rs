@@ -1,9 +1,9 @@
 //! The removal of edges.
 
+use crate::index::Bounds;
 use crate::simplify::blocks;
 use crate::simplify::change::Change;
 use crate::simplify::guide::Guide;
-use crate::simplify::index::Bounds;
 use crate::simplify::lattice::Lattice;
 use crate::simplify::quadric::Quadric;
 use crate::simplify::queue::{Entry, Queue};

@@ -1,6 +1,6 @@
 //! Triangles that change: their corners, and which triangles are around each vertex.
 
-use crate::simplify::index::{Bounds, Index};
+use crate::index::{Bounds, Index};
 use crate::simplify::quadric::Quadric;
 use glam::{DVec3, I64Vec3};
 use smallvec::SmallVec;
