@@ -40,6 +40,10 @@ const ESTIMATED: f64 = 1.0 / 64.0;
 /// Width of the space that is added around a ball, as a share of the domain's extent.
 const AROUND: f64 = 1.0 / 32.0;
 
+/// Size of tetrahedra in which the two faces of a wall are proven together, in tolerances. The
+/// faces of thicker walls are in different tetrahedra.
+const THIN: f64 = 32.0;
+
 /// Number of further attempts, with other linear functions, if triangles would cross.
 const TRIALS: usize = 3;
 
@@ -164,7 +168,8 @@ pub fn mesh(
     let first_cut = if is_solid { kernels.len() } else { first_cut };
     let estimated = if is_estimated { ESTIMATED * extent } else { 0.0 };
     let (parts, space, levels) = (&kernels[..], &space, &levels[..]);
-    let query = Query { parts, space, is_solid, levels, first_cut, estimated };
+    let thin = THIN * tolerance;
+    let query = Query { parts, space, is_solid, levels, thin, first_cut, estimated };
     let refined = refine::refine(&choice, &query, &mut grid, limits, wanted);
     let Some(mut refined) = refined else { return Ok(None) };
     let mut triangles = extract::extract(&refined, &grid, &query)?;
