@@ -1,6 +1,6 @@
 //! Refines a grid until the shape of the surface in it is proven, and the mesh is near enough.
 
-use crate::cells::{Cell, CellClass, PartBounds, PartKernels, Query, classify_cells};
+use crate::cells::{Cell, CellClass, PartBounds, PartKernels, Query, Side, classify_cells};
 use crate::grid::{Corner, Grid, Tetrahedron};
 use crate::leaf::{Kind, Leaf};
 use crate::proof::{Slopes, bend, least_slope, linear_gradient, middle, vectors};
@@ -186,9 +186,17 @@ fn is_near(query: &Query<'_>, cell: &Tetrahedron, parts: &[PartBounds], distance
         let linear = middle(&gradient?);
         Some(query.slopes(Slopes { part, side, gradient: gradient?, linear }, cell))
     };
-    let Some(slopes) = parts.iter().map(slopes).collect::<Option<Vec<Slopes>>>() else {
-        return false;
-    };
+    // One of each group: the gradients of levels are multiples of each other.
+    let mut groups: SmallVec<[Slopes; 1]> = SmallVec::new();
+    for part in parts {
+        let Some(slopes) = slopes(part) else { return false };
+        match groups.iter_mut().find(|one| one.part == slopes.part) {
+            Some(one) if one.side != slopes.side => one.side = Side::Both,
+            Some(_) => {}
+            None => groups.push(slopes),
+        }
+    }
+    let slopes = groups;
     let Some(vectors) = vectors(&slopes, [false; 3]) else { return false };
     // Both |f| on the mesh and |g| on the surface are at most the bend. Along a vector, either
     // changes at least at the least slope.
