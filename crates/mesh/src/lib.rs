@@ -73,7 +73,7 @@ pub struct Mesh {
     /// True if all coordinates are `f32`.
     pub is_single: bool,
     /// The thickness of the thinnest wall between faces that were meshed as levels of one function:
-    /// an estimate. `None` if there is none that is thinner than the tetrahedra around it.
+    /// an estimate. `None` if no wall is thinner than the tetrahedra around it.
     pub wall: Option<f64>,
     /// True if bounds were [estimated](Options::is_estimated), so that nothing is proven: not even
     /// that there is no surface.

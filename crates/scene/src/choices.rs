@@ -379,6 +379,14 @@ mod tests {
             ("max(abs(x), abs(y), abs(z)) = 1", Max((0..6).map(Part).collect()), 6),
             ("1 - max(x, y) = z", Min(vec![Part(0), Part(1)]), 2),
             ("max(x, -min(y, z)) = 0", Max(vec![Part(0), Part(1), Part(2)]), 3),
+            ("abs(max(x, y)) = 1", Max(vec![Part(0), Part(1), Min(vec![Part(2), Part(3)])]), 4),
+            // Levels of one function, the greatest number first, and functions that are not.
+            ("z*(z - 0.1) = 0", Max(vec![Part(0), Part(1)]), 2),
+            ("z*(0.1 - z) = 0", Min(vec![Part(0), Part(1)]), 2),
+            ("z*(z - 1)*(z + 1) = 0", Min(vec![Max(vec![Part(0), Part(1)]), Part(2)]), 3),
+            ("(x^2 + y^2 - 1)^2 = 0.02", Max(vec![Part(0), Part(1)]), 2),
+            ("z*(z - 0.1*x) = 0", Part(0), 1),
+            ("x*z*(z - 1) = 0", Part(0), 1),
         ] {
             let document = read(text, &Options::default()).expect(text);
             let region = Region::new(DVec3::splat(-2.0), DVec3::splat(2.0)).expect("a region");
