@@ -45,10 +45,9 @@ pub enum Regularized {
 pub fn regularize(choice: Choice) -> Regularized {
     let Some(sets) = Sets::of(&choice) else {
         let is_both = |part: &usize| Side::of(*part as u16, &choice) == Side::Both;
-        return match parts_of(&choice).iter().any(is_both) {
-            true => Regularized::Crossing(choice),
-            false => Regularized::Choice(choice),
-        };
+        let is_crossing = parts_of(&choice).iter().any(is_both);
+        let same = if is_crossing { Regularized::Crossing } else { Regularized::Choice };
+        return same(choice);
     };
     match sets.values(&choice) {
         0 => Regularized::Constant(1),

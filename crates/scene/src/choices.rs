@@ -207,7 +207,7 @@ impl Reader<'_> {
         if !self.is_choice.get(node.index()).is_some_and(|is_choice| *is_choice) {
             let sheets = if by_sign { sheets(graph, node, self.values) } else { None };
             return match sheets {
-                Some((functions, is_opposite)) => self.bands(graph, functions, is_opposite),
+                Some((functions, is_opposite)) => self.bands(graph, &functions, is_opposite),
                 None => Nodes::Part(node),
             };
         }
@@ -243,7 +243,7 @@ impl Reader<'_> {
     /// A choice with the sign of the product of some functions, which are levels of one function
     /// with descending numbers. Above the first number, the product is above 0. Below it, bands in
     /// which it is below 0 and above 0 follow each other.
-    fn bands(&mut self, graph: &mut Graph, functions: Vec<NodeId>, is_opposite: bool) -> Nodes {
+    fn bands(&mut self, graph: &mut Graph, functions: &[NodeId], is_opposite: bool) -> Nodes {
         self.left = self.left.saturating_sub(functions.len());
         let bands = functions.chunks(2).map(|ends| {
             let upper = self.nodes(graph, ends[0], true);
