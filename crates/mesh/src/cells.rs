@@ -1,6 +1,8 @@
 //! Bounds of functions over tetrahedra. A function is a choice: minima and maxima of parts.
 
 use crate::grid::{Corner, CornerMap, Tetrahedron};
+use crate::proof::Slopes;
+use crate::refine::size;
 use crate::regular::{Regularized, regularize};
 use crate::space::Space;
 use rayon::prelude::*;
@@ -44,12 +46,22 @@ pub struct Query<'a> {
     pub is_solid: bool,
     /// For each part, the function of which it is a level.
     pub levels: &'a [Level],
+    /// Largest size of a tetrahedron in which levels of one function are proven together.
+    pub thin: f64,
     /// Number of the first part that only cuts the surface off, where the part is above 0. Zeros of
     /// such a part are no surface.
     pub first_cut: usize,
     /// Largest edge, in world units, of a box whose bounds are estimated from samples. 0 if all
     /// bounds are proven.
     pub estimated: f64,
+}
+
+impl Query<'_> {
+    /// The slopes of a part in a tetrahedron: those of its group's function, if levels are proven
+    /// together there.
+    pub fn slopes(&self, slopes: Slopes, cell: &Tetrahedron) -> Slopes {
+        if size(self.space, cell) <= self.thin { slopes.of_group(self.levels) } else { slopes }
+    }
 }
 
 /// Bounds of one part over a box.

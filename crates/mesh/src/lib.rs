@@ -46,6 +46,10 @@ const AROUND: f64 = 1.0 / 32.0;
 /// Width of the space that [`larger`] adds on each side, as a share of the longest edge.
 const SPACE: f64 = 1.0 / 8.0;
 
+/// Size of tetrahedra in which the two faces of a wall are proven together, in tolerances. The
+/// faces of thicker walls are in different tetrahedra.
+const THIN: f64 = 32.0;
+
 /// Number of further attempts, with other linear functions, if triangles would cross.
 const TRIALS: usize = 3;
 
@@ -78,7 +82,7 @@ pub struct Mesh {
     /// True if all coordinates are `f32`.
     pub is_single: bool,
     /// The thickness of the thinnest wall between faces that were meshed as levels of one function:
-    /// an estimate. `None` if there is none that is thinner than the tetrahedra around it.
+    /// an estimate. `None` if no wall is thinner than the tetrahedra around it.
     pub wall: Option<f64>,
     /// True if bounds were [estimated](Options::is_estimated), so that nothing is proven: not even
     /// that there is no surface.
@@ -211,7 +215,8 @@ fn mesh_in(
     let first_cut = if is_solid { kernels.len() } else { first_cut };
     let estimated = if is_estimated { ESTIMATED * extent } else { 0.0 };
     let (parts, space, levels) = (&kernels[..], &space, &levels[..]);
-    let query = Query { parts, space, is_solid, levels, first_cut, estimated };
+    let thin = THIN * tolerance;
+    let query = Query { parts, space, is_solid, levels, thin, first_cut, estimated };
     let mut refined = Refined::new(&choice, &mut grid, limits);
     let mut rounds = 0;
     let triangles = loop {

@@ -260,10 +260,8 @@ impl Vertices {
         for (vertex, bracket) in vertices.iter().zip(brackets) {
             let share = bracket.shares[0].midpoint(bracket.shares[1]);
             let has_group = |shared: &Shared| shared.is_group;
-            let share = match shared.get(self.keys[*vertex].corners()).is_some_and(has_group) {
-                true => pushed(share),
-                false => share.clamp(APART, 1.0 - APART),
-            };
+            let is_pushed = shared.get(self.keys[*vertex].corners()).is_some_and(has_group);
+            let share = if is_pushed { pushed(share) } else { share.clamp(APART, 1.0 - APART) };
             self.places[*vertex] = between(&bracket.ends, &[share]);
             // False for NaN: the function is undefined at an end.
             at_zero[*vertex] = bracket.values[1] - bracket.values[0] <= JUMP * bracket.scale;

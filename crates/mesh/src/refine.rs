@@ -1,6 +1,6 @@
 //! Refines a grid until the shape of the surface in it is proven, and the mesh is near enough.
 
-use crate::cells::{Cell, CellClass, PartBounds, PartKernels, Query, classify_cells};
+use crate::cells::{Cell, CellClass, PartBounds, PartKernels, Query, Side, classify_cells};
 use crate::grid::{Corner, Grid, Tetrahedron};
 use crate::leaf::{Kind, Leaf, Nearness};
 use crate::near::{self, Far};
@@ -183,24 +183,27 @@ fn nearness(
 
 /// Returns whether mesh and surface are proven to be within a distance of each other in a
 /// tetrahedron, if the shape is proven.
-fn is_near(
-    &Query { space, levels, .. }: &Query<'_>,
-    cell: &Tetrahedron,
-    parts: &[PartBounds],
-    distance: f64,
-) -> bool {
+fn is_near(query: &Query<'_>, cell: &Tetrahedron, parts: &[PartBounds], distance: f64) -> bool {
     let slopes = |part: &PartBounds| {
         let PartBounds { part, side, gradient, .. } = *part;
         let linear = middle(&gradient?);
-        Some(Slopes { part, side, gradient: gradient?, linear }.of_group(levels))
+        Some(query.slopes(Slopes { part, side, gradient: gradient?, linear }, cell))
     };
-    let Some(slopes) = parts.iter().map(slopes).collect::<Option<Vec<Slopes>>>() else {
-        return false;
-    };
+    // One of each group: the gradients of levels are multiples of each other.
+    let mut groups: SmallVec<[Slopes; 1]> = SmallVec::new();
+    for part in parts {
+        let Some(slopes) = slopes(part) else { return false };
+        match groups.iter_mut().find(|one| one.part == slopes.part) {
+            Some(one) if one.side != slopes.side => one.side = Side::Both,
+            Some(_) => {}
+            None => groups.push(slopes),
+        }
+    }
+    let slopes = groups;
     let Some(vectors) = vectors(&slopes, [false; 3]) else { return false };
     // Both |f| on the mesh and |g| on the surface are at most the bend. Along a vector, either
     // changes at least at the least slope.
-    let corners = space.corners(cell);
+    let corners = query.space.corners(cell);
     let least = vectors.iter().flat_map(|vector| {
         slopes.iter().map(|part| {
             let up = least_slope(&part.gradient, *vector).0;
@@ -304,11 +307,12 @@ impl Refined {
     /// leaves at corners without such a vector, in order. `None` once `wanted` returns false.
     fn prove(
         &mut self,
-        &Query { space, levels, .. }: &Query<'_>,
+        query: &Query<'_>,
         grid: &Grid,
         changed: &dyn Fn(usize, &Leaf) -> bool,
         wanted: &(dyn Fn() -> bool + Sync),
     ) -> Option<Vec<(usize, Fails)>> {
+        let space = query.space;
         let is_open = |leaf: &Leaf| matches!(leaf.kind, Kind::Open { .. });
         // The open leaves around each corner that is asked for, one corner after the other.
         let mut is_asked = vec![false; grid.corners.len()];
@@ -348,7 +352,7 @@ impl Refined {
                 let values = leaf.cell.numbers.map(|corner| self.values.at(corner, part.part));
                 let linear = linear_gradient(&corners, &values);
                 let slopes = Slopes { part: part.part, side: part.side, gradient, linear };
-                Some(slopes.of_group(levels))
+                Some(query.slopes(slopes, &leaf.cell))
             };
             local.parts.iter().map(slopes).collect()
         };

@@ -12,6 +12,7 @@
 //! else 0. So its sign depends on the point alone. Two cells in which different sets matter agree
 //! on it wherever they meet.
 
+use crate::cells::{Side, parts_of};
 use smallvec::SmallVec;
 use zeroset_scene::choices::Choice;
 
@@ -42,7 +43,12 @@ pub enum Regularized {
 /// Returns the regularized choice. It is the same if each part occurs once in it, or if there are
 /// too many parts.
 pub fn regularize(choice: Choice) -> Regularized {
-    let Some(sets) = Sets::of(&choice) else { return Regularized::Choice(choice) };
+    let Some(sets) = Sets::of(&choice) else {
+        let is_both = |part: &usize| Side::of(*part as u16, &choice) == Side::Both;
+        let is_crossing = parts_of(&choice).iter().any(is_both);
+        let same = if is_crossing { Regularized::Crossing } else { Regularized::Choice };
+        return same(choice);
+    };
     match sets.values(&choice) {
         0 => Regularized::Constant(1),
         u64::MAX => Regularized::Constant(-1),

@@ -7,7 +7,7 @@ use crate::refine::Refined;
 use rayon::prelude::*;
 
 /// The least distance between levels of one function that are 0 in one tetrahedron, in world units:
-/// an estimate. `None` if there are none.
+/// an estimate. `None` without such tetrahedra.
 pub fn thinnest(refined: &Refined, query: &Query<'_>) -> Option<f64> {
     let thickness = |leaf: &Leaf| {
         let Kind::Open { local, .. } = &leaf.kind else { return None };

@@ -207,7 +207,7 @@ impl Reader<'_> {
         if !self.is_choice.get(node.index()).is_some_and(|is_choice| *is_choice) {
             let sheets = if by_sign { sheets(graph, node, self.values) } else { None };
             return match sheets {
-                Some((functions, is_opposite)) => self.bands(graph, functions, is_opposite),
+                Some((functions, is_opposite)) => self.bands(graph, &functions, is_opposite),
                 None => Nodes::Part(node),
             };
         }
@@ -243,7 +243,7 @@ impl Reader<'_> {
     /// A choice with the sign of the product of some functions, which are levels of one function
     /// with descending numbers. Above the first number, the product is above 0. Below it, bands in
     /// which it is below 0 and above 0 follow each other.
-    fn bands(&mut self, graph: &mut Graph, functions: Vec<NodeId>, is_opposite: bool) -> Nodes {
+    fn bands(&mut self, graph: &mut Graph, functions: &[NodeId], is_opposite: bool) -> Nodes {
         self.left = self.left.saturating_sub(functions.len());
         let bands = functions.chunks(2).map(|ends| {
             let upper = self.nodes(graph, ends[0], true);
@@ -379,6 +379,14 @@ mod tests {
             ("max(abs(x), abs(y), abs(z)) = 1", Max((0..6).map(Part).collect()), 6),
             ("1 - max(x, y) = z", Min(vec![Part(0), Part(1)]), 2),
             ("max(x, -min(y, z)) = 0", Max(vec![Part(0), Part(1), Part(2)]), 3),
+            ("abs(max(x, y)) = 1", Max(vec![Part(0), Part(1), Min(vec![Part(2), Part(3)])]), 4),
+            // Levels of one function, the greatest number first, and functions that are not.
+            ("z*(z - 0.1) = 0", Max(vec![Part(0), Part(1)]), 2),
+            ("z*(0.1 - z) = 0", Min(vec![Part(0), Part(1)]), 2),
+            ("z*(z - 1)*(z + 1) = 0", Min(vec![Max(vec![Part(0), Part(1)]), Part(2)]), 3),
+            ("(x^2 + y^2 - 1)^2 = 0.02", Max(vec![Part(0), Part(1)]), 2),
+            ("z*(z - 0.1*x) = 0", Part(0), 1),
+            ("x*z*(z - 1) = 0", Part(0), 1),
         ] {
             let document = read(text, &Options::default()).expect(text);
             let region = Region::new(DVec3::splat(-2.0), DVec3::splat(2.0)).expect("a region");

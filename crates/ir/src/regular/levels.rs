@@ -94,7 +94,7 @@ pub fn sheets(graph: &mut Graph, node: NodeId, values: &[Interval]) -> Option<(V
     let mut is_opposite = false;
     let mut factors = Vec::new();
     match graph.node(node) {
-        Node::Apply(Op::Mul, _) => {
+        Node::Apply(Op::Mul | Op::Neg, _) => {
             let mut open = vec![node];
             while let Some(id) = open.pop() {
                 match *graph.node(id) {
@@ -141,11 +141,15 @@ pub fn sheets(graph: &mut Graph, node: NodeId, values: &[Interval]) -> Option<(V
     Some((sorted.into_iter().map(|(_, factor)| factor).collect(), is_opposite))
 }
 
-/// For a node a·g² − b with numbers a and b of one sign: g, b/a, and whether a is below 0.
+/// For a node a·g² − b with numbers a and b of one sign: g, b/a, and whether a is below 0. A
+/// variable is no such g, since planes as x² = 1 are mostly far apart.
 fn lessened_square(graph: &Graph, node: NodeId) -> Option<(NodeId, BigRational, bool)> {
     let form = Forms::default().of(graph, node);
     let [(term, factor)] = &form.terms[..] else { return None };
     let inner = graph.operands(*term, Op::Sqr)?[0];
+    if matches!(graph.node(inner), Node::Variable(_)) {
+        return None;
+    }
     let square = -(&form.constant / factor);
     square.is_positive().then(|| (inner, square, factor.is_negative()))
 }

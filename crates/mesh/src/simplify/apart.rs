@@ -40,10 +40,7 @@ fn is_surely_between(
     one: &Corners<'_, 3>,
     other: &Corners<'_, 4>,
 ) -> Option<bool> {
-    let [u, v] = sides.map(|side| side.as_dvec3());
-    let axis = u.cross(v);
-    let (u, v) = (u.abs(), v.abs());
-    let size = DVec3::new(u.y * v.z + u.z * v.y, u.z * v.x + u.x * v.z, u.x * v.y + u.y * v.x);
+    let (axis, size) = rounded_cross(sides[0], sides[1]);
     let base = one.places[0];
     // Bounds of the least coordinate along the axis, and of the greatest.
     let ends = |places: &[I64Vec3]| {
@@ -65,6 +62,30 @@ fn is_surely_between(
     } else {
         None
     }
+}
+
+/// Returns whether all points are on one side of a triangle's plane, and not on it, as far as that
+/// is told in `f64`. Differences of places are exact there.
+pub fn are_beside_plane(points: &[I64Vec3], &[a, b, c]: &[I64Vec3; 3]) -> bool {
+    let (axis, size) = rounded_cross(b - a, c - a);
+    let mut side = 0.0;
+    points.iter().all(|point| {
+        let from = (*point - a).as_dvec3();
+        let along = axis.dot(from);
+        let is_certain = along.abs() > ROUNDING * size.dot(from.abs());
+        let is_same = along * side >= 0.0;
+        side = along.signum();
+        is_certain && is_same
+    })
+}
+
+/// The cross product, and the sums of its terms, each taken as positive.
+fn rounded_cross(u: I64Vec3, v: I64Vec3) -> (DVec3, DVec3) {
+    let (u, v) = (u.as_dvec3(), v.as_dvec3());
+    let axis = u.cross(v);
+    let (u, v) = (u.abs(), v.abs());
+    let size = DVec3::new(u.y * v.z + u.z * v.y, u.z * v.x + u.x * v.z, u.x * v.y + u.y * v.x);
+    (axis, size)
 }
 
 /// Returns whether a plane across an axis is between two sets.

@@ -7,7 +7,7 @@
 //! other triangle meets the space that they sweep. So nothing passes through anything.
 
 use crate::index::Bounds;
-use crate::simplify::apart::{Corners as Apart, are_apart};
+use crate::simplify::apart::{Corners as Apart, are_apart, are_beside_plane};
 use crate::simplify::distance::distance_to;
 use crate::simplify::projection::{Direction, Seen, area};
 use crate::simplify::triangulation::{Edges, Few, Triangulation, facing};
@@ -245,9 +245,14 @@ impl<'a> Change<'a> {
     fn is_free(&self, view: &View) -> bool {
         let bounds = self.bounds();
         let sides = if self.rim.is_some() { Sides::new() } else { view.sides() };
+        // Corners of all old triangles and of the tetrahedra that they sweep.
+        let swept = self.facing.iter().flatten().chain(&self.moving).chain([&self.keep]);
+        let mut swept: SmallVec<[I64Vec3; 32]> = swept.map(|one| self.mesh.place(*one)).collect();
+        swept.push(self.to);
         self.mesh.index.all_near(&bounds, &mut |other| {
             self.old.contains(&other)
                 || !self.mesh.bounds(other).meets(&bounds)
+                || are_beside_plane(&swept, &self.places(other))
                 || self.is_clear(other, view, &sides)
         })
     }

@@ -4,6 +4,7 @@ mod crossings;
 mod flush;
 mod orientation;
 mod shapes;
+mod sheets;
 
 use glam::DVec3;
 use zeroset_mesh::{MOST_CELLS, Mesh, Options, mesh};
