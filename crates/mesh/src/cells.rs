@@ -83,7 +83,7 @@ pub struct PartBounds {
 }
 
 /// A side of a part's zeros.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Side {
     /// The part is above 0 on this side.
     Above,

@@ -27,6 +27,7 @@ use cells::{PartKernels, Query};
 pub use connected::Connected;
 use glam::DVec3;
 use leaf::{Kind, Nearness};
+use near::{Far, Loose};
 use refine::{Limits, Refined, refine};
 pub use simplify::{Simplification, simplify};
 use space::Space;
@@ -55,6 +56,9 @@ const TRIALS: usize = 3;
 
 /// Number of times that large tetrahedra are split before all that are too large must be small.
 const ROUNDS: usize = 8;
+
+/// Share of all tetrahedra below which those that are too large must be small at once.
+const FEW: f64 = 0.05;
 
 /// The mesh of one surface.
 #[derive(Clone, Debug, Default)]
@@ -223,25 +227,35 @@ fn mesh_in(
         if refine(&mut refined, &query, &mut grid, limits, wanted).is_none() {
             return Ok(None);
         }
-        let mut triangles = extract::extract(&refined, &grid, &query)?;
-        for _ in 0..TRIALS {
-            // Other leaves fail the proof anyway.
-            let mut crossed = triangles.unproven.clone();
-            crossed.retain(|leaf| !refined.fails(&refined.leaves[*leaf].cell));
-            if crossed.is_empty() || is_estimated {
-                break;
-            }
-            if refined.move_again(&crossed, &query, &grid, wanted).is_none() {
-                return Ok(None);
-            }
-            triangles = extract::extract(&refined, &grid, &query)?;
+        let strict = Loose::new(&refined, &query, tolerance).mixed();
+        if !strict.is_empty() {
+            refined.tighten(Far { strict, ..Far::default() }, false, &mut grid);
+            continue;
         }
-        let far = near::far(&refined, &triangles, &query, tolerance);
-        if far.large.is_empty() && far.strict.is_empty() {
+        let mut triangles = extract::extract(&refined, &grid, &query)?;
+        let mut far = Loose::new(&refined, &query, tolerance).far(&triangles);
+        if far.is_empty() {
+            for _ in 0..TRIALS {
+                // Other leaves fail the proof anyway.
+                let mut crossed = triangles.unproven.clone();
+                crossed.retain(|leaf| !refined.fails(&refined.leaves[*leaf].cell));
+                if crossed.is_empty() || is_estimated {
+                    break;
+                }
+                if refined.move_again(&crossed, &query, &grid, wanted).is_none() {
+                    return Ok(None);
+                }
+                triangles = extract::extract(&refined, &grid, &query)?;
+            }
+            far = Loose::new(&refined, &query, tolerance).far(&triangles);
+        }
+        if far.is_empty() {
             break triangles;
         }
         rounds += 1;
-        refined.tighten(far, rounds > ROUNDS, &mut grid);
+        let is_last =
+            rounds > ROUNDS || (far.large.len() as f64) < FEW * refined.leaves.len() as f64;
+        refined.tighten(far, is_last, &mut grid);
     };
     let mut mesh = Mesh {
         vertices: triangles.vertices,

@@ -11,6 +11,7 @@ use crate::proof::{MARGIN, least_slope, middle};
 use crate::refine::Refined;
 use glam::DVec3;
 use rayon::prelude::*;
+use rustc_hash::{FxHashMap, FxHashSet};
 use smallvec::SmallVec;
 use zeroset_eval::LANES;
 use zeroset_interval::Interval;
@@ -25,6 +26,8 @@ const SPREAD: f64 = 0.38;
 /// Largest distance from the surface that a triangle may have, as a share of the allowed distance:
 /// where it is large, more of its edges can be removed.
 const SHARE: f64 = 0.7;
+/// Share of leaves below which none stays loose.
+const FEW: f64 = 0.3;
 /// Number of parts into which a triangle's edges are divided.
 const PARTS: usize = 4;
 
@@ -32,9 +35,21 @@ const PARTS: usize = 4;
 /// 0.
 type Only = (u16, Side);
 
-/// Returns whether the bounds in a tetrahedron allow it to be [`Nearness::Loose`].
-pub fn may_be_loose(query: &Query<'_>, parts: &[PartBounds]) -> bool {
-    only(query, parts).is_some()
+/// Returns whether a tetrahedron with some bounds, of a size in world units, may be
+/// [`Nearness::Loose`]. Not if gradients around it seem to differ too much for the proof.
+pub fn may_be_loose(query: &Query<'_>, parts: &[PartBounds], size: f64, distance: f64) -> bool {
+    let wider = 1.0 + 2.0 * AROUND * LOOSE * distance / size;
+    only(query, parts).is_some_and(|_| {
+        let gradient = parts.first().and_then(|part| part.gradient);
+        gradient.is_some_and(|gradient| {
+            spread(&gradient) * wider <= SPREAD * middle(&gradient).length()
+        })
+    })
+}
+
+/// Largest distance of a gradient from the middle of its bounds.
+fn spread(gradient: &[Interval; 3]) -> f64 {
+    0.5 * DVec3::from_array(gradient.map(|along| along.hi - along.lo)).length() * (1.0 + MARGIN)
 }
 
 fn only(query: &Query<'_>, parts: &[PartBounds]) -> Option<Only> {
@@ -53,128 +68,168 @@ pub struct Far {
     pub strict: Vec<usize>,
 }
 
-/// Finds the [loose](Nearness::Loose) leaves in which mesh and surface are not proven to be within
-/// the allowed distance.
-pub fn far(refined: &Refined, mesh: &Extracted, query: &Query<'_>, distance: f64) -> Far {
-    let leaves = &refined.leaves;
-    let is_loose = |leaf: &Leaf| matches!(leaf.kind, Kind::Open { near: Nearness::Loose, .. });
-    let loose: Vec<usize> = (0..leaves.len()).filter(|leaf| is_loose(&leaves[*leaf])).collect();
-    if loose.is_empty() {
-        return Far::default();
+impl Far {
+    pub fn is_empty(&self) -> bool {
+        self.large.is_empty() && self.strict.is_empty()
     }
-    let space = query.space;
-    let reach = AROUND * LOOSE * distance;
-    let only: Vec<Option<Only>> = leaves
-        .iter()
-        .map(|leaf| match &leaf.kind {
-            Kind::Open { local, .. } => only(query, &local.parts),
-            Kind::Inside(_) => None,
-        })
-        .collect();
-    let ends = |leaf: usize| {
-        let [x, y, z] = space.between(leaves[leaf].cell.bounds());
-        [DVec3::new(x.lo, y.lo, z.lo), DVec3::new(x.hi, y.hi, z.hi)]
-    };
-    let around = |[low, high]: [DVec3; 2]| [low - reach, high + reach];
-    let numbered = |(k, leaf): (usize, &usize)| (k as u32, space.units(around(ends(*leaf))));
-    let index =
-        Index::new(loose.len(), &loose.iter().enumerate().map(numbered).collect::<Vec<_>>());
-    let mut is_far = vec![false; loose.len()];
-    // All leaves around a loose one must have the same part.
-    let mut mark = |bounds: &Bounds, of: Option<Only>| {
-        index.all_near(bounds, &mut |k| {
-            is_far[k as usize] |= of.is_none() || of != only[loose[k as usize]];
-            true
-        });
-    };
-    let first = only[loose[0]];
-    if only.iter().any(|one| *one != first) {
-        for (leaf, of) in only.iter().enumerate() {
-            mark(&space.units(ends(leaf)), *of);
-        }
-    }
-    let (mut asked, mut large) = (vec![Vec::new(); query.parts.len()], Vec::new());
-    for (number, leaf) in mesh.leaves.iter().enumerate() {
-        if let Some((part, _)) = only[*leaf] {
-            asked[usize::from(part)].push(number);
-        }
-    }
-    let corners = |number: usize| mesh.triangles[number].map(|k| mesh.vertices[k as usize]);
-    let units = |number: usize| {
-        let [a, b, c] = corners(number);
-        space.units([a.min(b).min(c), a.max(b).max(c)])
-    };
-    let is_beside = |number: &usize| index.all_near(&units(*number), &mut |_| false);
-    for (part, asked) in asked.into_iter().enumerate() {
-        let kernels = &query.parts[part];
-        let asked: Vec<usize> = asked.into_par_iter().filter(|number| !is_beside(number)).collect();
-        let far = |some: &[usize]| -> SmallVec<[usize; LANES]> {
-            let triangles: SmallVec<[([DVec3; 3], Side); LANES]> = some
-                .iter()
-                .filter_map(|number| Some((corners(*number), only[mesh.leaves[*number]]?.1)))
-                .collect();
-            let near = are_near(kernels, query, &triangles, reach, distance);
-            let numbered = some.iter().zip(near);
-            numbered.filter(|(_, is_near)| !is_near).map(|(number, _)| *number).collect()
-        };
-        let far: Vec<usize> = asked.par_chunks(LANES / 2).flat_map_iter(far).collect();
-        for number in far {
-            let leaf = mesh.leaves[number];
-            if is_loose(&leaves[leaf]) {
-                large.push(leaf);
-            } else {
-                mark(&units(number), None);
-            }
-        }
-    }
-    large.sort_unstable();
-    large.dedup();
-    let strict = loose.into_iter().zip(is_far).filter(|(_, is_far)| *is_far);
-    Far { large, strict: strict.map(|(leaf, _)| leaf).collect() }
 }
 
-/// For each of some triangles, returns whether it is proven to be near the zeros of a part, as far
-/// as these are within `reach`.
-fn are_near(
-    kernels: &PartKernels<'_>,
-    query: &Query<'_>,
-    triangles: &[([DVec3; 3], Side)],
-    reach: f64,
+/// The loose leaves with one part.
+struct Group {
+    only: Only,
+    leaves: Vec<usize>,
+    /// Their boxes, wider by the reach.
+    index: Index,
+}
+
+/// The [loose](Nearness::Loose) leaves of a grid.
+pub struct Loose<'a> {
+    refined: &'a Refined,
+    query: &'a Query<'a>,
     distance: f64,
-) -> SmallVec<[bool; LANES]> {
-    let boxes = triangles.iter().flat_map(|([a, b, c], _)| {
-        let (low, high) = (a.min(*b).min(*c), a.max(*b).max(*c));
-        let [own, around] = [[low, high], [low - reach, high + reach]].map(interval_box);
-        // Nothing is bounded outside of the domain.
-        [own, if query.space.holds(&around) { around } else { own }]
-    });
-    let boxes: SmallVec<[[Interval; 3]; LANES]> = boxes.collect();
-    let gradients: SmallVec<[Option<[Interval; 3]>; LANES]> =
-        enclosures(kernels, &boxes).map(|Enclosure { gradient, .. }| gradient).collect();
-    let of = |((corners, side), k): (&([DVec3; 3], Side), usize)| {
-        let [own, around] = [gradients[2 * k]?, gradients[2 * k + 1]?];
-        if boxes[2 * k] == boxes[2 * k + 1] {
-            return None;
+    /// Width of the space around a triangle in which gradients are bounded, in world units.
+    reach: f64,
+    /// For each leaf, the only part that matters in it.
+    only: Vec<Option<Only>>,
+    groups: Vec<Group>,
+}
+
+impl<'a> Loose<'a> {
+    pub fn new(refined: &'a Refined, query: &'a Query<'a>, distance: f64) -> Self {
+        let only = |leaf: &Leaf| match &leaf.kind {
+            Kind::Open { local, .. } => only(query, &local.parts),
+            Kind::Inside(_) => None,
+        };
+        let only: Vec<Option<Only>> = refined.leaves.iter().map(only).collect();
+        let mut of: FxHashMap<Only, Vec<usize>> = FxHashMap::default();
+        for (number, (leaf, only)) in refined.leaves.iter().zip(&only).enumerate() {
+            if let (Kind::Open { near: Nearness::Loose, .. }, Some(only)) = (&leaf.kind, only) {
+                of.entry(*only).or_default().push(number);
+            }
         }
-        let slope = slope_along(&around)?;
-        let [a, b, c] = *corners;
-        let normal = (b - a).cross(c - a);
-        let out = if *side == Side::Below { -normal } else { normal };
-        if least_slope(&around, out).0 <= 0.0 {
-            return None;
+        let reach = AROUND * LOOSE * distance;
+        let mut all = Self { refined, query, distance, reach, only, groups: Vec::new() };
+        let group = |(only, leaves): (Only, Vec<usize>)| {
+            let boxes = leaves.iter().zip(0..).map(|(leaf, k)| {
+                let [low, high] = all.ends(*leaf);
+                (k, query.space.units([low - reach, high + reach]))
+            });
+            let index = Index::new(leaves.len(), &boxes.collect::<Vec<_>>());
+            Group { only, leaves, index }
+        };
+        all.groups = of.into_iter().map(group).collect();
+        all
+    }
+
+    fn ends(&self, leaf: usize) -> [DVec3; 2] {
+        let [x, y, z] = self.query.space.between(self.refined.leaves[leaf].cell.bounds());
+        [DVec3::new(x.lo, y.lo, z.lo), DVec3::new(x.hi, y.hi, z.hi)]
+    }
+
+    /// The loose leaves near a box, but for those with the part `but`.
+    fn around(&self, bounds: &Bounds, but: Option<Only>, found: &mut FxHashSet<usize>) {
+        for group in self.groups.iter().filter(|group| Some(group.only) != but) {
+            group.index.all_near(bounds, &mut |k| {
+                found.insert(group.leaves[k as usize]);
+                true
+            });
         }
-        let most = most_off(kernels, corners, &own);
-        (most <= SHARE * distance * slope).then_some(())
-    };
-    triangles.iter().zip(0..).map(|one| of(one).is_some()).collect()
+    }
+
+    /// Finds the loose leaves near leaves with another part, or with several. If few leaves are
+    /// loose, finds them all, since the proof for triangles would take more time than it saves.
+    pub fn mixed(&self) -> Vec<usize> {
+        let mut found = FxHashSet::default();
+        let loose = self.groups.iter().flat_map(|group| &group.leaves);
+        if (loose.clone().count() as f64) < FEW * self.only.len() as f64 {
+            return loose.copied().collect();
+        }
+        for (leaf, only) in self.only.iter().enumerate() {
+            self.around(&self.query.space.units(self.ends(leaf)), *only, &mut found);
+        }
+        sorted(found)
+    }
+
+    /// Finds the loose leaves that are not proven to be near the triangles of a mesh. None must be
+    /// [mixed](Self::mixed).
+    pub fn far(&self, mesh: &Extracted) -> Far {
+        let (mut large, mut strict) = (FxHashSet::default(), FxHashSet::default());
+        let corners = |number: usize| mesh.triangles[number].map(|k| mesh.vertices[k as usize]);
+        let units = |number: usize| {
+            let [a, b, c] = corners(number);
+            self.query.space.units([a.min(b).min(c), a.max(b).max(c)])
+        };
+        for Group { only, index, .. } in &self.groups {
+            let is_asked = |number: &usize| {
+                self.only[mesh.leaves[*number]] == Some(*only)
+                    && !index.all_near(&units(*number), &mut |_| false)
+            };
+            let asked: Vec<usize> =
+                (0..mesh.triangles.len()).into_par_iter().filter(is_asked).collect();
+            let far = |some: &[usize]| -> SmallVec<[usize; LANES]> {
+                let triangles = some.iter().map(|number| corners(*number));
+                let near = self.are_near(&triangles.collect::<Vec<_>>(), *only);
+                let numbered = some.iter().zip(near);
+                numbered.filter(|(_, is_near)| !is_near).map(|(number, _)| *number).collect()
+            };
+            let far: Vec<usize> = asked.par_chunks(LANES / 2).flat_map_iter(far).collect();
+            for number in far {
+                let leaf = mesh.leaves[number];
+                let kind = &self.refined.leaves[leaf].kind;
+                if matches!(kind, Kind::Open { near: Nearness::Loose, .. }) {
+                    large.insert(leaf);
+                } else {
+                    self.around(&units(number), None, &mut strict);
+                }
+            }
+        }
+        large.retain(|leaf| !strict.contains(leaf));
+        Far { large: sorted(large), strict: sorted(strict) }
+    }
+
+    /// For each of some triangles, at most half of [`LANES`], returns whether it is proven to be
+    /// near the zeros of a part.
+    fn are_near(&self, triangles: &[[DVec3; 3]], (part, side): Only) -> SmallVec<[bool; LANES]> {
+        let kernels = &self.query.parts[usize::from(part)];
+        let boxes = triangles.iter().flat_map(|[a, b, c]| {
+            let (low, high) = (a.min(*b).min(*c), a.max(*b).max(*c));
+            let wide = [low - self.reach, high + self.reach];
+            let [own, around] = [[low, high], wide].map(interval_box);
+            // Nothing is bounded outside of the domain.
+            [own, if self.query.space.holds(&around) { around } else { own }]
+        });
+        let boxes: SmallVec<[[Interval; 3]; LANES]> = boxes.collect();
+        let gradients: SmallVec<[Option<[Interval; 3]>; LANES]> =
+            enclosures(kernels, &boxes).map(|Enclosure { gradient, .. }| gradient).collect();
+        let of = |(corners, k): (&[DVec3; 3], usize)| {
+            let [own, around] = [gradients[2 * k]?, gradients[2 * k + 1]?];
+            if boxes[2 * k] == boxes[2 * k + 1] {
+                return None;
+            }
+            let slope = slope_along(&around)?;
+            let [a, b, c] = *corners;
+            let normal = (b - a).cross(c - a);
+            let out = if side == Side::Below { -normal } else { normal };
+            if least_slope(&around, out).0 <= 0.0 {
+                return None;
+            }
+            let most = most_off(kernels, corners, &own);
+            (most <= SHARE * self.distance * slope).then_some(())
+        };
+        triangles.iter().zip(0..).map(|one| of(one).is_some()).collect()
+    }
+}
+
+fn sorted(found: FxHashSet<usize>) -> Vec<usize> {
+    let mut all: Vec<usize> = found.into_iter().collect();
+    all.sort_unstable();
+    all
 }
 
 /// The least slope of a function along each vector that its gradient may be, if the gradient is
 /// within bounds. `None` if it is not positive, or two gradients may be at an angle of 45 degrees.
 fn slope_along(gradient: &[Interval; 3]) -> Option<f64> {
-    let length = middle(gradient).length();
-    let spread = 0.5 * DVec3::from_array(gradient.map(|along| along.hi - along.lo)).length();
-    let spread = spread * (1.0 + MARGIN);
+    let (length, spread) = (middle(gradient).length(), spread(gradient));
     // A gradient is at most `spread` from the middle. So is the component of another one along it.
     let slope = (length * length - spread * spread).sqrt() - spread - MARGIN * length;
     // False for NaN.

@@ -174,7 +174,10 @@ fn nearness(
     let is_near = |distance: f64| is_near(query, cell, parts, distance);
     if is_near(distance) {
         Nearness::Near
-    } else if !is_strict && near::may_be_loose(query, parts) && is_near(near::LOOSE * distance) {
+    } else if !is_strict
+        && near::may_be_loose(query, parts, size(query.space, cell), distance)
+        && is_near(near::LOOSE * distance)
+    {
         Nearness::Loose
     } else {
         Nearness::Far
