@@ -7,7 +7,7 @@ use glam::{DVec3, I64Vec3};
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 /// A vector with exact components.
-type Vector = [i128; 3];
+pub type Vector = [i128; 3];
 
 /// The corners of a triangle or a tetrahedron, each with whether both have it.
 pub struct Corners<'a, const N: usize> {
@@ -110,7 +110,8 @@ fn is_between(axis: Vector, one: &Corners<'_, 3>, other: &Corners<'_, 4>) -> boo
             || is_below(&second, &other.is_shared, &first, &one.is_shared))
 }
 
-fn cross(u: I64Vec3, v: I64Vec3) -> Vector {
+/// The cross product, exact.
+pub fn cross(u: I64Vec3, v: I64Vec3) -> Vector {
     let (u, v) = (u.to_array().map(i128::from), v.to_array().map(i128::from));
     [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
 }

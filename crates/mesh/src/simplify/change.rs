@@ -5,11 +5,19 @@
 //! their areas change evenly. They are in one layer as seen: around the vertex they turn once, or
 //! less than once on a rim. So the old and the new triangles, and all on the way, are graphs. No
 //! other triangle meets the space that they sweep. So nothing passes through anything.
+//!
+//! At some corners, triangles are graphs along no direction. There a vertex may move alone: around
+//! it is a closed curve, and each edge of the curve has another triangle outside. These triangles
+//! meet no swept space but in shared corners. So no two points of the curve are ever in the same
+//! direction from the vertex, and the triangles around the vertex do not meet on the way.
+
+#[cfg(test)]
+mod tests;
 
 use crate::index::Bounds;
-use crate::simplify::apart::{Corners as Apart, are_apart, are_beside_plane};
+use crate::simplify::apart::{Corners as Apart, are_apart, are_beside_plane, cross};
 use crate::simplify::distance::distance_to;
-use crate::simplify::projection::{Direction, Seen, area};
+use crate::simplify::projection::{Direction, Seen, area, volume};
 use crate::simplify::triangulation::{Edges, Few, Triangulation, facing};
 use crate::simplify::view::{
     Sides, View, are_beside, ends_stay_apart, is_on_side, turned_left, turns, turns_left,
@@ -19,6 +27,10 @@ use smallvec::SmallVec;
 
 /// Least cosine of the angle by which a triangle may turn.
 const TURN: f64 = 0.5;
+
+/// A cosine that is above 0 in spite of rounding. The normals of a triangle that changes evenly are
+/// between the first and the last one. So none is 0 if the cosine of their angle is above this.
+const ROUNDING: f64 = 1e-12;
 
 /// Number of steps toward a vector that many are along.
 const STEPS: usize = 16;
@@ -120,9 +132,37 @@ impl<'a> Change<'a> {
                 Direction::near(vector).any(|direction| self.see(direction, &mut view))
             })
         };
-        (is_graph(sum) || is_graph(middle(&normals)))
-            && ((self.rim.is_none() && view.is_same())
-                || (near(&self.samples()) && self.is_free(&view)))
+        if is_graph(sum) || is_graph(middle(&normals)) {
+            let sides = if self.rim.is_some() { Sides::new() } else { view.sides() };
+            (self.rim.is_none() && view.is_same())
+                || (near(&self.samples())
+                    && self.is_free(|other| self.is_clear(other, &view, &sides)))
+        } else {
+            self.may_be_no_graph()
+                && near(&self.samples())
+                && self.is_free(|other| {
+                    self.is_apart(other, |triangle, swept| {
+                        are_apart(triangle, swept) || are_apart_in_plane(triangle, swept.places)
+                    })
+                })
+        }
+    }
+
+    /// Returns whether only one vertex moves, which is in no triangle with an edge of a rim, and its
+    /// triangles have an area on the way.
+    fn may_be_no_graph(&self) -> bool {
+        let keeps_area = |[a, b]: &[u32; 2]| {
+            let [a, b] = [a, b].map(|end| self.mesh.place(*end));
+            let [old, new] = [self.mesh.place(self.keep), self.to]
+                .map(|apex| DVec3::from_array(cross(a - apex, b - apex).map(|along| along as f64)));
+            old.dot(new) > ROUNDING * old.length() * new.length()
+        };
+        self.rim.is_none()
+            && self.moving[..] == [self.keep]
+            && self
+                .facing
+                .iter()
+                .all(|edge| !self.mesh.is_rim(edge[0], edge[1]) && keeps_area(edge))
     }
 
     /// A box around old and new triangles.
@@ -241,10 +281,9 @@ impl<'a> Change<'a> {
     }
 
     /// Returns whether no other triangle meets the space between old and new triangles, apart from
-    /// their boundary.
-    fn is_free(&self, view: &View) -> bool {
+    /// their boundary: all others that are near are clear.
+    fn is_free(&self, is_clear: impl Fn(u32) -> bool) -> bool {
         let bounds = self.bounds();
-        let sides = if self.rim.is_some() { Sides::new() } else { view.sides() };
         // Corners of all old triangles and of the tetrahedra that they sweep.
         let swept = self.facing.iter().flatten().chain(&self.moving).chain([&self.keep]);
         let mut swept: SmallVec<[I64Vec3; 32]> = swept.map(|one| self.mesh.place(*one)).collect();
@@ -253,7 +292,7 @@ impl<'a> Change<'a> {
             self.old.contains(&other)
                 || !self.mesh.bounds(other).meets(&bounds)
                 || are_beside_plane(&swept, &self.places(other))
-                || self.is_clear(other, view, &sides)
+                || is_clear(other)
         })
     }
 
@@ -277,23 +316,51 @@ impl<'a> Change<'a> {
         } else {
             view.new.iter().all(|one| are_beside(&seen, [true; 3], one))
         };
-        is_beside
-            || self.old.iter().all(|old| {
-                let corners = self.mesh.corners(*old);
-                let [a, b, c] = self.places(*old);
-                // Another vertex that replaces the moving one may belong to the triangle.
-                let replaces = !self.moving.contains(&self.keep);
-                let is_own =
-                    |number: &u32| corners.contains(number) || (replaces && *number == self.keep);
-                let swept = [a, b, c, self.to];
-                let own = Apart { places: &places, is_shared: numbers.map(|one| is_own(&one)) };
-                let shared = |place: &I64Vec3| {
-                    places.iter().zip(own.is_shared).any(|(one, shared)| shared && one == place)
-                };
-                let is_shared = swept.each_ref().map(shared);
-                are_apart(&own, &Apart { places: &swept, is_shared })
-            })
+        is_beside || self.is_apart(other, are_apart)
     }
+
+    /// Returns whether a triangle is apart from each tetrahedron that an old triangle sweeps.
+    fn is_apart(
+        &self,
+        other: u32,
+        are_apart: impl Fn(&Apart<'_, 3>, &Apart<'_, 4>) -> bool,
+    ) -> bool {
+        let (numbers, places) = (self.mesh.corners(other), self.places(other));
+        self.old.iter().all(|old| {
+            let corners = self.mesh.corners(*old);
+            let [a, b, c] = self.places(*old);
+            // Another vertex that replaces the moving one may belong to the triangle.
+            let replaces = !self.moving.contains(&self.keep);
+            let is_own =
+                |number: &u32| corners.contains(number) || (replaces && *number == self.keep);
+            let swept = [a, b, c, self.to];
+            let own = Apart { places: &places, is_shared: numbers.map(|one| is_own(&one)) };
+            let shared = |place: &I64Vec3| {
+                places.iter().zip(own.is_shared).any(|(one, shared)| shared && one == place)
+            };
+            let is_shared = swept.each_ref().map(shared);
+            are_apart(&own, &Apart { places: &swept, is_shared })
+        })
+    }
+}
+
+/// Returns whether a triangle meets four points and all between them in shared corners alone, if
+/// all are in one plane.
+fn are_apart_in_plane(triangle: &Apart<'_, 3>, swept: &[I64Vec3; 4]) -> bool {
+    let Some(direction) = normal(*triangle.places).try_normalize().map(Direction::near) else {
+        return false;
+    };
+    direction.take(1).any(|direction| {
+        let corners = triangle.places.map(|place| direction.see(place));
+        let [a, b, c, to] = swept.map(|place| direction.see(place));
+        let is_level = |point: Seen| volume(corners[0], corners[1], corners[2], point) == 0;
+        turned_left(corners).is_some()
+            && [a, b, c, to].into_iter().all(is_level)
+            && [[a, b, c], [a, b, to], [b, c, to], [c, a, to]]
+                .into_iter()
+                .filter_map(turned_left)
+                .all(|part| are_beside(&corners, triangle.is_shared, &part))
+    })
 }
 
 /// A vector that all of some vectors are along, as far as that is found in a few steps: each step

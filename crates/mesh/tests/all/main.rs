@@ -7,7 +7,7 @@ mod shapes;
 mod sheets;
 
 use glam::DVec3;
-use zeroset_mesh::{MOST_CELLS, Mesh, Options, mesh};
+use zeroset_mesh::{MOST_CELLS, Mesh, Options, Simplification, mesh, simplify};
 use zeroset_scene::program::Program;
 use zeroset_space::Region;
 use zeroset_syntax::{SurfaceKind, read};
@@ -31,4 +31,12 @@ fn mesh_with(text: &str, region: Region, tolerance: f64, most_cells: usize) -> M
     let options =
         Options { region, larger: None, tolerance, is_solid, is_estimated: false, most_cells };
     mesh(&program, 0, &options, &|| true).expect("kernels").expect("wanted")
+}
+
+/// Replaces the triangles of the mesh that [`mesh_with`] returned by fewer ones.
+fn reduce(mesh: &mut Mesh, text: &str, region: Region, tolerance: f64) {
+    let document = read(text, &zeroset_syntax::Options::default()).expect(text);
+    let program = Program::new(&document, zeroset_mesh::domain(&region)).expect("a surface");
+    let options = Simplification { region, tolerance, distance: 0.5 * tolerance };
+    simplify(&program, 0, mesh, &options, &|| true).expect("kernels").expect("wanted");
 }
