@@ -81,7 +81,7 @@ impl<'a> Change<'a> {
         let is_possible = if rim.is_some() {
             along_rim && shared(mesh, drop, keep) == 1
         } else {
-            shared(mesh, drop, keep) == 2
+            shared(mesh, drop, keep) == 2 && !is_tetrahedron(mesh, drop, keep)
         };
         let facing = facing_all(mesh, drop, Some(keep));
         if !is_possible || facing.is_empty() {
@@ -96,6 +96,9 @@ impl<'a> Change<'a> {
     pub fn joined(mesh: &'a Triangulation, drop: u32, keep: u32, to: I64Vec3) -> Option<Self> {
         let is_inner = |vertex| mesh.link(vertex).is_some_and(|link| link.rim.is_none());
         if !is_inner(drop) || !is_inner(keep) || shared(mesh, drop, keep) != 2 {
+            return None;
+        }
+        if is_tetrahedron(mesh, drop, keep) {
             return None;
         }
         let mut facing = facing_all(mesh, drop, Some(keep));
@@ -374,6 +377,12 @@ fn middle(vectors: &[DVec3]) -> DVec3 {
         sum = sum.normalize_or_zero() + 0.25 * *least;
     }
     sum
+}
+
+/// Returns whether two neighbors, with just two neighbors in common, are corners of a tetrahedron
+/// whose faces are all of its piece. Without one, two triangles would be left with the same corners.
+fn is_tetrahedron(mesh: &Triangulation, one: u32, other: u32) -> bool {
+    [one, other].iter().all(|vertex| mesh.around(*vertex).len() == 3)
 }
 
 /// The number of vertices that are neighbors of both.

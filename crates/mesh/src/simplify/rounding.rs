@@ -3,12 +3,13 @@
 use crate::simplify::change::Change;
 use crate::simplify::reduction::Reduction;
 use glam::I64Vec3;
+use std::ops::Range;
 
 /// A place is better if its sum of squared distances is less than this share.
 const BETTER: f64 = 0.1;
-/// Least [bend](crate::simplify::quadric::Quadric::bend) at an edge of the surface: that of an angle
-/// of 11 degrees.
-const BEND: f64 = 0.01;
+/// [Bends](crate::simplify::quadric::Quadric::bend) of a smooth surface: above those in a flat face,
+/// and below that of an edge with an angle of 11 degrees. Vertices of a smooth surface are on it.
+const SMOOTH: Range<f64> = 1e-6..0.01;
 /// Where a vertex cannot move, triangles may turn whose height is less than this share of the
 /// allowed distance.
 const THIN: f64 = 0.25;
@@ -88,7 +89,7 @@ impl Reduction<'_> {
         let (place, quadric) = (self.mesh.place(vertex), &self.mesh.quadrics[vertex as usize]);
         let sum = |place| quadric.at(lattice.relative(place));
         let now = sum(place);
-        if now <= self.floor(quadric) || quadric.bend() < BEND {
+        if now <= self.floor(quadric) || SMOOTH.contains(&quadric.bend()) {
             return None;
         }
         let best = self.best(quadric, lattice.relative(place), self.faces(place));
