@@ -68,6 +68,47 @@ fn the_report_counts_pieces_as_the_text_does() {
     assert_eq!([&sphere["pieces"], &sphere["hollows"]], [1, 0], "{sphere}");
 }
 
+#[test]
+fn only_measures_that_are_asked_for_are_computed() {
+    let rows = |options: &[&str]| {
+        let (text, stderr, code) =
+            run(&[&["x^2+y^2+z^2 <= 1", "--relative", "0.1"], options].concat());
+        assert_eq!(code, Some(0), "{stderr}");
+        let label = |line: &str| line.split("  ").next().unwrap_or_default().to_owned();
+        text.lines().map(label).collect::<Vec<_>>().join(" ")
+    };
+    assert_eq!(rows(&["--volume"]), "volume");
+    assert_eq!(rows(&["--area", "--centroid"]), "centroid area");
+    assert_eq!(rows(&["--pieces"]), "shape");
+    assert_eq!(rows(&["--ends"]), "from to");
+    assert_eq!(rows(&["--inertia"]), "inertia ");
+    assert_eq!(rows(&[]), "volume centroid inertia  from to area shape");
+    let (_, ball) = report(&["x^2+y^2+z^2 <= 1", "--volume", "--shape"]);
+    let keys: Vec<&String> = ball.as_object().expect("an object").keys().collect();
+    let expected =
+        ["boxes", "genus", "hollows", "name", "pieces", "shape_proven", "unproven", "volume"];
+    let mut sorted = keys.clone();
+    sorted.sort();
+    assert_eq!(sorted, expected, "{ball}");
+    assert_eq!(ball["pieces"], 1);
+    // A solid without its mesh knows that hollows are possible.
+    let (_, shell) = report(&["0.25 <= x^2+y^2+z^2 <= 1", "--shape"]);
+    assert_eq!([&shell["pieces"], &shell["hollows"]], [1, 1], "{shell}");
+}
+
+/// A share above 1 does not make bounds narrow that begin at 0.
+#[test]
+fn bounds_that_are_not_narrow_say_why() {
+    let (_, ball) = report(&["x^2+y^2+z^2 <= 1", "--volume", "--relative", "10"]);
+    let [low, high] = pair(&ball["volume"]);
+    let exact = 4.0 / 3.0 * PI;
+    assert!(0.0 < low && low <= exact && exact <= high && high - low <= 10.0 * low, "{ball}");
+    let (text, ..) = run(&["x^2+y^2+z^2 <= 1", "--volume", "--relative", "10"]);
+    assert!(!text.contains("not narrower"), "{text}");
+    let (text, ..) = run(&["max(abs(x),abs(y),abs(z)) <= 1", "--volume", "--relative", "1e-15"]);
+    assert!(text.contains(" (not narrower, because of rounding)\n"), "{text}");
+}
+
 /// Thinner than the cells of any mesh here.
 const SLAB: [&str; 5] = ["(z-0.00001)*(z-0.00002) <= 0", "--domain", "1", "--relative", "10"];
 

@@ -1,6 +1,6 @@
 //! The measures of a document.
 
-use crate::{Measures, measure};
+use crate::{Measures, Request, measure};
 use std::time::{Duration, Instant};
 use thiserror::Error;
 use zeroset_scene::coordinate::coordinate;
@@ -75,7 +75,7 @@ pub fn measures(
     document: &Document,
     domain: DomainChoice,
     cut: Clipping,
-    relative: f64,
+    request: &Request<'_>,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Measured>, MeasureError> {
     if document.surfaces.is_empty() {
@@ -106,7 +106,7 @@ pub fn measures(
         if surface.hidden {
             continue;
         }
-        let Some(measures) = measure(&program, number, &region, larger, relative, wanted)? else {
+        let Some(measures) = measure(&program, number, &region, larger, request, wanted)? else {
             return Ok(None);
         };
         let name = surface.line();

@@ -68,6 +68,17 @@ pub struct Solid {
     pub high: Option<[Interval; 3]>,
     /// Number of boxes that the boundary may cut.
     pub boxes: usize,
+    /// The reason why the volume's bounds are wider than requested. `None` if they are not.
+    pub limit: Option<Limit>,
+}
+
+/// A reason why bounds are wider than requested.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Limit {
+    /// Narrower bounds take more boxes than allowed.
+    Boxes,
+    /// Rounding errors alone are wider.
+    Rounding,
 }
 
 /// A solid's part of a box, and whether the boundary may cut it. `None` if it is empty.
@@ -93,11 +104,13 @@ impl Part {
 }
 
 /// Measures a solid in a region. The width of the volume's bounds is at most `relative` times the
-/// volume, unless that takes too many boxes. Returns `None` once `wanted` returns false.
+/// lower bound, unless a [`Limit`] is given. Boxes are also halved to bound the solid's ends, if
+/// `has_ends`. Returns `None` once `wanted` returns false.
 pub fn solid(
     kernels: &SolidKernels<'_>,
     region: &Region,
     relative: f64,
+    has_ends: bool,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Option<Solid> {
     let whole = Cell { low: region.low().into(), high: region.high().into() };
@@ -123,9 +136,11 @@ pub fn solid(
             all.add(part);
         }
         let [least, most] = all.moments.map(|moments| moments.volume);
-        let goal = relative * if least > 0.0 { least } else { most };
+        // A volume that may be 0 has no narrow bounds.
+        let goal = relative * least.max(0.0);
+        let is_wide = most - least > goal;
         let room = MOST_BOXES.saturating_sub(cut.len()) / CUT_PARTS;
-        let halved: Vec<(Cell, Part)> = if most - least > goal {
+        let halved: Vec<(Cell, Part)> = if is_wide {
             // The widest parts are halved. Others are kept while their widths add up to at most
             // half of the goal.
             cut.sort_by(|(_, a), (_, b)| a.width().total_cmp(&b.width()));
@@ -136,7 +151,7 @@ pub fn solid(
             });
             let kept = kept.count().max(cut.len().saturating_sub(room));
             cut.split_off(kept)
-        } else {
+        } else if has_ends {
             let is_at_end = |(cell, part): &mut (Cell, Part)| all.is_at_end(cell, part, relative);
             let halved: Vec<(Cell, Part)> = cut.extract_if(.., is_at_end).collect();
             if halved.len() > MOST_AT_ENDS.min(room) {
@@ -145,9 +160,18 @@ pub fn solid(
             } else {
                 halved
             }
+        } else {
+            Vec::new()
         };
         if halved.is_empty() {
-            return Some(all.solid(middle, cut.len()));
+            let mut solid = all.solid(middle, cut.len());
+            let Interval { lo, hi } = solid.volume;
+            solid.limit = match is_wide {
+                true => Some(Limit::Boxes),
+                // The sum is not rounded in the same way as the bounds.
+                false => (most > 0.0 && hi - lo > 1.01 * relative * lo).then_some(Limit::Rounding),
+            };
+            return Some(solid);
         }
         for (cell, part) in halved {
             if cell.parts().all(|half| (0..3).all(|axis| half.extent(axis) > 0.0)) {
@@ -379,6 +403,7 @@ impl Sums {
             low: ends(0),
             high: ends(1),
             boxes,
+            limit: None,
         }
     }
 }

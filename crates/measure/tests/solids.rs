@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use std::time::Instant;
 use zeroset_eval::{LANES, Points};
 use zeroset_interval::Interval;
-use zeroset_measure::{Solid, SolidKernels, solid};
+use zeroset_measure::{Quantity, Request, Solid, SolidKernels, measure, solid};
 use zeroset_scene::program::Program;
 use zeroset_space::{HalfSpace, Region};
 use zeroset_syntax::read;
@@ -17,7 +17,7 @@ fn measured(text: &str, region: &Region, relative: f64) -> Solid {
     let program = Program::new(&document, domain).expect(text);
     assert!(program.is_solid(0), "{text}");
     let kernels = SolidKernels::of(&program, 0).expect("kernels");
-    solid(&kernels, region, relative, &|| true).expect("wanted")
+    solid(&kernels, region, relative, true, &|| true).expect("wanted")
 }
 
 fn cube(half: f64) -> Region {
@@ -198,5 +198,28 @@ fn random_solid(rng: &mut fastrand::Rng, depth: u32) -> String {
         0 => format!("min({one},{other})"),
         1 => format!("max({one},{other})"),
         _ => format!("max({one},-{other})"),
+    }
+}
+
+/// Without a mesh there are no pieces, and without boxes no volume.
+#[test]
+fn nothing_is_computed_but_what_a_measure_needs() {
+    for (quantities, has_mesh) in [
+        (&[Quantity::Volume, Quantity::Centroid, Quantity::Inertia, Quantity::Ends][..], false),
+        (&[Quantity::Volume][..], false),
+        (&[][..], false),
+        (&[Quantity::Shape][..], true),
+        (&[Quantity::Area][..], true),
+    ] {
+        let text = "x^2+y^2+z^2 <= 1";
+        let document = read(text, &zeroset_syntax::Options::default()).expect(text);
+        let region = cube(1.1);
+        let program = Program::new(&document, zeroset_scene::view::bounds(&region)).expect(text);
+        let request = Request { quantities, relative: 0.1 };
+        let found = measure(&program, 0, &region, None, &request, &|| true).expect("small");
+        let found = found.expect("wanted");
+        assert_eq!(found.shape.pieces.len(), usize::from(has_mesh), "{quantities:?}");
+        let has_volume = quantities.contains(&Quantity::Volume);
+        assert_eq!(found.solid.is_some(), has_volume, "{quantities:?}");
     }
 }
