@@ -2,11 +2,13 @@
 //! genus where they are proven, and an estimate of the area.
 
 mod clip;
+mod hint;
 mod quantity;
 mod scene;
 mod shape;
 mod text;
 mod volume;
+mod wall;
 
 pub use quantity::Quantity;
 pub use scene::{MeasureError, Measured, measures};
@@ -32,7 +34,7 @@ const COARSER: f64 = 4.0;
 /// The measures of a surface in a region, as far as they were asked for.
 #[derive(Clone, Debug)]
 pub struct Measures {
-    /// Whether the surface bounds a solid.
+    /// True if the surface bounds a solid.
     pub is_solid: bool,
     /// Volume and moments. `None` if the surface bounds no solid.
     pub solid: Option<Solid>,

@@ -1,5 +1,6 @@
 //! The measures of a document.
 
+use crate::hint::hint;
 use crate::{Measures, Request, measure};
 use std::time::{Duration, Instant};
 use thiserror::Error;
@@ -18,7 +19,8 @@ pub struct Measured {
     pub region: Region,
     /// The search that found the domain, if none was given.
     pub searched: Option<AutoDomain>,
-    /// Notes on surfaces whose functions are constant in the domain.
+    /// Notes on surfaces whose functions are constant in the domain, and on equations if measures
+    /// of solids were asked for.
     pub remarks: Vec<String>,
     /// Time that simplifying took.
     pub simplify: Duration,
@@ -112,6 +114,11 @@ pub fn measures(
         let name = surface.line();
         surfaces.push((name, measures));
     }
-    let (remarks, measure) = (program.remarks(document), clock.elapsed());
+    let (mut remarks, measure) = (program.remarks(document), clock.elapsed());
+    let has_solid = surfaces.iter().any(|(_, measures): &(String, Measures)| measures.is_solid);
+    if !has_solid && request.quantities.iter().any(|one| one.is_of_solid()) {
+        let lines: Vec<&str> = surfaces.iter().map(|(name, _)| &**name).collect();
+        remarks.push(hint(&lines));
+    }
     Ok(Some(Measured { surfaces, region, searched, remarks, simplify, measure }))
 }
