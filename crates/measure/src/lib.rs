@@ -56,10 +56,8 @@ impl Measures {
     /// has any. `None` if the mesh has no triangle and the surface is not proven empty.
     pub fn counts(&self) -> Option<(usize, usize)> {
         let pieces = &self.shape.pieces;
-        let hollows = match self.is_solid {
-            true => pieces.iter().filter(|piece| piece.is_hollow).count(),
-            false => 0,
-        };
+        let is_hollow = |piece: &&Piece| self.is_solid && piece.is_hollow;
+        let hollows = pieces.iter().filter(is_hollow).count();
         (!pieces.is_empty() || self.unproven == 0).then_some((pieces.len() - hollows, hollows))
     }
 }
@@ -127,10 +125,8 @@ pub fn measure(
         mesh(program, surface, &options, wanted)
     };
     let (has_area, has_shape) = (request.has(Quantity::Area), request.has(Quantity::Shape));
-    let fine = match has_area || has_shape || has_ends && !is_solid {
-        true => with(tolerance)?,
-        false => Some(Mesh::default()),
-    };
+    let needs_mesh = has_area || has_shape || has_ends && !is_solid;
+    let fine = if needs_mesh { with(tolerance)? } else { Some(Mesh::default()) };
     let Some(fine) = fine else { return Ok(None) };
     let area = shape::area(&fine);
     let coarse = if has_area { with(COARSER * tolerance)? } else { Some(Mesh::default()) };

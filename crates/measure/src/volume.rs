@@ -227,10 +227,13 @@ pub fn solid(
         if halved.is_empty() {
             let mut solid = all.solid(middle, cut.len());
             let Interval { lo, hi } = solid.volume;
-            solid.limit = match is_wide {
-                true => Some(Limit::Boxes),
-                // The sum is not rounded in the same way as the bounds.
-                false => (most > 0.0 && hi - lo > 1.01 * relative * lo).then_some(Limit::Rounding),
+            // Bounds are rounded after they are compared with the goal.
+            solid.limit = if is_wide {
+                Some(Limit::Boxes)
+            } else if most > 0.0 && hi - lo > 1.01 * relative * lo {
+                Some(Limit::Rounding)
+            } else {
+                None
             };
             return Some(solid);
         }
@@ -398,10 +401,7 @@ impl Frame {
         let scale = self.half.element_product();
         let lo = (scale * volume.lo * (1.0 - slack)).max(part.moments[0].volume);
         let hi = (scale * volume.hi * (1.0 + slack)).min(part.moments[1].volume);
-        if !(lo <= hi) {
-            return;
-        }
-        let volume = Interval { lo, hi };
+        let Some(volume) = Interval::new(lo, hi) else { return };
         let range = |axis: usize| {
             let [one, other] = part.outer.map(|corner| corner[axis] - self.origin[axis]);
             Interval { lo: one, hi: other }

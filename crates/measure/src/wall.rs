@@ -113,7 +113,8 @@ impl Walls {
                 let slopes = choices.parts.slopes(part)?;
                 for axis in 0..3 {
                     let kernels = slopes.kernels::<f64>(axis);
-                    (kernels.bounds()?, kernels.tiles()?);
+                    kernels.bounds()?;
+                    kernels.tiles()?;
                 }
                 Some(slopes)
             } else {
@@ -138,7 +139,12 @@ impl Walls {
         }
         let parts_of = |lane: usize| {
             match reduced(&self.choices.choice, &|part| value(&values[part], lane)) {
-                Reduced::Greatest(parts) => Some(parts),
+                Reduced::Greatest(mut parts) => {
+                    // The slopes of a wall's first face are known.
+                    parts.sort_unstable();
+                    parts.dedup();
+                    Some(parts)
+                }
                 // The kernel of the whole function decides about boxes without a face.
                 Reduced::Inside | Reduced::Outside | Reduced::Unknown => None,
             }
@@ -221,9 +227,8 @@ impl Walls {
             }
             let Some((bounds, planes)) = &along[axis] else { continue };
             let slope = self::strip(planes, lane);
-            if !(is(bounds.defined) && is(bounds.continuous))
-                || !(thickness.lo > 0.0 && thickness.hi.is_finite())
-            {
+            let is_known = is(bounds.defined) && is(bounds.continuous);
+            if !is_known || thickness.lo <= 0.0 || !thickness.is_bounded() {
                 continue;
             }
             let half = 0.5 * cells[lane].extent(axis);
@@ -394,7 +399,7 @@ impl Wall {
                 point(slope.slope[axis]).plus(bend.times(point(strip.slope[axis])).negated());
             rest = rest.plus(lean.times(first).negated());
         }
-        if !(mean.lo > 0.0) {
+        if mean.lo.is_nan() || mean.lo <= 0.0 {
             return Some(simple);
         }
         let second = rest.over(mean);
@@ -422,5 +427,65 @@ impl Wall {
             own.times(Interval { lo: steep, hi: steep })
         };
         (around(moments.volume), moments.first.to_array().map(around))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Number of lines along which a volume is summed, per axis.
+    const LINES: usize = 120;
+
+    /// Walls of random quadratic functions in a cube. The slope is linear, so bounds are so narrow
+    /// that each term matters.
+    #[test]
+    fn volumes_of_quadratic_walls_are_within_bounds() {
+        let mut rng = fastrand::Rng::with_seed(3);
+        println!("seed 3");
+        let (mut narrow, mut partial) = (0, 0);
+        for case in 0..600 {
+            let mut within = |reach: f64| reach * (2.0 * rng.f64() - 1.0);
+            // The axis is z: value + slope·ξ + (bend·z/2 + lean·(x, y))·z.
+            let way = within(1.0).signum();
+            let (value, bend) = (within(0.9), within(0.2));
+            let (sides, lean) = ([within(2.0), within(2.0)], [within(0.05), within(0.05)]);
+            let thickness = within(0.3).abs() + 1e-3;
+            // The square is between 0 and 1.
+            let error = 0.25 * bend.abs() + lean[0].abs() + lean[1].abs();
+            let middle = value + 0.25 * bend;
+            let wall = Wall {
+                axis: 2,
+                thickness: Interval { lo: thickness, hi: thickness },
+                strip: Strip { value: middle, slope: DVec3::new(sides[0], sides[1], way), error },
+                slope: Strip {
+                    value: way,
+                    slope: DVec3::new(lean[0], lean[1], bend),
+                    error: 1e-12,
+                },
+            };
+            let Some(bounds) = wall.volume(wall.strip, wall.slope) else { continue };
+            let at = |k: usize| (2.0 * k as f64 + 1.0) / LINES as f64 - 1.0;
+            let mut volume = 0.0;
+            for (x, y) in (0..LINES).flat_map(|i| (0..LINES).map(move |k| (at(i), at(k)))) {
+                let base = value + sides[0] * x + sides[1] * y;
+                let steep = way + lean[0] * x + lean[1] * y;
+                // Where base + steep·z + bend·z²/2 has a value. The function rises or falls.
+                let root = |level: f64| {
+                    let root = (steep * steep - 2.0 * bend * (base - level)).sqrt();
+                    let z = -2.0 * (base - level) / (steep + way * root);
+                    if z.is_nan() { way.copysign(way * (level - base)) } else { z.clamp(-1.0, 1.0) }
+                };
+                volume += (root(0.0) - root(-thickness)).abs() * (2.0 / LINES as f64).powi(2);
+            }
+            // The sum over lines is not exact.
+            let near = 2e-3 * volume + 2e-4;
+            let is_in = bounds.lo - near <= volume && volume <= bounds.hi + near;
+            assert!(is_in, "case {case}: {volume} {bounds:?} {wall:?}");
+            narrow += usize::from(bounds.hi - bounds.lo < 0.05 * volume);
+            partial += usize::from(volume < 3.6 * thickness);
+        }
+        println!("{narrow} narrow, {partial} partial");
+        assert!(narrow > 20 && partial > 20, "{narrow} narrow, {partial} partial");
     }
 }

@@ -10,6 +10,9 @@ use zeroset_scene::program::Program;
 use zeroset_space::{HalfSpace, Region};
 use zeroset_syntax::read;
 
+/// An exact volume, as a function of a wall's thickness.
+type Volume<'a> = &'a dyn Fn(f64) -> f64;
+
 /// Measures the solid of a text.
 fn measured(text: &str, region: &Region, relative: f64) -> Solid {
     let document = read(text, &zeroset_syntax::Options::default()).expect(text);
@@ -236,7 +239,6 @@ fn thin_walls_have_narrow_bounds() {
     let slab = |t: f64| 9.0 * t;
     // The balls' caps above a plane.
     let cut = |t: f64| 2.0 / 3.0 * PI * t * (3.0 - 3.0 * t + t * t) + PI * 0.3 * t * (2.0 - t);
-    type Volume<'a> = &'a dyn Fn(f64) -> f64;
     for (text, t, volume) in [
         ("shell(sphere(1), T) <= 0", 1e-6, &inside as Volume),
         ("shell(sphere(1), T) <= 0", 1e-3, &inside),
