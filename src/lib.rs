@@ -120,7 +120,7 @@ mod text;
 pub use error::{Diagnostic, Error, ErrorKind};
 pub use function::{Enclosure, Function};
 pub use gallery::{Example, gallery};
-pub use measure::{MeasureSettings, Measures};
+pub use measure::{Measure, MeasureSettings, Measures};
 pub use mesh::{Mesh, MeshSettings, SurfaceMesh};
 pub use picture::{Counts, Picture, Status, Viewpoint};
 pub use ray::{Ray, RayResult, Reason};

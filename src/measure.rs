@@ -3,13 +3,42 @@
 use crate::error::Error;
 use crate::settings::Domain;
 use std::ops::RangeInclusive;
+use std::str::FromStr;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 use zeroset_interval::Interval;
-use zeroset_measure::{MeasureError, RELATIVE, measures};
+use zeroset_measure::{MeasureError, Quantity, RELATIVE, Request, measures};
 use zeroset_render::limit::{Limit, StopFlag};
 use zeroset_scene::view::Clipping;
 use zeroset_syntax::Document;
+
+/// A measure that can be asked for, such as `"volume".parse::<Measure>()`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Measure(Quantity);
+
+impl Measure {
+    /// Returns all measures.
+    pub fn all() -> impl ExactSizeIterator<Item = Self> {
+        Quantity::ALL.into_iter().map(Self)
+    }
+
+    /// Returns the name.
+    pub fn name(self) -> &'static str {
+        self.0.name()
+    }
+}
+
+/// Parses a name. The error for an unknown name lists all names.
+impl FromStr for Measure {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self, Error> {
+        Quantity::named(name).map(Self).ok_or_else(|| {
+            let names = Self::all().map(Self::name).collect::<Vec<_>>().join(", ");
+            Error::argument(format!("'{name}' is not a measure: {names}"))
+        })
+    }
+}
 
 /// Settings of measures, for [`Scene::measure`](crate::Scene::measure).
 ///
@@ -23,6 +52,7 @@ use zeroset_syntax::Document;
 pub struct MeasureSettings {
     domain: Domain,
     relative: Option<f64>,
+    only: Option<Vec<Measure>>,
     limit: Limit,
 }
 
@@ -46,6 +76,19 @@ impl MeasureSettings {
         self
     }
 
+    /// Computes these measures only; the others are `None`. Default: all.
+    ///
+    /// ```
+    /// let volume = zeroset::MeasureSettings::new().only(["volume".parse()?]);
+    /// let ball = zeroset::Scene::read("x^2+y^2+z^2 <= 1")?.measure(&volume)?;
+    /// assert!(ball[0].volume.is_some() && ball[0].area.is_none());
+    /// # Ok::<(), zeroset::Error>(())
+    /// ```
+    pub fn only(mut self, measures: impl IntoIterator<Item = Measure>) -> Self {
+        self.only = Some(measures.into_iter().collect());
+        self
+    }
+
     /// Limits the time. Measures that are not done in time are an error. Default: no limit.
     pub fn budget(mut self, time: Duration) -> Self {
         self.limit.budget = Some(time);
@@ -59,7 +102,8 @@ impl MeasureSettings {
     }
 }
 
-/// The measures of one surface. Ranges are proven to hold the exact number.
+/// The measures of one surface. Ranges are proven to hold the exact number. A measure that was not
+/// [asked for](MeasureSettings::only) is `None`.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Measures {
@@ -74,14 +118,15 @@ pub struct Measures {
     pub moments: Option<[RangeInclusive<f64>; 3]>,
     /// The least and the greatest coordinates along x, y and z. `None` if they are not proven.
     pub ends: Option<[[RangeInclusive<f64>; 3]; 2]>,
-    /// The area of a mesh: an estimate, not a proof.
-    pub area: f64,
+    /// The area of a mesh: an estimate, not a proof. `None` if the mesh has no triangle, and the
+    /// surface is not proven empty.
+    pub area: Option<f64>,
     /// The difference from the area of a coarser mesh.
-    pub area_change: f64,
+    pub area_change: Option<f64>,
     /// The genus of each piece of a mesh, or `None` for one with a rim.
-    pub genus: Vec<Option<u32>>,
+    pub genus: Option<Vec<Option<u32>>>,
     /// True if the surface is proven to have the pieces of the mesh.
-    pub is_shape_proven: bool,
+    pub is_shape_proven: Option<bool>,
 }
 
 pub(crate) fn measured(
@@ -92,9 +137,14 @@ pub(crate) fn measured(
     if !(relative > 0.0 && relative.is_finite()) {
         return Err(Error::argument("relative must be a finite number above 0"));
     }
+    let quantities: Vec<Quantity> = match &settings.only {
+        Some(only) => only.iter().map(|measure| measure.0).collect(),
+        None => Quantity::ALL.to_vec(),
+    };
+    let request = Request { quantities: &quantities, relative };
     let wanted = settings.limit.wanted();
     let found =
-        measures(document, settings.domain.choice(), Clipping::default(), relative, &wanted);
+        measures(document, settings.domain.choice(), Clipping::default(), &request, &wanted);
     let found = found.map_err(|error| match error {
         MeasureError::Scene(error) => Error::scene(error),
         MeasureError::Unbounded { .. } => {
@@ -107,17 +157,22 @@ pub(crate) fn measured(
     };
     let range = |bounds: Interval| bounds.lo..=bounds.hi;
     let measures = found.surfaces.into_iter().map(|(name, of)| {
-        let inertia = of.solid.as_ref().and_then(zeroset_measure::Solid::inertia);
+        let solid = |quantity| of.solid.as_ref().filter(|_| request.has(quantity));
+        let inertia = |quantity| solid(quantity).and_then(zeroset_measure::Solid::inertia);
+        let ends = of.ends.filter(|_| request.has(Quantity::Ends));
+        let has_area = request.has(Quantity::Area) && of.counts().is_some();
+        let has_shape = request.has(Quantity::Shape);
+        let genus = || of.shape.pieces.iter().map(|piece| piece.genus).collect();
         Measures {
             name,
-            volume: of.solid.map(|solid| range(solid.volume)),
-            centroid: inertia.map(|inertia| inertia.centroid.map(range)),
-            moments: inertia.map(|inertia| inertia.moments.map(range)),
-            ends: of.ends.map(|ends| ends.map(|end| end.map(range))),
-            area: of.area,
-            area_change: of.area_change,
-            genus: of.shape.pieces.iter().map(|piece| piece.genus).collect(),
-            is_shape_proven: of.unproven == 0,
+            volume: solid(Quantity::Volume).map(|solid| range(solid.volume)),
+            centroid: inertia(Quantity::Centroid).map(|inertia| inertia.centroid.map(range)),
+            moments: inertia(Quantity::Inertia).map(|inertia| inertia.moments.map(range)),
+            ends: ends.map(|ends| ends.map(|end| end.map(range))),
+            area: has_area.then_some(of.area),
+            area_change: has_area.then_some(of.area_change),
+            genus: has_shape.then(genus),
+            is_shape_proven: has_shape.then_some(of.unproven == 0),
         }
     });
     Ok(measures.collect())

@@ -68,19 +68,98 @@ fn the_report_counts_pieces_as_the_text_does() {
     assert_eq!([&sphere["pieces"], &sphere["hollows"]], [1, 0], "{sphere}");
 }
 
+#[test]
+fn only_measures_that_are_asked_for_are_computed() {
+    let rows = |options: &[&str]| {
+        let (text, stderr, code) =
+            run(&[&["x^2+y^2+z^2 <= 1", "--relative", "0.1"], options].concat());
+        assert_eq!(code, Some(0), "{stderr}");
+        let label = |line: &str| line.split("  ").next().unwrap_or_default().to_owned();
+        text.lines().map(label).collect::<Vec<_>>().join(" ")
+    };
+    assert_eq!(rows(&["--volume"]), "volume");
+    assert_eq!(rows(&["--area", "--centroid"]), "centroid area");
+    assert_eq!(rows(&["--pieces"]), "shape");
+    assert_eq!(rows(&["--ends"]), "from to");
+    assert_eq!(rows(&["--inertia"]), "inertia ");
+    assert_eq!(rows(&[]), "volume centroid inertia  from to area shape");
+    let (_, ball) = report(&["x^2+y^2+z^2 <= 1", "--volume", "--shape"]);
+    let keys: Vec<&String> = ball.as_object().expect("an object").keys().collect();
+    let expected =
+        ["boxes", "genus", "hollows", "name", "pieces", "shape_proven", "unproven", "volume"];
+    let mut sorted = keys.clone();
+    sorted.sort();
+    assert_eq!(sorted, expected, "{ball}");
+    assert_eq!(ball["pieces"], 1);
+    // A solid without its mesh knows that hollows are possible.
+    let (_, shell) = report(&["0.25 <= x^2+y^2+z^2 <= 1", "--shape"]);
+    assert_eq!([&shell["pieces"], &shell["hollows"]], [1, 1], "{shell}");
+}
+
+#[test]
+fn equations_get_a_hint_how_to_write_the_solid() {
+    for (arguments, expected) in [
+        (&["x^2+y^2+z^2 = 1"][..], "measure 'x^2 + y^2 + z^2 <= 1' for the volume inside"),
+        (
+            &["shell(sphere(1), 0.1)", "--volume"],
+            "measure 'shell(sphere(1), 0.1) <= 0' for the volume",
+        ),
+        (
+            &["z = x^2+y^2; z = 1", "--domain", "2", "--volume"],
+            "measure 'z >= x^2 + y^2 and z <= 1', or with other signs, for the volume between both",
+        ),
+        (&["z = x*y {x^2+y^2<1}", "--domain", "2", "--volume"], "use <= or >= in place of ="),
+    ] {
+        let (text, stderr, code) = run(arguments);
+        assert_eq!(code, Some(0), "{stderr}");
+        assert!(!text.contains("volume") && stderr.contains(expected), "{arguments:?}: {stderr}");
+    }
+    // The hint for two equations is a solid: that of a paraboloid up to z = 1.
+    let (_, cup) = report(&["z >= x^2+y^2 and z <= 1", "--volume", "--relative", "0.01"]);
+    let [low, high] = pair(&cup["volume"]);
+    assert!(low <= PI / 2.0 && PI / 2.0 <= high && high - low < 0.02, "{cup}");
+    for arguments in [&["x^2+y^2+z^2 = 1", "--shape"][..], &["x^2+y^2+z^2 <= 1", "--volume"]] {
+        let (_, stderr, _) = run(arguments);
+        assert!(!stderr.contains("no volume"), "{arguments:?}: {stderr}");
+    }
+}
+
+#[test]
+fn a_thin_wall_has_a_narrow_volume() {
+    for (share, width) in [("0.01", 0.01), ("0.001", 0.001)] {
+        let (_, wall) = report(&["shell(sphere(1), 0.001) <= 0", "--volume", "--relative", share]);
+        let exact = 4.0 / 3.0 * PI * 1e-3 * (3.0 - 3e-3 + 1e-6);
+        let [low, high] = pair(&wall["volume"]);
+        assert!(low <= exact && exact <= high && high - low <= width * exact, "{wall}");
+    }
+}
+
+/// A share above 1 does not make bounds narrow that begin at 0.
+#[test]
+fn bounds_that_are_not_narrow_say_why() {
+    let (_, ball) = report(&["x^2+y^2+z^2 <= 1", "--volume", "--relative", "10"]);
+    let [low, high] = pair(&ball["volume"]);
+    let exact = 4.0 / 3.0 * PI;
+    assert!(0.0 < low && low <= exact && exact <= high && high - low <= 10.0 * low, "{ball}");
+    let (text, ..) = run(&["x^2+y^2+z^2 <= 1", "--volume", "--relative", "10"]);
+    assert!(!text.contains("not narrower"), "{text}");
+    let (text, ..) = run(&["x <= 0", "--domain", "1", "--volume", "--relative", "1e-15"]);
+    assert!(text.contains(" (not narrower, because of rounding)\n"), "{text}");
+}
+
 /// Thinner than the cells of any mesh here.
-const SLAB: [&str; 5] = ["(z-0.00001)*(z-0.00002) <= 0", "--domain", "1", "--relative", "10"];
+const WIRE: [&str; 5] = ["x^2+y^2 <= 1e-10", "--domain", "1", "--area", "--shape"];
 
 #[test]
 fn a_solid_that_the_mesh_misses_is_not_said_to_be_nothing() {
-    let (text, ..) = run(&SLAB);
+    let (text, ..) = run(&WIRE);
     assert!(text.contains("area        not estimated: the mesh has no triangle\n"), "{text}");
     assert!(text.contains("shape       not known: "), "{text}");
-    let (_, slab) = report(&SLAB);
+    let (_, wire) = report(&WIRE);
     for key in ["area", "area_change", "pieces", "hollows"] {
-        assert!(slab[key].is_null(), "{key}: {slab}");
+        assert!(wire[key].is_null(), "{key}: {wire}");
     }
-    assert!(slab["unproven"].as_u64() > Some(0) && slab["shape_proven"] == false, "{slab}");
+    assert!(wire["unproven"].as_u64() > Some(0) && wire["shape_proven"] == false, "{wire}");
 }
 
 #[test]

@@ -67,7 +67,7 @@ Examples:
     pub const MEASURE: &str = "\
 Examples:
   zeroset measure 'x^2+y^2+z^2 <= 1'
-  zeroset measure rook --relative 1e-2 --json";
+  zeroset measure rook --volume --relative 1e-2 --json";
 
     pub const GALLERY: &str = "\
 Examples:
@@ -774,6 +774,30 @@ pub struct MeshArgs {
 pub struct MeasureArgs {
     #[command(flatten)]
     pub document: DocumentArgs,
+
+    /// Measure the volume of solids
+    #[arg(long, help_heading = "Measures (without any, all)")]
+    pub volume: bool,
+
+    /// Measure the centroid of solids
+    #[arg(long, help_heading = "Measures (without any, all)")]
+    pub centroid: bool,
+
+    /// Measure the moments of inertia of solids
+    #[arg(long, help_heading = "Measures (without any, all)")]
+    pub inertia: bool,
+
+    /// Bound the least and the greatest coordinates
+    #[arg(long, help_heading = "Measures (without any, all)")]
+    pub ends: bool,
+
+    /// Estimate the area
+    #[arg(long, help_heading = "Measures (without any, all)")]
+    pub area: bool,
+
+    /// Count pieces, hollows and handles
+    #[arg(long, visible_alias = "pieces", help_heading = "Measures (without any, all)")]
+    pub shape: bool,
 
     /// Make the bounds of a volume this narrow, as a share of the volume [default: 1e-3]
     #[arg(long, value_name = "SHARE", allow_hyphen_values = true)]

@@ -12,7 +12,7 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use zeroset_interval::Interval;
 use zeroset_live::Rendering;
-use zeroset_measure::{Measured, Measures, RELATIVE, measures};
+use zeroset_measure::{Measured, Measures, Quantity, RELATIVE, Request, measures};
 use zeroset_render::limit::Limit;
 use zeroset_scene::curves::UNPROVEN;
 use zeroset_scene::view::Clipping;
@@ -24,6 +24,8 @@ pub fn run(arguments: &MeasureArgs) -> Result<ExitCode> {
         relative > 0.0 && relative.is_finite(),
         "--relative needs a finite number above 0, such as 1e-3"
     );
+    let asked = asked(arguments);
+    let request = Request { quantities: &asked, relative };
     let budget = budget(arguments.budget)?;
     interrupt::listen("nothing is printed")?;
     let subject = Subject::read(&arguments.document)?;
@@ -31,7 +33,7 @@ pub fn run(arguments: &MeasureArgs) -> Result<ExitCode> {
     let wanted = Limit { budget, begun: Some(begun), ..Limit::default() }.wanted();
     let found = in_threads(arguments.threads, || {
         let (document, cut) = (&subject.document, Clipping::default());
-        measures(document, subject.domain, cut, relative, &wanted)
+        measures(document, subject.domain, cut, &request, &wanted)
             .map_err(|error| anyhow!(error.advise(&|ends| format!("--domain={ends}"))))
     })?;
     let Some(found) = found else {
@@ -49,11 +51,25 @@ pub fn run(arguments: &MeasureArgs) -> Result<ExitCode> {
         notes::note(UNPROVEN);
     }
     if arguments.json {
-        print(&format!("{}\n", report(&found, subject.parse)))?;
+        print(&format!("{}\n", report(&found, &request, subject.parse)))?;
     } else {
-        print(&found.text(relative))?;
+        print(&found.text(&request))?;
     }
     Ok(ExitCode::SUCCESS)
+}
+
+/// The measures that the options name, or all.
+fn asked(arguments: &MeasureArgs) -> Vec<Quantity> {
+    let is_asked = |quantity: &Quantity| match quantity {
+        Quantity::Volume => arguments.volume,
+        Quantity::Centroid => arguments.centroid,
+        Quantity::Inertia => arguments.inertia,
+        Quantity::Ends => arguments.ends,
+        Quantity::Area => arguments.area,
+        Quantity::Shape => arguments.shape,
+    };
+    let asked: Vec<Quantity> = Quantity::ALL.into_iter().filter(is_asked).collect();
+    if asked.is_empty() { Quantity::ALL.to_vec() } else { asked }
 }
 
 /// The measures of a picture's surfaces, as lines of text.
@@ -63,15 +79,16 @@ pub fn run(arguments: &MeasureArgs) -> Result<ExitCode> {
 pub fn of_picture(seen: &Rendering, wanted: &(dyn Fn() -> bool + Sync)) -> Result<String> {
     let request = &seen.request;
     let cut = Clipping { plane: request.clip, ..Clipping::default() };
-    let found = measures(&seen.document, request.domain, cut, RELATIVE, wanted)
+    let found = measures(&seen.document, request.domain, cut, &Request::ALL, wanted)
         .map_err(|error| anyhow!(error.advise(&|ends| format!(":domain {ends}"))))?;
-    Ok(found.context("not measured: the session has ended")?.text(RELATIVE))
+    Ok(found.context("not measured: the session has ended")?.text(&Request::ALL))
 }
 
 /// The report that `--json` prints.
-fn report(found: &Measured, parse: Duration) -> Value {
+fn report(found: &Measured, request: &Request<'_>, parse: Duration) -> Value {
     let (low, high) = (found.region.low(), found.region.high());
-    let surfaces: Vec<Value> = found.surfaces.iter().map(|(name, of)| entry(name, of)).collect();
+    let surfaces: Vec<Value> =
+        found.surfaces.iter().map(|(name, of)| entry(name, of, request)).collect();
     json!({
         "surfaces": surfaces,
         "domain": [low.x, high.x, low.y, high.y, low.z, high.z],
@@ -84,35 +101,54 @@ fn report(found: &Measured, parse: Duration) -> Value {
     })
 }
 
-/// The report on one surface. Intervals are lists of two numbers.
-fn entry(name: &str, measures: &Measures) -> Value {
+/// The report on one surface, without what was not asked for. Intervals are lists of two numbers.
+fn entry(name: &str, measures: &Measures, request: &Request<'_>) -> Value {
     let pair = |interval: Interval| [interval.lo, interval.hi];
     let each = |all: [Interval; 3]| all.map(pair);
     let solid = measures.solid.as_ref();
     let inertia = solid.and_then(zeroset_measure::Solid::inertia);
     let pieces = &measures.shape.pieces;
     let counts = measures.counts();
-    json!({
-        "name": name,
-        "volume": solid.map(|solid| pair(solid.volume)),
-        "centroid": inertia.map(|inertia| each(inertia.centroid)),
-        "inertia": inertia.map(|inertia| json!({
-            "xx": pair(inertia.moments[0]),
-            "yy": pair(inertia.moments[1]),
-            "zz": pair(inertia.moments[2]),
-            "yz": pair(inertia.products[0].negated()),
-            "zx": pair(inertia.products[1].negated()),
-            "xy": pair(inertia.products[2].negated()),
-        })),
-        "low": measures.ends.map(|ends| each(ends[0])),
-        "high": measures.ends.map(|ends| each(ends[1])),
-        "area": counts.map(|_| measures.area),
-        "area_change": counts.map(|_| measures.area_change),
-        "pieces": counts.map(|(pieces, _)| pieces),
-        "hollows": counts.map(|(_, hollows)| hollows),
-        "genus": pieces.iter().map(|piece| piece.genus).collect::<Vec<_>>(),
-        "shape_proven": measures.unproven == 0,
-        "unproven": measures.unproven,
-        "boxes": solid.map(|solid| solid.boxes),
-    })
+    let mut entry = json!({ "name": name });
+    let all = entry.as_object_mut().expect("an object");
+    for quantity in request.quantities {
+        let values = match quantity {
+            Quantity::Volume => json!({
+                "volume": solid.map(|solid| pair(solid.volume)),
+                "boxes": solid.map(|solid| solid.boxes),
+            }),
+            Quantity::Centroid => json!({
+                "centroid": inertia.map(|inertia| each(inertia.centroid)),
+            }),
+            Quantity::Inertia => json!({
+                "inertia": inertia.map(|inertia| json!({
+                    "xx": pair(inertia.moments[0]),
+                    "yy": pair(inertia.moments[1]),
+                    "zz": pair(inertia.moments[2]),
+                    "yz": pair(inertia.products[0].negated()),
+                    "zx": pair(inertia.products[1].negated()),
+                    "xy": pair(inertia.products[2].negated()),
+                })),
+            }),
+            Quantity::Ends => json!({
+                "low": measures.ends.map(|ends| each(ends[0])),
+                "high": measures.ends.map(|ends| each(ends[1])),
+            }),
+            Quantity::Area => json!({
+                "area": counts.map(|_| measures.area),
+                "area_change": counts.map(|_| measures.area_change),
+            }),
+            Quantity::Shape => json!({
+                "pieces": counts.map(|(pieces, _)| pieces),
+                "hollows": counts.map(|(_, hollows)| hollows),
+                "genus": pieces.iter().map(|piece| piece.genus).collect::<Vec<_>>(),
+                "shape_proven": measures.unproven == 0,
+                "unproven": measures.unproven,
+            }),
+        };
+        if let Value::Object(values) = values {
+            all.extend(values);
+        }
+    }
+    entry
 }

@@ -3,6 +3,7 @@
 //! All coordinates are the cube's own, which run from −1 to 1.
 
 use glam::DVec3;
+use zeroset_interval::Interval;
 
 /// A function that lies between `linear − error` and `linear + error` in a cube.
 #[derive(Clone, Copy, Debug)]
@@ -132,6 +133,43 @@ impl Moments {
             squares: volume * reach * reach,
             products: volume * products,
         }
+    }
+
+    /// Adds other integrals.
+    pub fn add(&mut self, other: &Self) {
+        self.volume += other.volume;
+        self.first += other.first;
+        self.squares += other.squares;
+        self.products += other.products;
+    }
+
+    /// The smaller and the larger of each two integrals.
+    pub fn ordered([one, other]: [Self; 2]) -> [Self; 2] {
+        let of = |volume: fn(f64, f64) -> f64, each: fn(DVec3, DVec3) -> DVec3| Self {
+            volume: volume(one.volume, other.volume),
+            first: each(one.first, other.first),
+            squares: each(one.squares, other.squares),
+            products: each(one.products, other.products),
+        };
+        [of(f64::min, DVec3::min), of(f64::max, DVec3::max)]
+    }
+
+    /// Narrower bounds of the integrals over a set with this volume, whose coordinates are in these
+    /// ranges.
+    pub fn within(bounds: [Self; 2], volume: Interval, ranges: [Interval; 3]) -> [Self; 2] {
+        let [mut least, mut most] = bounds;
+        (least.volume, most.volume) = (volume.lo, volume.hi);
+        for axis in 0..3 {
+            let (own, one, other) = (ranges[axis], ranges[(axis + 1) % 3], ranges[(axis + 2) % 3]);
+            let narrow = |low: &mut DVec3, high: &mut DVec3, bounds: Interval| {
+                low[axis] = low[axis].max(bounds.lo);
+                high[axis] = high[axis].min(bounds.hi);
+            };
+            narrow(&mut least.first, &mut most.first, volume.times(own));
+            narrow(&mut least.squares, &mut most.squares, volume.times(own.times(own)));
+            narrow(&mut least.products, &mut most.products, volume.times(one.times(other)));
+        }
+        [least, most]
     }
 
     /// The integrals in the coordinates `middle + half · p`, where p are the cube's coordinates.

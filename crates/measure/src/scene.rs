@@ -1,6 +1,7 @@
 //! The measures of a document.
 
-use crate::{Measures, measure};
+use crate::hint::hint;
+use crate::{Measures, Request, measure};
 use std::time::{Duration, Instant};
 use thiserror::Error;
 use zeroset_scene::coordinate::coordinate;
@@ -18,7 +19,8 @@ pub struct Measured {
     pub region: Region,
     /// The search that found the domain, if none was given.
     pub searched: Option<AutoDomain>,
-    /// Notes on surfaces whose functions are constant in the domain.
+    /// Notes on surfaces whose functions are constant in the domain, and on equations if measures
+    /// of solids were asked for.
     pub remarks: Vec<String>,
     /// Time that simplifying took.
     pub simplify: Duration,
@@ -75,7 +77,7 @@ pub fn measures(
     document: &Document,
     domain: DomainChoice,
     cut: Clipping,
-    relative: f64,
+    request: &Request<'_>,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Measured>, MeasureError> {
     if document.surfaces.is_empty() {
@@ -106,12 +108,17 @@ pub fn measures(
         if surface.hidden {
             continue;
         }
-        let Some(measures) = measure(&program, number, &region, larger, relative, wanted)? else {
+        let Some(measures) = measure(&program, number, &region, larger, request, wanted)? else {
             return Ok(None);
         };
         let name = surface.line();
         surfaces.push((name, measures));
     }
-    let (remarks, measure) = (program.remarks(document), clock.elapsed());
+    let (mut remarks, measure) = (program.remarks(document), clock.elapsed());
+    let has_solid = surfaces.iter().any(|(_, measures): &(String, Measures)| measures.is_solid);
+    if !has_solid && request.quantities.iter().any(|one| one.is_of_solid()) {
+        let lines: Vec<&str> = surfaces.iter().map(|(name, _)| &**name).collect();
+        remarks.push(hint(&lines));
+    }
     Ok(Some(Measured { surfaces, region, searched, remarks, simplify, measure }))
 }

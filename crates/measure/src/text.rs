@@ -1,26 +1,34 @@
 //! Measures as lines of text.
 
-use crate::{Inertia, Measured, Measures};
+use crate::volume::Limit;
+use crate::{Inertia, Measured, Measures, Quantity, Request};
 use std::fmt::Write;
 use zeroset_interval::Interval;
 
-/// The measures of one surface: a label of at most nine letters, and a value, as text. `relative`
-/// is the requested width of the volume's bounds, as a share of the volume.
-fn rows(measures: &Measures, relative: f64) -> Vec<(&'static str, String)> {
+/// The measures of one surface: a label of at most nine letters, and a value, as text.
+fn rows(measures: &Measures, request: &Request<'_>) -> Vec<(&'static str, String)> {
     let mut rows = Vec::new();
     let point = |of: &[Interval; 3]| of.map(digits).join(", ");
     if let Some(solid) = &measures.solid {
-        let volume = solid.volume;
-        let is_wide = volume.width() > 1.01 * relative * volume.lo;
-        let rest = if is_wide { " (not narrower, with a million boxes)" } else { "" };
-        rows.push(("volume", format!("{}{rest}", digits(volume))));
+        let rest = match solid.limit {
+            None => String::new(),
+            Some(Limit::Boxes) => format!(" (not narrower, with {} boxes)", solid.boxes),
+            Some(Limit::Rounding) => " (not narrower, because of rounding)".to_owned(),
+        };
+        let mut of_solid = |quantity: Quantity, label, value: String| {
+            if request.has(quantity) {
+                rows.push((label, value));
+            }
+        };
+        of_solid(Quantity::Volume, "volume", format!("{}{rest}", digits(solid.volume)));
         if let Some(Inertia { centroid, moments, products }) = solid.inertia() {
-            rows.push(("centroid", point(&centroid)));
-            rows.push(("inertia", format!("xx, yy, zz: {}", point(&moments))));
-            rows.push(("", format!("products yz, zx, xy: {}", point(&products))));
+            of_solid(Quantity::Centroid, "centroid", point(&centroid));
+            of_solid(Quantity::Inertia, "inertia", format!("xx, yy, zz: {}", point(&moments)));
+            of_solid(Quantity::Inertia, "", format!("products yz, zx, xy: {}", point(&products)));
         }
     }
     match &measures.ends {
+        _ if !request.has(Quantity::Ends) => {}
         Some([low, high]) => {
             rows.push(("from", point(low)));
             rows.push(("to", point(high)));
@@ -28,22 +36,31 @@ fn rows(measures: &Measures, relative: f64) -> Vec<(&'static str, String)> {
         None => rows.push(("from, to", "not proven".to_owned())),
     }
     let Measures { area, area_change, unproven, .. } = measures;
-    let Some(counts) = measures.counts() else {
-        rows.push(("area", "not estimated: the mesh has no triangle".to_owned()));
-        let cells = format!("{unproven} cells may hold a point of the surface");
-        rows.push(("shape", format!("not known: {cells}, which may be thinner than these")));
-        return rows;
-    };
-    let area = Interval { lo: area - area_change, hi: area + area_change };
-    rows.push(("area", format!("{}, estimated by two meshes", digits(area))));
-    let shape = describe(measures, counts);
-    rows.push((
-        "shape",
-        match unproven {
-            0 => format!("{shape}: proven"),
-            cells => format!("{shape} in a mesh, not proven in {cells} cells"),
-        },
-    ));
+    let counts = measures.counts();
+    if request.has(Quantity::Area) {
+        let area = Interval { lo: area - area_change, hi: area + area_change };
+        rows.push((
+            "area",
+            match counts {
+                Some(_) => format!("{}, estimated by two meshes", digits(area)),
+                None => "not estimated: the mesh has no triangle".to_owned(),
+            },
+        ));
+    }
+    if request.has(Quantity::Shape) {
+        let shape = counts.map(|counts| describe(measures, counts));
+        rows.push((
+            "shape",
+            match (shape, unproven) {
+                (Some(shape), 0) => format!("{shape}: proven"),
+                (Some(shape), cells) => format!("{shape} in a mesh, not proven in {cells} cells"),
+                (None, cells) => format!(
+                    "not known: {cells} cells may hold a point of the surface, which may be \
+                     thinner than these"
+                ),
+            },
+        ));
+    }
     rows
 }
 
@@ -92,15 +109,15 @@ fn digits(interval: Interval) -> String {
 }
 
 impl Measured {
-    /// The measures as lines of text. `relative` is as for `measures`.
-    pub fn text(&self, relative: f64) -> String {
+    /// The measures as lines of text. `request` is the one by which they were computed.
+    pub fn text(&self, request: &Request<'_>) -> String {
         let mut text = String::new();
         for (number, (name, measures)) in self.surfaces.iter().enumerate() {
             if self.surfaces.len() > 1 {
                 let gap = if number > 0 { "\n" } else { "" };
                 _ = writeln!(text, "{gap}{name}");
             }
-            for (label, value) in rows(measures, relative) {
+            for (label, value) in rows(measures, request) {
                 _ = writeln!(text, "{label:<12}{value}");
             }
         }

@@ -6,6 +6,7 @@
 //! the volume.
 
 use crate::clip::{Moments, Strip, clip, cube};
+use crate::wall::{Wall, Walls, sides, strip};
 use glam::DVec3;
 use rayon::prelude::*;
 use zeroset_eval::{Boxes, ContractTiles, Enclose, Enclosures, Kernel, KernelError, LANES, Planes};
@@ -20,6 +21,14 @@ const ROUNDING: f64 = 1e-13;
 const MOST_BOXES: usize = 1_000_000;
 /// Largest number of cut boxes that are halved for the solid's ends.
 const MOST_AT_ENDS: usize = 50_000;
+/// Number of cut boxes after which thin walls are looked for.
+const WALLS_AFTER: usize = 16_384;
+/// Walls are looked for in one of this many boxes.
+const SAMPLED: usize = 64;
+/// Space at the ends of a wall's box, as a share of the wall's extent.
+const SPARE: f64 = 1e-3;
+/// A wall's box is made smaller if its extent becomes smaller by this factor.
+const SNUG: f64 = 0.9;
 /// Number of parts of a halved box that are assumed to be cut, so that a limit on boxes is kept.
 const CUT_PARTS: usize = 4;
 
@@ -32,6 +41,8 @@ pub struct SolidKernels<'a> {
     /// Whether the solid holds the points at which the function is 0: all of them, none, or not
     /// known. The function may be 0 in whole boxes.
     pub holds_zeros: Option<bool>,
+    /// The program and the number of the surface, in which thin walls are found.
+    source: (&'a Program, usize),
 }
 
 impl<'a> SolidKernels<'a> {
@@ -45,7 +56,8 @@ impl<'a> SolidKernels<'a> {
     pub fn of(program: &'a Program, surface: usize) -> Result<Self, KernelError> {
         let kernels = program.kernels::<f64>(surface);
         let (bounds, tiles) = (kernels.bounds()?, kernels.tiles()?);
-        Ok(Self { bounds, tiles, holds_zeros: program.holds_zeros(surface) })
+        let (holds_zeros, source) = (program.holds_zeros(surface), (program, surface));
+        Ok(Self { bounds, tiles, holds_zeros, source })
     }
 }
 
@@ -68,6 +80,17 @@ pub struct Solid {
     pub high: Option<[Interval; 3]>,
     /// Number of boxes that the boundary may cut.
     pub boxes: usize,
+    /// The reason why the volume's bounds are wider than requested. `None` if they are not.
+    pub limit: Option<Limit>,
+}
+
+/// A reason why bounds are wider than requested.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Limit {
+    /// Narrower bounds take more boxes than allowed.
+    Boxes,
+    /// Rounding errors alone are wider.
+    Rounding,
 }
 
 /// A solid's part of a box, and whether the boundary may cut it. `None` if it is empty.
@@ -76,7 +99,12 @@ type Found = Option<(Part, bool)>;
 /// A solid's part of a box.
 #[derive(Clone, Copy)]
 struct Part {
-    /// Integrals over a polyhedron in the part, and over one around it.
+    /// The box.
+    cell: Cell,
+    /// The axis along which the part is a wall's thickness. The box is then halved along the other
+    /// axes only.
+    axis: Option<usize>,
+    /// Lower and upper bounds of the integrals over the part.
     moments: [Moments; 2],
     /// The corners of a box whose sides the part is proven to reach. `None` if no point is proven.
     inner: Option<[DVec3; 2]>,
@@ -90,80 +118,162 @@ impl Part {
     fn width(&self) -> f64 {
         self.moments[1].volume - self.moments[0].volume
     }
+
+    /// The boxes whose parts make up this one. `None` if the box is too small to be halved.
+    fn halves(&self) -> Option<impl Iterator<Item = Cell> + use<>> {
+        let (cell, axis) = (self.cell, self.axis);
+        let is_proper = cell.parts().all(|half| (0..3).all(|axis| half.extent(axis) > 0.0));
+        let halves = cell.parts().filter_map(move |mut half| {
+            if let Some(k) = axis {
+                if half.low[k] > cell.low[k] {
+                    return None;
+                }
+                half.high[k] = cell.high[k];
+            }
+            Some(half)
+        });
+        is_proper.then_some(halves)
+    }
+
+    /// The box without the ends along the axis that are proven not to hold the wall. `None` if it
+    /// is not much smaller.
+    fn snug(&self) -> Option<Cell> {
+        let k = self.axis?;
+        let [low, high] = self.outer.map(|corner| corner[k]);
+        let spare = SPARE * (high - low) + 1e3 * f64::EPSILON * low.abs().max(high.abs());
+        let mut snug = self.cell;
+        snug.low[k] = snug.low[k].max(low - spare);
+        snug.high[k] = snug.high[k].min(high + spare);
+        (snug.extent(k) < SNUG * self.cell.extent(k) && snug.extent(k) > 0.0).then_some(snug)
+    }
 }
 
 /// Measures a solid in a region. The width of the volume's bounds is at most `relative` times the
-/// volume, unless that takes too many boxes. Returns `None` once `wanted` returns false.
+/// lower bound, unless a [`Limit`] is given. Boxes are also halved to bound the solid's ends, if
+/// `has_ends`. Returns `None` once `wanted` returns false.
 pub fn solid(
     kernels: &SolidKernels<'_>,
     region: &Region,
     relative: f64,
+    has_ends: bool,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Option<Solid> {
     let whole = Cell { low: region.low().into(), high: region.high().into() };
     let middle = DVec3::from_array(whole.centre());
     let mut sums = Sums::default();
-    let mut cut: Vec<(Cell, Part)> = Vec::new();
+    let mut cut: Vec<Part> = Vec::new();
     // No box extends to both sides of the middle, so coordinates have one sign in each.
     let mut fresh: Vec<Cell> = whole.parts().collect();
+    // Most solids are done before it is worth to look for walls.
+    let (mut walls, mut has_looked) = (None, false);
     loop {
         let parts: Option<Vec<Vec<Found>>> = fresh
             .par_chunks(LANES)
-            .map(|cells| wanted().then(|| parts(kernels, region, cells, middle)))
+            .map(|cells| wanted().then(|| parts(kernels, walls.as_ref(), region, cells, middle)))
             .collect();
-        for (cell, part) in fresh.drain(..).zip(parts?.into_iter().flatten()) {
-            match part {
-                Some((part, true)) => cut.push((cell, part)),
-                Some((part, false)) => sums.add(&part),
-                None => {}
+        fresh.clear();
+        for (part, is_cut) in parts?.into_iter().flatten().flatten() {
+            if is_cut {
+                cut.push(part);
+            } else {
+                sums.add(&part);
             }
         }
         let mut all = sums;
-        for (_, part) in &cut {
+        for part in &cut {
             all.add(part);
         }
         let [least, most] = all.moments.map(|moments| moments.volume);
-        let goal = relative * if least > 0.0 { least } else { most };
+        // A volume that may be 0 has no narrow bounds.
+        let is_wide = most - least > relative * least.max(0.0);
+        let goal = if least > 0.0 { relative * least } else { relative.min(1.0) * most };
+        if is_wide && !has_looked && cut.len() > WALLS_AFTER {
+            has_looked = true;
+            let some: Vec<Cell> = cut.iter().step_by(SAMPLED).map(|part| part.cell).collect();
+            let (program, surface) = kernels.source;
+            // Without walls, bounds are only wider.
+            walls = Walls::of(program, surface, &some).ok().flatten();
+            if walls.is_some() {
+                // Boxes of walls are long, so all is divided anew.
+                (sums, fresh) = (Sums::default(), whole.parts().collect());
+                cut.clear();
+                continue;
+            }
+        }
         let room = MOST_BOXES.saturating_sub(cut.len()) / CUT_PARTS;
-        let halved: Vec<(Cell, Part)> = if most - least > goal {
+        let halved: Vec<Part> = if is_wide {
             // The widest parts are halved. Others are kept while their widths add up to at most
             // half of the goal.
-            cut.sort_by(|(_, a), (_, b)| a.width().total_cmp(&b.width()));
+            cut.sort_by(|a, b| a.width().total_cmp(&b.width()));
             let mut left = 0.0;
-            let kept = cut.iter().take_while(|(_, part)| {
+            let kept = cut.iter().take_while(|part| {
                 left += part.width();
                 left <= 0.5 * goal
             });
             let kept = kept.count().max(cut.len().saturating_sub(room));
             cut.split_off(kept)
-        } else {
-            let is_at_end = |(cell, part): &mut (Cell, Part)| all.is_at_end(cell, part, relative);
-            let halved: Vec<(Cell, Part)> = cut.extract_if(.., is_at_end).collect();
+        } else if has_ends {
+            let is_at_end = |part: &mut Part| all.is_at_end(part, relative);
+            let halved: Vec<Part> = cut.extract_if(.., is_at_end).collect();
             if halved.len() > MOST_AT_ENDS.min(room) {
                 cut.extend(halved);
                 Vec::new()
             } else {
                 halved
             }
+        } else {
+            Vec::new()
         };
         if halved.is_empty() {
-            return Some(all.solid(middle, cut.len()));
-        }
-        for (cell, part) in halved {
-            if cell.parts().all(|half| (0..3).all(|axis| half.extent(axis) > 0.0)) {
-                fresh.extend(cell.parts());
+            let mut solid = all.solid(middle, cut.len());
+            let Interval { lo, hi } = solid.volume;
+            // Bounds are rounded after they are compared with the goal.
+            solid.limit = if is_wide {
+                Some(Limit::Boxes)
+            } else if most > 0.0 && hi - lo > 1.01 * relative * lo {
+                Some(Limit::Rounding)
             } else {
-                sums.add(&part);
+                None
+            };
+            return Some(solid);
+        }
+        for part in halved {
+            match part.halves() {
+                Some(halves) => fresh.extend(halves),
+                None => sums.add(&part),
             }
         }
     }
 }
 
+/// The solid's parts of up to sixteen boxes. A box that holds a wall is made smaller first.
+fn parts(
+    kernels: &SolidKernels<'_>,
+    walls: Option<&Walls>,
+    region: &Region,
+    cells: &[Cell],
+    origin: DVec3,
+) -> Vec<Found> {
+    let mut found = parts_of(kernels, walls, region, cells, origin);
+    let snug = |lane: usize| Some((lane, found[lane].as_ref()?.0.snug()?));
+    let (lanes, snug): (Vec<usize>, Vec<Cell>) = (0..cells.len()).filter_map(snug).unzip();
+    if !snug.is_empty() {
+        for (lane, part) in lanes.into_iter().zip(parts_of(kernels, walls, region, &snug, origin)) {
+            found[lane] = part;
+        }
+    }
+    found
+}
+
 /// The solid's parts of up to sixteen boxes.
-fn parts(kernels: &SolidKernels<'_>, region: &Region, cells: &[Cell], origin: DVec3) -> Vec<Found> {
-    let intervals =
-        |cell: &Cell| [0, 1, 2].map(|axis| Interval { lo: cell.low[axis], hi: cell.high[axis] });
-    let boxes: Vec<[Interval; 3]> = cells.iter().map(intervals).collect();
+fn parts_of(
+    kernels: &SolidKernels<'_>,
+    walls: Option<&Walls>,
+    region: &Region,
+    cells: &[Cell],
+    origin: DVec3,
+) -> Vec<Found> {
+    let boxes: Vec<[Interval; 3]> = cells.iter().map(sides).collect();
     let mut bounds = Enclosures::<f64>::default();
     kernels.bounds.eval(&Boxes::around(&boxes)[0], &mut bounds);
     let is = |mask: u16, lane: usize| mask >> lane & 1 == 1;
@@ -175,8 +285,10 @@ fn parts(kernels: &SolidKernels<'_>, region: &Region, cells: &[Cell], origin: DV
     let is_outside = |lane: usize| is_positive(lane) || is(bounds.nowhere, lane);
     let is_inside = |lane: usize| is_negative(lane) && is(bounds.defined, lane);
     let mut planes = Planes::<f64>::default();
+    let mut in_boxes = Vec::new();
     if (0..cells.len()).any(|lane| !is_outside(lane) && !is_inside(lane)) {
         kernels.tiles.eval(&tiles_of(cells), &mut planes);
+        in_boxes = walls.map_or_else(Vec::new, |walls| walls.in_boxes(cells, &boxes));
     }
     let part = |(lane, cell): (usize, &Cell)| {
         if is_outside(lane) {
@@ -184,17 +296,20 @@ fn parts(kernels: &SolidKernels<'_>, region: &Region, cells: &[Cell], origin: DV
         }
         let frame = Frame::of(cell, origin);
         let mut strips = cuts(region, &frame)?;
-        if !is_inside(lane) {
-            let slope = DVec3::from_array(planes.slope.map(|slope| slope[lane]));
-            strips.push(frame.rounded(Strip {
-                value: planes.value[lane],
-                slope,
-                error: planes.error[lane],
-            }));
-        }
+        let is_whole = strips.is_empty();
         // Bounds of a function state nothing about points where it is undefined.
         let is_defined = is(bounds.defined, lane);
-        frame.part(&strips, is_defined)
+        let mut wall = None;
+        if is_inside(lane) {
+            return frame.part(cell, &strips, is_defined, None);
+        }
+        if let Some(in_box) = in_boxes.get(lane).and_then(Option::as_ref) {
+            strips.extend(in_box.strips.iter().map(|strip| frame.rounded(*strip)));
+            wall = in_box.wall.as_ref().filter(|_| is_whole && is_defined);
+        } else {
+            strips.push(frame.rounded(strip(&planes, lane)));
+        }
+        frame.part(cell, &strips, is_defined, wall)
     };
     cells.iter().enumerate().map(part).collect()
 }
@@ -225,8 +340,8 @@ impl Frame {
         Strip { error: strip.error + slack, ..strip }
     }
 
-    /// The part of the box where all functions are at most 0.
-    fn part(&self, strips: &[Strip], is_defined: bool) -> Found {
+    /// The part of the box where all functions are at most 0. It is a wall if one is given.
+    fn part(&self, cell: &Cell, strips: &[Strip], is_defined: bool, wall: Option<&Wall>) -> Found {
         let mut outer = cube();
         let mut inner = if is_defined { cube() } else { Vec::new() };
         let mut is_cut = !is_defined;
@@ -259,13 +374,44 @@ impl Frame {
             let high = corners.iter().copied().reduce(DVec3::max)?;
             Some([low, high].map(|corner| self.middle + self.half * corner))
         };
-        let part = Part {
-            moments: [sure, all].map(moved),
+        // In one box, each coordinate and each product has one sign. So the integrals over the part
+        // are between those over the two polyhedra.
+        let mut part = Part {
+            cell: *cell,
+            axis: None,
+            moments: Moments::ordered([sure, all].map(moved)),
             inner: hull(&inner),
             outer: hull(&outer)?,
             size: Moments::most((self.middle - self.origin).abs() + self.half, self.half),
         };
+        if let Some(wall) = wall {
+            self.narrow(&mut part, wall);
+        }
         Some((part, is_cut))
+    }
+
+    /// Narrows the bounds of a part that is a wall.
+    fn narrow(&self, part: &mut Part, wall: &Wall) {
+        let axis = wall.axis();
+        let (strip, slope) = (self.rounded(wall.strip), self.rounded(wall.slope));
+        let Some(volume) = wall.volume(strip, slope) else { return };
+        part.axis = wall.is_thin(self.half).then_some(axis);
+        // The box's extents are rounded.
+        let slack = 4.0 * self.rounding.element_sum();
+        let scale = self.half.element_product();
+        let lo = (scale * volume.lo * (1.0 - slack)).max(part.moments[0].volume);
+        let hi = (scale * volume.hi * (1.0 + slack)).min(part.moments[1].volume);
+        let Some(volume) = Interval::new(lo, hi) else { return };
+        let range = |axis: usize| {
+            let [one, other] = part.outer.map(|corner| corner[axis] - self.origin[axis]);
+            Interval { lo: one, hi: other }
+        };
+        let [x, y, z] = [0, 1, 2].map(range);
+        part.moments = Moments::within(part.moments, volume, [x, y, z]);
+        if part.inner.is_none() && lo > 0.0 {
+            // There is a point of the solid in the outer box, but its place is not known.
+            part.inner = Some([part.outer[1], part.outer[0]]);
+        }
     }
 }
 
@@ -312,23 +458,9 @@ struct Sums {
 impl Sums {
     /// Adds the integrals over a part, and extends the ends of the solid to it.
     fn add(&mut self, part: &Part) {
-        // In one box, each coordinate and each product has one sign. So the integrals over the
-        // part are between those over the two polyhedra.
-        let [least, most] = part.moments;
-        let ordered = |a: DVec3, b: DVec3| [a.min(b), a.max(b)];
-        let first = ordered(least.first, most.first);
-        let squares = ordered(least.squares, most.squares);
-        let products = ordered(least.products, most.products);
-        for (k, sum) in self.moments.iter_mut().enumerate() {
-            sum.volume += part.moments[k].volume;
-            sum.first += first[k];
-            sum.squares += squares[k];
-            sum.products += products[k];
-        }
-        self.size.volume += part.size.volume;
-        self.size.first += part.size.first;
-        self.size.squares += part.size.squares;
-        self.size.products += part.size.products;
+        self.moments[0].add(&part.moments[0]);
+        self.moments[1].add(&part.moments[1]);
+        self.size.add(&part.size);
         let around = |all: Option<[DVec3; 2]>, new: [DVec3; 2]| {
             Some(all.map_or(new, |[low, high]| [low.min(new[0]), high.max(new[1])]))
         };
@@ -341,11 +473,11 @@ impl Sums {
 
     /// Returns whether halving a part may improve the bounds of the solid's ends. The part may
     /// extend the solid by more than `share` of its extent, and its box is longer than that.
-    fn is_at_end(&self, cell: &Cell, part: &Part, share: f64) -> bool {
+    fn is_at_end(&self, part: &Part, share: f64) -> bool {
         let Some([low, high]) = self.inner else { return false };
         (0..3).any(|axis| {
             let least = share * (high[axis] - low[axis]);
-            let beyond = |way: f64| way > least && cell.extent(axis) > least;
+            let beyond = |way: f64| way > least && part.cell.extent(axis) > least;
             beyond(low[axis] - part.outer[0][axis]) || beyond(part.outer[1][axis] - high[axis])
         })
     }
@@ -379,6 +511,7 @@ impl Sums {
             low: ends(0),
             high: ends(1),
             boxes,
+            limit: None,
         }
     }
 }

@@ -5,10 +5,13 @@ use std::f64::consts::PI;
 use std::time::Instant;
 use zeroset_eval::{LANES, Points};
 use zeroset_interval::Interval;
-use zeroset_measure::{Solid, SolidKernels, solid};
+use zeroset_measure::{Quantity, Request, Solid, SolidKernels, measure, solid};
 use zeroset_scene::program::Program;
 use zeroset_space::{HalfSpace, Region};
 use zeroset_syntax::read;
+
+/// An exact volume, as a function of a wall's thickness.
+type Volume<'a> = &'a dyn Fn(f64) -> f64;
 
 /// Measures the solid of a text.
 fn measured(text: &str, region: &Region, relative: f64) -> Solid {
@@ -17,7 +20,7 @@ fn measured(text: &str, region: &Region, relative: f64) -> Solid {
     let program = Program::new(&document, domain).expect(text);
     assert!(program.is_solid(0), "{text}");
     let kernels = SolidKernels::of(&program, 0).expect("kernels");
-    solid(&kernels, region, relative, &|| true).expect("wanted")
+    solid(&kernels, region, relative, true, &|| true).expect("wanted")
 }
 
 fn cube(half: f64) -> Region {
@@ -198,5 +201,123 @@ fn random_solid(rng: &mut fastrand::Rng, depth: u32) -> String {
         0 => format!("min({one},{other})"),
         1 => format!("max({one},{other})"),
         _ => format!("max({one},-{other})"),
+    }
+}
+
+/// Without a mesh there are no pieces, and without boxes no volume.
+#[test]
+fn nothing_is_computed_but_what_a_measure_needs() {
+    for (quantities, has_mesh) in [
+        (&[Quantity::Volume, Quantity::Centroid, Quantity::Inertia, Quantity::Ends][..], false),
+        (&[Quantity::Volume][..], false),
+        (&[][..], false),
+        (&[Quantity::Shape][..], true),
+        (&[Quantity::Area][..], true),
+    ] {
+        let text = "x^2+y^2+z^2 <= 1";
+        let document = read(text, &zeroset_syntax::Options::default()).expect(text);
+        let region = cube(1.1);
+        let program = Program::new(&document, zeroset_scene::view::bounds(&region)).expect(text);
+        let request = Request { quantities, relative: 0.1 };
+        let found = measure(&program, 0, &region, None, &request, &|| true).expect("small");
+        let found = found.expect("wanted");
+        assert_eq!(found.shape.pieces.len(), usize::from(has_mesh), "{quantities:?}");
+        let has_volume = quantities.contains(&Quantity::Volume);
+        assert_eq!(found.solid.is_some(), has_volume, "{quantities:?}");
+    }
+}
+
+/// A wall's volume is the difference of two volumes. Its bounds are narrow with few boxes: those of
+/// the whole function would be many times the volume, with a million boxes.
+#[test]
+fn thin_walls_have_narrow_bounds() {
+    // All are written so that no digits cancel.
+    let outside = |t: f64| 4.0 / 3.0 * PI * t * (3.0 + 3.0 * t + t * t);
+    let inside = |t: f64| 4.0 / 3.0 * PI * t * (3.0 - 3.0 * t + t * t);
+    let torus = |t: f64| 2.0 * PI * PI * t * (0.8 - t);
+    let cube = |t: f64| 8.0 * t * (3.0 - 3.0 * t + t * t);
+    let slab = |t: f64| 9.0 * t;
+    // The balls' caps above a plane.
+    let cut = |t: f64| 2.0 / 3.0 * PI * t * (3.0 - 3.0 * t + t * t) + PI * 0.3 * t * (2.0 - t);
+    for (text, t, volume) in [
+        ("shell(sphere(1), T) <= 0", 1e-6, &inside as Volume),
+        ("shell(sphere(1), T) <= 0", 1e-3, &inside),
+        ("shell(sphere(1), T) <= 0", 1e-2, &inside),
+        ("1 <= x^2+y^2+z^2 <= (1+T)^2", 1e-3, &outside),
+        ("(x^2+y^2+z^2-1)*(x^2+y^2+z^2-(1+T)^2) <= 0", 1e-3, &outside),
+        ("shell(torus(1, 0.4), T) <= 0", 1e-4, &torus),
+        ("shell(box(1, 1, 1), T) <= 0", 1e-3, &cube),
+        ("(x+2y+3z)*(x+2y+3z-3*T) <= 0 and abs(x) < 1.5 and abs(y) < 1.5", 1e-5, &slab),
+        ("shell(sphere(1), T) <= 0 and z <= 0.3", 1e-3, &cut),
+    ] {
+        let clock = Instant::now();
+        let (text, exact) = (text.replace('T', &t.to_string()), volume(t));
+        let found = measured(&text, &self::cube(3.0), 2e-2);
+        println!(
+            "{text}: {:?} {exact}, {} boxes, {:?}",
+            found.volume,
+            found.boxes,
+            clock.elapsed()
+        );
+        let Interval { lo, hi } = found.volume;
+        assert!(lo <= exact && exact <= hi && hi - lo <= 2e-2 * exact, "{text}: {lo} {hi}");
+        assert_eq!(found.limit, None, "{text}");
+        assert!(found.boxes < 100_000, "{text}: {} boxes", found.boxes);
+    }
+}
+
+/// Random walls between two ellipsoids or two tori, away from the middle of the domain.
+#[test]
+fn random_walls_have_their_exact_measures() {
+    let cases = std::env::var("ZEROSET_CASES").ok().and_then(|n| n.parse().ok()).unwrap_or(8);
+    let mut rng = fastrand::Rng::with_seed(2);
+    println!("seed 2");
+    for case in 0..cases {
+        let mut within = |low: f64, high: f64| low + (high - low) * rng.f64();
+        let middle = [(); 3].map(|()| within(-0.4, 0.4));
+        let [x, y, z] = [0, 1, 2].map(|k| format!("({}-({}))", ["x", "y", "z"][k], middle[k]));
+        let half = [(); 3].map(|()| within(0.5, 1.0));
+        let t = 10.0_f64.powf(within(-5.0, -2.0));
+        let (text, volume, zz, ends) = if case % 2 == 0 {
+            let [a, b, c] = half;
+            let inner = format!("({x}/{a})^2+({y}/{b})^2+({z}/{c})^2");
+            // The measures of a unit ball, whose difference is that of powers of 1 + t.
+            let ball = 4.0 / 3.0 * PI * a * b * c;
+            let second = ball / 5.0 * (a * a + b * b);
+            let power = |n: f64| (n * t.ln_1p()).exp_m1();
+            (
+                format!("1 <= sqrt({inner}) <= 1+{t}"),
+                ball * power(3.0),
+                second * power(5.0),
+                half.map(|half| half * (1.0 + t)),
+            )
+        } else {
+            let (large, small) = (1.0, 0.5 * half[0]);
+            let inner = format!("(sqrt({x}^2+{y}^2)-{large})^2+{z}^2");
+            // 2π²Rr², and m(R² + 3/4 r²).
+            let square = t * (2.0 * small + t);
+            let fourth = square * (2.0 * small * small + square);
+            let volume = 2.0 * PI * PI * large * square;
+            let second = 2.0 * PI * PI * large * (large * large * square + 0.75 * fourth);
+            (
+                format!("{small} <= sqrt({inner}) <= {small}+{t}"),
+                volume,
+                second,
+                [large + small + t, large + small + t, small + t],
+            )
+        };
+        let found = measured(&text, &cube(2.5), 5e-2);
+        println!("case {case}: {volume} {:?} {} boxes {text}", found.volume, found.boxes);
+        let inertia = found.inertia().expect("a volume");
+        assert_in(volume, found.volume, 5.1e-2 * volume, &text);
+        assert_eq!(found.limit, None, "{text}");
+        for axis in 0..3 {
+            // The integral over the coordinate, from the middle of the domain.
+            assert_in(volume * middle[axis], found.first[axis], 0.2 * volume, &text);
+            let (low, high) = (found.low.expect("a point"), found.high.expect("a point"));
+            assert_in(middle[axis] - ends[axis], low[axis], 0.2, &text);
+            assert_in(middle[axis] + ends[axis], high[axis], 0.2, &text);
+        }
+        assert_in(zz, inertia.moments[2], 0.8 * volume, &text);
     }
 }

@@ -341,15 +341,20 @@ impl Scene {
     }
 
     /// Measures all surfaces. Returns a dictionary for each.
-    #[pyo3(signature = (*, region=None, relative=None, budget=None))]
+    #[pyo3(signature = (*, region=None, only=None, relative=None, budget=None))]
     fn measure<'py>(
         &self,
         py: Python<'py>,
         region: Option<DomainArgument>,
+        only: Option<Vec<String>>,
         relative: Option<f64>,
         budget: Option<f64>,
     ) -> PyResult<Vec<Bound<'py, PyDict>>> {
         let mut settings = MeasureSettings::new().domain(domain(region)?);
+        if let Some(only) = only {
+            let named: PyResult<Vec<zeroset::Measure>> = only.iter().map(|one| named(one)).collect();
+            settings = settings.only(named?);
+        }
         if let Some(relative) = relative {
             settings = settings.relative(relative);
         }

@@ -207,6 +207,11 @@ def test_measures():
     assert zs.Surface("x^2+y^2+z^2 = 1").measure()[0].volume is None
     with pytest.raises(zs.Error, match="domain"):
         zs.Surface("x <= y").measure()
+    only = zs.Surface("x^2 + y^2 + z^2 <= 1").measure(only=["volume", "centroid"])[0]
+    assert 4 * np.pi / 3 in only.volume and 0 in only.centroid[0]
+    assert [only.moments, only.corners, only.area, only.genus, only.proven] == [None] * 5
+    with pytest.raises(zs.Error, match="'mass' is not a measure: volume, centroid"):
+        zs.Surface("x^2 + y^2 + z^2 <= 1").measure(only="mass")
 
 
 def test_a_budget_ends_the_work():

@@ -7,7 +7,9 @@ use num_rational::BigRational;
 use std::sync::{Arc, OnceLock};
 use zeroset_interval::Interval;
 pub use zeroset_ir::Level;
-use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, levels, multiples, sheets, simplify};
+use zeroset_ir::{
+    Axis, Constant, Graph, Node, NodeId, gradient, levels, multiples, sheets, simplify,
+};
 use zeroset_ops::Op;
 use zeroset_space::{Ball, HalfSpace, Region};
 
@@ -339,14 +341,42 @@ impl Program {
             first_cut = parts.len();
         }
         let levels = levels(&graph, &parts, self.values());
+        let parts = self.with_functions(surface, graph, parts)?;
+        Ok(Choices { choice, parts, first_cut, levels })
+    }
+
+    /// A program whose surfaces are the partial derivatives of a surface's function by x, y and z.
+    /// They equal the function's own where it is differentiable and they are defined, up to thin
+    /// sets.
+    ///
+    /// # Errors
+    /// If a derivative is too large.
+    ///
+    /// # Panics
+    /// If there is no such surface.
+    pub fn slopes(&self, surface: usize) -> Result<Self, ProgramError> {
+        let (mut graph, root) = self.simplified().symbolic(surface);
+        let slopes = gradient(&mut graph, root);
+        self.with_functions(surface, graph, slopes.to_vec())
+    }
+
+    /// A program for other functions, with the domain and the parameters of this one. They are
+    /// functions of solids if `surface` is one.
+    fn with_functions(
+        &self,
+        surface: usize,
+        graph: Graph,
+        functions: Vec<NodeId>,
+    ) -> Result<Self, ProgramError> {
+        let whole = self.simplified();
         let assumptions = whole.assumptions.clone();
         let (simple, roots) =
-            simplify(&graph, &parts, &assumptions.domain, &assumptions.parameters)?;
-        let count = parts.len();
+            simplify(&graph, &functions, &assumptions.domain, &assumptions.parameters)?;
+        let count = functions.len();
         let simplified = Simplified {
             graph: simple,
             roots,
-            symbolic: (graph, parts),
+            symbolic: (graph, functions),
             typed: whole.typed.clone(),
             assumptions,
             nodes_before: whole.nodes_before,
@@ -357,8 +387,7 @@ impl Program {
             cleared: (0..count).map(|_| OnceLock::new()).collect(),
         };
         let store = CodeStore::new(Arc::new(simplified), Evaluator::Native);
-        let parts = Self::of(Arc::new(store), self.values().to_vec());
-        Ok(Choices { choice, parts, first_cut, levels })
+        Ok(Self::of(Arc::new(store), self.values().to_vec()))
     }
 }
 

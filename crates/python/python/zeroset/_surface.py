@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias
 
@@ -83,7 +83,9 @@ class Trace(NamedTuple):
 
 @dataclass(frozen=True)
 class Measures:
-    """Measures of a surface. Intervals are proven to hold the exact number."""
+    """Measures of a surface. Intervals are proven to hold the exact number. A measure that was not
+    asked for is None.
+    """
 
     name: str
     """The formula as it was read."""
@@ -94,13 +96,15 @@ class Measures:
     """Moments of inertia about the axes through the centroid along x, y and z, for density 1."""
     corners: tuple[tuple[Interval, ...], tuple[Interval, ...]] | None
     """The least and the greatest x, y and z."""
-    area: float
-    """The area of a mesh: an estimate."""
-    area_change: float
+    area: float | None
+    """The area of a mesh: an estimate. None also if the mesh has no triangle, and the surface is not
+    proven empty.
+    """
+    area_change: float | None
     """Difference from the area of a coarser mesh."""
-    genus: tuple[int | None, ...]
+    genus: tuple[int | None, ...] | None
     """The genus of each piece; None for one with a rim."""
-    proven: bool
+    proven: bool | None
     """Whether the surface is proven to have the pieces of the mesh."""
 
 
@@ -324,16 +328,21 @@ class Surface:
         self,
         *,
         domain: Domain | None = None,
+        only: Iterable[str] | None = None,
         relative: float | None = None,
         budget: float | None = None,
     ) -> list[Measures]:
-        """Measures of each surface. `relative` is the width of the bounds of a volume, as a share
-        of it: 0.001 by default.
+        """Measures of each surface. `only` names those to compute, of `"volume"`, `"centroid"`,
+        `"inertia"`, `"ends"`, `"area"` and `"shape"`: all by default. `relative` is the width of the
+        bounds of a volume, as a share of it: 0.001 by default.
 
         >>> 4.18879 in Surface("x^2+y^2+z^2 <= 1").measure(relative=0.01)[0].volume
         True
         """
-        rows = self._scene.measure(region=domain, relative=relative, budget=budget)
+        if isinstance(only, str):
+            only = [only]
+        names = None if only is None else list(only)
+        rows = self._scene.measure(region=domain, only=names, relative=relative, budget=budget)
         return [Measures(**{key: _intervals(value) for key, value in row.items()}) for row in rows]
 
     def explore(self, width: int = 512, height: int = 512, **options: Any) -> Explorer:

@@ -140,7 +140,12 @@ class Scene:
         budget: float | None = None,
     ) -> Mesh: ...
     def measure(
-        self, *, region: Any = None, relative: float | None = None, budget: float | None = None
+        self,
+        *,
+        region: Any = None,
+        only: list[str] | None = None,
+        relative: float | None = None,
+        budget: float | None = None,
     ) -> list[dict[str, Any]]: ...
 
 def gallery() -> list[tuple[str, str]]: ...
