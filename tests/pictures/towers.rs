@@ -110,7 +110,8 @@ const WITH_CODE: &[Pass] = &[
         program.hurry();
         let asked = AtomicUsize::new(0);
         let wanted = || asked.fetch_add(1, Ordering::Relaxed) < WANTED;
-        _ = zeroset_measure::measure(&program, 0, region, None, 1.0, &wanted);
+        let request = zeroset_measure::Request { relative: 1.0, ..zeroset_measure::Request::ALL };
+        _ = zeroset_measure::measure(&program, 0, region, None, &request, &wanted);
     }),
     ("curves", |text, _, region| {
         let (definitions, last) = text.rsplit_once('\n').expect("lines");

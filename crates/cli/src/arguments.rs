@@ -771,6 +771,7 @@ pub struct MeshArgs {
 }
 
 #[derive(Debug, Args)]
+#[allow(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 pub struct MeasureArgs {
     #[command(flatten)]
     pub document: DocumentArgs,
