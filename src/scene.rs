@@ -161,8 +161,9 @@ impl Scene {
         Mesh::new(&self.text.document, settings)
     }
 
-    /// Measures all surfaces that are not hidden, by default in all ways: volume, centroid and inertia of solids, extent,
-    /// area and shape of each. A ball or a clip plane of the text cuts them.
+    /// Measures all surfaces that are not hidden, by default in all ways: volume, centroid and
+    /// inertia of solids, extent, area and shape of each. A ball or a clip plane of the text cuts
+    /// them.
     ///
     /// # Errors
     /// If a setting is out of range, a surface is not proven bounded and no domain is given, or the

@@ -1,5 +1,5 @@
-//! A bound of the distance between mesh and surface, where tetrahedra are too large for the bound of
-//! [`proof`](crate::proof): triangle by triangle.
+//! A bound of the distance between mesh and surface, where tetrahedra are too large for the bound
+//! of [`proof`](crate::proof): triangle by triangle.
 //!
 //! `docs/meshes.md` has the argument, in "The distance".
 

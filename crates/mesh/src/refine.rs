@@ -256,8 +256,8 @@ impl Refined {
         *unproven = kept;
     }
 
-    /// Splits loose leaves that are not proven to be near. `strict` ones, and all if `is_last`, must
-    /// then be [`Nearness::Near`].
+    /// Splits loose leaves that are not proven to be near. `strict` ones, and all if `is_last`,
+    /// must then be [`Nearness::Near`].
     pub fn tighten(&mut self, Far { large, strict }: Far, is_last: bool, grid: &mut Grid) {
         for leaf in strict.iter().chain(large.iter().filter(|_| is_last)) {
             let leaf = &mut self.leaves[*leaf];

@@ -151,8 +151,8 @@ impl<'a> Change<'a> {
         }
     }
 
-    /// Returns whether only one vertex moves, which is in no triangle with an edge of a rim, and its
-    /// triangles have an area on the way.
+    /// Returns whether only one vertex moves, which is in no triangle with an edge of a rim, and
+    /// its triangles have an area on the way.
     fn may_be_no_graph(&self) -> bool {
         let keeps_area = |[a, b]: &[u32; 2]| {
             let [a, b] = [a, b].map(|end| self.mesh.place(*end));
@@ -299,8 +299,8 @@ impl<'a> Change<'a> {
         })
     }
 
-    /// Returns whether a triangle is proven not to meet the space that old triangles sweep, which is
-    /// to the left of `sides`.
+    /// Returns whether a triangle is proven not to meet the space that old triangles sweep, which
+    /// is to the left of `sides`.
     fn is_clear(&self, other: u32, view: &View, sides: &Sides) -> bool {
         let numbers = self.mesh.corners(other);
         let places = self.places(other);
@@ -380,7 +380,8 @@ fn middle(vectors: &[DVec3]) -> DVec3 {
 }
 
 /// Returns whether two neighbors, with just two neighbors in common, are corners of a tetrahedron
-/// whose faces are all of its piece. Without one, two triangles would be left with the same corners.
+/// whose faces are all of its piece. Without one, two triangles would be left with the same
+/// corners.
 fn is_tetrahedron(mesh: &Triangulation, one: u32, other: u32) -> bool {
     [one, other].iter().all(|vertex| mesh.around(*vertex).len() == 3)
 }

@@ -40,8 +40,8 @@ impl Quadric {
         xx + yy + zz
     }
 
-    /// The share of pairs of planes that are across each other: 0 if all are parallel, and a quarter
-    /// of the squared sine of the angle between two planes of the same weight.
+    /// The share of pairs of planes that are across each other: 0 if all are parallel, and a
+    /// quarter of the squared sine of the angle between two planes of the same weight.
     pub fn bend(&self) -> f64 {
         let [xx, yy, zz, xy, xz, yz] = self.squares;
         let minors = (xx * yy - xy * xy) + (xx * zz - xz * xz) + (yy * zz - yz * yz);

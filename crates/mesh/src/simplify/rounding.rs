@@ -7,8 +7,9 @@ use std::ops::Range;
 
 /// A place is better if its sum of squared distances is less than this share.
 const BETTER: f64 = 0.1;
-/// [Bends](crate::simplify::quadric::Quadric::bend) of a smooth surface: above those in a flat face,
-/// and below that of an edge with an angle of 11 degrees. Vertices of a smooth surface are on it.
+/// [Bends](crate::simplify::quadric::Quadric::bend) of a smooth surface: above those in a flat
+/// face, and below that of an edge with an angle of 11 degrees. Vertices of a smooth surface are on
+/// it.
 const SMOOTH: Range<f64> = 1e-6..0.01;
 /// Where a vertex cannot move, triangles may turn whose height is less than this share of the
 /// allowed distance.

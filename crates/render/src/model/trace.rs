@@ -88,7 +88,8 @@ impl Model {
     /// Traces again the pixels that a preview (`Settings::is_preview`) left undecided. `settings`
     /// must be those of the preview, except for `is_preview`. A preview without normals is drawn
     /// again, and the statistics then cover only the new picture. `advance` is as for
-    /// [`Model::trace`], but only pixels that are traced again count. Returns `None` if `advance` returned `false`.
+    /// [`Model::trace`], but only pixels that are traced again count. Returns `None` if `advance`
+    /// returned `false`.
     ///
     /// # Errors
     /// As [`Model::trace`].

@@ -11,8 +11,8 @@ const ON_THE_WAY: i64 = 8;
 /// The cubes whose boundary has parts that face left and right at the middle, and is a surface.
 const STAIRCASE: u8 = 0b1010_1100;
 
-/// The boundary of some of the eight cubes, with the number of the vertex in the middle. Each vertex
-/// but this one is moved by up to `jitter`. Another triangle may be near the middle.
+/// The boundary of some of the eight cubes, with the number of the vertex in the middle. Each
+/// vertex but this one is moved by up to `jitter`. Another triangle may be near the middle.
 fn boundary(
     cubes: u8,
     jitter: i64,
