@@ -285,7 +285,6 @@ class Surface:
         steps: int | None = None,
         tolerance: float | None = None,
         budget: float | None = None,
-        progress: Callable[[str, int], object] | None = None,
         **choices: float | bool | None,
     ) -> Picture:
         """A picture, with what is proven of each pixel.
@@ -298,14 +297,12 @@ class Surface:
         With 16 `bits` per channel, the picture also has ``light``. `choices` are named by
         `choices()`, such as ``haze=0.5`` and ``ground=True``.
         `precision` is ``"auto"``, ``"f32"`` or ``"f64"``; `budget` is in seconds. An interrupt
-        from the keyboard ends the work. `progress` is called with the stage, such as ``"tracing"``
-        or ``"smoothing"``, and the percent of its pixels that are done, whenever these have
-        changed. Its exception ends the work.
+        from the keyboard ends the work.
         """
-        own = {"self", "width", "height", "choices", "progress"}
+        own = {"self", "width", "height", "choices"}
         named = {k: v for k, v in locals().items() if k not in own | {"own"}}
         options = {k: v for k, v in (named | choices).items() if v is not None}
-        return self._scene.render(width, height, options, progress=progress)
+        return self._scene.render(width, height, options)
 
     def mesh(
         self,

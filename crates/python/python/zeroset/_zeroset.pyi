@@ -1,4 +1,3 @@
-from collections.abc import Callable
 from os import PathLike
 from typing import Any
 
@@ -123,12 +122,7 @@ class Scene:
     ) -> tuple[list[_Floats], npt.NDArray[np.uint8]]: ...
     def domain(self) -> _Box: ...
     def render(
-        self,
-        width: int,
-        height: int,
-        settings: dict[str, Any],
-        stop: Stop | None = None,
-        progress: Callable[[str, int], object] | None = None,
+        self, width: int, height: int, settings: dict[str, Any], stop: Stop | None = None
     ) -> Picture: ...
     def mesh(
         self,
