@@ -46,7 +46,6 @@ mod terminal;
 mod theme;
 mod tips;
 mod vector;
-mod waiting;
 mod watch;
 #[cfg(feature = "window")]
 mod window;

@@ -10,7 +10,6 @@ use std::time::{Duration, Instant};
 use zeroset_parser::Errors;
 use zeroset_render::model::Model;
 use zeroset_render::picture::{Picture, Settings};
-use zeroset_render::progress::{Done, Progress};
 use zeroset_scene::blank::Blank;
 use zeroset_scene::camera::CameraChoice;
 use zeroset_scene::domain::AutoDomain;
@@ -121,32 +120,13 @@ pub(super) struct Job {
 impl Shared {
     /// Returns whether this request is still the latest.
     pub fn wanted(&self, job: &Job) -> bool {
-        self.lock().is_wanted(job)
-    }
-
-    /// Counts more work on a request's picture. Returns whether the request is still the latest.
-    fn advance(&self, job: &Job, done: Done) -> bool {
-        let mut state = self.lock();
-        state.progress = Progress::after(state.progress, done);
-        state.is_wanted(job)
+        let state = self.lock();
+        !state.stop && state.revision == job.revision && state.given_up != job.revision
     }
 
     /// Sets the stage that a late picture's status names.
-    pub fn begin(&self, stage: &'static str) {
-        let mut state = self.lock();
-        (state.stage, state.progress) = (stage, None);
-    }
-
-    /// Begins to count the pixels of a picture that are traced, once per visible surface.
-    fn begin_pixels(&self, model: &Model, pixels: usize) {
-        let pixels = pixels * model.visible_surfaces().count();
-        self.lock().progress = Some(Progress::tracing(pixels));
-    }
-}
-
-impl PipelineState {
-    fn is_wanted(&self, job: &Job) -> bool {
-        !self.stop && self.revision == job.revision && self.given_up != job.revision
+    fn begin(&self, stage: &'static str) {
+        self.lock().stage = stage;
     }
 }
 
@@ -243,10 +223,9 @@ impl Worker {
             // While the document stays, finish a coarse picture even if the camera moves on.
             // Otherwise the user would not see the movement.
             let advance =
-                |done| self.shared.advance(job, done) || !is_full && self.is_coarse_wanted(job);
-            self.shared.begin_pixels(&made.model, settings.width * settings.height);
+                |_| if is_full { self.shared.wanted(job) } else { self.is_coarse_wanted(job) };
             let picture = made.model.trace(&camera, &settings, &advance)?;
-            if !advance(Done::NOTHING) {
+            if !advance(0) {
                 return Ok(());
             }
             self.pace.learn(settings.width * settings.height, is_full, started.elapsed());
@@ -254,7 +233,6 @@ impl Worker {
             let rendering = Arc::new(context.rendering(camera, picture, !is_settled));
             self.publish(Arc::clone(&rendering));
             // The first picture needed its kernels soon; the next ones need them fast.
-            self.shared.begin("compiling");
             if !made.model.optimize(&|| self.shared.wanted(job)) {
                 return Ok(());
             }
@@ -274,11 +252,10 @@ impl Worker {
         let (job, full) = (context.job, &context.job.request.settings);
         let plain = full.plain();
         if seen.coarse {
-            let advance = |done| self.shared.advance(job, done);
+            let advance = |_| self.shared.wanted(job);
             let model = &context.made.model;
-            self.shared.begin_pixels(model, seen.picture.left_open());
             let picture = model.settle(&seen.picture, &seen.camera, &plain, &advance)?;
-            let Some(picture) = picture.filter(|_| self.shared.wanted(job)) else { return Ok(()) };
+            let Some(picture) = picture.filter(|_| advance(0)) else { return Ok(()) };
             seen = Arc::new(context.rendering(seen.camera, picture, false));
             self.publish(Arc::clone(&seen));
         }
@@ -306,14 +283,13 @@ impl Worker {
 
     /// Draws a full picture again in the requested light, unless a newer request exists.
     fn relight(&mut self, job: &Job, plain: &Rendering) -> Result<(), FaultReason> {
-        let (settings, advance) = (&job.request.settings, |done| self.shared.advance(job, done));
-        if !self.shared.wanted(job) {
+        let (settings, advance) = (&job.request.settings, |_| self.shared.wanted(job));
+        if !advance(0) {
             return Ok(());
         }
-        self.shared.begin("lighting");
         let Rendering { model, camera, .. } = plain;
         let picture = model.relight(&plain.picture, camera, settings, &advance)?;
-        if self.shared.wanted(job) {
+        if advance(0) {
             let (document, model) = (Arc::clone(&plain.document), Arc::clone(model));
             let (request, revision) = (Arc::clone(&job.request), job.revision);
             let latency = job.requested.elapsed();

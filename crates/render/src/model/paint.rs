@@ -5,7 +5,6 @@
 use super::Model;
 use super::trace::Advance;
 use crate::legend::{Legend, round_step};
-use crate::progress::Done;
 use glam::Vec4;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -249,7 +248,7 @@ impl<'a> Painter<'a> {
         parts.for_each_init(
             || evaluated.room(),
             |room, (values, points)| {
-                if !(self.advance)(Done::NOTHING) {
+                if !(self.advance)(0) {
                     self.is_cut.store(true, Ordering::Relaxed);
                     return;
                 }
