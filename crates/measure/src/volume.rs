@@ -38,8 +38,8 @@ pub struct SolidKernels<'a> {
     pub bounds: &'a dyn Kernel<Enclose, f64>,
     /// Approximates the function.
     pub tiles: &'a dyn Kernel<ContractTiles, f64>,
-    /// Whether the solid holds the points at which the function is 0: all of them, none, or not
-    /// known. The function may be 0 in whole boxes.
+    /// True if the solid holds all points at which the function is 0, false if it holds none.
+    /// `None` if neither is known. The function may be 0 in whole boxes.
     pub holds_zeros: Option<bool>,
     /// The program and the number of the surface, in which thin walls are found.
     source: (&'a Program, usize),
@@ -169,7 +169,11 @@ pub fn solid(
     loop {
         let parts: Option<Vec<Vec<Found>>> = fresh
             .par_chunks(LANES)
-            .map(|cells| wanted().then(|| parts(kernels, walls.as_ref(), region, cells, middle)))
+            .map(|cells| {
+                let find =
+                    |cells: &[Cell]| parts_of(kernels, walls.as_ref(), region, cells, middle);
+                wanted().then(|| snug_parts(cells, &find))
+            })
             .collect();
         fresh.clear();
         for (part, is_cut) in parts?.into_iter().flatten().flatten() {
@@ -246,19 +250,13 @@ pub fn solid(
     }
 }
 
-/// The solid's parts of up to sixteen boxes. A box that holds a wall is made smaller first.
-fn parts(
-    kernels: &SolidKernels<'_>,
-    walls: Option<&Walls>,
-    region: &Region,
-    cells: &[Cell],
-    origin: DVec3,
-) -> Vec<Found> {
-    let mut found = parts_of(kernels, walls, region, cells, origin);
+/// The parts that are found of up to sixteen boxes. A box that holds a wall is made smaller first.
+fn snug_parts(cells: &[Cell], find: &dyn Fn(&[Cell]) -> Vec<Found>) -> Vec<Found> {
+    let mut found = find(cells);
     let snug = |lane: usize| Some((lane, found[lane].as_ref()?.0.snug()?));
     let (lanes, snug): (Vec<usize>, Vec<Cell>) = (0..cells.len()).filter_map(snug).unzip();
     if !snug.is_empty() {
-        for (lane, part) in lanes.into_iter().zip(parts_of(kernels, walls, region, &snug, origin)) {
+        for (lane, part) in lanes.into_iter().zip(find(&snug)) {
             found[lane] = part;
         }
     }

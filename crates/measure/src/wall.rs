@@ -63,7 +63,7 @@ enum Reduced {
 }
 
 impl Walls {
-    /// The walls of a surface. `None` if it has none, or too many parts, or if few of these boxes
+    /// The walls of a surface. `None` without walls, with too many parts, or if few of these boxes
     /// hold both faces of a wall.
     ///
     /// # Errors
@@ -477,7 +477,7 @@ mod tests {
             for (x, y) in (0..LINES).flat_map(|i| (0..LINES).map(move |k| (at(i), at(k)))) {
                 let base = value + sides[0] * x + sides[1] * y;
                 let steep = way + lean[0] * x + lean[1] * y;
-                // Where base + steep·z + bend·z²/2 has a value. The function rises or falls.
+                // The root of base + steep·z + bend·z²/2 = level. The function rises or falls.
                 let root = |level: f64| {
                     let root = (steep * steep - 2.0 * bend * (base - level)).sqrt();
                     let z = -2.0 * (base - level) / (steep + way * root);

@@ -57,7 +57,7 @@ const TRIALS: usize = 3;
 /// Number of times that large tetrahedra are split before all that are too large must be small.
 const ROUNDS: usize = 8;
 
-/// Share of all tetrahedra below which those that are too large must be small at once.
+/// Tetrahedra that are too large must be small at once if there are fewer of them than this share.
 const FEW: f64 = 0.05;
 
 /// The mesh of one surface.
@@ -233,22 +233,21 @@ fn mesh_in(
             continue;
         }
         let mut triangles = extract::extract(&refined, &grid, &query)?;
-        let mut far = Loose::new(&refined, &query, tolerance).far(&triangles);
-        if far.is_empty() {
-            for _ in 0..TRIALS {
-                // Other leaves fail the proof anyway.
-                let mut crossed = triangles.unproven.clone();
-                crossed.retain(|leaf| !refined.fails(&refined.leaves[*leaf].cell));
-                if crossed.is_empty() || is_estimated {
-                    break;
-                }
-                if refined.move_again(&crossed, &query, &grid, wanted).is_none() {
-                    return Ok(None);
-                }
-                triangles = extract::extract(&refined, &grid, &query)?;
+        let mut trials = 0;
+        let far = loop {
+            let far = Loose::new(&refined, &query, tolerance).far(&triangles);
+            // Other leaves fail the proof anyway.
+            let mut crossed = triangles.unproven.clone();
+            crossed.retain(|leaf| !refined.fails(&refined.leaves[*leaf].cell));
+            if !far.is_empty() || crossed.is_empty() || is_estimated || trials == TRIALS {
+                break far;
             }
-            far = Loose::new(&refined, &query, tolerance).far(&triangles);
-        }
+            trials += 1;
+            if refined.move_again(&crossed, &query, &grid, wanted).is_none() {
+                return Ok(None);
+            }
+            triangles = extract::extract(&refined, &grid, &query)?;
+        };
         if far.is_empty() {
             break triangles;
         }

@@ -39,12 +39,9 @@ type Only = (u16, Side);
 /// [`Nearness::Loose`]. Not if gradients around it seem to differ too much for the proof.
 pub fn may_be_loose(query: &Query<'_>, parts: &[PartBounds], size: f64, distance: f64) -> bool {
     let wider = 1.0 + 2.0 * AROUND * LOOSE * distance / size;
-    only(query, parts).is_some_and(|_| {
-        let gradient = parts.first().and_then(|part| part.gradient);
-        gradient.is_some_and(|gradient| {
-            spread(&gradient) * wider <= SPREAD * middle(&gradient).length()
-        })
-    })
+    let gradient = only(query, parts).and_then(|_| parts[0].gradient);
+    gradient
+        .is_some_and(|gradient| spread(&gradient) * wider <= SPREAD * middle(&gradient).length())
 }
 
 /// Largest distance of a gradient from the middle of its bounds.

@@ -75,13 +75,22 @@ impl<'a> Guide<'a> {
             let slope = DVec3::from_array(found.gradient.each_ref().map(|axis| axis[lane]));
             let plane = slope.try_normalize().and_then(|normal| {
                 let off = found.value[lane] / slope.length();
-                let cut = self.cut(*point);
-                if self.is_solid && cut.1 > off {
-                    return Some(cut);
+                let cut = self.is_solid.then(|| self.cut(*point)).filter(|cut| cut.1 > off);
+                if cut.is_some() {
+                    return cut;
                 }
                 off.is_finite().then_some((normal, off))
             });
             (point, plane)
+        })
+    }
+
+    /// The unit normal of the plane that cuts the region, if one does, and a point's distance from
+    /// it.
+    pub fn clip(&self, point: DVec3) -> Option<Plane> {
+        self.region.clip().map(|clip| {
+            let length = clip.normal.length();
+            (clip.normal / length, (clip.normal.dot(point) - clip.offset) / length)
         })
     }
 
@@ -97,11 +106,7 @@ impl<'a> Guide<'a> {
             let from = point - ball.centre;
             (from.normalize_or_zero(), from.length() - ball.radius)
         });
-        let plane = region.clip().map(|clip| {
-            let length = clip.normal.length();
-            (clip.normal / length, (clip.normal.dot(point) - clip.offset) / length)
-        });
-        let all = faces.chain(ball).chain(plane);
+        let all = faces.chain(ball).chain(self.clip(point));
         all.max_by(|a, b| a.1.total_cmp(&b.1)).expect("a box has faces")
     }
 }

@@ -17,6 +17,11 @@ const PROGRESS: f64 = 0.02;
 const MOST_AROUND: usize = 64;
 /// Least cosine of the angle between a triangle and the plane that stands for the surface there.
 const ALIKE: f64 = 0.7;
+/// The plane that cuts the region, beside the six faces of the domain.
+const CLIP: u8 = 1 << 6;
+/// A vertex is on that plane if it is no farther from it than this share of the distance that
+/// samples may have.
+const ON_CLIP: f64 = 0.01;
 /// Distance from a plane that rounding may cause, in units.
 const ROUNDING: f64 = 8.0;
 /// If an end of the edge costs more than the best place, but less than by this share, the edge is
@@ -157,9 +162,9 @@ impl<'a> Reduction<'a> {
         {
             return;
         }
-        let cost = self.targets(ends)[0].cost;
-        let mut quadric = self.mesh.quadrics[ends[0] as usize];
-        quadric += self.mesh.quadrics[ends[1] as usize];
+        let quadric = self.joined(ends);
+        let cost = self.targets(ends, &quadric)[0].cost;
+        // The surface is too far from the cheapest place.
         if cost > self.setting.most.powi(2) * quadric.weight() {
             return;
         }
@@ -167,17 +172,22 @@ impl<'a> Reduction<'a> {
         self.queue.push(cost, Entry { ends, stamps });
     }
 
+    /// The sum of the quadrics at both ends of an edge.
+    fn joined(&self, [one, other]: [u32; 2]) -> Quadric {
+        let mut quadric = self.mesh.quadrics[one as usize];
+        quadric += self.mesh.quadrics[other as usize];
+        quadric
+    }
+
     /// Places to which both ends of an edge may move, the cheapest first.
-    fn targets(&self, ends: [u32; 2]) -> [Target; 3] {
+    fn targets(&self, ends: [u32; 2], quadric: &Quadric) -> [Target; 3] {
         let lattice = self.setting.lattice;
         let [one, other] = ends.map(|end| self.mesh.place(end));
-        let mut quadric = self.mesh.quadrics[ends[0] as usize];
-        quadric += self.mesh.quadrics[ends[1] as usize];
         let [from, to] = [one, other].map(|place| lattice.relative(place));
         let tie = LENGTH * (to - from).length_squared().powi(2);
         let faces = [one, other].map(|place| self.faces(place));
-        let best = self.best(&quadric, 0.5 * (from + to), faces[0] | faces[1]);
-        let floor = self.floor(&quadric);
+        let best = self.best(quadric, 0.5 * (from + to), faces[0] | faces[1]);
+        let floor = self.floor(quadric);
         let cost = |place: I64Vec3| quadric.at(lattice.relative(place)).max(floor) + tie;
         let end = |k: usize, place: I64Vec3| {
             let leaves_face = faces[1 - k] & !faces[k] != 0;
@@ -190,18 +200,27 @@ impl<'a> Reduction<'a> {
         all
     }
 
-    /// The faces of the domain on which a point lies, a bit for each.
+    /// The faces of the domain on which a point lies, a bit for each, and [`CLIP`] for the plane
+    /// that cuts the region.
     pub fn faces(&self, point: I64Vec3) -> u8 {
+        let Setting { lattice, guide, ends, most } = self.setting;
         let on = |k: usize, end: I64Vec3| {
             (0..3).map(|axis| u8::from(point[axis] == end[axis]) << (3 * k + axis)).sum::<u8>()
         };
-        on(0, self.setting.ends[0]) | on(1, self.setting.ends[1])
+        let clip = guide.clip(lattice.place(point));
+        let is_cut = clip.is_some_and(|(_, off)| off.abs() <= ON_CLIP * most);
+        on(0, ends[0]) | on(1, ends[1]) | if is_cut { CLIP } else { 0 }
     }
 
     /// The rounded point with the least sum of a quadric, in faces of the domain.
     pub fn best(&self, quadric: &Quadric, middle: DVec3, faces: u8) -> I64Vec3 {
-        let Setting { lattice, ends: [low, high], .. } = self.setting;
-        let best = quadric.best(middle).unwrap_or(middle);
+        let Setting { lattice, guide, ends: [low, high], .. } = self.setting;
+        let mut best = quadric.best(middle).unwrap_or(middle);
+        if faces & CLIP != 0
+            && let Some((normal, off)) = guide.clip(lattice.place(I64Vec3::ZERO) + best)
+        {
+            best -= off * normal;
+        }
         let mut best = lattice.rounded_relative(best).clamp(*low, *high);
         for (k, end) in [low, high].into_iter().enumerate() {
             for axis in 0..3 {
@@ -223,7 +242,7 @@ impl<'a> Reduction<'a> {
         if ends.iter().any(|end| self.mesh.around(*end).len() > MOST_AROUND) {
             return None;
         }
-        for Target { cost, end, place } in self.targets(ends) {
+        for Target { cost, end, place } in self.targets(ends, &self.joined(ends)) {
             if cost == f64::MAX {
                 continue;
             }
