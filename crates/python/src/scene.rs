@@ -328,7 +328,8 @@ impl Scene {
     ) -> PyResult<Vec<Bound<'py, PyDict>>> {
         let mut settings = MeasureSettings::new().domain(domain(region)?);
         if let Some(only) = only {
-            let named: PyResult<Vec<zeroset::Measure>> = only.iter().map(|one| named(one)).collect();
+            let named: PyResult<Vec<zeroset::Measure>> =
+                only.iter().map(|one| named(one)).collect();
             settings = settings.only(named?);
         }
         if let Some(relative) = relative {

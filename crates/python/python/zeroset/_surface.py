@@ -97,8 +97,8 @@ class Measures:
     corners: tuple[tuple[Interval, ...], tuple[Interval, ...]] | None
     """The least and the greatest x, y and z."""
     area: float | None
-    """The area of a mesh: an estimate. None also if the mesh has no triangle, and the surface is not
-    proven empty.
+    """The area of a mesh: an estimate. None also if the mesh has no triangle, and the surface is
+    not proven empty.
     """
     area_change: float | None
     """Difference from the area of a coarser mesh."""
@@ -330,8 +330,8 @@ class Surface:
         budget: float | None = None,
     ) -> list[Measures]:
         """Measures of each surface. `only` names those to compute, of `"volume"`, `"centroid"`,
-        `"inertia"`, `"ends"`, `"area"` and `"shape"`: all by default. `relative` is the width of the
-        bounds of a volume, as a share of it: 0.001 by default.
+        `"inertia"`, `"ends"`, `"area"` and `"shape"`: all by default. `relative` is the width of
+        the bounds of a volume, as a share of it: 0.001 by default.
 
         >>> 4.18879 in Surface("x^2+y^2+z^2 <= 1").measure(relative=0.01)[0].volume
         True
