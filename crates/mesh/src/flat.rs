@@ -1,9 +1,9 @@
-//! Meshes of surfaces whose parts are planes.
+//! Exact meshes of surfaces whose parts are planes.
 //!
-//! Space is divided by one plane after the other until no plane divides a piece of it in which it
-//! matters. Each piece is convex. It is inside of the surface or outside, and the surface is between
-//! pieces of the two kinds. All of that is exact. At the end the corners are rounded, and no two
-//! triangles are so near to each other that they could meet on the way.
+//! Space is divided by the planes, one after another, until none divides a piece in which it
+//! matters. Each piece is convex, and inside of the surface or outside. The surface is between
+//! pieces of the two kinds. All that is exact. At the end corners are rounded, and a check tells
+//! that no triangles could meet meanwhile.
 
 mod join;
 mod plane;
@@ -15,8 +15,6 @@ use crate::index::{Bounds, Index};
 use crate::{Mesh, Options, Unproven};
 use glam::{DVec3, I64Vec3};
 use join::join;
-use num_bigint::BigInt;
-use num_traits::Zero;
 use plane::{Plane, Points};
 use polygon::Polygon;
 use rayon::prelude::*;
@@ -25,10 +23,8 @@ use tree::{Builder, Face};
 use zeroset_scene::choices::{Choice, FlatChoice};
 use zeroset_scene::program::Program;
 
-/// Number of units of the index along the domain's longest edge.
+/// Number of units along the domain's longest edge, for boxes around triangles.
 const UNITS: f64 = (1_u64 << 38) as f64;
-/// Largest number of pieces of space.
-const MOST_PIECES: usize = 200_000;
 
 /// The result of [`mesh`].
 pub enum Flat {
@@ -63,24 +59,24 @@ pub fn mesh(
     let mut points = Points::new(planes.iter().map(Plane::of).collect());
     let first_of_domain = points.planes.len();
     let domain = Polygon::of_box(region, &mut points);
-    let mut builder = Builder { points, pieces: 0, most: MOST_PIECES, wanted };
+    let mut builder = Builder { points, pieces: 0, wanted };
     let Some(tree) = builder.divide(domain.clone(), &choice, 0) else {
         return if wanted() { Flat::Other } else { Flat::Cancelled };
     };
     let mut points = builder.points;
     let mut faces = Vec::new();
     tree.faces(&mut points, &mut faces);
-    if *is_solid {
-        for face in domain {
-            tree.lid(face, &mut points, &mut faces);
-        }
-    } else {
-        let mut is_sheet = |face: &Face| {
-            face.sides[0] == face.sides[1] && face.polygon.is_zero(&choice, &mut points)
-        };
-        if faces.iter().any(&mut is_sheet) {
-            return Flat::Other;
-        }
+    for face in domain {
+        // An equation goes on beyond the domain.
+        let before = |behind| behind && !is_solid;
+        tree.pieces(face, &mut points, &mut |polygon, behind| {
+            faces.push(Face { polygon, sides: [behind, before(behind)] });
+        });
+    }
+    let is_sheet =
+        |face: &Face| face.sides[0] == face.sides[1] && face.polygon.is_zero(&choice, &points);
+    if !is_solid && faces.iter().any(is_sheet) {
+        return Flat::Other;
     }
     let mut polygons = Vec::new();
     for Face { polygon, sides: [behind, before] } in faces {
@@ -174,15 +170,4 @@ fn pinches(vertices: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
         count != star.len()
     };
     (0..vertices as u32).filter(|vertex| is_pinched(&stars[*vertex as usize])).collect()
-}
-
-/// The sign of a number.
-fn sign(number: &BigInt) -> i8 {
-    if number.is_zero() {
-        0
-    } else if number.sign() == num_bigint::Sign::Minus {
-        -1
-    } else {
-        1
-    }
 }

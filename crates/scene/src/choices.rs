@@ -390,7 +390,7 @@ impl Program {
     }
 
     /// A surface's function as minima and maxima of linear functions with exact coefficients, if it is
-    /// found to be that everywhere.
+    /// found to be that everywhere. None of them is constant.
     ///
     /// # Panics
     /// If there is no such surface.
@@ -419,7 +419,9 @@ impl Program {
         if whole.solid[surface] {
             choice = merge(&graph, choice, &mut parts, &whole.assumptions.parameters);
         }
-        Some(FlatChoice { choice, planes: planes(&graph, &parts)? })
+        let planes = planes(&graph, &parts)?;
+        let is_constant = |plane: &[BigRational; 4]| plane[..3].iter().all(Zero::is_zero);
+        (!planes.iter().any(is_constant)).then_some(FlatChoice { choice, planes })
     }
 
     /// A program whose surfaces are the partial derivatives of a surface's function by x, y and z.

@@ -1,8 +1,7 @@
 //! Planes and points with whole-number coordinates of any size.
 
-use super::sign;
 use glam::DVec3;
-use num_bigint::BigInt;
+use num_bigint::{BigInt, Sign};
 use num_integer::Integer;
 use num_rational::BigRational;
 use num_traits::{One, Signed, ToPrimitive, Zero};
@@ -156,6 +155,14 @@ impl Points {
             gaps.filter(|gap| *gap > 0.0).min_by(f64::total_cmp)
         };
         parallel.into_values().filter_map(gap).min_by(f64::total_cmp)
+    }
+}
+
+fn sign(number: &BigInt) -> i8 {
+    match number.sign() {
+        Sign::Minus => -1,
+        Sign::NoSign => 0,
+        Sign::Plus => 1,
     }
 }
 

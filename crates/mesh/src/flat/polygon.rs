@@ -2,7 +2,7 @@
 
 use super::plane::{Plane, Points};
 use num_rational::BigRational;
-use num_traits::{One, Zero};
+use num_traits::Zero;
 use zeroset_scene::choices::Choice;
 use zeroset_space::Region;
 
@@ -24,7 +24,7 @@ impl Polygon {
         for axis in 0..3 {
             for (end, turn) in [(region.low(), -1.0), (region.high(), 1.0)] {
                 let mut function = [(); 4].map(|()| BigRational::zero());
-                function[axis] = exact(turn) * BigRational::one();
+                function[axis] = exact(turn);
                 function[3] = exact(-turn * end[axis]);
                 points.planes.push(Plane::of(&function));
             }
@@ -89,7 +89,7 @@ impl Polygon {
     }
 
     /// Returns whether a choice of the planes' functions is 0 within the polygon.
-    pub fn is_zero(&self, choice: &Choice, points: &mut Points) -> bool {
+    pub fn is_zero(&self, choice: &Choice, points: &Points) -> bool {
         fn value(choice: &Choice, signs: &[i8]) -> i8 {
             match choice {
                 Choice::Part(part) => signs[*part],

@@ -5,6 +5,8 @@ use super::polygon::Polygon;
 use rustc_hash::FxHashMap;
 use zeroset_scene::choices::Choice;
 
+/// The number of pieces that are too many.
+const MOST_PIECES: usize = 200_000;
 /// Largest number of planes that divide a piece, one after the other.
 const DEEPEST: usize = 1000;
 
@@ -37,8 +39,6 @@ pub struct Builder<'a> {
     pub points: Points,
     /// The number of pieces so far.
     pub pieces: usize,
-    /// The number of pieces that are too many.
-    pub most: usize,
     pub wanted: &'a (dyn Fn() -> bool + Sync),
 }
 
@@ -53,7 +53,7 @@ impl Builder<'_> {
         let choice = match self.known(choice, &corners, &mut sides) {
             Known::Inside(is_inside) => {
                 self.pieces += 1;
-                let may_go_on = self.pieces < self.most && (self.wanted)();
+                let may_go_on = self.pieces < MOST_PIECES && (self.wanted)();
                 return may_go_on.then_some(Tree::Piece(is_inside));
             }
             Known::Open(choice) => choice,
@@ -190,15 +190,13 @@ impl Tree {
         above.faces(points, faces);
     }
 
-    /// Adds the parts of a face of the domain, which has no inside before it.
-    pub fn lid(&self, face: Polygon, points: &mut Points, faces: &mut Vec<Face>) {
-        self.pieces(face, points, &mut |polygon, behind| {
-            faces.push(Face { polygon, sides: [behind, false] });
-        });
-    }
-
     /// Calls `each` for the part of a polygon in each piece, and whether the piece is inside.
-    fn pieces(&self, polygon: Polygon, points: &mut Points, each: &mut dyn FnMut(Polygon, bool)) {
+    pub fn pieces(
+        &self,
+        polygon: Polygon,
+        points: &mut Points,
+        each: &mut dyn FnMut(Polygon, bool),
+    ) {
         match self {
             Self::Piece(is_inside) => each(polygon, *is_inside),
             Self::Divided { face, parts } => {
