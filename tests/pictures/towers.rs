@@ -100,6 +100,7 @@ const WITH_CODE: &[Pass] = &[
             tolerance: 1.0,
             is_solid: program.is_solid(0),
             is_estimated: false,
+            has_large_faces: false,
             most_cells: 64,
         };
         let asked = AtomicUsize::new(0);

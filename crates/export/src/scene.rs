@@ -88,6 +88,7 @@ pub fn meshes(
             tolerance: tolerance - distance,
             is_solid,
             is_estimated,
+            has_large_faces: distance > 0.0,
             most_cells: MOST_CELLS,
         };
         let Some(mut mesh) = mesh(&program, number, &options, wanted)? else { return Ok(None) };

@@ -45,7 +45,7 @@ pub use graph::{Axis, Graph, Node, NodeId, Operands};
 pub use hoist::{Hoisted, hoist};
 pub use logarithms::bounded_logarithms;
 pub use radical::radical;
-pub use regular::{Level, levels, multiples, regularize, sheets};
+pub use regular::{Level, levels, multiples, planes, regularize, sheets};
 pub use sign::same_sign;
 pub use simplify::{rewrite, simplify};
 pub use variability::{Variability, variabilities};

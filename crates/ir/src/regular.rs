@@ -34,7 +34,7 @@ mod thin;
 
 use crate::algebra::neg;
 use crate::graph::{Graph, Node, NodeId};
-pub use form::multiples;
+pub use form::{multiples, planes};
 pub use levels::{Level, levels, sheets};
 use sets::Sets;
 pub(crate) use thin::{Nonneg, is_thin_zero};

@@ -120,6 +120,7 @@ pub fn measure(
             tolerance,
             is_solid,
             is_estimated: false,
+            has_large_faces: true,
             most_cells: MOST_CELLS,
         };
         mesh(program, surface, &options, wanted)

@@ -8,6 +8,7 @@ mod connected;
 mod embedding;
 mod extract;
 mod fit;
+mod flat;
 mod grid;
 mod index;
 mod leaf;
@@ -25,6 +26,7 @@ mod wall;
 
 use cells::{PartKernels, Query};
 pub use connected::Connected;
+use flat::Flat;
 use glam::DVec3;
 use leaf::{Kind, Nearness};
 use near::{Far, Loose};
@@ -124,6 +126,9 @@ pub struct Options {
     /// True if bounds over small boxes are estimated from samples at their corners. Nothing is then
     /// proven: all tetrahedra count as [unproven](Mesh::unproven) and as [far](Mesh::far).
     pub is_estimated: bool,
+    /// Whether a surface of planes alone may have triangles as large as its faces. They are then
+    /// found exactly, and the tolerance does not matter.
+    pub has_large_faces: bool,
     /// Largest number of tetrahedra that may hold the surface. Above it, none is split to reduce
     /// the distance; above twice this number, none is split to prove the shape.
     pub most_cells: usize,
@@ -180,6 +185,18 @@ pub fn mesh(
     options: &Options,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Mesh>, ProgramError> {
+    if options.has_large_faces && !options.is_estimated {
+        match flat::mesh(program, surface, options, wanted) {
+            Flat::Mesh(mesh) => {
+                let ends = [options.region.low(), options.region.high()];
+                return Ok(Some(finish(program, surface, mesh, ends, options.is_solid, &|_| {
+                    false
+                })));
+            }
+            Flat::Other => {}
+            Flat::Cancelled => return Ok(None),
+        }
+    }
     if let Some(larger) = options.larger {
         let Some(found) = mesh_in(program, surface, larger, options, wanted)? else {
             return Ok(None);
@@ -275,9 +292,22 @@ fn mesh_in(
             mesh.unproven.push(Unproven { centre: 0.5 * (low + high), size: high - low });
         }
     }
-    // Rounding may decide differently in neighbors where more than three parts are 0 at a point.
     let may_end = |vertex: u32| triangles.is_cut[vertex as usize];
-    let (rims, misfits) = fit::fit(&mesh, [low, high], is_solid, &may_end);
+    Ok(Some(finish(program, surface, mesh, [low, high], is_solid, &may_end)))
+}
+
+/// Adds whether the triangles of a mesh fit together, and turns those of equations. `ends` and
+/// `may_end` are as for [`fit::fit`].
+fn finish(
+    program: &Program,
+    surface: usize,
+    mut mesh: Mesh,
+    ends: [DVec3; 2],
+    is_solid: bool,
+    may_end: &dyn Fn(u32) -> bool,
+) -> Mesh {
+    // Rounding may decide differently in neighbors where more than three parts are 0 at a point.
+    let (rims, misfits) = fit::fit(&mesh, ends, is_solid, may_end);
     mesh.is_closed = rims.is_empty();
     if !is_solid {
         let turned = orientation::face_out(&mesh.vertices, &mut mesh.triangles, &rims);
@@ -287,5 +317,5 @@ fn mesh_in(
         let size = (to - from).abs();
         mesh.unproven.push(Unproven { centre: 0.5 * (from + to), size });
     }
-    Ok(Some(mesh))
+    mesh
 }

@@ -4,17 +4,24 @@ use crate::kernels::{CodeStore, Evaluator};
 use crate::program::{Program, ProgramError};
 use crate::simplified::Simplified;
 use num_rational::BigRational;
+use num_traits::{Signed, Zero};
 use std::sync::{Arc, OnceLock};
 use zeroset_interval::Interval;
 pub use zeroset_ir::Level;
 use zeroset_ir::{
-    Axis, Constant, Graph, Node, NodeId, gradient, levels, multiples, sheets, simplify,
+    Axis, Constant, Graph, Node, NodeId, gradient, levels, multiples, planes, sheets, simplify,
+    substitute,
 };
 use zeroset_ops::Op;
 use zeroset_space::{Ball, HalfSpace, Region};
 
 /// Largest number of parts.
 const MOST_PARTS: usize = 128;
+/// Largest number of parts that are all linear.
+const MOST_PLANES: usize = 4096;
+
+/// Operations of choices of linear functions.
+const LINEAR: [Op; 8] = [Op::Min, Op::Max, Op::Abs, Op::Neg, Op::Add, Op::Sub, Op::Mul, Op::Div];
 
 /// Minima and maxima of parts.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -41,6 +48,14 @@ pub struct Choices {
     pub first_cut: usize,
     /// For each part, the function of which it is a level. Zeros of parts in one group never meet.
     pub levels: Vec<Level>,
+}
+
+/// A function as a choice of linear functions.
+pub struct FlatChoice {
+    /// The function.
+    pub choice: Choice,
+    /// Each part's coefficients of x, y and z, and its constant.
+    pub planes: Vec<[BigRational; 4]>,
 }
 
 impl Choice {
@@ -105,6 +120,7 @@ fn merge(
 }
 
 /// Nodes in place of numbers of parts.
+#[derive(Clone)]
 enum Nodes {
     Part(NodeId),
     Min(Vec<Nodes>),
@@ -129,8 +145,16 @@ impl Nodes {
         }
     }
 
-    fn is_part(&self) -> bool {
-        matches!(self, Self::Part(_))
+    /// The sum with another choice, or the difference: a choice of sums of two parts.
+    fn sum(self, graph: &mut Graph, op: Op, other: &Self) -> Self {
+        let mut each = |all: Vec<Self>| all.into_iter().map(|n| n.sum(graph, op, other)).collect();
+        match self {
+            Self::Min(all) => Self::Min(each(all)),
+            Self::Max(all) => Self::Max(each(all)),
+            Self::Part(one) => other
+                .clone()
+                .map(graph, op == Op::Sub, &|graph, part| graph.apply(op, &[one, part])),
+        }
     }
 
     fn parts(&self) -> usize {
@@ -167,7 +191,8 @@ impl Nodes {
     }
 }
 
-/// For each node, whether it is a choice: a minimum, maximum or absolute value, or a sum with one.
+/// For each node, whether it is a choice: a minimum, maximum or absolute value, a sum with one, or a
+/// multiple of one.
 fn choices(graph: &Graph) -> Vec<bool> {
     let mut found = vec![false; graph.len()];
     for (id, node) in graph.iter() {
@@ -175,11 +200,22 @@ fn choices(graph: &Graph) -> Vec<bool> {
             found[id.index()] = match op {
                 Op::Min | Op::Max | Op::Abs => true,
                 Op::Neg | Op::Add | Op::Sub => operands.iter().any(|one| found[one.index()]),
+                Op::Mul | Op::Div => {
+                    factor(graph, *op, operands).is_some_and(|(_, other)| found[other.index()])
+                }
                 _ => false,
             };
         }
     }
     found
+}
+
+/// The operand of a product or quotient that is a number other than 0, and the other operand.
+/// `None` if there is none, or if it is not the quotient's divisor.
+fn factor(graph: &Graph, op: Op, operands: &[NodeId]) -> Option<(BigRational, NodeId)> {
+    let number = |k: usize| graph.number(operands[k])?.exact().filter(|one| !one.is_zero());
+    let found = |k: usize| Some((number(k)?.clone(), operands[1 - k]));
+    found(1).or_else(|| found(0).filter(|_| op == Op::Mul))
 }
 
 /// Takes functions apart.
@@ -226,17 +262,25 @@ impl Reader<'_> {
                 Nodes::Max(vec![same, other.map(graph, true, &negated)])
             }
             Op::Neg => self.nodes(graph, operands[0], by_sign).map(graph, true, &negated),
+            Op::Mul | Op::Div => {
+                let Some((number, other)) = factor(graph, op, &operands) else {
+                    return Nodes::Part(node);
+                };
+                let is_turned = number.is_negative();
+                let number = if op == Op::Div { number.recip() } else { number };
+                let number = graph.constant(Constant::rational(number));
+                let inner = self.nodes(graph, other, by_sign);
+                inner.map(graph, is_turned, &|graph, part| graph.apply(Op::Mul, &[number, part]))
+            }
             Op::Add | Op::Sub => {
                 let (one, other) = (operands[0], operands[1]);
                 let [left, right] = [one, other].map(|node| self.nodes(graph, node, false));
-                match (left.is_part(), right.is_part()) {
-                    (false, true) => {
-                        left.map(graph, false, &|graph, part| graph.apply(op, &[part, other]))
-                    }
-                    (true, false) => right
-                        .map(graph, op == Op::Sub, &|graph, part| graph.apply(op, &[one, part])),
-                    _ => Nodes::Part(node),
+                let count = left.parts() * right.parts();
+                if count == 1 || count > self.left {
+                    return Nodes::Part(node);
                 }
+                self.left -= count;
+                left.sum(graph, op, &right)
             }
             _ => Nodes::Part(node),
         }
@@ -345,6 +389,41 @@ impl Program {
         Ok(Choices { choice, parts, first_cut, levels })
     }
 
+    /// A surface's function as minima and maxima of linear functions with exact coefficients, if it is
+    /// found to be that everywhere. None of them is constant.
+    ///
+    /// # Panics
+    /// If there is no such surface.
+    pub fn flat_choice(&self, surface: usize) -> Option<FlatChoice> {
+        let whole = self.simplified();
+        let (all, roots) = &whole.symbolic;
+        let is_linear = |node: &NodeId| match all.node(*node) {
+            Node::Variable(_) | Node::Parameter(_) | Node::Constant(_) => true,
+            Node::Apply(op, _) => LINEAR.contains(op),
+        };
+        if !all.needed(&[roots[surface]]).iter().all(is_linear) {
+            return None;
+        }
+        let (mut graph, mut root) = whole.symbolic(surface);
+        for id in graph.needed(&[root]) {
+            if let Node::Parameter(number) = graph.node(id) {
+                let value = self.exact.get(*number as usize)?.clone()?;
+                let value = graph.constant(Constant::rational(value));
+                root = substitute(&mut graph, root, id, value);
+            }
+        }
+        let is_choice = choices(&graph);
+        let mut reader = Reader { is_choice, left: MOST_PLANES, values: self.values() };
+        let mut parts = Vec::new();
+        let mut choice = reader.nodes(&mut graph, root, true).numbered(&mut parts);
+        if whole.solid[surface] {
+            choice = merge(&graph, choice, &mut parts, &whole.assumptions.parameters);
+        }
+        let planes = planes(&graph, &parts)?;
+        let is_constant = |plane: &[BigRational; 4]| plane[..3].iter().all(Zero::is_zero);
+        (!planes.iter().any(is_constant)).then_some(FlatChoice { choice, planes })
+    }
+
     /// A program whose surfaces are the partial derivatives of a surface's function by x, y and z.
     /// They equal the function's own where it is differentiable and they are defined, up to thin
     /// sets.
@@ -408,6 +487,8 @@ mod tests {
             ("max(abs(x), abs(y), abs(z)) = 1", Max((0..6).map(Part).collect()), 6),
             ("1 - max(x, y) = z", Min(vec![Part(0), Part(1)]), 2),
             ("max(x, -min(y, z)) = 0", Max(vec![Part(0), Part(1), Part(2)]), 3),
+            ("max(x, y) + max(y, z) = 1", Max((0..4).map(Part).collect()), 4),
+            ("1 - 2*max(x, y)/3 = z", Min(vec![Part(0), Part(1)]), 2),
             ("abs(max(x, y)) = 1", Max(vec![Part(0), Part(1), Min(vec![Part(2), Part(3)])]), 4),
             // Levels of one function, the greatest number first, and functions that are not.
             ("z*(z - 0.1) = 0", Max(vec![Part(0), Part(1)]), 2),

@@ -3,6 +3,7 @@
 
 use crate::kernels::{BoundSurface, CodeStore, CompiledKernel, Evaluator};
 use crate::simplified::Simplified;
+use num_rational::BigRational;
 use std::sync::{Arc, OnceLock};
 use zeroset_eval::{Assumptions, KernelFloat, Kernels, SurfaceKernels, Tape};
 use zeroset_interval::{Facts, Interval};
@@ -19,6 +20,8 @@ pub struct Program {
     store: Arc<CodeStore>,
     /// The parameters' values, within their assumed ranges.
     values: Arc<[Interval]>,
+    /// The parameters' values, where they are known exactly. It may be empty.
+    pub(crate) exact: Arc<[Option<BigRational>]>,
     surfaces: Vec<BoundSurface>,
     /// Bounds and facts of each surface's function.
     enclosures: Vec<(Interval, Facts)>,
@@ -118,7 +121,7 @@ impl Program {
             filled,
         };
         let store = CodeStore::new(Arc::new(simplified), Evaluator::Native);
-        Ok(Self::of(Arc::new(store), values(document)))
+        Ok(Self { exact: exact(document), ..Self::of(Arc::new(store), values(document)) })
     }
 
     /// The same program, run by `evaluator`. The result shares no kernels with `self`, and its list
@@ -153,7 +156,7 @@ impl Program {
         if !self.serves(document) {
             return None;
         }
-        let program = self.with(values(document));
+        let program = Self { exact: exact(document), ..self.with(values(document)) };
         Some(program.check(document).map(|()| program))
     }
 
@@ -209,7 +212,7 @@ impl Program {
         let enclosures = zeroset_eval::enclose_all(graph, roots, &assumptions);
         let surface = |index| BoundSurface::new(&store, index, &values);
         let surfaces = (0..roots.len()).map(surface).collect();
-        Self { store, values, surfaces, enclosures }
+        Self { store, values, exact: Arc::from([]), surfaces, enclosures }
     }
 
     /// Refuses a function that is constant or undefined in all of space. [`Program::remarks`]
@@ -381,6 +384,10 @@ fn solid(document: &Document) -> Vec<bool> {
 
 fn values(document: &Document) -> Vec<Interval> {
     document.parameters.iter().map(|parameter| parameter.value.bounds()).collect()
+}
+
+fn exact(document: &Document) -> Arc<[Option<BigRational>]> {
+    document.parameters.iter().map(|parameter| parameter.value.exact().cloned()).collect()
 }
 
 /// The range that a parameter is assumed to stay in: its own range if its value is inside, else the

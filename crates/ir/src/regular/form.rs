@@ -87,6 +87,36 @@ pub fn multiples(graph: &Graph, nodes: &[NodeId], parameters: &[Interval]) -> Ve
     nodes.iter().enumerate().map(place).collect()
 }
 
+/// For each node, the coefficients of x, y and z and the constant of a linear function that the node
+/// is everywhere. `None` if they are not found for all nodes.
+///
+/// ```
+/// use zeroset_ir::{Axis, Graph, planes};
+/// use zeroset_ops::Op;
+///
+/// let mut graph = Graph::new();
+/// let [x, y] = [Axis::X, Axis::Y].map(|axis| graph.variable(axis));
+/// let sum = graph.apply(Op::Add, &[x, y]);
+/// let found = planes(&graph, &[sum]).expect("linear");
+/// assert_eq!(found[0].each_ref().map(|number| number.to_string()), ["1", "1", "0", "0"]);
+/// let product = graph.apply(Op::Mul, &[x, y]);
+/// assert_eq!(planes(&graph, &[product]), None);
+/// ```
+pub fn planes(graph: &Graph, nodes: &[NodeId]) -> Option<Vec<[BigRational; 4]>> {
+    let mut forms = Forms::default();
+    let plane = |node: &NodeId| {
+        let form = forms.of(graph, *node);
+        let mut plane = [(); 4].map(|()| BigRational::zero());
+        for (id, coefficient) in &form.terms {
+            let Node::Variable(axis) = graph.node(*id) else { return None };
+            plane[*axis as usize] = coefficient.clone();
+        }
+        plane[3] = form.constant.clone();
+        Some(plane)
+    };
+    nodes.iter().map(plane).collect()
+}
+
 /// The forms of nodes, each computed once.
 #[derive(Default)]
 pub(super) struct Forms(FxHashMap<NodeId, Rc<LinearForm>>);
@@ -125,15 +155,18 @@ impl Forms {
         } else if op == Op::Sub {
             Some(operand(0).plus(&operand(1).scaled(&minus)))
         } else if op == Op::Mul {
-            let [first, second] = [0, 1].map(|k| graph.exact(operands[k]));
-            match (first, second) {
-                (Some(factor), _) => Some(operand(1).scaled(factor)),
-                (None, Some(factor)) => Some(operand(0).scaled(factor)),
-                (None, None) => None,
+            let [first, second] = [0, 1].map(&mut operand);
+            if first.terms.is_empty() {
+                Some(second.scaled(&first.constant))
+            } else if second.terms.is_empty() {
+                Some(first.scaled(&second.constant))
+            } else {
+                None
             }
         } else if op == Op::Div {
-            let divisor = graph.exact(operands[1]).filter(|divisor| !divisor.is_zero())?;
-            Some(operand(0).scaled(&divisor.recip()))
+            let divisor = operand(1);
+            let is_number = divisor.terms.is_empty() && !divisor.constant.is_zero();
+            is_number.then(|| operand(0).scaled(&divisor.constant.recip()))
         } else {
             None
         }

@@ -1,11 +1,12 @@
 //! Solids with faces in common planes, whose shapes are known exactly.
 
 use crate::shapes::{euler, volume};
-use crate::{mesh_of, mesh_with, reduce};
+use crate::{flat_mesh_in, mesh_of, mesh_with, reduce};
 use fastrand::Rng;
 use glam::DVec3;
 use std::f64::consts::PI;
 use std::time::Instant;
+use zeroset_mesh::Mesh;
 use zeroset_space::Region;
 use zeroset_testkit::{Crossings, Effort, crossings};
 
@@ -183,6 +184,12 @@ fn random_solid(random: &mut Rng, depth: usize) -> (String, Cubes) {
     }
 }
 
+/// Panics unless triangles have areas and meet only in corners and edges that they share.
+pub fn check_crossings(mesh: &Mesh, name: &str) {
+    let vertices: Vec<[f64; 3]> = mesh.vertices.iter().map(|at| at.to_array()).collect();
+    assert_eq!(crossings(&vertices, &mesh.triangles), Crossings::default(), "{name}");
+}
+
 #[test]
 fn random_boxes_with_common_planes_have_their_shapes() {
     let Effort { seed, cases } = Effort::from_environment(0xb0c5, 80);
@@ -202,12 +209,25 @@ fn random_boxes_with_common_planes_have_their_shapes() {
         let tolerance = 0.05;
         let clock = Instant::now();
         let region = Region::new(DVec3::splat(-half), DVec3::splat(half)).expect("a region");
+        let exact = flat_mesh_in(&text, region, tolerance);
         let mesh = mesh_with(&text, region, tolerance, 20_000);
         let seconds = clock.elapsed().as_secs_f64();
         if seconds > slowest.1 {
             slowest = (case, seconds);
         }
         let line = format!("seed {case:#x}: zeroset mesh '{text}' --domain={half}");
+        // The exact mesh is proven wherever there is a proof.
+        assert_eq!(exact.is_proven(), cubes.is_manifold(), "{:?}; {line}", exact.unproven);
+        assert!((volume(&exact) - cubes.volume() as f64).abs() < 1e-9, "{line}");
+        if cubes.is_manifold() {
+            assert_eq!(euler(&exact), (cubes.euler(), 0), "{line}");
+            check_crossings(&exact, &line);
+            let mut fewer = exact;
+            reduce(&mut fewer, &text, region, 2.0 * tolerance);
+            assert!(fewer.is_proven(), "{:?}; {line}", fewer.unproven);
+            assert_eq!(euler(&fewer), (cubes.euler(), 0), "{line}");
+            check_crossings(&fewer, &line);
+        }
         if !cubes.is_manifold() {
             assert!(!mesh.is_proven(), "a boundary that crosses itself is proven; {line}");
             skipped += 1;
@@ -223,8 +243,7 @@ fn random_boxes_with_common_planes_have_their_shapes() {
             continue;
         }
         proven += 1;
-        let vertices: Vec<[f64; 3]> = mesh.vertices.iter().map(|at| at.to_array()).collect();
-        assert_eq!(crossings(&vertices, &mesh.triangles), Crossings::default(), "{line}");
+        check_crossings(&mesh, &line);
         assert_eq!(euler(&mesh), (cubes.euler(), 0), "{line}");
         let (found, exact) = (volume(&mesh), cubes.volume() as f64);
         let most = tolerance * cubes.area() as f64;
@@ -235,8 +254,7 @@ fn random_boxes_with_common_planes_have_their_shapes() {
             println!("{:?}; {line}", fewer.unproven);
             unrounded += 1;
         }
-        let vertices: Vec<[f64; 3]> = fewer.vertices.iter().map(|at| at.to_array()).collect();
-        assert_eq!(crossings(&vertices, &fewer.triangles), Crossings::default(), "{line}");
+        check_crossings(&fewer, &line);
         assert_eq!(euler(&fewer), (cubes.euler(), 0), "{line}");
     }
     let manifold = cases - skipped - empty;

@@ -1,6 +1,7 @@
 //! Tests of meshes.
 
 mod crossings;
+mod flat;
 mod flush;
 mod orientation;
 mod shapes;
@@ -25,12 +26,34 @@ fn mesh_in(text: &str, region: Region, tolerance: f64) -> Mesh {
 
 /// The same with a limit for the number of cells.
 fn mesh_with(text: &str, region: Region, tolerance: f64, most_cells: usize) -> Mesh {
+    mesh_by(text, region, tolerance, most_cells, false)
+}
+
+fn mesh_by(
+    text: &str,
+    region: Region,
+    tolerance: f64,
+    most_cells: usize,
+    has_large_faces: bool,
+) -> Mesh {
     let document = read(text, &zeroset_syntax::Options::default()).expect(text);
     let program = Program::new(&document, zeroset_mesh::domain(&region)).expect("a surface");
     let is_solid = document.surfaces[0].kind == SurfaceKind::Solid;
-    let options =
-        Options { region, larger: None, tolerance, is_solid, is_estimated: false, most_cells };
+    let options = Options {
+        region,
+        larger: None,
+        tolerance,
+        is_solid,
+        is_estimated: false,
+        has_large_faces,
+        most_cells,
+    };
     mesh(&program, 0, &options, &|| true).expect("kernels").expect("wanted")
+}
+
+/// The exact mesh of a text's only surface, whose parts are planes.
+fn flat_mesh_in(text: &str, region: Region, tolerance: f64) -> Mesh {
+    mesh_by(text, region, tolerance, MOST_CELLS, true)
 }
 
 /// Replaces the triangles of the mesh that [`mesh_with`] returned by fewer ones.
