@@ -107,7 +107,7 @@ impl Scene {
             rows.add(picture);
             Ok(())
         };
-        let whole = draw(&model, &camera, &settings, &around, &|_, _| {}, &mut add);
+        let whole = draw(&model, &camera, &settings, &around, &|_| {}, &mut add);
         let rays = RayGrid::new(&camera, settings.width, settings.height);
         Ok(Picture::new(camera, rays, &region, rows, whole.map_err(Error::formula)?))
     }

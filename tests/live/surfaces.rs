@@ -125,7 +125,7 @@ fn a_picture_of_a_file_lacks_what_is_hidden() {
         let (region, _) = view::region(&alone, DomainChoice::Document, None).expect("a region");
         let camera = camera::camera(&CameraChoice::typed(&alone), &region).expect("a camera");
         let picture = |document: &Document| {
-            render(document, &region, &camera, &settings, &|_, _| {}).expect("renders")
+            render(document, &region, &camera, &settings, &|_| {}).expect("renders")
         };
         let (one, other) = (picture(&hidden), picture(&alone));
         assert!(one.rgb == other.rgb, "{extra:?}");

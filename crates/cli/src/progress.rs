@@ -2,14 +2,18 @@
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
+use zeroset_render::progress::Progress as Known;
 
 /// Work shorter than this shows no bar.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// Progress through a known number of steps, shared by threads.
+/// Progress through a known number of steps, or through a picture. Shared by threads.
 pub struct Progress {
     bar: ProgressBar,
+    /// Says what is done.
+    stage: Mutex<&'static str>,
     started: Instant,
 }
 
@@ -20,7 +24,20 @@ impl Progress {
         let style = ProgressStyle::with_template("{msg} {wide_bar} {percent}%  {eta} left");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         bar.set_message(what);
-        Self { bar, started: Instant::now() }
+        Self { bar, stage: Mutex::new(what), started: Instant::now() }
+    }
+
+    /// Shows how much of a picture is done. The bar has a hundred steps, and begins anew with each
+    /// stage.
+    pub fn follow(&self, known: Known) {
+        let mut stage = self.stage.lock().unwrap_or_else(PoisonError::into_inner);
+        if *stage != known.stage {
+            *stage = known.stage;
+            self.bar.set_message(known.stage);
+            self.bar.reset();
+        }
+        drop(stage);
+        self.reach(known.percent() as u64);
     }
 
     /// Shows that this many steps are done. A smaller number than before is ignored.

@@ -61,10 +61,8 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         let camera = framing::camera(&model, &choice, &settings, around.axes)?;
         let view = begun.elapsed();
         interrupt::defer_first();
-        let seen = document.surfaces.iter().filter(|surface| !surface.hidden).count();
-        let pixels = settings.width * settings.height * seen;
-        let bar = Progress::new(pixels as u64, "tracing");
-        let advance = |done: usize, all: usize| bar.reach((pixels * done / all.max(1)) as u64);
+        let bar = Progress::new(100, "tracing");
+        let advance = |now| bar.follow(now);
         let origin = PictureOrigin::typed(&subject.source.text);
         let size = [settings.width, settings.height];
         let has_alpha = model.is_transparent(&settings);

@@ -15,10 +15,10 @@ pub use locate::{Located, true_digits};
 pub use strips::Strip;
 
 use crate::picture::{Normals, Picture, Precision, Settings, Times};
+use crate::progress::{Done, Progress};
 use glam::DVec3;
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 use zeroset_eval::{Boxes, KernelFloat, Points, SurfaceKernels};
 use zeroset_interval::Interval;
@@ -320,7 +320,7 @@ impl Model {
     }
 
     /// Indices of the visible surfaces.
-    fn visible_surfaces(&self) -> impl Iterator<Item = usize> + '_ {
+    pub fn visible_surfaces(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.surfaces()).filter(|surface| !self.styles[*surface].hidden)
     }
 
@@ -399,10 +399,9 @@ impl Model {
         progress: ProgressCallback<'_>,
     ) -> Result<Picture, ProgramError> {
         let pixels = settings.width * settings.height * self.visible_surfaces().count();
-        let done = AtomicUsize::new(0);
-        let advance = |pixels_done: usize| {
-            let done = done.fetch_add(pixels_done, Ordering::Relaxed) + pixels_done;
-            progress(done, pixels);
+        let known = Mutex::new(Some(Progress::tracing(pixels)));
+        let advance = |done| {
+            tell(&known, done, progress);
             true
         };
         self.trace(camera, settings, &advance)
@@ -467,8 +466,18 @@ fn sample<T: KernelFloat>(surface: &dyn SurfaceKernels, point: DVec3) -> Option<
     Some((out[0].value[0].into(), out[0].gradient.map(|lanes| lanes[0].into())))
 }
 
-/// Progress callback: gets the numbers of finished and of all pixels. Called from several threads.
-pub type ProgressCallback<'a> = &'a (dyn Fn(usize, usize) + Sync);
+/// Progress callback. Called from several threads.
+pub type ProgressCallback<'a> = &'a (dyn Fn(Progress) + Sync);
+
+/// Adds work to what is known of a picture's progress, and tells the result.
+fn tell(known: &Mutex<Option<Progress>>, done: Done, progress: ProgressCallback<'_>) {
+    let now = {
+        let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);
+        *known = Progress::after(*known, done);
+        *known
+    };
+    now.into_iter().for_each(progress);
+}
 
 /// Draws all surfaces of `document` in `region` from `camera`.
 ///

@@ -5,9 +5,14 @@ use super::glide::Glide;
 use super::worker::{AnchoredModel, FitKey, FittedCamera, JobContext, Worker, coarser};
 use super::{FaultReason, NextView, Request};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 use zeroset_render::framing;
+use zeroset_render::progress::Done;
 use zeroset_scene::view::SceneError;
 use zeroset_space::Camera;
+
+/// If a camera takes longer to fit, a coarse picture of the whole region comes first.
+const FRAMING: Duration = Duration::from_millis(100);
 
 impl Worker {
     /// Returns the camera for a request. If a glide is due, draws its pictures first. `None` if the
@@ -40,7 +45,7 @@ impl Worker {
         let wanted = |_| self.shared.wanted(context.job);
         while let Some(camera) = glide.camera() {
             let picture = context.made.model.trace(&camera, &settings, &wanted)?;
-            if !wanted(0) {
+            if !wanted(Done::NOTHING) {
                 // Begin the next glide at this camera, whose picture is visible.
                 if let Some(framed) = &mut self.framed {
                     (framed.camera, framed.arrived) = (camera, false);
@@ -50,7 +55,7 @@ impl Worker {
             self.publish(Arc::new(context.rendering(camera, picture, true)));
             self.rest(context.job, glide.pause());
         }
-        Ok(wanted(0))
+        Ok(wanted(Done::NOTHING))
     }
 
     /// The automatic camera. It is fitted once per model, and kept while parameters are moving.
@@ -76,7 +81,20 @@ impl Worker {
             }
         }
         let wanted = || self.shared.wanted(job);
-        let camera = framing::camera_while(model, choice, settings, axes, &wanted)?;
+        let begun = Instant::now();
+        let soon = || wanted() && begun.elapsed() < FRAMING;
+        let mut camera = framing::camera_while(model, choice, settings, axes, &soon)?;
+        if camera.is_none() && wanted() {
+            self.shared.begin("framing");
+            let whole = framing::whole(model, choice)?;
+            let small = coarser(settings, self.pace.first(settings.width * settings.height));
+            let picture = model.trace(&whole, &small.plain(), &|_| wanted())?;
+            if !wanted() {
+                return Ok(None);
+            }
+            self.publish(Arc::new(context.rendering(whole, picture, true)));
+            camera = framing::camera_while(model, choice, settings, axes, &wanted)?;
+        }
         let (model, region) = (Arc::downgrade(model), *model.region());
         let framed = |camera| FittedCamera { model, region, formula, key, camera, arrived: true };
         self.framed = camera.map(framed);

@@ -4,9 +4,10 @@
 //! on the ground and color scales. All three depend on distant rows. An overview supplies these
 //! rows: a smaller picture of the whole. With an overview of full size, strips do not differ.
 
-use super::{Model, ProgressCallback};
+use super::{Model, ProgressCallback, tell};
 use crate::picture::{Picture, Settings};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use crate::progress::{Done, Progress};
+use std::sync::Mutex;
 use zeroset_scene::program::ProgramError;
 use zeroset_shade::{ColorDepth, Pattern};
 use zeroset_space::Camera;
@@ -92,9 +93,12 @@ impl Model {
         let known = |top: usize| top.saturating_sub(ALIGNED)..(top + rows + ALIGNED).min(height);
         let pixels = tops().map(|top| known(top).len() * width).sum::<usize>();
         let pixels = (pixels + small.width * small.height) * self.visible_surfaces().count();
-        let done = AtomicUsize::new(0);
-        let advance = |now: usize| {
-            progress(done.fetch_add(now, Ordering::Relaxed) + now, pixels);
+        let known_progress = Mutex::new(Some(Progress::tracing(pixels)));
+        let advance = |done: Done| {
+            // A strip is smoothed before the next one is traced, so only pixels count.
+            if let Done::Pixels(_) = done {
+                tell(&known_progress, done, progress);
+            }
             wanted()
         };
         let whole = RayGrid::new(camera, width, height);
