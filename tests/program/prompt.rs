@@ -353,6 +353,9 @@ fn a_slow_picture_is_coarse_until_it_is_finished() {
         let (end, later) = later.split_last().expect("the last picture is removed");
         assert!(end.is_empty() && !later.is_empty(), "{kind}: {later:?}");
         assert!(later.iter().all(|one| one.contains(picture)), "{kind}: {later:?}");
+        // An image is followed by one end of a line, and each row of characters by its own.
+        let rows = if kind == "xterm" { 26 } else { 1 };
+        assert!(later.iter().all(|one| one.matches('\n').count() == rows), "{kind}: {later:?}");
         assert!(before.contains(" % · "), "{kind}: {before:?}");
         assert!(before.contains(" of 90x52 so far") || kind != "xterm", "{before:?}");
         terminal.leaves();

@@ -13,7 +13,7 @@ pub const STEP: Duration = Duration::from_millis(40);
 /// If the fine picture takes at most this long, no coarse one is shown.
 const PATIENCE: Duration = Duration::from_millis(200);
 
-/// What the terminal shows until the fine picture is finished.
+/// The coarse picture in the terminal, and the line below it.
 pub struct Waiting {
     begun: Instant,
     picture: Option<Arc<Rendering>>,

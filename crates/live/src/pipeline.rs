@@ -216,7 +216,7 @@ pub struct Snapshot {
     pub working: Option<Working>,
 }
 
-/// What the worker does, as the status line says it: a stage, and its share if that is known.
+/// The worker's stage as the status line says it, with its finished share if that is known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Working {
     stage: &'static str,
@@ -251,7 +251,7 @@ struct PipelineState {
     snapshot: Snapshot,
     /// The worker's present stage.
     stage: &'static str,
-    /// How much of the present picture is done. `None` before its pixels are traced.
+    /// The finished share of the present picture. `None` before its pixels are traced.
     progress: Option<Progress>,
     /// Revision of the last request that was given up before its picture was finished.
     given_up: u64,

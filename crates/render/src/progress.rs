@@ -1,4 +1,4 @@
-//! How much of a picture is done. Does not know how long the rest will take.
+//! The finished share of a picture. Does not know how long the rest will take.
 
 /// Work on a picture that was done since the last report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -101,3 +101,40 @@ impl Worker {
         Ok(camera)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::{Live, Request};
+    use std::thread;
+    use std::time::{Duration, Instant};
+    use zeroset_render::framing;
+    use zeroset_render::picture::Settings;
+
+    /// A Mandelbulb of two rounds. Tracing it from several sides to fit a camera takes long.
+    const SLOW: &str = "domain 1.2\n\
+        r = sqrt(x^2+y^2+z^2); a = 8.1 acos(z/r); b = 8.1 atan2(y, x)\n\
+        u = r^8 sin(a) cos(b) + x; v = r^8 sin(a) sin(b) + y; w = r^8 cos(a) + z\n\
+        s = sqrt(u^2+v^2+w^2); c = 8.1 acos(w/s); d = 8.1 atan2(v, u)\n\
+        (s^8 sin(c) cos(d) + x)^2 + (s^8 sin(c) sin(d) + y)^2 + (s^8 cos(c) + z)^2 = 4";
+
+    #[test]
+    fn a_camera_that_takes_long_to_fit_is_not_waited_for() {
+        let settings = Settings { width: 40, height: 30, ..Settings::default() };
+        let live = Live::new(Request { text: SLOW.into(), settings, ..Request::default() });
+        let begun = Instant::now();
+        let next = |is_wanted: &dyn Fn(&zeroset_space::Camera) -> bool| {
+            loop {
+                let seen = live.snapshot().rendering;
+                if let Some(seen) = seen.filter(|seen| is_wanted(&seen.camera)) {
+                    return seen;
+                }
+                assert!(begun.elapsed() < Duration::from_mins(1), "no picture");
+                thread::sleep(Duration::from_millis(1));
+            }
+        };
+        let first = next(&|_| true);
+        let whole = framing::whole(&first.model, &first.request.choice).expect("a camera");
+        assert!(first.coarse && first.camera == whole, "{:?}", first.camera);
+        next(&|camera| *camera != whole);
+    }
+}
