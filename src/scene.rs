@@ -12,7 +12,7 @@ use zeroset_render::drawing::draw;
 use zeroset_render::framing;
 use zeroset_render::model::Model;
 use zeroset_render::overlay::Overlay;
-use zeroset_render::progress::Progress;
+use zeroset_render::progress::{Listener, Progress};
 use zeroset_scene::program::ProgramError;
 use zeroset_scene::view::{Clipping, region};
 use zeroset_trace::RayGrid;
@@ -88,7 +88,7 @@ impl Scene {
     /// # Ok::<(), zeroset::Error>(())
     /// ```
     pub fn render(&self, settings: &Settings) -> Result<Picture, Error> {
-        self.render_telling(settings, &|_, _| {})
+        self.drawn(settings, None)
     }
 
     /// Renders a picture as [`Scene::render`] does, and tells how much of it is done: calls `tell`
@@ -116,6 +116,10 @@ impl Scene {
         settings: &Settings,
         tell: &(dyn Fn(&'static str, usize) + Sync),
     ) -> Result<Picture, Error> {
+        self.drawn(settings, Some(&|now: Progress| tell(now.stage, now.percent())))
+    }
+
+    fn drawn(&self, settings: &Settings, listener: Listener<'_>) -> Result<Picture, Error> {
         let (document, choice) = (&self.text.document, &settings.camera);
         let domain = settings.domain_choice();
         let around = Overlay::asked(settings.picture.choices, document);
@@ -136,8 +140,7 @@ impl Scene {
             rows.add(picture);
             Ok(())
         };
-        let told = |now: Progress| tell(now.stage, now.percent());
-        let whole = draw(&model, &camera, &settings, &around, &told, &mut add);
+        let whole = draw(&model, &camera, &settings, &around, listener, &mut add);
         let rays = RayGrid::new(&camera, settings.width, settings.height);
         Ok(Picture::new(camera, rays, &region, rows, whole.map_err(Error::formula)?))
     }

@@ -39,7 +39,7 @@ fn picture_of(text: &str, clip: Option<HalfSpace>, settings: &Settings) -> Pictu
     let domain = DomainChoice::Bounds([-2.0, 2.0, -2.0, 2.0, -2.0, 2.0]);
     let (region, _) =
         view::region(&document, domain, clip.map(view::ClipChoice::Plane)).expect(text);
-    render(&document, &region, &camera(), settings, &|_| {}).expect(text)
+    render(&document, &region, &camera(), settings).expect(text)
 }
 
 fn picture(text: &str) -> Picture {
@@ -273,7 +273,7 @@ fn rays_followed_alone_find_points_as_exactly() {
     let document = read(sphere, &Options::default()).expect("reads");
     let mut alone = settings();
     alone.options.tiles = false;
-    let picture = render(&document, &region, &camera(), &alone, &|_| {}).expect("a picture");
+    let picture = render(&document, &region, &camera(), &alone).expect("a picture");
     let mut hits = 0;
     for n in (0..SIDE * SIDE).filter(|&n| picture.buffer.is_drawn(n)) {
         let foot = rays().ray_of(n).origin;

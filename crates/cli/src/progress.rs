@@ -15,6 +15,8 @@ pub struct Progress {
     /// Says what is done.
     stage: Mutex<&'static str>,
     started: Instant,
+    /// Set if the standard error is a terminal.
+    is_seen: bool,
 }
 
 impl Progress {
@@ -24,7 +26,13 @@ impl Progress {
         let style = ProgressStyle::with_template("{msg} {wide_bar} {percent}%  {eta} left");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         bar.set_message(what);
-        Self { bar, stage: Mutex::new(what), started: Instant::now() }
+        let is_seen = std::io::stderr().is_terminal();
+        Self { bar, stage: Mutex::new(what), started: Instant::now(), is_seen }
+    }
+
+    /// Returns whether the bar is shown once the work takes long.
+    pub fn is_seen(&self) -> bool {
+        self.is_seen
     }
 
     /// Shows how much of a picture is done. The bar has a hundred steps, and begins anew with each
@@ -45,10 +53,7 @@ impl Progress {
         if steps > self.bar.position() {
             self.bar.set_position(steps);
         }
-        if self.bar.is_hidden()
-            && self.started.elapsed() > PATIENCE
-            && std::io::stderr().is_terminal()
-        {
+        if self.is_seen && self.bar.is_hidden() && self.started.elapsed() > PATIENCE {
             self.bar.set_draw_target(ProgressDrawTarget::stderr());
             // Draw the bar at once, since the next step may take long.
             self.bar.tick();

@@ -15,10 +15,9 @@ pub use locate::{Located, true_digits};
 pub use strips::Strip;
 
 use crate::picture::{Normals, Picture, Precision, Settings, Times};
-use crate::progress::{Done, Progress};
 use glam::DVec3;
 use rayon::prelude::*;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 use zeroset_eval::{Boxes, KernelFloat, Points, SurfaceKernels};
 use zeroset_interval::Interval;
@@ -392,19 +391,8 @@ impl Model {
     ///
     /// # Errors
     /// As [`Model::trace`].
-    pub fn picture(
-        &self,
-        camera: &Camera,
-        settings: &Settings,
-        progress: ProgressCallback<'_>,
-    ) -> Result<Picture, ProgramError> {
-        let pixels = settings.width * settings.height * self.visible_surfaces().count();
-        let known = Mutex::new(Some(Progress::tracing(pixels)));
-        let advance = |done| {
-            tell(&known, done, progress);
-            true
-        };
-        self.trace(camera, settings, &advance)
+    pub fn picture(&self, camera: &Camera, settings: &Settings) -> Result<Picture, ProgramError> {
+        self.trace(camera, settings, &|_| true)
     }
 }
 
@@ -466,19 +454,6 @@ fn sample<T: KernelFloat>(surface: &dyn SurfaceKernels, point: DVec3) -> Option<
     Some((out[0].value[0].into(), out[0].gradient.map(|lanes| lanes[0].into())))
 }
 
-/// Progress callback. Called from several threads.
-pub type ProgressCallback<'a> = &'a (dyn Fn(Progress) + Sync);
-
-/// Adds work to what is known of a picture's progress, and tells the result.
-fn tell(known: &Mutex<Option<Progress>>, done: Done, progress: ProgressCallback<'_>) {
-    let now = {
-        let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);
-        *known = Progress::after(*known, done);
-        *known
-    };
-    now.into_iter().for_each(progress);
-}
-
 /// Draws all surfaces of `document` in `region` from `camera`.
 ///
 /// # Errors
@@ -488,9 +463,8 @@ pub fn render(
     region: &Region,
     camera: &Camera,
     settings: &Settings,
-    progress: ProgressCallback<'_>,
 ) -> Result<Picture, ProgramError> {
-    Model::new(document, region, settings)?.picture(camera, settings, progress)
+    Model::new(document, region, settings)?.picture(camera, settings)
 }
 
 /// Number of points at which a function is tested for being 0 everywhere.

@@ -1,5 +1,7 @@
 //! The finished share of a picture. Does not know how long the rest will take.
 
+use std::sync::{Mutex, PoisonError};
+
 /// Work on a picture that was done since the last report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Done {
@@ -54,6 +56,33 @@ impl Progress {
     pub fn percent(&self) -> usize {
         // An empty stage is done.
         (100 * self.done).checked_div(self.all).map_or(100, |percent| percent.min(100))
+    }
+}
+
+/// Listener to the progress of a picture, if there is one. Called from several threads.
+pub type Listener<'a> = Option<&'a (dyn Fn(Progress) + Sync)>;
+
+/// The progress of a picture that a listener hears of.
+pub(crate) struct Count<'a> {
+    known: Mutex<Option<Progress>>,
+    listener: Listener<'a>,
+}
+
+impl<'a> Count<'a> {
+    /// The beginning of tracing this many pixels, as for [`Progress::tracing`].
+    pub fn tracing(pixels: usize, listener: Listener<'a>) -> Self {
+        Self { known: Mutex::new(Some(Progress::tracing(pixels))), listener }
+    }
+
+    /// Adds work, and tells the listener the result.
+    pub fn add(&self, done: Done) {
+        let Some(listener) = self.listener else { return };
+        let now = {
+            let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+            *known = Progress::after(*known, done);
+            *known
+        };
+        now.into_iter().for_each(listener);
     }
 }
 

@@ -93,9 +93,10 @@ impl Driver<'_> {
             [] => pixels.len(),
             only => only[pixels].iter().filter(|asked| **asked).count(),
         };
+        let is_masked = !only.is_empty();
         let advance = |found: usize| {
             // The tracer may also set results of pixels that are not wanted.
-            let found = found.min(wanted - told.get());
+            let found = if is_masked { found.min(wanted - told.get()) } else { found };
             told.set(told.get() + found);
             (self.advance)(found)
         };
@@ -103,7 +104,7 @@ impl Driver<'_> {
         if band.is_wanted() {
             self.tracer.band(self.rays, &mut band, &mut work);
             // Pixels for which the tracer set no result are finished, too.
-            (self.advance)(wanted - told.get());
+            (self.advance)(wanted.saturating_sub(told.get()));
         } else {
             band.give_up();
         }

@@ -11,7 +11,8 @@ use zeroset_render::progress::Done;
 use zeroset_scene::view::SceneError;
 use zeroset_space::Camera;
 
-/// If a camera takes longer to fit, a coarse picture of the whole region comes first.
+/// If a camera takes longer to fit than this, and longer than all that came before, a coarse picture
+/// of the whole region comes first.
 const FRAMING: Duration = Duration::from_millis(100);
 
 impl Worker {
@@ -82,7 +83,8 @@ impl Worker {
         }
         let wanted = || self.shared.wanted(job);
         let begun = Instant::now();
-        let soon = || wanted() && begun.elapsed() < FRAMING;
+        let patience = FRAMING.max(job.requested.elapsed());
+        let soon = || wanted() && begun.elapsed() < patience;
         let mut camera = framing::camera_while(model, choice, settings, axes, &soon)?;
         if camera.is_none() && wanted() {
             self.shared.begin("framing");

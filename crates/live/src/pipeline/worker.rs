@@ -115,7 +115,7 @@ impl JobContext<'_> {
 pub(super) struct Job {
     pub request: Arc<Request>,
     revision: u64,
-    requested: Instant,
+    pub requested: Instant,
 }
 
 impl Shared {
