@@ -12,6 +12,7 @@ use zeroset_render::drawing::draw;
 use zeroset_render::framing;
 use zeroset_render::model::Model;
 use zeroset_render::overlay::Overlay;
+use zeroset_render::progress::{Listener, Progress};
 use zeroset_scene::program::ProgramError;
 use zeroset_scene::view::{Clipping, region};
 use zeroset_trace::RayGrid;
@@ -87,6 +88,38 @@ impl Scene {
     /// # Ok::<(), zeroset::Error>(())
     /// ```
     pub fn render(&self, settings: &Settings) -> Result<Picture, Error> {
+        self.drawn(settings, None)
+    }
+
+    /// Renders a picture as [`Scene::render`] does, and tells how much of it is done: calls `tell`
+    /// from several threads with the stage, such as "tracing" or "smoothing", and the percent of
+    /// the stage's pixels that are done.
+    ///
+    /// # Errors
+    /// As [`Scene::render`].
+    ///
+    /// ```
+    /// use std::sync::atomic::{AtomicUsize, Ordering};
+    /// use zeroset::{Scene, Settings};
+    /// let most = AtomicUsize::new(0);
+    /// let tell = |stage: &str, percent| {
+    ///     if stage == "tracing" {
+    ///         most.fetch_max(percent, Ordering::Relaxed);
+    ///     }
+    /// };
+    /// Scene::read("z = x*y {x^2+y^2 < 4}")?.render_telling(&Settings::new(64, 64), &tell)?;
+    /// assert_eq!(most.into_inner(), 100);
+    /// # Ok::<(), zeroset::Error>(())
+    /// ```
+    pub fn render_telling(
+        &self,
+        settings: &Settings,
+        tell: &(dyn Fn(&'static str, usize) + Sync),
+    ) -> Result<Picture, Error> {
+        self.drawn(settings, Some(&|now: Progress| tell(now.stage, now.percent())))
+    }
+
+    fn drawn(&self, settings: &Settings, listener: Listener<'_>) -> Result<Picture, Error> {
         let (document, choice) = (&self.text.document, &settings.camera);
         let domain = settings.domain_choice();
         let around = Overlay::asked(settings.picture.choices, document);
@@ -107,7 +140,7 @@ impl Scene {
             rows.add(picture);
             Ok(())
         };
-        let whole = draw(&model, &camera, &settings, &around, &|_, _| {}, &mut add);
+        let whole = draw(&model, &camera, &settings, &around, listener, &mut add);
         let rays = RayGrid::new(&camera, settings.width, settings.height);
         Ok(Picture::new(camera, rays, &region, rows, whole.map_err(Error::formula)?))
     }

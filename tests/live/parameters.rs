@@ -18,7 +18,7 @@ fn assert_as_compiled_afresh(frame: &Rendering) {
     let inside = before.low().cmple(region.low()).all() && region.high().cmple(before.high()).all();
     assert!(region == before || frame.searched.is_some() && inside, "{}", request.text);
     let region = before;
-    let fresh = render(&document, &region, &frame.camera, &request.settings, &|_, _| {});
+    let fresh = render(&document, &region, &frame.camera, &request.settings);
     let fresh = fresh.expect("renders");
     assert!(fresh.rgb == frame.picture.rgb, "{}: other colors", request.text);
     assert!(fresh.buffer.status == frame.picture.buffer.status, "{}: other statuses", request.text);

@@ -21,7 +21,7 @@ fn rendered(frame: &Rendering) -> Vec<u8> {
     let document = zeroset_syntax::read(&request.text, &options).expect("reads");
     let (region, _) = view::region(&document, frame.request.domain, None).expect("a region");
     let settings = &frame.request.settings;
-    render(&document, &region, &frame.camera, settings, &|_, _| {}).expect("renders").rgb
+    render(&document, &region, &frame.camera, settings).expect("renders").rgb
 }
 
 #[test]

@@ -124,9 +124,8 @@ fn a_picture_of_a_file_lacks_what_is_hidden() {
             (document(&hidden), document(&format!("domain 2\n{extra}x^2+y^2+z^2 = 1")));
         let (region, _) = view::region(&alone, DomainChoice::Document, None).expect("a region");
         let camera = camera::camera(&CameraChoice::typed(&alone), &region).expect("a camera");
-        let picture = |document: &Document| {
-            render(document, &region, &camera, &settings, &|_, _| {}).expect("renders")
-        };
+        let picture =
+            |document: &Document| render(document, &region, &camera, &settings).expect("renders");
         let (one, other) = (picture(&hidden), picture(&alone));
         assert!(one.rgb == other.rgb, "{extra:?}");
         assert!(one.buffer.status == other.buffer.status && one.legends == other.legends);

@@ -81,7 +81,7 @@ fn draw_spheres() {
     let antialias = Pattern::of(16).expect("a pattern");
     let settings = Settings { width: 256, height: 256, antialias, ..Settings::default() };
     let before = kilobytes("VmHWM:");
-    let picture = render(&document, &region, &camera, &settings, &|_, _| {}).expect("compiles");
+    let picture = render(&document, &region, &camera, &settings).expect("compiles");
     assert!(picture.statistics.edge_rays > 0);
     let grown = kilobytes("VmHWM:") - before;
     println!("{SPHERES} spheres: {grown} kB more than {before} kB");

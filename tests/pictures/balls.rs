@@ -154,7 +154,7 @@ fn a_solid_is_capped_by_the_sphere() {
     let projection = Projection::Orthographic { height: 2.0 };
     let camera = Camera::new(DVec3::NEG_Y * 5.0, DVec3::ZERO, DVec3::Z, projection).expect("one");
     let settings = Settings { width: 32, height: 32, ..Settings::default() };
-    let picture = render(&document, &region, &camera, &settings, &|_, _| {}).expect("a picture");
+    let picture = render(&document, &region, &camera, &settings).expect("a picture");
     let rays = RayGrid::new(&camera, 32, 32);
     let (mut hits, buffer) = (0, &picture.buffer);
     for pixel in 0..32 * 32 {

@@ -33,7 +33,7 @@ fn picture_from(
     let mut settings =
         Settings { width: SIDE, height: SIDE, method, normals: None, ..Settings::default() };
     change(&mut settings);
-    let picture = render(&document, &region(2.0), &camera, &settings, &|_, _| {});
+    let picture = render(&document, &region(2.0), &camera, &settings);
     (RayGrid::new(&camera, SIDE, SIDE), picture.expect("a picture"))
 }
 

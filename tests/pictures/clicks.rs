@@ -116,7 +116,7 @@ fn every_digit_of_a_click_on_the_gallery_is_true() {
         let model = Model::new(&document, &region, &settings).expect(name);
         let choice = CameraChoice::default();
         let camera = framing::camera(&model, &choice, &settings, false).expect(name);
-        let picture = model.picture(&camera, &settings, &|_, _| {}).expect(name);
+        let picture = model.picture(&camera, &settings).expect(name);
         let oracle = Oracle::new(&document.graph, &[document.surfaces[0].root]);
         let values = document.parameters.iter().map(|parameter| parameter.value.bounds());
         let values: Vec<_> = values.map(|value| (value.lo, value.hi)).collect();

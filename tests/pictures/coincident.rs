@@ -19,7 +19,7 @@ fn seen_from(eye: [f64; 3], text: &str) -> Picture {
     let camera = Camera::new(eye, target, DVec3::Z, projection).expect("a camera");
     let plain = Settings { width: SIDE, height: SIDE, ..Settings::default() };
     let options = TraceOptions { tolerance: 0.005, ..plain.options };
-    render(&document, &region, &camera, &Settings { options, ..plain }, &|_, _| {}).expect(text)
+    render(&document, &region, &camera, &Settings { options, ..plain }).expect(text)
 }
 
 fn seen(text: &str) -> Picture {

@@ -18,7 +18,7 @@ fn worst(formula: &str, centre: DVec3, radius: f64) -> f64 {
     let half = DVec3::splat(1.25 * radius);
     let region = Region::new(centre - half, centre + half).expect("a cube");
     let settings = Settings { width: SIDE, height: SIDE, ..Settings::default() };
-    let picture = render(&document, &region, &camera, &settings, &|_, _| {}).expect("a picture");
+    let picture = render(&document, &region, &camera, &settings).expect("a picture");
     let (rays, buffer) = (RayGrid::new(&camera, SIDE, SIDE), &picture.buffer);
     let drawn: Vec<usize> = (0..SIDE * SIDE).filter(|&pixel| buffer.is_drawn(pixel)).collect();
     assert!(drawn.len() > 300, "{formula}: {} drawn", drawn.len());
@@ -85,7 +85,7 @@ fn normals_at_multiple_zeros_are_their_limits() {
             let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect(formula);
             let region = Region::new(DVec3::splat(-1.5), DVec3::splat(1.5)).expect("a cube");
             let settings = Settings { width: SIDE, height: SIDE, ..Settings::default() };
-            let picture = render(&document, &region, &camera, &settings, &|_, _| {});
+            let picture = render(&document, &region, &camera, &settings);
             let (rays, buffer) =
                 (RayGrid::new(&camera, SIDE, SIDE), picture.expect("a picture").buffer);
             for pixel in (0..SIDE * SIDE).filter(|&pixel| buffer.is_drawn(pixel)) {

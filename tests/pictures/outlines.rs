@@ -27,7 +27,7 @@ fn drawn(text: &str, rows: usize) -> Picture {
         }
         Ok(())
     };
-    model.strips_of_height(rows, &camera, &settings, &|_, _| {}, &mut add).expect(text);
+    model.strips_of_height(rows, &camera, &settings, None, &mut add).expect(text);
     all.expect("a strip")
 }
 

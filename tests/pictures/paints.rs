@@ -5,6 +5,7 @@ use glam::DVec3;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use zeroset_render::model::{Model, render};
 use zeroset_render::picture::{Picture, Settings};
+use zeroset_render::progress::Done;
 use zeroset_scene::view::{self, DomainChoice};
 use zeroset_shade::{LinearRgb, Pattern};
 use zeroset_space::{Camera, HalfSpace, Projection, Region};
@@ -38,7 +39,7 @@ fn picture_of(text: &str, clip: Option<HalfSpace>, settings: &Settings) -> Pictu
     let domain = DomainChoice::Bounds([-2.0, 2.0, -2.0, 2.0, -2.0, 2.0]);
     let (region, _) =
         view::region(&document, domain, clip.map(view::ClipChoice::Plane)).expect(text);
-    render(&document, &region, &camera(), settings, &|_, _| {}).expect(text)
+    render(&document, &region, &camera(), settings).expect(text)
 }
 
 fn picture(text: &str) -> Picture {
@@ -126,9 +127,11 @@ fn colors_that_were_not_computed_in_time_are_told() {
     let (region, _) = view::region(&document, domain, None).expect("a region");
     let model = Model::new(&document, &region, &settings()).expect("compiles");
     let traced = AtomicUsize::new(0);
-    let until_traced =
-        |pixels: usize| traced.fetch_add(pixels, Ordering::Relaxed) + pixels < SIDE * SIDE;
-    let draw = |advance: &(dyn Fn(usize) -> bool + Sync)| {
+    let until_traced = |done| match done {
+        Done::Pixels(now) => traced.fetch_add(now, Ordering::Relaxed) + now < SIDE * SIDE,
+        Done::Edges { .. } => panic!("time has ended"),
+    };
+    let draw = |advance: &(dyn Fn(Done) -> bool + Sync)| {
         model.trace(&camera(), &settings(), advance).expect("compiled")
     };
     let (cut, whole) = (draw(&until_traced), draw(&|_| true));
@@ -270,7 +273,7 @@ fn rays_followed_alone_find_points_as_exactly() {
     let document = read(sphere, &Options::default()).expect("reads");
     let mut alone = settings();
     alone.options.tiles = false;
-    let picture = render(&document, &region, &camera(), &alone, &|_, _| {}).expect("a picture");
+    let picture = render(&document, &region, &camera(), &alone).expect("a picture");
     let mut hits = 0;
     for n in (0..SIDE * SIDE).filter(|&n| picture.buffer.is_drawn(n)) {
         let foot = rays().ray_of(n).origin;

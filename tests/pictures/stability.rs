@@ -69,7 +69,7 @@ pub fn picture_with(case: &Case, truth: &Truth, settings: &Settings) -> Picture 
         [truth.view.eye, truth.view.target, truth.view.up].map(DVec3::from_array);
     let projection = Projection::Perspective { fov: truth.view.fov };
     let camera = Camera::new(eye, target, up, projection).expect("a camera");
-    let picture = render(&document(case), &region(case), &camera, settings, &|_, _| {});
+    let picture = render(&document(case), &region(case), &camera, settings);
     picture.unwrap_or_else(|error| panic!("{}: {error}", case.slug))
 }
 
@@ -235,7 +235,7 @@ fn what_has_no_single_roots_is_refused_or_undecided() {
         let document = document(&case);
         let choice = zeroset_scene::camera::CameraChoice::typed(&document);
         let camera = zeroset_scene::camera::camera(&choice, &region).expect("a camera");
-        let picture = match render(&document, &region, &camera, &settings(), &|_, _| {}) {
+        let picture = match render(&document, &region, &camera, &settings()) {
             Ok(picture) => picture,
             Err(error) => {
                 println!("{} is refused: {error}", case.slug);
@@ -294,7 +294,7 @@ fn every_painted_point_has_a_normal() {
             let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("a camera");
             let (width, height) = (SIDE + 1, SIDE + 1);
             let settings = Settings { width, height, method, ..settings() };
-            let picture = render(&document, &region, &camera, &settings, &|_, _| {});
+            let picture = render(&document, &region, &camera, &settings);
             let buffer = picture.expect("a picture").buffer;
             let mut painted = 0;
             for pixel in (0..buffer.drawn.len()).filter(|&pixel| buffer.is_drawn(pixel)) {

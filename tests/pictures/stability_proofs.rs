@@ -117,7 +117,7 @@ fn what_has_no_single_roots_is_refused_or_undecided() {
     for case in cases("stability/others.json") {
         let (region, document) = (region(&case), document(&case));
         let camera = camera::camera(&CameraChoice::typed(&document), &region).expect("a camera");
-        let picture = match render(&document, &region, &camera, &settings(), &|_, _| {}) {
+        let picture = match render(&document, &region, &camera, &settings()) {
             Ok(picture) => picture,
             Err(error) => {
                 assert_eq!(case.expect, "refused-or-undecided", "{}: {error}", case.slug);

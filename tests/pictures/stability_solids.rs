@@ -23,7 +23,7 @@ fn picture(formula: &str, along: DVec3, method: &'static Method) -> (RayGrid, Pi
         method,
         ..plain
     };
-    let picture = render(&document, &region, &camera, &settings, &|_, _| {}).expect("a picture");
+    let picture = render(&document, &region, &camera, &settings).expect("a picture");
     (RayGrid::new(&camera, SIDE, SIDE), picture)
 }
 

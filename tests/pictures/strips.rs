@@ -63,8 +63,7 @@ fn together(
         all.light.extend(&picture.light);
         Ok(())
     };
-    let told =
-        model.strips_of_height(rows, camera, settings, &|_, _| {}, &mut add).expect("compiled");
+    let told = model.strips_of_height(rows, camera, settings, None, &mut add).expect("compiled");
     (all.expect("a strip"), told)
 }
 
@@ -143,7 +142,7 @@ fn a_picture_of_moderate_size_is_one_strip() {
         strips += 1;
         Ok(())
     };
-    let told = model.strips(&camera, &settings, &|_, _| {}, &mut count).expect("compiled");
+    let told = model.strips(&camera, &settings, None, &mut count).expect("compiled");
     assert_eq!((strips, told.buffer.height), (1, 0));
     assert_eq!(told.statistics.pixels.hit + told.statistics.pixels.miss, 1200);
 }

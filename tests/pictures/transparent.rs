@@ -41,7 +41,7 @@ fn drawn(text: &str, background: Background, rows: usize) -> Picture {
         }
         Ok(())
     };
-    model.strips_of_height(rows, &camera, &settings, &|_, _| {}, &mut add).expect(text);
+    model.strips_of_height(rows, &camera, &settings, None, &mut add).expect(text);
     all.expect("a strip")
 }
 

@@ -52,7 +52,7 @@ fn picture(truth: &Truth, settings: &Settings) -> (RayGrid, GBuffer) {
     let camera = Camera::new(eye, target, up, projection).expect("a camera");
     let (width, height) = (SIDE, SIDE);
     let settings = Settings { width, height, normals: None, ..settings.clone() };
-    let picture = render(&document, &region, &camera, &settings, &|_, _| {})
+    let picture = render(&document, &region, &camera, &settings)
         .unwrap_or_else(|error| panic!("{}: {error}", view.slug));
     (RayGrid::new(&camera, SIDE, SIDE), picture.buffer)
 }

@@ -22,7 +22,7 @@ fn picture(formula: &str) -> (RayGrid, GBuffer) {
     let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("a camera");
     let settings = Settings { width: SIDE, height: SIDE, normals: None, ..Settings::default() };
     let region = Region::new(DVec3::splat(-2.0), DVec3::splat(2.0)).expect("a cube");
-    let picture = render(&document, &region, &camera, &settings, &|_, _| {}).expect("a picture");
+    let picture = render(&document, &region, &camera, &settings).expect("a picture");
     (RayGrid::new(&camera, SIDE, SIDE), picture.buffer)
 }
 
@@ -179,7 +179,7 @@ fn shadows_of_jumps_in_the_faces_of_a_domain_end() {
         let settings =
             Settings { choices: Choices { shadows: Some(true), ..Choices::default() }, ..plain };
         let region = Region::new(DVec3::splat(-3.0), DVec3::splat(3.0)).expect("a cube");
-        let picture = render(&document, &region, &camera, &settings, &|_, _| {});
+        let picture = render(&document, &region, &camera, &settings);
         done.send(picture.expect("a picture").buffer.counts()).expect("received");
     });
     let counts = ended.recv_timeout(std::time::Duration::from_mins(2)).expect("an end");

@@ -87,8 +87,7 @@ fn pixels_far_smaller_than_the_domain_take_no_longer() {
         let eye = DVec3::new(5.0, 0.0, 0.0);
         let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("a camera");
         let settings = Settings { width: 8, height: 8, normals: None, ..Settings::default() };
-        let picture =
-            render(&document, &region, &camera, &settings, &|_, _| {}).expect("a picture");
+        let picture = render(&document, &region, &camera, &settings).expect("a picture");
         let work = picture.statistics.work;
         let calls = work.tiles.calls + work.segments.calls;
         println!("{formula}: {calls} calls");
@@ -112,8 +111,7 @@ fn a_function_of_subnormal_numbers_is_drawn_where_it_is() {
             height: 128,
             ..Settings::default()
         };
-        let picture =
-            render(&document, &region, &camera, &settings, &|_, _| {}).expect("a picture");
+        let picture = render(&document, &region, &camera, &settings).expect("a picture");
         let (rays, buffer) = (RayGrid::new(&camera, 128, 128), &picture.buffer);
         let hits: Vec<usize> =
             (0..buffer.status.len()).filter(|&pixel| buffer.status[pixel] == Status::Hit).collect();

@@ -337,6 +337,31 @@ fn dumb_terminals_get_no_colors() {
     }
 }
 
+/// Each picture is written over the one before, and the fine one over the last.
+#[test]
+fn a_slow_picture_is_coarse_until_it_is_finished() {
+    for (kind, picture) in [("xterm", "▀"), ("xterm-kitty", "\u{1b}_Ga=T,f=100,q=2,c=90,r=26,")] {
+        let terminal = Terminal::start_in(kind, &["--preview", BULB, "--domain", "1.2"]);
+        terminal.shows("compiled in");
+        let shown = terminal.shown();
+        let (before, last) = shown.rsplit_once("\u{1b}[J").expect("the last picture is removed");
+        assert!(last.contains(picture) && !last.contains("so far"), "{kind}: {last:?}");
+        // The picture takes 26 of 30 rows.
+        let mut drawn = before.split("\u{1b}[26A");
+        assert!(drawn.next().is_some_and(|first| first.contains(picture)), "{kind}: {before:?}");
+        let later: Vec<&str> = drawn.collect();
+        let (end, later) = later.split_last().expect("the last picture is removed");
+        assert!(end.is_empty() && !later.is_empty(), "{kind}: {later:?}");
+        assert!(later.iter().all(|one| one.contains(picture)), "{kind}: {later:?}");
+        // An image is followed by one end of a line, and each row of characters by its own.
+        let rows = if kind == "xterm" { 26 } else { 1 };
+        assert!(later.iter().all(|one| one.matches('\n').count() == rows), "{kind}: {later:?}");
+        assert!(before.contains(" % · "), "{kind}: {before:?}");
+        assert!(before.contains(" of 90x52 so far") || kind != "xterm", "{before:?}");
+        terminal.leaves();
+    }
+}
+
 #[test]
 fn terminals_that_take_pixels_get_them() {
     let terminal = Terminal::start_in("xterm-kitty", &["--preview", "x^2+y^2+z^2 = 1"]);

@@ -68,7 +68,7 @@ fn all(examples: &[Example], directory: &Path, settings: &Settings) -> Result<()
 
 fn render(example: &Example, settings: &Settings) -> Result<RgbImage> {
     let (model, camera) = stage(example, settings, &|| true)?.context("wanted to the end")?;
-    let mut picture = model.picture(&camera, settings, &|_, _| {})?;
+    let mut picture = model.picture(&camera, settings)?;
     if [settings.choices.axes, settings.choices.legend].contains(&Some(true)) {
         let shown = PictureView::of(&model, &camera, &picture);
         let size = [settings.width, settings.height];

@@ -46,6 +46,7 @@ mod terminal;
 mod theme;
 mod tips;
 mod vector;
+mod waiting;
 mod watch;
 #[cfg(feature = "window")]
 mod window;

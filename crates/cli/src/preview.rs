@@ -84,21 +84,52 @@ pub fn pixel_size() -> (usize, usize) {
     (columns * across, rows * down)
 }
 
+/// Returns the number of columns that a picture may take.
+pub fn columns() -> usize {
+    characters().0
+}
+
+/// Returns the number of rows of characters that a picture takes. `None` if the terminal does not
+/// tell, so that no other picture can be written over it.
+pub fn rows() -> Option<usize> {
+    match protocol().0 {
+        Some(Protocol::Kitty) => Some(characters().1),
+        Some(Protocol::Iterm | Protocol::Sixel) => None,
+        None => notes::colored_output().then(|| characters().1),
+    }
+}
+
 /// Returns the text that shows a picture of the size of [`pixel_size`], with its curves, and a line
 /// below it.
 pub fn text(seen: &Rendering) -> String {
-    let (picture, below) = (&seen.picture, seen.summary());
+    picture(seen) + &seen.summary()
+}
+
+/// Returns the text that shows a picture with its curves. A coarse one is enlarged.
+pub fn picture(seen: &Rendering) -> String {
+    let (picture, full) = (&seen.picture, &seen.request.settings);
     let Pixels { rgb, alpha } = Overlay::CURVES.over(seen.into());
     let rgb = flattened(&rgb, &alpha, picture.look.background);
     let size = (picture.buffer.width, picture.buffer.height);
+    if seen.is_full() {
+        return shown(&rgb, size).unwrap_or_else(|| letters(picture, &picture.opaque_rgb(), &rgb));
+    }
+    let to = (full.width, full.height);
+    shown(&enlarged(&rgb, size, to), to).unwrap_or_default()
+}
+
+/// Returns the text that shows these colors. `None` if the terminal shows no colors.
+fn shown(rgb: &[u8], size: (usize, usize)) -> Option<String> {
     // Prefer pixels to characters.
-    let sent = protocol().0.and_then(|one| one.encode(&rgb, size, characters()));
-    let text = match sent {
-        Some(text) => text + "\n",
-        None if notes::colored_output() => blocks(&rgb, size.0),
-        None => letters(picture, &picture.opaque_rgb(), &rgb),
-    };
-    text + &below
+    let sent = protocol().0.and_then(|one| one.encode(rgb, size, characters()));
+    sent.map(|text| text + "\n").or_else(|| notes::colored_output().then(|| blocks(rgb, size.0)))
+}
+
+/// Enlarges a picture, whose pixels become rectangles of one color.
+fn enlarged(rgb: &[u8], from: (usize, usize), to: (usize, usize)) -> Vec<u8> {
+    let colors = rgb.as_chunks::<3>().0;
+    let row = |y: usize| &colors[y * from.1 / to.1 * from.0..][..from.0];
+    (0..to.1).flat_map(|y| (0..to.0).flat_map(move |x| row(y)[x * from.0 / to.0])).collect()
 }
 
 /// Returns pairs of consecutive rows of a picture. An odd last row is left out.
@@ -136,4 +167,17 @@ fn letters(picture: &Picture, plain: &[u8], shown: &[u8]) -> String {
         text.push('\n');
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_pixel_of_a_coarse_picture_covers_its_share() {
+        let colors = [[1, 2, 3], [4, 5, 6]];
+        let [left, right] = colors;
+        let rows = [[left, left, left, right, right], [left, left, left, right, right]];
+        assert_eq!(enlarged(&colors.concat(), (2, 1), (5, 2)), rows.concat().concat());
+    }
 }

@@ -22,6 +22,7 @@ use zeroset_render::limit::Limit;
 use zeroset_render::model::Model;
 use zeroset_render::picture::{ColorDepth, Picture, Precision, Settings, UndecidedStatistics};
 use zeroset_render::png_file::PngFormat;
+use zeroset_render::progress::Listener;
 use zeroset_scene::blank::Blank;
 use zeroset_scene::curves::UNPROVEN;
 use zeroset_scene::domain::AutoDomain;
@@ -61,10 +62,9 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         let camera = framing::camera(&model, &choice, &settings, around.axes)?;
         let view = begun.elapsed();
         interrupt::defer_first();
-        let seen = document.surfaces.iter().filter(|surface| !surface.hidden).count();
-        let pixels = settings.width * settings.height * seen;
-        let bar = Progress::new(pixels as u64, "tracing");
-        let advance = |done: usize, all: usize| bar.reach((pixels * done / all.max(1)) as u64);
+        let bar = Progress::new(100, "tracing");
+        let follow = |now| bar.follow(now);
+        let listener: Listener<'_> = if bar.is_seen() { Some(&follow) } else { None };
         let origin = PictureOrigin::typed(&subject.source.text);
         let size = [settings.width, settings.height];
         let has_alpha = model.is_transparent(&settings);
@@ -79,7 +79,7 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
             write_time += begun.elapsed();
             Ok(())
         };
-        let picture = draw(&model, &camera, &settings, &around, &advance, &mut write)?;
+        let picture = draw(&model, &camera, &settings, &around, listener, &mut write)?;
         let is_stopped = settings.limit.is_stopped();
         let begun = Instant::now();
         let held = interrupt::hold();

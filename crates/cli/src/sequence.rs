@@ -335,7 +335,7 @@ impl<'a> FrameRenderer<'a> {
             }
         };
         let camera = sequence.camera(stage, frame).with_context(named)?;
-        let mut picture = model.picture(&camera, &settings, &|_, _| {}).with_context(named)?;
+        let mut picture = model.picture(&camera, &settings).with_context(named)?;
         let size = [settings.width, settings.height];
         let marks = self.around.marks(PictureView::of(&model, &camera, &picture), size);
         marks.mix_into_picture(&mut picture, 0);

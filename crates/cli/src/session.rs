@@ -9,6 +9,7 @@ use super::png_file::PictureOrigin;
 use super::render::{kernel_settings, with_effects};
 use super::source::{self, Source};
 use super::subject::{Subject, note_time};
+use super::waiting::{self, Waiting};
 use super::watch::{Change, Watch};
 use super::{explain, measure, mesh, notes, preview, tips};
 use anyhow::{Context, Result};
@@ -17,7 +18,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use zeroset_live::{Axes, DocumentSource, Live, Refusal, Rendering, Reply, Request};
 use zeroset_render::overlay::Overlay;
 use zeroset_render::picture::Settings;
@@ -549,14 +550,19 @@ impl Session {
         self.live.resize(columns, rows);
     }
 
-    /// Waits for the fine picture and shows it in the terminal.
+    /// Waits for the fine picture and shows it in the terminal. Meanwhile shows coarse pictures.
     ///
     /// # Errors
     /// If the terminal cannot be written to.
     pub fn show_preview(&self) -> Result<()> {
-        if !self.live.wait(PATIENCE) {
-            return Ok(());
+        let (begun, mut waiting) = (Instant::now(), Waiting::begin());
+        while !self.live.wait(waiting::STEP) {
+            if begun.elapsed() > PATIENCE {
+                return waiting.end();
+            }
+            waiting.show(&self.live.snapshot(), self.live.revision())?;
         }
+        waiting.end()?;
         let seen = self.live.snapshot();
         let revision = self.live.revision();
         if seen.rendering.as_ref().is_some_and(|seen| seen.revision < revision)

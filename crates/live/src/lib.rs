@@ -42,7 +42,7 @@ pub use command::{COMMANDS, CommandRow};
 pub use draft::entered;
 pub use equivalents::EQUIVALENTS;
 pub use orbit::Orbit;
-pub use pipeline::{Axes, Fault, Rendering, Request, Snapshot};
+pub use pipeline::{Axes, Fault, Rendering, Request, Snapshot, Working};
 pub use reply::{Refusal, Reply};
 pub use session::Live;
 pub use slider::Slider;

@@ -15,6 +15,7 @@ use self::worker::Worker;
 use super::orbit::Orbit;
 use super::source::DocumentSource;
 use super::values::TIME;
+use std::fmt;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -22,6 +23,7 @@ use zeroset_parser::{ErrorKind, Errors};
 use zeroset_render::model::Model;
 use zeroset_render::overlay::PictureView;
 use zeroset_render::picture::{Picture, Settings};
+use zeroset_render::progress::Progress;
 use zeroset_scene::blank::Blank;
 use zeroset_scene::camera::CameraChoice;
 use zeroset_scene::domain::AutoDomain;
@@ -210,8 +212,22 @@ pub struct Snapshot {
     pub fault: Option<Arc<Fault>>,
     /// Revision of the latest finished request.
     pub settled: u64,
-    /// The stage of the latest request, if its picture is late.
-    pub working: Option<&'static str>,
+    /// The work on the latest request, if its picture is late.
+    pub working: Option<Working>,
+}
+
+/// The worker's stage as the status line says it, with its finished share if that is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Working {
+    stage: &'static str,
+    percent: Option<usize>,
+}
+
+impl fmt::Display for Working {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.stage)?;
+        self.percent.map_or(Ok(()), |percent| write!(f, " {percent} %"))
+    }
 }
 
 /// A picture is late after this time. Without an earlier picture it is late at once.
@@ -235,6 +251,8 @@ struct PipelineState {
     snapshot: Snapshot,
     /// The worker's present stage.
     stage: &'static str,
+    /// The finished share of the present picture. `None` before its pixels are traced.
+    progress: Option<Progress>,
     /// Revision of the last request that was given up before its picture was finished.
     given_up: u64,
     /// Set while the user or the clock moves values. Meanwhile an automatic view holds still.
@@ -271,6 +289,7 @@ impl Pipeline {
             requested: Instant::now(),
             snapshot: Snapshot::default(),
             stage: "",
+            progress: None,
             given_up: 0,
             moving: false,
             next_view: NextView::Immediate,
@@ -307,7 +326,11 @@ impl Pipeline {
         let state = self.shared.lock();
         let is_late = state.snapshot.rendering.is_none() || state.requested.elapsed() > LATE;
         let is_working = is_late && state.snapshot.settled < state.revision;
-        Snapshot { working: is_working.then_some(state.stage), ..state.snapshot.clone() }
+        let working = is_working.then(|| match &state.progress {
+            Some(now) => Working { stage: now.stage, percent: Some(now.percent()) },
+            None => Working { stage: state.stage, percent: None },
+        });
+        Snapshot { working, ..state.snapshot.clone() }
     }
 
     /// Gives up the latest request. Returns false if it is finished.

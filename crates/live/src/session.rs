@@ -263,11 +263,12 @@ impl Live {
     /// document. Then the view stays. Dragged values stay, too, if their definitions have not
     /// changed. A text that was typed or pasted is saved nowhere, and so counts as a change.
     pub fn load(&self, source: DocumentSource, text: &str, again: bool) {
-        let is_readable = parse(text, &Limits::default()).is_ok();
+        // A new document takes effect whether it can be read or not, so it is not read here.
+        let is_readable = again && parse(text, &Limits::default()).is_ok();
         let given: Arc<str> = text.into();
         let merged = |checkpoint: &Checkpoint| {
             let mut dragged = checkpoint.dragged.clone();
-            if !(again && is_readable) {
+            if !is_readable {
                 return Ok((Some(Arc::clone(&given)), dragged));
             }
             dragged.retain(|one| {

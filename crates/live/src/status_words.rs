@@ -10,7 +10,7 @@ use zeroset_trace::{METHODS, Proves, UndecidedReason};
 const PROVER: &str = "{prover}";
 
 /// Words of the status line and their explanations.
-const WORDS: [(&str, &str); 13] = [
+const WORDS: [(&str, &str); 14] = [
     ("every pixel proven", "each pixel's ray is proven to meet the surface, or to miss it"),
     (
         "3 pixels undecided",
@@ -35,6 +35,7 @@ const WORDS: [(&str, &str); 13] = [
         "90 pixels to be decided",
         "everything is drawn; the proof for these pixels takes longer, and is under way",
     ),
+    ("tracing 40 %", "the stage of a picture that is late, and how much of the stage is done"),
     ("24 ms", "the time to find the surface and to color it"),
 ];
 

@@ -14,7 +14,7 @@ use numpy::{
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::sync::{Arc, OnceLock, PoisonError, RwLock, RwLockReadGuard};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, RwLock, RwLockReadGuard};
 use zeroset::TraceSettings;
 use zeroset::{Camera, Function, MeasureSettings, MeshSettings, Ray, RayResult, Settings};
 
@@ -221,7 +221,8 @@ impl Scene {
     }
 
     /// Renders a picture; `settings` has the options of `Surface.render`. `stop` ends it.
-    #[pyo3(signature = (width, height, settings, stop=None))]
+    /// `progress` is called with the stage and its percent, whenever these have changed.
+    #[pyo3(signature = (width, height, settings, stop=None, progress=None))]
     fn render(
         &self,
         py: Python<'_>,
@@ -229,6 +230,7 @@ impl Scene {
         height: usize,
         settings: &Bound<'_, PyDict>,
         stop: Option<PyRef<'_, Stop>>,
+        progress: Option<Py<PyAny>>,
     ) -> PyResult<Picture> {
         let mut options = Settings::new(width, height);
         let mut camera = Camera::new();
@@ -280,8 +282,27 @@ impl Scene {
         }
         let options = options.camera(camera);
         let (own, given) = (Stop::new(), stop.as_deref());
-        let found = interruptible(py, given.unwrap_or(&own), |stop| {
-            self.state().scene.render(&options.clone().stop(stop))
+        let told = Mutex::new(None);
+        let tell = |stage: &'static str, percent: usize| {
+            *told.lock().unwrap_or_else(PoisonError::into_inner) = Some((stage, percent));
+        };
+        let mut shown = None;
+        let show = |py: Python<'_>| {
+            let now = *told.lock().unwrap_or_else(PoisonError::into_inner);
+            let (Some(call), Some(now)) = (&progress, now.filter(|_| now != shown)) else {
+                return Ok(());
+            };
+            shown = Some(now);
+            call.call1(py, now).map(drop)
+        };
+        let found = interruptible(py, given.unwrap_or(&own), show, |stop| {
+            let options = options.clone().stop(stop);
+            let scene = &self.state().scene;
+            if progress.is_some() {
+                scene.render_telling(&options, &tell)
+            } else {
+                scene.render(&options)
+            }
         })?;
         found.map(Picture).map_err(|error| exception(&error))
     }
@@ -310,9 +331,12 @@ impl Scene {
         if let Some(budget) = budget {
             settings = settings.budget(seconds(budget)?);
         }
-        let found = interruptible(py, &Stop::new(), |stop| {
-            self.state().scene.mesh(&settings.clone().stop(stop))
-        })?;
+        let found = interruptible(
+            py,
+            &Stop::new(),
+            |_| Ok(()),
+            |stop| self.state().scene.mesh(&settings.clone().stop(stop)),
+        )?;
         found.map(|mesh| Mesh(Arc::new(mesh))).map_err(|error| exception(&error))
     }
 
@@ -338,9 +362,12 @@ impl Scene {
         if let Some(budget) = budget {
             settings = settings.budget(seconds(budget)?);
         }
-        let found = interruptible(py, &Stop::new(), |stop| {
-            self.state().scene.measure(&settings.clone().stop(stop))
-        })?;
+        let found = interruptible(
+            py,
+            &Stop::new(),
+            |_| Ok(()),
+            |stop| self.state().scene.measure(&settings.clone().stop(stop)),
+        )?;
         let found = found.map_err(|error| exception(&error))?;
         let row = |one: zeroset::Measures| {
             let row = PyDict::new(py);

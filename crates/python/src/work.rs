@@ -41,14 +41,16 @@ impl Drop for Stop {
     }
 }
 
-/// Runs `work` on a thread of its own, without the interpreter's lock. An interrupt sets the flag
-/// `stop`, which `work` gets, and its exception is raised once `work` has ended.
+/// Runs `work` on a thread of its own, without the interpreter's lock. Meanwhile calls `look` at
+/// intervals. An interrupt or an error of `look` sets the flag `stop`, which `work` gets, and the
+/// exception is raised once `work` has ended.
 ///
 /// # Panics
 /// If `work` panics.
 pub fn interruptible<T: Send>(
     py: Python<'_>,
     stop: &Stop,
+    mut look: impl FnMut(Python<'_>) -> PyResult<()> + Send,
     work: impl FnOnce(&'static AtomicBool) -> T + Send,
 ) -> PyResult<T> {
     let flag = stop.0;
@@ -64,7 +66,7 @@ pub fn interruptible<T: Send>(
             let mut interrupt = Ok(());
             while ended.recv_timeout(PAUSE) == Err(RecvTimeoutError::Timeout) {
                 if interrupt.is_ok() {
-                    interrupt = Python::attach(|py| py.check_signals());
+                    interrupt = Python::attach(|py| py.check_signals().and_then(|()| look(py)));
                     if interrupt.is_err() {
                         stop.set();
                     }

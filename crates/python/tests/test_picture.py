@@ -235,6 +235,21 @@ def test_an_interrupt_ends_the_work():
     assert s.render(8, 8, domain=1, budget=0.5).width == 8
 
 
+def test_a_slow_picture_tells_how_much_of_it_is_done():
+    s = zs.Surface("sum(k = 1..10, tan(k*1e6*x + k*y)) = z")
+    told = []
+    s.render(200, 200, domain=1, budget=3, progress=lambda *now: told.append(now))
+    percents = [percent for stage, percent in told if stage == "tracing"]
+    assert percents == sorted(set(percents)) and 0 < max(percents) <= 100, told
+    assert {stage for stage, _ in told} <= {"tracing", "smoothing"}
+
+    def refuse(stage, percent):
+        raise ValueError(f"{stage} {percent}")
+
+    with pytest.raises(ValueError, match="tracing"):
+        s.render(2000, 2000, domain=1, progress=refuse)
+
+
 def test_a_surface_is_sent_to_other_processes():
     s = zs.Surface("x^2 + y^2 + z^2 = r^2", r=1)
     s.set(r=1.5)

@@ -1,8 +1,9 @@
 //! The last step of a picture: a model seen by a camera, with curves, axes, legends and a title.
 
-use crate::model::{Model, ProgressCallback, Strip};
+use crate::model::{Model, Strip};
 use crate::overlay::{Overlay, PictureView};
 use crate::picture::{Picture, Settings};
+use crate::progress::Listener;
 use zeroset_scene::program::ProgramError;
 use zeroset_space::Camera;
 
@@ -16,7 +17,7 @@ pub fn draw<E: From<ProgramError>>(
     camera: &Camera,
     settings: &Settings,
     around: &Overlay,
-    progress: ProgressCallback<'_>,
+    listener: Listener<'_>,
     each: &mut dyn FnMut(usize, &mut Picture) -> Result<(), E>,
 ) -> Result<Picture, E> {
     let (size, mut marks) = ([settings.width, settings.height], None);
@@ -27,5 +28,5 @@ pub fn draw<E: From<ProgramError>>(
         marks.mix_into_picture(picture, top);
         each(top, picture)
     };
-    model.strips(camera, settings, progress, &mut mark)
+    model.strips(camera, settings, listener, &mut mark)
 }

@@ -85,6 +85,14 @@ pub fn camera_while(
     if axes { framing.of_domain().map(Some) } else { framing.over(&[model], false, wanted) }
 }
 
+/// The camera that shows the whole region, unless the caller or the document sets another one.
+///
+/// # Errors
+/// If the choices do not describe a camera.
+pub fn whole(model: &Model, choice: &CameraChoice) -> Result<Camera, SceneError> {
+    Ok(camera::camera(&choice.or(*model.camera()), model.region())?)
+}
+
 /// Like [`camera_while`], within a part of the settings' time budget. When that time is over, the
 /// camera shows the whole region.
 ///
@@ -99,7 +107,7 @@ pub fn camera(
     let wanted = settings.limit.wanted_to_choose();
     match camera_while(model, choice, settings, axes, &wanted)? {
         Some(camera) => Ok(camera),
-        None => Ok(camera::camera(&choice.or(*model.camera()), model.region())?),
+        None => whole(model, choice),
     }
 }
 

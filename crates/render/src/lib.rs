@@ -15,4 +15,5 @@ pub mod overlay;
 pub mod picture;
 pub mod pixels;
 pub mod png_file;
+pub mod progress;
 pub mod sequence;

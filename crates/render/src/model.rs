@@ -17,7 +17,6 @@ pub use strips::Strip;
 use crate::picture::{Normals, Picture, Precision, Settings, Times};
 use glam::DVec3;
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 use zeroset_eval::{Boxes, KernelFloat, Points, SurfaceKernels};
@@ -320,7 +319,7 @@ impl Model {
     }
 
     /// Indices of the visible surfaces.
-    fn visible_surfaces(&self) -> impl Iterator<Item = usize> + '_ {
+    pub fn visible_surfaces(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.surfaces()).filter(|surface| !self.styles[*surface].hidden)
     }
 
@@ -392,20 +391,8 @@ impl Model {
     ///
     /// # Errors
     /// As [`Model::trace`].
-    pub fn picture(
-        &self,
-        camera: &Camera,
-        settings: &Settings,
-        progress: ProgressCallback<'_>,
-    ) -> Result<Picture, ProgramError> {
-        let pixels = settings.width * settings.height * self.visible_surfaces().count();
-        let done = AtomicUsize::new(0);
-        let advance = |pixels_done: usize| {
-            let done = done.fetch_add(pixels_done, Ordering::Relaxed) + pixels_done;
-            progress(done, pixels);
-            true
-        };
-        self.trace(camera, settings, &advance)
+    pub fn picture(&self, camera: &Camera, settings: &Settings) -> Result<Picture, ProgramError> {
+        self.trace(camera, settings, &|_| true)
     }
 }
 
@@ -467,9 +454,6 @@ fn sample<T: KernelFloat>(surface: &dyn SurfaceKernels, point: DVec3) -> Option<
     Some((out[0].value[0].into(), out[0].gradient.map(|lanes| lanes[0].into())))
 }
 
-/// Progress callback: gets the numbers of finished and of all pixels. Called from several threads.
-pub type ProgressCallback<'a> = &'a (dyn Fn(usize, usize) + Sync);
-
 /// Draws all surfaces of `document` in `region` from `camera`.
 ///
 /// # Errors
@@ -479,9 +463,8 @@ pub fn render(
     region: &Region,
     camera: &Camera,
     settings: &Settings,
-    progress: ProgressCallback<'_>,
 ) -> Result<Picture, ProgramError> {
-    Model::new(document, region, settings)?.picture(camera, settings, progress)
+    Model::new(document, region, settings)?.picture(camera, settings)
 }
 
 /// Number of points at which a function is tested for being 0 everywhere.

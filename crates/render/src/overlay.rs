@@ -233,7 +233,7 @@ mod tests {
         let projection = Projection::Perspective { fov: 40.0 };
         let eye = DVec3::new(5.0, -7.0, 4.0);
         let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("a camera");
-        let picture = model.picture(&camera, &settings, &|_, _| {}).expect("a picture");
+        let picture = model.picture(&camera, &settings).expect("a picture");
         (picture, camera, region)
     }
 

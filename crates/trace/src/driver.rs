@@ -24,8 +24,8 @@ pub struct Driver<'a> {
     pub rays: &'a RayGrid,
     /// The tracer that follows the rays.
     pub tracer: &'a dyn Tracer,
-    /// Progress callback. Its argument is the number of pixels finished since the last call. It
-    /// returns `false` to end the work early. Pixels not reached are then undecided and not
+    /// Progress callback. Its argument is the number of wanted pixels finished since the last call.
+    /// It returns `false` to end the work early. Pixels not reached are then undecided and not
     /// painted.
     pub advance: &'a (dyn Fn(usize) -> bool + Sync),
 }
@@ -88,7 +88,15 @@ impl Driver<'_> {
     /// Traces the wanted pixels of a band of rows, unless the caller cancels. Returns the work.
     fn rows(&self, rows: &mut Rows<'_>, only: &[bool], before: (&[Status], &[f64])) -> KernelStats {
         let (mut work, told) = (KernelStats::default(), Cell::new(0));
+        let pixels = rows.pixels();
+        let wanted = match only {
+            [] => pixels.len(),
+            only => only[pixels].iter().filter(|asked| **asked).count(),
+        };
+        let is_masked = !only.is_empty();
         let advance = |found: usize| {
+            // The tracer may also set results of pixels that are not wanted.
+            let found = if is_masked { found.min(wanted - told.get()) } else { found };
             told.set(told.get() + found);
             (self.advance)(found)
         };
@@ -96,7 +104,7 @@ impl Driver<'_> {
         if band.is_wanted() {
             self.tracer.band(self.rays, &mut band, &mut work);
             // Pixels for which the tracer set no result are finished, too.
-            (self.advance)((band.width * band.height).saturating_sub(told.get()));
+            (self.advance)(wanted.saturating_sub(told.get()));
         } else {
             band.give_up();
         }

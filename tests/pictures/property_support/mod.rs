@@ -64,7 +64,7 @@ pub fn picture_with(
         ..Settings::default()
     };
     let document = &scene.formula.document;
-    let picture = render(document, &region, &camera, &settings, &|_, _| {}).ok()?;
+    let picture = render(document, &region, &camera, &settings).ok()?;
     Some((camera, picture))
 }
 

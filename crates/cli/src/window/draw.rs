@@ -14,7 +14,7 @@ use minifb::MouseMode;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
-use zeroset_live::{Fault, Rendering, Slider, Snapshot, defined};
+use zeroset_live::{Fault, Rendering, Slider, Snapshot, Working, defined};
 use zeroset_render::overlay::{Canvas, Overlay, Rgb, with_minus};
 
 const PAPER: Rgb = 0x00f4_f4f6;
@@ -46,8 +46,8 @@ pub struct Content {
     rendering: Option<*const Rendering>,
     fault: Option<String>,
     wrong: bool,
-    /// The worker's present task, if a picture is late.
-    stage: Option<&'static str>,
+    /// The work on a picture that is late.
+    working: Option<Working>,
     hover: Option<String>,
     line: Option<LineContent>,
     /// Says the effect of Enter, or where to type if no line is open.
@@ -131,7 +131,7 @@ impl Window {
             rendering: seen.rendering.as_ref().map(Arc::as_ptr),
             fault: fault.filter(|_| rested).map(wrong),
             wrong: fault.is_some(),
-            stage: seen.working,
+            working: seen.working,
             hover: tip.or_else(|| Some(with_minus(&pick?.coordinates()?))),
             line: self.line.as_ref().map(|line| LineContent {
                 text: line.text().to_owned(),
@@ -266,10 +266,10 @@ fn draw_status(
 ) {
     let Layout { margin, room, row, bottom } = *layout;
     canvas.fill(0, bottom, canvas.width, row, GROUND, 255);
-    let status = match (rendering, content.stage) {
+    let status = match (rendering, content.working) {
         (Some(rendering), None) => rendering.in_words(),
-        (Some(rendering), Some(stage)) => format!("{stage} · {}", rendering.in_words()),
-        (None, Some(stage)) => stage.to_owned(),
+        (Some(rendering), Some(working)) => format!("{working} · {}", rendering.in_words()),
+        (None, Some(working)) => working.to_string(),
         (None, None) => "nothing is drawn".to_owned(),
     };
     let hover = content.hover.clone().unwrap_or_else(|| "F1 help".to_owned());

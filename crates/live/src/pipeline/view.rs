@@ -5,9 +5,15 @@ use super::glide::Glide;
 use super::worker::{AnchoredModel, FitKey, FittedCamera, JobContext, Worker, coarser};
 use super::{FaultReason, NextView, Request};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 use zeroset_render::framing;
+use zeroset_render::progress::Done;
 use zeroset_scene::view::SceneError;
 use zeroset_space::Camera;
+
+/// If a camera takes longer to fit than this, and longer than all that came before, a coarse picture
+/// of the whole region comes first.
+const FRAMING: Duration = Duration::from_millis(100);
 
 impl Worker {
     /// Returns the camera for a request. If a glide is due, draws its pictures first. `None` if the
@@ -40,7 +46,7 @@ impl Worker {
         let wanted = |_| self.shared.wanted(context.job);
         while let Some(camera) = glide.camera() {
             let picture = context.made.model.trace(&camera, &settings, &wanted)?;
-            if !wanted(0) {
+            if !wanted(Done::NOTHING) {
                 // Begin the next glide at this camera, whose picture is visible.
                 if let Some(framed) = &mut self.framed {
                     (framed.camera, framed.arrived) = (camera, false);
@@ -50,7 +56,7 @@ impl Worker {
             self.publish(Arc::new(context.rendering(camera, picture, true)));
             self.rest(context.job, glide.pause());
         }
-        Ok(wanted(0))
+        Ok(wanted(Done::NOTHING))
     }
 
     /// The automatic camera. It is fitted once per model, and kept while parameters are moving.
@@ -76,10 +82,61 @@ impl Worker {
             }
         }
         let wanted = || self.shared.wanted(job);
-        let camera = framing::camera_while(model, choice, settings, axes, &wanted)?;
+        let begun = Instant::now();
+        let patience = FRAMING.max(job.requested.elapsed());
+        let soon = || wanted() && begun.elapsed() < patience;
+        let mut camera = framing::camera_while(model, choice, settings, axes, &soon)?;
+        if camera.is_none() && wanted() {
+            self.shared.begin("framing");
+            let whole = framing::whole(model, choice)?;
+            let small = coarser(settings, self.pace.first(settings.width * settings.height));
+            let picture = model.trace(&whole, &small.plain(), &|_| wanted())?;
+            if !wanted() {
+                return Ok(None);
+            }
+            self.publish(Arc::new(context.rendering(whole, picture, true)));
+            camera = framing::camera_while(model, choice, settings, axes, &wanted)?;
+        }
         let (model, region) = (Arc::downgrade(model), *model.region());
         let framed = |camera| FittedCamera { model, region, formula, key, camera, arrived: true };
         self.framed = camera.map(framed);
         Ok(camera)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{Live, Request};
+    use std::thread;
+    use std::time::{Duration, Instant};
+    use zeroset_render::framing;
+    use zeroset_render::picture::Settings;
+
+    /// A Mandelbulb of two rounds. Tracing it from several sides to fit a camera takes long.
+    const SLOW: &str = "domain 1.2\n\
+        r = sqrt(x^2+y^2+z^2); a = 8.1 acos(z/r); b = 8.1 atan2(y, x)\n\
+        u = r^8 sin(a) cos(b) + x; v = r^8 sin(a) sin(b) + y; w = r^8 cos(a) + z\n\
+        s = sqrt(u^2+v^2+w^2); c = 8.1 acos(w/s); d = 8.1 atan2(v, u)\n\
+        (s^8 sin(c) cos(d) + x)^2 + (s^8 sin(c) sin(d) + y)^2 + (s^8 cos(c) + z)^2 = 4";
+
+    #[test]
+    fn a_camera_that_takes_long_to_fit_is_not_waited_for() {
+        let settings = Settings { width: 40, height: 30, ..Settings::default() };
+        let live = Live::new(Request { text: SLOW.into(), settings, ..Request::default() });
+        let begun = Instant::now();
+        let next = |is_wanted: &dyn Fn(&zeroset_space::Camera) -> bool| {
+            loop {
+                let seen = live.snapshot().rendering;
+                if let Some(seen) = seen.filter(|seen| is_wanted(&seen.camera)) {
+                    return seen;
+                }
+                assert!(begun.elapsed() < Duration::from_mins(1), "no picture");
+                thread::sleep(Duration::from_millis(1));
+            }
+        };
+        let first = next(&|_| true);
+        let whole = framing::whole(&first.model, &first.request.choice).expect("a camera");
+        assert!(first.coarse && first.camera == whole, "{:?}", first.camera);
+        next(&|camera| *camera != whole);
     }
 }

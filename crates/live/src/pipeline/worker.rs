@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use zeroset_parser::Errors;
 use zeroset_render::model::Model;
 use zeroset_render::picture::{Picture, Settings};
+use zeroset_render::progress::{Done, Progress};
 use zeroset_scene::blank::Blank;
 use zeroset_scene::camera::CameraChoice;
 use zeroset_scene::domain::AutoDomain;
@@ -114,19 +115,38 @@ impl JobContext<'_> {
 pub(super) struct Job {
     pub request: Arc<Request>,
     revision: u64,
-    requested: Instant,
+    pub requested: Instant,
 }
 
 impl Shared {
     /// Returns whether this request is still the latest.
     pub fn wanted(&self, job: &Job) -> bool {
-        let state = self.lock();
-        !state.stop && state.revision == job.revision && state.given_up != job.revision
+        self.lock().is_wanted(job)
+    }
+
+    /// Counts more work on a request's picture. Returns whether the request is still the latest.
+    fn advance(&self, job: &Job, done: Done) -> bool {
+        let mut state = self.lock();
+        state.progress = Progress::after(state.progress, done);
+        state.is_wanted(job)
     }
 
     /// Sets the stage that a late picture's status names.
-    fn begin(&self, stage: &'static str) {
-        self.lock().stage = stage;
+    pub fn begin(&self, stage: &'static str) {
+        let mut state = self.lock();
+        (state.stage, state.progress) = (stage, None);
+    }
+
+    /// Begins to count the pixels of a picture that are traced, once per visible surface.
+    fn begin_pixels(&self, model: &Model, pixels: usize) {
+        let pixels = pixels * model.visible_surfaces().count();
+        self.lock().progress = Some(Progress::tracing(pixels));
+    }
+}
+
+impl PipelineState {
+    fn is_wanted(&self, job: &Job) -> bool {
+        !self.stop && self.revision == job.revision && self.given_up != job.revision
     }
 }
 
@@ -223,9 +243,10 @@ impl Worker {
             // While the document stays, finish a coarse picture even if the camera moves on.
             // Otherwise the user would not see the movement.
             let advance =
-                |_| if is_full { self.shared.wanted(job) } else { self.is_coarse_wanted(job) };
+                |done| self.shared.advance(job, done) || !is_full && self.is_coarse_wanted(job);
+            self.shared.begin_pixels(&made.model, settings.width * settings.height);
             let picture = made.model.trace(&camera, &settings, &advance)?;
-            if !advance(0) {
+            if !advance(Done::NOTHING) {
                 return Ok(());
             }
             self.pace.learn(settings.width * settings.height, is_full, started.elapsed());
@@ -233,6 +254,7 @@ impl Worker {
             let rendering = Arc::new(context.rendering(camera, picture, !is_settled));
             self.publish(Arc::clone(&rendering));
             // The first picture needed its kernels soon; the next ones need them fast.
+            self.shared.begin("compiling");
             if !made.model.optimize(&|| self.shared.wanted(job)) {
                 return Ok(());
             }
@@ -252,10 +274,11 @@ impl Worker {
         let (job, full) = (context.job, &context.job.request.settings);
         let plain = full.plain();
         if seen.coarse {
-            let advance = |_| self.shared.wanted(job);
+            let advance = |done| self.shared.advance(job, done);
             let model = &context.made.model;
+            self.shared.begin_pixels(model, seen.picture.left_open());
             let picture = model.settle(&seen.picture, &seen.camera, &plain, &advance)?;
-            let Some(picture) = picture.filter(|_| advance(0)) else { return Ok(()) };
+            let Some(picture) = picture.filter(|_| self.shared.wanted(job)) else { return Ok(()) };
             seen = Arc::new(context.rendering(seen.camera, picture, false));
             self.publish(Arc::clone(&seen));
         }
@@ -283,13 +306,14 @@ impl Worker {
 
     /// Draws a full picture again in the requested light, unless a newer request exists.
     fn relight(&mut self, job: &Job, plain: &Rendering) -> Result<(), FaultReason> {
-        let (settings, advance) = (&job.request.settings, |_| self.shared.wanted(job));
-        if !advance(0) {
+        let (settings, advance) = (&job.request.settings, |done| self.shared.advance(job, done));
+        if !self.shared.wanted(job) {
             return Ok(());
         }
+        self.shared.begin("lighting");
         let Rendering { model, camera, .. } = plain;
         let picture = model.relight(&plain.picture, camera, settings, &advance)?;
-        if advance(0) {
+        if self.shared.wanted(job) {
             let (document, model) = (Arc::clone(&plain.document), Arc::clone(model));
             let (request, revision) = (Arc::clone(&job.request), job.revision);
             let latency = job.requested.elapsed();

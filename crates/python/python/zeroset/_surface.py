@@ -285,6 +285,7 @@ class Surface:
         steps: int | None = None,
         tolerance: float | None = None,
         budget: float | None = None,
+        progress: Callable[[str, int], object] | None = None,
         **choices: float | bool | None,
     ) -> Picture:
         """A picture, with what is proven of each pixel.
@@ -297,12 +298,14 @@ class Surface:
         With 16 `bits` per channel, the picture also has ``light``. `choices` are named by
         `choices()`, such as ``haze=0.5`` and ``ground=True``.
         `precision` is ``"auto"``, ``"f32"`` or ``"f64"``; `budget` is in seconds. An interrupt
-        from the keyboard ends the work.
+        from the keyboard ends the work. `progress` is called with the stage, such as ``"tracing"``
+        or ``"smoothing"``, and the percent of its pixels that are done, whenever these have
+        changed. Its exception ends the work.
         """
-        own = {"self", "width", "height", "choices"}
+        own = {"self", "width", "height", "choices", "progress"}
         named = {k: v for k, v in locals().items() if k not in own | {"own"}}
         options = {k: v for k, v in (named | choices).items() if v is not None}
-        return self._scene.render(width, height, options)
+        return self._scene.render(width, height, options, progress=progress)
 
     def mesh(
         self,

@@ -1,3 +1,4 @@
+from collections.abc import Callable
 from os import PathLike
 from typing import Any
 
@@ -122,7 +123,12 @@ class Scene:
     ) -> tuple[list[_Floats], npt.NDArray[np.uint8]]: ...
     def domain(self) -> _Box: ...
     def render(
-        self, width: int, height: int, settings: dict[str, Any], stop: Stop | None = None
+        self,
+        width: int,
+        height: int,
+        settings: dict[str, Any],
+        stop: Stop | None = None,
+        progress: Callable[[str, int], object] | None = None,
     ) -> Picture: ...
     def mesh(
         self,

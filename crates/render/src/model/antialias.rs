@@ -7,6 +7,7 @@ use super::paint::Coloring;
 use super::trace::{PreparedSurface, RenderPass};
 use crate::picture::Settings;
 use crate::pixels::ColorBuffer;
+use crate::progress::Done;
 use glam::Vec4;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -78,7 +79,12 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             has_one: tracers.len() == 1 && !self.is_translucent() && !rays.is_stretched(),
         };
         let new = || [0; 2].map(|size| GBuffer::new(size, size, 0));
-        let smooth = |buffers: &mut LayerBuffers, pixels: &[usize]| edge.smooth(buffers, pixels);
+        let smooth = |buffers: &mut LayerBuffers, pixels: &[usize]| {
+            let found = edge.smooth(buffers, pixels);
+            (self.advance)(Done::Edges { now: pixels.len(), all: wanted.len() });
+            found
+        };
+        (self.advance)(Done::Edges { now: 0, all: wanted.len() });
         let found: Result<Vec<_>, ProgramError> =
             wanted.par_chunks(PART).map_init(new, smooth).collect();
         for (pixel, color) in found?.into_iter().flatten() {
@@ -110,7 +116,7 @@ impl<T: KernelFloat> Edges<'_, T> {
         [all, layer]: &mut LayerBuffers,
         pixels: &[usize],
     ) -> Result<Vec<(usize, Vec4)>, ProgramError> {
-        if !(self.pass.advance)(0) {
+        if !self.pass.is_wanted() {
             return Ok(Vec::new());
         }
         let patches = pixels.iter().flat_map(|pixel| self.patches(*pixel)).collect();
@@ -184,7 +190,7 @@ impl<T: KernelFloat> Edges<'_, T> {
                 finer.set(n, ground);
             }
         }
-        if !(self.pass.advance)(0) {
+        if !self.pass.is_wanted() {
             // Some of these colors may be missing.
             return Ok(Vec::new());
         }

@@ -128,7 +128,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         edge: &mut [bool],
     ) -> Result<Vec<Layer>, ProgramError> {
         let mut layers: Vec<Layer> = Vec::new();
-        let wanted = |_| (self.advance)(0);
+        let wanted = |_| self.is_wanted();
         for &&PreparedSurface { surface, ref tracer, ref window } in all.tracers {
             let known = block.known(all.rays);
             if !all.rays.is_patched() && !window.shows(&known.columns, &known.rows) {

@@ -5,6 +5,7 @@
 use super::Model;
 use super::trace::Advance;
 use crate::legend::{Legend, round_step};
+use crate::progress::Done;
 use glam::Vec4;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -248,7 +249,7 @@ impl<'a> Painter<'a> {
         parts.for_each_init(
             || evaluated.room(),
             |room, (values, points)| {
-                if !(self.advance)(0) {
+                if !(self.advance)(Done::NOTHING) {
                     self.is_cut.store(true, Ordering::Relaxed);
                     return;
                 }

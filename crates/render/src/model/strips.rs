@@ -4,9 +4,9 @@
 //! on the ground and color scales. All three depend on distant rows. An overview supplies these
 //! rows: a smaller picture of the whole. With an overview of full size, strips do not differ.
 
-use super::{Model, ProgressCallback};
+use super::Model;
 use crate::picture::{Picture, Settings};
-use std::sync::atomic::{AtomicUsize, Ordering};
+use crate::progress::{Count, Done, Listener};
 use zeroset_scene::program::ProgramError;
 use zeroset_shade::{ColorDepth, Pattern};
 use zeroset_space::Camera;
@@ -52,7 +52,7 @@ impl Model {
         &self,
         camera: &Camera,
         settings: &Settings,
-        progress: ProgressCallback<'_>,
+        listener: Listener<'_>,
         each: &mut dyn FnMut(Strip<'_>) -> Result<(), E>,
     ) -> Result<Picture, E> {
         let Settings { width, height, .. } = *settings;
@@ -60,7 +60,7 @@ impl Model {
         if width * height > WHOLE {
             rows = (STRIP / width / ALIGNED).max(1) * ALIGNED;
         }
-        self.strips_of_height(rows, camera, settings, progress, each)
+        self.strips_of_height(rows, camera, settings, listener, each)
     }
 
     /// Like [`Model::strips`], with a given number of rows per strip.
@@ -75,12 +75,18 @@ impl Model {
         rows: usize,
         camera: &Camera,
         settings: &Settings,
-        progress: ProgressCallback<'_>,
+        listener: Listener<'_>,
         each: &mut dyn FnMut(Strip<'_>) -> Result<(), E>,
     ) -> Result<Picture, E> {
         let Settings { width, height, .. } = *settings;
+        let surfaces = self.visible_surfaces().count();
         if rows >= height {
-            let mut picture = self.picture(camera, settings, progress)?;
+            let count = Count::tracing(width * height * surfaces, listener);
+            let advance = |done| {
+                count.add(done);
+                true
+            };
+            let mut picture = self.trace(camera, settings, &advance)?;
             each(Strip { top: 0, picture: &mut picture, overview: None })?;
             picture.buffer.crop(0..0);
             return Ok(picture);
@@ -91,10 +97,12 @@ impl Model {
         let tops = || (0..height).step_by(rows);
         let known = |top: usize| top.saturating_sub(ALIGNED)..(top + rows + ALIGNED).min(height);
         let pixels = tops().map(|top| known(top).len() * width).sum::<usize>();
-        let pixels = (pixels + small.width * small.height) * self.visible_surfaces().count();
-        let done = AtomicUsize::new(0);
-        let advance = |now: usize| {
-            progress(done.fetch_add(now, Ordering::Relaxed) + now, pixels);
+        let count = Count::tracing((pixels + small.width * small.height) * surfaces, listener);
+        let advance = |done: Done| {
+            // A strip is smoothed before the next one is traced, so only pixels count.
+            if let Done::Pixels(_) = done {
+                count.add(done);
+            }
             wanted()
         };
         let whole = RayGrid::new(camera, width, height);

@@ -10,6 +10,7 @@ use crate::picture::{
     Normals, Picture, Precision, Settings, Statistics, Times, UndecidedStatistics,
 };
 use crate::pixels::Pixels;
+use crate::progress::Done;
 use std::borrow::Cow;
 use std::marker::PhantomData;
 use std::ops::Range;
@@ -26,9 +27,8 @@ use zeroset_trace::{
     TraceOptions, Tracer, Window, cap, cap_rows, may_cut,
 };
 
-/// Callback with the number of pixels finished since the last call. The work ends if it returns
-/// `false`.
-pub(super) type Advance<'a> = &'a (dyn Fn(usize) -> bool + Sync);
+/// Callback with the work done since the last call. The work ends if it returns `false`.
+pub(super) type Advance<'a> = &'a (dyn Fn(Done) -> bool + Sync);
 
 /// Step of central differences, as a share of the region's largest extent.
 const STEP: f64 = 1e-3;
@@ -53,9 +53,9 @@ macro_rules! in_precision {
 }
 
 impl Model {
-    /// Draws a picture. `advance` gets the number of pixels finished since the last call, where a
-    /// pixel counts once per surface. The work ends early if `advance` returns `false` or the
-    /// settings' budget is used up. Pixels not reached by then are undecided and unpainted.
+    /// Draws a picture. `advance` gets the work done since the last call. The work ends early if
+    /// `advance` returns `false` or the settings' budget is used up. Pixels not reached by then are
+    /// undecided and unpainted.
     ///
     /// # Errors
     /// If a kernel that [`Model::new`] has not compiled fails to compile.
@@ -88,7 +88,8 @@ impl Model {
     /// Traces again the pixels that a preview (`Settings::is_preview`) left undecided. `settings`
     /// must be those of the preview, except for `is_preview`. A preview without normals is drawn
     /// again, and the statistics then cover only the new picture. `advance` is as for
-    /// [`Model::trace`]. Returns `None` if `advance` returned `false`.
+    /// [`Model::trace`], but only pixels that are traced again count. Returns `None` if `advance`
+    /// returned `false`.
     ///
     /// # Errors
     /// As [`Model::trace`].
@@ -168,6 +169,11 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         Self { model, settings, advance, overview, own, block, whole, floats: PhantomData }
     }
 
+    /// Returns whether more work is wanted.
+    pub fn is_wanted(&self) -> bool {
+        (self.advance)(Done::NOTHING)
+    }
+
     /// Prepares the method for a surface, with options changed by `change`.
     pub fn tracer(
         &self,
@@ -187,7 +193,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         rays: &RayGrid,
         only: &[bool],
         layer: &mut GBuffer,
-        advance: Advance<'_>,
+        advance: &(dyn Fn(usize) -> bool + Sync),
     ) -> Result<KernelStats, ProgramError> {
         let mut work = Driver { rays, tracer, advance }.picture_where(only, layer);
         layer.surface.fill(surface as u16);
@@ -256,12 +262,12 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
     fn settle(&self, picture: &Picture, rays: &RayGrid) -> Result<Option<Picture>, ProgramError> {
         if picture.buffer.normal.is_empty() {
             let anew = self.draw(rays)?;
-            return Ok((self.advance)(0).then_some(anew));
+            return Ok(self.is_wanted().then_some(anew));
         }
         let open_mask: Vec<bool> = picture.open_mask().collect();
         let Statistics { mut times, mut work, .. } = picture.statistics;
         let settled = self.surfaces(rays, &open_mask, None, &mut times)?;
-        if !(self.advance)(0) {
+        if !self.is_wanted() {
             settled.buffer.hand_back();
             return Ok(None);
         }
@@ -310,7 +316,8 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         shader: Option<&Shader<'_>>,
         times: &mut Times,
     ) -> Result<Traced, ProgramError> {
-        let Self { model, settings, advance, .. } = *self;
+        let Self { model, settings, .. } = *self;
+        let advance = |pixels| (self.advance)(Done::Pixels(pixels));
         let mut watch = Stopwatch::start();
         let (width, height) = (rays.width(), rays.height());
         let (mut work, mut fallbacks) = (KernelStats::default(), Vec::new());
@@ -328,7 +335,15 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             let is_whole = columns.len() * rows.len() == width * height;
             let part = (!is_whole).then(|| rays.part(columns.clone(), rows.clone()));
             let own = part.as_ref().unwrap_or(rays);
-            let only = &*part_of(only, width, columns, rows);
+            let asked = only;
+            let only = &*part_of(asked, width, columns, rows);
+            // The window holds the surface, so the rays of all other pixels are proven to miss it.
+            let count = |only: &[bool]| only.iter().filter(|asked| **asked).count();
+            advance(if asked.is_empty() {
+                width * height - columns.len() * rows.len()
+            } else {
+                count(asked) - count(only)
+            });
             let shading = AtomicU64::new(0);
             let finish = |rows: &mut Rows<'_>, colors: ColorsMut<'_>| {
                 let mut work = KernelStats::default();
@@ -349,7 +364,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             let all = colors.as_mut().map(Colors::as_mut).unwrap_or_default();
             let mut parts = all.split((BAND_ROWS * width).max(1));
             parts.resize_with(height.div_ceil(BAND_ROWS), Default::default);
-            let driver = Driver { rays: own, tracer: &*tracer, advance };
+            let driver = Driver { rays: own, tracer: &*tracer, advance: &advance };
             // Normals are kept for shading after tracing, for caps, and to find edges.
             let needs_normals = shader.is_none()
                 || caps.is_some()
@@ -361,8 +376,6 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
                 brackets: settings.brackets || !is_one,
                 caps: caps.is_some(),
             };
-            // The window holds the surface, so the rays of all other pixels are proven to miss it.
-            advance(width * height - columns.len() * rows.len());
             if !is_whole && picture.is_none() {
                 let blank = GBuffer::of_nothing(width, height);
                 picture = Some(if kept.brackets { blank.with_brackets() } else { blank });

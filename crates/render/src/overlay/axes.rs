@@ -257,7 +257,7 @@ mod tests {
         let whole = framing::camera(&model, &choice, &settings, true);
         let near = framing::camera(&model, &choice, &settings, false);
         let camera = if fitted { whole } else { near }.expect("a camera");
-        let picture = model.picture(&camera, &settings, &|_, _| {}).expect("a picture");
+        let picture = model.picture(&camera, &settings).expect("a picture");
         let curves = TracedCurves::default();
         let shown =
             PictureView { camera: &camera, region: &region, picture: &picture, curves: &curves };

@@ -118,7 +118,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             }
             // Layers are colored as soon as they are traced.
             *(if is_translucent { &mut times.trace } else { &mut times.shade }) += watch.lap();
-            if is_smoothed && (self.advance)(0) {
+            if is_smoothed && self.is_wanted() {
                 edge_rays = self.smooth_edges(rays, buffer, &behind, &finish, &mut pixels)?;
                 times.antialias += watch.lap();
             }
@@ -177,7 +177,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         light: &Light,
         buffer: &mut GBuffer,
     ) -> Result<KernelStats, ProgramError> {
-        let Self { model, advance, .. } = *self;
+        let model = self.model;
         let occludes = self.occludes();
         let mut work = KernelStats::default();
         let shadow_depth = self.shadow_depth();
@@ -186,7 +186,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             let light = |pixel| lights[turn(pixel)];
             work += self.shadows(rays, &light, depth, &|_| true, buffer)?;
         }
-        if !occludes && shadow_depth.is_none() || !advance(0) {
+        if !occludes && shadow_depth.is_none() || !self.is_wanted() {
             return Ok(work);
         }
         let seen = Displayed::new(buffer, rays);
@@ -208,7 +208,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         } else if occludes {
             let near = AmbientOcclusion::coarse(&seen.buffer, &seen.rays, box_seen.centre());
             let reach = NEAR * 2.0 * box_seen.half_extent();
-            occlusion = Some(near.occlusion(reach, &|| advance(0)));
+            occlusion = Some(near.occlusion(reach, &|| self.is_wanted()));
         }
         if let Some(shadow) = shadow {
             buffer.shadow = shadow;
@@ -236,7 +236,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         let mut work = KernelStats::default();
         buffer.shadow.clear();
         // Shadow rays do not count as progress.
-        let wanted = |_| (self.advance)(0);
+        let wanted = |_| self.is_wanted();
         for surface in self.model.visible_surfaces().filter(|surface| casts(*surface)) {
             let Some(bounds) = self.zeros_within(surface) else { continue };
             let tracer = self.tracer(surface, |options| TraceOptions { depth, ..options })?;
@@ -247,7 +247,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
                 (way.normalize_or_zero(), distance * way.length())
             };
             work += driver.shadows(buffer, towards, offset, &bounds);
-            if !(self.advance)(0) {
+            if !self.is_wanted() {
                 break;
             }
         }

@@ -20,7 +20,7 @@ impl Scene {
         let settings = Settings { width: SIZE, height: SIZE, ..Settings::default() };
         let model = Model::new(&document, &region, &settings).expect("a model");
         let camera = Camera::new(eye, DVec3::ZERO, DVec3::Z, projection).expect("a camera");
-        let picture = model.picture(&camera, &settings, &|_, _| {}).expect("a picture");
+        let picture = model.picture(&camera, &settings).expect("a picture");
         Self { model, camera, picture }
     }
 
