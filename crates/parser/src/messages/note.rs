@@ -147,6 +147,11 @@ pub enum NoteKind {
     PlotNames { read: String },
     #[error("read as in {system}: `{read}`; for another, define it")]
     ForeignDefinition { system: &'static str, read: String },
+    #[error(
+        "`{axis}` does not occur, so the surface extends along it; the curve in the plane \
+         {axis} = 0 is `curve {equation}, {axis} = 0`, with `view {view}`"
+    )]
+    PlaneCurve { axis: char, equation: String, view: &'static str },
     #[error("further notes omitted")]
     More,
 }

@@ -231,6 +231,30 @@ impl Builder<'_> {
                     items.push_back(self.leaf(NamedValue::ImaginaryUnit, span));
                     return Ok(());
                 }
+                // In an exponent and in a divisor, it would not be clear where these end.
+                let is_part = matches!(items.back(), Some(FactorItem::Caret(..)))
+                    || items.is_empty() && self.follows(span, &[Slash]);
+                let is_plain = typed.len() == name.len() && !is_part;
+                let found = is_plain && behind.starts_with('(');
+                let found = found.then(|| self.scope.product_with_call(&name, &self.locals));
+                if let Some((letters, callee)) = found.flatten() {
+                    let (mut at, mut product) = (span.start, String::new());
+                    for (letter, value) in letters {
+                        let end = at + letter.len();
+                        items.push_back(self.leaf(value, Span::new(at, end)));
+                        at = end;
+                        product += &format!("{letter}*");
+                    }
+                    product += callee.name();
+                    product += bracketed(behind).unwrap_or("(…)");
+                    let callee_span = Span::new(at, span.end);
+                    if let Callee::Defined(name, _) = &callee {
+                        self.used.insert(name.clone());
+                    }
+                    items.push_back(FactorItem::Function(callee, callee_span));
+                    self.note(span, NoteKind::ProductOfNames { name, product });
+                    return Ok(());
+                }
                 // If a parameter is called `x`, `X` is not read as the coordinate x.
                 let lower = name.to_lowercase();
                 let is_hidden = self.locals.iter().any(|local| local.text == lower);
@@ -637,4 +661,19 @@ fn letters(typed: &str) -> String {
         found.and_then(|index| LETTERS.chars().nth(index)).unwrap_or(letter)
     };
     typed.chars().skip(1).map(by_position).collect()
+}
+
+/// The round bracket with which a text begins, up to its closing sign. `None` if it is long.
+fn bracketed(text: &str) -> Option<&str> {
+    const LONGEST: usize = 40;
+    let mut depth = 0;
+    for (at, sign) in text.char_indices().take(LONGEST) {
+        match sign {
+            '(' => depth += 1,
+            ')' if depth == 1 => return Some(&text[..=at]),
+            ')' => depth -= 1,
+            _ => {}
+        }
+    }
+    None
 }

@@ -6,9 +6,9 @@ use crate::lex::token_kind::TokenKind::{self, *};
 use crate::messages::error::{Error, ErrorKind};
 use crate::settings::SETTINGS;
 use crate::span::Span;
-use crate::tree::ast::Name;
+use crate::tree::ast::{Name, NamedValue};
 use crate::tree::builder::Builder;
-use crate::tree::scope::{NameMeaning, Scope, nearest, read_as};
+use crate::tree::scope::{Callee, NameMeaning, Scope, nearest, read_as};
 
 /// Largest size of a name whose parts are looked up, in bytes. The limit keeps hostile names cheap.
 const MAX_NAME: usize = 64;
@@ -243,6 +243,23 @@ impl Scope {
         let mut missing = name.chars().filter(|letter| !self.is_value(*letter, locals));
         let letter = missing.next().filter(|letter| letter.is_alphabetic())?;
         missing.all(|other| other == letter).then_some(letter)
+    }
+
+    /// Reads the name in `xcos(r)` as values whose names are letters, and the function that is
+    /// called.
+    pub(crate) fn product_with_call<'n>(
+        &self,
+        name: &'n str,
+        locals: &[Name],
+    ) -> Option<(Vec<(&'n str, NamedValue)>, Callee)> {
+        let parts = self.split(name, locals).filter(|_| name.len() <= MAX_NAME)?;
+        let ((_, last), letters) = parts.split_last()?;
+        let NameMeaning::Function(callee) = self.meaning(last, locals) else { return None };
+        let value = |(kind, letter): &(NamePart, &'n str)| match self.meaning(letter, locals) {
+            NameMeaning::Value(value) if *kind == NamePart::Letter => Some((*letter, value)),
+            _ => None,
+        };
+        Some((letters.iter().map(value).collect::<Option<_>>()?, callee))
     }
 
     /// Reads `xsin` as `x*sin`, `sin2x` as `sin(2x)` and `pix` as `pi*x`, if all parts are known.

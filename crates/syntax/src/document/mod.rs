@@ -12,5 +12,6 @@ pub(crate) mod implied_coordinates;
 pub(crate) mod implied_drawing;
 pub(crate) mod listed;
 pub(crate) mod parameters;
+mod plane_curve;
 pub(crate) mod reading;
 pub(crate) mod recursion;

@@ -7,6 +7,7 @@ use crate::document::heading::heading;
 use crate::document::implied_coordinates;
 use crate::document::implied_drawing::{drawn_by_program, implied_drawing};
 use crate::document::listed::{self, is_expression_list};
+use crate::document::plane_curve::plane_curve_note;
 use crate::document::recursion::no_recursion;
 use crate::lower::condition::holds_zeros;
 use crate::lower::constant::near_integers;
@@ -397,6 +398,9 @@ impl<'a> DocumentReader<'a> {
         let picture = picture(&settings, &values)?;
         self.notes.append(&mut lowering.notes);
         self.notes.extend(near_integer_notes(&lowering.graph, &surfaces));
+        if curves.all.is_empty() {
+            self.notes.extend(plane_curve_note(&lowering.graph, &surfaces));
+        }
         let text = self.text;
         let document = self.document(text, lowering.graph, surfaces, parameters, settings, picture);
         Ok(Document { curves, ..document })

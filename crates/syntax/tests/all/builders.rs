@@ -1,7 +1,7 @@
 //! Errors in calls of builders name the argument and point at it.
 
 use zeroset_ops::{BUILDERS, Role};
-use zeroset_parser::{ErrorKind, Limits};
+use zeroset_parser::{ErrorKind, Limits, Note, NoteKind};
 use zeroset_syntax::{Options, parse, read};
 
 /// The part of a text at which its only error points, and the error's message with its help.
@@ -56,7 +56,10 @@ fn every_builder_is_read_as_its_usage_says() {
             assert!(statements[0].to_string().starts_with(row.name), "{text}");
             let document = read(&text, &Options::default());
             let document = document.unwrap_or_else(|e| panic!("{}", e.render(None, &text, false)));
-            assert!(document.notes.is_empty(), "{text}: {:?}", document.notes);
+            // Circles and rectangles are shapes of a plane.
+            let is_other = |note: &&Note| !matches!(note.kind, NoteKind::PlaneCurve { .. });
+            let notes: Vec<&Note> = document.notes.iter().filter(is_other).collect();
+            assert!(notes.is_empty(), "{text}: {notes:?}");
         }
     }
 }

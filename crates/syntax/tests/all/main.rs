@@ -5,6 +5,7 @@ mod commas;
 mod corpus;
 mod emit;
 mod gallery;
+mod hints;
 mod hostile;
 mod left_over;
 mod lists;
