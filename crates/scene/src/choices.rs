@@ -191,8 +191,8 @@ impl Nodes {
     }
 }
 
-/// For each node, whether it is a choice: a minimum, maximum or absolute value, a sum with one, or a
-/// multiple of one.
+/// For each node, whether it is a choice: a minimum, maximum or absolute value, a sum with a
+/// choice, or a multiple of one.
 fn choices(graph: &Graph) -> Vec<bool> {
     let mut found = vec![false; graph.len()];
     for (id, node) in graph.iter() {
@@ -389,8 +389,8 @@ impl Program {
         Ok(Choices { choice, parts, first_cut, levels })
     }
 
-    /// A surface's function as minima and maxima of linear functions with exact coefficients, if it is
-    /// found to be that everywhere. None of them is constant.
+    /// A surface's function as minima and maxima of linear functions with exact coefficients. None
+    /// of these is constant. `None` if the function is not found to be such a choice everywhere.
     ///
     /// # Panics
     /// If there is no such surface.

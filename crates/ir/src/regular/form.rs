@@ -87,8 +87,8 @@ pub fn multiples(graph: &Graph, nodes: &[NodeId], parameters: &[Interval]) -> Ve
     nodes.iter().enumerate().map(place).collect()
 }
 
-/// For each node, the coefficients of x, y and z and the constant of a linear function that the node
-/// is everywhere. `None` if they are not found for all nodes.
+/// For each node that is a linear function everywhere, the coefficients of x, y and z, and the
+/// constant. `None` if these are not found for all nodes.
 ///
 /// ```
 /// use zeroset_ir::{Axis, Graph, planes};

@@ -11,7 +11,7 @@ use zeroset_render::progress::Done;
 use zeroset_scene::view::SceneError;
 use zeroset_space::Camera;
 
-/// If a camera takes longer to fit than this, and longer than all that came before, a coarse picture
+/// If a camera takes longer to fit than this, and longer than all work before it, a coarse picture
 /// of the whole region comes first.
 const FRAMING: Duration = Duration::from_millis(100);
 
