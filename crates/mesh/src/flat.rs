@@ -1,9 +1,9 @@
 //! Exact meshes of surfaces whose parts are planes.
 //!
-//! Space is divided by the planes, one after another, until none divides a piece in which it
-//! matters. Each piece is convex, and inside of the surface or outside. The surface is between
-//! pieces of the two kinds. All that is exact. At the end corners are rounded, and a check tells
-//! that no triangles could meet meanwhile.
+//! Planes divide space one by one, until no plane that matters in a piece divides it. Each piece is
+//! convex, and lies inside of the surface or outside. The surface lies between pieces of the two
+//! kinds. All of this is exact. At the end, corners are rounded. A check proves that triangles do
+//! not meet when their corners move so little.
 
 mod join;
 mod plane;

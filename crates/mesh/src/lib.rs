@@ -126,8 +126,8 @@ pub struct Options {
     /// True if bounds over small boxes are estimated from samples at their corners. Nothing is then
     /// proven: all tetrahedra count as [unproven](Mesh::unproven) and as [far](Mesh::far).
     pub is_estimated: bool,
-    /// Whether a surface of planes alone may have triangles as large as its faces. They are then
-    /// found exactly, and the tolerance does not matter.
+    /// True if triangles may be as large as the faces of a surface. If all faces are flat, the mesh
+    /// is then exact, whatever the tolerance.
     pub has_large_faces: bool,
     /// Largest number of tetrahedra that may hold the surface. Above it, none is split to reduce
     /// the distance; above twice this number, none is split to prove the shape.

@@ -210,8 +210,8 @@ fn choices(graph: &Graph) -> Vec<bool> {
     found
 }
 
-/// The operand of a product or quotient that is a number other than 0, and the other operand.
-/// `None` if there is none, or if it is not the quotient's divisor.
+/// The factor or divisor that is a number other than 0, and the other operand. `None` if no operand
+/// is such a number.
 fn factor(graph: &Graph, op: Op, operands: &[NodeId]) -> Option<(BigRational, NodeId)> {
     let number = |k: usize| graph.number(operands[k])?.exact().filter(|one| !one.is_zero());
     let found = |k: usize| Some((number(k)?.clone(), operands[1 - k]));

@@ -33,7 +33,7 @@ fn primitive<const N: usize>(whole: [BigInt; N]) -> [BigInt; N] {
     if common.is_zero() { whole } else { whole.map(|one| one / &common) }
 }
 
-/// A line: its direction, and its moment, so that it is the same for all pairs of its points.
+/// A line: its direction, and its moment. Both do not depend on the points that give the line.
 pub type Line = ([BigInt; 3], [BigRational; 3]);
 
 /// A point: multiples of its coordinates, and the factor, which is above 0.
@@ -115,7 +115,7 @@ impl Points {
         (direction, moment.map(|along| BigRational::new(along, weight.clone())))
     }
 
-    /// How far a point is along a direction.
+    /// The scalar product of a point and a direction.
     pub fn along(&self, direction: &[BigInt; 3], point: u32) -> BigRational {
         let [x, y, z, weight] = &self.points[point as usize].exact;
         let [u, v, w] = direction;
@@ -136,7 +136,7 @@ impl Points {
         self.planes.iter().map(|plane| sign(&dot(&plane.exact, &sum))).collect()
     }
 
-    /// The least distance between two parallel planes among these. `None` if there are none.
+    /// The least distance between two parallel planes among these. `None` without parallel planes.
     pub fn thinnest(&self, planes: impl Iterator<Item = usize>) -> Option<f64> {
         let mut parallel: FxHashMap<[BigInt; 3], Vec<f64>> = FxHashMap::default();
         for plane in planes {

@@ -25,11 +25,11 @@ pub enum Tree {
 /// A polygon between two pieces.
 pub struct Face {
     pub polygon: Polygon,
-    /// Whether the pieces are inside: the one behind the polygon, and the one before it.
+    /// For the piece behind the polygon, and for the one before it, whether it is inside.
     pub sides: [bool; 2],
 }
 
-/// What is known of a choice in a piece.
+/// The sign of a choice in a piece, or the part of the choice that decides it.
 enum Known {
     Inside(bool),
     Open(Choice),
@@ -111,7 +111,7 @@ impl Builder<'_> {
         corners: &[u32],
         sides: &mut FxHashMap<usize, Option<bool>>,
     ) -> Known {
-        // Whether points are in the set of a part.
+        // Tells whether all points are in the set of a part, or none is.
         let mut side = |part: usize| {
             *sides.entry(part).or_insert_with(|| {
                 let (mut is_below, mut is_above) = (false, false);

@@ -126,7 +126,7 @@ impl Solid {
     }
 }
 
-/// How often a closed mesh winds around a point: the sum of the triangles' solid angles (van
+/// The winding number of a closed mesh around a point: the sum of the triangles' solid angles (van
 /// Oosterom and Strackee, 1983), as a share of the whole sphere.
 fn winding(mesh: &Mesh, at: DVec3) -> f64 {
     let angle = |triangle: &[u32; 3]| {
