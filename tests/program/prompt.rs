@@ -337,11 +337,17 @@ fn dumb_terminals_get_no_colors() {
     }
 }
 
+/// A Mandelbulb of two rounds, which takes a second or two.
+const SLOW: &str = "r = sqrt(x^2+y^2+z^2); a = 8.1 acos(z/r); b = 8.1 atan2(y, x); \
+    u = r^8 sin(a) cos(b) + x; v = r^8 sin(a) sin(b) + y; w = r^8 cos(a) + z; \
+    s = sqrt(u^2+v^2+w^2); c = 8.1 acos(w/s); d = 8.1 atan2(v, u); \
+    (s^8 sin(c) cos(d) + x)^2 + (s^8 sin(c) sin(d) + y)^2 + (s^8 cos(c) + z)^2 = 4";
+
 /// Each picture is written over the one before, and the fine one over the last.
 #[test]
 fn a_slow_picture_is_coarse_until_it_is_finished() {
     for (kind, picture) in [("xterm", "▀"), ("xterm-kitty", "\u{1b}_Ga=T,f=100,q=2,c=90,r=26,")] {
-        let terminal = Terminal::start_in(kind, &["--preview", BULB, "--domain", "1.2"]);
+        let terminal = Terminal::start_in(kind, &["--preview", SLOW, "--domain", "1.2"]);
         terminal.shows("compiled in");
         let shown = terminal.shown();
         let (before, last) = shown.rsplit_once("\u{1b}[J").expect("the last picture is removed");

@@ -46,13 +46,13 @@ struct Point {
 /// Planes, and points in which three of them meet.
 pub struct Points {
     pub planes: Vec<Plane>,
-    points: Vec<Point>,
+    all: Vec<Point>,
     numbers: FxHashMap<[BigInt; 4], u32>,
 }
 
 impl Points {
     pub fn new(planes: Vec<Plane>) -> Self {
-        Self { planes, points: Vec::new(), numbers: FxHashMap::default() }
+        Self { planes, all: Vec::new(), numbers: FxHashMap::default() }
     }
 
     /// The point in which three planes meet.
@@ -74,19 +74,19 @@ impl Points {
         if let Some(number) = self.numbers.get(&exact) {
             return *number;
         }
-        let number = self.points.len() as u32;
+        let number = self.all.len() as u32;
         let along = |axis: usize| {
             BigRational::new_raw(exact[axis].clone(), exact[3].clone()).to_f64().unwrap_or(f64::NAN)
         };
         let place = DVec3::from_array([0, 1, 2].map(along));
         self.numbers.insert(exact.clone(), number);
-        self.points.push(Point { exact, place });
+        self.all.push(Point { exact, place });
         number
     }
 
     /// The sign of a plane's function at a point.
     pub fn side(&self, plane: usize, point: u32) -> i8 {
-        let (plane, point) = (&self.planes[plane], &self.points[point as usize]);
+        let (plane, point) = (&self.planes[plane], &self.all[point as usize]);
         let terms: [f64; 3] = [0, 1, 2].map(|axis| plane.rounded[axis] * point.place[axis]);
         let value = terms.iter().sum::<f64>() + plane.rounded[3];
         let size = terms.iter().map(|term| term.abs()).sum::<f64>() + plane.rounded[3].abs();
@@ -99,7 +99,7 @@ impl Points {
 
     /// The rounded place of a point.
     pub fn place(&self, point: u32) -> DVec3 {
-        self.points[point as usize].place
+        self.all[point as usize].place
     }
 
     /// The line through two planes, which has this point. The direction is that of the product of
@@ -110,21 +110,21 @@ impl Points {
         let first = direction.iter().find(|along| !along.is_zero());
         let is_turned = first.is_some_and(Signed::is_negative);
         let direction = direction.map(|along| if is_turned { -along } else { along });
-        let [x, y, z, weight] = &self.points[point as usize].exact;
+        let [x, y, z, weight] = &self.all[point as usize].exact;
         let moment = cross([x, y, z], direction.each_ref());
         (direction, moment.map(|along| BigRational::new(along, weight.clone())))
     }
 
     /// The scalar product of a point and a direction.
     pub fn along(&self, direction: &[BigInt; 3], point: u32) -> BigRational {
-        let [x, y, z, weight] = &self.points[point as usize].exact;
+        let [x, y, z, weight] = &self.all[point as usize].exact;
         let [u, v, w] = direction;
         BigRational::new(x * u + y * v + z * w, weight.clone())
     }
 
     /// The signs of all planes' functions between some points, at their mean.
     pub fn signs_between(&self, points: &[u32]) -> Vec<i8> {
-        let exact = |point: &u32| &self.points[*point as usize].exact;
+        let exact = |point: &u32| &self.all[*point as usize].exact;
         let common = points.iter().fold(BigInt::one(), |all, one| all.lcm(&exact(one)[3]));
         let mut sum = [(); 4].map(|()| BigInt::zero());
         for point in points.iter().map(exact) {

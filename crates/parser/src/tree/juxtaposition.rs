@@ -141,6 +141,35 @@ impl Builder<'_> {
         Ok(())
     }
 
+    /// Adds the items for a name as in `xcos(r)`, a product of letters and a call, to `items`.
+    /// Returns whether the name is such a product. In an exponent or a divisor it is not read so,
+    /// since it would not be clear where these end.
+    fn product_with_call(&mut self, name: &str, span: Span, items: &mut FactorItems<'_>) -> bool {
+        let behind = self.text[span.end..].trim_start_matches(BLANKS);
+        let is_part = matches!(items.back(), Some(FactorItem::Caret(..)))
+            || items.is_empty() && self.follows(span, &[Slash]);
+        if is_part || !behind.starts_with('(') {
+            return false;
+        }
+        let Some((letters, callee)) = self.scope.product_with_call(name, &self.locals) else {
+            return false;
+        };
+        let (mut at, mut product) = (span.start, String::new());
+        for (letter, value) in letters {
+            let end = at + letter.len();
+            items.push_back(self.leaf(value, Span::new(at, end)));
+            at = end;
+            product.extend([letter, "*"]);
+        }
+        product.extend([callee.name(), bracketed(behind).unwrap_or("(…)")]);
+        if let Callee::Defined(name, _) = &callee {
+            self.used.insert(name.clone());
+        }
+        items.push_back(FactorItem::Function(callee, Span::new(at, span.end)));
+        self.note(span, NoteKind::ProductOfNames { name: name.to_owned(), product });
+        true
+    }
+
     /// Adds the items for a name to `items`. Usually this is one item.
     fn name(&mut self, typed: &str, span: Span, items: &mut FactorItems<'_>) -> Fallible<()> {
         if let Some(operator) = operator(typed) {
@@ -218,41 +247,18 @@ impl Builder<'_> {
                 }
                 // Conversions between types of numbers, as in `float(x)`, have no effect.
                 let is_called = self.text[span.end..].starts_with('(');
-                if is_called && matches!(typed, "float" | "double" | "f32" | "f64" | "S") {
-                    return Ok(());
-                }
+                let is_type = matches!(typed, "float" | "double" | "f32" | "f64" | "S");
                 let follows_number = matches!(items.back(), Some(FactorItem::Leaf(before))
                     if before.number().is_some() && before.span.end == span.start);
                 // In C#, `2f` is a number. In Python, `2j` is an imaginary one, and in Julia `2im`.
-                if typed == "f" && follows_number {
+                if is_called && is_type || typed == "f" && follows_number {
                     return Ok(());
                 }
                 if typed == "j" && follows_number || typed == "im" {
                     items.push_back(self.leaf(NamedValue::ImaginaryUnit, span));
                     return Ok(());
                 }
-                // In an exponent and in a divisor, it would not be clear where these end.
-                let is_part = matches!(items.back(), Some(FactorItem::Caret(..)))
-                    || items.is_empty() && self.follows(span, &[Slash]);
-                let is_plain = typed.len() == name.len() && !is_part;
-                let found = is_plain && behind.starts_with('(');
-                let found = found.then(|| self.scope.product_with_call(&name, &self.locals));
-                if let Some((letters, callee)) = found.flatten() {
-                    let (mut at, mut product) = (span.start, String::new());
-                    for (letter, value) in letters {
-                        let end = at + letter.len();
-                        items.push_back(self.leaf(value, Span::new(at, end)));
-                        at = end;
-                        product += &format!("{letter}*");
-                    }
-                    product += callee.name();
-                    product += bracketed(behind).unwrap_or("(…)");
-                    let callee_span = Span::new(at, span.end);
-                    if let Callee::Defined(name, _) = &callee {
-                        self.used.insert(name.clone());
-                    }
-                    items.push_back(FactorItem::Function(callee, callee_span));
-                    self.note(span, NoteKind::ProductOfNames { name, product });
+                if typed.len() == name.len() && self.product_with_call(&name, span, items) {
                     return Ok(());
                 }
                 // If a parameter is called `x`, `X` is not read as the coordinate x.
