@@ -46,7 +46,7 @@ impl Scene {
     /// Returns notes on how ambiguous parts of the text were read.
     ///
     /// ```
-    /// let scene = zeroset::Scene::read("z = 1/2x")?;
+    /// let scene = zeroset::Scene::read("z = 1/2x + y")?;
     /// assert!(scene.notes()[0].message.starts_with("read as `(1/2)*x`"));
     /// # Ok::<(), zeroset::Error>(())
     /// ```
