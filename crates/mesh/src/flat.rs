@@ -89,7 +89,7 @@ pub fn mesh(
         return Flat::Other;
     }
     let wall = points.thinnest(polygons.iter().map(|polygon| polygon.plane));
-    let triangles = join(&polygons, &mut points);
+    let triangles = join(&polygons, &points);
     let mut mesh = Mesh { triangles, cells: builder.pieces, ..Mesh::default() };
     let mut numbers = FxHashMap::default();
     for corner in mesh.triangles.as_flattened_mut() {

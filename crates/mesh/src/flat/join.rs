@@ -19,17 +19,12 @@ impl Corner {
     }
 }
 
-/// The points on a line, in order.
-#[derive(Default)]
-struct OnLine {
-    points: Vec<(BigRational, u32)>,
-}
-
 /// Triangles of polygons. A point of one polygon that is within an edge of another becomes a corner
 /// there, too.
-pub fn join(polygons: &[Polygon], points: &mut Points) -> Vec<[u32; 3]> {
+pub fn join(polygons: &[Polygon], points: &Points) -> Vec<[u32; 3]> {
     let mut numbers: FxHashMap<Line, usize> = FxHashMap::default();
-    let mut lines: Vec<OnLine> = Vec::new();
+    // The points on each line, and how far they are along it.
+    let mut lines: Vec<Vec<(BigRational, u32)>> = Vec::new();
     let mut of_edges: Vec<Vec<usize>> = Vec::new();
     for polygon in polygons {
         let mut own = Vec::new();
@@ -39,22 +34,22 @@ pub fn join(polygons: &[Polygon], points: &mut Points) -> Vec<[u32; 3]> {
             let next = lines.len();
             let number = *numbers.entry(line).or_insert(next);
             if number == next {
-                lines.push(OnLine::default());
+                lines.push(Vec::new());
             }
             let end = polygon.corners[(k + 1) % polygon.corners.len()];
             let both = [*corner, end].map(|point| (points.along(&direction, point), point));
-            lines[number].points.extend(both);
+            lines[number].extend(both);
             own.push(number);
         }
         of_edges.push(own);
     }
     for line in &mut lines {
-        line.points.sort_unstable();
-        line.points.dedup();
+        line.sort_unstable();
+        line.dedup();
     }
     let places: Vec<FxHashMap<u32, usize>> = lines
         .iter()
-        .map(|line| line.points.iter().enumerate().map(|(k, (_, point))| (*point, k)).collect())
+        .map(|line| line.iter().enumerate().map(|(k, (_, point))| (*point, k)).collect())
         .collect();
     let mut triangles = Vec::new();
     for (polygon, of_edges) in polygons.iter().zip(of_edges) {
@@ -65,7 +60,7 @@ pub fn join(polygons: &[Polygon], points: &mut Points) -> Vec<[u32; 3]> {
             corners.push(Corner { point: from, edges: [(k + count - 1) % count, k] });
             let [from, to] = [from, to].map(|point| places[of_edges[k]][&point]);
             let within =
-                |place: usize| Corner { point: lines[of_edges[k]].points[place].1, edges: [k, k] };
+                |place: usize| Corner { point: lines[of_edges[k]][place].1, edges: [k, k] };
             if from < to {
                 corners.extend((from + 1..to).map(within));
             } else {
