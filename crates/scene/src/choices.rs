@@ -275,11 +275,15 @@ impl Reader<'_> {
             Op::Add | Op::Sub => {
                 let (one, other) = (operands[0], operands[1]);
                 let [left, right] = [one, other].map(|node| self.nodes(graph, node, false));
-                let count = left.parts() * right.parts();
-                if count == 1 || count > self.left {
-                    return Nodes::Part(node);
+                match (left.parts(), right.parts()) {
+                    (1, 1) => return Nodes::Part(node),
+                    (1, _) | (_, 1) => {}
+                    // Only here are there more parts than before.
+                    (one, other) => match self.left.checked_sub(one * other) {
+                        Some(rest) => self.left = rest,
+                        None => return Nodes::Part(node),
+                    },
                 }
-                self.left -= count;
                 left.sum(graph, op, &right)
             }
             _ => Nodes::Part(node),
@@ -592,5 +596,19 @@ mod tests {
         let found = program.choices(0, &region).expect("small");
         assert!(matches!(found.choice, Choice::Min(_) | Choice::Max(_)));
         assert!((2..=MOST_PARTS).contains(&found.parts.roots().len()));
+    }
+
+    /// A number that is added to a choice costs nothing of the limit.
+    #[test]
+    fn many_boxes_that_are_larger_by_a_number_are_taken_apart() {
+        let one = |k: usize| format!("max(abs(x - {k}), abs(y), abs(z)) - 0.3");
+        let boxes: Vec<String> = (0..16).map(one).collect();
+        let text = format!("min({}) <= 0", boxes.join(", "));
+        let document = read(&text, &Options::default()).expect("reads");
+        let region = Region::new(DVec3::splat(-25.0), DVec3::splat(25.0)).expect("a region");
+        let program = Program::new(&document, view::bounds(&region)).expect("small");
+        let found = program.choices(0, &region).expect("small");
+        // Each box has two parts of its own, and all have the other four in common.
+        assert_eq!(found.parts.roots().len(), 36);
     }
 }
