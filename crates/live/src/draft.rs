@@ -29,9 +29,16 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     }
     let joined = format!("{base}\n{line}");
     if let Some(word) = scene_word(line) {
-        let (kept, new) = (without_lines(base, word), line);
+        let (new, rest) = setting_and_rest(line);
         // Style lines apply to the drawings below them, so the line goes to the top.
-        return if matches!(word, "color" | "opacity" | "material" | "width" | "hidden") {
+        let is_style = matches!(word, "color" | "opacity" | "material" | "width" | "hidden");
+        if !rest.is_empty() {
+            let is_of_added = is_style && adding && draws(base, rest);
+            let with_setting = || entered(&entered(text, new, adding), rest, adding);
+            return if is_of_added { joined } else { with_setting() };
+        }
+        let kept = without_lines(base, word);
+        return if is_style {
             let (comment, rest) = kept.split_at(leading_comments(&kept));
             format!("{comment}{new}\n{rest}")
         } else {
@@ -141,8 +148,12 @@ fn drawings(text: &str) -> Vec<Range<usize>> {
 /// Returns whether entering a line into a text adds a drawing. The text matters: `x = r` may define
 /// `r`, but is a drawing if the text already defines `r`.
 pub(super) fn draws(text: &str, line: &str) -> bool {
+    if scene_word(line).is_some() {
+        let (_, rest) = setting_and_rest(line);
+        return !rest.is_empty() && draws(text, rest);
+    }
     let joined = format!("{text}\n{line}");
-    scene_word(line).is_none() && drawings(&joined).iter().any(|span| span.start > text.len())
+    drawings(&joined).iter().any(|span| span.start > text.len())
 }
 
 /// Returns whether a program draws one of its functions without a statement that says so, since its
@@ -237,6 +248,19 @@ fn scene_word(line: &str) -> Option<&'static str> {
     // A setting's word may also be defined as a value: `domain = 2` is a definition.
     let defines = line.trim_start()[word.len()..].trim_start().starts_with(['=', '(']);
     setting_word(word).filter(|_| !defines)
+}
+
+/// A setting at the start of a line, and what is typed behind it, as in `domain 2; x = 1`.
+fn setting_and_rest(line: &str) -> (&str, &str) {
+    let mut is_quoted = false;
+    let is_end = |c: char| {
+        is_quoted ^= c == '"';
+        matches!(c, ';' | '\n') && !is_quoted
+    };
+    match line.split_once(is_end) {
+        Some((setting, rest)) => (setting.trim_end(), rest.trim_start()),
+        None => (line, ""),
+    }
 }
 
 /// Length in bytes of the comment lines at the start of a text.
@@ -378,6 +402,17 @@ mod tests {
         assert_eq!(entered("domain 2\nx+y", "domain 3", false), "x+y\ndomain 3");
         assert_eq!(entered("# A\nx+y", "color red", false), "# A\ncolor red\nx+y");
         assert_eq!(entered("color red\nx+y", "color blue", false), "color blue\nx+y");
+        assert_eq!(
+            entered("domain 2\nr = 1\nx", "domain 3; r = y; x = r", false),
+            "domain 3\nr = y; x = r"
+        );
+        assert_eq!(
+            entered("color red\nx", "color blue; width 2\ny", false),
+            "width 2\ncolor blue\ny"
+        );
+        assert_eq!(entered("x", "color blue; y", true), "x\ncolor blue; y");
+        assert_eq!(entered("x", "title \"a; b\"", false), "x\ntitle \"a; b\"");
+        assert!(draws("", "domain 2; x^2+y^2 = 1") && !draws("", "domain 2; r = 3"));
     }
 
     #[test]
