@@ -16,7 +16,7 @@ use zeroset_ops::Op;
 use zeroset_space::{Ball, HalfSpace, Region};
 
 /// Largest number of parts.
-const MOST_PARTS: usize = 128;
+const MOST_PARTS: usize = 1024;
 /// Largest number of parts that are all linear.
 const MOST_PLANES: usize = 4096;
 

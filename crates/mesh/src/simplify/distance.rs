@@ -16,6 +16,10 @@ use smallvec::SmallVec;
 
 /// Share of a distance that covers the rounding of its computation.
 const ROUNDING: f64 = 1e-6;
+/// Share of a distance by which corners of a triangle move inward before its cover is looked for, so
+/// that what is beyond a crease at its side does not overlap it. No point of the triangle is farther
+/// than that from the smaller one.
+const INSET: f64 = 1.0 / 64.0;
 /// Number of triangles from which on none is looked for that is near all corners.
 const MANY: usize = 24;
 /// Number of times that a triangle is divided into four.
@@ -142,6 +146,10 @@ impl Cover {
         let seen = |one: u32| self.triangles[one as usize].map(flat);
         let own = piece.map(flat);
         let middle = (own[0] + own[1] + own[2]) / 3.0;
+        let farthest = own.iter().map(|corner| corner.distance(middle)).fold(0.0, f64::max);
+        let inward = (INSET * distance / farthest).min(0.5);
+        let own = own.map(|corner| corner.lerp(middle, inward));
+        let distance = (1.0 - INSET) * distance;
         let holds_middle = |one: &&u32| {
             let corners = seen(**one);
             (0..3).all(|k| side(corners[k], corners[(k + 1) % 3], middle) >= 0.0)
