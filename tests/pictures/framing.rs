@@ -4,6 +4,7 @@
 //! All rows: `cargo test --release --test all framing -- --nocapture`.
 
 use super::domains::rows;
+use glam::DVec3;
 use std::fmt::Write as _;
 use std::time::Instant;
 use zeroset_render::framing;
@@ -165,5 +166,24 @@ fn flat_things_are_not_seen_edge_on() {
         let buffer = model.trace(&camera, &settings, &|_| true).expect("kernels").buffer;
         let painted = (0..SIDE * SIDE).filter(|pixel| buffer.is_drawn(*pixel)).count();
         assert!(painted > SIDE * SIDE / 5, "{text}: {painted} pixels, {camera:?}");
+    }
+}
+
+#[test]
+fn flat_curves_and_floors_of_shaders_are_seen_from_above_with_and_without_axes() {
+    let floor = "float map(vec3 p) { return min(p.y, length(p - vec3(0, 0.5, 0)) - 0.5); }";
+    let ring = "curve x^2 + y^2 = 1, z = x";
+    let (y, slanted) = (DVec3::Y, DVec3::new(-1.0, 0.0, 1.0).normalize());
+    for (text, upper) in [(ring, slanted), ("z = x", slanted), (floor, y), ("p.y - 0.0", y)] {
+        let document = read(text, &Options::default()).expect("reads");
+        let (region, _) = region(&document, DomainChoice::Document, None).expect("a region");
+        let settings = Settings { width: SIDE, height: SIDE, ..Settings::default() };
+        let model = Model::new(&document, &region, &settings).expect("compiles");
+        for axes in [false, true] {
+            let camera = framing::camera(&model, &CameraChoice::default(), &settings, axes);
+            let camera = camera.expect("a camera");
+            let back = (camera.eye() - camera.target()).normalize();
+            assert!(back.dot(upper) > 0.4, "{text} with axes {axes}: {back}");
+        }
     }
 }

@@ -82,7 +82,7 @@ pub fn camera_while(
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Camera>, SceneError> {
     let framing = Framing { region: model.region(), choice, typed: model.camera(), settings };
-    if axes { framing.of_domain().map(Some) } else { framing.over(&[model], false, wanted) }
+    if axes { framing.of_domain(&[model], wanted) } else { framing.over(&[model], false, wanted) }
 }
 
 /// The camera that shows the whole region, unless the caller or the document sets another one.
@@ -133,7 +133,7 @@ impl Framing<'_> {
         is_turned: bool,
         wanted: &(dyn Fn() -> bool + Sync),
     ) -> Result<Option<Camera>, SceneError> {
-        let Self { region, choice, typed, settings } = *self;
+        let Self { region, settings, .. } = *self;
         let (given, view) = self.usual()?;
         let Some(view) = view else { return Ok(Some(given)) };
         // All fitting is done in the displayed space.
@@ -158,24 +158,13 @@ impl Framing<'_> {
             let fitted = view.fitted_around(back, &usual, region, &look)?;
             return Ok(fitted.map(|camera| camera.in_stretched(stretch)));
         }
-        let is_upright = choice.up.is_none() && typed.up.is_none();
         let Some(mut seen) = look(back)? else { return Ok(None) };
         let mut side = back;
-        if is_upright {
-            // The normal of the upper side. A vertical plane has none.
-            let upper = |normal: DVec3| {
-                let is_vertical = normal.z.abs() < VERTICAL;
-                normal * if is_vertical { normal.dot(back) } else { normal.z }.signum()
-            };
-            let flat = flat(&seen.spots).map(upper);
+        if self.is_upright() {
+            let flat = flat(&seen.spots);
             let sides = match flat {
-                Some(normal) if normal.dot(back) < LEAST_SINE => {
-                    let all = SIDES.map(DVec3::normalize);
-                    let steep = |side: &&DVec3| normal.dot(**side) >= LEAST_SINE;
-                    vec![*all.iter().find(steep).unwrap_or(&all[0])]
-                }
-                Some(_) => Vec::new(),
-                None => (1..TURNS).map(|n| turned(usual.up(), n, TURNS) * back).collect(),
+                Some(normal) => view.steep(normal, back).into_iter().collect(),
+                None => (1..TURNS).map(|n| turned(usual.up(), n, TURNS) * back).collect::<Vec<_>>(),
             };
             for other in sides {
                 let Some(mut found) = look(other)? else { return Ok(None) };
@@ -199,15 +188,29 @@ impl Framing<'_> {
         Ok(self.usual()?.0)
     }
 
-    /// Fits the region's whole box with its axis labels.
-    pub fn of_domain(&self) -> Result<Camera, SceneError> {
+    /// Fits the region's whole box with its axis labels. Returns `None` once `wanted` returns false.
+    pub fn of_domain(
+        &self,
+        models: &[&Model],
+        wanted: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Option<Camera>, SceneError> {
         let (given, view) = self.usual()?;
-        let Some(view) = view else { return Ok(given) };
+        let Some(view) = view else { return Ok(Some(given)) };
         let usual = given.displayed();
-        let back = (usual.eye() - usual.target()).normalize();
+        let mut back = (usual.eye() - usual.target()).normalize();
+        if self.is_upright() {
+            let seen = view.seen(models, back, self.region, self.settings, wanted)?;
+            let Some(Seen { spots, .. }) = seen else { return Ok(None) };
+            back = flat(&spots).and_then(|normal| view.steep(normal, back)).unwrap_or(back);
+        }
         let slope = FILLED_BY_DOMAIN * view.slope();
         let fitted = view.fitted_within(back, &corners(self.region), [slope * view.aspect, slope]);
-        Ok(fitted.unwrap_or(usual).in_stretched(self.region.stretch()))
+        Ok(Some(fitted.unwrap_or(usual).in_stretched(self.region.stretch())))
+    }
+
+    /// Returns whether neither the caller nor the document chooses the upward direction.
+    fn is_upright(&self) -> bool {
+        self.choice.up.is_none() && self.typed.up.is_none()
     }
 
     /// The camera for the whole region, and data for a fitted camera: `None` if the view is fixed.
@@ -352,6 +355,22 @@ impl FreeView {
         let off = (target - centre).reject_from(axis);
         let on_axis = Camera::new(eye - off, target - off, usual.up(), camera.projection());
         Ok(Some(on_axis.unwrap_or(camera)))
+    }
+
+    /// The direction from which a plane with this normal is viewed, if it is seen from its edge in
+    /// the direction `back`, or from below.
+    fn steep(&self, normal: DVec3, back: DVec3) -> Option<DVec3> {
+        // The normal of the upper side. A vertical plane has none.
+        let upward = normal.dot(self.up);
+        let facing = if upward.abs() < VERTICAL { normal.dot(back) } else { upward };
+        let normal = normal * facing.signum();
+        if normal.dot(back) >= LEAST_SINE {
+            return None;
+        }
+        // Sides are given for z as upward direction.
+        let upright = DQuat::from_rotation_arc(DVec3::Z, self.up.normalize());
+        let all = SIDES.map(|side| upright * side.normalize());
+        Some(*all.iter().find(|side| normal.dot(**side) >= LEAST_SINE).unwrap_or(&all[0]))
     }
 
     /// Half of the height that is visible at a distance of 1.

@@ -4,7 +4,7 @@
 use crate::domain::{GraphShape, differ};
 use glam::DVec3;
 use zeroset_space::Region;
-use zeroset_syntax::{Document, SurfaceKind};
+use zeroset_syntax::{Document, Surface, SurfaceKind};
 
 /// The displayed height of a stretched graph, as a share of its ground.
 const HEIGHT: f64 = 0.4;
@@ -12,24 +12,37 @@ const HEIGHT: f64 = 0.4;
 /// Largest number of surfaces in a document that is stretched.
 const SURFACES: usize = 16;
 
+/// Equations other than graphs are stretched if the extents of a given domain differ by more than
+/// this factor. Their true proportions would then be those of a needle.
+const NEEDLE: f64 = 20.0;
+
 /// Returns whether `document` consists of graphs z = f(x, y), and does not ask for equal axes.
 pub fn may_stretch(document: &Document) -> bool {
     !document.picture.is_equal && are_graphs(document)
 }
 
-/// Returns whether `document` consists of graphs z = f(x, y).
+/// Returns whether `document` consists of equations, does not ask for equal axes, and would look
+/// like a needle or like a plane in `region`.
+pub fn is_needle(document: &Document, region: &Region) -> bool {
+    let size = region.high() - region.low();
+    let is_equation = |surface: &Surface| surface.kind == SurfaceKind::Equation;
+    size.max_element() > NEEDLE * size.min_element()
+        && !document.picture.is_equal
+        && !document.surfaces.is_empty()
+        && document.surfaces.iter().all(is_equation)
+}
+
+/// Returns whether the surfaces of `document` are graphs z = f(x, y).
 pub fn are_graphs(document: &Document) -> bool {
-    let is_graph = |surface: &zeroset_syntax::Surface| {
+    let is_graph = |surface: &Surface| {
         let shape = || GraphShape::of(&document.graph, surface.root, &[]);
         surface.kind == SurfaceKind::Equation && shape().is_over_ground()
     };
-    (1..=SURFACES).contains(&document.surfaces.len())
-        && document.curves.all.is_empty()
-        && document.surfaces.iter().all(is_graph)
+    (1..=SURFACES).contains(&document.surfaces.len()) && document.surfaces.iter().all(is_graph)
 }
 
 /// The factors by which lengths along the axes are multiplied for display: powers of two. All are 1
-/// unless the extents of `region` differ much, and the document [may be stretched](may_stretch).
+/// unless the extents of `region` differ much, and the document may be stretched.
 pub fn stretch(region: &Region, may_stretch: impl FnOnce() -> bool) -> DVec3 {
     let size = region.high() - region.low();
     let ground = size.x.max(size.y);
@@ -136,6 +149,15 @@ mod tests {
         ] {
             assert_eq!(shown(text).stretch(), DVec3::ONE, "{text}");
         }
+        let tall = "domain x in [-2, 2], y in [-2, 2], z in [-200, 200]\n";
+        let needle = DVec3::new(1.0, 1.0, 1.0 / 256.0);
+        assert_eq!(shown(&format!("{tall}x*y*z = 1")).stretch(), needle);
+        for text in ["aspect equal\nx*y*z = 1", "x^2+y^2 <= 1", "x^2+y^2 = 1\nx^2+y^2 <= 1"] {
+            assert_eq!(shown(&format!("{tall}{text}")).stretch(), DVec3::ONE, "{text}");
+        }
+        // A point does not change how a graph looks.
+        let graph = "domain x in [-1, 1], y in [-1, 1], z in [-90, 90]\nz = 80 x y";
+        assert_eq!(shown(&format!("{graph}\npoint (0, 0, 9)")).stretch(), shown(graph).stretch());
         let given = shown("domain x in [-1, 1], y in [-1, 1], z in [-90, 90]\nz = 80 x y");
         assert_eq!(given.stretch(), DVec3::new(1.0, 1.0, 1.0 / 256.0));
         assert_eq!(
