@@ -169,18 +169,18 @@ fn why_empty(found: &Meshes, document: &Document) -> String {
     let place = |found: Option<AutoDomain>| found.map(|found| format!("--domain {}", ends(&found)));
     match blank {
         Blank::NoCurve => "there are curves and points alone".to_owned(),
-        Blank::Missed(found) if cells > 0 => format!(
+        Blank::Missed { found, .. } if cells > 0 => format!(
             "the function changes its sign at no sample; {cells} cells may still hold a point of \
              the surface, which may be thinner than {tolerance:.2e} there: try a smaller \
              --tolerance{}",
             place(found).map(|place| format!(", or {place}")).unwrap_or_default()
         ),
-        Blank::Missed(_) if is_estimated => {
+        Blank::Missed { .. } if is_estimated => {
             "the estimated bounds leave no point in the domain; without --estimate, that is proven, \
              or the surface found"
                 .to_owned()
         }
-        Blank::Missed(found) => format!(
+        Blank::Missed { found, .. } => format!(
             "the surface is proven to have no point in the domain{}",
             place(found).map(|place| format!("; try {place}")).unwrap_or_default()
         ),

@@ -9,6 +9,9 @@ use crate::view;
 use zeroset_space::Region;
 use zeroset_syntax::Document;
 
+/// Advice for distance estimators.
+const NO_ZERO: &str = "; a distance estimator may stay above 0: subtract 0.001 from its result";
+
 /// The reason why a picture shows nothing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Blank {
@@ -19,12 +22,20 @@ pub enum Blank {
     /// The function has no value anywhere in the domain.
     Undefined,
     /// The region lies within ±[`REACH`], where the surface is proven to have no point.
-    Empty,
+    Empty {
+        /// As in [`Self::Missed`].
+        is_estimator: bool,
+    },
     /// The surface is proven to lie in this domain, which does not meet the region.
     Elsewhere(AutoDomain),
     /// Every ray misses the surface: because of the camera, because the surface is small or thin,
-    /// or because it has no point in the region. A domain may show more of it.
-    Missed(Option<AutoDomain>),
+    /// or because it has no point in the region.
+    Missed {
+        /// A domain that may show more of it.
+        found: Option<AutoDomain>,
+        /// True if the function may be a distance estimator, which comes near 0 and has no zero.
+        is_estimator: bool,
+    },
 }
 
 impl Blank {
@@ -48,15 +59,17 @@ impl Blank {
             return Self::Undefined;
         }
         let within = region.low().abs().max(region.high().abs()).max_element() <= REACH;
+        // Programs of shaders have y as upward direction.
+        let is_estimator = document.is_y_up;
         match searched.or_else(|| view::search(document).ok()) {
-            Some(found) if found.finding.is_empty() && within => Self::Empty,
+            Some(found) if found.finding.is_empty() && within => Self::Empty { is_estimator },
             Some(found) if found.finding.is_bounded() && is_apart(&found, region) => {
                 Self::Elsewhere(found)
             }
             Some(found) if !found.finding.is_empty() && differs(&found, region) => {
-                Self::Missed(Some(found))
+                Self::Missed { found: Some(found), is_estimator: false }
             }
-            _ => Self::Missed(None),
+            _ => Self::Missed { found: None, is_estimator },
         }
     }
 
@@ -69,14 +82,18 @@ impl Blank {
             Self::Undefined => {
                 "nothing is seen: the function has no value anywhere in the domain".to_owned()
             }
-            Self::Empty => "nothing is seen: the surface is proven empty up to ±1e12".to_owned(),
+            Self::Empty { is_estimator } => {
+                let advice = if *is_estimator { NO_ZERO } else { "" };
+                format!("nothing is seen: the surface is proven empty up to ±1e12{advice}")
+            }
             Self::Elsewhere(found) => {
                 let place = domain(&ends(found));
                 format!("nothing is seen here; the surface lies elsewhere: try {place}")
             }
-            Self::Missed(found) => {
+            Self::Missed { found, is_estimator } => {
                 let advice = found.map(|found| format!("; try {}", domain(&ends(&found))));
-                let advice = advice.unwrap_or_default();
+                let or_else = if *is_estimator { NO_ZERO } else { "" };
+                let advice = advice.as_deref().unwrap_or(or_else);
                 format!("nothing is seen: every ray is proven to miss{advice}")
             }
         }
@@ -130,6 +147,10 @@ mod tests {
         assert!(why("z=12345.678", 2.0).contains("12344.68,12346.68"));
         assert!(why("x^2+y^2+z^2=-1", 2.0).contains("proven empty"));
         assert!(why("x^2+y^2+z^2=1", 2.0).ends_with("every ray is proven to miss"));
+        let estimator = "float map(vec3 p) { return sqrt(dot(p, p) + 0.0001) * 0.5; }";
+        assert!(why(estimator, 2.0).ends_with("subtract 0.001 from its result"));
+        let touching = "float map(vec3 p) { return length(p); }";
+        assert!(why(touching, 2.0).contains("subtract 0.001"), "{}", why(touching, 2.0));
     }
 
     /// A surface lies elsewhere only if that is proven.
