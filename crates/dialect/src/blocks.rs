@@ -31,9 +31,10 @@ pub(crate) enum ProgramStep {
         /// Statements after Python's `else`, which run unless the loop was left early.
         otherwise: Vec<ProgramStep>,
     },
-    /// A loop over the values of a list or range. `name` is the loop variable.
+    /// A loop over the values of a list or range. `names` are the loop variables; if there are
+    /// several, each value is a list.
     Each {
-        name: Token,
+        names: Vec<Token>,
         values: Vec<Token>,
         body: Vec<ProgramStep>,
         otherwise: Vec<ProgramStep>,
@@ -60,9 +61,21 @@ impl ProgramStep {
             Self::Block(inner) => inner.first().and_then(Self::first),
             Self::If { condition, .. } => condition.first().copied(),
             Self::Loop { word, .. } => Some(*word),
-            Self::Each { name, .. } => Some(*name),
+            Self::Each { names, .. } => names.first().copied(),
         }
     }
+}
+
+/// The variables of `a, b in values`, and the tokens of the values.
+pub(crate) fn loop_names(tokens: &[Token]) -> Option<(Vec<Token>, &[Token])> {
+    let within = outside(tokens, In)?;
+    let is_name = |token: &Token| token.kind.is_name();
+    let is_sign =
+        |token: &Token| token.kind == Comma || token.kind == OpenParen || token.kind == CloseParen;
+    let left = &tokens[..within];
+    let names: Vec<Token> = left.iter().copied().filter(is_name).collect();
+    let is_read = !names.is_empty() && left.iter().all(|token| is_name(token) || is_sign(token));
+    is_read.then(|| (names, &tokens[within + 1..]))
 }
 
 /// Drops the semicolons at the start of `tokens`.
@@ -189,8 +202,8 @@ impl Words<'_> {
                         return Err(self.unsupported(first));
                     };
                     let values = header[of + 1..].to_vec();
-                    let (name, otherwise) = (header[of - 1], Vec::new());
-                    steps.push(ProgramStep::Each { name, values, body, otherwise });
+                    let (names, otherwise) = (vec![header[of - 1]], Vec::new());
+                    steps.push(ProgramStep::Each { names, values, body, otherwise });
                 }
             }
         }
@@ -279,13 +292,13 @@ impl Words<'_> {
                     otherwise,
                 });
             }
-            _ => match header.as_slice() {
-                [name, within, values @ ..] if within.kind == In => {
+            _ => match loop_names(&header) {
+                Some((names, values)) => {
+                    let values = values.to_vec();
                     let otherwise = self.otherwise(lines, &mut next, own, depth)?;
-                    let (name, values) = (*name, values.to_vec());
-                    steps.push(ProgramStep::Each { name, values, body, otherwise });
+                    steps.push(ProgramStep::Each { names, values, body, otherwise });
                 }
-                _ => return Err(self.unsupported(first)),
+                None => return Err(self.unsupported(first)),
             },
         }
         Ok(next)

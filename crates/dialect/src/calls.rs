@@ -1,6 +1,7 @@
 //! Reads calls in programs' expressions. Completes their arguments by names and default values, and
 //! expands generators such as `sum(a for i in range(3))`.
 
+use crate::blocks::loop_names;
 use crate::language::Language;
 use crate::program_reader::{Frame, Procedure, ProgramReader};
 use crate::program_words::is_whole_vector;
@@ -11,7 +12,30 @@ use zeroset_parser::lex::token_kind::TokenKind::*;
 use zeroset_parser::tree::ast::ExprKind;
 use zeroset_parser::{Error, ErrorKind, Fallible, Span, plural};
 
+/// Functions that combine the values of a generator.
+const COMBINING: &[&str] = &["sum", "min", "max", "prod", "minimum", "maximum", "amin", "amax"];
+
 impl ProgramReader<'_> {
+    /// The tokens of a value of Python outside functions. Generators, and calls with keywords or
+    /// without some arguments, are expanded.
+    pub(crate) fn with_calls(
+        &mut self,
+        value: Vec<Token>,
+        frame: &mut Frame,
+    ) -> Fallible<Vec<Token>> {
+        let is_call = |token: &Token| self.bodies.contains_key(self.words.word(*token));
+        let is_expanded = self.words.has(&value, "for") || value.iter().any(is_call);
+        let spreads =
+            value.windows(2).any(|pair| (pair[0].kind, pair[1].kind) == (OpenParen, Star));
+        if !self.is_python || !is_expanded || spreads || self.words.lambda(&value).is_some() {
+            return Ok(value);
+        }
+        let before = std::mem::take(&mut self.reads);
+        let value = self.assignment(&value, frame)?;
+        self.reads = before;
+        Ok(value.tokens)
+    }
+
     /// Reads the call `call`, such as `f(a, b)`. Appends tokens of its value to `out`. Returns
     /// whether the value is an integer.
     pub(crate) fn call(
@@ -42,7 +66,7 @@ impl ProgramReader<'_> {
             }
         }
         if matches!(self.language, Language::Python | Language::OpenScad)
-            && matches!(word, "sum" | "min" | "max")
+            && COMBINING.contains(&word)
             && let Some(values) = self.generated_values(inner, frame)?
         {
             self.combine(name, &values, out, frame)?;
@@ -167,7 +191,7 @@ impl ProgramReader<'_> {
         all.ok_or_else(wrong)
     }
 
-    /// Writes the sum, the least or the greatest of `values`.
+    /// Writes the sum, the product, the least or the greatest of `values`.
     pub(crate) fn combine(
         &mut self,
         name: Token,
@@ -175,10 +199,14 @@ impl ProgramReader<'_> {
         out: &mut Vec<Token>,
         frame: &mut Frame,
     ) -> Fallible<()> {
-        let is_sum = self.words.word(name) == "sum";
+        let sign = match self.words.word(name) {
+            "sum" => Some(Plus),
+            "prod" => Some(Star),
+            _ => None,
+        };
         let place = Span::at(name.span.end);
         if values.is_empty() {
-            if !is_sum {
+            if sign != Some(Plus) {
                 return Err(Error::new(name.span, ErrorKind::EmptyBrackets));
             }
             let zero = ExprKind::Number("0".to_owned());
@@ -189,13 +217,13 @@ impl ProgramReader<'_> {
             out.push(*only);
             return Ok(());
         }
-        if !is_sum {
+        if sign.is_none() {
             out.push(name);
         }
         out.push(Token::new(OpenParen, place));
         for (index, value) in values.iter().enumerate() {
             if index > 0 {
-                out.push(Token::new(if is_sum { Plus } else { Comma }, place));
+                out.push(Token::new(sign.unwrap_or(Comma), place));
             }
             out.push(*value);
         }
@@ -218,11 +246,7 @@ impl ProgramReader<'_> {
         }
         let Some(for_at) = outside_word(self, tokens, "for") else { return Ok(None) };
         let (body, rest) = (&tokens[..for_at], &tokens[for_at + 1..]);
-        let [index, within, ..] = rest else { return Ok(None) };
-        if within.kind != In || !index.kind.is_name() {
-            return Ok(None);
-        }
-        let rest = &rest[2..];
+        let Some((names, rest)) = loop_names(rest) else { return Ok(None) };
         let if_at = outside_word(self, rest, "if");
         let (list, filter) = match if_at {
             Some(at) => (&rest[..at], Some(&rest[at + 1..])),
@@ -231,6 +255,6 @@ impl ProgramReader<'_> {
         if filter.is_some_and(|filter| outside_word(self, filter, "for").is_some()) {
             return Ok(None);
         }
-        self.each_value(*index, list, filter, body, frame).map(Some)
+        self.each_value(&names, list, filter, body, frame).map(Some)
     }
 }

@@ -6,7 +6,7 @@ use crate::known_numbers::{count, number_expr, number_of};
 use crate::language::Language;
 use crate::program_reader::{Frame, ProgramReader, Statements};
 use crate::program_words::Words;
-use zeroset_parser::lex::token::{Token, closing, in_brackets, outside, span_of, split};
+use zeroset_parser::lex::token::{Token, in_brackets, outside, span_of, split};
 use zeroset_parser::lex::token_kind::TokenKind::{self, Comma, Equals, OpenBracket};
 use zeroset_parser::tree::ast::{Expr, ExprKind, Name, Relation};
 use zeroset_parser::{Error, ErrorKind, Fallible, Span};
@@ -19,6 +19,12 @@ pub(crate) const MAX_STEPS: usize = 1000;
 pub(crate) const EXIT_LEVEL: &str = "break";
 /// Name of the variable that holds a function's returned value.
 pub(crate) const RESULT: &str = "return";
+
+/// Functions that make an array or a list of a list.
+const LISTS: &[&str] = &["array", "asarray", "list", "tuple", "stack"];
+
+/// Largest number of names and functions around a list.
+const MAX_LISTS: usize = 4;
 
 /// Levels of an early exit: an exit from the iteration, from the loop, or from the function.
 const ROUND: f64 = 1.0;
@@ -71,23 +77,14 @@ impl ProgramReader<'_> {
                     self.repeat(&mut begin, body, otherwise, frame)?;
                     frame.leave_scope(mark);
                 }
-                ProgramStep::Each { name, values, body, otherwise } => {
-                    let mut values = self.values(*name, values, frame)?.into_iter();
+                ProgramStep::Each { names, values, body, otherwise } => {
+                    let Some(first) = names.first() else { continue };
+                    let mut values = self.values(*first, values, frame)?.into_iter();
                     let mut begin = |reader: &mut Self, frame: &mut Frame| {
                         let Some(value) = values.next() else { return Ok(false) };
-                        reader.count_step(name.span)?;
-                        let span = name.span;
-                        let text = reader.words.text[span.range()].to_owned();
-                        match value {
-                            LoopValue::Known(number) => {
-                                if number.fract() == 0.0 {
-                                    frame.integers.insert(text.clone());
-                                }
-                                frame.aliases.push(text, number_expr(number, span));
-                            }
-                            LoopValue::Typed(tokens) => {
-                                reader.set(Name { text, span }, 1, tokens, frame)?;
-                            }
+                        reader.count_step(first.span)?;
+                        for (name, value) in reader.loop_values(names, value)? {
+                            reader.set_loop_variable(name, value, frame)?;
                         }
                         Ok(true)
                     };
@@ -104,6 +101,88 @@ impl ProgramReader<'_> {
             });
         }
         Ok(())
+    }
+
+    /// The loop variables, each with its part of `value`.
+    pub(crate) fn loop_values(
+        &self,
+        names: &[Token],
+        value: LoopValue,
+    ) -> Fallible<Vec<(Token, LoopValue)>> {
+        let first = names[0];
+        let parts = match value {
+            value if names.len() == 1 => return Ok(vec![(first, value)]),
+            LoopValue::Typed(tokens) => self.list_values(&tokens).unwrap_or_default(),
+            LoopValue::Several(values) => return Ok(names.iter().copied().zip(values).collect()),
+            LoopValue::Known(_) => Vec::new(),
+        };
+        if parts.len() != names.len() {
+            return Err(Error::new(first.span, ErrorKind::LoopEnd));
+        }
+        Ok(names.iter().copied().zip(parts.into_iter().map(LoopValue::Typed)).collect())
+    }
+
+    /// Gives a loop variable its value in an iteration.
+    fn set_loop_variable(
+        &mut self,
+        name: Token,
+        value: LoopValue,
+        frame: &mut Frame,
+    ) -> Fallible<()> {
+        let span = name.span;
+        let text = self.words.text[span.range()].to_owned();
+        match value {
+            LoopValue::Known(number) => {
+                if number.fract() == 0.0 {
+                    frame.integers.insert(text.clone());
+                }
+                frame.aliases.push(text, number_expr(number, span));
+                Ok(())
+            }
+            LoopValue::Typed(tokens) => match self.known_value(&tokens, frame) {
+                Some(number) => {
+                    frame.aliases.push(text, number_expr(number, span));
+                    Ok(())
+                }
+                None => self.set(Name { text, span }, 1, tokens, frame),
+            },
+            LoopValue::Several(_) => Err(Error::new(span, ErrorKind::LoopEnd)),
+        }
+    }
+
+    /// The values of a list, a tuple, an array, or a name that stands for one.
+    pub(crate) fn list_values(&self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
+        let mut tokens = tokens.to_vec();
+        for _ in 0..MAX_LISTS {
+            tokens = match tokens.as_slice() {
+                [name] => self.assigned.get(self.words.word(*name))?.clone(),
+                [name, rest @ ..] if LISTS.contains(&self.words.word(*name)) => {
+                    split(Words::inside(rest)?, Comma).into_iter().next()?
+                }
+                _ => break,
+            };
+        }
+        let inner = Words::inside(&tokens)?;
+        (tokens[0].kind != TokenKind::OpenBrace).then(|| split(inner, Comma))
+    }
+
+    /// The values of `enumerate(list)` or `zip(list, list)`; `None` for other tokens.
+    fn paired_values(&self, tokens: &[Token]) -> Option<Vec<LoopValue>> {
+        let (name, rest) = tokens.split_first()?;
+        let lists = split(Words::inside(rest)?, Comma);
+        let lists: Option<Vec<Vec<Vec<Token>>>> =
+            lists.iter().map(|list| self.list_values(list)).collect();
+        let lists = lists.filter(|lists| !lists.is_empty())?;
+        let count = lists.iter().map(Vec::len).min()?;
+        let row = |index: usize| {
+            let values = lists.iter().map(|list| LoopValue::Typed(list[index].clone()));
+            let number = LoopValue::Known(index as f64);
+            LoopValue::Several(match self.words.word(*name) {
+                "enumerate" => std::iter::once(number).chain(values).collect(),
+                _ => values.collect(),
+            })
+        };
+        matches!(self.words.word(*name), "enumerate" | "zip").then(|| (0..count).map(row).collect())
     }
 
     /// Counts one step: a statement or an iteration of a loop. Fails beyond `MAX_STEPS`.
@@ -269,12 +348,12 @@ impl ProgramReader<'_> {
         {
             return Ok(numbers.into_iter().map(LoopValue::Known).collect());
         }
+        if let Some(values) = self.paired_values(tokens) {
+            return Ok(values);
+        }
         let is_range = tokens.first().is_some_and(|first| self.words.word(*first) == "range");
         let list = if is_range { &tokens[1..] } else { tokens };
-        let Some(end) = closing(list).filter(|end| end + 1 == list.len()) else {
-            return Err(refused());
-        };
-        let parts = split(&list[1..end], Comma);
+        let parts = self.list_values(list).ok_or_else(refused)?;
         if !is_range {
             return Ok(parts.into_iter().map(LoopValue::Typed).collect());
         }
@@ -367,6 +446,8 @@ type NextRound<'b, R> = &'b mut dyn FnMut(&mut R, &mut Frame) -> Fallible<bool>;
 pub(crate) enum LoopValue {
     Known(f64),
     Typed(Vec<Token>),
+    /// A value for each of several variables.
+    Several(Vec<LoopValue>),
 }
 
 pub(crate) fn more_than(kind: ExprKind, level: f64) -> Expr {

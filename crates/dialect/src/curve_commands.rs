@@ -19,7 +19,14 @@ pub(crate) const COMMANDS: &[&str] = &[
     "fplot3",
     "ParametricFunction",
     "ParametricCurve",
+    "ParametricPlot",
+    "curve3d",
+    "plotparam",
+    "parametric",
 ];
+
+/// Commands that plot three lists of coordinates.
+pub(crate) const LISTED: &[&str] = &["plot3", "plot3d", "lines3d", "scatter3", "comet3", "line3d"];
 
 /// Commands that plot a surface given by two parameters.
 const SURFACES: &[&str] =
@@ -46,6 +53,22 @@ impl Words<'_> {
         let is_before = |token: &Token| {
             token.kind.is_name() || matches!(token.kind, Equals | Comma) || self.is_dot(*token)
         };
+        // Maple's `plots[spacecurve](…)`, and Maxima's `draw3d(parametric(…))`.
+        if let [plots, open, command, close, rest @ ..] = tokens
+            && (self.word(*plots), open.kind, close.kind) == ("plots", OpenBracket, CloseBracket)
+        {
+            return self.curve_command(&[&[*command], rest].concat());
+        }
+        if let [draw, rest @ ..] = tokens
+            && at > 1
+            && self.word(*draw) == "draw3d"
+            && let Some(curve) = Self::inside(rest).and_then(|inner| {
+                let mut parts = split(inner, Comma).into_iter();
+                parts.find(|part| self.word(part[0]) == "parametric")
+            })
+        {
+            return self.curve_command(&curve);
+        }
         let Some((inner, rest)) = bracketed(&tokens[at + 1..]) else { return Ok(None) };
         let is_end = |token: &Token| matches!(token.kind, Colon | Unknown | Semicolon);
         let is_whole = tokens[..at].iter().all(is_before)
@@ -75,6 +98,39 @@ impl Words<'_> {
         };
         let note = self.unused_note(&arguments.into_unused());
         Ok(Some((self.path(place, &parts, name, &range), note)))
+    }
+
+    /// Joins the two equations of a LaTeX environment `cases` into one curve.
+    pub(crate) fn join_cases(self, statements: &mut Vec<Vec<Token>>) {
+        let mut at = 0;
+        while at + 1 < statements.len() {
+            if let Some(curve) = self.case_equations(&statements[at], &statements[at + 1]) {
+                statements.splice(at..at + 2, [curve]);
+            }
+            at += 1;
+        }
+    }
+
+    /// The curve of two equations that alone stand in an environment `cases`.
+    fn case_equations(self, one: &[Token], other: &[Token]) -> Option<Vec<Token>> {
+        let (start, end) = (one[0].span.start, other[other.len() - 1].span.end);
+        let before = self.text[..start].trim_end();
+        let between = &self.text[one[one.len() - 1].span.end..other[0].span.start];
+        let is_equation = |tokens: &[Token]| {
+            let relations = tokens.iter().filter(|token| token.kind.is_relation());
+            relations.map(|token| token.kind).eq([Equals])
+                && tokens.iter().filter(|token| token.kind.is_axis()).count() > 1
+        };
+        let is_whole = before.ends_with(r"\begin{cases}")
+            && between.contains(r"\\")
+            && self.text[end..].trim_start().starts_with(r"\end{cases}");
+        (is_whole && is_equation(one) && is_equation(other)).then(|| {
+            let mut curve = vec![Token::new(CurveWord, Span::at(start))];
+            curve.extend(one);
+            curve.push(Token::new(Comma, Span::at(other[0].span.start)));
+            curve.extend(other);
+            curve
+        })
     }
 
     /// Joins the equations `x = cos t`, `y = sin t` and `z = t`, and the range of t after them,
@@ -156,7 +212,15 @@ impl Words<'_> {
         };
         let is_list = matches!(part.first()?.kind, OpenBrace | OpenBracket | OpenParen | OpenList);
         let is_whole = closing(part).is_some_and(|end| end + 1 == part.len());
-        let parts = split(bracketed(part)?.0, Comma);
+        let mut parts = split(bracketed(part)?.0, Comma);
+        // A curve in the plane, as in `ParametricPlot[{Cos[t], Sin[t]}, …]`, has z = 0.
+        if let ([x, _], true) = (parts.as_slice(), self.text.contains("ParametricPlot[")) {
+            let is_value = |pair: &&[Token]| {
+                pair[0].kind == TokenKind::Name && pair[1].kind.closer().is_none()
+            };
+            let name = x.windows(2).find(is_value)?[0];
+            parts.push(vec![name, Token::new(Minus, Span::at(name.span.start)), name]);
+        }
         (is_list && is_whole && parts.len() == 3).then_some(parts)
     }
 
@@ -198,7 +262,7 @@ impl Words<'_> {
     }
 
     /// The tokens of the statement. A coordinate that is the name of a function is called.
-    fn path(
+    pub(crate) fn path(
         self,
         place: Span,
         parts: &[(Option<Token>, Vec<Token>)],

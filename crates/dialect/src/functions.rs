@@ -408,6 +408,8 @@ impl ProgramReader<'_> {
         if !lines.iter().any(|line| self.words.has(line, "return")) {
             return Err(refused);
         }
+        let mut parameters = parameters;
+        parameters.retain(|part| self.words.word(part[0]) != "self");
         let is_point = matches!(parameters.as_slice(), [only] if self.words.is_point(only, &lines));
         let steps = self.words.lines(&lines, 0)?;
         self.record_body(name, &parameters, self.words.lines(&lines, 0)?);
@@ -525,7 +527,14 @@ impl ProgramReader<'_> {
         let name = match name {
             Some(name) => self.words.name(name),
             None if is_point => Name { text: self.fresh("f"), span: Span::at(value[0].span.start) },
-            None => return self.plain(body.unwrap_or(value), frame, false),
+            None => {
+                let typed = parameters.iter().map(|part| part.first().map(|name| name.kind));
+                let is_height = typed.eq([Some(TokenKind::X), Some(TokenKind::Y)])
+                    && !self.is_condition(&value, frame);
+                let mut frame = frame.clone();
+                let value = self.with_calls(body.unwrap_or(value), &mut frame)?;
+                return self.push(value, None, None, &frame.aliases, is_height);
+            }
         };
         if is_point {
             self.record_drawn(&name);

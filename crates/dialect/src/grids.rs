@@ -1,10 +1,15 @@
 //! Reads ranges and grids that a program defines before a plot, and draws the program's plots.
 
+use crate::known_numbers::number_expr;
+use crate::mathmod::are_alike;
 use crate::plot_arguments::{PlotRange, axes_of};
-use crate::plot_commands::{AXES, Plot};
+use crate::plot_commands::{AXES, Plot, minus_level};
 use crate::program_reader::{Frame, ProgramReader};
+use crate::program_words::Words;
 use zeroset_ir::Axis;
-use zeroset_parser::lex::token::{Token, bracketed, split};
+use zeroset_parser::lex::token::{
+    Token, bracketed, in_brackets, is_outside, outside, span_of, split,
+};
 use zeroset_parser::lex::token_kind::TokenKind::{self, *};
 use zeroset_parser::tree::aliases::Aliases;
 use zeroset_parser::tree::ast::{
@@ -17,8 +22,14 @@ use zeroset_parser::{Error, ErrorKind, Fallible, Note, NoteKind, Span};
 /// Largest number of tokens of a range or row. Names stand for them, so a limit keeps texts short.
 const MAX_RANGE: usize = 200;
 
+/// Largest number of tokens that replace names in a value.
+const MAX_RESOLVED: usize = 2000;
+
 /// Functions that make grids of coordinates, each with the ranges as arguments.
 pub(crate) const GRIDS: [&str; 4] = ["meshgrid", "ndgrid", "mgrid", "ogrid"];
+
+/// Functions that make a range from its two ends.
+pub(crate) const RANGES: [&str; 5] = ["linspace", "arange", "LinRange", "seq", "range"];
 
 /// Largest number of functions whose names stand for their calls. Each name is searched among them.
 const MAX_ALIASES: usize = 200;
@@ -43,6 +54,22 @@ fn named_axis(name: &str) -> Option<TokenKind> {
     }
 }
 
+/// The ranges in `*[range]*3`, as in `np.meshgrid(*[t]*3)`.
+fn repeated(inner: &[Token]) -> Option<Vec<Vec<Token>>> {
+    let first = inner.first().filter(|star| star.kind == Star)?;
+    let (list, [star, number]) = bracketed(&inner[1..])? else { return None };
+    let is_repeated = (first.kind, star.kind, number.kind) == (Star, Star, Number);
+    (is_repeated && !list.is_empty()).then(|| vec![list.to_vec()])
+}
+
+/// The tokens of `factor*(value)`.
+fn times(factor: &[Token], value: &[Token]) -> Vec<Token> {
+    let mut all = in_brackets(factor);
+    all.push(Token::new(Star, value[0].span));
+    all.extend(in_brackets(value));
+    all
+}
+
 impl ProgramReader<'_> {
     /// Records a range such as `t = linspace(-2, 2)`, or reads the grid `[X, Y] = meshgrid(t, t)`.
     /// Returns false for any other statement.
@@ -52,16 +79,17 @@ impl ProgramReader<'_> {
             && words.word(*set) == "set"
             && let Some((inner, [])) = bracketed(range)
         {
-            let is_axis = matches!(words.word(*name), "xrange" | "yrange");
+            let is_axis = matches!(words.word(*name), "xrange" | "yrange" | "urange" | "trange");
             if let (true, Ok(ends)) = (is_axis, <[_; 2]>::try_from(split(inner, Colon))) {
                 self.ranges.insert(words.word(*name).to_owned(), ends);
                 return Ok(true);
             }
         }
-        let Some(equals) = tokens.iter().rposition(|token| token.kind == Equals) else {
-            return Ok(false);
-        };
+        let mut is_equals = is_outside(Equals);
+        let signs = (0..tokens.len()).filter(|at| is_equals(&tokens[*at]));
+        let Some(equals) = signs.last() else { return Ok(false) };
         let (left, value) = (&tokens[..equals], &tokens[equals + 1..]);
+        let (factor, value) = self.without_factor(value);
         let names: Vec<Token> = left.iter().copied().filter(|token| token.kind.is_name()).collect();
         let (Some(first), Some(name)) = (value.first(), names.first()) else { return Ok(false) };
         if value.len() > MAX_RANGE {
@@ -71,7 +99,16 @@ impl ProgramReader<'_> {
         if let (true, Some((inner, _))) = (is_grid && names.len() > 1, bracketed(&value[1..])) {
             // numpy writes the step of a range last, MATLAB between its ends.
             let steps_last = matches!(words.word(*first), "mgrid" | "ogrid");
-            self.meshgrid(&names, &split(inner, Comma), steps_last, frame)?;
+            let parts = repeated(inner).unwrap_or_else(|| split(inner, Comma));
+            self.meshgrid(&names, &parts, steps_last, factor, frame)?;
+            return Ok(true);
+        }
+        if let [name] = left
+            && let Some(done) = self.julia_array(*name, value, frame)?
+        {
+            return Ok(done);
+        }
+        if self.grid_points(&names, value, frame) {
             return Ok(true);
         }
         let is_list = left.iter().all(|token| token.kind.is_name() || token.kind == Equals);
@@ -85,31 +122,106 @@ impl ProgramReader<'_> {
             self.ranges.insert(words.word(*name).to_owned(), ends);
             return Ok(true);
         }
-        if !is_list || !self.has_grid {
+        if !is_list || !self.has_grid || value.len() == 1 {
             return Ok(false);
         }
-        let Some(ends) = self.range_ends(value, false) else { return Ok(false) };
+        let Some(ends) = self.range_ends(value, false, frame) else { return Ok(false) };
         for name in names {
             self.ranges.insert(words.word(name).to_owned(), ends.clone());
         }
         Ok(true)
     }
 
+    /// Reads `x, y, z = grid.points.T` or `x = grid.points[:, 0]` of `PyVista`: coordinates.
+    fn grid_points(&self, names: &[Token], value: &[Token], frame: &mut Frame) -> bool {
+        let [_, dot, points, index @ ..] = value else { return false };
+        let axes = match Words::inside(index) {
+            None if index.is_empty() && names.len() == 3 => AXES.to_vec(),
+            Some([number]) if names.len() == 1 => {
+                let number = self.known_value(&[*number], frame);
+                let found = AXES.into_iter().enumerate().find(|(at, _)| Some(*at as f64) == number);
+                found.into_iter().map(|(_, axis)| axis).collect()
+            }
+            _ => Vec::new(),
+        };
+        let is_read = self.words.is_dot(*dot) && self.words.word(*points) == "points";
+        if !is_read || axes.is_empty() {
+            return false;
+        }
+        for (name, axis) in names.iter().zip(axes) {
+            frame.aliases.push(self.words.name(*name).text, coordinate(axis));
+        }
+        true
+    }
+
+    /// Reads Julia's `v = [f for x in r, y in r, z in r]`: a formula, and the ranges of its variables.
+    fn julia_array(
+        &mut self,
+        name: Token,
+        value: &[Token],
+        frame: &mut Frame,
+    ) -> Fallible<Option<bool>> {
+        let Some(inner) = Words::inside(value).filter(|_| value[0].kind == OpenBracket) else {
+            return Ok(None);
+        };
+        let Some(at) = inner.iter().position(|token| self.words.word(*token) == "for") else {
+            return Ok(None);
+        };
+        let mut names = Vec::new();
+        let mut parts = Vec::new();
+        for part in split(&inner[at + 1..], Comma) {
+            let [name, sign, range @ ..] = part.as_slice() else { return Ok(None) };
+            let is_range = matches!(sign.kind, In | Equals) && !range.is_empty();
+            if !name.kind.is_axis() || !is_range {
+                return Ok(None);
+            }
+            names.push(*name);
+            parts.push(range.to_vec());
+        }
+        if names.len() < 2 {
+            return Ok(None);
+        }
+        self.meshgrid(&names, &parts, false, None, frame)?;
+        let head = Head { name: self.words.name(name), parameters: None };
+        self.push(inner[..at].to_vec(), Some(head), None, &frame.aliases.clone(), false)?;
+        Ok(Some(true))
+    }
+
     /// The ends of a range such as `-2:0.1:2`, `linspace(-2, 2, 50)` or the name of a range. A step
     /// stands between the ends, or behind them if `steps_last`.
-    fn range_ends(&self, value: &[Token], steps_last: bool) -> Option<[Vec<Token>; 2]> {
-        if let [name] = value {
+    fn range_ends(
+        &mut self,
+        value: &[Token],
+        steps_last: bool,
+        frame: &mut Frame,
+    ) -> Option<[Vec<Token>; 2]> {
+        if let [_] = value {
+            let value = self.resolved(value);
+            let name = value.first().filter(|_| value.len() == 1)?;
             return self.ranges.get(self.words.word(*name)).cloned();
         }
-        if self.words.word(value[0]) == "linspace" {
+        if RANGES.contains(&self.words.word(value[0])) {
             let (inner, _) = bracketed(&value[1..])?;
             let parts = split(inner, Comma);
             return Some([parts.first()?.clone(), parts.get(1)?.clone()]);
+        }
+        // Python's `:32` goes from 0 to 31.
+        if let ([colon, high @ ..], true) = (value, steps_last)
+            && colon.kind == Colon
+            && outside(high, Colon).is_none()
+        {
+            let span = span_of(high)?;
+            let last = self.known_value(&self.resolved(high), frame)? - 1.0;
+            let ends = [0.0, last].map(|end| number_expr(end, span));
+            return Some(ends.map(|end| vec![self.saved(end, span, true, frame)]));
         }
         let value = match bracketed(value) {
             Some((inner, [])) => inner,
             _ => value,
         };
+        if value.iter().any(|token| token.kind.is_relation()) {
+            return None;
+        }
         let parts = split(value, Colon);
         let (low, high) = match &parts[..] {
             [low, high, _] if steps_last => (low, high),
@@ -125,6 +237,7 @@ impl ProgramReader<'_> {
         names: &[Token],
         parts: &[Vec<Token>],
         steps_last: bool,
+        factor: Option<&[Token]>,
         frame: &mut Frame,
     ) -> Fallible<()> {
         let own = |name: &Token| named_axis(self.words.word(*name));
@@ -138,7 +251,9 @@ impl ProgramReader<'_> {
         }
         let part = |index: usize| parts.get(index).or(parts.first());
         let range = |index: usize| {
-            let [low, high] = self.range_ends(part(index)?, steps_last)?;
+            let [low, high] = self
+                .range_ends(part(index)?, steps_last, frame)?
+                .map(|end| factor.map_or(end.clone(), |factor| times(factor, &end)));
             Some(PlotRange { name: None, low, high })
         };
         let ranges: Option<Vec<PlotRange>> = (0..names.len()).map(range).collect();
@@ -147,9 +262,18 @@ impl ProgramReader<'_> {
             self.program.notes.push(Note { span, kind });
             return Ok(());
         };
-        let (domain, note) = self.words.domain(&ranges, &axes, names[0].span);
-        self.program.notes.extend(note);
-        domain.map_or(Ok(()), |line| self.push(line, None, None, &Aliases::default(), false))
+        self.add_domain(&ranges, &axes, names[0].span, &frame.aliases.clone())
+    }
+
+    /// The factor before a grid, as in `pi*np.mgrid[-1:1:9j, -1:1:9j]`, and the grid.
+    fn without_factor<'t>(&self, value: &'t [Token]) -> (Option<&'t [Token]>, &'t [Token]) {
+        let at = value.iter().position(|token| GRIDS.contains(&self.words.word(*token)));
+        match at {
+            Some(at) if at > 1 && value[at - 1].kind == Star => {
+                (Some(&value[..at - 1]), &value[at..])
+            }
+            _ => (None, value),
+        }
     }
 
     /// Defines `name` as the coordinate of an axis.
@@ -174,7 +298,7 @@ impl ProgramReader<'_> {
 
     /// Adds the formulas and the domain of a plot.
     pub(crate) fn draw(&mut self, plot: Plot, place: Span, frame: &Frame) -> Fallible<()> {
-        let Plot { formulas, is_height, mut domain, notes, renamed, grid } = plot;
+        let Plot { formulas, is_height, domain, notes, renamed, grid } = plot;
         self.program.notes.extend(notes);
         let mut aliases = frame.aliases.clone();
         let words = self.words;
@@ -207,7 +331,16 @@ impl ProgramReader<'_> {
             let kind = NoteKind::PlotNames { read: read.join(", ") };
             self.program.notes.push(Note { span: place, kind });
         }
-        for formula in formulas {
+        for mut formula in formulas {
+            // In a plot, `f = 0` is an equation, even if `f` has a value.
+            if let [name, equals, right @ ..] = formula.as_slice()
+                && equals.kind == Equals
+                && name.kind == TokenKind::Name
+                && !right.is_empty()
+                && outside(right, OpenBrace).is_none()
+            {
+                formula = minus_level(&[*name], right);
+            }
             for (index, name) in formula.iter().enumerate() {
                 let next = formula.get(index + 1).and_then(|next| next.kind.closer());
                 if name.kind == TokenKind::Name && next.is_none() {
@@ -226,13 +359,141 @@ impl ProgramReader<'_> {
             self.push(formula, None, None, &aliases, is_height)?;
         }
         let set = ["xrange", "yrange"].map(|name| self.ranges.get(name).cloned());
-        if let (None, [Some(x), Some(y)]) = (&domain, set) {
-            let range = |[low, high]: [Vec<Token>; 2]| PlotRange { name: None, low, high };
-            let (line, note) = self.words.domain(&[range(x), range(y)], &[X, Y], place);
-            self.program.notes.extend(note);
-            domain = line;
+        let set = match set {
+            [Some(x), Some(y)] => {
+                let range = |[low, high]: [Vec<Token>; 2]| PlotRange { name: None, low, high };
+                Some((vec![range(x), range(y)], vec![X, Y]))
+            }
+            _ => None,
+        };
+        let Some((ranges, axes)) = domain.or(set) else { return Ok(()) };
+        self.add_domain(&ranges, &axes, place, &frame.aliases)
+    }
+
+    /// Adds a `domain` line for the ranges of a plot or grid.
+    fn add_domain(
+        &mut self,
+        ranges: &[PlotRange],
+        axes: &[TokenKind],
+        place: Span,
+        aliases: &Aliases,
+    ) -> Fallible<()> {
+        let resolved = |range: &PlotRange| PlotRange {
+            name: None,
+            low: self.resolved(&range.low),
+            high: self.resolved(&range.high),
+        };
+        let ranges: Vec<PlotRange> = ranges.iter().map(resolved).collect();
+        let (line, mut note) = self.words.domain(&ranges, axes, place);
+        let frame = Frame { aliases: aliases.clone(), ..Frame::default() };
+        let ends = ranges.iter().flat_map(|range| [&range.low, &range.high]);
+        let known: Option<Vec<f64>> = ends.map(|end| self.known_value(end, &frame)).collect();
+        let is_computed = ranges.iter().any(|range| range.high.iter().any(|t| t.kind == Saved));
+        if let (true, Some(known), Some(note)) = (is_computed, known, &mut note) {
+            let pairs = axes.iter().zip(known.chunks_exact(2));
+            let all = pairs.map(|(axis, ends)| format!("{} in {ends:?}", axis.as_char()));
+            note.kind = NoteKind::PlotDomain { domain: all.collect::<Vec<_>>().join(", ") };
         }
-        domain.map_or(Ok(()), |line| self.push(line, None, None, &Aliases::default(), false))
+        self.program.notes.extend(note);
+        line.map_or(Ok(()), |line| self.push(line, None, None, aliases, false))
+    }
+
+    /// Adds the domain that holds the boxes of all surfaces. Returns whether all are alike, or have
+    /// ends that are known numbers.
+    pub(crate) fn boxes(&mut self, boxes: &[Vec<PlotRange>], place: Span) -> Fallible<bool> {
+        let Some((first, others)) = boxes.split_first() else { return Ok(true) };
+        let number = |end: &[Token]| self.known_value(&self.resolved(end), &Frame::default());
+        let mut ranges = first.clone();
+        for other in others.iter().filter(|other| !are_alike(self.words.text, first, other)) {
+            for (range, other) in ranges.iter_mut().zip(other) {
+                let ends =
+                    [&range.low, &other.low, &range.high, &other.high].map(|end| number(end));
+                let [Some(low), Some(other_low), Some(high), Some(other_high)] = ends else {
+                    self.program
+                        .notes
+                        .push(Note { span: place, kind: NoteKind::PlotWithoutRanges });
+                    return Ok(false);
+                };
+                if other_low < low {
+                    range.low.clone_from(&other.low);
+                }
+                if other_high > high {
+                    range.high.clone_from(&other.high);
+                }
+            }
+        }
+        self.add_domain(&ranges, &AXES, place, &Aliases::default()).map(|()| true)
+    }
+
+    /// The condition that a point is in a box, and aliases for the coordinates in it.
+    pub(crate) fn in_box(&mut self, ranges: &[PlotRange], aliases: &mut Aliases) -> Vec<Token> {
+        let mut all = Vec::new();
+        for (range, axis) in ranges.iter().zip(AXES) {
+            let place = range.low[0].span;
+            let sign = |kind| Token::new(kind, Span::at(place.start));
+            let (name, token) = self.new_saved(Span::at(place.start));
+            aliases.push(name, coordinate(axis));
+            if !all.is_empty() {
+                all.push(sign(And));
+            }
+            all.extend(in_brackets(&range.low));
+            all.extend([sign(LessEqual), token, sign(LessEqual)]);
+            all.extend(in_brackets(&range.high));
+        }
+        all
+    }
+
+    /// Records the value that a statement outside functions assigns to a name.
+    pub(crate) fn record_assigned(&mut self, tokens: &[Token]) {
+        let pairs: Vec<(Token, Vec<Token>)> = match Words::parallel(tokens) {
+            Some((names, values)) => names.into_iter().zip(values).collect(),
+            None => match tokens {
+                [name, equals, value @ ..] if equals.kind == Equals && name.kind.is_name() => {
+                    vec![(*name, value.to_vec())]
+                }
+                _ => return,
+            },
+        };
+        let values: Vec<Vec<Token>> = pairs
+            .iter()
+            .map(|(name, value)| {
+                let uses_itself = self.words.has(value, self.words.word(*name));
+                if uses_itself { self.resolved(value) } else { value.clone() }
+            })
+            .collect();
+        for ((name, _), value) in pairs.into_iter().zip(values) {
+            self.assigned.insert(self.words.word(name).to_owned(), value);
+        }
+    }
+
+    /// `tokens` with the values of the names that the text assigned above.
+    pub(crate) fn resolved(&self, tokens: &[Token]) -> Vec<Token> {
+        let mut budget = MAX_RESOLVED;
+        self.resolved_within(tokens, 0, &mut budget)
+    }
+
+    fn resolved_within(&self, tokens: &[Token], depth: usize, budget: &mut usize) -> Vec<Token> {
+        let mut all = Vec::with_capacity(tokens.len());
+        for (index, token) in tokens.iter().enumerate() {
+            let is_called = tokens.get(index + 1).is_some_and(|next| next.kind == OpenParen);
+            let word = self.words.word(*token);
+            let value = self.assigned.get(word).filter(|_| !self.ranges.contains_key(word));
+            match value
+                .filter(|value| !is_called && depth < 8 && (1..=*budget).contains(&value.len()))
+            {
+                Some(value) => {
+                    *budget -= value.len();
+                    let value = self.resolved_within(value, depth + 1, budget);
+                    if tokens.len() == 1 {
+                        all.extend(value);
+                    } else {
+                        all.extend(in_brackets(&value));
+                    }
+                }
+                None => all.push(*token),
+            }
+        }
+        all
     }
 
     /// Makes the name of a function stand for its call at the coordinates.

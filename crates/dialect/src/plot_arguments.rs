@@ -3,6 +3,7 @@
 //! [`Arguments`] knows which arguments were read. A note lists all others, so no argument is
 //! ignored silently.
 
+use crate::grids::RANGES;
 use crate::program_words::Words;
 use zeroset_parser::lex::spelling::{plain_name, short_name};
 use zeroset_parser::lex::token::{Token, bracketed, outside, span_of, split};
@@ -145,6 +146,23 @@ impl Words<'_> {
         }
     }
 
+    /// Takes the range of heights in `PlotRange -> {-1, 1}`.
+    pub(crate) fn height_range(self, arguments: &mut Arguments) -> Option<PlotRange> {
+        let is_range = |part: &Vec<Token>| {
+            let value = part.iter().position(|token| token.kind == OpenBrace).map(|at| &part[at..]);
+            let ends = value.and_then(Self::inside).map(|inner| split(inner, Comma));
+            self.word(part[0]) == "PlotRange"
+                && ends.is_some_and(|ends| {
+                    ends.len() == 2 && ends.iter().all(|end| end[0].kind != OpenBrace)
+                })
+        };
+        let index = arguments.all().iter().position(is_range)?;
+        let part = arguments.take(index);
+        let value = &part[part.iter().position(|token| token.kind == OpenBrace)?..];
+        let [low, high] = <[_; 2]>::try_from(split(Self::inside(value)?, Comma)).ok()?;
+        Some(PlotRange { name: None, low, high })
+    }
+
     /// The condition in an option such as `RegionFunction -> Function[{x, y, z}, x > 0]`, with the
     /// names of its parameters.
     pub(crate) fn region(
@@ -192,6 +210,8 @@ impl Words<'_> {
             {
                 let (low, high) = (ends[..dots].to_vec(), ends[dots + 1..].to_vec());
                 ranges.push(PlotRange { name, low, high });
+            } else if let Some(range) = self.bare_range(part) {
+                ranges.push(range);
             }
             read.extend((ranges.len() > found).then_some(index));
         }
@@ -209,6 +229,18 @@ impl Words<'_> {
                 });
                 read.extend(*first..=*last);
             }
+        }
+        // R's `from = c(-3, -3), to = c(3, 3)`.
+        let corners = ["from", "to"].map(|word| {
+            let part = self.parts_of(arguments, word)?;
+            (part.len() == 2).then_some(part)
+        });
+        if let (true, [Some(from), Some(to)]) = (ranges.is_empty(), corners) {
+            for (low, high) in from.into_iter().zip(to) {
+                ranges.push(PlotRange { name: None, low, high });
+            }
+            let is_corner = |part: &Vec<Token>| matches!(self.word(part[0]), "from" | "to");
+            read.extend((0..arguments.parts.len()).filter(|at| is_corner(&arguments.parts[*at])));
         }
         // MathPartner writes the ends of all ranges as arguments.
         let is_number = |token: &Token| matches!(token.kind, Number | Minus);
@@ -234,6 +266,38 @@ impl Words<'_> {
             }
         }
         ranges
+    }
+
+    /// The values of the list in `word = c(1, 2)`.
+    fn parts_of(self, arguments: &Arguments, word: &str) -> Option<Vec<Vec<Token>>> {
+        let part = arguments.parts.iter().find(|part| self.word(part[0]) == word)?;
+        Some(split(Self::inside(part.get(3..)?)?, Comma))
+    }
+
+    /// The range in `-2..2`, `-2:0.1:2`, `x = seq(-2, 2)` or `bbox=(-2, 2)`.
+    fn bare_range(self, part: &[Token]) -> Option<PlotRange> {
+        if let [name, equals, value @ ..] = part
+            && equals.kind == Equals
+        {
+            let inner = match value {
+                [word, rest @ ..] if RANGES.contains(&self.word(*word)) => Self::inside(rest),
+                _ if self.word(*name) == "bbox" => Self::inside(value),
+                _ => None,
+            };
+            let ends = split(inner?, Comma);
+            let name = Some(*name).filter(|name| name.kind.is_axis());
+            let (low, high) = (ends.first()?.clone(), ends.get(1)?.clone());
+            return Some(PlotRange { name, low, high });
+        }
+        let dots = split(part, Dots);
+        let ends = if dots.len() == 2 { dots } else { split(part, Colon) };
+        let is_option = part.iter().any(|token| token.kind.is_relation() || token.kind == Unknown);
+        match ends.as_slice() {
+            [low, high] | [low, _, high] if !is_option => {
+                Some(PlotRange { name: None, low: low.clone(), high: high.clone() })
+            }
+            _ => None,
+        }
     }
 
     /// The 2, 4 or 6 values of a MATLAB row, separated by blanks or commas; otherwise `None`.

@@ -12,8 +12,36 @@ const SPLOT_WORDS: &[&str] =
     &["with", "w", "using", "u", "title", "t", "notitle", "lw", "lt", "lc"];
 
 impl Words<'_> {
+    /// The curve of gnuplot's `splot [0:6] cos(u), sin(u), u` after `set parametric`.
+    pub(crate) fn parametric_splot(
+        self,
+        tokens: &[Token],
+        set: Option<&[Vec<Token>; 2]>,
+    ) -> Option<Vec<Token>> {
+        if !self.text.contains("set parametric") || self.word(tokens[0]) != "splot" {
+            return None;
+        }
+        let (range, rest) = match bracketed(&tokens[1..]).filter(|_| tokens[1].kind == OpenBracket)
+        {
+            Some((inner, rest)) => (split(inner, Colon), rest),
+            None => (set?.to_vec(), &tokens[1..]),
+        };
+        let ends =
+            |token: &Token| SPLOT_WORDS.contains(&self.word(*token)) && self.word(*token) != "u";
+        let parts: Vec<(Option<Token>, Vec<Token>)> = split(rest, Comma)
+            .into_iter()
+            .map(|part| (None, part.into_iter().take_while(|token| !ends(token)).collect()))
+            .collect();
+        let mut names = parts.iter().flat_map(|(_, part)| part);
+        let name = *names.find(|token| matches!(self.word(**token), "u" | "t"))?;
+        let has_two = parts.iter().any(|(_, part)| self.has(part, "v"));
+        let [low, high] = <[_; 2]>::try_from(range).ok()?;
+        let range = PlotRange { name: None, low, high };
+        (parts.len() == 3 && !has_two).then(|| self.path(tokens[0].span, &parts, name, &range))
+    }
+
     /// Reads gnuplot's `splot [-2:2][-2:2] f with lines`. `tokens` begin after the word `splot`.
-    pub(crate) fn splot(self, tokens: &[Token], place: Span) -> Plot {
+    pub(crate) fn splot(self, tokens: &[Token]) -> Plot {
         let mut rest = tokens;
         let (mut ranges, mut left) = (Vec::new(), Vec::new());
         while let Some((inner, more)) = bracketed(rest).filter(|_| rest[0].kind == OpenBracket) {
@@ -26,7 +54,8 @@ impl Words<'_> {
             }
             rest = more;
         }
-        let (domain, note) = self.domain(&ranges, &AXES[..ranges.len()], place);
+        let axes = AXES[..ranges.len()].to_vec();
+        let domain = (!ranges.is_empty()).then_some((ranges, axes));
         let mut formulas = Vec::new();
         for part in split(rest, Comma) {
             let ends = |token: &Token| SPLOT_WORDS.contains(&self.word(*token));
@@ -48,7 +77,7 @@ impl Words<'_> {
                 }
             }
         }
-        let notes = note.into_iter().chain(self.unused_note(&left)).collect();
+        let notes = self.unused_note(&left).into_iter().collect();
         Plot { formulas, is_height: true, domain, notes, renamed: Vec::new(), grid: Vec::new() }
     }
 
@@ -78,7 +107,7 @@ impl Words<'_> {
         let (domain, note) = match container {
             None => (None, None),
             Some(container) => match self.contained(&container[1..]) {
-                Some(ranges) => self.domain(&ranges, &AXES, place),
+                Some(ranges) => (Some((ranges, AXES.to_vec())), None),
                 None => (None, Some(Note { span: place, kind: NoteKind::ContainerIgnored })),
             },
         };

@@ -22,6 +22,7 @@ pub(crate) const HEIGHTS: &[&str] = &[
     "surfc",
     "meshc",
     "plot_surface",
+    "curve3d",
 ];
 
 /// Commands that plot a surface in space, and containers of plots.
@@ -42,13 +43,30 @@ pub(crate) const SURFACES: &[&str] = &[
     "draw",
     "display",
     "Show",
+    "show",
+    "GraphicsRow",
+    "GraphicsColumn",
+    "GraphicsGrid",
     "contour3",
     "implicitsurface",
     "contour",
     "marching_cubes",
     "surfaceNets",
     "patch",
+    "fimplicit",
+    "ContourPlot",
+    "RegionPlot",
+    "implicitplot",
+    "implicit_plot",
+    "ezplot",
+    "InequalityPlot3D",
+    "Implicit3d",
+    "contour3d",
 ];
+
+/// Commands of [`SURFACES`] that plot in the plane of x and y.
+const FLAT: &[&str] =
+    &["fimplicit", "ContourPlot", "RegionPlot", "implicitplot", "implicit_plot", "ezplot"];
 
 /// Returns whether a command plots heights; `None` if the word is not a plot command.
 fn plots_height(command: &str) -> Option<bool> {
@@ -56,8 +74,22 @@ fn plots_height(command: &str) -> Option<bool> {
     (is_height || SURFACES.contains(&command)).then_some(is_height)
 }
 
+/// Returns whether `word` is a plot command.
+pub(crate) fn is_plot(word: &str) -> bool {
+    plots_height(word).is_some()
+}
+
 /// Commands that only contain other plots.
-pub(crate) const CONTAINERS: &[&str] = &["draw3d", "display", "Show", "patch"];
+pub(crate) const CONTAINERS: &[&str] = &[
+    "draw3d",
+    "display",
+    "Show",
+    "show",
+    "patch",
+    "GraphicsRow",
+    "GraphicsColumn",
+    "GraphicsGrid",
+];
 
 /// Plot commands that follow a module or an object and a dot.
 pub(crate) const METHODS: &[&str] = &["contour", "marching_cubes", "surfaceNets", "plot_surface"];
@@ -83,8 +115,8 @@ pub(crate) struct Plot {
     pub formulas: Vec<Vec<Token>>,
     /// True if the formulas are heights over x and y.
     pub is_height: bool,
-    /// A `domain` line with the ranges; `None` if the command has no readable ranges.
-    pub domain: Option<Vec<Token>>,
+    /// The ranges, and the axis of each; `None` if the command has no ranges.
+    pub domain: Option<(Vec<PlotRange>, Vec<TokenKind>)>,
     /// Notes on the ranges, and on arguments that have no effect.
     pub notes: Vec<Note>,
     /// Names of the formulas that stand for coordinates.
@@ -102,7 +134,11 @@ impl Words<'_> {
         let types = self.types(tokens);
         let tokens = &tokens[types..];
         // The left side of `plot = ContourPlot3D[…]`, which only names the picture.
-        let left = tokens.iter().take_while(|token| is_name(token)).count();
+        let row = closing(tokens).filter(|_| tokens[0].kind == OpenBracket);
+        let left = match row.filter(|end| tokens[1..*end].iter().all(is_name)) {
+            Some(end) => end + 1,
+            None => tokens.iter().take_while(|token| is_name(token)).count(),
+        };
         let tokens = match &tokens[left..] {
             [equals, rest @ ..] if equals.kind == Equals && left > 0 => rest,
             _ => tokens,
@@ -132,11 +168,30 @@ impl Words<'_> {
         };
         let Some(first) = tokens.first() else { return Ok(Vec::new()) };
         let word = self.word(*first);
+        // A list of plots, or a sum of plots as in Sage.
+        let parts = match Self::inside(tokens).filter(|_| first.kind == OpenBrace) {
+            Some(inner) => split(inner, Comma),
+            None => split(tokens, Plus),
+        };
+        let plots = |part: &Vec<Token>| is_plot(self.word(part[0]));
+        if (parts.len() > 1 || first.kind == OpenBrace) && parts.iter().all(plots) {
+            let mut plots = Vec::new();
+            for part in parts {
+                plots.extend(self.plots(&part)?);
+            }
+            return Ok(plots);
+        }
+        if word == "plot"
+            && let Some(inner) = Self::inside(&tokens[1..])
+            && inner.first().is_some_and(|inner| is_plot(self.word(*inner)))
+        {
+            return self.plots(inner);
+        }
         if word == "isosurface" && tokens.get(1).is_some_and(|t| t.kind == OpenBrace) {
             return Ok(self.isosurface(&tokens[1..], first.span).into_iter().collect());
         }
         if word == "splot" {
-            return Ok(vec![self.splot(&tokens[1..], first.span)]);
+            return Ok(vec![self.splot(&tokens[1..])]);
         }
         if word == "contour" { Ok(Vec::new()) } else { self.plots_of(word, &tokens[1..]) }
     }
@@ -147,7 +202,7 @@ impl Words<'_> {
     }
 
     /// Reads the plot command `word`. `tokens` begin with its brackets.
-    fn plots_of(self, word: &str, tokens: &[Token]) -> Fallible<Vec<Plot>> {
+    pub(crate) fn plots_of(self, word: &str, tokens: &[Token]) -> Fallible<Vec<Plot>> {
         let (Some((inner, rest)), Some(is_height)) = (bracketed(tokens), plots_height(word)) else {
             return Ok(Vec::new());
         };
@@ -160,17 +215,7 @@ impl Words<'_> {
         if !rest.iter().all(is_end) {
             arguments.record_unused(rest.to_vec());
         }
-        let mut plots = Vec::new();
-        for index in 0..arguments.all().len() {
-            let part = &arguments.all()[index];
-            if plots_height(self.word(part[0])).is_some() {
-                let inner = self.plots_of(self.word(part[0]), &part[1..])?;
-                if !inner.is_empty() {
-                    arguments.take(index);
-                }
-                plots.extend(inner);
-            }
-        }
+        let mut plots = self.inner_plots(&mut arguments)?;
         if !plots.is_empty() || CONTAINERS.contains(&word) {
             if let Some(first) = plots.first_mut() {
                 first.notes.extend(self.unused_note(&arguments.into_unused()));
@@ -185,11 +230,18 @@ impl Words<'_> {
         let Some(formula) = self.formula(word, &mut arguments, &mut levels)? else {
             return Ok(Vec::new());
         };
-        let ranges = self.ranges(&mut arguments, 1, if is_height { 2 } else { 3 });
+        let is_flat = is_height || FLAT.contains(&word);
+        let ranges = self.ranges(&mut arguments, 1, if is_flat { 2 } else { 3 });
         let names: Vec<Option<Token>> = ranges.iter().map(|range| range.name).collect();
-        let axes = axes_of(&names, is_height)?;
-        let (domain, note) = self.domain(&ranges, &axes, place);
-        let mut notes: Vec<Note> = note.into_iter().collect();
+        let mut ranges = ranges;
+        let mut axes = axes_of(&names, is_height)?;
+        let is_open = is_height && ranges.len() == 2;
+        if let Some(heights) = is_open.then(|| self.height_range(&mut arguments)).flatten() {
+            ranges.push(heights);
+            axes.push(Z);
+        }
+        let domain = (!ranges.is_empty()).then_some((ranges, axes.clone()));
+        let mut notes: Vec<Note> = Vec::new();
         let (parameters, formula) = match self.lambda(&formula) {
             Some((None, parameters, value)) => {
                 (parameters.iter().filter_map(|part| part.first()).copied().collect(), value)
@@ -199,7 +251,8 @@ impl Words<'_> {
         let formula = self.returned(formula)?;
         let region = self.region(&mut arguments)?;
         let mut renamed = renamed(&names, &axes);
-        for names in [&parameters, region.as_ref().map_or(&Vec::new(), |(names, _)| names)] {
+        let of_region = region.as_ref().map_or(&[][..], |(names, _)| names);
+        for (names, is_height) in [(&parameters[..], is_height), (of_region, false)] {
             // An unused parameter does not rename a coordinate, in the function or outside.
             let condition = region.iter().flat_map(|(_, condition)| condition);
             let used: Vec<&str> =
@@ -208,8 +261,9 @@ impl Words<'_> {
             renamed.extend(all.filter(|(name, _)| used.contains(&self.word(*name))));
         }
         let mut formulas = Vec::new();
-        for formula in Some(formula).filter(|f| !f.is_empty()).iter().flat_map(|f| Self::listed(f))
-        {
+        let others = Self::other_formulas(word, &mut arguments);
+        let all = std::iter::once(formula).filter(|f| !f.is_empty()).chain(others);
+        for formula in all.flat_map(|formula| Self::listed(&formula)) {
             let is_equation = outside(&formula, Equals).is_some();
             let are_many = levels.len().max(formulas.len()) > MAX_FORMULAS;
             if !levels.is_empty() && (is_equation || are_many) {
@@ -224,11 +278,8 @@ impl Words<'_> {
             return Err(Error::new(place, kind));
         }
         if let Some((_, condition)) = &region {
-            let end = Span::at(condition.last().map_or(place.start, |last| last.span.end));
             for formula in &mut formulas {
-                formula.push(Token::new(OpenBrace, end));
-                formula.extend(condition);
-                formula.push(Token::new(CloseBrace, end));
+                restrict(formula, condition);
             }
         }
         let is_function = |formula: &Vec<Token>| outside(formula, Equals).is_none();
@@ -240,8 +291,34 @@ impl Words<'_> {
         Ok(vec![Plot { formulas, is_height, domain, notes, renamed, grid }])
     }
 
+    /// The plots among the arguments of a plot, perhaps in a list.
+    fn inner_plots(self, arguments: &mut Arguments) -> Fallible<Vec<Plot>> {
+        let mut plots = Vec::new();
+        for index in 0..arguments.all().len() {
+            let part = &arguments.all()[index];
+            let list = Self::inside(part).filter(|_| part[0].kind == OpenBrace);
+            let parts = list.map_or_else(|| vec![part.clone()], |list| split(list, Comma));
+            if !parts.iter().any(|part| is_plot(self.word(part[0]))) {
+                continue;
+            }
+            for part in &parts {
+                let inner = match self.word(part[0]) {
+                    word if is_plot(word) => self.plots_of(word, &part[1..])?,
+                    _ => Vec::new(),
+                };
+                if !inner.is_empty() {
+                    arguments.take(index);
+                } else if parts.len() > 1 {
+                    arguments.record_unused(part.clone());
+                }
+                plots.extend(inner);
+            }
+        }
+        Ok(plots)
+    }
+
     /// The arguments in `inner`. A comma between parameters, as in `lambda x, y: …`, is no end.
-    fn plot_arguments(self, inner: &[Token]) -> Vec<Vec<Token>> {
+    pub(crate) fn plot_arguments(self, inner: &[Token]) -> Vec<Vec<Token>> {
         let mut arguments: Vec<Vec<Token>> = Vec::new();
         let mut is_open = false;
         for part in split(inner, Comma) {
@@ -342,6 +419,21 @@ impl Words<'_> {
         }))
     }
 
+    /// Takes the further formulas of `SymPy`'s `plot3d(f, g, (x, -1, 1), (y, -1, 1))`.
+    fn other_formulas(word: &str, arguments: &mut Arguments) -> Vec<Vec<Token>> {
+        let is_formula = |part: &Vec<Token>| {
+            let is_option = part.iter().any(|t| t.kind.is_relation() || t.kind == Unknown);
+            let is_range = part[0].kind.closer().is_some() || outside(part, Dots).is_some();
+            part.len() > 1 && !is_option && !is_range
+        };
+        let mut all = Vec::new();
+        if word == "plot3d" {
+            let count = arguments.all().iter().skip(1).take_while(|part| is_formula(part)).count();
+            all.extend((1..=count).map(|index| arguments.take(index)));
+        }
+        all
+    }
+
     /// The value of a function's body, which may be `{ return value; }`.
     fn returned(self, body: Vec<Token>) -> Fallible<Vec<Token>> {
         let is_return = |token: &Token| self.word(*token) == "return";
@@ -369,6 +461,22 @@ impl Words<'_> {
         vec![formula.to_vec()]
     }
 
+    /// The text of `tokens`, which may come from several places.
+    fn typed(self, tokens: &[Token]) -> String {
+        let is_in_order = tokens.windows(2).all(|pair| {
+            let between = self.text.get(pair[0].span.end..pair[1].span.start);
+            between.is_some_and(|between| between.trim().is_empty())
+        });
+        if let (true, Some(span)) = (is_in_order, span_of(tokens)) {
+            return self.text[span.range()].to_owned();
+        }
+        let one = |token: &Token| match &self.text[token.span.range()] {
+            "" => token.kind.as_char().to_string(),
+            typed => typed.to_owned(),
+        };
+        tokens.iter().map(one).collect()
+    }
+
     /// A `domain` line for the ranges, and a note that states whether the ranges were read.
     pub(crate) fn domain(
         self,
@@ -377,7 +485,7 @@ impl Words<'_> {
         place: Span,
     ) -> (Option<Vec<Token>>, Option<Note>) {
         let Some(first) = ranges.first() else { return (None, None) };
-        let typed = |tokens: &[Token]| span_of(tokens).map_or("", |span| &self.text[span.range()]);
+        let typed = |tokens: &[Token]| self.typed(tokens);
         let at = Span::at(first.low[0].span.start);
         let is_known = |token: &Token| {
             let name = plain_name(self.word(*token)).to_lowercase();
@@ -413,6 +521,14 @@ impl Words<'_> {
         let domain = if line.len() > MAX_NOTED_DOMAIN { "…".to_owned() } else { line };
         (Some(tokens), Some(Note { span: place, kind: NoteKind::PlotDomain { domain } }))
     }
+}
+
+/// Restricts a formula by a condition in braces.
+pub(crate) fn restrict(formula: &mut Vec<Token>, condition: &[Token]) {
+    let end = Span::at(condition.last().map_or(0, |last| last.span.end));
+    formula.push(Token::new(OpenBrace, end));
+    formula.extend(condition);
+    formula.push(Token::new(CloseBrace, end));
 }
 
 /// The tokens of `(formula) - (level)`.

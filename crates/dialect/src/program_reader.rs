@@ -2,16 +2,18 @@
 
 use crate::blocks::ProgramStep;
 use crate::effects::is_doubled;
-use crate::formats::foreign_text;
+use crate::formats::{foreign_text, is_mathmod};
 use crate::language::{Language, join_bars};
-use crate::program::PastedProgram;
+use crate::mathmod;
+use crate::plot_commands::restrict;
+use crate::program::{ForeignStatement, ForeignText, PastedProgram};
 use crate::program_words::{Words, begins_name, is_whole_type, size_of};
 use crate::scopes::Declared;
 use zeroset_parser::lex::arrangement::{arrange, trim};
 use zeroset_parser::lex::curve_form::marked_curve;
 use zeroset_parser::lex::decimal_comma::doubts;
-use zeroset_parser::lex::scanner::scan;
-use zeroset_parser::lex::token_kind::TokenKind::{Equals, Number, OpenBrace, OpenParen};
+use zeroset_parser::lex::scanner::{is_python, scan};
+use zeroset_parser::lex::token_kind::TokenKind::{Equals, Number, OpenBrace, OpenParen, Unknown};
 use zeroset_parser::tree::raw_statement::{Head, RawStatement, ValueConversion};
 
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -22,7 +24,7 @@ use zeroset_parser::lex::token::{Token, closing};
 use zeroset_parser::tree::aliases::Aliases;
 use zeroset_parser::tree::ast::{Expr, ExprKind, LETTERS, Name, NamedValue, Statement};
 use zeroset_parser::tree::built_statement::BuiltStatement;
-use zeroset_parser::tree::scope::coordinate;
+use zeroset_parser::tree::scope::{Conditions, coordinate};
 use zeroset_parser::{Error, ErrorKind, Fallible, Limits, Note, NoteKind, Span};
 
 /// The variables of a function's body, or of the text outside functions.
@@ -122,6 +124,16 @@ pub(crate) struct ProgramReader<'a> {
     pub ranges: FxHashMap<String, [Vec<Token>; 2]>,
     /// Rows of numbers that names stand for.
     pub rows: FxHashMap<String, Vec<Token>>,
+    /// True if the text is a program in Python.
+    pub is_python: bool,
+    /// True if calls of libraries draw, so `z = …` names a value.
+    pub draws_by_calls: bool,
+    /// Values that statements outside functions assigned to names.
+    pub assigned: FxHashMap<String, Vec<Token>>,
+    /// Formulas that objects of a notebook stand for, such as grids with scalars.
+    pub fields: FxHashMap<String, Vec<Token>>,
+    /// The statements that were left out, as far as what is drawn does not need them.
+    pub unread: Vec<Unread>,
     /// Known values of variables outside functions.
     pub constants: FxHashMap<String, f64>,
     /// Number of statements and iterations that ran in loops, branches and inlined calls.
@@ -129,6 +141,16 @@ pub(crate) struct ProgramReader<'a> {
     /// Number of tokens that macros expanded to.
     pub expanded_tokens: Cell<usize>,
     pub program: PastedProgram,
+}
+
+/// A statement that was left out.
+pub(crate) struct Unread {
+    /// A name for the value of the statement.
+    pub key: String,
+    /// The names that the statement defines.
+    pub names: Vec<String>,
+    /// The reason.
+    pub error: Box<Error>,
 }
 
 pub(crate) type Statements = std::vec::IntoIter<Vec<Token>>;
@@ -140,12 +162,18 @@ pub(crate) type Statements = std::vec::IntoIter<Vec<Token>>;
 pub fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
     let foreign = foreign_text(text, limits)?;
     let is_foreign = foreign.is_some();
-    let (mut statements, mut notes) = match foreign {
-        Some(found) => found,
-        None => (scan(text, limits)?, Vec::new()),
-    };
+    let mut statements = if is_foreign { Vec::new() } else { scan(text, limits)? };
+    let mut notes = Vec::new();
     let words = Words { text };
+    let is_python = !is_foreign && is_python(text);
+    if is_python {
+        for tokens in &mut statements {
+            *tokens = words.numpy(tokens);
+        }
+        statements.retain(|tokens| !tokens.is_empty());
+    }
     words.join_bodies(&mut statements);
+    words.join_cases(&mut statements);
     words.join_coordinates(&mut statements);
     let taken = statements
         .iter()
@@ -157,10 +185,14 @@ pub fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
         notes.extend(statements.iter().flat_map(|tokens| doubts(text, tokens)));
     }
     let is_y_up = statements.iter().any(|tokens| words.has_y_up(tokens));
-    let language = Language::of(words, &statements);
+    let language = if is_python { Language::Python } else { Language::of(words, &statements) };
     if language.has_double_bars() {
         statements.iter_mut().for_each(join_bars);
     }
+    let draws_by_calls = statements.iter().any(|tokens| words.draws_by_call(tokens));
+    let draws = statements.iter().any(|tokens| words.is_drawing(tokens));
+    let is_z = |token: &Token| matches!(words.word(*token), "z" | "Z");
+    let uses_z = statements.iter().flatten().any(is_z);
     let mutable = words.mutable_globals(&statements, language);
     let mut reader = ProgramReader {
         words,
@@ -180,14 +212,21 @@ pub fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
         macros: FxHashMap::default(),
         procedures: FxHashMap::default(),
         arities: FxHashMap::default(),
-        has_grid: text.contains("meshgrid"),
+        has_grid: ["meshgrid", "linspace", "arange", "plot3", "lines3d", "contour"]
+            .iter()
+            .any(|w| text.contains(w)),
         ranges: FxHashMap::default(),
         rows: FxHashMap::default(),
+        is_python,
+        draws_by_calls,
+        assigned: FxHashMap::default(),
+        fields: FxHashMap::default(),
+        unread: Vec::new(),
         constants: FxHashMap::default(),
         steps: 0,
         expanded_tokens: Cell::new(0),
         program: PastedProgram {
-            in_steps,
+            in_steps: in_steps || is_python || draws_by_calls,
             is_y_up,
             in_degrees: language == Language::OpenScad,
             notes,
@@ -197,10 +236,20 @@ pub fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
     let mut top = Frame::default();
     let mut statements = statements.into_iter();
     while let Some(tokens) = statements.next() {
-        reader.statement(tokens, &mut top, &mut statements)?;
+        reader.outer_statement(tokens, &mut top, &mut statements, draws)?;
+    }
+    if let Some(foreign) = foreign {
+        reader.foreign(foreign, &mut top)?;
     }
     reader.end(&top, Span::at(text.len()));
+    reader.drop_unneeded()?;
     let mut program = reader.program;
+    program.is_height = is_python && !uses_z;
+    program.conditions = match () {
+        () if is_mathmod(text) => Conditions::OfMathMod,
+        () if is_python || text.contains("@(") => Conditions::Numbers,
+        () => Conditions::Apart,
+    };
     note_ignored_domains(&mut program.notes);
     Ok(program)
 }
@@ -218,6 +267,61 @@ fn note_ignored_domains(notes: &mut [Note]) {
 }
 
 impl ProgramReader<'_> {
+    /// Reads a statement of the text. `draws` is true if the text has plot commands.
+    fn outer_statement(
+        &mut self,
+        tokens: Vec<Token>,
+        frame: &mut Frame,
+        following: &mut Statements,
+        draws: bool,
+    ) -> Fallible<()> {
+        if self.is_python {
+            return self.notebook_statement(tokens, frame, following);
+        }
+        if !draws || !self.words.is_aside(&tokens) {
+            return self.statement(tokens, frame, following);
+        }
+        let place = tokens.iter().find(|token| token.kind == Unknown);
+        let error = Error::new(place.map_or(Span::default(), |t| t.span), ErrorKind::NoFormula);
+        let names = self.defined_by(&tokens);
+        self.leave_out(&tokens, &names, error, frame);
+        Ok(())
+    }
+
+    /// Adds the statements of a text in another format.
+    fn foreign(&mut self, foreign: ForeignText, frame: &mut Frame) -> Fallible<()> {
+        self.program.notes.extend(foreign.notes);
+        let is_constant = |one: &&ForeignStatement| {
+            one.head.as_ref().is_some_and(|head| head.parameters.is_none())
+        };
+        for ForeignStatement { tokens, head, .. } in foreign.statements.iter().filter(is_constant) {
+            let name = head.as_ref().map(|head| head.name.text.clone());
+            self.assigned.extend(name.map(|name| (name, tokens.clone())));
+        }
+        let (boxes, text) = (&foreign.boxes, self.words.text);
+        let are_known = self.boxes(boxes, foreign.span)?;
+        let are_alike = boxes.iter().all(|one| mathmod::are_alike(text, &boxes[0], one));
+        let mut own_boxes = boxes.iter();
+        for ForeignStatement { mut tokens, head, mut aliases } in foreign.statements {
+            // Each surface ends at its own box.
+            if head.is_none()
+                && let Some(own) = own_boxes.next().filter(|_| are_known && !are_alike)
+            {
+                let condition = self.in_box(own, &mut aliases);
+                restrict(&mut tokens, &condition);
+            }
+            match &head {
+                None if aliases.count() == 0 => {
+                    self.statement(tokens, frame, &mut Statements::default())?;
+                    continue;
+                }
+                _ => {}
+            }
+            self.push(tokens, head, None, &aliases, false)?;
+        }
+        Ok(())
+    }
+
     /// Reads a statement. A function or loop may take more statements from `following` as its body.
     pub(crate) fn statement(
         &mut self,
@@ -230,6 +334,9 @@ impl ProgramReader<'_> {
             return Ok(());
         };
         self.words.apply_signs(&mut tokens);
+        if self.expands(&mut tokens, frame)? {
+            return Ok(());
+        }
         if frame.function.is_none() && self.outside_of_formulas(&tokens, frame)? {
             return Ok(());
         }
@@ -293,10 +400,7 @@ impl ProgramReader<'_> {
             "draw_surface"
                 if tokens.len() == 1 && frame.function.is_none() && self.words.sets_surface() =>
             {
-                let value = NamedValue::Defined("surface".to_owned());
-                let expr = Expr::new(ExprKind::Name(value), first.span);
-                let statement = Statement::Draw { expr, restrictions: Vec::new() };
-                self.program.synthesized.push(BuiltStatement::synthesized(statement, first.span));
+                self.draw_surfer(first.span);
                 return Ok(());
             }
             "let" if tokens.get(1).is_some_and(|token| token.kind == OpenParen) => {
@@ -322,6 +426,31 @@ impl ProgramReader<'_> {
             return self.lambda(name, parameters, value, frame);
         }
         self.plain(tokens, frame, true)
+    }
+
+    /// Expands the lists of a statement outside functions, and records the value that it assigns.
+    /// Returns true if the statement was read: it holds several others.
+    fn expands(&mut self, tokens: &mut Vec<Token>, frame: &mut Frame) -> Fallible<bool> {
+        if frame.function.is_some() || frame.nested > 0 {
+            return Ok(false);
+        }
+        if let Some(statements) = self.manipulated(tokens) {
+            let read = |tokens| self.statement(tokens, frame, &mut Statements::default());
+            return statements.into_iter().try_for_each(read).map(|()| true);
+        }
+        *tokens = self.expanded_lists(std::mem::take(tokens), frame)?;
+        if !self.is_python {
+            self.record_assigned(tokens);
+        }
+        Ok(false)
+    }
+
+    /// Draws the value that a script of Surfer gives to `surface`.
+    fn draw_surfer(&mut self, span: Span) {
+        let value = NamedValue::Defined("surface".to_owned());
+        let expr = Expr::new(ExprKind::Name(value), span);
+        let statement = Statement::Draw { expr, restrictions: Vec::new() };
+        self.program.synthesized.push(BuiltStatement::synthesized(statement, span));
     }
 
     /// Reads a declaration whose first tokens are `types`.
@@ -351,6 +480,7 @@ impl ProgramReader<'_> {
                 self.run_expression(tokens, frame)
             }
             Language::Python if frame.is_inner() => self.run_python(tokens, frame),
+            Language::Python => self.run_top_python(tokens, frame),
             Language::OpenScad if !frame.is_inner() => {
                 let Some((_, None, value)) = self.words.assignment(tokens) else {
                     return Ok(false);
@@ -358,7 +488,9 @@ impl ProgramReader<'_> {
                 if self.words.lambda(tokens).is_some() || tokens[0].kind.is_axis() {
                     return Ok(false);
                 }
-                let mut all = tokens[..tokens.len() - value.len()].to_vec();
+                // `a *= 2` has more tokens in its value than there are.
+                let Some(left) = tokens.len().checked_sub(value.len()) else { return Ok(false) };
+                let mut all = tokens[..left].to_vec();
                 all.extend(self.assignment(&value, frame)?.tokens);
                 self.reads.clear();
                 self.plain(all, frame, true).map(|()| true)
@@ -378,6 +510,13 @@ impl ProgramReader<'_> {
     /// Reads a plot, a grid, or a statement that only styles the picture. Returns false for any
     /// other statement.
     fn outside_of_formulas(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
+        if self.listed_curve(tokens, frame)? || self.contour_command(tokens, frame)? {
+            return Ok(true);
+        }
+        let set = ["urange", "trange"].iter().find_map(|name| self.ranges.get(*name));
+        if let Some(curve) = self.words.parametric_splot(tokens, set) {
+            return self.plain(curve, frame, false).map(|()| true);
+        }
         let curve = match self.curve(tokens)? {
             None if self.arity(tokens[0]).is_none() => self.words.curve_command(tokens)?,
             found => found.map(|curve| (curve, None)),
@@ -386,10 +525,20 @@ impl ProgramReader<'_> {
             self.program.notes.extend(note);
             return self.plain(curve, frame, false).map(|()| true);
         }
-        let plots = self.words.plots(&self.with_rows(tokens.to_vec()))?;
+        if self.names_region(tokens) {
+            return Ok(true);
+        }
+        let mut with_rows = self.with_rows(self.with_typed_formula(tokens)?);
+        let regions = self.plot_regions(&mut with_rows)?;
+        let mut plots = self.words.plots(&with_rows)?;
         // The text may define the name of a plot command otherwise.
         if !plots.is_empty() && self.arity(tokens[0]).is_none() {
             let place = tokens[0].span;
+            for formula in plots.iter_mut().flat_map(|plot| &mut plot.formulas) {
+                for region in &regions {
+                    restrict(formula, region);
+                }
+            }
             plots.into_iter().try_for_each(|plot| self.draw(plot, place, frame))?;
             return Ok(true);
         }
@@ -469,7 +618,7 @@ impl ProgramReader<'_> {
     }
 
     /// Reads an assignment of a program. Returns false if `tokens` must be read as a formula.
-    fn step(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
+    pub(crate) fn step(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
         if let Some((left, right)) = Words::parallel(tokens) {
             // All values are computed before any variable changes.
             let within = frame.aliases.clone();
@@ -493,13 +642,13 @@ impl ProgramReader<'_> {
             let is_set = frame.function.is_some() || known.is_some() || letters.is_some();
             // `x = 3` is an equation unless the program has declared x.
             let is_coordinate = name.text == "t" || coordinate(&name.text).is_some();
-            if is_coordinate && !is_set {
+            if is_coordinate && !is_set && !self.draws_by_calls {
                 return self.plain(tokens.to_vec(), frame, true).map(|()| true);
             }
             // `tz = …` names a value in a program. Elsewhere `tz` is a product.
             let is_product =
                 name.text.len() > 1 && name.text.chars().all(|letter| "xyzt".contains(letter));
-            let is_steps = is_set || is_product || self.words.is_step(tokens);
+            let is_steps = is_set || is_coordinate || is_product || self.words.is_step(tokens);
             if is_steps || self.words.has(&value, &name.text) {
                 let within = frame.aliases.clone();
                 let before = frame.meaning(&name.text);

@@ -168,7 +168,15 @@ impl<'a> Words<'a> {
     pub(crate) fn types(self, tokens: &[Token]) -> usize {
         let is_type = |token: &&Token| {
             let word = self.word(**token);
-            is_type(word) || word == "T" && start(self.text, 2000).contains("typename T")
+            let is_alias = || {
+                let head = start(self.text, 2000);
+                !word.is_empty()
+                    && (head.contains(&format!("typedef double {word};"))
+                        || head.contains(&format!("typedef float {word};")))
+            };
+            is_type(word)
+                || word == "T" && start(self.text, 2000).contains("typename T")
+                || is_alias()
         };
         let count = tokens.iter().take_while(is_type).count();
         if begins_name(tokens.get(count)) { count } else { 0 }
@@ -206,7 +214,7 @@ impl<'a> Words<'a> {
     pub(crate) fn python_function(
         tokens: &[Token],
     ) -> Option<(Token, Vec<Vec<Token>>, Vec<Token>)> {
-        let (parameters, rest) = bracketed(&tokens[2..])?;
+        let (parameters, rest) = bracketed(tokens.get(2..)?)?;
         let colon = rest.iter().position(|token| token.kind == Colon)?;
         let name = *tokens.get(1)?;
         name.kind.is_name().then(|| (name, split(parameters, Comma), rest[colon + 1..].to_vec()))

@@ -11,11 +11,67 @@ use zeroset_parser::tree::ast::{Expr, ExprKind, LETTERS};
 use zeroset_parser::{Error, ErrorKind, Fallible};
 
 impl ProgramReader<'_> {
+    /// Reads a statement outside functions whose value has generators or calls to expand. Returns
+    /// false for any other statement.
+    pub(crate) fn run_top_python(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
+        if self.words.lambda(tokens).is_some() {
+            return Ok(false);
+        }
+        let start = self.words.assigned_at(tokens).map_or(0, |at| at + 1);
+        let (left, value) = tokens.split_at(start);
+        // `a, b = [2*v for v in (1, 2)]`.
+        let names: Vec<Token> = left.iter().copied().filter(|name| name.kind.is_name()).collect();
+        if names.len() > 1
+            && self.words.has(value, "for")
+            && let Some(values) = self.generated_values(value, frame)?
+            && values.len() == names.len()
+        {
+            for (name, value) in names.into_iter().zip(values) {
+                self.set(self.words.name(name), 1, vec![value], frame)?;
+            }
+            return Ok(true);
+        }
+        let expanded = self.with_calls(value.to_vec(), frame)?;
+        if expanded.len() == value.len()
+            && expanded.iter().zip(value).all(|(a, b)| a.span == b.span && a.kind == b.kind)
+        {
+            return Ok(self.run_counter_assignment(tokens, frame));
+        }
+        let mut all = left.to_vec();
+        all.extend(expanded);
+        if !self.step(&all, frame)? {
+            self.plain(all, frame, true)?;
+        }
+        Ok(true)
+    }
+
+    /// Defines an anonymous function inside of a function. Returns false if it uses variables of
+    /// the function, or its name is taken.
+    fn local_lambda(
+        &mut self,
+        name: Token,
+        parameters: Vec<Vec<Token>>,
+        value: Vec<Token>,
+        frame: &Frame,
+    ) -> Fallible<bool> {
+        let is_own = |word: &str| parameters.iter().any(|part| self.words.word(part[0]) == word);
+        let is_local = |token: &Token| {
+            let word = self.words.word(*token);
+            !word.is_empty()
+                && !is_own(word)
+                && (frame.before(word).is_some() || frame.size(word).is_some())
+        };
+        if value.iter().any(is_local) || self.arity(name).is_some() {
+            return Ok(false);
+        }
+        self.lambda(Some(name), parameters, value, &Frame::default()).map(|()| true)
+    }
+
     /// Runs an assignment of Python. Returns false for any other statement.
     pub(crate) fn run_python(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
         let tokens = Words::without_type(tokens.to_vec());
-        if self.words.lambda(&tokens).is_some() {
-            return Ok(false);
+        if let Some((Some(name), parameters, value)) = self.words.lambda(&tokens) {
+            return self.local_lambda(name, parameters, value, frame);
         }
         let mut depth = 0_usize;
         let signs: Vec<usize> = (0..tokens.len())
@@ -111,30 +167,32 @@ impl ProgramReader<'_> {
         Ok(kinds)
     }
 
-    /// The values of `body` for each value of `index` in `list` for which the filter holds.
+    /// The values of `body` for each value of `names` in `list` for which the filter holds.
     pub(crate) fn each_value(
         &mut self,
-        index: Token,
+        names: &[Token],
         list: &[Token],
         filter: Option<&[Token]>,
         body: &[Token],
         frame: &mut Frame,
     ) -> Fallible<Vec<Token>> {
-        let name = self.words.word(index).to_owned();
-        let is_global = self.defined_names.contains(&name) || self.constants.contains_key(&name);
-        let before = frame.before(&name).or_else(|| is_global.then(|| frame.meaning(&name)));
-        let was_integer = frame.integers.contains(&name);
+        let Some(index) = names.first().copied() else { return Ok(Vec::new()) };
+        let before: Vec<(String, Option<ExprKind>, bool)> =
+            names.iter().map(|name| self.meaning_before(*name, frame)).collect();
         let mut values = Vec::new();
         for value in self.values(index, list, frame)? {
             self.count_step(index.span)?;
-            let kind = match value {
-                LoopValue::Known(number) => number_expr(number, index.span),
-                LoopValue::Typed(tokens) => {
-                    let value = self.assignment(&tokens, frame)?;
-                    self.kind_of(value.tokens, frame)?
-                }
-            };
-            frame.aliases.push(name.clone(), kind);
+            for (name, value) in self.loop_values(names, value)? {
+                let kind = match value {
+                    LoopValue::Known(number) => number_expr(number, name.span),
+                    LoopValue::Typed(tokens) => {
+                        let value = self.assignment(&tokens, frame)?;
+                        self.kind_of(value.tokens, frame)?
+                    }
+                    LoopValue::Several(_) => return Err(Error::new(name.span, ErrorKind::LoopEnd)),
+                };
+                frame.aliases.push(self.words.word(name).to_owned(), kind);
+            }
             if let Some(filter) = filter {
                 let filter = self.assignment(filter, frame)?.tokens;
                 let span = index.span;
@@ -149,13 +207,24 @@ impl ProgramReader<'_> {
             let kind = self.kind_of(value.tokens, frame)?;
             values.push(self.saved(kind, span, value.is_whole, frame));
         }
-        if was_integer {
-            frame.integers.insert(name.clone());
-        }
-        if let Some(before) = before {
-            frame.aliases.push(name, before);
+        for (name, before, was_integer) in before {
+            if was_integer {
+                frame.integers.insert(name.clone());
+            }
+            if let Some(before) = before {
+                frame.aliases.push(name, before);
+            }
         }
         Ok(values)
+    }
+
+    /// A loop variable, its meaning before the loop, and whether it was an integer.
+    fn meaning_before(&self, name: Token, frame: &Frame) -> (String, Option<ExprKind>, bool) {
+        let name = self.words.word(name).to_owned();
+        let is_global = self.defined_names.contains(&name) || self.constants.contains_key(&name);
+        let before = frame.before(&name).or_else(|| is_global.then(|| frame.meaning(&name)));
+        let was_integer = frame.integers.contains(&name);
+        (name, before, was_integer)
     }
 
     /// The values of `for (i = [0:3]) if (c) a` in `OpenSCAD`. `None` if `tokens` have another
@@ -188,7 +257,7 @@ impl ProgramReader<'_> {
         {
             return Err(self.words.unsupported(*word));
         }
-        self.each_value(*index, list, filter, body, frame).map(Some)
+        self.each_value(&[*index], list, filter, body, frame).map(Some)
     }
 
     /// Writes the value of `let(a = 1, b = 2) body`.

@@ -1,7 +1,7 @@
 //! Reads formulas in the prefix notation of libfive, such as `(- (+ (square x) (square y)) 1)`.
 
 use crate::plot_arguments::PlotRange;
-use crate::program::ForeignText;
+use crate::program::{ForeignStatement, ForeignText};
 use crate::program_words::Words;
 use zeroset_parser::lex::scanner::scan;
 use zeroset_parser::lex::spelling::short_name;
@@ -55,7 +55,10 @@ pub(crate) fn scheme(text: &str, limits: &Limits) -> Fallible<Option<ForeignText
         };
         return if is_certain { Err(Error::new(form[0].span, kind)) } else { Ok(None) };
     }
-    Ok(Some((reader.statements, reader.notes)))
+    let SchemeReader { statements, notes, .. } = reader;
+    let span = statements.first().map_or(Span::default(), |first| first[0].span);
+    let statements = statements.into_iter().map(ForeignStatement::plain).collect();
+    Ok(Some(ForeignText { statements, boxes: Vec::new(), notes, span }))
 }
 
 /// Splits `tokens` into lists in brackets, and atoms.
@@ -115,10 +118,7 @@ impl<'a> SchemeReader<'a> {
                 let between = |pair: &[Token]| [pair[0], sign(Comma, pair[0].span.end)];
                 let mut call = vec![*name, sign(OpenParen, name.span.end)];
                 call.extend(parameters.windows(2).flat_map(between));
-                call.extend([
-                    *parameters.last()?,
-                    sign(CloseParen, parameters[2..].first()?.span.end),
-                ]);
+                call.extend([*parameters.last()?, sign(CloseParen, parameters.get(2)?.span.end)]);
                 self.shapes.push(call.clone());
                 call.push(sign(Equals, body[0].span.start));
                 let is_read = is_point && self.shapes.len() < MAX_NAMES;

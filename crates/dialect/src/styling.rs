@@ -7,7 +7,8 @@ use zeroset_parser::lex::token_kind::TokenKind::*;
 /// Words before the options of a command, as in `axis equal` and `title('A surface')`.
 const COMMANDS: &str = "axis colormap shading lighting camlight material colorbar grid box title \
     xlabel ylabel zlabel xlim ylim zlim daspect pbaspect print fig2plotly set unset pause disp \
-    drawnow rotate3d figure hold axes light legend view Export size subplot Graphics3d clf";
+    drawnow rotate3d figure hold axes light legend view Export size subplot Graphics3d clf patch \
+    isonormals isocaps gca gcf show";
 
 /// Objects whose members only style or show a picture.
 const OBJECTS: &[&str] = &["plt", "ax", "fig", "console", "settings", "plotter", "pl", "display"];
@@ -25,7 +26,11 @@ const METHODS: &[&str] = &["show", "save", "savefig", "print"];
 impl Words<'_> {
     /// Returns whether a statement only styles or shows a picture.
     pub(crate) fn is_style(self, tokens: &[Token]) -> bool {
-        let Some((first, rest)) = tokens.split_first() else { return false };
+        let start = match tokens {
+            [_, equals, value, _, ..] if equals.kind == Equals && self.word(*value) == "patch" => 2,
+            _ => 0,
+        };
+        let Some((first, rest)) = tokens[start..].split_first() else { return false };
         let word = self.word(*first);
         if let [dot, name, ..] = rest
             && self.is_dot(*dot)
@@ -50,7 +55,7 @@ impl Words<'_> {
         };
         match rest.first() {
             None => !first.kind.is_setting() && word != "box",
-            Some(next) if next.kind == OpenParen => {
+            Some(next) if next.kind == OpenParen || next.kind == OpenBracket => {
                 closing(rest).is_some_and(|end| end + 1 == rest.len())
                     && (!matches!(word, "box" | "grid" | "axes" | "light") || has_text())
             }

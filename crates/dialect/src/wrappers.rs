@@ -34,6 +34,7 @@ const SETUP: &[&str] = &[
     "namespace",
     "package",
     "precision",
+    "pkg",
 ];
 
 /// Setup commands whose arguments are in brackets.
@@ -57,7 +58,11 @@ impl Words<'_> {
             let end = tokens.iter().position(|token| token.kind == Greater)?;
             return Some(vec![tokens[end + 1..].to_vec()]);
         }
-        if word == "SPACE" && next.is_some_and(|next| next.kind == Equals)
+        // Mathematica's `<<Package`.
+        let is_package = first.kind == Less && next.is_some_and(|next| next.kind == Less);
+        if is_package
+            || word == "typedef"
+            || word == "SPACE" && next.is_some_and(|next| next.kind == Equals)
             || word == r"\clean" && opens
             || SETUP.contains(&word)
                 && (next.is_none_or(|next| next.kind.is_name()) || word == "Needs")
@@ -112,10 +117,15 @@ impl Words<'_> {
             }
             _ => {}
         }
+        // R's `name <- value`.
         if let [name, less, minus, function, ..] = tokens
-            && less.kind == Less
-            && minus.kind == Minus
-            && self.word(*function) == "function"
+            && (less.kind, minus.kind) == (Less, Minus)
+            && name.kind.is_name()
+            && (self.word(*function) == "function"
+                || !name.kind.is_axis()
+                    && less.span.end == minus.span.start
+                    && minus.span.end < function.span.start
+                    && name.span.end < less.span.start)
         {
             let mut all = vec![*name, Token::new(Equals, Span::at(less.span.start))];
             all.extend(&tokens[3..]);
@@ -159,6 +169,16 @@ impl Words<'_> {
     /// Turns `name = left == right` into `name = (left) - (right)`, which a plot then draws.
     fn named_equation(self, tokens: &[Token]) -> Option<Vec<Token>> {
         let [name, equals, sides @ ..] = tokens else { return None };
+        // SymPy's `name = Eq(left, right)`.
+        if let [eq, rest @ ..] = sides
+            && self.word(*eq) == "Eq"
+            && let Some([left, right]) =
+                Self::inside(rest).and_then(|inner| <[_; 2]>::try_from(split(inner, Comma)).ok())
+        {
+            let mut all = vec![*name, *equals];
+            all.extend(minus_level(&left, &right));
+            return Some(all);
+        }
         let at = outside(sides, Equals).filter(|at| *at > 0 && at + 1 < sides.len())?;
         let is_named = name.kind == TokenKind::Name
             && equals.kind == Equals
@@ -171,7 +191,7 @@ impl Words<'_> {
     }
 
     /// Replaces names in `tokens` by values. `None` if the result is too long.
-    fn substituted(
+    pub(crate) fn substituted(
         tokens: &[Token],
         rules: &[(Token, Vec<Token>)],
         text: &str,

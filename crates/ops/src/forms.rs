@@ -159,7 +159,7 @@ pub static FORMS: &[SpecialForm] = &[
     row("product", &["prod"], FormKind::Product, "product(k = 1..3, x - k)", "a product over whole numbers, at most 1000"),
     row("iterate", &["nest"], FormKind::Iterate, "iterate(f, 3, x)", "f(f(f(x))): a function applied n times, at most 1000"),
     row("vec2", &["float2", "vec2f", "ivec2"], FormKind::Vector(2), "vec2(x, y)", "a vector of two components, its parts .x and .y"),
-    row("vec3", &["float3", "vec3f", "ivec3", "vector", "array"], FormKind::Vector(3), "vec3(x, y, z)", "a vector of three components, its parts .x, .y and .z"),
+    row("vec3", &["float3", "vec3f", "ivec3", "vector", "array", "stack", "tensor"], FormKind::Vector(3), "vec3(x, y, z)", "a vector of three components, its parts .x, .y and .z"),
     row("vec4", &["float4", "vec4f"], FormKind::Vector(4), "vec4(x, y, z, 1)", "a vector of four components, its parts .x to .w"),
     row("mat2", &["mat2x2", "mat2x2f", "float2x2", "half2x2", "matrix"], FormKind::Matrix(2), "mat2(1, 0, 0, 1)", "a matrix of two columns, given one after the other; times a vector it is one"),
     row("mat3", &["mat3x3", "mat3x3f", "float3x3", "half3x3"], FormKind::Matrix(3), "mat3(1, 0, 0, 0, 1, 0, 0, 0, 1)", "a matrix of three columns"),

@@ -109,6 +109,14 @@ pub fn trim(text: &str, tokens: &mut Vec<Token>) {
     while tokens.len() > 1 && typed(&tokens[0]) == ">" {
         tokens.remove(0);
     }
+    // The label in `\text{heart} = …`, which the text does not use again.
+    if let [label, equals, _, ..] = tokens.as_slice()
+        && equals.kind == Equals
+        && typed(label).starts_with(r"\text{")
+        && text.matches(typed(label)).count() == 1
+    {
+        tokens.drain(..2);
+    }
     if let [label, colon, _, ..] = tokens.as_slice()
         && label.kind == TokenKind::Name
         && colon.kind == Colon

@@ -14,8 +14,27 @@ use crate::lex::token_kind::TokenKind::{self, *};
 
 /// Names of modules, as in `np.sin`. A module's name is skipped before a dot and a name.
 const MODULES: &[&str] = &[
-    "np", "numpy", "math", "Math", "sp", "sympy", "scipy", "jnp", "torch", "tf", "glm", "linalg",
-    "mpmath", "mp", "cp", "xp", "Mathf",
+    "np",
+    "numpy",
+    "math",
+    "Math",
+    "sp",
+    "sympy",
+    "scipy",
+    "jnp",
+    "torch",
+    "tf",
+    "glm",
+    "linalg",
+    "mpmath",
+    "mp",
+    "cp",
+    "xp",
+    "Mathf",
+    "special",
+    "plotting",
+    "functools",
+    "Funcs",
 ];
 
 /// LaTeX commands whose braces hold text that is not part of a formula.
@@ -34,6 +53,10 @@ pub(crate) fn lex(rest: &str, context: LexContext) -> (TokenKind, usize) {
         return (Blank, 0);
     };
     let length = character.len_utf8();
+    if let Some(length) = python_string(rest, context) {
+        let is_doc = context.last.is_none();
+        return (if is_doc { Blank } else { Unknown }, length);
+    }
     if let Some(comment) = comment(rest, context) {
         return (Blank, comment);
     }
@@ -47,6 +70,7 @@ pub(crate) fn lex(rest: &str, context: LexContext) -> (TokenKind, usize) {
     }
     match character {
         '#' if rest.starts_with("#define ") => (TokenKind::Name, "#define".len()),
+        '#' if let Some(length) = slot(rest) => (TokenKind::Name, length),
         '#' => match prefix_length(&rest[1..], |c| c.is_ascii_hexdigit()) {
             digits @ 1.. if context.is_color => (HexColor, 1 + digits),
             _ => (Blank, line_length(rest)),
@@ -89,6 +113,7 @@ pub(crate) fn lex(rest: &str, context: LexContext) -> (TokenKind, usize) {
         {
             (Underscore, 1)
         }
+        '_' if context.is_python => (TokenKind::Name, prefix_length(rest, is_name_char)),
         _ if vulgar(character).is_some() => (VulgarFraction, length),
         'ℯ' | '∇' => (TokenKind::Name, length),
         // After an operand, a degree sign is read as a name.
@@ -133,6 +158,32 @@ pub(crate) fn lex(rest: &str, context: LexContext) -> (TokenKind, usize) {
 /// Number of bytes within which a comment must end.
 const MAX_COMMENT_BYTES: usize = 10_000;
 
+/// Prompts at the start of a line. The first two are those of Sage.
+const PROMPTS: [&str; 4] = ["....:", "sage:", ">>>", "..."];
+
+/// Length of the string at the start of `rest`, if the text is a program in Python. Letters such as
+/// `f` and `r` may stand before the quotation mark.
+fn python_string(rest: &str, context: LexContext) -> Option<usize> {
+    let prefix = prefix_length(rest, |c| "rbfuRBFU".contains(c));
+    let quoted = &rest[prefix..];
+    let mark = quoted.chars().next().filter(|mark| matches!(mark, '"' | '\''))?;
+    if !context.is_python || prefix > 2 || prefix > 0 && context.touching.is_some_and(ends_value) {
+        return None;
+    }
+    let triple = mark.to_string().repeat(3);
+    if let Some(inner) = quoted.strip_prefix(&triple) {
+        let length = start(inner, MAX_COMMENT_BYTES).find(&triple)?;
+        return Some(prefix + length + 6);
+    }
+    let mut is_escaped = false;
+    let end = quoted[1..line_length(quoted)].find(|c| {
+        let ends = c == mark && !is_escaped;
+        is_escaped = c == '\\' && !is_escaped;
+        ends
+    });
+    end.map(|end| prefix + end + 2)
+}
+
 /// Length of the comment, Markdown mark or line continuation at the start of `rest`.
 fn comment(rest: &str, context: LexContext) -> Option<usize> {
     // A comment must be closed. Otherwise a stray opening mark would hide the rest of the text.
@@ -149,10 +200,22 @@ fn comment(rest: &str, context: LexContext) -> Option<usize> {
     if context.starts_line && context.last.is_none() && rest.starts_with('•') {
         return Some('•'.len_utf8());
     }
-    // The prompts of Sage.
-    let prompt = ["....:", "sage:"].into_iter().find(|prompt| rest.starts_with(prompt));
+    // The prompts of Sage and Python.
+    let prompts = if context.is_python { &PROMPTS[..] } else { &PROMPTS[..2] };
+    let prompt = prompts.iter().find(|prompt| rest.starts_with(**prompt));
     if let Some(prompt) = prompt.filter(|_| context.starts_line) {
         return Some(prompt.len());
+    }
+    // The prompts of a notebook, such as `In [5]:`.
+    if context.is_python && context.starts_line && rest.starts_with("In [") {
+        let digits = prefix_length(&rest[4..], |c| c.is_ascii_digit());
+        if rest[4 + digits..].starts_with("]:") {
+            return Some(digits + 6);
+        }
+    }
+    // A command of the shell in a notebook.
+    if context.is_python && context.starts_line && rest.starts_with('!') {
+        return Some(line_length(rest));
     }
     // A backslash at the end of a line: the next line continues the statement.
     if let Some(blank) = rest.strip_prefix('\\') {
@@ -212,13 +275,23 @@ fn is_component(word: &str) -> bool {
 
 /// Length of a module's name with the dot or `::` after it, if a member of the module follows.
 fn module(rest: &str, end: usize) -> Option<usize> {
-    if rest[end..].starts_with("::") && matches!(&rest[..end], "std" | "glm") {
+    if rest[end..].starts_with("::") && matches!(&rest[..end], "std" | "glm" | "plot") {
         return Some(end + 2);
     }
     let member = rest[end..].strip_prefix('.')?;
     let word = &member[..prefix_length(member, is_name_char)];
     let is_member = word.starts_with(char::is_alphabetic) && !is_component(word);
     (is_member && MODULES.contains(&&rest[..end])).then_some(end + 1)
+}
+
+/// Length of a slot of Mathematica at the start of `rest`, such as `#1` in `#1 + 1 &`. Elsewhere
+/// `#` begins a comment.
+fn slot(rest: &str) -> Option<usize> {
+    let length = 1 + prefix_length(&rest[1..], |c| c.is_ascii_digit());
+    let line = start(&rest[length..], 400);
+    let behind = line.trim_start_matches(' ');
+    let is_operand = behind.starts_with(|c| "^*/+-)],&[<>=.".contains(c));
+    (is_operand && line.contains('&') && !line.contains("&&&")).then_some(length)
 }
 
 fn number(rest: &str) -> (TokenKind, usize) {

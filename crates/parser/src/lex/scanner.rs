@@ -78,6 +78,7 @@ pub fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
             is_part,
             follows_command: last.is_some_and(|token| text[token.span.range()].starts_with('\\')),
             is_color: matches!(tokens.as_slice(), [Token { kind: ColorWord | BackgroundWord, .. }]),
+            is_python,
             starts_line,
             touching: last.filter(|token| token.span.end == end).map(|token| token.kind),
             last: last.map(|token| token.kind),
@@ -119,12 +120,7 @@ pub fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
             continue;
         }
         let mut first = tokens.len();
-        // A line that ends with an operator continues on the next line.
-        let last = tokens.last().map_or(Blank, |token| token.kind);
-        let goes_on = || {
-            (last.is_arithmetic() || matches!(last, Caret | Equals)) && continues(&text[end..])
-                || must_continue(&text[end..], &tokens)
-        };
+        let goes_on = || goes_on(&text[end..], text, &tokens, is_python);
         match kind {
             LineEnd if !open.is_empty() || goes_on() => continue,
             LineEnd | Semicolon if open.is_empty() => {
@@ -158,9 +154,26 @@ pub fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
     Ok(statements)
 }
 
-/// Returns whether a text uses functions of Python, in which `//` divides.
-fn is_python(text: &str) -> bool {
-    text.lines().any(|line| line.trim_start().starts_with("def ") && line.contains("):"))
+/// Words that occur in programs of Python, and in no other text.
+const PYTHON: &str = "np. numpy. plt. mlab. measure.marching_cubes go.Figure( go.Isosurface( pv. k3d. mcubes. ipv. \
+    mgrid[ symbols( Symbol( lambdify( Piecewise(( plot3d_parametric_line( sum([ Symb( .subs(";
+
+/// Returns whether a text is a program in Python, in which `//` divides and quotation marks enclose
+/// strings.
+pub fn is_python(text: &str) -> bool {
+    let is_statement = |line: &str| {
+        let line = line.trim_start_matches([' ', '\t', '>']);
+        let is_import =
+            line.starts_with("import ") || line.starts_with("from ") && line.contains(" import ");
+        line.starts_with("def ") && (line.contains("):") || line.trim_end().ends_with(':'))
+            || line.starts_with("class ") && line.ends_with(':')
+            || is_import && !line.trim_end().ends_with(';')
+    };
+    let has_comment = || text.lines().any(|line| line.trim_start().starts_with("//"));
+    let is_found = text.lines().any(is_statement)
+        || text.contains("lambda x") && !text.contains("implicit_plot3d")
+        || PYTHON.split(' ').any(|word| text.contains(word));
+    is_found && !has_comment()
 }
 
 /// The place of a `title` line's text. `word` is the place of its first word, and `before` has the
@@ -209,6 +222,17 @@ fn is_comment(rest: &str, tokens: &[Token], open: Option<Token>, text: &str) -> 
     }
 }
 
+/// Returns whether the statement `tokens` goes on in the line at the start of `rest`, for example
+/// because it ends with an operator.
+fn goes_on(rest: &str, text: &str, tokens: &[Token], is_python: bool) -> bool {
+    let last = tokens.last().map_or(Blank, |token| token.kind);
+    let first = tokens.first().map_or("", |token| &text[token.span.range()]);
+    // `from sympy import *` ends with its line.
+    let is_import = is_python && matches!(first, "from" | "import");
+    let is_open = last.is_arithmetic() || matches!(last, Caret | Equals);
+    !is_import && is_open && continues(rest) || must_continue(rest, tokens)
+}
+
 /// Returns whether the row at the start of `rest` continues the row before it.
 fn continues_row(rest: &str) -> bool {
     const BLANKS: [&str; 11] =
@@ -244,7 +268,9 @@ fn must_continue(rest: &str, above: &[Token]) -> bool {
     // `<p>` is a tag, not a relation.
     let is_tag = formula.starts_with('<')
         && formula[1..].starts_with(|c: char| c == '/' || c.is_alphabetic());
-    let is_rest = !is_tag && formula.starts_with(|c| c == '+' || is_relation(c))
+    let is_rest = !is_tag
+        && !formula.starts_with(">>>")
+        && formula.starts_with(|c| c == '+' || is_relation(c))
         || formula.len() < line.len() && formula.starts_with(['-', '−']);
     is_rest && !above.is_empty() && !(has_relation && formula.contains(is_relation))
 }

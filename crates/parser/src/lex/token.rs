@@ -33,6 +33,8 @@ pub(crate) struct LexContext {
     pub follows_command: bool,
     /// True if the next token may be a color, as after `color` and `background`.
     pub is_color: bool,
+    /// True if the text is a program in Python.
+    pub is_python: bool,
     /// True if the next token is the first on its line.
     pub starts_line: bool,
     /// Kind of the preceding token, if no blank separates it from the next token.

@@ -236,6 +236,8 @@ pub enum ErrorKind {
     PlotCoordinates,
     #[error("the option `{name}` changes the surface, and is not read")]
     PlotOption { name: String },
+    #[error("here is no formula that can be read")]
+    NoFormula,
     #[error("the variables of this plot cannot be matched with the coordinates")]
     PlotVariables,
     #[error("of a text of {format}, {read}")]

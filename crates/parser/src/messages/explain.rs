@@ -282,6 +282,9 @@ fn foreign_advice(kind: &ErrorKind) -> Option<&'static str> {
         PlotOption { .. } => {
             "write a level into the formula, as in `f - 1`, and a condition behind it in braces: `f {z > 0}`"
         }
+        NoFormula => {
+            "write the formula in place of this, as in `f = x^2 + y^2 - z^2`, and draw `f = 1`"
+        }
         PlotVariables => {
             "write the formula in x, y and z, and the ranges as `domain x in [-2, 2], y in [-1, 1]`"
         }

@@ -85,6 +85,8 @@ pub enum NoteKind {
     ArcCotangent,
     #[error("numpy's `sinc(a)` is read as `sinc(pi*a)`, that is sin(pi*a)/(pi*a)")]
     SincOfNumpy,
+    #[error("the number is read as the index of the root: `{read}`")]
+    IndexFirst { read: String },
     #[error("the angle of a point, as in Mathematica: `{read}`")]
     ArcTanOfPoint { read: String },
     #[error("the angles of this text are in degrees, as in OpenSCAD")]
@@ -143,6 +145,11 @@ pub enum NoteKind {
     ExpressionList { name: String },
     #[error("what only styles the picture, such as `{example}`, is left out")]
     StyleLeftOut { example: String },
+    #[error(
+        "what neither defines nor draws anything that is shown is left out, such as `{example}` \
+         (statements: {count})"
+    )]
+    StatementsLeftOut { count: usize, example: String },
     #[error("the names of the plot are the coordinates: `{read}`")]
     PlotNames { read: String },
     #[error("read as in {system}: `{read}`; for another, define it")]

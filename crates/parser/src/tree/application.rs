@@ -164,9 +164,20 @@ impl Builder<'_> {
             let kind = ErrorKind::NeedsArgument { name, count: forms.least() };
             return Err(self.suggest_brackets(Error::new(span, kind), span));
         }
-        let mut factors = Vec::new();
+        let mut factors: Vec<Expr> = Vec::new();
         while !items.is_empty() {
             if let (Some(FactorItem::Function(..)), false) = (items.front(), factors.is_empty()) {
+                break;
+            }
+            // In LaTeX, brackets behind a variable are another factor: `\tan \phi (…)`.
+            if let (Some(FactorItem::Group(pair)), Some(last)) = (items.front(), factors.last())
+                && self.text[span.range()].starts_with('\\')
+                && matches!(last.kind, ExprKind::Name(_))
+            {
+                let place = self.span(pair);
+                let read = short_formula(&factor_text(last));
+                let name = callee.name().to_owned();
+                self.note(span.to(place), NoteKind::FunctionOfProduct { name, read });
                 break;
             }
             self.factor(items, &mut factors)?;
@@ -224,6 +235,7 @@ impl Builder<'_> {
         let mut arguments = arguments;
         self.note_function(callee, span);
         let typed = &self.text[span.range()];
+        self.order_root(callee, &mut arguments, span.to(place));
         match (callee, arguments.as_mut_slice()) {
             (Callee::BuiltIn(name), [_]) if name == "log" && typed == "\\log" => {
                 self.note(span, NoteKind::NaturalLogarithm);
@@ -282,7 +294,7 @@ impl Builder<'_> {
         // `min` and `max` of a single vector apply to the vector's components.
         if let (Callee::BuiltIn(_), [only]) = (callee, arguments.as_slice())
             && let Some(function @ Function::Native(Op::Min | Op::Max)) = forms.function(2)
-            && is_vector(only)
+            && (is_vector(only) || may_be_vector(only))
         {
             return Ok(Expr::new(ExprKind::Call(function, arguments), span.to(place)));
         }
@@ -322,6 +334,20 @@ impl Builder<'_> {
         Ok(call(arguments))
     }
 
+    /// Swaps the arguments of a root whose index comes first, as in `root(4, x)`.
+    fn order_root(&mut self, callee: &Callee, arguments: &mut [Expr], place: Span) {
+        if let (Callee::BuiltIn(name), [index, radicand]) = (callee, arguments)
+            && name == "root"
+            && index.number().is_some()
+            && radicand.number().is_none()
+            && !self.text[index.span.range()].starts_with('(')
+        {
+            std::mem::swap(index, radicand);
+            let read = short_formula(&format!("root({index}, {radicand})"));
+            self.note(place, NoteKind::IndexFirst { read });
+        }
+    }
+
     /// Adds a note if other languages define the function differently.
     pub(crate) fn note_function(&mut self, callee: &Callee, span: Span) {
         if let Callee::BuiltIn(name) = callee {
@@ -349,6 +375,13 @@ impl Builder<'_> {
         };
         Error::new(span.to(place), kind)
     }
+}
+
+/// Returns whether a value depends on a name of the document, which may name a vector.
+fn may_be_vector(expr: &Expr) -> bool {
+    expr.all_parts().into_iter().any(|part| {
+        matches!(part.kind, ExprKind::Name(NamedValue::Local(_))) || part.kind.defined().is_some()
+    })
 }
 
 /// The constant pi, with its place.

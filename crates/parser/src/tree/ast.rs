@@ -187,7 +187,7 @@ pub enum ExprKind {
 
 impl ExprKind {
     /// The name that this expression is or calls; `None` unless the document defines the name.
-    pub(crate) fn defined(&self) -> Option<&str> {
+    pub fn defined(&self) -> Option<&str> {
         match self {
             Self::Name(NamedValue::Defined(name)) | Self::Call(Function::Defined(name), _) => {
                 Some(name)

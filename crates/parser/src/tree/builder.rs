@@ -10,12 +10,14 @@ use crate::messages::note::{MAX_NOTES, Note, NoteKind};
 use crate::span::Span;
 use crate::tree::aliases::Aliases;
 use crate::tree::ast::{Chain, ChainSign, Expr, ExprKind, Function, Name, Relation};
+use crate::tree::delimited::native;
 use crate::tree::diagnose::recognise;
+use crate::tree::foreign_functions::remainder;
 use crate::tree::grammar::{Pair, Pairs, Rule, first_kind};
 use crate::tree::print::factor_text;
-use crate::tree::scope::{Callee, Scope};
+use crate::tree::scope::{Callee, Conditions, Scope};
 use rustc_hash::FxHashSet;
-use zeroset_ops::VectorFunction;
+use zeroset_ops::{Op, VectorFunction};
 
 /// Builds the trees of one statement.
 pub struct Builder<'a> {
@@ -185,7 +187,7 @@ impl<'a> Builder<'a> {
             let mut all = Vec::new();
             for parts in parts.split(|part| first_kind(part) == Some(And)) {
                 let expr = match parts {
-                    [only] => self.sum(only.clone()),
+                    [only] => self.sum(only.clone()).map(|expr| self.as_condition(expr)),
                     _ => self.negation(parts),
                 };
                 push(&mut all, expr)?;
@@ -226,7 +228,10 @@ impl<'a> Builder<'a> {
         let mut relation_before = Relation::Equal;
         for (index, part) in parts.iter().enumerate() {
             if index % 2 == 0 {
-                sides.push((relation_before, place, self.sum(part.clone())?));
+                let side = self.sum(part.clone())?;
+                let is_compared = parts.len() > 1;
+                let side = if is_compared { self.as_number(side) } else { side };
+                sides.push((relation_before, place, side));
             } else {
                 (relation_before, place) = (relation(part), self.span(part));
             }
@@ -248,7 +253,7 @@ impl<'a> Builder<'a> {
             // The signs plus and minus separate the terms.
             match pairs.next() {
                 Some(operator) => before = sign(&operator),
-                None => return chain_of(Chain::Sum, terms),
+                None => return chain_of(Chain::Sum, self.numbers(terms)),
             }
         }
     }
@@ -287,7 +292,38 @@ impl<'a> Builder<'a> {
             return build(self);
         };
         let minus = signs.iter().filter(|(sign, _)| *sign == ChainSign::Inverse);
-        negated(self.nested(*first, minus.count(), build)?, signs)
+        let expr = self.nested(*first, minus.count(), build)?;
+        negated(self.as_number(expr), signs)
+    }
+
+    /// A condition as 1 or 0, in a text whose conditions are numbers.
+    pub(crate) fn as_number(&self, expr: Expr) -> Expr {
+        if self.scope.conditions == Conditions::Apart || !expr.is_condition() {
+            return expr;
+        }
+        let span = expr.span;
+        expr.indicator(span)
+    }
+
+    /// The operands of a chain. Conditions become numbers if there are several operands.
+    fn numbers(&self, operands: Vec<(ChainSign, Expr)>) -> Vec<(ChainSign, Expr)> {
+        if operands.len() == 1 || self.scope.conditions == Conditions::Apart {
+            return operands;
+        }
+        operands.into_iter().map(|(sign, expr)| (sign, self.as_number(expr))).collect()
+    }
+
+    /// A number as a condition, in a text of `MathMod`: it holds where the number is 1/2 or more.
+    pub(crate) fn as_condition(&self, expr: Expr) -> Expr {
+        if self.scope.conditions != Conditions::OfMathMod || expr.is_condition() {
+            return expr;
+        }
+        let span = expr.span;
+        native(Op::Abs, expr, span).compared(
+            Relation::GreaterEqual,
+            Expr::of_digits("0.5", span),
+            span,
+        )
     }
 
     /// Reads a product. The signs `before` belong to the left operand of the first remainder.
@@ -309,7 +345,7 @@ impl<'a> Builder<'a> {
             }
             match self.joint(pairs) {
                 Some(next) => joint = next,
-                None => return chain_of(Chain::Product, factors),
+                None => return chain_of(Chain::Product, self.numbers(factors)),
             }
         }
     }
@@ -353,6 +389,11 @@ impl<'a> Builder<'a> {
             (Some((sign, left)), Some(function)) => {
                 joint.sign = sign;
                 let span = left.span.to(first.span);
+                if self.scope.conditions == Conditions::OfMathMod {
+                    let expr = remainder(Op::Trunc, self.as_number(left), first, span)?;
+                    factors.push((sign, expr));
+                    return Ok(());
+                }
                 Expr::new(ExprKind::Call(function, vec![left, first]), span)
             }
             (before, _) => {

@@ -23,6 +23,10 @@ use std::collections::VecDeque;
 use zeroset_ir::NamedConstant;
 use zeroset_ops::{Op, SpecialForm};
 
+/// Names of conversions between types of numbers.
+const CONVERSIONS: &[&str] =
+    &["float", "double", "f32", "f64", "S", "RDF", "RR", "QQ", "float32", "float64", "asarray"];
+
 /// An item of a row of juxtaposed factors.
 pub(crate) enum FactorItem<'i> {
     /// A number or a named value.
@@ -247,7 +251,7 @@ impl Builder<'_> {
                 }
                 // Conversions between types of numbers, as in `float(x)`, have no effect.
                 let is_called = self.text[span.end..].starts_with('(');
-                let is_type = matches!(typed, "float" | "double" | "f32" | "f64" | "S");
+                let is_type = CONVERSIONS.contains(&typed);
                 let follows_number = matches!(items.back(), Some(FactorItem::Leaf(before))
                     if before.number().is_some() && before.span.end == span.start);
                 // In C#, `2f` is a number. In Python, `2j` is an imaginary one, and in Julia `2im`.

@@ -116,7 +116,15 @@ impl fmt::Display for Expr {
                 if let Function::Iterate(repeated) = function {
                     write!(f, "{}, ", repeated.name())?;
                 }
-                list(f, arguments, ", ", Tightness::Or)?;
+                match (function, arguments.as_slice()) {
+                    // Without brackets, the number would be read as the index.
+                    (Function::Root, [number, index])
+                        if number.number().is_some() && index.number().is_none() =>
+                    {
+                        write!(f, "({number}), {index}")?;
+                    }
+                    _ => list(f, arguments, ", ", Tightness::Or)?,
+                }
                 if let Function::Derivative(by) = function {
                     by.iter().try_for_each(|variable| write!(f, ", {}", variable.name()))?;
                 }

@@ -2,6 +2,8 @@
 //! among the document's names, then among the language's names.
 
 use crate::tree::ast::{Function, Name, NamedValue};
+use crate::tree::foreign_functions::foreign_function;
+use crate::tree::special_forms::logic;
 use rustc_hash::{FxHashMap, FxHashSet};
 use zeroset_ir::{Axis, NamedConstant};
 use zeroset_ops::{COMPOSED, Notation, Op, SpecialForm, TABLE, builders, form, names, natives};
@@ -21,6 +23,21 @@ pub struct Scope {
     internal: bool,
     /// True if the trigonometry of the text is in degrees, as in `OpenSCAD`.
     pub in_degrees: bool,
+    /// Rules by which conditions are numbers in the text's language.
+    pub conditions: Conditions,
+}
+
+/// Rules by which conditions are numbers in the language of a text.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Conditions {
+    /// A condition is no number.
+    #[default]
+    Apart,
+    /// A condition in a sum or a product is 1 where it holds, else 0.
+    Numbers,
+    /// As `Numbers`, and a number is a condition that holds where it is 1/2 or more. A remainder
+    /// has the sign of the dividend.
+    OfMathMod,
 }
 
 /// Largest size of a name that is tried as a product of letters, in bytes.
@@ -43,6 +60,7 @@ const FOREIGN_NAMES: &[(&str, &str)] = &[
     ("lg", "log10"),
     ("M_PI", "pi"),
     ("M_E", "e"),
+    ("golden_ratio", "phi"),
     ("cabs", "abs"),
     ("max_symbolic", "max"),
     ("min_symbolic", "min"),
@@ -54,6 +72,15 @@ pub fn built_in(name: &str) -> NameMeaning {
         return NameMeaning::Unknown;
     }
     Scope::default().meaning(name, &[])
+}
+
+/// Returns whether this language reads calls of `name`.
+pub fn is_function(name: &str) -> bool {
+    built_in(name) != NameMeaning::Unknown
+        || logic(name).is_some()
+        || form(name).is_some()
+        || foreign_function(name, false).is_some()
+        || FOREIGN_NAMES.iter().any(|(elsewhere, _)| *elsewhere == name)
 }
 
 /// The name in this language of a function called by a foreign name. Constants are left out.

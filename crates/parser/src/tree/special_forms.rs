@@ -29,10 +29,10 @@ pub(crate) fn logic(name: &str) -> Option<Logic> {
         "Not" | "logical_not" => Logic::Not,
         "Eq" | "Equal" => Logic::Compare(Relation::Equal),
         "Ne" | "Unequal" => Logic::Compare(Relation::Unequal),
-        "Lt" | "Less" => Logic::Compare(Relation::Less),
-        "Le" | "LessEqual" => Logic::Compare(Relation::LessEqual),
-        "Gt" | "Greater" => Logic::Compare(Relation::Greater),
-        "Ge" | "GreaterEqual" => Logic::Compare(Relation::GreaterEqual),
+        "Lt" | "Less" | "less" => Logic::Compare(Relation::Less),
+        "Le" | "LessEqual" | "less_equal" => Logic::Compare(Relation::LessEqual),
+        "Gt" | "Greater" | "greater" => Logic::Compare(Relation::Greater),
+        "Ge" | "GreaterEqual" | "greater_equal" => Logic::Compare(Relation::GreaterEqual),
         _ => return None,
     })
 }
@@ -196,6 +196,7 @@ impl Builder<'_> {
 
     pub(crate) fn condition_of(&mut self, pair: Pair<'_>) -> Fallible<Expr> {
         let condition = self.expression(pair)?;
+        let condition = self.as_condition(condition);
         condition_only(&condition, "if")?;
         Ok(condition)
     }

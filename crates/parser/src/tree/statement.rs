@@ -15,7 +15,9 @@ use crate::tree::derivatives::operator;
 use crate::tree::diagnose::recognise;
 use crate::tree::grammar::{Pair, Rule};
 use crate::tree::raw_statement::{Head, RawStatement, ValueConversion};
-use crate::tree::scope::{NameMeaning, Scope, built_in, coordinate, is_builder, numbered};
+use crate::tree::scope::{
+    Conditions, NameMeaning, Scope, built_in, coordinate, is_builder, numbered,
+};
 use rustc_hash::FxHashSet;
 use zeroset_ir::Axis;
 use zeroset_ops::FormKind;
@@ -420,6 +422,9 @@ fn set(
     check_head(head, false, false)?;
     let mut body = builder.expression(expression)?;
     let span = body.span;
+    if conversion.is_none() && builder.scope.conditions == Conditions::OfMathMod {
+        body = builder.as_number(body);
+    }
     let is_condition = body.is_condition();
     match conversion {
         Some(ValueConversion::Indicator) => {

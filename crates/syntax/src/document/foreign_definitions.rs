@@ -29,7 +29,14 @@ const DEFINITIONS: &[ForeignDefinition] = &[
         &["a", "b", "c", "u", "v"],
         "1 - ((abs(a)^(2/u) + abs(b)^(2/u))^(u/v) + abs(c)^(2/v))^(v/2)",
     ),
+    ("POV-Ray", "select", &["a", "b", "c"], "{a < 0: b, c}"),
     ("MATLAB", "eps", &[], "2^-52"),
+    (
+        "MATLAB",
+        "peaks",
+        &["a", "b"],
+        "3*(1-a)^2*exp(-a^2-(b+1)^2)-10*(a/5-a^3-b^5)*exp(-a^2-b^2)-exp(-(a+1)^2-b^2)/3",
+    ),
 ];
 
 /// The definitions of the functions that `lines` use and do not define, with notes. Adds the names

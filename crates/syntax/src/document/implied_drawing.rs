@@ -65,6 +65,13 @@ pub(crate) fn drawn_by_program(
         let name = program.last_value.as_ref().filter(|_| program.in_steps)?;
         (name, ExprKind::Name(NamedValue::Defined(name.text.clone())))
     };
+    let is_value = program.last_function.is_none();
+    if is_value && program.is_height {
+        let z =
+            Expr::new(ExprKind::Name(NamedValue::Coordinate(Axis::Z)), Span::at(name.span.start));
+        let value = Expr::new(kind, Span::at(name.span.start));
+        return Some(drawn(z.equals(value), name.span, name.span));
+    }
     // The expression is not in the text, so the expression's span is empty.
     let expr = Expr::new(kind, Span::at(name.span.start));
     Some(drawn(expr, name.span, name.span))

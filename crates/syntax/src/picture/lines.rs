@@ -96,7 +96,8 @@ impl CollectedLines {
             }
             _ => scope,
         };
-        let builder = Builder::new(text, &line.raw.lexed, scope, &[], limits);
+        let mut builder = Builder::new(text, &line.raw.lexed, scope, &[], limits);
+        builder.aliases = line.raw.aliases.clone();
         let mut reader = LineReader { builder };
         let (pair, at, word) = (line.pair, span.start, setting.word);
         let mut share = None;

@@ -1,0 +1,221 @@
+//! Reads scripts of `MathMod`: the implicit surfaces of an object `Iso3D`, with its constants and
+//! functions. Formulas are scanned in a copy of the text in which all else is blank.
+
+use crate::formats::{part, unread_keys};
+use crate::plot_arguments::PlotRange;
+use crate::program::{ForeignStatement, ForeignText};
+use std::ops::Range;
+use zeroset_ir::Axis;
+use zeroset_parser::lex::token::Token;
+use zeroset_parser::lex::token_kind::TokenKind::*;
+use zeroset_parser::tree::aliases::Aliases;
+use zeroset_parser::tree::ast::{Expr, ExprKind, Function, Name, NamedValue};
+use zeroset_parser::tree::raw_statement::Head;
+use zeroset_parser::{Error, ErrorKind, Fallible, Limits, Span};
+
+/// Keys whose values are read.
+#[rustfmt::skip] // several words a line
+const READ: &[&str] = &[
+    "const", "funct", "varu", "fxyz", "xmin", "xmax", "ymin", "ymax", "zmin", "zmax", "iso3d",
+    "mathmodels",
+];
+
+/// Functions of `MathMod` that have no counterpart.
+const WITHOUT_COUNTERPART: ErrorKind = ErrorKind::Format {
+    format: "MathMod",
+    read: "noise and stored values are not read (`NoiseW`, `NoiseP`, `NoiseT`, `psh`, `csd`)",
+    help: "leave out the term with the noise, or write a sum of sines in its place",
+};
+
+/// The values of a key: where each string is.
+type Member<'a> = (&'a str, Vec<Range<usize>>);
+
+struct MathModReader<'a> {
+    text: &'a str,
+    limits: &'a Limits,
+    members: Vec<Member<'a>>,
+    statements: Vec<ForeignStatement>,
+    /// Names of the functions of one coordinate, whose values at x are called `Ax`.
+    of_axes: Vec<String>,
+}
+
+/// Reads a script.
+///
+/// # Errors
+/// If the script has no implicit surface, or uses what has no counterpart here.
+pub(crate) fn mathmod(text: &str, limits: &Limits) -> Fallible<ForeignText> {
+    let (at, start) = match text.find("\"Iso3D\"") {
+        Some(at) => (at, at + "\"Iso3D\"".len()),
+        None if text.contains("\"Fxyz\"") => (0, 0),
+        None => {
+            let at = text.find("\"Param3D\"").unwrap_or(0);
+            return Err(Error::new(Span::at(at), ErrorKind::Parametric));
+        }
+    };
+    let members = members(text, start);
+    let (statements, of_axes) = (Vec::new(), Vec::new());
+    let mut reader = MathModReader { text, limits, members, statements, of_axes };
+    reader.definitions()?;
+    let formulas = reader.values("Fxyz");
+    let span = formulas.first().map_or(Span::at(at), |first| Span::new(first.start, first.end));
+    for range in formulas {
+        let tokens = reader.formula(range)?;
+        let aliases =
+            reader.aliases(&|axis| ExprKind::Name(NamedValue::Coordinate(axis)), &NamedValue::Time);
+        reader.statements.push(ForeignStatement { tokens, head: None, aliases });
+    }
+    if reader.statements.last().is_none_or(|last| last.head.is_some()) {
+        return Err(Error::new(span, ErrorKind::NoFormula));
+    }
+    let boxes = reader.boxes()?;
+    let notes = unread_keys(text, READ, span).into_iter().collect();
+    Ok(ForeignText { statements: reader.statements, boxes, notes, span })
+}
+
+impl MathModReader<'_> {
+    /// The places of the strings of a key.
+    fn values(&self, key: &str) -> Vec<Range<usize>> {
+        let found = self.members.iter().find(|(name, _)| name.eq_ignore_ascii_case(key));
+        found.map_or(Vec::new(), |(_, values)| values.clone())
+    }
+
+    /// Reads the constants, the functions of one coordinate, and the functions of all of them.
+    fn definitions(&mut self) -> Fallible<()> {
+        let parameters = |names: &[&str], span: Span| {
+            let name = |text: &&str| Name { text: (*text).to_owned(), span };
+            names.iter().map(name).collect::<Vec<Name>>()
+        };
+        for (key, names) in
+            [("Const", &[][..]), ("Varu", &["u", "tm"]), ("Funct", &["x", "y", "z", "t"])]
+        {
+            for range in self.values(key) {
+                let Some(sign) = self.text[range.clone()].find('=') else { continue };
+                let typed = &self.text[range.start..range.start + sign];
+                let name = typed.trim();
+                if !name.starts_with(char::is_alphabetic) {
+                    continue;
+                }
+                let start = range.start + typed.len() - typed.trim_start().len();
+                let span = Span::new(start, start + name.len());
+                let tokens = self.formula(range.start + sign + 1..range.end)?;
+                let local = |name: &str| NamedValue::Local(name.to_owned());
+                let aliases = if key == "Funct" {
+                    self.aliases(&|axis| ExprKind::Name(local(axis.name())), &local("t"))
+                } else {
+                    Aliases::default()
+                };
+                if key == "Varu" {
+                    self.of_axes.push(name.to_owned());
+                }
+                let parameters = Some(parameters(names, span)).filter(|names| !names.is_empty());
+                let head = Head { name: Name { text: name.to_owned(), span }, parameters };
+                self.statements.push(ForeignStatement { tokens, head: Some(head), aliases });
+            }
+        }
+        Ok(())
+    }
+
+    /// The names such as `Ax`, each with its call at a coordinate.
+    fn aliases(&self, coordinate: &dyn Fn(Axis) -> ExprKind, time: &NamedValue) -> Aliases {
+        let mut aliases = Aliases::default();
+        let span = Span::default();
+        for name in &self.of_axes {
+            for axis in Axis::ALL {
+                let arguments = [coordinate(axis), ExprKind::Name(time.clone())];
+                let arguments = arguments.map(|kind| Expr::new(kind, span)).to_vec();
+                let call = ExprKind::Call(Function::Defined(name.clone()), arguments);
+                aliases.push(format!("{name}{}", axis.name()), call);
+            }
+        }
+        aliases
+    }
+
+    /// The tokens of a formula, in which `&` and `|` join conditions.
+    fn formula(&self, range: Range<usize>) -> Fallible<Vec<Token>> {
+        let mut tokens = part(self.text, range, self.limits)?;
+        for token in &mut tokens {
+            let word = if token.kind.is_name() { &self.text[token.span.range()] } else { "" };
+            if word.starts_with("Noise") || matches!(word, "psh" | "csd") {
+                return Err(Error::new(token.span, WITHOUT_COUNTERPART));
+            }
+            token.kind = match token.kind {
+                Percent => Remainder,
+                Ampersand => And,
+                Bar => Or,
+                kind => kind,
+            };
+        }
+        Ok(tokens)
+    }
+
+    /// The box of each surface, as ranges of x, y and z.
+    fn boxes(&self) -> Fallible<Vec<Vec<PlotRange>>> {
+        let mut boxes = Vec::new();
+        for index in 0..self.values("Fxyz").len() {
+            let mut ranges = Vec::new();
+            for axis in ['X', 'Y', 'Z'] {
+                let end = |end: &str| self.values(&format!("{axis}{end}")).get(index).cloned();
+                if let (Some(low), Some(high)) = (end("min"), end("max")) {
+                    let (low, high) = (self.formula(low)?, self.formula(high)?);
+                    ranges.push(PlotRange { name: None, low, high });
+                }
+            }
+            if ranges.len() == 3 {
+                boxes.push(ranges);
+            }
+        }
+        Ok(boxes)
+    }
+}
+
+/// The keys of the first object behind `start`, each with the places of its strings. Strings of inner
+/// objects count, too.
+fn members(text: &str, start: usize) -> Vec<Member<'_>> {
+    let mut all: Vec<Member<'_>> = Vec::new();
+    let mut depth = 0_usize;
+    let mut rest = start;
+    while let Some(found) = text[rest..].find(['{', '}', '[', ']', '"']) {
+        let place = rest + found;
+        rest = place + 1;
+        match text.as_bytes()[place] {
+            b'{' | b'[' => depth += 1,
+            b'"' => {
+                let Some(length) = string_length(&text[rest..]) else { break };
+                let string = rest..rest + length;
+                rest = string.end + 1;
+                let is_key = depth == 1 && text[rest..].trim_start().starts_with(':');
+                if is_key {
+                    all.push((&text[string], Vec::new()));
+                } else if let Some((_, values)) = all.last_mut() {
+                    values.push(string);
+                }
+            }
+            _ => {
+                depth = depth.saturating_sub(1);
+                if depth == 0 {
+                    break;
+                }
+            }
+        }
+    }
+    all
+}
+
+/// Length of the string at the start of `text`, behind its quotation mark.
+fn string_length(text: &str) -> Option<usize> {
+    let mut is_escaped = false;
+    text.bytes().position(|byte| {
+        let ends = byte == b'"' && !is_escaped;
+        is_escaped = byte == b'\\' && !is_escaped;
+        ends
+    })
+}
+
+/// Returns whether two boxes are typed alike.
+pub(crate) fn are_alike(text: &str, one: &[PlotRange], other: &[PlotRange]) -> bool {
+    let typed = |tokens: &[Token]| -> String {
+        tokens.iter().map(|token| &text[token.span.range()]).collect()
+    };
+    let ends = |range: &PlotRange| (typed(&range.low), typed(&range.high));
+    one.iter().map(ends).eq(other.iter().map(ends))
+}
