@@ -79,7 +79,7 @@ fn a_mistake_keeps_the_last_good_picture_and_says_what_is_wrong() {
     let good = settled(&live);
     for (typed, expected) in [
         ("x^2+y^2+foo = 1", "`foo` is not defined"),
-        ("x^2+(y^2", "never closed"),
+        ("x^2+(y^2+", "never closed"),
         ("3", "is constant"),
         ("sqrt(-1)", "defined nowhere"),
     ] {

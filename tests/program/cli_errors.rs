@@ -38,7 +38,7 @@ fn texts_that_are_no_formula() {
         ("", "there is no formula"),
         ("   ", "there is no formula"),
         ("# only a comment", "there is no formula"),
-        ("(x+1", "`(` is never closed"),
+        ("(x+", "`(` is never closed"),
         ("x+1)", "`)` closes nothing"),
         ("(x+1]", "is closed by"),
         ("x=", "a value is missing after `=`"),

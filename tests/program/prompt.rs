@@ -44,7 +44,7 @@ fn without_a_display_pictures_are_shown_in_the_terminal() {
     // A line with an open bracket continues on the next.
     terminal.type_in("max(abs(x),\rabs(y), abs(z)) = 1\r");
     // A command ends a line whose bracket is still open.
-    terminal.type_in("sin(x\r:status\r");
+    terminal.type_in("sin(x*\r:status\r");
     terminal.shows("is never closed");
     terminal.shows("surface     max(abs(x), abs(y), abs(z)) = 1");
     terminal.type_in(":save cube.zset\r");
@@ -173,7 +173,7 @@ fn lists(terminal: &mut Terminal, line: &str) {
 #[test]
 fn a_file_is_followed_while_the_prompt_waits() {
     let (mut terminal, path) = following("x = 1");
-    std::fs::write(&path, "x = (1").expect("written");
+    std::fs::write(&path, "x = (1 = y").expect("written");
     terminal.shows("is never closed");
     terminal.shows("surface.zset:1:7");
     std::fs::write(&path, "x = 0.75").expect("written");

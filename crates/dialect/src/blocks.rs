@@ -31,10 +31,11 @@ pub(crate) enum ProgramStep {
         /// Statements after Python's `else`, which run unless the loop was left early.
         otherwise: Vec<ProgramStep>,
     },
-    /// A loop over the values of a list or range. `names` are the loop variables; if there are
-    /// several, each value is a list.
+    /// A loop over the values of a list or range. `name` is the first token of `pattern`, which is
+    /// the loop variable or several, as in `for a, b in pairs:`.
     Each {
-        names: Vec<Token>,
+        name: Token,
+        pattern: Vec<Token>,
         values: Vec<Token>,
         body: Vec<ProgramStep>,
         otherwise: Vec<ProgramStep>,
@@ -61,7 +62,7 @@ impl ProgramStep {
             Self::Block(inner) => inner.first().and_then(Self::first),
             Self::If { condition, .. } => condition.first().copied(),
             Self::Loop { word, .. } => Some(*word),
-            Self::Each { names, .. } => names.first().copied(),
+            Self::Each { name, .. } => Some(*name),
         }
     }
 }
@@ -202,8 +203,14 @@ impl Words<'_> {
                         return Err(self.unsupported(first));
                     };
                     let values = header[of + 1..].to_vec();
-                    let (names, otherwise) = (vec![header[of - 1]], Vec::new());
-                    steps.push(ProgramStep::Each { names, values, body, otherwise });
+                    let is_word =
+                        |token: &&Token| matches!(self.word(**token), "const" | "let" | "var");
+                    let words = header.iter().take_while(is_word).count();
+                    let (pattern, otherwise) = (header[words..of].to_vec(), Vec::new());
+                    let Some(name) = pattern.first().copied() else {
+                        return Err(self.unsupported(first));
+                    };
+                    steps.push(ProgramStep::Each { name, pattern, values, body, otherwise });
                 }
             }
         }
@@ -292,14 +299,14 @@ impl Words<'_> {
                     otherwise,
                 });
             }
-            _ => match loop_names(&header) {
-                Some((names, values)) => {
-                    let values = values.to_vec();
-                    let otherwise = self.otherwise(lines, &mut next, own, depth)?;
-                    steps.push(ProgramStep::Each { names, values, body, otherwise });
-                }
-                None => return Err(self.unsupported(first)),
-            },
+            _ => {
+                let within = outside(&header, In).filter(|within| *within > 0);
+                let Some(within) = within else { return Err(self.unsupported(first)) };
+                let otherwise = self.otherwise(lines, &mut next, own, depth)?;
+                let (pattern, values) = (header[..within].to_vec(), header[within + 1..].to_vec());
+                let name = pattern[0];
+                steps.push(ProgramStep::Each { name, pattern, values, body, otherwise });
+            }
         }
         Ok(next)
     }

@@ -77,14 +77,14 @@ impl ProgramReader<'_> {
                     self.repeat(&mut begin, body, otherwise, frame)?;
                     frame.leave_scope(mark);
                 }
-                ProgramStep::Each { names, values, body, otherwise } => {
-                    let Some(first) = names.first() else { continue };
-                    let mut values = self.values(*first, values, frame)?.into_iter();
+                ProgramStep::Each { name, pattern, values, body, otherwise } => {
+                    let rounds = self.rounds(*name, pattern, values, frame)?;
+                    let mut rounds = rounds.into_iter();
                     let mut begin = |reader: &mut Self, frame: &mut Frame| {
-                        let Some(value) = values.next() else { return Ok(false) };
-                        reader.count_step(first.span)?;
-                        for (name, value) in reader.loop_values(names, value)? {
-                            reader.set_loop_variable(name, value, frame)?;
+                        let Some(values) = rounds.next() else { return Ok(false) };
+                        reader.count_step(name.span)?;
+                        for (name, value) in values {
+                            reader.begin_round(name, value, frame)?;
                         }
                         Ok(true)
                     };
@@ -122,13 +122,8 @@ impl ProgramReader<'_> {
         Ok(names.iter().copied().zip(parts.into_iter().map(LoopValue::Typed)).collect())
     }
 
-    /// Gives a loop variable its value in an iteration.
-    fn set_loop_variable(
-        &mut self,
-        name: Token,
-        value: LoopValue,
-        frame: &mut Frame,
-    ) -> Fallible<()> {
+    /// Gives a loop's variable its value in the next iteration.
+    fn begin_round(&mut self, name: Token, value: LoopValue, frame: &mut Frame) -> Fallible<()> {
         let span = name.span;
         let text = self.words.text[span.range()].to_owned();
         match value {
@@ -218,6 +213,7 @@ impl ProgramReader<'_> {
 
     /// Runs a statement that contains no other statements.
     fn plain_step(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<()> {
+        let tokens = &self.with_elements(tokens.to_vec(), frame);
         let Some(first) = tokens.first() else { return Ok(()) };
         let word = match first.kind {
             // The value of a function without statements.
@@ -247,7 +243,7 @@ impl ProgramReader<'_> {
                 record_exit(FUNCTION, frame);
             }
             _ => {
-                self.statement(tokens.to_vec(), frame, &mut Statements::default())?;
+                self.statement(tokens.clone(), frame, &mut Statements::default())?;
             }
         }
         Ok(())

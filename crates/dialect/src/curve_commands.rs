@@ -4,10 +4,10 @@
 use crate::plot_arguments::{Arguments, PlotRange};
 use crate::program_words::Words;
 use zeroset_parser::lex::curve_form::parameter_range;
-use zeroset_parser::lex::spelling::{is_name_char, prefix_length};
-use zeroset_parser::lex::token::{Token, bracketed, closing, span_of, split};
+use zeroset_parser::lex::spelling::{is_name_char, plain_name, prefix_length, short_name};
+use zeroset_parser::lex::token::{Token, bracketed, closing, in_brackets, span_of, split};
 use zeroset_parser::lex::token_kind::TokenKind::{self, *};
-use zeroset_parser::{Error, ErrorKind, Fallible, Note, Span};
+use zeroset_parser::{Error, ErrorKind, Fallible, Note, NoteKind, Span};
 
 /// Commands that plot a curve.
 pub(crate) const COMMANDS: &[&str] = &[
@@ -38,7 +38,85 @@ const RANGES: &[&str] = &["t_range", "u_range"];
 /// Words before the list in which Python and manim write a point.
 const LISTS: &[&str] = &["array", "stack", "Vector", "vector", "Matrix"];
 
+/// Commands that draw the segment between two points.
+const SEGMENTS: &[&str] = &["segment", "Segment", "vector", "Vector", "arrow", "Arrow"];
+
+/// The tokens of a point with these coordinates.
+fn point(coordinates: &[Vec<Token>]) -> Vec<Token> {
+    let mut inner = Vec::new();
+    for coordinate in coordinates {
+        if let Some(first) = coordinate.first().filter(|_| !inner.is_empty()) {
+            inner.push(Token::new(Comma, Span::at(first.span.start)));
+        }
+        inner.extend(coordinate);
+    }
+    in_brackets(&inner)
+}
+
 impl Words<'_> {
+    /// The statement of a command that draws a segment between two points, or the vector from the
+    /// origin to a point.
+    pub(crate) fn segment(self, tokens: &[Token]) -> Option<Vec<Token>> {
+        let (first, rest) = tokens.split_first()?;
+        let (inner, []) = bracketed(rest)? else { return None };
+        let word = plain_name(self.word(*first));
+        let word = word.as_str();
+        if word == "Graphics3D" {
+            // Mathematica has the points in a list.
+            let [shape, open, ..] = inner else { return None };
+            let is_shape = matches!(self.word(*shape), "Line" | "Arrow");
+            let (list, []) = bracketed(&inner[1..]).filter(|_| is_shape)? else { return None };
+            let (points, []) = bracketed(list)? else { return None };
+            return Self::ends(*open, split(points, Comma));
+        }
+        let parts = split(inner, Comma);
+        let number = |part: &Vec<Token>| part.iter().all(|t| matches!(t.kind, Number | Minus));
+        if word == "quiver3" && matches!(parts.len(), 6 | 7) && parts.iter().all(number) {
+            let [from, way] = [&parts[..3], &parts[3..6]].map(point);
+            let plus = Token::new(Plus, Span::at(way[0].span.start));
+            let to = from.iter().copied().chain([plus]).chain(way).collect();
+            return Self::ends(*first, vec![from, to]);
+        }
+        if word == "plot3" && parts.len() == 3 {
+            let rows: Option<Vec<_>> =
+                parts.iter().map(|part| self.numbers(bracketed(part)?.0)).collect();
+            let rows = rows.filter(|rows| rows.iter().all(|row| row.len() == 2))?;
+            let end = |at: usize| point(&[0, 1, 2].map(|axis: usize| rows[axis][at].clone()));
+            return Self::ends(*first, vec![end(0), end(1)]);
+        }
+        let is_point = |part: &Vec<Token>| match part.as_slice() {
+            [name] => name.kind == TokenKind::Name,
+            part => {
+                let coordinates = bracketed(part).filter(|(_, rest)| rest.is_empty());
+                coordinates.is_some_and(|(inner, _)| split(inner, Comma).len() == 3)
+            }
+        };
+        let is_vector = parts.len() == 1 && word.eq_ignore_ascii_case("vector");
+        let is_segment = SEGMENTS.contains(&word) && parts.iter().all(is_point);
+        (is_segment && (is_vector || parts.len() == 2)).then(|| Self::ends(*first, parts))?
+    }
+
+    /// The statement of a segment with these ends.
+    fn ends(place: Token, mut ends: Vec<Vec<Token>>) -> Option<Vec<Token>> {
+        for end in &mut ends {
+            if let [open, .., close] = end.as_mut_slice()
+                && open.kind.closer() == Some(close.kind)
+            {
+                (open.kind, close.kind) = (OpenParen, CloseParen);
+            }
+        }
+        let (to, from) = (ends.pop()?, ends.pop());
+        let start = Span::at(place.span.start);
+        let mut all = vec![Token::new(SegmentWord, start), Token::new(OpenParen, start)];
+        if let Some(end) = from {
+            all.extend(end);
+            all.push(Token::new(Comma, Span::at(to[0].span.start)));
+        }
+        all.extend(&to);
+        all.push(Token::new(CloseParen, Span::at(to[to.len() - 1].span.end)));
+        ends.is_empty().then_some(all)
+    }
+
     /// The statement of a command that plots a curve, and a note on arguments that have no effect;
     /// `None` if `tokens` are no such command.
     pub(crate) fn curve_command(
@@ -49,7 +127,7 @@ impl Words<'_> {
             let word = self.word(*token);
             COMMANDS.contains(&word) || SURFACES.contains(&word)
         });
-        let Some(at) = at else { return Ok(None) };
+        let Some(at) = at else { return Ok(self.common_curve(tokens)) };
         let is_before = |token: &Token| {
             token.kind.is_name() || matches!(token.kind, Equals | Comma) || self.is_dot(*token)
         };
@@ -131,6 +209,46 @@ impl Words<'_> {
             curve.extend(other);
             curve
         })
+    }
+
+    /// Reads `a = b = c` as the curve on which both equations hold.
+    fn common_curve(self, tokens: &[Token]) -> Option<(Vec<Token>, Option<Note>)> {
+        let sides = split(tokens, Equals);
+        let has = |kind: fn(TokenKind) -> bool| tokens.iter().any(|token| kind(token.kind));
+        let is_other = has(|kind| {
+            kind.is_relation() && kind != Equals
+                || matches!(kind, And | Or | Not | In | Colon | Comma | Semicolon | QuestionMark)
+        });
+        let [first, middle, last] = sides.as_slice() else { return None };
+        let count = tokens.iter().filter(|token| token.kind == Equals).count();
+        // `a = b = 3` and `f(x, y, z) = x - y = 0` are definitions.
+        let is_head = first[0].kind == TokenKind::Name
+            && (first.len() == 1 || closing(&first[1..]) == Some(first.len() - 2));
+        let is_zero = matches!(last.as_slice(), [zero] if &self.text[zero.span.range()] == "0");
+        // In `x^2 + y^2 = 1 z = 2`, a comma or a line's end may be missing.
+        let is_apart = middle.windows(2).any(|pair| {
+            pair[0].span.end < pair[1].span.start
+                && pair[0].kind.ends_operand()
+                && pair[1].kind.begins_operand()
+        });
+        if count != 2 || is_apart || is_other || is_head || is_zero || tokens[0].kind.is_setting() {
+            return None;
+        }
+        let sign = |kind: TokenKind, at: &[Token]| Token::new(kind, Span::at(at[0].span.start));
+        let mut all = vec![sign(CurveWord, first)];
+        for (left, right) in [(first, middle), (middle, last)] {
+            if all.len() > 1 {
+                all.push(sign(Comma, right));
+            }
+            all.extend(left);
+            all.push(sign(Equals, right));
+            all.extend(right);
+        }
+        let typed = |side: &[Token]| Some(short_name(&self.text[span_of(side)?.range()]));
+        let [first, middle, last] = [typed(first)?, typed(middle)?, typed(last)?];
+        let read = format!("curve {first} = {middle}, {middle} = {last}");
+        let span = span_of(tokens)?;
+        Some((all, Some(Note { span, kind: NoteKind::CommonCurve { read } })))
     }
 
     /// Joins the equations `x = cos t`, `y = sin t` and `z = t`, and the range of t after them,

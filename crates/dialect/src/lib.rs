@@ -7,6 +7,7 @@
 //!
 //! The files that extend `ProgramReader` call one another, because a block may hold any statement.
 
+mod arrays;
 mod assignment;
 mod blocks;
 mod branch_merge;

@@ -30,13 +30,13 @@ impl ProgramReader<'_> {
             match self.defined_name(raw) {
                 Some(name) => {
                     let (used, start) = uses.entry(name).or_default();
-                    used.extend(self.uses(raw));
+                    used.extend(self.used_by(raw));
                     *start = raw.lexed.span.start;
                 }
                 None if is_setting => {}
                 None => {
                     is_drawn = true;
-                    open.extend(self.uses(raw));
+                    open.extend(self.used_by(raw));
                 }
             }
         }
@@ -127,7 +127,7 @@ impl ProgramReader<'_> {
     }
 
     /// The names of definitions that a statement uses.
-    fn uses(&self, raw: &RawStatement) -> Vec<String> {
+    fn used_by(&self, raw: &RawStatement) -> Vec<String> {
         let mut names = Vec::new();
         for token in &raw.lexed.tokens {
             let name = match token.kind {

@@ -380,7 +380,7 @@ mod tests {
 
     /// The parts of the plot `text` that a note calls left out; empty without such a note.
     fn left(text: &str) -> String {
-        let program = program(text, &Limits::default());
+        let program = program(text, &Limits::default(), false);
         let program = program.unwrap_or_else(|error| panic!("{text}: {error:?}"));
         let left = program.notes.into_iter().filter_map(|note| match note.kind {
             NoteKind::PlotPartsLeftOut { left } => Some(left),

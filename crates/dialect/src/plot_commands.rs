@@ -29,6 +29,11 @@ pub(crate) const HEIGHTS: &[&str] = &[
 pub(crate) const SURFACES: &[&str] = &[
     "ContourPlot3D",
     "RegionPlot3D",
+    "ContourPlot",
+    "RegionPlot",
+    "fimplicit",
+    "implicitplot",
+    "implicit_plot",
     "ImplicitRegion",
     "implicit_plot3d",
     "implicitplot3d",

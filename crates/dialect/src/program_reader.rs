@@ -1,5 +1,6 @@
 //! Translates the statements of a program, in order, to statements of this language.
 
+use crate::arrays::Array;
 use crate::blocks::ProgramStep;
 use crate::effects::is_doubled;
 use crate::formats::{foreign_text, is_mathmod};
@@ -12,6 +13,7 @@ use crate::scopes::Declared;
 use zeroset_parser::lex::arrangement::{arrange, trim};
 use zeroset_parser::lex::curve_form::marked_curve;
 use zeroset_parser::lex::decimal_comma::doubts;
+use zeroset_parser::lex::open_brackets::scan_lines;
 use zeroset_parser::lex::scanner::{is_python, scan};
 use zeroset_parser::lex::token_kind::TokenKind::{Equals, Number, OpenBrace, OpenParen, Unknown};
 use zeroset_parser::tree::raw_statement::{Head, RawStatement, ValueConversion};
@@ -120,6 +122,8 @@ pub(crate) struct ProgramReader<'a> {
     pub arities: FxHashMap<String, usize>,
     /// True if the text makes a grid of coordinates.
     pub has_grid: bool,
+    /// Arrays that names stand for.
+    pub arrays: FxHashMap<String, Array>,
     /// Ends of the ranges that names stand for.
     pub ranges: FxHashMap<String, [Vec<Token>; 2]>,
     /// Rows of numbers that names stand for.
@@ -155,15 +159,19 @@ pub(crate) struct Unread {
 
 pub(crate) type Statements = std::vec::IntoIter<Vec<Token>>;
 
-/// Translates a text, whether it is a program or not.
+/// Translates a text, whether it is a program or not. With `closes_brackets`, a bracket that is
+/// open at the end of its line is closed there, with a note.
 ///
 /// # Errors
 /// If the text exceeds a limit, or a statement of a program cannot be translated.
-pub fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
+pub fn program(text: &str, limits: &Limits, closes_brackets: bool) -> Fallible<PastedProgram> {
     let foreign = foreign_text(text, limits)?;
     let is_foreign = foreign.is_some();
-    let mut statements = if is_foreign { Vec::new() } else { scan(text, limits)? };
-    let mut notes = Vec::new();
+    let (mut statements, mut notes) = match is_foreign {
+        true => (Vec::new(), Vec::new()),
+        false if closes_brackets => scan_lines(text, limits)?,
+        false => (scan(text, limits)?, Vec::new()),
+    };
     let words = Words { text };
     let is_python = !is_foreign && is_python(text);
     if is_python {
@@ -215,6 +223,7 @@ pub fn program(text: &str, limits: &Limits) -> Fallible<PastedProgram> {
         has_grid: ["meshgrid", "linspace", "arange", "plot3", "lines3d", "contour"]
             .iter()
             .any(|w| text.contains(w)),
+        arrays: FxHashMap::default(),
         ranges: FxHashMap::default(),
         rows: FxHashMap::default(),
         is_python,
@@ -329,7 +338,8 @@ impl ProgramReader<'_> {
         frame: &mut Frame,
         following: &mut Statements,
     ) -> Fallible<()> {
-        let mut tokens = self.expanded(tokens, 0)?;
+        let tokens = self.expanded(tokens, 0)?;
+        let Some(mut tokens) = self.with_arrays(tokens, frame)? else { return Ok(()) };
         let Some(first) = tokens.first().copied() else {
             return Ok(());
         };
@@ -504,7 +514,11 @@ impl ProgramReader<'_> {
         let mut tokens = tokens.to_vec();
         trim(self.words.text, &mut tokens);
         let is_defined = self.arity(tokens[0]).is_some();
-        if is_defined { Ok(None) } else { marked_curve(self.words.text, &tokens) }
+        if is_defined {
+            return Ok(None);
+        }
+        let marked = marked_curve(self.words.text, &tokens)?;
+        Ok(marked.or_else(|| self.words.segment(&tokens)))
     }
 
     /// Reads a plot, a grid, or a statement that only styles the picture. Returns false for any

@@ -55,6 +55,14 @@ impl Words<'_> {
         };
         match rest.first() {
             None => !first.kind.is_setting() && word != "box",
+            // Three numbers behind a blank are a place of the eye, whose word is missing.
+            Some(next)
+                if word == "view"
+                    && next.span.start > first.span.end
+                    && rest.iter().filter(|token| token.kind == Comma).count() == 2 =>
+            {
+                false
+            }
             Some(next) if next.kind == OpenParen || next.kind == OpenBracket => {
                 closing(rest).is_some_and(|end| end + 1 == rest.len())
                     && (!matches!(word, "box" | "grid" | "axes" | "light") || has_text())

@@ -71,7 +71,9 @@ impl ProgramReader<'_> {
         };
         let both = terms.product_is_whole && is_whole;
         let length = if joint == Multiplicative::FloorQuotient { 2 } else { 1 };
-        let (left, right) = (&terms.out[terms.product..place], &terms.out[place + length..]);
+        let sides = (terms.out.get(terms.product..place), terms.out.get(place + length..));
+        // A sign without an operand before it is left for the grammar to refuse.
+        let (Some(left), Some(right)) = sides else { return Ok(()) };
         let rounded = match (joint, self.language) {
             (Multiplicative::FloorQuotient, _) => {
                 Some(self.quotient(Op::Floor, left, right, both, frame)?)

@@ -89,6 +89,13 @@ impl Words<'_> {
         if first.kind == OpenBrace {
             return self.in_braces(tokens).map(|inner| vec![inner]);
         }
+        // The name of a set, as in `E = {(x, y, z) : z > 0}`, has no use.
+        if let [name, equals, open, ..] = tokens
+            && (name.kind, equals.kind, open.kind) == (TokenKind::Name, Equals, OpenBrace)
+            && let Some(conditions) = Self::set(&tokens[2..])
+        {
+            return Some(vec![conditions]);
+        }
         match word {
             "With" | "Module" | "Block" if opens => return self.with(tokens),
             "function" if next.is_some_and(|next| next.kind == OpenBrace) => {
@@ -309,30 +316,61 @@ impl Words<'_> {
         })
     }
 
+    /// The conditions of a set such as `{(x, y, z) : x > y}`, in which a bar may replace the colon.
+    /// Several are joined by `and`; conditions beside an equation restrict it.
+    fn set(tokens: &[Token]) -> Option<Vec<Token>> {
+        let (inner, rest) = bracketed(tokens)?;
+        let has = |sign| outside(inner, sign);
+        let sign = has(Colon).or_else(|| has(Bar));
+        let within = has(In).zip(sign).is_some_and(|(within, sign)| within < sign);
+        let is_point = |end: usize| {
+            let is_part =
+                |token: &Token| matches!(token.kind, OpenParen | X | Y | Z | Comma | CloseParen);
+            inner[0].kind == OpenParen
+                && inner[..=end].iter().all(is_part)
+                && inner.get(end + 1).is_some_and(|sign| matches!(sign.kind, Colon | Bar))
+        };
+        let start = match closing(inner).filter(|end| is_point(*end)) {
+            Some(end) => end + 2,
+            None => sign.filter(|_| within)? + 1,
+        };
+        let is_end = |token: &Token| matches!(token.kind, Comma | Unknown);
+        if !rest.iter().all(is_end) {
+            return None;
+        }
+        let is_equation = |part: &Vec<Token>| part.iter().any(|token| token.kind == Equals);
+        let (mut equations, conditions): (Vec<_>, Vec<_>) =
+            split(&inner[start..], Comma).into_iter().partition(is_equation);
+        let mut joined = Vec::new();
+        for condition in conditions {
+            if let Some(next) = condition.first().filter(|_| !joined.is_empty()) {
+                joined.push(Token::new(And, Span::at(next.span.start)));
+            }
+            joined.extend(condition);
+        }
+        let Some(mut all) = equations.pop() else {
+            return Some(joined).filter(|joined| !joined.is_empty());
+        };
+        if let [first, .., last] = joined.as_slice() {
+            let (start, end) = (first.span.start, last.span.end);
+            all.push(Token::new(OpenBrace, Span::at(start)));
+            all.extend(&joined);
+            all.push(Token::new(CloseBrace, Span::at(end)));
+        }
+        equations.is_empty().then_some(all)
+    }
+
     /// The equation in `{x^2 + y^2 = 1}`, or the condition in `{(x, y, z) : x > y}`.
     fn in_braces(self, tokens: &[Token]) -> Option<Vec<Token>> {
         let end = closing(tokens)?;
         if tokens[end + 1..].iter().any(|token| !matches!(token.kind, Comma | Unknown)) {
             return None;
         }
+        if let Some(conditions) = Self::set(tokens) {
+            return Some(conditions);
+        }
         let inner = &tokens[1..end];
         let has = |sign| outside(inner, sign);
-        if let (Some(within), Some(colon)) = (has(In), has(Colon).or_else(|| has(Bar)))
-            && within < colon
-        {
-            return Some(inner[colon + 1..].to_vec());
-        }
-        // A set such as `{(x, y, z) : …}`. A bar may replace the colon.
-        let point = closing(inner).filter(|_| inner[0].kind == OpenParen);
-        if let Some(end) = point
-            && inner[..=end]
-                .iter()
-                .all(|token| matches!(token.kind, OpenParen | X | Y | Z | Comma | CloseParen))
-            && let Some(sign) = inner.get(end + 1)
-            && matches!(sign.kind, Colon | Bar)
-        {
-            return Some(inner[end + 2..].to_vec()).filter(|condition| !condition.is_empty());
-        }
         if self.text[tokens[0].span.end..].trim_start().starts_with(r"\displaystyle") {
             return Some(inner.to_vec());
         }

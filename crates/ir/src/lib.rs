@@ -24,6 +24,7 @@ mod radical;
 mod regular;
 mod sign;
 mod simplify;
+mod thin_zeros;
 mod univariate;
 mod variability;
 
@@ -48,4 +49,5 @@ pub use radical::radical;
 pub use regular::{Level, levels, multiples, planes, regularize, sheets};
 pub use sign::same_sign;
 pub use simplify::{rewrite, simplify};
+pub use thin_zeros::{ThinZeros, thin_zeros};
 pub use variability::{Variability, variabilities};

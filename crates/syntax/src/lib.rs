@@ -9,7 +9,8 @@
 //! - `picture`: lines about the picture, such as `view`.
 //! - `list`: expression lists, the format of fidget. They skip all stages but the settings of the
 //!   picture.
-//! - `document`: runs all stages in turn. [`read`] is its entry point.
+//! - `document`: runs all stages in turn.
+//! - `hints`: for a text with errors, lines to write instead. [`read`] is the entry point.
 //!
 //! - `emit`: documents to texts in several formats.
 //!
@@ -23,6 +24,7 @@
 
 mod document;
 mod emit;
+mod hints;
 mod list;
 mod lower;
 mod picture;
@@ -31,9 +33,10 @@ mod words;
 pub use document::curves::{Curve, CurveShape, Curves};
 pub use document::listed::is_expression_list;
 pub use document::reading::{
-    Document, Options, Parameter, ParameterKind, Surface, SurfaceKind, parse, read, read_bytes,
+    Document, Options, Parameter, ParameterKind, Surface, SurfaceKind, parse,
 };
 pub use emit::{EmitError, Format, emit};
+pub use hints::{read, read_bytes};
 pub use lower::constant::constant;
 pub use picture::lines::{PictureLines, SettingLine};
 pub use picture::paint::{Contours, MappedColor, POINT_NAMES, PointValue, SurfaceColor};

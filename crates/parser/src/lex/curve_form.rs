@@ -63,7 +63,9 @@ fn without_head(tokens: &[Token]) -> &[Token] {
         |pair: &[Token]| pair[0].kind == Equals && matches!(pair[1].kind, OpenParen | OpenList);
     let start = tokens.windows(2).position(is_start).filter(|at| is_head(&tokens[..*at]));
     let rest = &tokens[start.map_or(0, |at| at + 1)..];
-    if after_triple(rest).is_some() { rest } else { &[] }
+    let end = rest.iter().position(|token| token.kind == In).unwrap_or(0);
+    let is_path = end > 2 && is_sum(&rest[..end - 2]);
+    if is_path || after_triple(rest).is_some() { rest } else { &[] }
 }
 
 /// Returns whether `tokens` may be the left side of a curve. LaTeX writes a bold name in braces.
@@ -144,8 +146,12 @@ fn path(
         let is_name = token.kind == TokenKind::Name;
         if is_name { &text[token.span.range()] } else { "" }
     };
-    let word_for = || tokens.iter().position(|token| word(token) == "for").filter(|_| is_curve);
-    let behind = after_triple(tokens).map(|rest| tokens.len() - rest.len());
+    let word_for = || {
+        let at = tokens.iter().position(|token| word(token) == "for")?;
+        (is_curve || is_sum(&tokens[..at])).then_some(at)
+    };
+    let ends = |rest: &&[Token]| rest.first().is_none_or(|next| !next.kind.is_arithmetic());
+    let behind = after_triple(tokens).filter(ends).map(|rest| tokens.len() - rest.len());
     let Some(at) = behind.or_else(word_for) else { return Ok(None) };
     let (point, rest) = tokens.split_at(at);
     let is_lead = |token: &&Token| {
@@ -175,6 +181,14 @@ fn path(
     range.extend(high);
     range.push(Token::new(CloseBracket, Span::at(high[high.len() - 1].span.end)));
     Ok(Some((in_parentheses(point), range)))
+}
+
+/// Returns whether `tokens` are a sum with a vector in brackets, as in `(1-t)*(1, 2, 3) + t*p`.
+fn is_sum(tokens: &[Token]) -> bool {
+    let is_vector = |at: usize| after_triple(&tokens[at..]).is_some();
+    outside(tokens, Comma).is_none()
+        && !tokens.iter().any(|token| token.kind.is_relation())
+        && (0..tokens.len()).any(is_vector)
 }
 
 /// Splits several ranges at commas and at the word `for`.

@@ -10,6 +10,7 @@ pub mod decimal_comma;
 pub mod environment;
 pub mod foreign_signs;
 pub mod lexer;
+pub mod open_brackets;
 pub mod scanner;
 pub mod spelling;
 pub mod token;

@@ -6,6 +6,7 @@
 
 use crate::lex::bars::pair_bars;
 use crate::lex::lexer::lex;
+use crate::lex::open_brackets::{Closure, OpenBrackets, close_at, unclosed};
 use crate::lex::spelling::{
     is_name_char, line_length, prefix_length, start, token_kind, typed_setting,
 };
@@ -50,6 +51,21 @@ impl LexedStatement {
 /// # Errors
 /// If the text exceeds a limit, a bracket has no counterpart, or bars are ambiguous.
 pub fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
+    match scan_closing(text, limits, &[])? {
+        Scanned { open: Some(open), .. } => Err(unclosed(text, &open)),
+        Scanned { statements, .. } => Ok(statements),
+    }
+}
+
+/// The tokens of a text, and brackets that are still open at its end.
+pub(crate) struct Scanned {
+    pub statements: Vec<Vec<Token>>,
+    /// The brackets, if there are any.
+    pub open: Option<OpenBrackets>,
+}
+
+/// Like [`scan`], but some brackets are closed where `closures` says.
+pub(crate) fn scan_closing(text: &str, limits: &Limits, closures: &[Closure]) -> Fallible<Scanned> {
     if text.len() > limits.bytes {
         let kind = ErrorKind::TooLong { bytes: text.len(), limit: limits.bytes };
         return Err(Error::new(Span::at(0), kind));
@@ -65,6 +81,7 @@ pub fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
     let is_python = is_python(text);
     let (mut count, mut end) = (0, 0);
     while end < text.len() {
+        close_at(end, closures, &mut open, &mut tokens);
         let rest = &text[end..];
         if rest.starts_with("//")
             && !is_python
@@ -145,13 +162,12 @@ pub fn scan(text: &str, limits: &Limits) -> Fallible<Vec<Vec<Token>>> {
             || (matches!(kind, Digit | CloseBrace) || kind.is_name()) && follows_fraction;
         tokens.push(Token::new(kind, span));
     }
-    if let Some(index) = open.first() {
-        return Err(unclosed(text, &tokens[*index..], open.len() == 1));
-    }
+    close_at(end, closures, &mut open, &mut tokens);
+    let open = OpenBrackets::new(&tokens, &open);
     if !tokens.is_empty() {
         statements.push(tokens);
     }
-    Ok(statements)
+    Ok(Scanned { statements, open })
 }
 
 /// Words that occur in programs of Python, and in no other text.
@@ -290,46 +306,6 @@ fn close(kind: TokenKind, span: Span, opened: Option<(usize, Token)>) -> Fallibl
         }
         _ => Ok(index),
     }
-}
-
-/// The error for the unclosed bracket `tokens[0]`. `is_only` is true if no other is unclosed. Then
-/// the error's place is where the missing bracket most likely belongs.
-fn unclosed(text: &str, tokens: &[Token], is_only: bool) -> Box<Error> {
-    let Token { kind, span, .. } = tokens[0];
-    let unclosed = ErrorKind::Unclosed { open: kind.as_char(), at: span };
-    let line = text[span.end..].find(['\n', '\r']).map_or(text.len(), |length| span.end + length);
-    let line = tokens.iter().take_while(|token| token.kind != Semicolon && token.span.start < line);
-    let line = &tokens[..line.count()];
-    match (line[..contents(line)].last(), kind.closer()) {
-        // An environment gets no suggestion, because a command closes it instead of a character.
-        (Some(last), Some(close))
-            if is_only
-                && last.kind.ends_operand()
-                && !matches!(close, CloseChoice | CloseMatrix) =>
-        {
-            let place = Span::at(last.span.end);
-            Error::new(place, unclosed).suggest(place, close.as_char())
-        }
-        _ => Error::new(span, unclosed),
-    }
-}
-
-/// Number of the line's tokens that the bracket `line[0]` likely holds: all before an equals sign,
-/// or all. An equals sign after a single name may belong in the bracket, as in
-/// `sum(k = 1..5, x^k)`.
-fn contents(line: &[Token]) -> usize {
-    let mut depth = 0_usize;
-    for (at, token) in line.iter().enumerate().skip(1) {
-        if token.kind.closer().is_some() {
-            depth += 1;
-        } else if token.kind.is_closer() {
-            depth = depth.saturating_sub(1);
-        } else if depth == 0 && token.kind == Equals {
-            let is_named = at < 3 || line[at - 2].kind == Comma;
-            return if line[0].kind == OpenParen && !is_named { at } else { line.len() };
-        }
-    }
-    line.len()
 }
 
 #[cfg(test)]

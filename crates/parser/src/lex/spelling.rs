@@ -28,7 +28,7 @@ pub fn token_kind(spelling: &str) -> Option<TokenKind> {
         "\n" | "\r" => LineEnd,
         ";" => Semicolon,
         "," => Comma,
-        ":" => Colon,
+        ":" | r"\colon" => Colon,
         "?" => QuestionMark,
         // The percent sign after an opacity. `foreign` reads the remainder operator `%`.
         "%" => Percent,

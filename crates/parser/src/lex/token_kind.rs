@@ -96,6 +96,8 @@ token_kinds! {
 
     // The words `curve` and `point` at the start of a statement, typed or implied, and a label.
     CurveWord = 'q', PointWord = 'o', Label = '§',
+    /// The word before the two ends of a segment.
+    SegmentWord = 'g',
 
     // All other kinds. `Blank` is space, comments and markup.
     Blank = ' ', LineEnd = '\n', At = '@',

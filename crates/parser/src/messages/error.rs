@@ -21,6 +21,13 @@ impl Errors {
         Self(errors)
     }
 
+    /// Sets the advice on the error with this index.
+    pub fn advise(&mut self, index: usize, advice: String) {
+        if let Some(error) = self.0.get_mut(index) {
+            error.advice = Some(advice);
+        }
+    }
+
     /// The document's errors in the order of their places, then the errors of overrides.
     pub fn iter(&self) -> std::slice::Iter<'_, Error> {
         self.0.iter()
@@ -66,6 +73,8 @@ pub struct Error {
     pub suggestion: Option<Suggestion>,
     /// Text that `span` refers to.
     pub origin: Origin,
+    /// Advice that takes the place of the usual advice on an error of this kind.
+    pub advice: Option<String>,
 }
 
 /// The text in which an error lies.
@@ -152,6 +161,8 @@ pub enum ErrorKind {
     Tuple,
     #[error("a vector is not a number")]
     Vector,
+    #[error("two solids in a row need a function that joins them")]
+    SolidsInARow,
     #[error("unexpected comma")]
     Comma,
     #[error("`{name}` begins a line of its own")]
@@ -448,7 +459,7 @@ pub type Fallible<T> = Result<T, Box<Error>>;
 impl Error {
     /// An error of the document at `span`, without a suggestion.
     pub fn new(span: Span, kind: ErrorKind) -> Box<Self> {
-        Box::new(Self { span, kind, suggestion: None, origin: Origin::Document })
+        Box::new(Self { span, kind, suggestion: None, origin: Origin::Document, advice: None })
     }
 
     /// Adds the suggestion to replace `span` by `replacement`.

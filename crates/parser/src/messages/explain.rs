@@ -130,18 +130,21 @@ impl Error {
 
     /// Advice on what to write. `text` is the text in which the error lies.
     pub fn help(&self, text: &str) -> Option<String> {
+        if self.advice.is_some() {
+            return self.advice.clone();
+        }
         if let UnexpectedCharacter { character } = self.kind
             && let Some(help) = character_help(character)
         {
             return Some(help.to_owned());
         }
         let Some(meant) = &self.suggestion else {
-            return self.advice();
+            return self.advice(text);
         };
         let replacement = &meant.replacement;
         Some(match &self.kind {
-            Unopened { .. } => return self.advice(),
-            UnknownName { name, .. } if is_clause(name) => return self.advice(),
+            Unopened { .. } => return self.advice(text),
+            UnknownName { name, .. } if is_clause(name) => return self.advice(text),
             UnknownName { .. }
             | UnknownFunction { .. }
             | UnknownOverride { .. }
@@ -166,7 +169,7 @@ impl Error {
     }
 
     /// Advice for an error without a suggestion.
-    fn advice(&self) -> Option<String> {
+    fn advice(&self, text: &str) -> Option<String> {
         Some(match &self.kind {
             UnknownName { name, .. } if is_clause(name) => {
                 "to restrict a formula, write the condition in braces: `x + y = z {z > 0}`"
@@ -191,12 +194,17 @@ impl Error {
                  `product(k = 1..4, k)`"
                     .to_owned()
             }
-            UnknownFunction { name } => format!(
-                "define it with a line `{name}(a) = …`, or give `{name}` a value to multiply with"
-            ),
+            UnknownFunction { name } => {
+                let parameters =
+                    ["a", "b", "c", "d"][..self.arguments(text).clamp(1, 4)].join(", ");
+                format!(
+                    "define it with a line `{name}({parameters}) = …`, or give `{name}` a value \
+                     to multiply with"
+                )
+            }
             NothingToDraw { last, parameters: Some(count), .. } => {
-                let arguments: Vec<&str> =
-                    ["x", "y", "z"].into_iter().cycle().take(*count).collect();
+                let coordinates = ["x", "y", "z"].into_iter().chain(std::iter::repeat("1"));
+                let arguments: Vec<&str> = coordinates.take(*count).collect();
                 format!(
                     "`{last}` is not built in, so this line defines it; to draw where it is 0, \
                      add a line that is just `{last}({})`",
@@ -229,11 +237,31 @@ impl Error {
             BadSetting { hint, .. } => (*hint).to_owned(),
             BadColorMap => there_are(&COLOR_MAPS.map(|map| map.name)),
             kind => fixed_advice(kind)
+                .or_else(|| order_advice(kind))
                 .or_else(|| list_advice(kind))
                 .or_else(|| curve_advice(kind))
                 .or_else(|| foreign_advice(kind))?
                 .to_owned(),
         })
+    }
+
+    /// The number of arguments in the brackets behind the error's place; 0 without brackets.
+    fn arguments(&self, text: &str) -> usize {
+        let behind = text.get(self.span.end..).unwrap_or_default().trim_start();
+        let mut depth = 0_usize;
+        let mut count = 0;
+        for (at, sign) in behind.char_indices().take(200) {
+            match sign {
+                '(' | '[' | '{' => depth += 1,
+                ')' | ']' | '}' => depth = depth.saturating_sub(1),
+                ',' if depth == 1 => count += 1,
+                _ => {}
+            }
+            if depth == 0 {
+                return if at == 0 { 0 } else { count + 1 };
+            }
+        }
+        0
     }
 
     /// The text at the error's place, corrected by `meant`. Gives only the replacement if the
@@ -242,6 +270,7 @@ impl Error {
         let whole = match &self.kind {
             // The whole line, as far as it is the formula.
             Unclosed { at, .. } => statement(text, *at),
+            Mismatched { .. } => statement(text, self.span),
             _ => self.span.to(meant.span),
         };
         let (Some(before), Some(after)) =
@@ -261,7 +290,7 @@ impl Error {
 }
 
 /// The place of the statement around `at`, if it is on one line.
-fn statement(text: &str, at: Span) -> Span {
+pub(crate) fn statement(text: &str, at: Span) -> Span {
     let breaks = ['\n', '\r', ';', '#'];
     let (before, after) = (text.get(..at.start), text.get(at.end..));
     let (before, after) = (before.unwrap_or_default(), after.unwrap_or_default());
@@ -293,6 +322,17 @@ fn foreign_advice(kind: &ErrorKind) -> Option<&'static str> {
             "write the equation with `rho`, `theta` and `phi` (distance from the origin, angle around z, angle from z), \
              or with `r`, `theta` and `z`"
         }
+        _ => return None,
+    })
+}
+
+/// Advice on parts that stand in the wrong order or place.
+fn order_advice(kind: &ErrorKind) -> Option<&'static str> {
+    Some(match kind {
+        Prefix => "what is `(+ a b)` in prefix notation is `a + b` here",
+        RestrictionInside => "write a choice there, as in `z = {x > 0: x, 0} + y`",
+        SolidsInARow => "write `union(a, b)`, `intersect(a, b)` or `subtract(a, b)`",
+        Remark => "write a remark behind `#`",
         _ => return None,
     })
 }
@@ -339,7 +379,10 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
              a curve `(cos t, sin t, t) for t in [0, 20]`"
         }
         Vector => "take its `length(…)`, or a component such as `.x`",
-        Calculus => "write the integral or the limit out, as a formula",
+        Calculus => {
+            "there are no integrals and no limits: write the antiderivative, or the value, as a \
+             formula"
+        }
         Program { .. } => {
             "write a choice as `c ? a : b`, a loop as `sum(k = 1..3, …)` or `iterate(f, 3, x)`"
         }
@@ -371,8 +414,6 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
             "write `{x < 0: a, b}`: conditions first, then a value for all other points"
         }
         RangeNotWhole => "write the number in digits, as in `sum(k = 1..5, sin(k x)/k)`",
-        Prefix => "what is `(+ a b)` in prefix notation is `a + b` here",
-        RestrictionInside => "write a choice there, as in `z = {x > 0: x, 0} + y`",
         Target => "give a variable on the left of the sign, as in `d = 1.` or `p.xz = q`",
         Order { .. } => "write two statements: the order in one is not defined",
         Hidden { .. } | Overloaded { .. } => "give each of them a name of its own",
@@ -385,7 +426,6 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         InWords => {
             "write signs: `x^2` for x squared, `sqrt(x)` for a square root, `+`, `-`, `*`, `/`, and `=` for equals"
         }
-        Remark => "write a remark behind `#`",
         SeriesStep => "leave the step out, or let it be 1 or more",
         TooManyTerms { .. } => "end the range earlier",
         NotAVariable { .. } => "differentiate by `x`, `y`, `z`, `t`, a slider or a parameter",

@@ -85,8 +85,6 @@ pub enum NoteKind {
     ArcCotangent,
     #[error("numpy's `sinc(a)` is read as `sinc(pi*a)`, that is sin(pi*a)/(pi*a)")]
     SincOfNumpy,
-    #[error("the number is read as the index of the root: `{read}`")]
-    IndexFirst { read: String },
     #[error("the angle of a point, as in Mathematica: `{read}`")]
     ArcTanOfPoint { read: String },
     #[error("the angles of this text are in degrees, as in OpenSCAD")]
@@ -159,6 +157,23 @@ pub enum NoteKind {
          {axis} = 0 is `curve {equation}, {axis} = 0`, with `view {view}`"
     )]
     PlaneCurve { axis: char, equation: String, view: &'static str },
+    #[error("this is 0 only {place}, and so no surface{}", drawn_by(.line.as_deref()))]
+    ThinZeros { place: &'static str, line: Option<String> },
+    #[error(
+        "no other line uses `{name}`, so this is drawn as a surface; beside a line that uses it, \
+         it is a value"
+    )]
+    CoordinateAlone { name: String },
+    #[error("read as the curve on which both equations hold, `{read}`")]
+    CommonCurve { read: String },
+    #[error("the value of a root comes first, so this is read as `{read}`")]
+    RootOf { read: String },
+    #[error("numbers are added here, and no solids are joined; for that, write `{meant}`")]
+    SolidsInSum { meant: String },
+    #[error("a bracket is open at the end of the line, which is read as `{read}`")]
+    BracketClosed { read: String },
+    #[error("this is nowhere 0, so there is nothing to draw")]
+    NoZeros,
     #[error("further notes omitted")]
     More,
 }
@@ -190,6 +205,10 @@ impl NoteKind {
 
 fn did_you_mean(meant: Option<&str>) -> String {
     meant.map_or_else(String::new, |meant| format!("; did you mean `{meant}`?"))
+}
+
+fn drawn_by(line: Option<&str>) -> String {
+    line.map_or_else(String::new, |line| format!("; to see it, write `{line}`"))
 }
 
 impl Note {

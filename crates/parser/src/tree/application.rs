@@ -12,7 +12,7 @@ use crate::tree::delimited::{is_vector, native};
 use crate::tree::grammar::{Pair, Rule};
 use crate::tree::juxtaposition::{FactorItem, FactorItems};
 use crate::tree::print::factor_text;
-use crate::tree::scope::{Callee, is_builder, is_variadic};
+use crate::tree::scope::{Callee, ROOT_NAMES, is_builder, is_variadic};
 use zeroset_ir::NamedConstant;
 use zeroset_ops::Op;
 
@@ -231,11 +231,9 @@ impl Builder<'_> {
         arguments: Vec<Expr>,
         place: Span,
     ) -> Fallible<Expr> {
-        let forms = self.scope.signatures(callee);
         let mut arguments = arguments;
         self.note_function(callee, span);
         let typed = &self.text[span.range()];
-        self.order_root(callee, &mut arguments, span.to(place));
         match (callee, arguments.as_mut_slice()) {
             (Callee::BuiltIn(name), [_]) if name == "log" && typed == "\\log" => {
                 self.note(span, NoteKind::NaturalLogarithm);
@@ -253,6 +251,15 @@ impl Builder<'_> {
                 let ends = ends.clone();
                 arguments.truncate(1);
                 arguments.extend(ends);
+            }
+            (Callee::BuiltIn(name), [index, radicand])
+                if name != "surd"
+                    && ROOT_NAMES.contains(&name.as_str())
+                    && is_swapped_root(index, radicand) =>
+            {
+                std::mem::swap(index, radicand);
+                let read = short_formula(&format!("{name}({index}, {radicand})"));
+                self.note(span.to(place), NoteKind::RootOf { read });
             }
             // Typst writes fractions as `frac(a, b)`.
             (Callee::BuiltIn(name), [_, _]) if name == "frac" => {
@@ -291,6 +298,19 @@ impl Builder<'_> {
             }
             _ => {}
         }
+        self.native_call(callee, span, arguments, place)
+    }
+
+    /// Builds a call whose arguments are in the order of this language.
+    #[inline(never)]
+    fn native_call(
+        &mut self,
+        callee: &Callee,
+        span: Span,
+        mut arguments: Vec<Expr>,
+        place: Span,
+    ) -> Fallible<Expr> {
+        let forms = self.scope.signatures(callee);
         // `min` and `max` of a single vector apply to the vector's components.
         if let (Callee::BuiltIn(_), [only]) = (callee, arguments.as_slice())
             && let Some(function @ Function::Native(Op::Min | Op::Max)) = forms.function(2)
@@ -334,20 +354,6 @@ impl Builder<'_> {
         Ok(call(arguments))
     }
 
-    /// Swaps the arguments of a root whose index comes first, as in `root(4, x)`.
-    fn order_root(&mut self, callee: &Callee, arguments: &mut [Expr], place: Span) {
-        if let (Callee::BuiltIn(name), [index, radicand]) = (callee, arguments)
-            && name == "root"
-            && index.number().is_some()
-            && radicand.number().is_none()
-            && !self.text[index.span.range()].starts_with('(')
-        {
-            std::mem::swap(index, radicand);
-            let read = short_formula(&format!("root({index}, {radicand})"));
-            self.note(place, NoteKind::IndexFirst { read });
-        }
-    }
-
     /// Adds a note if other languages define the function differently.
     pub(crate) fn note_function(&mut self, callee: &Callee, span: Span) {
         if let Callee::BuiltIn(name) = callee {
@@ -382,6 +388,11 @@ fn may_be_vector(expr: &Expr) -> bool {
     expr.all_parts().into_iter().any(|part| {
         matches!(part.kind, ExprKind::Name(NamedValue::Local(_))) || part.kind.defined().is_some()
     })
+}
+
+/// Returns whether a root is one such as `root(3, x)`. Nobody means the x-th root of 3.
+pub(crate) fn is_swapped_root(first: &Expr, second: &Expr) -> bool {
+    first.whole_number().is_some_and(|index| index > 1) && second.number().is_none()
 }
 
 /// The constant pi, with its place.

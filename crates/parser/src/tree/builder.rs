@@ -251,10 +251,22 @@ impl<'a> Builder<'a> {
         loop {
             terms.push((before, self.term(&mut pairs)?));
             // The signs plus and minus separate the terms.
-            match pairs.next() {
-                Some(operator) => before = sign(&operator),
-                None => return chain_of(Chain::Sum, self.numbers(terms)),
-            }
+            let Some(operator) = pairs.next() else {
+                self.note_solids(&terms);
+                return chain_of(Chain::Sum, self.numbers(terms));
+            };
+            before = sign(&operator);
+        }
+    }
+
+    /// Adds a note to a sum or a difference of two solids, which is no union.
+    fn note_solids(&mut self, terms: &[(ChainSign, Expr)]) {
+        let [(_, first), (sign, second)] = terms else { return };
+        let is_solid = |term: &Expr| matches!(term.kind, ExprKind::Call(Function::Builder(_), _));
+        if is_solid(first) && is_solid(second) {
+            let name = if *sign == ChainSign::Direct { "union" } else { "subtract" };
+            let meant = format!("{name}(a, b)");
+            self.note(first.span.to(second.span), NoteKind::SolidsInSum { meant });
         }
     }
 
@@ -329,7 +341,7 @@ impl<'a> Builder<'a> {
     /// Reads a product. The signs `before` belong to the left operand of the first remainder.
     #[inline(never)]
     fn product(&mut self, mut before: Signs, pairs: &mut Pairs<'_>) -> Fallible<Expr> {
-        let mut joint = RowOperator { sign: ChainSign::Direct, function: None };
+        let mut joint = RowOperator { sign: ChainSign::Direct, function: None, is_dot: false };
         let mut factors: Vec<(ChainSign, Expr)> = Vec::new();
         loop {
             let signs = self.signs(pairs);
@@ -354,6 +366,7 @@ impl<'a> Builder<'a> {
     #[inline(never)]
     fn joint(&mut self, pairs: &mut Pairs<'_>) -> Option<RowOperator> {
         let operator = pairs.peek()?;
+        let is_dot = matches!(self.typed(&operator), "·" | "⋅" | "∙" | "•" | r"\cdot");
         let (sign, function) = match first_kind(&operator)? {
             Star => (ChainSign::Direct, None),
             Slash => (ChainSign::Inverse, None),
@@ -369,7 +382,7 @@ impl<'a> Builder<'a> {
             _ => return None,
         };
         pairs.next();
-        Some(RowOperator { sign, function })
+        Some(RowOperator { sign, function, is_dot })
     }
 
     /// Appends a row of juxtaposed factors to the factors before it.
@@ -385,6 +398,12 @@ impl<'a> Builder<'a> {
         let first = row.next().expect("a run has a first factor");
         let first = self.signed(signs, |_| Ok(first))?;
         let others: Vec<Expr> = row.collect();
+        if joint.is_dot
+            && self.is_vector(&first)
+            && factors.last().is_some_and(|(_, left)| self.is_vector(left))
+        {
+            joint.function = Some(Function::OfVectors(VectorFunction::Dot));
+        }
         let first = match (factors.pop(), joint.function) {
             (Some((sign, left)), Some(function)) => {
                 joint.sign = sign;
@@ -429,6 +448,8 @@ struct RowOperator {
     sign: ChainSign,
     /// Function of the two factors beside the operator, such as a remainder.
     function: Option<Function>,
+    /// Whether it is a dot, which between two vectors is the scalar product.
+    is_dot: bool,
 }
 
 /// Sides of a chain of comparisons. Each has the relation before it, and the relation's place.

@@ -4,8 +4,12 @@ use crate::lex::spelling::plain_name;
 use crate::lex::token_kind::TokenKind::OpenParen;
 use crate::limits::Limits;
 use crate::messages::error::{Error, ErrorKind, Fallible};
-use crate::tree::ast::{CurveForm, CurveStatement, Expr, Name, Statement};
-use crate::tree::builder::Builder;
+use crate::span::Span;
+use crate::tree::ast::{
+    Chain, ChainSign, CurveForm, CurveStatement, Expr, ExprKind, Function, Name, NamedValue,
+    Statement,
+};
+use crate::tree::builder::{Builder, chain_of, product_of};
 use crate::tree::built_statement::BuiltStatement;
 use crate::tree::grammar::{Pair, Rule, parts};
 use crate::tree::scope::Scope;
@@ -24,6 +28,14 @@ pub fn curve(
     let span = line.raw.lexed.span;
     let rule = line.pair.as_rule();
     let parts = parts(line.pair);
+    if rule == Rule::segment_line {
+        let mut builder = Builder::new(text, &line.raw.lexed, scope, &[], limits);
+        builder.aliases = line.raw.aliases.clone();
+        let form = builder.segment(parts, span)?;
+        let statement = Statement::Curve(CurveStatement { form, span });
+        let Builder { notes, used, .. } = builder;
+        return Ok(BuiltStatement { statement, span, notes, used });
+    }
     let lexed = &line.raw.lexed;
     let mut builder = Builder::new(text, lexed, scope, &[], limits);
     let parameter = parts.iter().find(|part| part.as_rule() == Rule::name);
@@ -58,6 +70,14 @@ pub fn curve(
     Ok(BuiltStatement { statement, span, notes, used })
 }
 
+/// The name that an expression is, if it is one.
+fn name_of(expr: &Expr) -> Option<&str> {
+    match &expr.kind {
+        ExprKind::Name(value) => Some(value.name()),
+        _ => None,
+    }
+}
+
 /// Reads an equation of a curve. Coordinates in brackets lack the range of their parameter.
 fn equation(
     builder: &mut Builder<'_>,
@@ -65,15 +85,47 @@ fn equation(
     first: Option<&crate::lex::token::Token>,
 ) -> Fallible<Expr> {
     let is_tuple = first.is_some_and(|first| first.kind == OpenParen);
-    builder.expression(part).map_err(|mut error| {
-        if is_tuple && error.kind == ErrorKind::Tuple {
-            error.kind = ErrorKind::CurveRange;
-        }
-        error
-    })
+    let expr = builder.expression(part);
+    let is_point = match &expr {
+        Ok(expr) => matches!(expr.kind, ExprKind::Call(Function::Vector(_), _)),
+        Err(error) => error.kind == ErrorKind::Tuple,
+    };
+    match (expr, is_tuple && is_point) {
+        (Ok(Expr { span, .. }), true) => Err(Error::new(span, ErrorKind::CurveRange)),
+        (Err(error), true) => Err(Error::new(error.span, ErrorKind::CurveRange)),
+        (expr, false) => expr,
+    }
 }
 
 impl Builder<'_> {
+    /// Reads the segment between two points. A single point is joined with the origin.
+    fn segment(&mut self, parts: Vec<Pair<'_>>, span: Span) -> Fallible<CurveForm> {
+        let mut ends = Vec::new();
+        for part in parts {
+            ends.push(self.argument(part)?);
+        }
+        // The parameter is called like nothing in the ends.
+        let named: Vec<&str> = ends.iter().flat_map(Expr::all_parts).filter_map(name_of).collect();
+        let free = ["t", "s", "u", "v", "w"].into_iter().find(|name| !named.contains(name));
+        let text = free.unwrap_or("k").to_owned();
+        let parameter = Name { text: text.clone(), span };
+        let share = || Expr::new(ExprKind::Name(NamedValue::Local(text.clone())), span);
+        let at = match <[Expr; 2]>::try_from(ends) {
+            Ok([from, to]) => {
+                let way = chain_of(
+                    Chain::Sum,
+                    vec![(ChainSign::Direct, to), (ChainSign::Inverse, from.clone())],
+                )?;
+                let way = product_of([share(), way])?;
+                chain_of(Chain::Sum, vec![(ChainSign::Direct, from), (ChainSign::Direct, way)])?
+            }
+            Err(ends) => product_of(std::iter::once(share()).chain(ends))?,
+        };
+        let end = |digit| Expr::of_digits(digit, span);
+        let range = Box::new((end("0"), end("1")));
+        Ok(CurveForm::Path { at: vec![at], parameter, range })
+    }
+
     /// Reads the coordinates of a point, in brackets.
     fn point(&mut self, point: Pair<'_>) -> Fallible<Vec<Expr>> {
         let span = self.span(&point);

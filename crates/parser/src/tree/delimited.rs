@@ -4,7 +4,7 @@ use crate::lex::spelling::vulgar;
 use crate::lex::token_kind::TokenKind::{OpenBracket, OpenCeiling, OpenFloor};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
-use crate::tree::ast::{Chain, Expr, ExprKind, Function};
+use crate::tree::ast::{Chain, Expr, ExprKind, Function, NamedValue};
 use crate::tree::builder::{Builder, number_only, quotient_of};
 use crate::tree::grammar::{Pair, Rule, first_kind};
 use crate::tree::scope::Callee;
@@ -33,10 +33,20 @@ impl Builder<'_> {
         if pair.clone().into_inner().next().is_none() {
             return Err(Error::new(span, ErrorKind::EmptyBrackets));
         }
-        if first_kind(&pair) == Some(OpenBracket) {
+        let count = pair.clone().into_inner().count();
+        // In `(x - 0,5)`, the comma may be decimal.
+        let is_vector = matches!(count, 2..=4) && !(count == 2 && self.has_decimal_comma(span));
+        if first_kind(&pair) == Some(OpenBracket) || is_vector {
             return self.nested(span, 1, |b| b.list(pair, span));
         }
         Err(Error::new(span, ErrorKind::Tuple))
+    }
+
+    /// Returns whether digits touch a comma on both sides.
+    fn has_decimal_comma(&self, span: Span) -> bool {
+        self.text.as_bytes()[span.range()]
+            .windows(3)
+            .any(|near| near[0].is_ascii_digit() && near[1] == b',' && near[2].is_ascii_digit())
     }
 
     /// Reads a delimited factor that is no `group`, such as braces, bars, a fraction or a root.
@@ -67,7 +77,7 @@ impl Builder<'_> {
         };
         let is_double = DOUBLE_BARS.iter().any(|bars| self.typed(&pair).starts_with(bars));
         let inner = self.argument(first_part(pair))?;
-        if op == Op::Abs && is_vector(&inner) {
+        if op == Op::Abs && self.is_vector(&inner) {
             return Ok(self.length_of(inner, span));
         }
         if op == Op::Abs && matches!(inner.kind, ExprKind::Call(Function::Matrix(_), _)) {
@@ -79,6 +89,16 @@ impl Builder<'_> {
             return Ok(Expr::new(ExprKind::Call(function, vec![inner]), span));
         }
         Ok(native(op, inner, span))
+    }
+
+    /// Returns whether an expression is a vector by its form, or by that of definitions.
+    pub(crate) fn is_vector(&self, expr: &Expr) -> bool {
+        match &expr.kind {
+            ExprKind::Name(NamedValue::Defined(name)) => self.scope.vectors.contains(name),
+            ExprKind::Negate(inner) => self.is_vector(inner),
+            ExprKind::Chain(..) => expr.parts().into_iter().any(|part| self.is_vector(part)),
+            _ => is_vector(expr),
+        }
     }
 
     #[inline(never)]

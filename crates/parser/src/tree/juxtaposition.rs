@@ -11,7 +11,7 @@ use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::NoteKind;
 use crate::span::Span;
 use crate::tree::aliases::saved_name;
-use crate::tree::ast::{Expr, ExprKind, LETTERS, NamedValue};
+use crate::tree::ast::{Expr, ExprKind, Function, LETTERS, NamedValue};
 use crate::tree::builder::{Builder, Signs, number_only, root_text};
 use crate::tree::delimited::native;
 use crate::tree::derivatives::{MAX_ORDER, Operator, operator};
@@ -74,6 +74,12 @@ impl Builder<'_> {
         let mut factors = Vec::new();
         while !items.is_empty() {
             self.factor(&mut items, &mut factors)?;
+        }
+        let is_solid =
+            |factor: &Expr| matches!(factor.kind, ExprKind::Call(Function::Builder(_), _));
+        if let Some(pair) = factors.windows(2).find(|pair| pair.iter().all(is_solid)) {
+            let place = pair[0].span.to(pair[1].span);
+            return Err(Error::new(place, ErrorKind::SolidsInARow));
         }
         self.note_powers(&factors);
         Ok(factors)
@@ -152,7 +158,11 @@ impl Builder<'_> {
         let behind = self.text[span.end..].trim_start_matches(BLANKS);
         let is_part = matches!(items.back(), Some(FactorItem::Caret(..)))
             || items.is_empty() && self.follows(span, &[Slash]);
-        if is_part || !behind.starts_with('(') {
+        // Without brackets, `xsin x` has a blank before the argument.
+        let is_applied = behind.starts_with('(')
+            || behind.starts_with(char::is_alphanumeric)
+                && behind.len() < self.text.len() - span.end;
+        if is_part || !is_applied {
             return false;
         }
         let Some((letters, callee)) = self.scope.product_with_call(name, &self.locals) else {
@@ -165,7 +175,9 @@ impl Builder<'_> {
             at = end;
             product.extend([letter, "*"]);
         }
-        product.extend([callee.name(), bracketed(behind).unwrap_or("(…)")]);
+        let argument = bracketed(behind);
+        let unbracketed = if behind.starts_with('(') { "(…)" } else { " …" };
+        product.extend([callee.name(), argument.unwrap_or(unbracketed)]);
         if let Callee::Defined(name, _) = &callee {
             self.used.insert(name.clone());
         }

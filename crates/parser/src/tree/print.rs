@@ -5,6 +5,7 @@
 
 use crate::lex::spelling::{is_name_char, token_kind};
 use crate::lex::token_kind::TokenKind;
+use crate::tree::application::is_swapped_root;
 use crate::tree::ast::{
     Chain, ChainSign, CurveForm, Definition, Expr, ExprKind, Function, NamedValue, Relation,
     Series, Statement,
@@ -108,7 +109,9 @@ impl fmt::Display for Expr {
             }
             ExprKind::Series(series) => series.fmt(f),
             ExprKind::Call(function, arguments) => {
-                f.write_str(function.name())?;
+                let is_surd = matches!((function, arguments.as_slice()),
+                    (Function::Root, [first, second]) if is_swapped_root(first, second));
+                f.write_str(if is_surd { "surd" } else { function.name() })?;
                 if let Function::Derived(_, order) = function {
                     f.write_str(&"'".repeat(usize::from(*order)))?;
                 }
@@ -116,15 +119,7 @@ impl fmt::Display for Expr {
                 if let Function::Iterate(repeated) = function {
                     write!(f, "{}, ", repeated.name())?;
                 }
-                match (function, arguments.as_slice()) {
-                    // Without brackets, the number would be read as the index.
-                    (Function::Root, [number, index])
-                        if number.number().is_some() && index.number().is_none() =>
-                    {
-                        write!(f, "({number}), {index}")?;
-                    }
-                    _ => list(f, arguments, ", ", Tightness::Or)?,
-                }
+                list(f, arguments, ", ", Tightness::Or)?;
                 if let Function::Derivative(by) = function {
                     by.iter().try_for_each(|variable| write!(f, ", {}", variable.name()))?;
                 }

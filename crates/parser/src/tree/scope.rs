@@ -19,6 +19,8 @@ pub struct Scope {
     unwritten: FxHashSet<String>,
     /// Coordinates that the text uses without defining them. They have a standard definition.
     implied: Vec<&'static str>,
+    /// Names that the document defines as vectors, as far as the form of a definition shows.
+    pub(crate) vectors: FxHashSet<String>,
     /// True if internal operations may be called, which only the language's own prelude may do.
     internal: bool,
     /// True if the trigonometry of the text is in degrees, as in `OpenSCAD`.

@@ -2,13 +2,15 @@
 
 use crate::lex::scanner::LexedStatement;
 use crate::lex::spelling::{is_definable, plain_name};
-use crate::lex::token::{Token, outside};
+use crate::lex::token::{Token, bracketed, outside};
 use crate::lex::token_kind::TokenKind::*;
 use crate::limits::Limits;
 use crate::messages::error::{Error, ErrorKind, Errors, Fallible, MAX_ERRORS};
 use crate::messages::note::{Note, NoteKind};
 use crate::span::Span;
-use crate::tree::ast::{Definition, Expr, ExprKind, Name, NamedValue, Relation, Statement};
+use crate::tree::ast::{
+    Definition, Expr, ExprKind, Function, Name, NamedValue, Relation, Statement,
+};
 use crate::tree::builder::{Builder, relation};
 use crate::tree::built_statement::{BuiltStatement, with_parts};
 use crate::tree::derivatives::operator;
@@ -38,12 +40,13 @@ pub struct ParsedStatement<'i> {
 impl ParsedStatement<'_> {
     /// Returns whether the statement draws a curve or a point.
     pub fn is_curve(&self) -> bool {
-        matches!(self.pair.as_rule(), Rule::curve_line | Rule::path_line | Rule::point_line)
+        self.pair.as_rule() == Rule::curve_line || self.is_located()
     }
 
-    /// Returns whether the statement has no coordinates: a point, or a curve with a parameter.
+    /// Returns whether the statement has no coordinates: a point, a segment, or a curve with a
+    /// parameter.
     pub fn is_located(&self) -> bool {
-        matches!(self.pair.as_rule(), Rule::path_line | Rule::point_line)
+        matches!(self.pair.as_rule(), Rule::path_line | Rule::point_line | Rule::segment_line)
     }
 }
 
@@ -90,6 +93,7 @@ fn rule(lexed: &LexedStatement) -> Rule {
         Some(BackgroundWord) => Rule::background_line,
         Some(SettingWord) => Rule::setting_line,
         Some(PointWord) => return Rule::point_line,
+        Some(SegmentWord) => return Rule::segment_line,
         Some(CurveWord) => {
             let has_range = outside(&lexed.tokens, For).is_some();
             return if has_range { Rule::path_line } else { Rule::curve_line };
@@ -159,7 +163,10 @@ pub fn resolve_heads(
             continue;
         }
         let is_no_definition = |head: &Head| {
-            !may_define(head) || is_miscounted(head) || is_of_sequence(text, head, &line.raw.lexed)
+            !may_define(head)
+                || is_miscounted(head)
+                || is_of_sequence(text, head, &line.raw.lexed)
+                || is_product(text, head)
         };
         if line.head.as_ref().is_some_and(is_no_definition) {
             line.head = None;
@@ -169,6 +176,9 @@ pub fn resolve_heads(
     // `hypot(a, b) = 2` is drawn only if a and b have values, so all other names are defined first.
     for line in lines.iter() {
         let Some(head) = &line.head else { continue };
+        if head.parameters.is_none() && is_vector(text, &line.raw.lexed) {
+            scope.vectors.insert(head.name.text.clone());
+        }
         if line.raw.head.is_some() || !is_built_in(head) && head.name.text != "t" {
             scope.define(&head.name.text, head.parameters.as_ref().map(Vec::len));
         }
@@ -273,6 +283,29 @@ fn may_define(head: &Head) -> bool {
         return !is_operator;
     }
     !is_operator && !name.chars().all(|c| matches!(c, 'x' | 'y' | 'z' | 't'))
+}
+
+/// Returns whether the right side of a definition is a vector by its form: values in brackets, or a
+/// function that gives a vector.
+fn is_vector(text: &str, lexed: &LexedStatement) -> bool {
+    const FUNCTIONS: [&str; 7] = ["vec2", "vec3", "vec4", "vector", "Vector", "normalize", "cross"];
+    let right: Vec<Token> = right_side(lexed).copied().collect();
+    let is_call = right.first().is_some_and(|first| FUNCTIONS.contains(&&text[first.span.range()]));
+    let group = &right[usize::from(is_call)..];
+    let Some((inner, [])) = bracketed(group) else { return false };
+    is_call || outside(inner, Comma).is_some()
+}
+
+/// Returns whether the left side is a product such as `xsin(z)`, which the text has only once. A
+/// function of this name would be called elsewhere.
+fn is_product(text: &str, head: &Head) -> bool {
+    let name = head.name.text.as_str();
+    let own = |parameters: &Vec<Name>| parameters.iter().all(|one| coordinate(&one.text).is_some());
+    let begins = name.starts_with(['x', 'y', 'z']);
+    begins
+        && head.parameters.as_ref().is_some_and(own)
+        && text.matches(name).count() == 1
+        && Scope::default().product_with_call(name, &[]).is_some()
 }
 
 /// Returns whether the left side is a valid call of a function of the language.
@@ -384,6 +417,14 @@ pub fn build(
             return Err(Error::new(span, ErrorKind::RangeOutsideDefinition));
         }
         let expr = builder.expression(expression)?;
+        if let ExprKind::Call(Function::Vector(size), _) = &expr.kind
+            && text[expr.span.range()].starts_with('(')
+        {
+            let place = Span::at(expr.span.end - 1);
+            let meant = (*size == 2).then_some(", 0");
+            let error = Error::new(expr.span, ErrorKind::Tuple);
+            return Err(meant.into_iter().fold(error, |error, meant| error.suggest(place, meant)));
+        }
         let expr = if line.raw.is_height && !expr.is_condition() {
             let z = ExprKind::Name(NamedValue::Coordinate(Axis::Z));
             Expr::new(z, expr.span).equals(expr)

@@ -205,7 +205,24 @@ impl Scope {
         if name == "E" && !is_function {
             return Some("e".to_owned());
         }
-        self.run_together(name, locals).or_else(|| self.nearest(name, locals, is_function))
+        let doubled = self.without_doubled_letters(name, locals);
+        let doubled = doubled.or_else(|| self.run_together(name, locals));
+        doubled.or_else(|| self.nearest(name, locals, is_function))
+    }
+
+    /// Reads `sinn` as `sin`, if a function has the name without a doubled letter.
+    fn without_doubled_letters(&self, name: &str, locals: &[Name]) -> Option<String> {
+        if name.len() > MAX_NAME {
+            return None;
+        }
+        let letters: Vec<char> = name.chars().collect();
+        let pairs = (1..letters.len()).filter(|at| letters[*at] == letters[at - 1]);
+        let mut shorter = pairs.map(|at| {
+            letters.iter().enumerate().filter(|(other, _)| *other != at).map(|(_, c)| *c).collect()
+        });
+        let is_function =
+            |name: &String| matches!(self.meaning(name, locals), NameMeaning::Function(_));
+        shorter.find(is_function)
     }
 
     /// Reads `x2y` as `x^2*y`, if all letters are values. Copying often loses superscripts.
@@ -256,7 +273,7 @@ impl Scope {
         let ((_, last), letters) = parts.split_last()?;
         let NameMeaning::Function(callee) = self.meaning(last, locals) else { return None };
         let value = |(kind, letter): &(NamePart, &'n str)| match self.meaning(letter, locals) {
-            NameMeaning::Value(value) if *kind == NamePart::Letter => Some((*letter, value)),
+            NameMeaning::Value(value) if *kind != NamePart::Number => Some((*letter, value)),
             _ => None,
         };
         Some((letters.iter().map(value).collect::<Option<_>>()?, callee))
@@ -279,7 +296,11 @@ impl Scope {
             if !matches!(before, None | Some(NamePart::Function | NamePart::Number)) {
                 text.push('*');
             }
-            text += part;
+            match self.meaning(part, locals) {
+                // `Cosy` is `cos(y)`.
+                NameMeaning::Function(Callee::BuiltIn(name)) => text += &name,
+                _ => text += part,
+            }
             if *kind == NamePart::Function && !is_last {
                 text.push('(');
                 open += 1;
@@ -317,6 +338,8 @@ impl Scope {
         let says_more =
             parts.iter().any(|(kind, _)| matches!(kind, NamePart::Function | NamePart::Value));
         let begins = parts.first().is_some_and(|(kind, _)| *kind != NamePart::Number);
+        // In `sine` and `pie`, the last letter is hardly Euler's number.
+        let begins = begins && parts.last().is_some_and(|(_, part)| *part != "e");
         (says_more && begins && parts.len() > 1).then_some(parts)
     }
 

@@ -7,13 +7,14 @@
 use rustc_hash::{FxHashMap, FxHashSet};
 use zeroset_parser::lex::arrangement::statements;
 use zeroset_parser::lex::spelling::plain_name;
+use zeroset_parser::lex::token::Token;
 use zeroset_parser::lex::token_kind::TokenKind::{self, Component, X, Y, Z};
 use zeroset_parser::tree::ast::{Definition, ExprKind, Name, NamedValue, Statement};
 use zeroset_parser::tree::builder::Builder;
 use zeroset_parser::tree::built_statement::BuiltStatement;
 use zeroset_parser::tree::grammar::Rule;
-use zeroset_parser::tree::raw_statement::ValueConversion;
-use zeroset_parser::tree::scope::{Scope, canonical};
+use zeroset_parser::tree::raw_statement::{Head, ValueConversion};
+use zeroset_parser::tree::scope::{NameMeaning, Scope, built_in, canonical};
 use zeroset_parser::tree::statement::ParsedStatement;
 use zeroset_parser::{Limits, Note, NoteKind, Span};
 
@@ -50,7 +51,16 @@ fn uses(text: &str, lines: &[ParsedStatement<'_>], scope: &Scope) -> Uses {
                         continue;
                     }
                     let point = ["p", "pos"].into_iter().find(|point| *point == name);
-                    point.or_else(|| canonical(&name)).filter(|_| !hidden.contains(&name.as_str()))
+                    let named = point.or_else(|| canonical(&name));
+                    // `rcos(theta)` is a product with r.
+                    let radius = || {
+                        let function = name.strip_prefix('r').filter(|rest| rest.len() > 1)?;
+                        let is_called = text[token.span.end..].starts_with('(');
+                        let is_function = matches!(built_in(function), NameMeaning::Function(_))
+                            && built_in(&name) == NameMeaning::Unknown;
+                        (is_called && is_function).then_some("r")
+                    };
+                    named.or_else(radius).filter(|_| !hidden.contains(&name.as_str()))
                 }
                 _ => None,
             };
@@ -73,12 +83,31 @@ fn uses(text: &str, lines: &[ParsedStatement<'_>], scope: &Scope) -> Uses {
 
 /// Turns a definition of r, rho, theta or phi, such as `r = 1 + cos(theta)`, into an equation if no
 /// other line uses the defined name. The right side must contain another of these four names that
-/// is not defined, or z without x and y.
+/// is not defined, or z without x and y, or must be constant. Returns notes on constant ones.
 pub(crate) fn make_definitions_equations(
     text: &str,
     lines: &mut [ParsedStatement<'_>],
     scope: &Scope,
-) {
+    is_program: bool,
+) -> Vec<Note> {
+    let is_function = |line: &ParsedStatement<'_>| {
+        line.head.as_ref().is_some_and(|head| head.parameters.is_some())
+    };
+    // Beside a function, which may be what is drawn, a constant is one of its numbers.
+    let may_be_alone = !is_program && !lines.iter().any(is_function);
+    // `z = x*y` is no definition, since coordinates have no definitions.
+    let is_drawn = |line: &ParsedStatement<'_>| {
+        let is_axes = |head: &Head| head.name.text.chars().all(|c| matches!(c, 'x' | 'y' | 'z'));
+        line.is_curve()
+            || line.pair.as_rule() == Rule::line && line.head.as_ref().is_none_or(is_axes)
+    };
+    let draws = lines.iter().any(is_drawn);
+    let used_by_curve = |lines: &[ParsedStatement<'_>], own: &str| {
+        let is_own = |token: &Token| canonical(&plain_name(&text[token.span.range()])) == Some(own);
+        let curves = lines.iter().filter(|line| line.is_located());
+        curves.flat_map(|line| &line.raw.lexed.tokens).any(is_own)
+    };
+    let mut notes = Vec::new();
     let defined: FxHashSet<String> = lines
         .iter()
         .filter_map(|line| line.head.as_ref())
@@ -86,7 +115,8 @@ pub(crate) fn make_definitions_equations(
         .collect();
     let has = |name: &str| defined.contains(name);
     let uses = uses(text, lines, scope);
-    for (index, line) in lines.iter_mut().enumerate() {
+    for index in 0..lines.len() {
+        let line = &lines[index];
         let Some(head) = line.head.as_ref().filter(|head| head.parameters.is_none()) else {
             continue;
         };
@@ -106,22 +136,37 @@ pub(crate) fn make_definitions_equations(
             .into_iter()
             .any(|other| other != own && is_here(other) && !has(other));
         // `theta = z/2` is an equation. A formula with x or y may define the name instead.
-        let is_restricted =
-            line.pair.clone().into_inner().any(|part| part.as_rule() == Rule::restriction);
+        let has_part = |rule| line.pair.clone().into_inner().any(|part| part.as_rule() == rule);
+        let is_restricted = has_part(Rule::restriction);
         let in_terms_of_z = is_here("z") && !is_restricted && !is_here("x") && !is_here("y");
-        if (in_terms_of_others || in_terms_of_z) && !used_elsewhere {
-            line.head = None;
+        // A leftover radius is common, the other names are not.
+        let is_alone = may_be_alone
+            && !is_restricted
+            && !has_part(Rule::range)
+            && !["x", "y", "z", "r", "rho", "theta", "phi"].into_iter().any(is_here)
+            && (own != "r" || !draws)
+            && !scope.is_defined(own)
+            && !used_by_curve(lines, own);
+        if (in_terms_of_others || in_terms_of_z || is_alone) && !used_elsewhere {
+            if is_alone {
+                let name = own.to_owned();
+                notes.push(Note { span: head.name.span, kind: NoteKind::CoordinateAlone { name } });
+            }
+            lines[index].head = None;
         }
     }
+    notes
 }
 
-/// Returns the implied definitions, and notes that state them. Adds the names to `scope`.
+/// Returns the implied definitions, and notes that state them. Adds the names to `scope`. With
+/// `has_angle`, phi is an angle even if no other of these names occurs.
 pub(crate) fn implied(
     text: &str,
     lines: &[ParsedStatement<'_>],
     scope: &mut Scope,
     is_program: bool,
     limits: &Limits,
+    has_angle: bool,
 ) -> (Vec<BuiltStatement>, Vec<Note>) {
     let uses = uses(text, lines, scope);
     let place = |name: &str| {
@@ -146,7 +191,7 @@ pub(crate) fn implied(
         .map(|(line, _)| *line)
         .collect();
     let with_plane = uses.get("r").is_some_and(|all| all.iter().any(|(at, _)| plane.contains(at)));
-    let is_angle = phi.is_some() && (r.is_some() || rho.is_some() || theta.is_some());
+    let is_angle = has_angle || r.is_some() || rho.is_some() || theta.is_some();
     let phi = phi.filter(|_| is_angle);
     let r = r.filter(|_| !with_plane || theta.is_some());
     let names = [r, rho, theta, phi].map(|place| place.is_some());
@@ -179,7 +224,7 @@ fn system(
     let cylindrical = "cylindrical coordinates";
     let spherical = "spherical coordinates";
     Some(match (r, rho, theta, phi) {
-        (false, false, false, _) => return None,
+        (false, false, false, false) => return None,
         (true, _, true, true) => (
             "spherical coordinates, where theta is the angle from the z axis",
             vec![
@@ -198,7 +243,7 @@ fn system(
         (false, true, false, _) if with_z => {
             (cylindrical, vec![("rho", CYLINDER_RADIUS), ("phi", AZIMUTH)])
         }
-        (false, true, _, _) | (false, false, true, true) => {
+        (false, true, _, _) | (false, false, _, true) => {
             (spherical, vec![("rho", SPHERE_RADIUS), ("theta", AZIMUTH), ("phi", "acos(z/rho)")])
         }
         (false, false, true, false) => (cylindrical, vec![("theta", AZIMUTH)]),

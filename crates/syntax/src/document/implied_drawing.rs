@@ -25,7 +25,10 @@ pub(crate) fn implied_drawing(
         let arguments: Vec<Expr> =
             Axis::ALL.iter().take(parameters.len()).map(|axis| coordinate(*axis)).collect();
         let call = Expr::new(ExprKind::Call(function, arguments), span);
+        let is_constant = is_plain_number(&definition.body);
         let expr = match parameters.as_slice() {
+            // Such a function is an equation that a name was taken for, as in `gyroid(x, y, z) = 0`.
+            ["x", "y", "z"] if is_constant => continue,
             ["x", "y", "z"] => call.equals(Expr::of_digits("0", span)),
             ["x", "y"] => coordinate(Axis::Z).equals(call),
             _ => continue,

@@ -5,13 +5,14 @@
 //! documents. `parameters` and `listed` add methods to the `DocumentReader` of `reading`.
 
 pub(crate) mod curves;
-pub(crate) mod either_comma;
 pub(crate) mod foreign_definitions;
 pub(crate) mod heading;
 pub(crate) mod implied_coordinates;
 pub(crate) mod implied_drawing;
 pub(crate) mod listed;
+pub(crate) mod other_readings;
 pub(crate) mod parameters;
 mod plane_curve;
 pub(crate) mod reading;
 pub(crate) mod recursion;
+mod thin_zeros;

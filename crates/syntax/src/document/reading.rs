@@ -1,14 +1,15 @@
 //! Reads a whole text: its surfaces in one graph, parameters, domain, view and notes.
 
 use crate::document::curves::{Curve, Curves};
-use crate::document::either_comma::with_either_comma;
 use crate::document::foreign_definitions::foreign_definitions;
 use crate::document::heading::heading;
 use crate::document::implied_coordinates;
 use crate::document::implied_drawing::{drawn_by_program, implied_drawing};
 use crate::document::listed::{self, is_expression_list};
+use crate::document::other_readings::with_other_readings;
 use crate::document::plane_curve::plane_curve_note;
 use crate::document::recursion::no_recursion;
+use crate::document::thin_zeros::thin_zeros_notes;
 use crate::lower::condition::holds_zeros;
 use crate::lower::constant::near_integers;
 use crate::lower::lowering::Lowering;
@@ -157,31 +158,12 @@ impl Document {
     }
 }
 
-/// Reads a document: one line or a whole file. An [expression list](is_expression_list) is one
-/// solid.
-///
-/// # Errors
-/// Fails if the text or an override has errors. Each statement and each override gives at most one
-/// error.
-pub fn read(text: &str, options: &Options<'_>) -> Result<Document, Errors> {
+/// Reads a document. Its errors have no hints yet.
+pub(crate) fn read(text: &str, options: &Options<'_>) -> Result<Document, Errors> {
     if is_expression_list(text) {
         return listed::read(text, options);
     }
-    with_either_comma(text, options, |reader| reader.read())
-}
-
-/// Reads a document from bytes that should be UTF-8.
-///
-/// # Errors
-/// Fails with the errors of [`read`], or with one error if the bytes are not UTF-8.
-pub fn read_bytes(bytes: &[u8], options: &Options<'_>) -> Result<Document, Errors> {
-    match std::str::from_utf8(bytes) {
-        Ok(text) => read(text, options),
-        Err(error) => {
-            let offset = error.valid_up_to();
-            Err(Error::new(Span::at(offset), ErrorKind::NotUtf8 { offset }).into())
-        }
-    }
+    with_other_readings(text, options, |reader| reader.read())
 }
 
 /// Returns the statements of a text, with every name resolved. An expression list has none.
@@ -193,7 +175,7 @@ pub fn parse(text: &str, limits: &Limits) -> Result<Vec<Statement>, Errors> {
     if is_expression_list(text) {
         return listed::read(text, &options).map(|_| Vec::new());
     }
-    let (built, _) = with_either_comma(text, &options, |mut reader| reader.statements())?;
+    let (built, _) = with_other_readings(text, &options, |mut reader| reader.statements())?;
     Ok(built.into_iter().map(|built| built.statement).collect())
 }
 
@@ -203,6 +185,8 @@ pub(crate) struct DocumentReader<'a> {
     pub(crate) notes: Vec<Note>,
     pub errors: Vec<Error>,
     pub(crate) settings: CollectedLines,
+    /// True if a bracket that is open at the end of its line is closed there.
+    pub(crate) closes_brackets: bool,
     is_y_up: bool,
     /// Names of definitions that are not in the text.
     generated: FxHashSet<String>,
@@ -216,6 +200,7 @@ impl<'a> DocumentReader<'a> {
             notes: Vec::new(),
             errors: Vec::new(),
             settings: CollectedLines::default(),
+            closes_brackets: false,
             is_y_up: false,
             generated: FxHashSet::default(),
         }
@@ -224,7 +209,7 @@ impl<'a> DocumentReader<'a> {
     /// Builds the trees of all statements, and the scope in which names are resolved. Collects
     /// lines about the picture in `settings`.
     pub(crate) fn statements(&mut self) -> Result<(Vec<BuiltStatement>, Scope), Errors> {
-        let program = program(self.text, &self.options.limits)?;
+        let program = program(self.text, &self.options.limits, self.closes_brackets)?;
         self.is_y_up = program.is_y_up;
         let mut lines = lines(self.text, &program.statements)?;
         let mut scope = Scope::default();
@@ -233,7 +218,15 @@ impl<'a> DocumentReader<'a> {
         for (name, _) in self.options.overrides {
             scope.define(name, None);
         }
-        implied_coordinates::make_definitions_equations(self.text, &mut lines, &scope);
+        let alone = implied_coordinates::make_definitions_equations(
+            self.text,
+            &mut lines,
+            &scope,
+            program.in_steps,
+        );
+        let phi = NoteKind::CoordinateAlone { name: "phi".to_owned() };
+        let has_angle = alone.iter().any(|note| note.kind == phi);
+        self.notes.extend(alone);
         resolve_heads(self.text, &mut lines, &mut scope, &mut self.notes);
         for synthesized in &program.synthesized {
             if let Statement::Define(Definition { name, parameters, .. }) = &synthesized.statement {
@@ -248,6 +241,7 @@ impl<'a> DocumentReader<'a> {
             &mut scope,
             program.in_steps,
             &self.options.limits,
+            has_angle,
         );
         self.notes.extend(notes);
         let (defined, notes) =
@@ -399,9 +393,11 @@ impl<'a> DocumentReader<'a> {
         let picture = picture(&settings, &values)?;
         self.notes.append(&mut lowering.notes);
         self.notes.extend(near_integer_notes(&lowering.graph, &surfaces));
-        if curves.all.is_empty() {
+        let thin = thin_zeros_notes(&lowering.graph, &surfaces, &parameters);
+        if curves.all.is_empty() && thin.is_empty() {
             self.notes.extend(plane_curve_note(&lowering.graph, &surfaces));
         }
+        self.notes.extend(thin);
         let text = self.text;
         let document = self.document(text, lowering.graph, surfaces, parameters, settings, picture);
         Ok(Document { curves, ..document })

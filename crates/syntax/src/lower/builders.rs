@@ -362,6 +362,12 @@ fn bind(
         let Some(value) = value else {
             return Err(wrong(before, *place, name, needs(*role), kind_of(first)));
         };
+        let is_solid = matches!(role, Role::Shape | Role::Distance) && row.join.is_none();
+        if let (true, Tensor::Number(node)) = (is_solid && row.least() > 1, &value)
+            && is_constant(graph, *node)
+        {
+            return Err(wrong(before, *place, name, needs(*role), "a number"));
+        }
         if let Some(given) = misfit(graph, *role, &value) {
             let end = arguments[at - 1].1;
             return Err(wrong(before, place.to(end), name, needs(*role), given));
@@ -385,6 +391,12 @@ fn bind(
             Err((at, Error::new(*place, kind)))
         }
     }
+}
+
+/// Returns whether a value is the same at all points, for all values of sliders.
+fn is_constant(graph: &Graph, node: NodeId) -> bool {
+    let varies = |id: &NodeId| matches!(graph.node(*id), Node::Variable(_) | Node::Parameter(_));
+    graph.number(node).is_some() || !graph.needed(&[node]).iter().any(varies)
 }
 
 /// Advice that shows an example of each builder with this name.

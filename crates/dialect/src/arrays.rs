@@ -1,0 +1,654 @@
+//! Reads arrays of numbers and of points: their definitions, elements such as `c[i][0]`, and sums
+//! over them, such as `sum(f(p) for p in c)`.
+//!
+//! Elements take the place of the expressions that select them. A definition is left out if the
+//! text uses the array only in these ways.
+
+use crate::control_flow::LoopValue;
+use crate::known_numbers::number_expr;
+use crate::language::Language;
+use crate::program_reader::{Frame, ProgramReader, Statements};
+use crate::program_words::is_type;
+use std::ops::Range;
+use zeroset_parser::lex::spelling::{is_name_char, plain_name};
+use zeroset_parser::lex::token::{Token, bracketed, closing, in_brackets, outside, split};
+use zeroset_parser::lex::token_kind::TokenKind::{self, *};
+use zeroset_parser::{Fallible, Span};
+
+/// Largest number of elements of an array.
+const MOST_ELEMENTS: usize = 200;
+/// Largest number of tokens of a statement whose elements are written out.
+const MOST_TOKENS: usize = 20_000;
+
+/// An array that a name stands for.
+#[derive(Clone)]
+pub(crate) struct Array {
+    elements: Vec<Element>,
+    /// True if the elements of a matrix are selected by round brackets, as in MATLAB.
+    is_round: bool,
+}
+
+/// A number or another value, or several.
+#[derive(Clone)]
+struct Element {
+    /// The values, and their names in an object such as `{x: 1, r: 2}`.
+    parts: Vec<(Option<Token>, Vec<Token>)>,
+    /// The tokens of a single value, or of a constructor such as `vec3(1, 2, 3)`.
+    whole: Option<Vec<Token>>,
+}
+
+impl Element {
+    /// The element in brackets.
+    fn tokens(&self) -> Vec<Token> {
+        if let Some(whole) = &self.whole {
+            return in_brackets(whole);
+        }
+        let mut inner: Vec<Token> = Vec::new();
+        for (_, part) in &self.parts {
+            if let Some(first) = part.first().filter(|_| !inner.is_empty()) {
+                inner.push(Token::new(Comma, Span::at(first.span.start)));
+            }
+            inner.extend(part);
+        }
+        in_brackets(&inner)
+    }
+}
+
+impl ProgramReader<'_> {
+    /// Reads the arrays of a statement: the array that it defines, or elements in it. Returns the
+    /// statement to read instead; `None` if it is done with.
+    pub(crate) fn with_arrays(
+        &mut self,
+        tokens: Vec<Token>,
+        frame: &mut Frame,
+    ) -> Fallible<Option<Vec<Token>>> {
+        if frame.function.is_none()
+            && let Some(points) = self.listed_points(&tokens)
+        {
+            for point in points {
+                self.statement(point, frame, &mut Statements::default())?;
+            }
+            return Ok(None);
+        }
+        if self.array(&tokens) {
+            return Ok(None);
+        }
+        Ok(Some(self.with_elements(tokens, frame)))
+    }
+
+    /// Records the array that a statement defines. Returns whether the statement is done with.
+    fn array(&mut self, tokens: &[Token]) -> bool {
+        let Some((name, array)) = self.array_of(tokens) else { return false };
+        let word = self.words.word(name).to_owned();
+        let is_plain = self.is_only_selected(&word);
+        self.arrays.insert(word, array);
+        is_plain
+    }
+
+    /// The points of a list that nothing else uses, each as a statement.
+    fn listed_points(&self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
+        let (name, array) = self.array_of(tokens).filter(|_| self.language == Language::Plain)?;
+        let is_point = |element: &Element| element.whole.is_none() && element.parts.len() == 3;
+        let is_used = self.uses(self.words.word(name)).count() > 1;
+        let is_list = !is_used && array.elements.len() > 1 && array.elements.iter().all(is_point);
+        is_list.then(|| array.elements.iter().map(Element::tokens).collect())
+    }
+
+    /// The name and the elements of an array, if the statement defines one.
+    fn array_of(&self, tokens: &[Token]) -> Option<(Token, Array)> {
+        let equals = outside(tokens, Equals)?;
+        let (left, value) = (&tokens[..equals], &tokens[equals + 1..]);
+        // Types and qualifiers stand before the name, and sizes in brackets behind it.
+        let declared = |token: &Token| {
+            let word = self.words.word(*token);
+            is_type(word) || matches!(word, "const" | "let" | "var" | "local" | "static")
+        };
+        let name = left.iter().position(|token| token.kind.is_name() && !declared(token))?;
+        let mut sizes = &left[name + 1..];
+        let is_declared = !sizes.is_empty();
+        while let Some((_, rest)) = bracketed(sizes).filter(|_| sizes[0].kind == OpenBracket) {
+            sizes = rest;
+        }
+        if !sizes.is_empty() || !left[..name].iter().all(declared) {
+            return None;
+        }
+        let list = self.list_of(value)?;
+        let is_round = list.iter().any(|token| token.kind == Semicolon);
+        let elements: Vec<Element> = if is_round {
+            let rows = list.split(|token| token.kind == Semicolon);
+            rows.map(Self::row).collect()
+        } else {
+            split(list, Comma).iter().map(|part| self.element(part)).collect()
+        };
+        let is_nested = elements.iter().all(|element| element.parts.len() > 1);
+        let is_flat = elements.iter().all(|element| element.parts.len() == 1);
+        let is_constant = |(_, value): &(Option<Token>, Vec<Token>)| {
+            value.iter().all(|token| {
+                let is_name = token.kind == TokenKind::Name && self.words.word(*token) != "for";
+                is_name
+                    || matches!(token.kind, Number | Plus | OpenParen | CloseParen | Comma | Caret)
+                    || token.kind.is_arithmetic()
+            })
+        };
+        let are_constant = elements.iter().flat_map(|element| &element.parts).all(is_constant);
+        let is_array = are_constant
+            && left[name].kind == TokenKind::Name
+            && (is_nested || is_flat || is_declared);
+        (is_array && (2..=MOST_ELEMENTS).contains(&elements.len()))
+            .then(|| (left[name], Array { elements, is_round }))
+    }
+
+    /// The contents of a list such as `[…]`, `np.array([…])` or `vec3[2](…)`.
+    fn list_of<'t>(&self, value: &'t [Token]) -> Option<&'t [Token]> {
+        let first = value.first()?;
+        if let Some((inner, [])) = bracketed(value)
+            && matches!(first.kind, OpenBracket | OpenBrace)
+        {
+            return Some(inner);
+        }
+        let open = value.iter().position(|token| token.kind == OpenParen)?;
+        let (inner, []) = bracketed(&value[open..])? else { return None };
+        let head = &value[..open];
+        let has_sizes =
+            head.len() > 1 && bracketed(&head[1..]).is_some_and(|(_, rest)| rest.is_empty());
+        let is_constructor = is_type(self.words.word(*first)) && has_sizes;
+        let is_array = head.last().is_some_and(|last| self.words.word(*last) == "array");
+        if is_array { self.list_of(inner) } else { is_constructor.then_some(inner) }
+    }
+
+    fn element(&self, tokens: &[Token]) -> Element {
+        let group = bracketed(tokens).filter(|(_, rest)| rest.is_empty());
+        let named = |part: &Vec<Token>| match part.as_slice() {
+            [name, colon, value @ ..] if colon.kind == Colon && !value.is_empty() => {
+                (Some(*name), value.to_vec())
+            }
+            part => (None, part.to_vec()),
+        };
+        if let Some((inner, _)) = group.filter(|(inner, _)| outside(inner, Comma).is_some()) {
+            return Element { parts: split(inner, Comma).iter().map(named).collect(), whole: None };
+        }
+        let constructed = tokens
+            .split_first()
+            .filter(|(first, _)| is_type(self.words.word(**first)))
+            .and_then(|(_, rest)| bracketed(rest))
+            .filter(|(_, rest)| rest.is_empty());
+        let parts =
+            constructed.map_or_else(|| vec![tokens.to_vec()], |(inner, _)| split(inner, Comma));
+        let parts = parts.into_iter().map(|part| (None, part)).collect();
+        Element { parts, whole: Some(tokens.to_vec()) }
+    }
+
+    /// The values in a row of a matrix of MATLAB, which blanks or commas separate.
+    fn row(tokens: &[Token]) -> Element {
+        let mut parts: Vec<(Option<Token>, Vec<Token>)> = Vec::new();
+        let mut end = None;
+        for token in tokens.iter().filter(|token| token.kind != Comma) {
+            let is_sign = token.kind == Minus;
+            if end != Some(token.span.start) && (is_sign || token.kind.begins_operand())
+                || parts.is_empty()
+            {
+                parts.push((None, Vec::new()));
+            }
+            end = Some(token.span.end);
+            if let Some((_, part)) = parts.last_mut() {
+                part.push(*token);
+            }
+        }
+        Element { parts, whole: None }
+    }
+
+    /// The text behind each use of a name, with the text before it.
+    fn uses<'t>(&'t self, name: &'t str) -> impl Iterator<Item = (&'t str, &'t str)> + 't {
+        let text = self.words.text;
+        let places = text.match_indices(name).map(|(at, _)| at);
+        places.map(move |at| (&text[..at], &text[at + name.len()..])).filter(|(before, behind)| {
+            !before.ends_with(is_name_char) && !behind.starts_with(is_name_char)
+        })
+    }
+
+    /// Returns whether a text selects elements of an array, goes through them, or sets it, and does
+    /// nothing else with it.
+    fn is_only_selected(&self, name: &str) -> bool {
+        const BEFORE: [&str; 7] = ["in", "of", "enumerate(", "ipairs(", "pairs(", "len(", "/@"];
+        let is_selected = |(before, behind): (&str, &str)| {
+            let behind = behind.trim_start().trim_start_matches(r"\left");
+            let before = before.trim_end();
+            let is_set = behind.starts_with('=') && !behind.starts_with("==");
+            is_set
+                || behind.starts_with(['[', '('])
+                || behind.starts_with(".reduce")
+                || behind.starts_with('}') && before.ends_with(',')
+                || BEFORE.iter().any(|word| before.ends_with(word))
+                || before.contains("total") && behind.starts_with([')', '\\'])
+        };
+        self.uses(name).count() > 1 && self.uses(name).all(is_selected)
+    }
+
+    /// A statement in which elements replace the expressions that select them.
+    pub(crate) fn with_elements(&mut self, tokens: Vec<Token>, frame: &mut Frame) -> Vec<Token> {
+        if self.arrays.is_empty() && !tokens.iter().any(|token| self.words.word(*token) == "for") {
+            return tokens;
+        }
+        let tokens = self.written_out(tokens, frame);
+        self.selected(&tokens, frame)
+    }
+
+    /// Writes out generators, reductions, and sums whose index selects elements.
+    fn written_out(&mut self, mut tokens: Vec<Token>, frame: &mut Frame) -> Vec<Token> {
+        let mut at = 0;
+        while at < tokens.len() && tokens.len() < MOST_TOKENS {
+            let found = self
+                .generator(&tokens, at, frame)
+                .or_else(|| self.reduction(&tokens, at))
+                .or_else(|| self.listed_sum(&tokens, at))
+                .or_else(|| self.indexed_sum(&tokens, at, frame));
+            match found {
+                Some((range, values)) => drop(tokens.splice(range, values)),
+                None => at += 1,
+            }
+        }
+        tokens
+    }
+
+    /// The elements of an array or of a literal list, with their numbers if it is enumerated.
+    fn elements(
+        &mut self,
+        values: &[Token],
+        frame: &mut Frame,
+    ) -> Option<Vec<(Element, Option<Element>)>> {
+        if let [word, rest @ ..] = values
+            && matches!(self.words.word(*word), "enumerate" | "ipairs")
+        {
+            let (inner, []) = bracketed(rest)? else { return None };
+            let first = if self.words.word(*word) == "enumerate" { 0.0 } else { 1.0 };
+            let all = self.elements(inner, frame)?;
+            let numbered = all.into_iter().enumerate().map(|(index, (element, _))| {
+                let number = number_expr(index as f64 + first, word.span);
+                let number = self.saved(number, word.span, true, frame);
+                let number =
+                    Element { parts: vec![(None, vec![number])], whole: Some(vec![number]) };
+                (element, Some(number))
+            });
+            return Some(numbered.collect());
+        }
+        let elements = if let [name] = values {
+            self.arrays.get(self.words.word(*name))?.elements.clone()
+        } else {
+            let (inner, []) = bracketed(values)? else { return None };
+            let is_list = matches!(values[0].kind, OpenBracket | OpenBrace);
+            let parts = split(inner, Comma);
+            let elements: Vec<Element> = parts.iter().map(|part| self.element(part)).collect();
+            let is_nested = elements.iter().all(|element| element.parts.len() > 1);
+            (is_list && is_nested).then_some(elements)?
+        };
+        Some(elements.into_iter().map(|element| (element, None)).collect())
+    }
+
+    /// The values of a loop's variables in each iteration. `name` is the first of them.
+    pub(crate) fn rounds(
+        &mut self,
+        name: Token,
+        pattern: &[Token],
+        values: &[Token],
+        frame: &mut Frame,
+    ) -> Fallible<Vec<Vec<(Token, LoopValue)>>> {
+        if let Some(elements) = self.elements(values, frame) {
+            let round = |(element, number): &(Element, Option<Element>)| {
+                let bindings = Self::bindings_of(pattern, element, number.as_ref())?;
+                let value =
+                    |(name, element): (Token, Element)| (name, LoopValue::Typed(element.tokens()));
+                Some(bindings.into_iter().map(value).collect())
+            };
+            if let Some(rounds) = elements.iter().map(round).collect() {
+                return Ok(rounds);
+            }
+        }
+        let names: Vec<Token> =
+            pattern.iter().filter(|token| token.kind.is_name()).copied().collect();
+        let values = self.values(name, values, frame)?;
+        values.into_iter().map(|value| self.loop_values(&names, value)).collect()
+    }
+
+    /// Writes out `f(E for p in list)`, whose name is at `at`.
+    fn generator(
+        &mut self,
+        tokens: &[Token],
+        at: usize,
+        frame: &mut Frame,
+    ) -> Option<(Range<usize>, Vec<Token>)> {
+        let joint = joint_of(self.words.word(tokens[at]))?;
+        let open = at + 1;
+        let end = open + tokens.get(open..).and_then(closing)?;
+        let mut inner = &tokens[open + 1..end];
+        if let Some((list, [])) = bracketed(inner).filter(|_| inner[0].kind == OpenBracket) {
+            inner = list;
+        }
+        let word = |token: &Token| self.words.word(*token);
+        let (body, pattern, values) = if word(&tokens[at]) == "Sum" {
+            // Mathematica has `Sum[E, {p, list}]`.
+            let [body, range] = <[_; 2]>::try_from(split(inner, Comma)).ok()?;
+            let (range, []) = bracketed(&range)? else { return None };
+            let [pattern, values] = <[_; 2]>::try_from(split(range, Comma)).ok()?;
+            (body, pattern, values)
+        } else {
+            let before = |sign: &str| inner.iter().position(|token| word(token) == sign);
+            let start = before("for")?;
+            let within = start + inner[start..].iter().position(|token| token.kind == In)?;
+            (
+                inner[..start].to_vec(),
+                inner[start + 1..within].to_vec(),
+                inner[within + 1..].to_vec(),
+            )
+        };
+        let elements = self.elements(&values, frame)?;
+        let values = elements.iter().map(|(element, number)| {
+            let bindings = Self::bindings_of(&pattern, element, number.as_ref())?;
+            Some(self.bound(&body, &bindings))
+        });
+        let values: Vec<Vec<Token>> = values.collect::<Option<_>>()?;
+        // `np.sum` and `math.fsum` lose their module with their name.
+        let start = if joint == Comma { at } else { self.without_module(tokens, at) };
+        let head = (joint == Comma).then_some(tokens[at]);
+        Some((start..end + 1, joined(head, &values, joint)))
+    }
+
+    /// The place of the module before the name at `at`, or that of the name.
+    fn without_module(&self, tokens: &[Token], at: usize) -> usize {
+        let has_module = at > 1
+            && self.words.is_dot(tokens[at - 1])
+            && matches!(self.words.word(tokens[at - 2]), "np" | "numpy" | "math" | "Math");
+        if has_module { at - 2 } else { at }
+    }
+
+    /// The values of the names in a pattern such as `a, b, c` or `[a, b, c]` for an element.
+    fn bindings_of(
+        pattern: &[Token],
+        element: &Element,
+        number: Option<&Element>,
+    ) -> Option<Vec<(Token, Element)>> {
+        let mut parts = split(pattern, Comma);
+        let mut all = Vec::new();
+        if let Some(number) = number
+            && parts.len() > 1
+            && let [name] = parts.remove(0).as_slice()
+        {
+            all.push((*name, number.clone()));
+        }
+        if let [group] = parts.as_slice()
+            && let Some((inner, [])) = bracketed(group)
+        {
+            parts = split(inner, Comma);
+        }
+        if let [only] = parts.as_slice()
+            && let [name] = only.as_slice()
+        {
+            all.push((*name, element.clone()));
+            return Some(all);
+        }
+        if parts.len() != element.parts.len() {
+            return None;
+        }
+        for (name, (_, value)) in parts.iter().zip(&element.parts) {
+            let [name] = name.as_slice() else { return None };
+            let value = Element { parts: vec![(None, value.clone())], whole: Some(value.clone()) };
+            all.push((*name, value));
+        }
+        Some(all)
+    }
+
+    /// An expression in which elements replace names, and their parts replace the expressions that
+    /// select parts.
+    fn bound(&self, body: &[Token], bindings: &[(Token, Element)]) -> Vec<Token> {
+        let mut all = Vec::new();
+        let mut at = 0;
+        while let Some(token) = body.get(at) {
+            at += 1;
+            let word = self.words.word(*token);
+            let Some((_, element)) = bindings
+                .iter()
+                .find(|(name, _)| self.words.word(*name) == word && !word.is_empty())
+            else {
+                all.push(*token);
+                continue;
+            };
+            let rest = &body[at..];
+            // `b.r` of an object; the dot may be a token of its own.
+            let key = |member: &str| {
+                element
+                    .parts
+                    .iter()
+                    .position(|(key, _)| key.is_some_and(|k| self.words.word(k) == member))
+            };
+            let member = match rest {
+                [component, ..] if component.kind == Component => {
+                    let typed = &self.words.text[component.span.range()];
+                    key(&typed[1..]).map(|index| (index, 1))
+                }
+                [dot, name, ..] if self.words.is_dot(*dot) => {
+                    key(self.words.word(*name)).map(|index| (index, 2))
+                }
+                [open, number, close, ..]
+                    if (open.kind, number.kind, close.kind)
+                        == (OpenBracket, Number, CloseBracket) =>
+                {
+                    let number = self.words.text[number.span.range()].parse::<usize>().ok();
+                    let index = number.and_then(|number| number.checked_sub(self.first_index()));
+                    index.filter(|index| *index < element.parts.len()).map(|index| (index, 3))
+                }
+                _ => None,
+            };
+            match member {
+                Some((index, length)) => {
+                    all.extend(in_brackets(&element.parts[index].1));
+                    at += length;
+                }
+                None => all.extend(element.tokens()),
+            }
+        }
+        all
+    }
+
+    /// The number of the first element.
+    fn first_index(&self) -> usize {
+        let is_from_zero = match self.language {
+            // Without a sign of another language, 0 occurs as an index only where it is the first.
+            Language::Plain => {
+                let is_python =
+                    ["import ", "**", "np."].iter().any(|sign| self.words.text.contains(sign));
+                let mut names = self.arrays.keys();
+                is_python
+                    || names.any(|name| {
+                        self.uses(name).any(|(_, behind)| behind.trim_start().starts_with("[0]"))
+                    })
+            }
+            Language::Script => !self.words.text.contains("local "),
+            Language::Typed | Language::Python | Language::OpenScad => true,
+        };
+        usize::from(!is_from_zero)
+    }
+
+    /// Writes out `list.reduce((s, b) => E, start)` of JavaScript, whose list is at `at`.
+    fn reduction(&mut self, tokens: &[Token], at: usize) -> Option<(Range<usize>, Vec<Token>)> {
+        let array = self.arrays.get(self.words.word(tokens[at]))?.clone();
+        let [dot, reduce, rest @ ..] = &tokens[at + 1..] else { return None };
+        if !self.words.is_dot(*dot) || self.words.word(*reduce) != "reduce" {
+            return None;
+        }
+        let end = closing(rest)?;
+        let [function, start] = <[_; 2]>::try_from(split(&rest[1..end], Comma)).ok()?;
+        let (names, arrow) = bracketed(&function)?;
+        let [equals, greater, body @ ..] = arrow else { return None };
+        let names = split(names, Comma);
+        let [Some(sum), Some(name)] = [names.first()?.first(), names.get(1)?.first()] else {
+            return None;
+        };
+        if (equals.kind, greater.kind) != (Equals, Greater) {
+            return None;
+        }
+        let mut value = start;
+        for element in array.elements {
+            let so_far = Element { parts: vec![(None, value.clone())], whole: Some(value) };
+            value = self.bound(body, &[(*sum, so_far), (*name, element)]);
+            if value.len() > MOST_TOKENS {
+                return None;
+            }
+        }
+        Some((at..at + 3 + end + 1, in_brackets(&value)))
+    }
+
+    /// Writes out `total(E)` of Desmos, in which a name stands for all elements of an array in turn.
+    fn listed_sum(&self, tokens: &[Token], at: usize) -> Option<(Range<usize>, Vec<Token>)> {
+        let name = plain_name(self.words.word(tokens[at]));
+        if !matches!(name.as_str(), "total" | "Total") {
+            return None;
+        }
+        let (inner, _) = bracketed(tokens.get(at + 1..)?)?;
+        let list = inner.iter().find(|token| self.arrays.contains_key(self.words.word(**token)))?;
+        let word = self.words.word(*list);
+        let array = self.arrays.get(word)?;
+        let values = array.elements.iter().map(|one| self.bound(inner, &[(*list, one.clone())]));
+        Some((at..at + inner.len() + 3, joined(None, &values.collect::<Vec<_>>(), Plus)))
+    }
+
+    /// Writes out a sum over a range of numbers, if its index selects elements of an array:
+    /// `sum(i = 1..3, E)` and `\sum_{i=1}^{3} E`.
+    fn indexed_sum(
+        &mut self,
+        tokens: &[Token],
+        at: usize,
+        frame: &mut Frame,
+    ) -> Option<(Range<usize>, Vec<Token>)> {
+        let rest = &tokens[at + 1..];
+        let (index, low, high, body, length) = if tokens[at].kind == BigSum {
+            let [below, open, index, equals, ..] = rest else { return None };
+            let is_range = (below.kind, open.kind, equals.kind) == (Underscore, OpenBrace, Equals);
+            let (range, rest) = bracketed(&rest[1..]).filter(|_| is_range)?;
+            let (high, body) = match rest {
+                [caret, rest @ ..] if caret.kind == Caret => match bracketed(rest) {
+                    Some((high, body)) => (high, body),
+                    None => (rest.get(..1)?, &rest[1..]),
+                },
+                _ => return None,
+            };
+            let mut depth = 0_usize;
+            let ends = |token: &Token| {
+                depth += usize::from(token.kind.closer().is_some());
+                let is_end = depth == 0
+                    && (matches!(token.kind, Plus | Minus | Comma)
+                        || token.kind.is_relation()
+                        || token.kind.is_closer());
+                depth = depth.saturating_sub(usize::from(token.kind.is_closer()));
+                is_end
+            };
+            let term = body.iter().position(ends).unwrap_or(body.len());
+            let length = tokens.len() - at - body.len() + term;
+            (*index, &range[2..], high, &body[..term], length)
+        } else {
+            if !matches!(self.words.word(tokens[at]), "sum" | "Sum") {
+                return None;
+            }
+            let (inner, behind) = bracketed(rest)?;
+            let comma = outside(inner, Comma)?;
+            let [index, equals, range @ ..] = &inner[..comma] else { return None };
+            let dots = outside(range, Dots).filter(|_| equals.kind == Equals)?;
+            let length = tokens.len() - at - behind.len();
+            (*index, &range[..dots], &range[dots + 1..], &inner[comma + 1..], length)
+        };
+        let selects = body.windows(3).any(|window| {
+            self.arrays.contains_key(self.words.word(window[0])) && window[1].kind == OpenBracket
+        });
+        let ends = [self.known_value(low, frame)?, self.known_value(high, frame)?];
+        if !selects || ends[1] - ends[0] > MOST_ELEMENTS as f64 {
+            return None;
+        }
+        let mut values = Vec::new();
+        let mut number = ends[0];
+        while number <= ends[1] {
+            let token = self.saved(number_expr(number, index.span), index.span, true, frame);
+            // The number stands alone, so it is known where it selects.
+            let is_index = |one: &Token| self.words.word(*one) == self.words.word(index);
+            let term = body.iter().map(|one| if is_index(one) { token } else { *one });
+            values.push(term.collect());
+            number += 1.0;
+        }
+        Some((at..at + length, joined(None, &values, Plus)))
+    }
+
+    /// A statement with elements in place of `c[i]`, `c[i][j]`, `c[i, j]` and `c[[i]]`.
+    fn selected(&mut self, tokens: &[Token], frame: &Frame) -> Vec<Token> {
+        let first = self.first_index();
+        let mut all = Vec::with_capacity(tokens.len());
+        let mut at = 0;
+        while let Some(token) = tokens.get(at) {
+            let found = self.arrays.get(self.words.word(*token)).and_then(|array| {
+                let (indices, length) = self.indices(array, &tokens[at + 1..], frame)?;
+                let number = |(index, from): &(f64, usize)| {
+                    let number = index - *from as f64;
+                    (number.fract() == 0.0 && number >= 0.0).then_some(number as usize)
+                };
+                let [row, rest @ ..] = indices.as_slice() else { return None };
+                let element = array.elements.get(number(&(*row, first_of(array, first)))?)?;
+                let Some(column) = rest.first() else { return Some((element.tokens(), length)) };
+                let column = number(&(*column, first_of(array, first)))?;
+                Some((in_brackets(&element.parts.get(column)?.1), length))
+            });
+            let Some((element, length)) = found else {
+                all.push(*token);
+                at += 1;
+                continue;
+            };
+            all.extend(element);
+            at += length + 1;
+        }
+        all
+    }
+
+    /// The known indices in the brackets behind an array, and the number of their tokens.
+    fn indices(&self, array: &Array, rest: &[Token], frame: &Frame) -> Option<(Vec<f64>, usize)> {
+        let open = if array.is_round { OpenParen } else { OpenBracket };
+        let (mut all, mut length) = (Vec::new(), 0);
+        while let Some((mut inner, _)) = rest.get(length..).and_then(bracketed)
+            && rest[length].kind == open
+            && all.len() < 2
+        {
+            let whole = inner.len() + 2;
+            if let Some((within, [])) = bracketed(inner).filter(|_| inner[0].kind == OpenBracket) {
+                inner = within;
+            }
+            let parts = split(inner, Comma);
+            let values: Option<Vec<f64>> =
+                parts.iter().map(|part| self.known_value(part, frame)).collect();
+            let Some(values) = values else { break };
+            all.extend(values);
+            length += whole;
+        }
+        (!all.is_empty()).then_some((all, length))
+    }
+}
+
+/// The number of the first element of an array.
+fn first_of(array: &Array, first: usize) -> usize {
+    if array.is_round { 1 } else { first }
+}
+
+/// The sign between the values of a function of a list; a comma for a function of several values.
+fn joint_of(word: &str) -> Option<TokenKind> {
+    Some(match word {
+        "sum" | "Sum" | "fsum" => Plus,
+        "prod" | "product" => Star,
+        "min" | "max" | "minimum" | "maximum" => Comma,
+        _ => return None,
+    })
+}
+
+/// Values with a sign between them, in brackets, behind the name of a function if there is one.
+fn joined(head: Option<Token>, values: &[Vec<Token>], joint: TokenKind) -> Vec<Token> {
+    let mut inner: Vec<Token> = Vec::new();
+    for value in values {
+        if let Some(first) = value.first().filter(|_| !inner.is_empty()) {
+            inner.push(Token::new(joint, Span::at(first.span.start)));
+        }
+        inner.extend(in_brackets(value));
+    }
+    head.into_iter().chain(in_brackets(&inner)).collect()
+}
