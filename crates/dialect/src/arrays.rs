@@ -20,7 +20,7 @@ const MOST_ELEMENTS: usize = 200;
 /// Largest number of tokens of a statement whose elements are written out.
 const MOST_TOKENS: usize = 20_000;
 
-/// An array that a name stands for.
+/// The value of a name that stands for an array.
 #[derive(Clone)]
 pub(crate) struct Array {
     elements: Vec<Element>,
@@ -28,7 +28,7 @@ pub(crate) struct Array {
     is_round: bool,
 }
 
-/// A number or another value, or several.
+/// An element of an array: one value, or several, such as the coordinates of a point.
 #[derive(Clone)]
 struct Element {
     /// The values, and their names in an object such as `{x: 1, r: 2}`.
@@ -38,7 +38,7 @@ struct Element {
 }
 
 impl Element {
-    /// The element in brackets.
+    /// The element's tokens in brackets.
     fn tokens(&self) -> Vec<Token> {
         if let Some(whole) = &self.whole {
             return in_brackets(whole);
@@ -55,8 +55,8 @@ impl Element {
 }
 
 impl ProgramReader<'_> {
-    /// Reads the arrays of a statement: the array that it defines, or elements in it. Returns the
-    /// statement to read instead; `None` if it is done with.
+    /// Reads the array that a statement defines, or the elements that it selects. Returns the
+    /// statement to read instead; `None` if nothing is left to read.
     pub(crate) fn with_arrays(
         &mut self,
         tokens: Vec<Token>,
@@ -76,7 +76,7 @@ impl ProgramReader<'_> {
         Ok(Some(self.with_elements(tokens, frame)))
     }
 
-    /// Records the array that a statement defines. Returns whether the statement is done with.
+    /// Records the array that a statement defines. Returns true if the definition can be left out.
     fn array(&mut self, tokens: &[Token]) -> bool {
         let Some((name, array)) = self.array_of(tokens) else { return false };
         let word = self.words.word(name).to_owned();
@@ -178,7 +178,7 @@ impl ProgramReader<'_> {
         Element { parts, whole: Some(tokens.to_vec()) }
     }
 
-    /// The values in a row of a matrix of MATLAB, which blanks or commas separate.
+    /// A row of a matrix of MATLAB. Blanks or commas separate its values.
     fn row(tokens: &[Token]) -> Element {
         let mut parts: Vec<(Option<Token>, Vec<Token>)> = Vec::new();
         let mut end = None;
@@ -197,7 +197,7 @@ impl ProgramReader<'_> {
         Element { parts, whole: None }
     }
 
-    /// The text behind each use of a name, with the text before it.
+    /// For each use of a name, the text before it and the text behind it.
     fn uses<'t>(&'t self, name: &'t str) -> impl Iterator<Item = (&'t str, &'t str)> + 't {
         let text = self.words.text;
         let places = text.match_indices(name).map(|(at, _)| at);
@@ -206,8 +206,8 @@ impl ProgramReader<'_> {
         })
     }
 
-    /// Returns whether a text selects elements of an array, goes through them, or sets it, and does
-    /// nothing else with it.
+    /// Returns whether each use of an array sets it, selects elements, or goes through them, and
+    /// there is more than one use.
     fn is_only_selected(&self, name: &str) -> bool {
         const BEFORE: [&str; 7] = ["in", "of", "enumerate(", "ipairs(", "pairs(", "len(", "/@"];
         let is_selected = |(before, behind): (&str, &str)| {
@@ -250,7 +250,7 @@ impl ProgramReader<'_> {
         tokens
     }
 
-    /// The elements of an array or of a literal list, with their numbers if it is enumerated.
+    /// The elements of an array or of a literal list. If it is enumerated, each has its number.
     fn elements(
         &mut self,
         values: &[Token],
@@ -284,7 +284,7 @@ impl ProgramReader<'_> {
         Some(elements.into_iter().map(|element| (element, None)).collect())
     }
 
-    /// The values of a loop's variables in each iteration. `name` is the first of them.
+    /// The values of a loop's variables in each iteration. `name` is the first variable.
     pub(crate) fn rounds(
         &mut self,
         name: Token,
@@ -309,7 +309,7 @@ impl ProgramReader<'_> {
         values.into_iter().map(|value| self.loop_values(&names, value)).collect()
     }
 
-    /// Writes out `f(E for p in list)`, whose name is at `at`.
+    /// Writes out `f(E for p in list)`, if the token at `at` is its `f`.
     fn generator(
         &mut self,
         tokens: &[Token],
@@ -346,13 +346,13 @@ impl ProgramReader<'_> {
             Some(self.bound(&body, &bindings))
         });
         let values: Vec<Vec<Token>> = values.collect::<Option<_>>()?;
-        // `np.sum` and `math.fsum` lose their module with their name.
+        // A sum is written with signs, so `np.` of `np.sum` goes, too.
         let start = if joint == Comma { at } else { self.without_module(tokens, at) };
         let head = (joint == Comma).then_some(tokens[at]);
         Some((start..end + 1, joined(head, &values, joint)))
     }
 
-    /// The place of the module before the name at `at`, or that of the name.
+    /// Index of the module's name before the function's name at `at`; `at` without a module.
     fn without_module(&self, tokens: &[Token], at: usize) -> usize {
         let has_module = at > 1
             && self.words.is_dot(tokens[at - 1])
@@ -360,7 +360,7 @@ impl ProgramReader<'_> {
         if has_module { at - 2 } else { at }
     }
 
-    /// The values of the names in a pattern such as `a, b, c` or `[a, b, c]` for an element.
+    /// The names in a pattern such as `a, b, c` or `[a, b, c]`, each with its part of an element.
     fn bindings_of(
         pattern: &[Token],
         element: &Element,
@@ -396,8 +396,8 @@ impl ProgramReader<'_> {
         Some(all)
     }
 
-    /// An expression in which elements replace names, and their parts replace the expressions that
-    /// select parts.
+    /// `body` with elements in place of names. An expression that selects a part of an element,
+    /// such as `b.r`, is replaced by the part.
     fn bound(&self, body: &[Token], bindings: &[(Token, Element)]) -> Vec<Token> {
         let mut all = Vec::new();
         let mut at = 0;
@@ -448,10 +448,10 @@ impl ProgramReader<'_> {
         all
     }
 
-    /// The number of the first element.
+    /// The index of the first element: 0 or 1.
     fn first_index(&self) -> usize {
         let is_from_zero = match self.language {
-            // Without a sign of another language, 0 occurs as an index only where it is the first.
+            // A text that is no program counts from 0 if it has the index 0 or signs of Python.
             Language::Plain => {
                 let is_python =
                     ["import ", "**", "np."].iter().any(|sign| self.words.text.contains(sign));
@@ -467,7 +467,7 @@ impl ProgramReader<'_> {
         usize::from(!is_from_zero)
     }
 
-    /// Writes out `list.reduce((s, b) => E, start)` of JavaScript, whose list is at `at`.
+    /// Writes out JavaScript's `list.reduce((s, b) => E, start)`, if the token at `at` is its list.
     fn reduction(&mut self, tokens: &[Token], at: usize) -> Option<(Range<usize>, Vec<Token>)> {
         let array = self.arrays.get(self.words.word(tokens[at]))?.clone();
         let [dot, reduce, rest @ ..] = &tokens[at + 1..] else { return None };
@@ -496,7 +496,7 @@ impl ProgramReader<'_> {
         Some((at..at + 3 + end + 1, in_brackets(&value)))
     }
 
-    /// Writes out `total(E)` of Desmos, in which a name stands for all elements of an array in turn.
+    /// Writes out `total(E)` of Desmos. In `E`, an array's name stands for each element in turn.
     fn listed_sum(&self, tokens: &[Token], at: usize) -> Option<(Range<usize>, Vec<Token>)> {
         let name = plain_name(self.words.word(tokens[at]));
         if !matches!(name.as_str(), "total" | "Total") {
@@ -565,7 +565,7 @@ impl ProgramReader<'_> {
         let mut number = ends[0];
         while number <= ends[1] {
             let token = self.saved(number_expr(number, index.span), index.span, true, frame);
-            // The number stands alone, so it is known where it selects.
+            // The number is one token, so it is a known index where it selects an element.
             let is_index = |one: &Token| self.words.word(*one) == self.words.word(index);
             let term = body.iter().map(|one| if is_index(one) { token } else { *one });
             values.push(term.collect());
@@ -626,12 +626,12 @@ impl ProgramReader<'_> {
     }
 }
 
-/// The number of the first element of an array.
+/// The index of the first element of an array: 1 in MATLAB, else `first`.
 fn first_of(array: &Array, first: usize) -> usize {
     if array.is_round { 1 } else { first }
 }
 
-/// The sign between the values of a function of a list; a comma for a function of several values.
+/// The sign that joins the values of a list in `sum` or `prod`; a comma for `min` and `max`.
 fn joint_of(word: &str) -> Option<TokenKind> {
     Some(match word {
         "sum" | "Sum" | "fsum" => Plus,
@@ -641,7 +641,7 @@ fn joint_of(word: &str) -> Option<TokenKind> {
     })
 }
 
-/// Values with a sign between them, in brackets, behind the name of a function if there is one.
+/// The values in brackets with the sign `joint` between them, after the function's name `head`.
 fn joined(head: Option<Token>, values: &[Vec<Token>], joint: TokenKind) -> Vec<Token> {
     let mut inner: Vec<Token> = Vec::new();
     for value in values {

@@ -31,8 +31,8 @@ pub(crate) enum ProgramStep {
         /// Statements after Python's `else`, which run unless the loop was left early.
         otherwise: Vec<ProgramStep>,
     },
-    /// A loop over the values of a list or range. `name` is the first token of `pattern`, which is
-    /// the loop variable or several, as in `for a, b in pairs:`.
+    /// A loop over the values of a list or range. `pattern` is one variable or several, as in
+    /// `for a, b in pairs:`. `name` is its first token.
     Each {
         name: Token,
         pattern: Vec<Token>,

@@ -16,8 +16,8 @@ use zeroset_parser::{Error, ErrorKind, Fallible, Span, plural};
 const COMBINING: &[&str] = &["sum", "min", "max", "prod", "minimum", "maximum", "amin", "amax"];
 
 impl ProgramReader<'_> {
-    /// The tokens of a value of Python outside functions. Generators, and calls with keywords or
-    /// without some arguments, are expanded.
+    /// Expands a value of Python outside functions: generators, and calls that have keywords or
+    /// lack arguments.
     pub(crate) fn with_calls(
         &mut self,
         value: Vec<Token>,

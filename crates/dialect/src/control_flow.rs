@@ -20,10 +20,10 @@ pub(crate) const EXIT_LEVEL: &str = "break";
 /// Name of the variable that holds a function's returned value.
 pub(crate) const RESULT: &str = "return";
 
-/// Functions that make an array or a list of a list.
+/// Functions that turn a list into an array or into another list.
 const LISTS: &[&str] = &["array", "asarray", "list", "tuple", "stack"];
 
-/// Largest number of names and functions around a list.
+/// Largest number of names and functions that are followed to find a list.
 const MAX_LISTS: usize = 4;
 
 /// Levels of an early exit: an exit from the iteration, from the loop, or from the function.

@@ -62,7 +62,7 @@ impl Words<'_> {
         let word = plain_name(self.word(*first));
         let word = word.as_str();
         if word == "Graphics3D" {
-            // Mathematica has the points in a list.
+            // Mathematica writes the points in a list.
             let [shape, open, ..] = inner else { return None };
             let is_shape = matches!(self.word(*shape), "Line" | "Arrow");
             let (list, []) = bracketed(&inner[1..]).filter(|_| is_shape)? else { return None };
@@ -189,7 +189,7 @@ impl Words<'_> {
         }
     }
 
-    /// The curve of two equations that alone stand in an environment `cases`.
+    /// The curve of two equations, if an environment `cases` holds them and nothing else.
     fn case_equations(self, one: &[Token], other: &[Token]) -> Option<Vec<Token>> {
         let (start, end) = (one[0].span.start, other[other.len() - 1].span.end);
         let before = self.text[..start].trim_end();
@@ -225,7 +225,7 @@ impl Words<'_> {
         let is_head = first[0].kind == TokenKind::Name
             && (first.len() == 1 || closing(&first[1..]) == Some(first.len() - 2));
         let is_zero = matches!(last.as_slice(), [zero] if &self.text[zero.span.range()] == "0");
-        // In `x^2 + y^2 = 1 z = 2`, a comma or a line's end may be missing.
+        // In `x^2 + y^2 = 1 z = 2`, a comma or a line break may be missing.
         let is_apart = middle.windows(2).any(|pair| {
             pair[0].span.end < pair[1].span.start
                 && pair[0].kind.ends_operand()

@@ -1,5 +1,5 @@
-//! Calls of Python's libraries that draw a surface or a curve: for each, the arguments that hold the
-//! formula and the level.
+//! Calls of Python's libraries that draw a surface or a curve: for each, the arguments that hold
+//! the formula and the level.
 
 use crate::program_words::Words;
 use zeroset_parser::lex::token::Token;
@@ -8,11 +8,11 @@ use zeroset_parser::lex::token_kind::TokenKind::{Equals, OpenBracket, Unknown};
 /// A place at which a call holds a value.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Source {
-    /// The argument at an index. Arguments with a keyword do not count.
+    /// The argument at this index. Arguments with a keyword do not count.
     At(usize),
     /// The last argument without a keyword.
     Last,
-    /// The argument with a keyword.
+    /// The argument with this keyword.
     Key(&'static str),
     /// The object before the dot, as in `grid.contour()`.
     Receiver,
@@ -33,7 +33,7 @@ pub(crate) enum Drawn {
 pub(crate) struct DrawingCall {
     pub word: &'static str,
     pub drawn: Drawn,
-    /// Places of the formula. The first one that the call has counts.
+    /// Places of the formula. The first one that exists in a call is used.
     pub formula: &'static [Source],
     /// Places of the level or of a list of levels.
     pub level: &'static [Source],
@@ -134,7 +134,7 @@ impl PythonCall {
         Some(self.named.remove(index).split_off(2)).filter(|value| !value.is_empty())
     }
 
-    /// The value at the first of `sources` that the call has, and that source.
+    /// The first of `sources` that the call has, and the value there.
     pub(crate) fn find(
         &mut self,
         words: Words<'_>,
@@ -147,7 +147,7 @@ impl PythonCall {
                 Key(name) => self.take(words, name),
                 Receiver => self.receiver.map(|name| vec![name]),
             };
-            // A text is the name of a value, and no formula.
+            // A string names a value and is no formula.
             let is_text =
                 |value: &Vec<Token>| matches!(value.as_slice(), [] | [Token { kind: Unknown, .. }]);
             Some((value.filter(|value| !is_text(value))?, *source))

@@ -61,8 +61,8 @@ pub(crate) fn is_mathmod(text: &str) -> bool {
     text.trim_start().starts_with('{') && keys.iter().any(|key| text.contains(key))
 }
 
-/// Reads `{name: 'A', equation: 'x^2 + y^2 - 1'}` or `expression = "x^2 + y^2 - r"` of a gallery, with
-/// parameters such as `{name = "r", value = 1}`.
+/// Reads `{name: 'A', equation: 'x^2 + y^2 - 1'}` or `expression = "x^2 + y^2 - r"` of a gallery,
+/// with parameters such as `{name = "r", value = 1}`.
 fn typed_equation(text: &str, limits: &Limits) -> Fallible<Option<ForeignText>> {
     let is_apart = |c: char| " \t\"'".contains(c);
     // The places of the values of a key, without quotation marks.
@@ -100,7 +100,7 @@ fn typed_equation(text: &str, limits: &Limits) -> Fallible<Option<ForeignText>> 
     Ok(Some(ForeignText { statements, boxes: Vec::new(), notes: Vec::new(), span }))
 }
 
-/// The note on the keys of a text of JSON that are not among `read`; `None` if all are.
+/// The note on the keys of a text in JSON that are not among `read`; `None` if all are.
 pub(crate) fn unread_keys(text: &str, read: &[&str], span: Span) -> Option<Note> {
     // A key whose value is a group has no value of its own.
     let pairs = text.split('"').skip(1).step_by(2).zip(text.split('"').skip(2).step_by(2));

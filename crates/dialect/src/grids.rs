@@ -154,7 +154,7 @@ impl ProgramReader<'_> {
         true
     }
 
-    /// Reads Julia's `v = [f for x in r, y in r, z in r]`: a formula, and the ranges of its variables.
+    /// Reads Julia's `v = [f for x in r, y in r, z in r]`: a formula, and its variables' ranges.
     fn julia_array(
         &mut self,
         name: Token,
@@ -398,8 +398,8 @@ impl ProgramReader<'_> {
         line.map_or(Ok(()), |line| self.push(line, None, None, aliases, false))
     }
 
-    /// Adds the domain that holds the boxes of all surfaces. Returns whether all are alike, or have
-    /// ends that are known numbers.
+    /// Adds the domain that holds the boxes of all surfaces. Returns false, with a note, if boxes
+    /// differ and an end is not a known number.
     pub(crate) fn boxes(&mut self, boxes: &[Vec<PlotRange>], place: Span) -> Fallible<bool> {
         let Some((first, others)) = boxes.split_first() else { return Ok(true) };
         let number = |end: &[Token]| self.known_value(&self.resolved(end), &Frame::default());
@@ -425,7 +425,7 @@ impl ProgramReader<'_> {
         self.add_domain(&ranges, &AXES, place, &Aliases::default()).map(|()| true)
     }
 
-    /// The condition that a point is in a box, and aliases for the coordinates in it.
+    /// The condition that a point is in a box. Adds the coordinates in it to `aliases`.
     pub(crate) fn in_box(&mut self, ranges: &[PlotRange], aliases: &mut Aliases) -> Vec<Token> {
         let mut all = Vec::new();
         for (range, axis) in ranges.iter().zip(AXES) {
@@ -466,7 +466,7 @@ impl ProgramReader<'_> {
         }
     }
 
-    /// `tokens` with the values of the names that the text assigned above.
+    /// `tokens` with assigned values in place of names.
     pub(crate) fn resolved(&self, tokens: &[Token]) -> Vec<Token> {
         let mut budget = MAX_RESOLVED;
         self.resolved_within(tokens, 0, &mut budget)

@@ -1,5 +1,5 @@
-//! Expands what Mathematica computes while it reads: tables, functions of slots such as `#^2 &`, and
-//! the values that a user changes.
+//! Expands expressions that Mathematica evaluates before it plots: tables, functions of slots such
+//! as `#^2 &`, and the values that a user changes.
 
 use crate::known_numbers::number_expr;
 use crate::numpy::separated;
@@ -47,8 +47,8 @@ impl ProgramReader<'_> {
         Some(all)
     }
 
-    /// Takes the regions of a plot, as in `{x, y} \\[Element] Disk[{0, 0}, 1]`, out of its arguments.
-    /// Returns the conditions.
+    /// Takes the regions of a plot, as in `{x, y} \\[Element] Disk[{0, 0}, 1]`, out of its
+    /// arguments. Returns their conditions.
     pub(crate) fn plot_regions(&self, tokens: &mut Vec<Token>) -> Fallible<Vec<Vec<Token>>> {
         let is_element = |token: &Token| {
             let typed = self.words.text.get(token.span.range()).unwrap_or_default();
@@ -114,7 +114,7 @@ impl ProgramReader<'_> {
         }
     }
 
-    /// Returns whether a statement only names a region that a plot below uses.
+    /// Returns whether a statement only names a region for a plot below.
     pub(crate) fn names_region(&self, tokens: &[Token]) -> bool {
         let [name, equals, word, ..] = tokens else { return false };
         let typed = self.words.word(*name);
@@ -182,7 +182,8 @@ impl ProgramReader<'_> {
         Ok(out)
     }
 
-    /// An argument. A condition of slots, as in `RegionFunction -> (#1 > 0 &)`, is one of x, y, z.
+    /// An argument, expanded. A condition of slots, as in `RegionFunction -> (#1 > 0 &)`, becomes a
+    /// condition of x, y and z.
     fn argument(&mut self, part: &[Token], frame: &mut Frame) -> Fallible<Vec<Token>> {
         let Some(at) =
             part.windows(2).position(|pair| (pair[0].kind, pair[1].kind) == (Minus, Greater))
@@ -209,7 +210,7 @@ impl ProgramReader<'_> {
         Ok(all)
     }
 
-    /// The number of the slot that a token is: 1 for `#` and `#1`.
+    /// The number of a slot: 1 for `#` and `#1`. `None` for other tokens.
     fn slot(&self, token: Token) -> Option<usize> {
         let typed = self.words.word(token).strip_prefix('#')?;
         if typed.is_empty() { Some(1) } else { typed.parse().ok() }
@@ -341,7 +342,7 @@ fn pure(function: &[Token]) -> Option<&[Token]> {
     (last.kind == Ampersand && !body.is_empty()).then_some(body)
 }
 
-/// The sum of values in brackets.
+/// The sum of the values, each in brackets.
 fn sum(values: &[Vec<Token>]) -> Vec<Token> {
     let mut all = Vec::new();
     for value in values {
@@ -353,8 +354,8 @@ fn sum(values: &[Vec<Token>]) -> Vec<Token> {
     in_brackets(&all)
 }
 
-/// The statement that gives a value its start and its range: `a = 1 in [0, 2]` for `{{a, 1}, 0, 2}`.
-/// With steps, or with a list of values, it has no range. Returns also the steps or the other values.
+/// The definition of a value with its start and range: `a = 1 in [0, 2]` for `{{a, 1}, 0, 2}`. With
+/// steps, or with a list of values, it has no range. Also returns the steps or the list.
 fn control(part: &[Token]) -> Option<(Vec<Token>, Vec<Token>)> {
     let parts = split(Words::inside(part).filter(|_| part[0].kind == OpenBrace)?, Comma);
     let (name, ends) = parts.split_first()?;

@@ -27,7 +27,7 @@ const WITHOUT_COUNTERPART: ErrorKind = ErrorKind::Format {
     help: "leave out the term with the noise, or write a sum of sines in its place",
 };
 
-/// The values of a key: where each string is.
+/// A key, and the place of each string in its value.
 type Member<'a> = (&'a str, Vec<Range<usize>>);
 
 struct MathModReader<'a> {
@@ -35,14 +35,14 @@ struct MathModReader<'a> {
     limits: &'a Limits,
     members: Vec<Member<'a>>,
     statements: Vec<ForeignStatement>,
-    /// Names of the functions of one coordinate, whose values at x are called `Ax`.
+    /// Names of the functions of one coordinate. The value of `A` at x is called `Ax`.
     of_axes: Vec<String>,
 }
 
 /// Reads a script.
 ///
 /// # Errors
-/// If the script has no implicit surface, or uses what has no counterpart here.
+/// If the script has no implicit surface, or uses a function that has no counterpart here.
 pub(crate) fn mathmod(text: &str, limits: &Limits) -> Fallible<ForeignText> {
     let (at, start) = match text.find("\"Iso3D\"") {
         Some(at) => (at, at + "\"Iso3D\"".len()),
@@ -115,7 +115,7 @@ impl MathModReader<'_> {
         Ok(())
     }
 
-    /// The names such as `Ax`, each with its call at a coordinate.
+    /// Aliases such as `Ax` for the call of `A` at a coordinate.
     fn aliases(&self, coordinate: &dyn Fn(Axis) -> ExprKind, time: &NamedValue) -> Aliases {
         let mut aliases = Aliases::default();
         let span = Span::default();
@@ -168,8 +168,8 @@ impl MathModReader<'_> {
     }
 }
 
-/// The keys of the first object behind `start`, each with the places of its strings. Strings of inner
-/// objects count, too.
+/// The keys of the first object behind `start`, each with the places of its strings. Strings of
+/// inner objects count, too.
 fn members(text: &str, start: usize) -> Vec<Member<'_>> {
     let mut all: Vec<Member<'_>> = Vec::new();
     let mut depth = 0_usize;
@@ -211,7 +211,7 @@ fn string_length(text: &str) -> Option<usize> {
     })
 }
 
-/// Returns whether two boxes are typed alike.
+/// Returns whether the ends of two boxes have the same text.
 pub(crate) fn are_alike(text: &str, one: &[PlotRange], other: &[PlotRange]) -> bool {
     let typed = |tokens: &[Token]| -> String {
         tokens.iter().map(|token| &text[token.span.range()]).collect()

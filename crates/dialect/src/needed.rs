@@ -62,7 +62,7 @@ impl ProgramReader<'_> {
                 open.extend(uses.get(&name).into_iter().flat_map(|(used, _)| used).cloned());
             }
         }
-        // A function may use a name that a later statement gives another value.
+        // A function may use a name to which a later statement gives another value.
         let is_later = |name: &String, error: &Error| {
             let start = uses.get(name).map_or(0, |(_, start)| *start);
             needed.contains(name) && start <= error.span.start

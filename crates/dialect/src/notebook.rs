@@ -16,10 +16,10 @@ use zeroset_parser::{Error, ErrorKind, Fallible, Note, NoteKind, Span};
 /// Attributes of a grid that hold its scalars.
 const SCALARS: &[&str] = &["point_data", "point_arrays", "cell_data", "cell_arrays"];
 
-/// Words that begin a line with a block below it, which is read as if it stood alone.
+/// Words that begin a block. The block is read as if it had no such line above it.
 const HEADERS: &[&str] = &["class", "with", "try", "except", "finally"];
 
-/// Beginning of the names for values of statements that were left out.
+/// Prefix of the names for values of statements that were left out.
 pub(crate) const UNREAD: &str = "#unread";
 
 impl Words<'_> {
@@ -65,8 +65,8 @@ impl Words<'_> {
 }
 
 impl ProgramReader<'_> {
-    /// Reads a statement outside functions. An error in one that does not draw is kept: it counts
-    /// only if what is drawn needs the names that the statement defines.
+    /// Reads a statement outside functions. If one that does not draw has an error, it is left out.
+    /// The error is reported only if a drawing needs a name that the statement defines.
     pub(crate) fn notebook_statement(
         &mut self,
         tokens: Vec<Token>,
@@ -106,7 +106,7 @@ impl ProgramReader<'_> {
                 Ok(())
             }
             done => {
-                // The names have values again, if earlier statements that set them were left out.
+                // Statements that set these names may have been left out. Now they have values.
                 for name in names {
                     if frame.aliases.find(&name).is_some_and(is_unread) {
                         let value = NamedValue::Defined(name.clone());
@@ -141,8 +141,8 @@ impl ProgramReader<'_> {
         }
     }
 
-    /// Returns whether a statement only begins a block: a class, a function that returns nothing
-    /// and takes nothing, or a condition on `__name__`. Leaves out functions that only draw.
+    /// Returns whether a statement only begins a block: a class, a condition on `__name__`, or a
+    /// function that returns nothing. If the function has parameters, its lines are dropped.
     fn is_header(&mut self, tokens: &[Token], following: &mut Statements) -> bool {
         let word = self.words.word(tokens[0]);
         let ends_with_colon = tokens.last().is_some_and(|last| last.kind == Colon);
@@ -195,7 +195,7 @@ impl ProgramReader<'_> {
         names.filter(|name| !name.is_empty()).map(str::to_owned).collect()
     }
 
-    /// The reason for which a statement is not read; `None` if it may be.
+    /// The reason to leave out a statement; `None` if it is to be read.
     fn left_out(&self, tokens: &[Token], frame: &Frame) -> Option<Box<Error>> {
         let first = tokens[0];
         let word = self.words.word(first);
@@ -243,7 +243,7 @@ impl ProgramReader<'_> {
         (is_call && !is_known).then(|| Error::new(first.span, ErrorKind::NoFormula))
     }
 
-    /// Leaves out a statement. `error` counts if what is drawn needs one of `names`.
+    /// Leaves out a statement. `error` is reported if a drawing needs one of `names`.
     pub(crate) fn leave_out(
         &mut self,
         tokens: &[Token],
@@ -265,7 +265,7 @@ impl ProgramReader<'_> {
             Some(note) => {
                 if let NoteKind::StatementsLeftOut { count, example: shown } = &mut note.kind {
                     *count += 1;
-                    // An import says less than any other statement.
+                    // An import is the least telling example.
                     if shown.starts_with("import ") || shown.starts_with("from ") {
                         *shown = if is_import { shown.clone() } else { example };
                     }
@@ -278,7 +278,7 @@ impl ProgramReader<'_> {
         }
     }
 
-    /// Reads `grid["v"] = values` or `vol = Volume(values)`: the object then stands for the formula.
+    /// Reads `grid["v"] = values` or `vol = Volume(values)`. The object then stands for the values.
     fn scalars(&mut self, tokens: &[Token]) -> bool {
         let Some(at) = self.words.assigned_at(tokens) else { return false };
         let (left, value) = (&tokens[..at], &tokens[at + 1..]);

@@ -1,5 +1,5 @@
-//! Draws by the calls of Python's libraries, and by the commands of other systems that take lists of
-//! coordinates.
+//! Reads the calls of Python's libraries that draw, and the commands of other systems that take
+//! lists of coordinates.
 
 use crate::curve_commands::LISTED;
 use crate::drawing_calls::{DRAWING_CALLS, Drawn, PythonCall, Source};
@@ -20,7 +20,7 @@ use zeroset_parser::{Error, ErrorKind, Fallible, Span};
 const MAX_LEVELS: f64 = 20.0;
 
 impl ProgramReader<'_> {
-    /// Draws each call in `tokens` that draws. Returns whether there was one.
+    /// Adds the drawings of the calls in `tokens`. Returns whether there was one.
     pub(crate) fn notebook_draws(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
         let mut is_drawn = false;
         if self.words.word(tokens[0]) == "def" {
@@ -237,7 +237,7 @@ impl ProgramReader<'_> {
         self.draw_level(call, frame)
     }
 
-    /// `tokens` with the formula of a text, as in `ezplot('x^2 + y^2 = 1')`.
+    /// `tokens` with a formula in place of the string that holds it, as in `ezplot('x^2 = y')`.
     pub(crate) fn with_typed_formula(&self, tokens: &[Token]) -> Fallible<Vec<Token>> {
         let mut all = tokens.to_vec();
         let start = self.words.assigned_at(tokens).map_or(0, |at| at + 1);
@@ -252,8 +252,8 @@ impl ProgramReader<'_> {
         Ok(all)
     }
 
-    /// Draws `plot3(x, y, z)`, in which the coordinates are lists over a range. Returns false for any
-    /// other statement.
+    /// Draws `plot3(x, y, z)`, in which the coordinates are lists over a range. Returns false for
+    /// any other statement.
     pub(crate) fn listed_curve(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
         let Some((inner, _)) = tokens.get(1..).and_then(bracketed) else { return Ok(false) };
         let is_command = LISTED.contains(&self.words.word(tokens[0]));
@@ -268,7 +268,7 @@ impl ProgramReader<'_> {
         self.plain(curve, frame, false).map(|()| true)
     }
 
-    /// The statement of a curve with these coordinates, whose parameter is the name of a range.
+    /// The statement of a curve with these coordinates. Its parameter is a range that they use.
     pub(crate) fn curve_over_range(
         &self,
         parts: &[Vec<Token>],
@@ -289,7 +289,7 @@ impl ProgramReader<'_> {
             ends.map(|end| self.resolved(&end))
         };
         let [low, high] = ends(name);
-        // A second range goes along with the first: `c + (d - c)*(t - a)/(b - a)`.
+        // A second range is run through at the same time: `c + (d - c)*(t - a)/(b - a)`.
         names.retain(|other| self.words.word(*other) != self.words.word(name));
         let sign = |kind| Token::new(kind, Span::at(place.start));
         let rules: Vec<(Token, Vec<Token>)> = names
@@ -341,7 +341,7 @@ impl ProgramReader<'_> {
             levels.dedup_by(|one, other| typed(one) == typed(other));
             return Ok(levels);
         }
-        // A whole number is a number of levels, whose values the data decide.
+        // In these calls, a single number is the number of levels. Their values depend on the data.
         let is_count = matches!(call.row.word, "contour" | "contour3d" | "iso_surface");
         if is_count && formula != Source::Receiver && call.row.word == "contour" {
             return Ok(Vec::new());
@@ -428,12 +428,12 @@ impl ProgramReader<'_> {
     }
 }
 
-/// Returns whether an argument gives the grid of the coordinates.
+/// Returns whether an argument is a coordinate of the grid or its scalars.
 fn is_grid(words: Words<'_>, part: &[Token]) -> bool {
     matches!(words.word(part[0]), "x" | "y" | "z" | "X" | "Y" | "Z" | "scalars")
 }
 
-/// Both names of a grid; none if there are not two.
+/// The names of a grid if there are two; else an empty list.
 fn grid_of(names: &[Token]) -> Vec<Token> {
     if names.len() == 2 { names.to_vec() } else { Vec::new() }
 }

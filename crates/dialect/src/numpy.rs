@@ -1,5 +1,5 @@
-//! Rewrites functions of Python's libraries that take lists and options, and methods that keep a
-//! value. Nothing here knows what a name means.
+//! Rewrites functions of Python's libraries that take lists and options. Drops methods that keep
+//! the value. Nothing here knows what a name means.
 
 use crate::program_words::Words;
 use zeroset_parser::Span;
@@ -146,7 +146,7 @@ impl Words<'_> {
         (is_list && is_several && !self.has(inner, "for")).then_some(values)
     }
 
-    /// The value of a call of `word` that has another form here.
+    /// The value of a call of `word`, if it is written in another form here.
     fn rewritten(self, word: &str, parts: &[Vec<Token>]) -> Option<Vec<Token>> {
         match (word, parts) {
             ("full_like", [_, value, ..]) => Some(in_brackets(value)),
@@ -213,7 +213,7 @@ impl Words<'_> {
         Self::substituted(&value, &[rule], self.text)
     }
 
-    /// A choice with these conditions and values, and a `last` value where no condition holds.
+    /// A choice with these conditions and values. `last` is the value where no condition holds.
     fn selected(
         self,
         conditions: &[Token],
@@ -276,7 +276,7 @@ impl Words<'_> {
     }
 }
 
-/// The values in brackets, each joined to the next by `sign`.
+/// The values in brackets, with `sign` between them.
 fn joined(values: &[Vec<Token>], sign: TokenKind) -> Vec<Token> {
     let mut all = Vec::new();
     for (index, value) in values.iter().enumerate() {
@@ -288,7 +288,7 @@ fn joined(values: &[Vec<Token>], sign: TokenKind) -> Vec<Token> {
     in_brackets(&all)
 }
 
-/// The values with a comma between each two.
+/// The values with commas between them.
 pub(crate) fn separated(values: &[Vec<Token>]) -> Vec<Token> {
     let mut all = Vec::new();
     for (index, value) in values.iter().enumerate() {

@@ -34,7 +34,7 @@ pub struct PastedProgram {
     pub last_function: Option<Name>,
     /// The variable last assigned outside functions. Assignments of plain numbers do not count.
     pub last_value: Option<Name>,
-    /// Rules by which conditions are numbers.
+    /// Rules for conditions that are used as numbers.
     pub conditions: Conditions,
     /// True if the last value is a height over x and y: no statement uses z.
     pub is_height: bool,

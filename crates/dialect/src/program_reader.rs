@@ -136,7 +136,7 @@ pub(crate) struct ProgramReader<'a> {
     pub assigned: FxHashMap<String, Vec<Token>>,
     /// Formulas that objects of a notebook stand for, such as grids with scalars.
     pub fields: FxHashMap<String, Vec<Token>>,
-    /// The statements that were left out, as far as what is drawn does not need them.
+    /// Statements that were left out. A drawing must not need them.
     pub unread: Vec<Unread>,
     /// Known values of variables outside functions.
     pub constants: FxHashMap<String, f64>,
@@ -439,7 +439,7 @@ impl ProgramReader<'_> {
     }
 
     /// Expands the lists of a statement outside functions, and records the value that it assigns.
-    /// Returns true if the statement was read: it holds several others.
+    /// Returns true if it was expanded to several statements, which were read.
     fn expands(&mut self, tokens: &mut Vec<Token>, frame: &mut Frame) -> Fallible<bool> {
         if frame.function.is_some() || frame.nested > 0 {
             return Ok(false);
@@ -498,7 +498,7 @@ impl ProgramReader<'_> {
                 if self.words.lambda(tokens).is_some() || tokens[0].kind.is_axis() {
                     return Ok(false);
                 }
-                // `a *= 2` has more tokens in its value than there are.
+                // The value of `a *= 2` has more tokens than the statement.
                 let Some(left) = tokens.len().checked_sub(value.len()) else { return Ok(false) };
                 let mut all = tokens[..left].to_vec();
                 all.extend(self.assignment(&value, frame)?.tokens);

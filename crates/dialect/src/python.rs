@@ -11,8 +11,8 @@ use zeroset_parser::tree::ast::{Expr, ExprKind, LETTERS};
 use zeroset_parser::{Error, ErrorKind, Fallible};
 
 impl ProgramReader<'_> {
-    /// Reads a statement outside functions whose value has generators or calls to expand. Returns
-    /// false for any other statement.
+    /// Reads a statement outside functions, if its value has generators or calls to expand, or is a
+    /// known number. Returns false for any other statement.
     pub(crate) fn run_top_python(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
         if self.words.lambda(tokens).is_some() {
             return Ok(false);
@@ -45,8 +45,8 @@ impl ProgramReader<'_> {
         Ok(true)
     }
 
-    /// Defines an anonymous function inside of a function. Returns false if it uses variables of
-    /// the function, or its name is taken.
+    /// Defines an anonymous function inside of another function. Returns false if it uses variables
+    /// of the other function, or its name is taken.
     fn local_lambda(
         &mut self,
         name: Token,

@@ -55,7 +55,7 @@ impl Words<'_> {
         };
         match rest.first() {
             None => !first.kind.is_setting() && word != "box",
-            // Three numbers behind a blank are a place of the eye, whose word is missing.
+            // In `view 4, 3, 6`, the numbers are the eye's position without the word `eye`.
             Some(next)
                 if word == "view"
                     && next.span.start > first.span.end

@@ -89,7 +89,7 @@ impl Words<'_> {
         if first.kind == OpenBrace {
             return self.in_braces(tokens).map(|inner| vec![inner]);
         }
-        // The name of a set, as in `E = {(x, y, z) : z > 0}`, has no use.
+        // The name of a set, as in `E = {(x, y, z) : z > 0}`, is dropped.
         if let [name, equals, open, ..] = tokens
             && (name.kind, equals.kind, open.kind) == (TokenKind::Name, Equals, OpenBrace)
             && let Some(conditions) = Self::set(&tokens[2..])

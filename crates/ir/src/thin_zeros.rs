@@ -2,7 +2,7 @@
 //!
 //! A sum of terms of one sign is 0 only where all of its terms are 0. A polynomial of degree 2 that
 //! has one sign is a sum of squares of linear functions. So both are read as several equations that
-//! hold together. All decisions are exact. A zero set that these rules do not show counts as
+//! hold together. All decisions are exact. A zero set that these rules do not decide counts as
 //! unknown.
 
 use crate::algebra::is_zero;
@@ -29,7 +29,7 @@ pub enum ThinZeros {
     Point([NodeId; 3]),
     /// The zeros are a line, on which both equations hold. An equation is its two sides.
     Line([[NodeId; 2]; 2]),
-    /// The zeros are where both equations hold. They are no more than a curve.
+    /// The zeros are where both equations hold: at most a curve.
     Curve([[NodeId; 2]; 2]),
 }
 
@@ -60,7 +60,7 @@ pub fn thin_zeros(graph: &mut Graph, root: NodeId) -> Option<ThinZeros> {
     let mut work = Work(WORK);
     let (mut forms, mut others) = (Vec::new(), Vec::new());
     let parts = parts(graph, root)?;
-    // The usual surface costs little: its function is not multiplied out.
+    // Most functions have one part of a higher degree. They are not multiplied out, to save time.
     if let [only] = parts.as_slice()
         && degree(graph, *only) > 2
     {
@@ -86,7 +86,8 @@ pub fn thin_zeros(graph: &mut Graph, root: NodeId) -> Option<ThinZeros> {
         let solution = solution(&row, pivot, &axes);
         let equation = Polynomial::variable(axes[pivot]).minus(&solution);
         equations.push([axes[pivot], solution.emit(graph)]);
-        // The equation is linear, so what shares a factor with it follows from it.
+        // A linear equation has no proper factors. So a polynomial with a common factor is a
+        // multiple of it, and follows from it.
         let mut left = Vec::new();
         for (part, other) in others {
             let common = other.gcd(&equation, &mut work)?;
@@ -210,8 +211,8 @@ fn linear(polynomial: &Polynomial, axes: &[NodeId; 3]) -> Option<Form> {
     Some(form)
 }
 
-/// The reduced equations of the places where all of `forms` are 0. Each has the number of the
-/// coordinate for which it is solved. `None` if there is no such place.
+/// The equations of the points where all of `forms` are 0, in reduced row echelon form. Each has
+/// the number of the coordinate for which it is solved. `None` if there is no such point.
 fn solved(mut forms: Vec<Form>) -> Option<Vec<(usize, Form)>> {
     let mut rows: Vec<(usize, Form)> = Vec::new();
     for column in 0..3 {
@@ -237,11 +238,11 @@ fn solution(row: &Form, pivot: usize, axes: &[NodeId; 3]) -> Polynomial {
     value
 }
 
-/// The sign of each node so far, as far as the operations show it.
+/// The sign of each node, as far as the operations show it.
 struct Signs(Vec<Option<bool>>);
 
 impl Signs {
-    /// Returns whether a node is never above 0; `None` if it may have both signs.
+    /// True if a node is never above 0, false if never below; `None` if it may have both signs.
     fn is_negative(&self, id: NodeId) -> Option<bool> {
         self.0[id.index()]
     }

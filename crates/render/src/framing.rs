@@ -188,7 +188,8 @@ impl Framing<'_> {
         Ok(self.usual()?.0)
     }
 
-    /// Fits the region's whole box with its axis labels. Returns `None` once `wanted` returns false.
+    /// Fits the region's whole box with its axis labels. Returns `None` once `wanted` returns
+    /// false.
     pub fn of_domain(
         &self,
         models: &[&Model],
@@ -357,10 +358,10 @@ impl FreeView {
         Ok(Some(on_axis.unwrap_or(camera)))
     }
 
-    /// The direction from which a plane with this normal is viewed, if it is seen from its edge in
-    /// the direction `back`, or from below.
+    /// The direction from which to view a plane with this normal. `None` if the direction `back`
+    /// shows it neither edge-on nor from below.
     fn steep(&self, normal: DVec3, back: DVec3) -> Option<DVec3> {
-        // The normal of the upper side. A vertical plane has none.
+        // Picks the normal of the upper side, or for a vertical plane that of the visible side.
         let upward = normal.dot(self.up);
         let facing = if upward.abs() < VERTICAL { normal.dot(back) } else { upward };
         let normal = normal * facing.signum();

@@ -1,5 +1,6 @@
-//! The proportions in which graphs are displayed. A graph z = f(x, y) whose heights are in another
-//! unit than x and y would look like a plane, or like a needle, if all axes had the same scale.
+//! The proportions in which graphs are displayed. The heights of a graph z = f(x, y) may have
+//! another unit than x and y. With one scale for all axes, it would then look like a plane or like
+//! a needle.
 
 use crate::domain::{GraphShape, differ};
 use glam::DVec3;

@@ -11,10 +11,10 @@
 //!   picture.
 //! - `document`: runs all stages in turn.
 //! - `hints`: for a text with errors, lines to write instead. [`read`] is the entry point.
-//!
 //! - `emit`: documents to texts in several formats.
 //!
 //! Nothing here computes a picture, prints or reads files.
+//!
 //! ```
 //! use zeroset_syntax::{Options, read};
 //! let document = read("2x sin y = z^2", &Options::default())?;

@@ -16,8 +16,8 @@ use smallvec::SmallVec;
 
 /// Share of a distance that covers the rounding of its computation.
 const ROUNDING: f64 = 1e-6;
-/// Share of a distance by which corners of a triangle move inward before its cover is looked for, so
-/// that what is beyond a crease at its side does not overlap it. No point of the triangle is farther
+/// Share of a distance by which corners of a triangle move inward before its cover is looked for.
+/// Then faces beyond a crease at its side do not overlap it. No point of the triangle is farther
 /// than that from the smaller one.
 const INSET: f64 = 1.0 / 64.0;
 /// Number of triangles from which on none is looked for that is near all corners.

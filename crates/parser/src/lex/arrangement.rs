@@ -109,7 +109,7 @@ pub fn trim(text: &str, tokens: &mut Vec<Token>) {
     while tokens.len() > 1 && typed(&tokens[0]) == ">" {
         tokens.remove(0);
     }
-    // The label in `\text{heart} = …`, which the text does not use again.
+    // In `\text{heart} = …`, a name that the text does not use again is a label.
     if let [label, equals, _, ..] = tokens.as_slice()
         && equals.kind == Equals
         && typed(label).starts_with(r"\text{")

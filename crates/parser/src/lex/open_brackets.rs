@@ -13,7 +13,7 @@ use crate::span::Span;
 /// Largest number of lines in which brackets are closed.
 const MOST_LINES: usize = 8;
 
-/// Largest number of characters that a note quotes before the closed brackets.
+/// Largest number of characters before the closed brackets that a note quotes.
 const MOST_QUOTED: usize = 60;
 
 /// Brackets that are open at the end of a text.
@@ -90,7 +90,7 @@ impl OpenBrackets {
         let (line, below) = rest.split_once('\n').unwrap_or((rest, ""));
         let next = below.lines().find(|line| !line.trim().is_empty()).unwrap_or("");
         let continues = |c: char| c.is_whitespace() || "+-−*/^=<>≤≥)]},&|".contains(c);
-        // The body of a function may have more statements than one.
+        // The body of a function may hold more than one statement.
         let is_last = self.tokens[0].kind != OpenBrace
             || !line.contains(';')
             || line.trim_matches([';', ' ']).is_empty() && next.is_empty();

@@ -170,7 +170,7 @@ pub(crate) fn scan_closing(text: &str, limits: &Limits, closures: &[Closure]) ->
     Ok(Scanned { statements, open })
 }
 
-/// Words that occur in programs of Python, and in no other text.
+/// Words that occur only in programs of Python.
 const PYTHON: &str = "np. numpy. plt. mlab. measure.marching_cubes go.Figure( go.Isosurface( pv. k3d. mcubes. ipv. \
     mgrid[ symbols( Symbol( lambdify( Piecewise(( plot3d_parametric_line( sum([ Symb( .subs(";
 

@@ -390,7 +390,8 @@ fn may_be_vector(expr: &Expr) -> bool {
     })
 }
 
-/// Returns whether a root is one such as `root(3, x)`. Nobody means the x-th root of 3.
+/// Returns whether the arguments of a root are swapped, as in `root(3, x)`. Nobody means the x-th
+/// root of 3.
 pub(crate) fn is_swapped_root(first: &Expr, second: &Expr) -> bool {
     first.whole_number().is_some_and(|index| index > 1) && second.number().is_none()
 }

@@ -259,7 +259,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Adds a note to a sum or a difference of two solids, which is no union.
+    /// Adds a note to a sum or difference of two solids, since it does not join them.
     fn note_solids(&mut self, terms: &[(ChainSign, Expr)]) {
         let [(_, first), (sign, second)] = terms else { return };
         let is_solid = |term: &Expr| matches!(term.kind, ExprKind::Call(Function::Builder(_), _));
@@ -448,7 +448,7 @@ struct RowOperator {
     sign: ChainSign,
     /// Function of the two factors beside the operator, such as a remainder.
     function: Option<Function>,
-    /// Whether it is a dot, which between two vectors is the scalar product.
+    /// True if it is a dot, which between two vectors is the scalar product.
     is_dot: bool,
 }
 

@@ -70,7 +70,7 @@ pub fn curve(
     Ok(BuiltStatement { statement, span, notes, used })
 }
 
-/// The name that an expression is, if it is one.
+/// The name, if an expression is only a name.
 fn name_of(expr: &Expr) -> Option<&str> {
     match &expr.kind {
         ExprKind::Name(value) => Some(value.name()),
@@ -104,7 +104,7 @@ impl Builder<'_> {
         for part in parts {
             ends.push(self.argument(part)?);
         }
-        // The parameter is called like nothing in the ends.
+        // The ends must not contain the parameter's name.
         let named: Vec<&str> = ends.iter().flat_map(Expr::all_parts).filter_map(name_of).collect();
         let free = ["t", "s", "u", "v", "w"].into_iter().find(|name| !named.contains(name));
         let text = free.unwrap_or("k").to_owned();

@@ -91,7 +91,7 @@ impl Builder<'_> {
         Ok(native(op, inner, span))
     }
 
-    /// Returns whether an expression is a vector by its form, or by that of definitions.
+    /// Returns whether an expression is a vector by its form or by the forms of definitions.
     pub(crate) fn is_vector(&self, expr: &Expr) -> bool {
         match &expr.kind {
             ExprKind::Name(NamedValue::Defined(name)) => self.scope.vectors.contains(name),

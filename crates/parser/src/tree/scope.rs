@@ -25,11 +25,11 @@ pub struct Scope {
     internal: bool,
     /// True if the trigonometry of the text is in degrees, as in `OpenSCAD`.
     pub in_degrees: bool,
-    /// Rules by which conditions are numbers in the text's language.
+    /// Rules for conditions that are used as numbers.
     pub conditions: Conditions,
 }
 
-/// Rules by which conditions are numbers in the language of a text.
+/// Rules for conditions that are used as numbers, by the language of a text.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Conditions {
     /// A condition is no number.
@@ -37,8 +37,8 @@ pub enum Conditions {
     Apart,
     /// A condition in a sum or a product is 1 where it holds, else 0.
     Numbers,
-    /// As `Numbers`, and a number is a condition that holds where it is 1/2 or more. A remainder
-    /// has the sign of the dividend.
+    /// As `Numbers`. Also, a number is a condition that holds where it is 1/2 or more, and a
+    /// remainder has the sign of the dividend.
     OfMathMod,
 }
 

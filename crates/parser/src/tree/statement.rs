@@ -296,7 +296,7 @@ fn is_vector(text: &str, lexed: &LexedStatement) -> bool {
     is_call || outside(inner, Comma).is_some()
 }
 
-/// Returns whether the left side is a product such as `xsin(z)`, which the text has only once. A
+/// Returns whether the left side is a product such as `xsin(z)` that occurs once in the text. A
 /// function of this name would be called elsewhere.
 fn is_product(text: &str, head: &Head) -> bool {
     let name = head.name.text.as_str();

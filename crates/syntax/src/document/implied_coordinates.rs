@@ -83,7 +83,8 @@ fn uses(text: &str, lines: &[ParsedStatement<'_>], scope: &Scope) -> Uses {
 
 /// Turns a definition of r, rho, theta or phi, such as `r = 1 + cos(theta)`, into an equation if no
 /// other line uses the defined name. The right side must contain another of these four names that
-/// is not defined, or z without x and y, or must be constant. Returns notes on constant ones.
+/// is not defined, or contain z without x and y, or be constant. Returns notes on equations with a
+/// constant right side.
 pub(crate) fn make_definitions_equations(
     text: &str,
     lines: &mut [ParsedStatement<'_>],
@@ -93,7 +94,7 @@ pub(crate) fn make_definitions_equations(
     let is_function = |line: &ParsedStatement<'_>| {
         line.head.as_ref().is_some_and(|head| head.parameters.is_some())
     };
-    // Beside a function, which may be what is drawn, a constant is one of its numbers.
+    // A function may be what is drawn. A constant beside it is then one of its numbers.
     let may_be_alone = !is_program && !lines.iter().any(is_function);
     // `z = x*y` is no definition, since coordinates have no definitions.
     let is_drawn = |line: &ParsedStatement<'_>| {
@@ -139,7 +140,7 @@ pub(crate) fn make_definitions_equations(
         let has_part = |rule| line.pair.clone().into_inner().any(|part| part.as_rule() == rule);
         let is_restricted = has_part(Rule::restriction);
         let in_terms_of_z = is_here("z") && !is_restricted && !is_here("x") && !is_here("y");
-        // A leftover radius is common, the other names are not.
+        // Texts often define a radius that they do not use, but not the other names.
         let is_alone = may_be_alone
             && !is_restricted
             && !has_part(Rule::range)

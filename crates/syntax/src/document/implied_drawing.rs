@@ -27,7 +27,7 @@ pub(crate) fn implied_drawing(
         let call = Expr::new(ExprKind::Call(function, arguments), span);
         let is_constant = is_plain_number(&definition.body);
         let expr = match parameters.as_slice() {
-            // Such a function is an equation that a name was taken for, as in `gyroid(x, y, z) = 0`.
+            // A function with a constant value was meant as an equation: `gyroid(x, y, z) = 0`.
             ["x", "y", "z"] if is_constant => continue,
             ["x", "y", "z"] => call.equals(Expr::of_digits("0", span)),
             ["x", "y"] => coordinate(Axis::Z).equals(call),

@@ -1,13 +1,13 @@
-//! Reads a text by the rules, or else as it was probably meant: with brackets closed that are open
-//! at the end of a line, or with decimal commas.
+//! Reads a text by the rules, or else as it was probably meant. Brackets that are open at the end
+//! of a line are closed, or commas are read as decimal commas.
 
 use crate::document::reading::{DocumentReader, Options};
 use zeroset_parser::lex::decimal_comma::with_points;
 use zeroset_parser::{ErrorKind, Errors};
 
-/// Reads `text` by `read`, at first as it stands. If brackets are open at its end, closes them at
-/// the ends of their lines. If that fails, reads all commas between digits as decimal commas. If
-/// all fail, returns the errors of the first reading.
+/// Reads `text` by `read`, at first as it stands. If brackets are open at its end, reads it again
+/// with them closed at the ends of their lines. If it has other errors, reads it again with decimal
+/// commas between digits. If the second reading fails, returns the errors of the first.
 pub(crate) fn with_other_readings<T>(
     text: &str,
     options: &Options<'_>,

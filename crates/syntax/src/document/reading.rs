@@ -166,7 +166,8 @@ pub(crate) fn read(text: &str, options: &Options<'_>) -> Result<Document, Errors
     with_other_readings(text, options, |reader| reader.read())
 }
 
-/// Returns the statements of a text, with every name resolved. An expression list has none.
+/// Returns the statements of a text, with every name resolved. For an expression list, there are no
+/// statements.
 ///
 /// # Errors
 /// Fails if a statement or a line about the picture has an error. Each gives at most one error.

@@ -7,7 +7,7 @@ use zeroset_parser::{MAX_NOTES, Note, NoteKind};
 /// Longest line that a note repeats, in characters.
 const LONGEST: usize = 80;
 
-/// Notes on the surfaces that are proven to be none, for the current values of the parameters.
+/// Notes on equations whose zeros are proven to be no surface, at the parameters' current values.
 pub(crate) fn thin_zeros_notes(
     graph: &Graph,
     surfaces: &[Surface],

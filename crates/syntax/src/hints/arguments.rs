@@ -25,7 +25,7 @@ pub(super) fn proposals(mistake: &Mistake<'_>) -> Vec<Proposal> {
     let all = calls(mistake.line);
     let Some(call) = all.iter().rfind(|call| around(call)) else { return Vec::new() };
     let mut proposals = Vec::new();
-    // A number that must be whole is near the one that was typed.
+    // Rounds a number that must be whole.
     let whole = mistake.typed().parse::<f64>().ok().filter(|number| number.fract() != 0.0);
     proposals.extend(whole.map(|number| {
         let number = number.ceil().max(1.0).to_string();
@@ -82,7 +82,7 @@ pub(super) fn proposals(mistake: &Mistake<'_>) -> Vec<Proposal> {
     proposals
 }
 
-/// Other orders of two or three arguments.
+/// Other orders of two to four arguments.
 fn orders<'a>(given: &[&'a str]) -> Vec<Vec<&'a str>> {
     match *given {
         [a, b] => vec![vec![b, a]],

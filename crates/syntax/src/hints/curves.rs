@@ -18,14 +18,14 @@ pub(super) fn proposals(mistake: &Mistake<'_>) -> Vec<Proposal> {
     all
 }
 
-/// The only name of a parameter that occurs in a text.
+/// The name of a parameter, if exactly one occurs in a text.
 fn parameter(text: &str) -> Option<&'static str> {
     let words: Vec<&str> = pieces(text).into_iter().map(|piece| &text[piece]).collect();
     let mut found = PARAMETERS.into_iter().filter(|name| words.contains(name));
     found.next().filter(|_| found.next().is_none())
 }
 
-/// A range for a parameter: a circle's for functions of angles, and a short one otherwise.
+/// A range for a parameter: a long one if functions such as `sin` occur, else a short one.
 fn range(text: &str) -> &'static str {
     let is_turning = ["sin", "cos", "exp"].iter().any(|function| text.contains(function));
     if is_turning { "[0, 20]" } else { "[0, 1]" }
@@ -71,7 +71,7 @@ fn with_axes(mistake: &Mistake<'_>) -> Option<Proposal> {
     Some(Proposal::new(why, format!("{curve}{} for t in [-3, 3]", &line[end..])))
 }
 
-/// A slider as in other systems.
+/// Sliders in the notations of other systems.
 fn sliders(mistake: &Mistake<'_>) -> Vec<Proposal> {
     const PATTERNS: [&str; 19] = [
         "slider(N, V, U)",
@@ -97,7 +97,7 @@ fn sliders(mistake: &Mistake<'_>) -> Vec<Proposal> {
     let mut all = Vec::new();
     let found = PATTERNS.iter().filter_map(|pattern| slider(pattern, mistake.line));
     all.extend(found.map(|line| Proposal::new("a slider has a value and a range", line)));
-    // A definition such as `r = [0, 5]` is used as a number elsewhere, and the error is there.
+    // The error of a definition such as `r = [0, 5]` is on the line that uses it as a number.
     for line in mistake.text.lines().filter(|line| *line != mistake.line) {
         if let Some(slider) = slider("N = [V, U]", line) {
             let corrected = mistake.text.replacen(line, &slider, 1);
@@ -166,7 +166,8 @@ fn vectors(mistake: &Mistake<'_>) -> Vec<Proposal> {
     all
 }
 
-/// A name that stands for a condition, as the function that is at most 0 where it holds.
+/// A name that stands for a condition. The correction is a function that is at most 0 where the
+/// condition holds.
 fn condition_of_name(mistake: &Mistake<'_>) -> Vec<Proposal> {
     const PATTERNS: [(&str, &str); 6] = [
         ("N = A <= B and C <= D", "N = max(A - B, C - D)"),

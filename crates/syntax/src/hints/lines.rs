@@ -4,7 +4,8 @@ use super::pattern::{filled, matched};
 use super::{Mistake, Proposal};
 use zeroset_parser::ErrorKind;
 
-/// Statements that are written otherwise here: the pattern, the reason, and the same here.
+/// Statements that are written otherwise here: the pattern, the reason, and templates in this
+/// language.
 #[rustfmt::skip] // one row a line
 const LINES: &[(&str, &str, &[&str])] = &[
     // Signs.
@@ -82,7 +83,7 @@ const LINES: &[(&str, &str, &[&str])] = &[
     ("if P: A = C", "a condition stands in braces", &["A = C {P}"]),
     ("if P then A = C", "a condition stands in braces", &["A = C {P}"]),
     ("if (P) A = C", "a condition stands in braces", &["A = C {P}"]),
-    // Calls that are not alone.
+    // Calls inside of statements.
     ("A = iterate(B, C)", "give the function a name", &["f(x) = B\nA = iterate(f, C, x)"]),
     ("A = [B for N in range(C)]", "a list is not a number; its sum is", &["A = sum(N = 0..(C - 1), B)"]),
     ("A = [B for N in range(C, D)]", "a list is not a number; its sum is", &["A = sum(N = C..(D - 1), B)"]),
@@ -289,7 +290,7 @@ const SIGNS: &[(&str, &str)] = &[
     ("cosine of ", "cos "),
 ];
 
-/// Advice on statements for which there is no line to read: commands, files, other programs.
+/// Advice on statements that have no corrected line: commands, files, other programs.
 pub(super) fn unread(mistake: &Mistake<'_>) -> Option<String> {
     const COMMANDS: [&str; 6] = ["save", "load", "open", "export", "quit", "help"];
     let line = mistake.line;
@@ -341,7 +342,7 @@ pub(super) fn proposals(mistake: &Mistake<'_>) -> Vec<Proposal> {
     all
 }
 
-/// Corrections of brackets without a counterpart, and of lines that end with a sign.
+/// Corrections of unpaired or empty brackets, and of signs without an operand.
 fn of_brackets_and_signs(mistake: &Mistake<'_>) -> Vec<Proposal> {
     let line = mistake.line;
     let mut all = Vec::new();

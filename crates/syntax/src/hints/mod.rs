@@ -1,7 +1,8 @@
 //! Hints that say what to write: each is a whole line, and the line has been read.
 //!
-//! For an error, tables and a few functions propose corrected lines. The first one that reads, with
-//! the rest of the text, becomes the error's advice. So a hint never leads to the next error.
+//! For an error, tables and a few functions propose corrected lines. Each is read together with the
+//! rest of the text. The first one without an error becomes the advice. So a hint never leads to
+//! the next error.
 //! Nothing here changes how a text is read.
 
 mod arguments;
@@ -31,17 +32,17 @@ pub(crate) struct Proposal {
     pub why: String,
     /// The text to write in place of the statement, in one or more lines.
     pub line: String,
-    /// True if it takes the place of the whole text.
+    /// True if `line` takes the place of the whole text.
     is_text: bool,
 }
 
 impl Proposal {
-    /// Another text.
+    /// A correction of the whole text.
     fn text(why: impl Into<String>, text: impl Into<String>) -> Self {
         Self { is_text: true, ..Self::new(why, text) }
     }
 
-    /// Another statement.
+    /// A correction of the statement.
     fn new(why: impl Into<String>, line: impl Into<String>) -> Self {
         Self { why: why.into(), line: line.into(), is_text: false }
     }
@@ -106,7 +107,7 @@ pub fn read_bytes(bytes: &[u8], options: &Options<'_>) -> Result<Document, Error
     }
 }
 
-/// The errors with advice on what to write, where a line is known that reads.
+/// Adds advice to the errors for which a corrected line can be read.
 fn advised(text: &str, options: &Options<'_>, mut errors: Errors) -> Errors {
     if text.len() > MOST_TEXT {
         return errors;
@@ -178,7 +179,7 @@ fn advice(
             }
         };
         if is_better {
-            // Lines that stay as they are go without saying.
+            // Unchanged lines are not repeated.
             let is_new = |one: &&str| text.lines().all(|other| other.trim() != one.trim());
             let new: Vec<&str> = line.lines().filter(is_new).collect();
             let line = new.join("` and below it `");
@@ -193,7 +194,7 @@ fn advice(
     None
 }
 
-/// Returns whether the only error is that a text only defines.
+/// Returns whether the only error is that the text draws nothing.
 fn is_definition(errors: &Errors) -> bool {
     errors.iter().all(|error| matches!(error.kind, ErrorKind::NothingToDraw { .. }))
 }

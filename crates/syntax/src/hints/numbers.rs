@@ -52,8 +52,8 @@ pub(super) fn proposals(mistake: &Mistake<'_>) -> Vec<Proposal> {
     all
 }
 
-/// The line with `change` applied behind each number: it gets the text behind the number and
-/// returns its replacement with the number of bytes that it replaces.
+/// Applies `change` behind each number of a line. It gets the text behind the number, and returns a
+/// replacement and the number of bytes to replace.
 fn behind_numbers(line: &str, change: impl Fn(&str) -> Option<(&'static str, usize)>) -> String {
     let mut text = String::new();
     let mut at = 0;
@@ -88,7 +88,7 @@ fn with_degrees(line: &str) -> String {
     behind_numbers(line, |rest| Some(("°", word_length(rest, &DEGREES)?)))
 }
 
-/// The digits and separators of each number, changed.
+/// Applies `change` to the digits and separators of each number of a line.
 fn numbers(line: &str, change: impl Fn(&str) -> Option<String>) -> String {
     let mut text = String::new();
     let mut rest = line;
@@ -103,7 +103,7 @@ fn numbers(line: &str, change: impl Fn(&str) -> Option<String>) -> String {
     text + rest
 }
 
-/// `1,000,000` and `1.000,5` without separators.
+/// Removes the separators of thousands, as in `1,000,000` and `1.000,5`.
 fn without_separators(line: &str) -> String {
     numbers(line, |number| {
         let separator = number.chars().find(|c| !c.is_ascii_digit())?;
@@ -143,7 +143,7 @@ fn with_points(line: &str) -> String {
     })
 }
 
-/// A name with an index below it, as in `y₂`, as a power.
+/// Raises the index of a name, as in `y₂`, so that it is a power.
 fn raised(mistake: &Mistake<'_>) -> String {
     let power = |c: char| {
         let digit = u32::from(c).checked_sub(u32::from('₀')).filter(|digit| *digit < 10);

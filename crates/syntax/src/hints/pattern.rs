@@ -1,14 +1,14 @@
-//! Patterns of statements. A capital letter stands for a part with paired brackets and without
-//! relations, `P` and `Q` also for a condition, `S` and `T` for a call, `N` for a name, `U` and `V`
-//! for numbers. All else stands for itself. Blanks do not matter.
+//! Patterns of statements. A capital letter stands for a part of a statement with paired brackets
+//! and without relations. `P` and `Q` may also stand for conditions. `S` and `T` stand for calls,
+//! `N` for a name, `U` and `V` for numbers. All else stands for itself. Blanks do not matter.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Largest number of pieces of a statement that is compared.
+/// Largest number of pieces of a statement that is compared with patterns.
 const MOST_PIECES: usize = 80;
 
-/// What the letters of a pattern stand for.
+/// The parts of a statement for which the letters of a pattern stand.
 pub(crate) type Parts<'a> = BTreeMap<char, &'a str>;
 
 /// The words, numbers and signs of a text.
@@ -39,7 +39,7 @@ pub(crate) fn pieces(text: &str) -> Vec<Range<usize>> {
 
 /// The parts of `text` that the letters of `pattern` stand for, if they match.
 pub(crate) fn matched<'a>(pattern: &str, text: &'a str) -> Option<Parts<'a>> {
-    // Most patterns have a word or a sign that the text lacks.
+    // Rejects most patterns quickly: they have a word or a sign that the text lacks.
     let is_literal =
         |word: &&str| !word.contains(|c: char| c.is_uppercase() || "(){}[],:".contains(c));
     if pattern.split(' ').filter(is_literal).any(|word| !text.contains(word)) {
@@ -94,7 +94,7 @@ fn is_atom(part: &str) -> bool {
     !is_closed_before_end
 }
 
-/// The letter of a pattern that a piece is.
+/// The letter, if a piece of a pattern is a single capital letter.
 fn letter(piece: &str) -> Option<char> {
     let mut chars = piece.chars();
     chars.next().filter(|c| c.is_ascii_uppercase() && chars.next().is_none())
@@ -160,7 +160,7 @@ pub(crate) struct Call<'a> {
     pub range: Range<usize>,
 }
 
-/// All calls in a statement, the inner ones of a call behind it.
+/// All calls in a statement. Inner calls follow the call that contains them.
 pub(crate) fn calls(text: &str) -> Vec<Call<'_>> {
     let all = pieces(text);
     let mut calls = Vec::new();

@@ -1,5 +1,5 @@
-//! Hints on solids of other systems: `OpenSCAD`, `JSCAD`, `CadQuery`, three.js and libfive. They are
-//! rewritten as calls, as far as the few functions here are concerned.
+//! Hints on solids of other systems: `OpenSCAD`, `JSCAD`, `CadQuery`, three.js and libfive. The
+//! most common functions are rewritten as calls.
 
 use super::pattern::pieces;
 use super::{Mistake, Proposal};
@@ -40,7 +40,7 @@ fn scheme(line: &str) -> Option<String> {
     words.next().is_none().then_some(value)
 }
 
-/// A value of libfive that begins with `first`.
+/// A value of libfive whose first word is `first`, in the notation of this language.
 fn list<'a>(
     first: &'a str,
     words: &mut impl Iterator<Item = &'a str>,
@@ -85,7 +85,7 @@ fn union(solids: &[String]) -> String {
     }
 }
 
-/// The arguments of a call: names, if there are any, and values.
+/// The arguments of a call: their names, which may be empty, and values.
 type Arguments = Vec<(String, String)>;
 
 /// Reads a program of solids.
@@ -325,7 +325,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Half of a number, or of another value.
+/// The half of a value, as a number if the value is one.
 fn half(value: &str) -> String {
     value
         .parse::<f64>()

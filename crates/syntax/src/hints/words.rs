@@ -81,7 +81,7 @@ const NAMES: &[(&str, &str)] = &[
     ("circle", "disk disc kreis circel cercle"),
 ];
 
-/// Calls that are written otherwise here: the pattern, the reason, and the same in this language.
+/// Calls that are written otherwise here: the pattern, the reason, and templates in this language.
 #[rustfmt::skip] // one row a line
 const CALLS: &[(&str, &str, &[&str])] = &[
     ("log(V, A)", "`log` takes one value; a logarithm to a base is a quotient", &["ln(A)/ln(V)"]),
@@ -201,7 +201,7 @@ const SURFACES: &[(&str, &str)] = &[
     ("tanglecube", "x^4 - 5x^2 + y^4 - 5y^2 + z^4 - 5z^2 + 11.8"),
 ];
 
-/// Functions that have no counterpart, and what to do without them.
+/// Functions that have no counterpart, and advice on each.
 #[rustfmt::skip] // one row a line
 const ABSENT: &[(&str, &str)] = &[
     ("rand random randint uniform rnd_ randn normal_random zufall Random RandomReal rand01 hash", "there are no random numbers, since each point has one value; write a number such as `0.7`"),
@@ -214,12 +214,12 @@ const ABSENT: &[(&str, &str)] = &[
     ("input prompt readline scanf", "nothing is asked here; a slider is written `a = 2 in [0, 5]`"),
 ];
 
-/// What to do without the function `name`.
+/// Advice on the function `name`, if it has no counterpart here.
 pub(super) fn absent(name: &str) -> Option<&'static str> {
     ABSENT.iter().find(|(names, _)| names.split(' ').any(|one| one == name)).map(|(_, why)| *why)
 }
 
-/// The name of this language for a name from elsewhere.
+/// The name in this language for a name from elsewhere.
 fn here(name: &str) -> Option<&'static str> {
     let is_own = |names: &str| names.split_whitespace().any(|one| one.eq_ignore_ascii_case(name));
     NAMES.iter().find(|(_, names)| is_own(names)).map(|(here, _)| *here)
@@ -268,7 +268,7 @@ pub(super) fn proposals(mistake: &Mistake<'_>) -> Vec<Proposal> {
         let why = format!("give `{name}` its formula on a line of its own");
         all.push(Proposal::new(why, format!("{name} = {function}\n{line}")));
     }
-    // All names from elsewhere in one go.
+    // Renames all calls from elsewhere at once.
     let mut renamed = line.to_owned();
     let mut others = 0;
     for call in calls(line).iter().rev() {
