@@ -26,7 +26,7 @@ fn said(arguments: &[&str]) -> String {
 
 #[test]
 fn wrong_texts_are_pointed_at_as_on_the_command_line() {
-    for text in ["x + foo(y)", "(x+1", "x $ y\nz = sinn(x)\nr = ", "x^2+y^2+", "f(x)=f(x)+1"] {
+    for text in ["x + foo(y)", "(x + * 1", "x $ y\nz = sinn(x)\nr = ", "x^2+y^2+", "f(x)=f(x)+1"] {
         let error = Scene::read(text).expect_err("wrong");
         assert_eq!(said(&[text]), format!("{error}\n"));
         assert_eq!(Function::parse(text).expect_err("wrong"), error);

@@ -299,9 +299,16 @@ fn commands_are_answered() {
 #[test]
 fn definitions_may_come_first() {
     let live = start("", 32);
-    assert!(matches!(live.enter("r = 2"), Ok(Reply::Say(_))));
-    live.enter("x^2+y^2+z^2 = r^2").expect("now it is complete");
+    assert!(matches!(live.enter("w = 2"), Ok(Reply::Say(_))));
+    live.enter("x^2+y^2+z^2 = w^2").expect("now it is complete");
     settled(&live);
+    assert_eq!(live.text(), "w = 2\nx^2+y^2+z^2 = w^2");
+    // Alone, `r = 2` is a cylinder. Beside a line that uses r, it is a value.
+    let live = start("", 32);
+    live.enter("r = 2").expect("a cylinder");
+    settled(&live);
+    live.enter("x^2+y^2+z^2 = r^2").expect("a sphere");
+    assert_eq!(settled(&live).document.parameters.len(), 1);
     assert_eq!(live.text(), "r = 2\nx^2+y^2+z^2 = r^2");
 }
 

@@ -175,7 +175,7 @@ fn a_file_is_followed_while_the_prompt_waits() {
     let (mut terminal, path) = following("x = 1");
     std::fs::write(&path, "x = (1 = y").expect("written");
     terminal.shows("is never closed");
-    terminal.shows("surface.zset:1:7");
+    terminal.shows("surface.zset:1:11");
     std::fs::write(&path, "x = 0.75").expect("written");
     lists(&mut terminal, "x = 0.75");
     terminal.type_in(":q\r");

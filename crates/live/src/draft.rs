@@ -412,7 +412,7 @@ mod tests {
         );
         assert_eq!(entered("x", "color blue; y", true), "x\ncolor blue; y");
         assert_eq!(entered("x", "title \"a; b\"", false), "x\ntitle \"a; b\"");
-        assert!(draws("", "domain 2; x^2+y^2 = 1") && !draws("", "domain 2; r = 3"));
+        assert!(draws("", "domain 2; x^2+y^2 = 1") && !draws("", "domain 2; a = 3"));
     }
 
     #[test]
@@ -451,7 +451,7 @@ mod tests {
         for (text, line) in [("", "x+y"), ("", "y = x^2"), ("r = 2", "x^2+y^2 = r")] {
             assert!(draws(text, line), "{line}");
         }
-        for line in ["r = 2", "domain 2", "x^2+y^2 = r"] {
+        for line in ["a = 2", "domain 2", "x^2+y^2 = r"] {
             assert!(!draws("", line), "{line}");
         }
     }

@@ -1,6 +1,7 @@
 //! Finds where a document's text defines a value, and formats values. Knows definitions and their
 //! ranges, but no pictures.
 
+use std::borrow::Cow;
 use std::ops::Range;
 use zeroset_parser::Limits;
 use zeroset_parser::tree::ast::Statement;
@@ -43,9 +44,19 @@ pub(super) fn name(statement: &Statement) -> Option<&str> {
     }
 }
 
+/// A line, and a use of the coordinate that it may define: alone, `rho = 2` is a surface.
+fn with_use(line: &str) -> Cow<'_, str> {
+    let name = line.split('=').next().unwrap_or_default().trim();
+    if ["r", "rho", "theta", "phi"].contains(&name) {
+        format!("{line}\n0 = {name}").into()
+    } else {
+        line.into()
+    }
+}
+
 /// The names that a line defines. Empty for a formula, and for a line with errors.
 pub fn defined(line: &str) -> Vec<String> {
-    let statements = parse(line, &Limits::default()).unwrap_or_default();
+    let statements = parse(&with_use(line), &Limits::default()).unwrap_or_default();
     statements.iter().filter_map(name).map(str::to_owned).collect()
 }
 
@@ -65,7 +76,7 @@ pub(super) fn right_side(text: &str, name: &str) -> Option<(String, String)> {
 /// gives one, or if a value is not a number.
 pub(super) fn kept_range(text: &str, line: &str, name: &str) -> Option<String> {
     let (low, high) = place(text, name)?.range?;
-    let Place { body, range: None } = place(line, name)? else { return None };
+    let Place { body, range: None } = place(&with_use(line), name)? else { return None };
     let (value, low, high) = (line.get(body)?, text.get(low)?, text.get(high)?);
     let (least, most, at) = (number(low)?, number(high)?, number(value)?);
     let low = if at < least { value } else { low };

@@ -196,6 +196,11 @@ impl Arranger<'_> {
                 if inner.is_empty() && token.kind == OpenBrace && between.contains(r"\text") {
                     continue;
                 }
+                let is_base = tokens.peek().is_some_and(|next| next.kind == Caret);
+                if token.kind == OpenBrace && !is_base && self.is_power_of_command(&inner) {
+                    segment.extend(inner.into_iter().map(TokenTree::Leaf));
+                    continue;
+                }
                 let group = self.group((token, close), inner, open.is_some(), segment.last());
                 segment.push(group);
                 continue;
@@ -245,6 +250,13 @@ impl Arranger<'_> {
         Ok(arranged)
     }
 
+    /// Returns whether braces hold a power of a command, as in LaTeX's `{\cos ^2}\varphi`. They then
+    /// mean nothing.
+    fn is_power_of_command(&self, inner: &[Token]) -> bool {
+        let [name, power, number] = inner else { return false };
+        (power.kind, number.kind) == (Caret, Number) && self.typed(*name).starts_with('\\')
+    }
+
     /// Groups a pair of brackets with its contents. Braces are a choice if they hold a colon, and
     /// may be a list if they hold a comma.
     fn group(
@@ -264,7 +276,15 @@ impl Arranger<'_> {
             inner.iter().any(|token| token.kind.is_relation() || token.kind.is_logical());
         let typed = self.typed(open);
         let is_printed = typed == r"\{" || typed == r"\lbrace";
-        if is_printed && !colon && !relation && (!comma || is_called(before)) {
+        // LaTeX may have a factor in braces, as in `z{r^3}`. A restriction has a relation.
+        let is_factor = |last: &TokenTree| {
+            let is_axis = matches!(last, TokenTree::Leaf(token) if token.kind.is_axis());
+            is_axis && typed == "{" && !comma && !inner.is_empty()
+        };
+        let is_value = !colon && !relation;
+        if is_printed && is_value && (!comma || is_called(before))
+            || is_value && self.text.contains('\\') && before.is_some_and(is_factor)
+        {
             (open.kind, close.kind) = (OpenParen, CloseParen);
         } else if open.kind == OpenBrace && colon {
             (open.kind, close.kind) = (OpenChoice, CloseChoice);

@@ -67,9 +67,10 @@ pub(crate) fn foreign(rest: &str, context: LexContext) -> Option<(TokenKind, usi
             if context.touching == Some(TokenKind::Name) && rest[1..].starts_with('(') {
                 return Some((Blank, 1));
             }
-            // Mathematica's product of lists, as in `{a, b}.{c, d}`.
-            (context.touching == Some(CloseBrace) && rest[1..].starts_with('{'))
-                .then_some((DotProduct, 1))
+            // A product of vectors, as in Mathematica's `{a, b}.{c, d}` and in `(a, b).(c, d)`.
+            (matches!(context.touching, Some(CloseBrace | CloseParen))
+                && rest[1..].starts_with(['{', '(']))
+            .then_some((DotProduct, 1))
         }
         // All elements of an array in MATLAB, as in `R(:)`.
         '(' if rest.starts_with("(:)") && context.touching == Some(TokenKind::Name) => {

@@ -13,7 +13,7 @@ use zeroset_parser::tree::ast::{Definition, ExprKind, Name, NamedValue, Statemen
 use zeroset_parser::tree::builder::Builder;
 use zeroset_parser::tree::built_statement::BuiltStatement;
 use zeroset_parser::tree::grammar::Rule;
-use zeroset_parser::tree::raw_statement::{Head, ValueConversion};
+use zeroset_parser::tree::raw_statement::ValueConversion;
 use zeroset_parser::tree::scope::{NameMeaning, Scope, built_in, canonical};
 use zeroset_parser::tree::statement::ParsedStatement;
 use zeroset_parser::{Limits, Note, NoteKind, Span};
@@ -96,13 +96,7 @@ pub(crate) fn make_definitions_equations(
     };
     // A function may be what is drawn. A constant beside it is then one of its numbers.
     let may_be_alone = !is_program && !lines.iter().any(is_function);
-    // `z = x*y` is no definition, since coordinates have no definitions.
-    let is_drawn = |line: &ParsedStatement<'_>| {
-        let is_axes = |head: &Head| head.name.text.chars().all(|c| matches!(c, 'x' | 'y' | 'z'));
-        line.is_curve()
-            || line.pair.as_rule() == Rule::line && line.head.as_ref().is_none_or(is_axes)
-    };
-    let draws = lines.iter().any(is_drawn);
+    let is_one_line = lines.len() == 1 && !text.trim().contains('\n');
     let used_by_curve = |lines: &[ParsedStatement<'_>], own: &str| {
         let is_own = |token: &Token| canonical(&plain_name(&text[token.span.range()])) == Some(own);
         let curves = lines.iter().filter(|line| line.is_located());
@@ -140,12 +134,12 @@ pub(crate) fn make_definitions_equations(
         let has_part = |rule| line.pair.clone().into_inner().any(|part| part.as_rule() == rule);
         let is_restricted = has_part(Rule::restriction);
         let in_terms_of_z = is_here("z") && !is_restricted && !is_here("x") && !is_here("y");
-        // Texts often define a radius that they do not use, but not the other names.
+        // Texts of several lines often define a radius that they do not use, but not the others.
         let is_alone = may_be_alone
             && !is_restricted
             && !has_part(Rule::range)
             && !["x", "y", "z", "r", "rho", "theta", "phi"].into_iter().any(is_here)
-            && (own != "r" || !draws)
+            && (own != "r" || is_one_line)
             && !scope.is_defined(own)
             && !used_by_curve(lines, own);
         if (in_terms_of_others || in_terms_of_z || is_alone) && !used_elsewhere {

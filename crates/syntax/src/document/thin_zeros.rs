@@ -1,7 +1,7 @@
 //! Notes on equations whose zeros are no surface: a point, a line, a curve, or nothing.
 
 use super::reading::{Parameter, Surface, SurfaceKind};
-use zeroset_ir::{Graph, NodeId, ThinZeros, compact, display, substitute, thin_zeros};
+use zeroset_ir::{Graph, Node, NodeId, ThinZeros, compact, display, substitute, thin_zeros};
 use zeroset_parser::{MAX_NOTES, Note, NoteKind};
 
 /// Longest line that a note repeats, in characters.
@@ -21,6 +21,10 @@ pub(crate) fn thin_zeros_notes(
             let name = graph.parameter(parameter.number);
             let value = graph.constant(parameter.value.clone());
             root = substitute(&mut graph, root, name, value);
+        }
+        // A constant is refused later.
+        if matches!(graph.node(root), Node::Constant(_)) {
+            return None;
         }
         let zeros = thin_zeros(&mut graph, root)?;
         Some(Note { span: surface.span, kind: kind(&graph, zeros) })
