@@ -196,11 +196,6 @@ impl Arranger<'_> {
                 if inner.is_empty() && token.kind == OpenBrace && between.contains(r"\text") {
                     continue;
                 }
-                let is_base = tokens.peek().is_some_and(|next| next.kind == Caret);
-                if token.kind == OpenBrace && !is_base && self.is_power_of_command(&inner) {
-                    segment.extend(inner.into_iter().map(TokenTree::Leaf));
-                    continue;
-                }
                 let group = self.group((token, close), inner, open.is_some(), segment.last());
                 segment.push(group);
                 continue;
@@ -248,13 +243,6 @@ impl Arranger<'_> {
             arranged.extend(comma);
         }
         Ok(arranged)
-    }
-
-    /// Returns whether braces hold a power of a command, as in LaTeX's `{\cos ^2}\varphi`. They then
-    /// mean nothing.
-    fn is_power_of_command(&self, inner: &[Token]) -> bool {
-        let [name, power, number] = inner else { return false };
-        (power.kind, number.kind) == (Caret, Number) && self.typed(*name).starts_with('\\')
     }
 
     /// Groups a pair of brackets with its contents. Braces are a choice if they hold a colon, and
