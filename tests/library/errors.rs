@@ -40,7 +40,7 @@ fn wrong_texts_are_pointed_at_as_on_the_command_line() {
         }
     }
     let error = Scene::read("x + sinn(y)").expect_err("wrong");
-    assert_eq!(error.diagnostics()[0].suggestion, Some((4..8, "sign".to_owned())));
+    assert_eq!(error.diagnostics()[0].suggestion, Some((4..8, "sin".to_owned())));
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use super::reading::{Parameter, Surface, SurfaceKind};
 use zeroset_ir::{Graph, Node, NodeId, ThinZeros, compact, display, substitute, thin_zeros};
+use zeroset_ops::Op;
 use zeroset_parser::{MAX_NOTES, Note, NoteKind};
 
 /// Longest line that a note repeats, in characters.
@@ -22,11 +23,12 @@ pub(crate) fn thin_zeros_notes(
             let value = graph.constant(parameter.value.clone());
             root = substitute(&mut graph, root, name, value);
         }
-        // A constant is refused later.
-        if matches!(graph.node(root), Node::Constant(_)) {
+        let zeros = thin_zeros(&mut graph, root)?;
+        // A constant is refused later, and so is a root that has no value anywhere.
+        let is_refused = matches!(graph.node(root), Node::Constant(_) | Node::Apply(Op::Sqrt, _));
+        if is_refused && matches!(zeros, ThinZeros::Nowhere) {
             return None;
         }
-        let zeros = thin_zeros(&mut graph, root)?;
         Some(Note { span: surface.span, kind: kind(&graph, zeros) })
     };
     equations.take(MAX_NOTES).filter_map(note).collect()
