@@ -170,9 +170,11 @@ pub(crate) fn scan_closing(text: &str, limits: &Limits, closures: &[Closure]) ->
     Ok(Scanned { statements, open })
 }
 
-/// Words that occur only in programs of Python.
+/// Words that occur only in programs of Python. Each has one of [`PYTHON_SIGNS`].
 const PYTHON: &str = "np. numpy. plt. mlab. measure.marching_cubes go.Figure( go.Isosurface( pv. k3d. mcubes. ipv. \
     mgrid[ symbols( Symbol( lambdify( Piecewise(( plot3d_parametric_line( sum([ Symb( .subs(";
+
+const PYTHON_SIGNS: [char; 3] = ['.', '(', '['];
 
 /// Returns whether a text is a program in Python, in which `//` divides and quotation marks enclose
 /// strings.
@@ -186,9 +188,12 @@ pub fn is_python(text: &str) -> bool {
             || is_import && !line.trim_end().ends_with(';')
     };
     let has_comment = || text.lines().any(|line| line.trim_start().starts_with("//"));
+    // Most formulas have none of these signs, and each formula that is typed is read several times.
+    let has_word =
+        || text.contains(PYTHON_SIGNS) && PYTHON.split(' ').any(|word| text.contains(word));
     let is_found = text.lines().any(is_statement)
         || text.contains("lambda x") && !text.contains("implicit_plot3d")
-        || PYTHON.split(' ').any(|word| text.contains(word));
+        || has_word();
     is_found && !has_comment()
 }
 
