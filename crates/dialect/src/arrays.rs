@@ -292,6 +292,17 @@ impl ProgramReader<'_> {
         values: &[Token],
         frame: &mut Frame,
     ) -> Fallible<Vec<Vec<(Token, LoopValue)>>> {
+        // Numbers need no elements.
+        if pattern.len() == 1
+            && let Ok(all) = self.values(name, values, frame)
+            && all.iter().all(|value| match value {
+                LoopValue::Known(_) => true,
+                LoopValue::Typed(tokens) => self.known_value(tokens, frame).is_some(),
+                LoopValue::Several(_) => false,
+            })
+        {
+            return Ok(all.into_iter().map(|value| vec![(name, value)]).collect());
+        }
         if let Some(elements) = self.elements(values, frame) {
             let round = |(element, number): &(Element, Option<Element>)| {
                 let bindings = Self::bindings_of(pattern, element, number.as_ref())?;
@@ -334,6 +345,10 @@ impl ProgramReader<'_> {
             let before = |sign: &str| inner.iter().position(|token| word(token) == sign);
             let start = before("for")?;
             let within = start + inner[start..].iter().position(|token| token.kind == In)?;
+            // A condition is read with the whole generator.
+            if inner[within..].iter().any(|token| word(token) == "if") {
+                return None;
+            }
             (
                 inner[..start].to_vec(),
                 inner[start + 1..within].to_vec(),

@@ -12,6 +12,7 @@ use zeroset_parser::{Error, ErrorKind, Fallible, Note, NoteKind, Span};
 /// y) is drawn: its zero set for (x, y, z), its graph for (x, y). Functions with `generated` names
 /// do not count.
 pub(crate) fn implied_drawing(
+    text: &str,
     definitions: &[(&Definition, &BuiltStatement)],
     generated: &FxHashSet<String>,
 ) -> Fallible<(BuiltStatement, Note)> {
@@ -25,7 +26,9 @@ pub(crate) fn implied_drawing(
         let arguments: Vec<Expr> =
             Axis::ALL.iter().take(parameters.len()).map(|axis| coordinate(*axis)).collect();
         let call = Expr::new(ExprKind::Call(function, arguments), span);
-        let is_constant = is_plain_number(&definition.body);
+        let head = text.get(span.end..definition.body.span.start).unwrap_or_default();
+        let is_constant =
+            is_plain_number(&definition.body) && head.contains('=') && !head.contains('\n');
         let expr = match parameters.as_slice() {
             // A function with a constant value was meant as an equation: `gyroid(x, y, z) = 0`.
             ["x", "y", "z"] if is_constant => continue,

@@ -343,7 +343,8 @@ impl<'a> DocumentReader<'a> {
         let used: FxHashSet<&str> =
             built.iter().flat_map(|b| &b.used).chain(&settings.used).map(String::as_str).collect();
         let drawn: Vec<&BuiltStatement> = drawings.iter().chain(&curves).copied().collect();
-        let implied = drawn.is_empty().then(|| implied_drawing(&definitions, &self.generated));
+        let implied =
+            drawn.is_empty().then(|| implied_drawing(self.text, &definitions, &self.generated));
         let drawn_name = match &implied {
             Some(Ok((statement, _))) => statement.used.iter().next(),
             _ => None,

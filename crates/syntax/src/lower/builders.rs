@@ -362,8 +362,13 @@ fn bind(
         let Some(value) = value else {
             return Err(wrong(before, *place, name, needs(*role), kind_of(first)));
         };
+        // As in `translate(1, 0, 0, sphere(1))`: the shape is the last argument in other systems.
+        let is_fixed = |one: &(Tensor, Span)| matches!(one.0, Tensor::Number(node) if is_constant(graph, node));
+        let ends_with_shape = arguments.len() == 4
+            && arguments[1..3].iter().all(is_fixed)
+            && matches!(arguments[3].0, Tensor::Number(last) if !is_constant(graph, last));
         let is_solid = matches!(role, Role::Shape | Role::Distance) && row.join.is_none();
-        if let (true, Tensor::Number(node)) = (is_solid && row.least() > 1, &value)
+        if let (true, Tensor::Number(node)) = (is_solid && ends_with_shape, &value)
             && is_constant(graph, *node)
         {
             return Err(wrong(before, *place, name, needs(*role), "a number"));
