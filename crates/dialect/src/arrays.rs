@@ -7,13 +7,14 @@
 use crate::control_flow::LoopValue;
 use crate::known_numbers::number_expr;
 use crate::language::Language;
+use crate::numpy::{joined, separated};
 use crate::program_reader::{Frame, ProgramReader, Statements};
 use crate::program_words::is_type;
 use std::ops::Range;
 use zeroset_parser::lex::spelling::{is_name_char, plain_name};
 use zeroset_parser::lex::token::{Token, bracketed, closing, in_brackets, outside, split};
 use zeroset_parser::lex::token_kind::TokenKind::{self, *};
-use zeroset_parser::{Fallible, Span};
+use zeroset_parser::Fallible;
 
 /// Largest number of elements of an array.
 const MOST_ELEMENTS: usize = 200;
@@ -43,14 +44,8 @@ impl Element {
         if let Some(whole) = &self.whole {
             return in_brackets(whole);
         }
-        let mut inner: Vec<Token> = Vec::new();
-        for (_, part) in &self.parts {
-            if let Some(first) = part.first().filter(|_| !inner.is_empty()) {
-                inner.push(Token::new(Comma, Span::at(first.span.start)));
-            }
-            inner.extend(part);
-        }
-        in_brackets(&inner)
+        let parts: Vec<Vec<Token>> = self.parts.iter().map(|(_, part)| part.clone()).collect();
+        in_brackets(&separated(&parts))
     }
 }
 
@@ -218,7 +213,10 @@ impl ProgramReader<'_> {
                 || behind.starts_with(['[', '('])
                 || behind.starts_with(".reduce")
                 || behind.starts_with('}') && before.ends_with(',')
-                || BEFORE.iter().any(|word| before.ends_with(word))
+                || BEFORE.iter().any(|word| {
+                    let rest = before.strip_suffix(word);
+                    rest.is_some_and(|rest| !rest.ends_with(is_name_char))
+                })
                 || before.contains("total") && behind.starts_with([')', '\\'])
         };
         self.uses(name).count() > 1 && self.uses(name).all(is_selected)
@@ -292,17 +290,6 @@ impl ProgramReader<'_> {
         values: &[Token],
         frame: &mut Frame,
     ) -> Fallible<Vec<Vec<(Token, LoopValue)>>> {
-        // Numbers need no elements.
-        if pattern.len() == 1
-            && let Ok(all) = self.values(name, values, frame)
-            && all.iter().all(|value| match value {
-                LoopValue::Known(_) => true,
-                LoopValue::Typed(tokens) => self.known_value(tokens, frame).is_some(),
-                LoopValue::Several(_) => false,
-            })
-        {
-            return Ok(all.into_iter().map(|value| vec![(name, value)]).collect());
-        }
         if let Some(elements) = self.elements(values, frame) {
             let round = |(element, number): &(Element, Option<Element>)| {
                 let bindings = Self::bindings_of(pattern, element, number.as_ref())?;
@@ -316,6 +303,9 @@ impl ProgramReader<'_> {
         }
         let names: Vec<Token> =
             pattern.iter().filter(|token| token.kind.is_name()).copied().collect();
+        if names.is_empty() {
+            return Err(self.words.unsupported(name));
+        }
         let values = self.values(name, values, frame)?;
         values.into_iter().map(|value| self.loop_values(&names, value)).collect()
     }
@@ -345,10 +335,6 @@ impl ProgramReader<'_> {
             let before = |sign: &str| inner.iter().position(|token| word(token) == sign);
             let start = before("for")?;
             let within = start + inner[start..].iter().position(|token| token.kind == In)?;
-            // A condition is read with the whole generator.
-            if inner[within..].iter().any(|token| word(token) == "if") {
-                return None;
-            }
             (
                 inner[..start].to_vec(),
                 inner[start + 1..within].to_vec(),
@@ -364,7 +350,8 @@ impl ProgramReader<'_> {
         // A sum is written with signs, so `np.` of `np.sum` goes, too.
         let start = if joint == Comma { at } else { self.without_module(tokens, at) };
         let head = (joint == Comma).then_some(tokens[at]);
-        Some((start..end + 1, joined(head, &values, joint)))
+        let values = joined(&values, joint);
+        Some((start..end + 1, head.into_iter().chain(values).collect()))
     }
 
     /// Index of the module's name before the function's name at `at`; `at` without a module.
@@ -522,7 +509,7 @@ impl ProgramReader<'_> {
         let word = self.words.word(*list);
         let array = self.arrays.get(word)?;
         let values = array.elements.iter().map(|one| self.bound(inner, &[(*list, one.clone())]));
-        Some((at..at + inner.len() + 3, joined(None, &values.collect::<Vec<_>>(), Plus)))
+        Some((at..at + inner.len() + 3, joined(&values.collect::<Vec<_>>(), Plus)))
     }
 
     /// Writes out a sum over a range of numbers, if its index selects elements of an array:
@@ -586,7 +573,7 @@ impl ProgramReader<'_> {
             values.push(term.collect());
             number += 1.0;
         }
-        Some((at..at + length, joined(None, &values, Plus)))
+        Some((at..at + length, joined(&values, Plus)))
     }
 
     /// A statement with elements in place of `c[i]`, `c[i][j]`, `c[i, j]` and `c[[i]]`.
@@ -654,16 +641,4 @@ fn joint_of(word: &str) -> Option<TokenKind> {
         "min" | "max" | "minimum" | "maximum" => Comma,
         _ => return None,
     })
-}
-
-/// The values in brackets with the sign `joint` between them, after the function's name `head`.
-fn joined(head: Option<Token>, values: &[Vec<Token>], joint: TokenKind) -> Vec<Token> {
-    let mut inner: Vec<Token> = Vec::new();
-    for value in values {
-        if let Some(first) = value.first().filter(|_| !inner.is_empty()) {
-            inner.push(Token::new(joint, Span::at(first.span.start)));
-        }
-        inner.extend(in_brackets(value));
-    }
-    head.into_iter().chain(in_brackets(&inner)).collect()
 }

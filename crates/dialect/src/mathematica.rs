@@ -2,7 +2,7 @@
 //! as `#^2 &`, and the values that a user changes.
 
 use crate::known_numbers::number_expr;
-use crate::numpy::separated;
+use crate::numpy::{joined, separated};
 use crate::plot_commands::{is_plot, minus_level};
 use crate::program_reader::{Frame, ProgramReader};
 use crate::program_words::Words;
@@ -103,7 +103,7 @@ impl ProgramReader<'_> {
                     square.extend(in_brackets(&side));
                     squares.push(square);
                 }
-                let mut all = sum(&squares);
+                let mut all = joined(&squares, Plus);
                 all.push(sign(LessEqual));
                 all.extend(in_brackets(radius));
                 all.push(sign(Star));
@@ -160,7 +160,7 @@ impl ProgramReader<'_> {
                 ("Evaluate", [value]) => Some(self.expand(value, frame)?),
                 ("Nest", [function, start, count]) => self.nested(function, start, count, frame),
                 ("Fold", [function, start, list]) => self.folded(function, start, list),
-                ("Total", [value]) => self.mapped(value).map(|list| sum(&list)),
+                ("Total", [value]) => self.mapped(value).map(|list| joined(&list, Plus)),
                 _ => None,
             };
             if let Some(value) = value {
@@ -169,14 +169,9 @@ impl ProgramReader<'_> {
                 continue;
             }
             out.push(first);
-            let mut inner = Vec::new();
-            for (index, part) in parts.iter().enumerate() {
-                if index > 0 {
-                    inner.push(Token::new(Comma, Span::at(part[0].span.start)));
-                }
-                inner.extend(self.argument(part, frame)?);
-            }
-            out.extend(inner);
+            let arguments = parts.iter().map(|part| self.argument(part, frame));
+            let arguments: Vec<Vec<Token>> = arguments.collect::<Fallible<_>>()?;
+            out.extend(separated(&arguments));
             out.push(close);
         }
         Ok(out)
@@ -340,18 +335,6 @@ impl ProgramReader<'_> {
 fn pure(function: &[Token]) -> Option<&[Token]> {
     let (last, body) = function.split_last()?;
     (last.kind == Ampersand && !body.is_empty()).then_some(body)
-}
-
-/// The sum of the values, each in brackets.
-fn sum(values: &[Vec<Token>]) -> Vec<Token> {
-    let mut all = Vec::new();
-    for value in values {
-        if !all.is_empty() {
-            all.push(Token::new(Plus, Span::at(value[0].span.start)));
-        }
-        all.extend(in_brackets(value));
-    }
-    in_brackets(&all)
 }
 
 /// The definition of a value with its start and range: `a = 1 in [0, 2]` for `{{a, 1}, 0, 2}`. With

@@ -276,24 +276,22 @@ impl Words<'_> {
     }
 }
 
-/// The values in brackets, with `sign` between them.
-fn joined(values: &[Vec<Token>], sign: TokenKind) -> Vec<Token> {
-    let mut all = Vec::new();
-    for (index, value) in values.iter().enumerate() {
-        if index > 0 {
-            all.push(Token::new(sign, Span::at(value[0].span.start)));
-        }
-        all.extend(in_brackets(value));
-    }
-    in_brackets(&all)
+/// The values in brackets, with `sign` between them, in brackets.
+pub(crate) fn joined(values: &[Vec<Token>], sign: TokenKind) -> Vec<Token> {
+    let values: Vec<Vec<Token>> = values.iter().map(|value| in_brackets(value)).collect();
+    in_brackets(&with_signs(&values, sign))
 }
 
 /// The values with commas between them.
 pub(crate) fn separated(values: &[Vec<Token>]) -> Vec<Token> {
-    let mut all = Vec::new();
-    for (index, value) in values.iter().enumerate() {
-        if index > 0 {
-            all.push(Token::new(Comma, Span::at(value[0].span.start)));
+    with_signs(values, Comma)
+}
+
+fn with_signs(values: &[Vec<Token>], sign: TokenKind) -> Vec<Token> {
+    let mut all: Vec<Token> = Vec::new();
+    for value in values {
+        if let Some(first) = value.first().filter(|_| !all.is_empty()) {
+            all.push(Token::new(sign, Span::at(first.span.start)));
         }
         all.extend(value);
     }

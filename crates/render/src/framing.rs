@@ -82,7 +82,11 @@ pub fn camera_while(
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Camera>, SceneError> {
     let framing = Framing { region: model.region(), choice, typed: model.camera(), settings };
-    if axes { framing.of_domain(&[model], wanted) } else { framing.over(&[model], false, wanted) }
+    if axes {
+        framing.of_domain(Some(model)).map(Some)
+    } else {
+        framing.over(&[model], false, wanted)
+    }
 }
 
 /// The camera that shows the whole region, unless the caller or the document sets another one.
@@ -188,25 +192,25 @@ impl Framing<'_> {
         Ok(self.usual()?.0)
     }
 
-    /// Fits the region's whole box with its axis labels. Returns `None` once `wanted` returns
-    /// false.
-    pub fn of_domain(
-        &self,
-        models: &[&Model],
-        wanted: &(dyn Fn() -> bool + Sync),
-    ) -> Result<Option<Camera>, SceneError> {
+    /// Fits the region's whole box with its axis labels. A flat curve of `model` alone is not seen
+    /// from its edge.
+    pub fn of_domain(&self, model: Option<&Model>) -> Result<Camera, SceneError> {
         let (given, view) = self.usual()?;
-        let Some(view) = view else { return Ok(Some(given)) };
+        let Some(view) = view else { return Ok(given) };
         let usual = given.displayed();
+        let stretch = self.region.stretch();
         let mut back = (usual.eye() - usual.target()).normalize();
-        if self.is_upright() {
-            let seen = view.seen(models, back, self.region, self.settings, wanted)?;
-            let Some(Seen { spots, .. }) = seen else { return Ok(None) };
+        // Whether surfaces are flat would only be seen in a small picture.
+        let alone = model.filter(|model| model.surfaces() == 0 && self.is_upright());
+        if let Some(model) = alone {
+            let places = model.curves().places();
+            let spots: Vec<Spot> =
+                places.map(|at| Spot { at: at * stretch, radius: 0.0 }).collect();
             back = flat(&spots).and_then(|normal| view.steep(normal, back)).unwrap_or(back);
         }
         let slope = FILLED_BY_DOMAIN * view.slope();
         let fitted = view.fitted_within(back, &corners(self.region), [slope * view.aspect, slope]);
-        Ok(Some(fitted.unwrap_or(usual).in_stretched(self.region.stretch())))
+        Ok(fitted.unwrap_or(usual).in_stretched(stretch))
     }
 
     /// Returns whether neither the caller nor the document chooses the upward direction.

@@ -13,8 +13,8 @@ const HEIGHT: f64 = 0.4;
 /// Largest number of surfaces in a document that is stretched.
 const SURFACES: usize = 16;
 
-/// Equations other than graphs are stretched if the extents of a given domain differ by more than
-/// this factor. Their true proportions would then be those of a needle.
+/// Equations other than graphs are stretched if the extents of the domain differ by more than this
+/// factor. Their true proportions would then be those of a needle.
 const NEEDLE: f64 = 20.0;
 
 /// Returns whether `document` consists of graphs z = f(x, y), and does not ask for equal axes.

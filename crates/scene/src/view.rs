@@ -203,7 +203,7 @@ pub fn region_while(
     let [x, y, z] = ranges.map(Option::unwrap_or_default);
     let (low, high) = (DVec3::new(x[0], y[0], z[0]), DVec3::new(x[1], y[1], z[1]));
     let region = clipped(low, high, is_ball, plane.or(typed_clip(document)))?;
-    let is_needle = || searched.is_none() && proportions::is_needle(document, &region);
+    let is_needle = || proportions::is_needle(document, &region);
     let stretch = proportions::stretch(&region, || *is_tall || is_needle());
     Ok(Some((region.with_stretch(stretch), searched)))
 }

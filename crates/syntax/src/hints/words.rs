@@ -154,7 +154,7 @@ const CALLS: &[(&str, &str, &[&str])] = &[
     ("hexagon(A)", "a hexagon is a polygon of six sides", &["polygon(6, A)"]),
     ("triangle(A)", "a triangle is a polygon of three sides", &["polygon(3, A)"]),
     ("octagon(A)", "an octagon is a polygon of eight sides", &["polygon(8, A)"]),
-    ("square(A)", "a square is a rectangle by its half sizes", &["rectangle(A, A)"]),
+    ("square(A)", "a square is a rectangle by its half sizes", &["rectangle(A/2, A/2)"]),
     ("tube(A, B, C)", "a tube is a cylinder less another", &["subtract(cylinder(A, C), cylinder(B, C + 1))"]),
     ("pipe(A, B, C)", "a pipe is a cylinder less another", &["subtract(cylinder(A, C), cylinder(B, C + 1))"]),
     ("tube(A, B)", "a tube is a thin wall in a cylinder", &["shell(cylinder(A, B), 0.1)"]),
@@ -164,7 +164,7 @@ const CALLS: &[(&str, &str, &[&str])] = &[
     ("dome(A)", "half a ball is cut by a plane", &["intersect(sphere(A), -z)"]),
     ("xor(A, B)", "what lies in one solid only is", &["subtract(union(A, B), intersect(A, B))"]),
     ("gyroid(A)", "a gyroid is written out", &["(sin x cos y + sin y cos z + sin z cos x)"]),
-    ("square(A, B)", "a rectangle is given by its half sizes", &["rectangle(A, B)"]),
+    ("square(A, B)", "a rectangle is given by its half sizes", &["rectangle(A/2, B/2)"]),
 ];
 
 /// Lines that draw a curve by a command.

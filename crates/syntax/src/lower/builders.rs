@@ -362,15 +362,8 @@ fn bind(
         let Some(value) = value else {
             return Err(wrong(before, *place, name, needs(*role), kind_of(first)));
         };
-        // As in `translate(1, 0, 0, sphere(1))`: the shape is the last argument in other systems.
-        let is_fixed = |one: &(Tensor, Span)| matches!(one.0, Tensor::Number(node) if is_constant(graph, node));
-        let ends_with_shape = arguments.len() == 4
-            && arguments[1..3].iter().all(is_fixed)
-            && matches!(arguments[3].0, Tensor::Number(last) if !is_constant(graph, last));
         let is_solid = matches!(role, Role::Shape | Role::Distance) && row.join.is_none();
-        if let (true, Tensor::Number(node)) = (is_solid && ends_with_shape, &value)
-            && is_constant(graph, *node)
-        {
+        if is_solid && is_shape_last(graph, arguments) {
             return Err(wrong(before, *place, name, needs(*role), "a number"));
         }
         if let Some(given) = misfit(graph, *role, &value) {
@@ -398,10 +391,13 @@ fn bind(
     }
 }
 
-/// Returns whether a value is the same at all points, for all values of sliders.
-fn is_constant(graph: &Graph, node: NodeId) -> bool {
+/// Returns whether the shape is the last argument, as in other systems: `translate(1, 0, 0,
+/// sphere(1))`.
+fn is_shape_last(graph: &Graph, arguments: &[(Tensor, Span)]) -> bool {
+    let [numbers @ .., (Tensor::Number(last), _)] = arguments else { return false };
+    let is_number = |one: &(Tensor, Span)| matches!(one.0, Tensor::Number(node) if graph.number(node).is_some());
     let varies = |id: &NodeId| matches!(graph.node(*id), Node::Variable(_) | Node::Parameter(_));
-    graph.number(node).is_some() || !graph.needed(&[node]).iter().any(varies)
+    numbers.len() == 3 && numbers.iter().all(is_number) && graph.needed(&[*last]).iter().any(varies)
 }
 
 /// Advice that shows an example of each builder with this name.

@@ -592,3 +592,14 @@ fn expressions_of_programs_are_bounded() {
         assert!(accepted(program(nested)) > 0, "{open}");
     }
 }
+
+#[test]
+fn loops_without_a_variable_are_refused() {
+    for text in [
+        "def f(x, y, z):\n    for 3 in (1, 2):\n        x += 1\n    return x",
+        "def f(x, y, z):\n    for () in ((1, 2), (3, 4)):\n        x += 1\n    return x",
+        "function f(x, y, z) { for (const of [1, 2]) { x += 1; } return x; }",
+    ] {
+        assert!(read(text, &Options::default()).is_err(), "{text}");
+    }
+}
