@@ -11,10 +11,10 @@ use crate::numpy::{joined, separated};
 use crate::program_reader::{Frame, ProgramReader, Statements};
 use crate::program_words::is_type;
 use std::ops::Range;
+use zeroset_parser::Fallible;
 use zeroset_parser::lex::spelling::{is_name_char, plain_name};
 use zeroset_parser::lex::token::{Token, bracketed, closing, in_brackets, outside, split};
 use zeroset_parser::lex::token_kind::TokenKind::{self, *};
-use zeroset_parser::Fallible;
 
 /// Largest number of elements of an array.
 const MOST_ELEMENTS: usize = 200;
