@@ -18,20 +18,29 @@ mod rounding;
 mod triangulation;
 mod view;
 
+use crate::index::Bounds;
 use crate::{Mesh, Unproven, domain};
 use distance::Cover;
 use glam::DVec3;
 use guide::Guide;
 use lattice::Lattice;
 use reduction::{Reduction, Setting};
+use rustc_hash::FxHashSet;
 use triangulation::Triangulation;
 use zeroset_eval::KernelError;
 use zeroset_scene::program::Program;
 use zeroset_space::Region;
 
-/// Shares of the allowed distance that the samples may be from the surface. The first one that
-/// leads to a proven distance counts. The first triangles may be on the other side of the surface.
-const SHARES: [f64; 3] = [0.6, 0.4, 0.2];
+/// Share of the allowed distance that the samples may be from the surface. The first triangles may
+/// be on the other side of the surface.
+const SHARE: f64 = 0.6;
+/// The share becomes less by this factor around places whose distance is not proven. Then all is
+/// done again.
+const LESS: f64 = 0.4;
+/// Size of the space around such a place, in allowed distances. It is twice as large each time.
+const REACH: f64 = 16.0;
+/// Number of times that the edges are removed.
+const ROUNDS: u32 = 6;
 /// Coordinates become `f32` if that moves vertices by less than this share of the tolerance.
 const ROUNDING: f64 = 1.0 / 16.0;
 /// Largest distance that samples may be from the surface, as a share of the thinnest wall, so that
@@ -77,13 +86,14 @@ pub fn simplify(
         Triangulation::new(places, mesh.triangles.clone())
     };
     let ends = ends.map(|end| lattice.nearest(end));
-    let setting = Setting { lattice: &lattice, guide: &guide, ends, most: 0.0 };
-    let mut done = None;
-    let first = Cover::new(&start());
+    let setting = Setting { lattice: &lattice, guide: &guide, ends, most: SHARE * allowed };
     let distance = options.distance / lattice.unit;
-    for share in SHARES {
-        let setting = Setting { most: share * allowed, ..setting };
-        let mut reduction = Reduction::new(&setting, start());
+    let mut next = start();
+    let first = Cover::new(&next);
+    let mut shares = next.shares.clone();
+    let mut done = None;
+    for round in 0..ROUNDS {
+        let mut reduction = Reduction::new(&setting, next);
         reduction.measure();
         reduction.straighten();
         if reduction.run(wanted).is_none() {
@@ -91,15 +101,22 @@ pub fn simplify(
         }
         let Some(left) = reduction.round(wanted) else { return Ok(None) };
         let now = Cover::new(&reduction.mesh);
-        if now.is_within(distance, &first) && first.is_within(distance, &now) {
+        let mut far = now.far_from(&first, distance);
+        far.extend(first.far_from(&now, distance));
+        if far.is_empty() {
             done = Some((reduction.mesh, left));
             break;
         }
+        next = start();
+        for vertex in around(&next, &far, REACH * distance * f64::from(1 << round)) {
+            shares[vertex as usize] *= LESS;
+        }
+        next.shares.clone_from(&shares);
     }
     let (last, left) = if let Some(done) = done {
         done
     } else {
-        let setting = Setting { most: 4.0 * lattice.step_length(), ..setting };
+        let setting = Setting { most: 0.0, ..setting };
         let mut reduction = Reduction::new(&setting, start());
         let Some(left) = reduction.round(wanted) else { return Ok(None) };
         (reduction.mesh, left)
@@ -110,4 +127,18 @@ pub fn simplify(
     let unproven = |vertex: &u32| Unproven { centre: lattice.place(last.place(*vertex)), size };
     mesh.unproven.extend(left.iter().map(unproven));
     Ok(Some(()))
+}
+
+/// The vertices of triangles near some places, in units, each once.
+fn around(mesh: &Triangulation, places: &[DVec3], reach: f64) -> FxHashSet<u32> {
+    let reach = DVec3::splat(reach);
+    let mut all = FxHashSet::default();
+    for place in places {
+        let [low, high] = [*place - reach, *place + reach].map(|end| end.as_i64vec3());
+        mesh.index.all_near(&Bounds { low, high }, &mut |triangle| {
+            all.extend(mesh.corners(triangle));
+            true
+        });
+    }
+    all
 }

@@ -46,6 +46,7 @@ pub fn reduce(whole: &mut Reduction<'_>, wanted: &(dyn Fn() -> bool + Sync)) -> 
         for (number, vertex) in vertices.iter().enumerate().filter(|(k, _)| part.stamps[*k] > 0) {
             mesh.places[*vertex as usize] = part.places[number];
             mesh.quadrics[*vertex as usize] = part.quadrics[number];
+            mesh.shares[*vertex as usize] = part.shares[number];
         }
         for number in part.changed() {
             let corners = part.corners(number);
@@ -102,5 +103,6 @@ fn part(mesh: &Triangulation, triangles: Vec<u32>) -> Part {
     let places = vertices.iter().map(|vertex| mesh.place(*vertex)).collect();
     let mut part = Triangulation::new(places, corners);
     part.quadrics = vertices.iter().map(|vertex| mesh.quadrics[*vertex as usize]).collect();
+    part.shares = vertices.iter().map(|vertex| mesh.shares[*vertex as usize]).collect();
     Part { mesh: part, vertices, triangles }
 }

@@ -168,6 +168,12 @@ impl<'a> Change<'a> {
                 .all(|edge| !self.mesh.is_rim(edge[0], edge[1]) && keeps_area(edge))
     }
 
+    /// The least share of the distance that is allowed at a corner of the triangles.
+    pub fn share(&self) -> f64 {
+        let all = self.facing.iter().flatten().chain(&self.moving).chain([&self.keep]);
+        all.map(|vertex| self.mesh.shares[*vertex as usize]).fold(1.0, f64::min)
+    }
+
     /// A box around old and new triangles.
     pub fn bounds(&self) -> Bounds {
         let ring = self.facing.iter().flatten().chain(&self.moving);

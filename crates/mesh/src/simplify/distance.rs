@@ -69,13 +69,13 @@ impl Cover {
         Self { triangles: present.iter().map(places).collect(), bounds, neighbors, index }
     }
 
-    /// Returns whether each point of this mesh is proven to be within a distance of another one, in
-    /// units.
-    pub fn is_within(&self, distance: f64, other: &Self) -> bool {
+    /// Places in this mesh that are not proven to be within a distance of another one, in units: one
+    /// of each triangle that has such a place.
+    pub fn far_from(&self, other: &Self, distance: f64) -> Vec<DVec3> {
         let distance = distance * (1.0 - ROUNDING);
         let search =
             || Search { seen: vec![0; other.triangles.len()], number: 0, open: Vec::new() };
-        let is_near = |search: &mut Search, (triangle, bounds): (&[DVec3; 3], &Bounds)| {
+        let far = |search: &mut Search, (triangle, bounds): (&[DVec3; 3], &Bounds)| {
             let reach = I64Vec3::splat(distance.ceil() as i64 + 1);
             let around = Bounds { low: bounds.low - reach, high: bounds.high + reach };
             let mut near = Vec::new();
@@ -83,22 +83,22 @@ impl Cover {
                 near.push(one);
                 true
             });
-            other.holds(triangle, near, distance, DIVISIONS, search)
+            other.outside(triangle, near, distance, DIVISIONS, search)
         };
         let each = self.triangles.par_iter().zip(&self.bounds);
-        each.map_init(search, is_near).all(|is_near| is_near)
+        each.map_init(search, far).flatten().collect()
     }
 
-    /// Returns whether each point of a triangle is within a distance of one of the triangles
-    /// `near`.
-    fn holds(
+    /// A place in a triangle that is not proven to be within a distance of one of the triangles
+    /// `near`. `None` if there is none.
+    fn outside(
         &self,
         piece: &[DVec3; 3],
         mut near: Vec<u32>,
         distance: f64,
         left: u32,
         search: &mut Search,
-    ) -> bool {
+    ) -> Option<DVec3> {
         let [low, high] = [
             piece.iter().copied().reduce(DVec3::min).expect("corners") - distance,
             piece.iter().copied().reduce(DVec3::max).expect("corners") + distance,
@@ -114,22 +114,22 @@ impl Cover {
                 let triangle = &self.triangles[*one as usize];
                 let of = piece.map(|corner| distance_to(corner, triangle) <= distance);
                 if of == [true; 3] {
-                    return true;
+                    return None;
                 }
                 is_corner_near = [0, 1, 2].map(|k| is_corner_near[k] || of[k]);
             }
-            if is_corner_near != [true; 3] {
-                return false;
+            if let Some(k) = is_corner_near.iter().position(|is_near| !is_near) {
+                return Some(piece[k]);
             }
         }
         if self.covers(piece, &near, distance, search) {
-            return true;
+            return None;
         }
-        let Some(left) = left.checked_sub(1) else { return false };
         let [a, b, c] = *piece;
+        let Some(left) = left.checked_sub(1) else { return Some(a) };
         let [ab, bc, ca] = [a.midpoint(b), b.midpoint(c), c.midpoint(a)];
         let pieces = [[ab, bc, ca], [a, ab, ca], [ab, b, bc], [ca, bc, c]];
-        pieces.iter().all(|piece| self.holds(piece, near.clone(), distance, left, search))
+        pieces.iter().find_map(|piece| self.outside(piece, near.clone(), distance, left, search))
     }
 
     /// Returns whether a triangle is proven to be covered, within a distance, by triangles that

@@ -27,6 +27,8 @@ const ROUNDING: f64 = 8.0;
 /// If an end of the edge costs more than the best place, but less than by this share, the edge is
 /// moved to the end: fewer triangles change.
 const ALMOST: f64 = 1e-4;
+/// Number of steps of the lattice that a vertex may always move.
+const STEPS: f64 = 4.0;
 /// The cost of a squared squared length, so that the shortest of edges that cost nothing comes
 /// first.
 const LENGTH: f64 = 1e-12;
@@ -38,8 +40,17 @@ pub struct Setting<'a> {
     pub guide: &'a Guide<'a>,
     /// Corners of the domain.
     pub ends: [I64Vec3; 2],
-    /// Largest distance from the surface that samples may have, in world units.
+    /// Largest distance from the surface that samples may have, in world units. Around some vertices
+    /// only a [share](Triangulation::shares) of it is allowed.
     pub most: f64,
+}
+
+impl Setting<'_> {
+    /// The distance that samples may have where a share is allowed. Vertices may always move to
+    /// rounded places.
+    fn within(&self, share: f64) -> f64 {
+        (share * self.most).max(STEPS * self.lattice.step_length())
+    }
 }
 
 /// Triangles that become fewer.
@@ -165,7 +176,9 @@ impl<'a> Reduction<'a> {
         let quadric = self.joined(ends);
         let cost = self.targets(ends, &quadric)[0].cost;
         // The surface is too far from the cheapest place.
-        if cost > self.setting.most.powi(2) * quadric.weight() {
+        let share = ends.map(|end| self.mesh.shares[end as usize]);
+        let most = self.setting.within(share[0].min(share[1]));
+        if cost > most.powi(2) * quadric.weight() {
             return;
         }
         let stamps = ends.map(|end| self.mesh.stamps[end as usize]);
@@ -262,7 +275,8 @@ impl<'a> Reduction<'a> {
     /// Returns whether a change is proven to keep the shape, and seems to stay near the surface.
     /// Triangles may turn whose height is less than `thin`, a share of the allowed distance.
     pub fn is_proven(&self, change: &Change<'_>, thin: f64) -> bool {
-        let &Setting { lattice, guide, most, .. } = self.setting;
+        let &Setting { lattice, guide, .. } = self.setting;
+        let most = self.setting.within(change.share());
         if self.within.is_some_and(|within| !within.holds_all(&change.bounds())) {
             return false;
         }
@@ -277,6 +291,7 @@ impl<'a> Reduction<'a> {
 
     /// Returns whether a change by a step is proven to keep the shape.
     pub fn keeps_shape(&self, change: &Change<'_>) -> bool {
-        change.is_proven(self.setting.most / self.setting.lattice.unit, 0.0, &|_| true)
+        let Setting { lattice, .. } = self.setting;
+        change.is_proven(self.setting.within(change.share()) / lattice.unit, 0.0, &|_| true)
     }
 }

@@ -26,6 +26,9 @@ pub struct Triangulation {
     /// The triangles around each vertex.
     pub around: Vec<SmallVec<[u32; 8]>>,
     pub quadrics: Vec<Quadric>,
+    /// For each vertex, the distance that samples around it may have from the surface, as a share
+    /// of the [largest one](crate::simplify::reduction::Setting::most).
+    pub shares: Vec<f64>,
     /// For each vertex, the number of its changes.
     pub stamps: Vec<u32>,
     pub index: Index,
@@ -38,6 +41,7 @@ impl Triangulation {
         let mut all = Self {
             around: Vec::new(),
             quadrics: vec![Quadric::default(); count],
+            shares: vec![1.0; count],
             stamps: vec![0; count],
             index: Index::default(),
             changed: vec![false; triangles.len()],
@@ -197,6 +201,8 @@ impl Triangulation {
             self.stamps[drop as usize] += 1;
             let dropped = self.quadrics[drop as usize];
             self.quadrics[keep as usize] += dropped;
+            let share = self.shares[drop as usize];
+            self.shares[keep as usize] = self.shares[keep as usize].min(share);
         }
         self.stamps[keep as usize] += 1;
     }
