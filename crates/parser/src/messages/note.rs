@@ -148,6 +148,8 @@ pub enum NoteKind {
          (statements: {count})"
     )]
     StatementsLeftOut { count: usize, example: String },
+    #[error("the label `{label}:` has no effect; a title is a line `title {label}`")]
+    LabelLeftOut { label: String },
     #[error("the names of the plot are the coordinates: `{read}`")]
     PlotNames { read: String },
     #[error("read as in {system}: `{read}`; for another, define it")]
