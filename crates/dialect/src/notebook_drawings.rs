@@ -5,7 +5,7 @@ use crate::curve_commands::LISTED;
 use crate::drawing_calls::{DRAWING_CALLS, Drawn, PythonCall, Source};
 use crate::formats::part;
 use crate::known_numbers::number_expr;
-use crate::numpy::separated;
+use crate::lists::separated;
 use crate::plot_arguments::PlotRange;
 use crate::plot_commands::{AXES, minus_level};
 use crate::program_reader::{Frame, ProgramReader};
@@ -247,7 +247,7 @@ impl ProgramReader<'_> {
             && text.span.end - text.span.start > 2
         {
             let range = text.span.start + 1..text.span.end - 1;
-            all.splice(start + 2..start + 3, part(self.words.text, range, self.limits)?);
+            all.splice(start + 2..start + 3, part(self.words.text, range, &self.limits)?);
         }
         Ok(all)
     }

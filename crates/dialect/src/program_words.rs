@@ -62,7 +62,7 @@ pub(crate) fn size_of(word: &str) -> usize {
 }
 
 /// Looks up the words of tokens in the text of the program.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(crate) struct Words<'a> {
     pub text: &'a str,
 }
@@ -397,6 +397,17 @@ impl<'a> Words<'a> {
             return;
         }
         for at in (1..tokens.len()).rev() {
+            // `{\cos^2} x` is `\cos^2 x`.
+            if tokens[at - 1].kind == OpenBrace
+                && self.word(tokens[at]).starts_with('\\')
+                && tokens.get(at + 1).is_some_and(|next| next.kind == Caret)
+                && let Some(end) = closing(&tokens[at - 1..])
+                && (end == 4 || closing(&tokens[at + 2..]).is_some_and(|inner| end == inner + 4))
+            {
+                tokens.remove(at - 1 + end);
+                tokens.remove(at - 1);
+                continue;
+            }
             if self.word(tokens[at - 1]) == r"\overline"
                 && tokens[at].kind == OpenBrace
                 && let Some(end) = closing(&tokens[at..])

@@ -186,6 +186,21 @@ pub(crate) fn implied(
         .map(|(line, _)| *line)
         .collect();
     let with_plane = uses.get("r").is_some_and(|all| all.iter().any(|(at, _)| plane.contains(at)));
+    // An equation between constants has no surface, so its phi is an angle.
+    let is_constant = |line: &ParsedStatement<'_>| {
+        let tokens = &line.raw.lexed.tokens;
+        let is_fixed = |token: &Token| match token.kind {
+            TokenKind::Name => {
+                built_in(&plain_name(&text[token.span.range()])) != NameMeaning::Unknown
+            }
+            kind => !kind.is_axis(),
+        };
+        line.head.is_none()
+            && tokens.iter().any(|token| token.kind == TokenKind::Equals)
+            && tokens.iter().all(is_fixed)
+    };
+    let has_angle = has_angle
+        || uses.get("phi").is_some_and(|all| all.iter().any(|(at, _)| is_constant(&lines[*at])));
     let is_angle = has_angle || r.is_some() || rho.is_some() || theta.is_some();
     let phi = phi.filter(|_| is_angle);
     let r = r.filter(|_| !with_plane || theta.is_some());
