@@ -357,7 +357,14 @@ impl ProgramReader<'_> {
     /// Writes out `total(E)` of Desmos. In `E`, an array's name stands for each element in turn.
     fn listed_sum(&self, tokens: &[Token], at: usize) -> Option<(Range<usize>, Vec<Token>)> {
         let name = plain_name(self.words.word(tokens[at]));
-        if !matches!(name.as_str(), "total" | "Total") {
+        let is_column = |pair: &[Token]| {
+            self.arrays.contains_key(self.words.word(pair[0]))
+                && pair[1].kind == OpenBracket
+                && self.words.text[pair[1].span.end..].trim_start().starts_with(':')
+        };
+        // numpy's `sum(f(c[:, 0], c[:, 1]))` goes through the rows of `c`.
+        let of_columns = name == "sum" && tokens[at..].windows(2).any(is_column);
+        if !of_columns && !matches!(name.as_str(), "total" | "Total") {
             return None;
         }
         let (inner, _) = bracketed(tokens.get(at + 1..)?)?;
@@ -369,7 +376,8 @@ impl ProgramReader<'_> {
         let word = self.words.word(*list);
         let array = self.arrays.get(word)?;
         let values = array.elements.iter().map(|one| self.bound(inner, &[(*list, one.clone())]));
-        Some((at..at + inner.len() + 3, joined(&values.collect::<Vec<_>>(), Plus)))
+        let start = self.without_module(tokens, at);
+        Some((start..at + inner.len() + 3, joined(&values.collect::<Vec<_>>(), Plus)))
     }
 
     /// Writes out a sum over a range of numbers, if its index selects elements of an array:

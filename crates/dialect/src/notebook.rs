@@ -3,7 +3,8 @@
 
 use crate::curve_commands::{COMMANDS, LISTED};
 use crate::drawing_calls::{DRAWING_CALLS, WRAPPERS};
-use crate::plot_commands::{GRIDS, is_plot};
+use crate::formats::part;
+use crate::plot_commands::{CONTAINERS, GRIDS, is_plot};
 use crate::program_reader::{
     Frame, Procedure, ProcedureParameter, ProgramReader, Statements, Unread,
 };
@@ -180,6 +181,39 @@ impl ProgramReader<'_> {
         true
     }
 
+    /// The statements of a call of this language's Python package, such as `zs.Surface(f, a=2)`:
+    /// the values of parameters, and the formula. `None` for other statements.
+    pub(crate) fn package_surface(&self, tokens: &[Token]) -> Fallible<Option<Vec<Vec<Token>>>> {
+        let call = &tokens[self.words.assigned_at(tokens).map_or(0, |at| at + 1)..];
+        let call = match call {
+            [module, dot, call @ ..] if module.kind.is_name() && self.words.is_dot(*dot) => call,
+            call => call,
+        };
+        let Some((name, (inner, _))) =
+            call.split_first().and_then(|(n, c)| Some((n, bracketed(c)?)))
+        else {
+            return Ok(None);
+        };
+        if self.words.word(*name) != "Surface" || self.arity(*name).is_some() {
+            return Ok(None);
+        }
+        let is_value = |part: &Vec<Token>| part.get(1).is_some_and(|sign| sign.kind == Equals);
+        let (mut values, formulas): (Vec<_>, Vec<_>) =
+            self.words.plot_arguments(inner).into_iter().partition(is_value);
+        let [formula] = formulas.as_slice() else { return Ok(None) };
+        // plotly's `Surface` takes coordinates by their names.
+        if values.iter().any(|value| value[0].kind.is_axis()) {
+            return Ok(None);
+        }
+        values.push(match formula.as_slice() {
+            [text] if text.kind == Unknown && text.span.end - text.span.start > 2 => {
+                part(self.words.text, text.span.start + 1..text.span.end - 1, &self.limits)?
+            }
+            formula => formula.to_vec(),
+        });
+        Ok(Some(values))
+    }
+
     /// Puts the lines of a function that draws in place of its calls. Returns false if there is
     /// no such call, or the call is read as a plot command.
     fn in_place_of_calls(
@@ -192,7 +226,8 @@ impl ProgramReader<'_> {
         let word = self.words.word(name);
         let draws =
             |line: &Vec<Token>| self.words.draws_by_call(line) || self.words.is_drawing(line);
-        if is_plot(word) || !body.iter().any(draws) {
+        let is_plot = is_plot(word) && !CONTAINERS.contains(&word);
+        if is_plot || !body.iter().any(draws) {
             return false;
         }
         let given = self.procedure_parameters(parameters);

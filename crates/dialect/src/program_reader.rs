@@ -263,6 +263,11 @@ impl ProgramReader<'_> {
         following: &mut Statements,
         draws: bool,
     ) -> Fallible<()> {
+        if let Some(statements) = self.package_surface(&tokens)? {
+            let none = Statements::default;
+            let mut read = |tokens| self.statement(tokens, frame, &mut none());
+            return statements.into_iter().try_for_each(&mut read);
+        }
         if self.is_python {
             return self.notebook_statement(tokens, frame, following);
         }

@@ -4,10 +4,11 @@
 //! The used names together determine the coordinate system, and a note states the definitions. A
 //! definition in the text takes precedence.
 
+use crate::lower::constant::evaluate_text;
 use rustc_hash::{FxHashMap, FxHashSet};
 use zeroset_parser::lex::arrangement::statements;
 use zeroset_parser::lex::spelling::plain_name;
-use zeroset_parser::lex::token::Token;
+use zeroset_parser::lex::token::{Token, span_of};
 use zeroset_parser::lex::token_kind::TokenKind::{self, Component, X, Y, Z};
 use zeroset_parser::tree::ast::{Definition, ExprKind, Name, NamedValue, Statement};
 use zeroset_parser::tree::builder::Builder;
@@ -24,6 +25,9 @@ type ImpliedDefinition = (&'static str, &'static str);
 const CYLINDER_RADIUS: &str = "sqrt(x^2 + y^2)";
 const SPHERE_RADIUS: &str = "sqrt(x^2 + y^2 + z^2)";
 const AZIMUTH: &str = "atan2(y, x)";
+
+/// The azimuth from 0 to 2π, for texts that have angles above π.
+const FULL_AZIMUTH: &str = "mod(atan2(y, x), 2*pi)";
 
 /// The uses of each name. A use is the index of a line and a place in the text.
 type Uses = FxHashMap<&'static str, Vec<(usize, Span)>>;
@@ -211,6 +215,11 @@ pub(crate) fn implied(
             let index = ["r", "rho", "theta", "phi"].iter().position(|other| other == name);
             index.is_some_and(|index| names[index]) || (*name == "rho" && names[3]) && !names[0]
         });
+        for (name, body) in &mut definitions {
+            if *body == AZIMUTH && goes_beyond_half(text, lines, name, limits) {
+                *body = FULL_AZIMUTH;
+            }
+        }
         let listed: Vec<String> =
             definitions.iter().map(|(name, body)| format!("{name} = {body}")).collect();
         let definitions_text = listed.join("; ");
@@ -224,6 +233,47 @@ pub(crate) fn implied(
     let built =
         given.iter().filter_map(|(name, body)| define(name, &[], body, scope, limits)).collect();
     (built, notes)
+}
+
+/// Returns whether an inequality such as `theta <= 3*pi/2` bounds an angle by more than π.
+fn goes_beyond_half(
+    text: &str,
+    lines: &[ParsedStatement<'_>],
+    angle: &str,
+    limits: &Limits,
+) -> bool {
+    let is_end = |token: &&Token| {
+        token.kind.is_relation()
+            || token.kind.is_closer()
+            || matches!(token.kind, TokenKind::And | TokenKind::Or | TokenKind::Comma)
+    };
+    let is_large = |tokens: &[Token]| {
+        let span = span_of(tokens).and_then(|span| text.get(span.range()));
+        let value = span.and_then(|typed| evaluate_text(typed, limits).ok());
+        value.is_some_and(|value| value.bounds().lo > 3.142)
+    };
+    lines.iter().any(|line| {
+        let tokens = &line.raw.lexed.tokens;
+        (0..tokens.len()).any(|at| {
+            let typed = plain_name(&text[tokens[at].span.range()]);
+            if canonical(&typed) != Some(angle) {
+                return false;
+            }
+            let (before, behind) = (&tokens[..at], &tokens[at + 1..]);
+            match (before.last().map(|token| token.kind), behind.first().map(|token| token.kind)) {
+                (_, Some(TokenKind::Less | TokenKind::LessEqual)) => {
+                    let count = behind[1..].iter().take_while(|token| !is_end(token)).count();
+                    is_large(&behind[1..=count])
+                }
+                (Some(TokenKind::Greater | TokenKind::GreaterEqual), _) => {
+                    let before = &before[..at - 1];
+                    let count = before.iter().rev().take_while(|token| !is_end(token)).count();
+                    is_large(&before[before.len() - count..])
+                }
+                _ => false,
+            }
+        })
+    })
 }
 
 /// The name and the definitions of the coordinate system to which the used names belong.
