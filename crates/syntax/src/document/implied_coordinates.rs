@@ -22,6 +22,13 @@ use zeroset_parser::{Limits, Note, NoteKind, Span};
 /// A name, and the text of the name's definition.
 type ImpliedDefinition = (&'static str, &'static str);
 
+/// Names of the point of space. The last one is LaTeX's `\vec{r}`.
+const POINTS: [&str; 3] = ["p", "pos", "vec_r"];
+
+/// The unit vectors of LaTeX, such as `\hat{i}`.
+const UNIT_VECTORS: [ImpliedDefinition; 3] =
+    [("hat_i", "vec3(1, 0, 0)"), ("hat_j", "vec3(0, 1, 0)"), ("hat_k", "vec3(0, 0, 1)")];
+
 const CYLINDER_RADIUS: &str = "sqrt(x^2 + y^2)";
 const SPHERE_RADIUS: &str = "sqrt(x^2 + y^2 + z^2)";
 const AZIMUTH: &str = "atan2(y, x)";
@@ -54,7 +61,8 @@ fn uses(text: &str, lines: &[ParsedStatement<'_>], scope: &Scope) -> Uses {
                     if scope.is_defined(&name) {
                         continue;
                     }
-                    let point = ["p", "pos"].into_iter().find(|point| *point == name);
+                    let units = UNIT_VECTORS.iter().map(|(name, _)| *name);
+                    let point = POINTS.into_iter().chain(units).find(|point| *point == name);
                     let named = point.or_else(|| canonical(&name));
                     // `rcos(theta)` is a product with r.
                     let radius = || {
@@ -174,8 +182,17 @@ pub(crate) fn implied(
     };
     let mut notes = Vec::new();
     let mut given: Vec<ImpliedDefinition> = Vec::new();
-    for name in ["p", "pos"] {
-        let is_vector = is_program || has_components(text, lines, name);
+    for (name, body) in UNIT_VECTORS {
+        if let Some(span) = place(name) {
+            let definitions = format!("{name} = {body}");
+            let kind = NoteKind::Coordinates { system: "a unit vector", definitions };
+            notes.push(Note { span, kind });
+            given.push((name, body));
+        }
+    }
+    for name in POINTS {
+        let is_arrow = name.starts_with("vec_");
+        let is_vector = is_arrow || is_program || has_components(text, lines, name);
         if let (Some(span), true) = (place(name), is_vector) {
             notes.push(Note { span, kind: NoteKind::PointOfSpace { name: name.to_owned() } });
             given.push((name, "vec3(x, y, z)"));
@@ -250,7 +267,7 @@ fn goes_beyond_half(
     let is_large = |tokens: &[Token]| {
         let span = span_of(tokens).and_then(|span| text.get(span.range()));
         let value = span.and_then(|typed| evaluate_text(typed, limits).ok());
-        value.is_some_and(|value| value.bounds().lo > 3.142)
+        value.is_some_and(|value| value.bounds().lo > std::f64::consts::PI)
     };
     lines.iter().any(|line| {
         let tokens = &line.raw.lexed.tokens;
