@@ -78,7 +78,8 @@ impl Words<'_> {
         {
             return Some(Vec::new());
         }
-        if let Some(named) = self.named_equation(tokens) {
+        let level = self.level_of_function(tokens);
+        if let Some(named) = self.named_equation(tokens).or(level) {
             return Some(vec![named]);
         }
         if let Some(equals) = tokens.iter().position(|token| token.kind == Equals)
@@ -179,6 +180,23 @@ impl Words<'_> {
             _ => return None,
         };
         (!rest.is_empty()).then_some(rest)
+    }
+
+    /// Turns `f(x, y, z) = formula = 2` into `formula = 2`, if the text uses `f` nowhere else.
+    fn level_of_function(self, tokens: &[Token]) -> Option<Vec<Token>> {
+        let (name, call) = tokens.split_first().filter(|(name, _)| name.kind == TokenKind::Name)?;
+        let (point, [equals, sides @ ..]) = bracketed(call)? else { return None };
+        let is_point = point.iter().map(|token| token.kind).eq([X, Comma, Y, Comma, Z]);
+        let level = &sides[outside(sides, Equals)? + 1..];
+        let is_number = |token: &Token| matches!(token.kind, Number | Minus | Slash);
+        let is_zero = matches!(level, [zero] if &self.text[zero.span.range()] == "0");
+        let is_read = is_point
+            && equals.kind == Equals
+            && !level.is_empty()
+            && level.iter().all(is_number)
+            && !is_zero
+            && self.text.matches(&format!("{}(", self.word(*name))).count() == 1;
+        is_read.then(|| sides.to_vec())
     }
 
     /// Turns `name = left == right` into `name = (left) - (right)`, which a plot then draws.

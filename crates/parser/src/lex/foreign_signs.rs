@@ -50,6 +50,12 @@ pub(crate) fn foreign(rest: &str, context: LexContext) -> Option<(TokenKind, usi
         '@' if rest[1..].starts_with('P') && prefix_length(&rest[1..], is_name_char) == 1 => {
             Some((TokenKind::Name, 2))
         }
+        // LaTeX's blank between the signs of a set.
+        '~' if matches!(context.last, Some(CloseParen | Colon | Comma))
+            && rest[1..].starts_with(|c: char| c == ':' || c == '\\' || c.is_ascii_digit()) =>
+        {
+            Some((Blank, 1))
+        }
         // Python's product of matrices.
         '@' if rest[1..].starts_with(' ') && context.touching.is_none() => Some((DotProduct, 1)),
         '.' => {

@@ -207,7 +207,7 @@ pub(crate) fn implied(
         .map(|(line, _)| *line)
         .collect();
     let with_plane = uses.get("r").is_some_and(|all| all.iter().any(|(at, _)| plane.contains(at)));
-    // An equation between constants has no surface, so its phi is an angle.
+    // An equation between constants has no surface, so its φ is an angle.
     let is_constant = |line: &ParsedStatement<'_>| {
         let tokens = &line.raw.lexed.tokens;
         let is_fixed = |token: &Token| match token.kind {
@@ -220,8 +220,10 @@ pub(crate) fn implied(
             && tokens.iter().any(|token| token.kind == TokenKind::Equals)
             && tokens.iter().all(is_fixed)
     };
-    let has_angle = has_angle
-        || uses.get("phi").is_some_and(|all| all.iter().any(|(at, _)| is_constant(&lines[*at])));
+    // The plain word is the golden ratio.
+    let is_sign =
+        |(at, span): &(usize, Span)| &text[span.range()] != "phi" && is_constant(&lines[*at]);
+    let has_angle = has_angle || uses.get("phi").is_some_and(|all| all.iter().any(is_sign));
     let is_angle = has_angle || r.is_some() || rho.is_some() || theta.is_some();
     let phi = phi.filter(|_| is_angle);
     let r = r.filter(|_| !with_plane || theta.is_some());
