@@ -4,17 +4,17 @@
 //! Elements take the place of the expressions that select them. A definition is left out if the
 //! text uses the array only in these ways.
 
-use crate::control_flow::LoopValue;
-use crate::known_numbers::number_expr;
+use crate::known_numbers::steps;
 use crate::language::Language;
-use crate::numpy::{joined, separated};
+use crate::lists::{Element, joined, joint_of};
+use crate::matrices::row_values;
 use crate::program_reader::{Frame, ProgramReader, Statements};
-use crate::program_words::is_type;
+use crate::program_words::{Words, is_type};
 use std::ops::Range;
-use zeroset_parser::Fallible;
 use zeroset_parser::lex::spelling::{is_name_char, plain_name};
 use zeroset_parser::lex::token::{Token, bracketed, closing, in_brackets, outside, split};
 use zeroset_parser::lex::token_kind::TokenKind::{self, *};
+use zeroset_parser::{Error, ErrorKind, Fallible};
 
 /// Largest number of elements of an array.
 const MOST_ELEMENTS: usize = 200;
@@ -24,28 +24,15 @@ const MOST_TOKENS: usize = 20_000;
 /// The value of a name that stands for an array.
 #[derive(Clone)]
 pub(crate) struct Array {
-    elements: Vec<Element>,
+    pub elements: Vec<Element>,
     /// True if the elements of a matrix are selected by round brackets, as in MATLAB.
     is_round: bool,
 }
 
-/// An element of an array: one value, or several, such as the coordinates of a point.
-#[derive(Clone)]
-struct Element {
-    /// The values, and their names in an object such as `{x: 1, r: 2}`.
-    parts: Vec<(Option<Token>, Vec<Token>)>,
-    /// The tokens of a single value, or of a constructor such as `vec3(1, 2, 3)`.
-    whole: Option<Vec<Token>>,
-}
-
-impl Element {
-    /// The element's tokens in brackets.
-    fn tokens(&self) -> Vec<Token> {
-        if let Some(whole) = &self.whole {
-            return in_brackets(whole);
-        }
-        let parts: Vec<Vec<Token>> = self.parts.iter().map(|(_, part)| part.clone()).collect();
-        in_brackets(&separated(&parts))
+impl Array {
+    /// An array whose elements are selected by square brackets.
+    pub(crate) fn of(elements: Vec<Element>) -> Self {
+        Self { elements, is_round: false }
     }
 }
 
@@ -83,7 +70,7 @@ impl ProgramReader<'_> {
     /// The points of a list that nothing else uses, each as a statement.
     fn listed_points(&self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
         let (name, array) = self.array_of(tokens).filter(|_| self.language == Language::Plain)?;
-        let is_point = |element: &Element| element.whole.is_none() && element.parts.len() == 3;
+        let is_point = |element: &Element| element.is_list && element.parts.len() == 3;
         let is_used = self.uses(self.words.word(name)).count() > 1;
         let is_list = !is_used && array.elements.len() > 1 && array.elements.iter().all(is_point);
         is_list.then(|| array.elements.iter().map(Element::tokens).collect())
@@ -111,7 +98,10 @@ impl ProgramReader<'_> {
         let is_round = list.iter().any(|token| token.kind == Semicolon);
         let elements: Vec<Element> = if is_round {
             let rows = list.split(|token| token.kind == Semicolon);
-            rows.map(Self::row).collect()
+            let values = rows.map(row_values);
+            let parts =
+                values.map(|values| values.into_iter().map(|value| (None, value)).collect());
+            parts.map(Element::of_parts).collect()
         } else {
             split(list, Comma).iter().map(|part| self.element(part)).collect()
         };
@@ -135,61 +125,13 @@ impl ProgramReader<'_> {
 
     /// The contents of a list such as `[…]`, `np.array([…])` or `vec3[2](…)`.
     fn list_of<'t>(&self, value: &'t [Token]) -> Option<&'t [Token]> {
+        let value = self.words.unwrapped_list(value);
         let first = value.first()?;
-        if let Some((inner, [])) = bracketed(value)
-            && matches!(first.kind, OpenBracket | OpenBrace)
-        {
+        if let (OpenBracket | OpenBrace, Some(inner)) = (first.kind, Words::inside(value)) {
             return Some(inner);
         }
-        let open = value.iter().position(|token| token.kind == OpenParen)?;
-        let (inner, []) = bracketed(&value[open..])? else { return None };
-        let head = &value[..open];
-        let has_sizes =
-            head.len() > 1 && bracketed(&head[1..]).is_some_and(|(_, rest)| rest.is_empty());
-        let is_constructor = is_type(self.words.word(*first)) && has_sizes;
-        let is_array = head.last().is_some_and(|last| self.words.word(*last) == "array");
-        if is_array { self.list_of(inner) } else { is_constructor.then_some(inner) }
-    }
-
-    fn element(&self, tokens: &[Token]) -> Element {
-        let group = bracketed(tokens).filter(|(_, rest)| rest.is_empty());
-        let named = |part: &Vec<Token>| match part.as_slice() {
-            [name, colon, value @ ..] if colon.kind == Colon && !value.is_empty() => {
-                (Some(*name), value.to_vec())
-            }
-            part => (None, part.to_vec()),
-        };
-        if let Some((inner, _)) = group.filter(|(inner, _)| outside(inner, Comma).is_some()) {
-            return Element { parts: split(inner, Comma).iter().map(named).collect(), whole: None };
-        }
-        let constructed = tokens
-            .split_first()
-            .filter(|(first, _)| is_type(self.words.word(**first)))
-            .and_then(|(_, rest)| bracketed(rest))
-            .filter(|(_, rest)| rest.is_empty());
-        let parts =
-            constructed.map_or_else(|| vec![tokens.to_vec()], |(inner, _)| split(inner, Comma));
-        let parts = parts.into_iter().map(|part| (None, part)).collect();
-        Element { parts, whole: Some(tokens.to_vec()) }
-    }
-
-    /// A row of a matrix of MATLAB. Blanks or commas separate its values.
-    fn row(tokens: &[Token]) -> Element {
-        let mut parts: Vec<(Option<Token>, Vec<Token>)> = Vec::new();
-        let mut end = None;
-        for token in tokens.iter().filter(|token| token.kind != Comma) {
-            let is_sign = token.kind == Minus;
-            if end != Some(token.span.start) && (is_sign || token.kind.begins_operand())
-                || parts.is_empty()
-            {
-                parts.push((None, Vec::new()));
-            }
-            end = Some(token.span.end);
-            if let Some((_, part)) = parts.last_mut() {
-                part.push(*token);
-            }
-        }
-        Element { parts, whole: None }
+        let sizes = bracketed(&value[1..]).filter(|_| is_type(self.words.word(*first)))?.1;
+        Words::inside(sizes).filter(|_| sizes[0].kind == OpenParen)
     }
 
     /// For each use of a name, the text before it and the text behind it.
@@ -228,7 +170,7 @@ impl ProgramReader<'_> {
             return tokens;
         }
         let tokens = self.written_out(tokens, frame);
-        self.selected(&tokens, frame)
+        self.with_selections(&tokens, frame)
     }
 
     /// Writes out generators, reductions, and sums whose index selects elements.
@@ -248,68 +190,6 @@ impl ProgramReader<'_> {
         tokens
     }
 
-    /// The elements of an array or of a literal list. If it is enumerated, each has its number.
-    fn elements(
-        &mut self,
-        values: &[Token],
-        frame: &mut Frame,
-    ) -> Option<Vec<(Element, Option<Element>)>> {
-        if let [word, rest @ ..] = values
-            && matches!(self.words.word(*word), "enumerate" | "ipairs")
-        {
-            let (inner, []) = bracketed(rest)? else { return None };
-            let first = if self.words.word(*word) == "enumerate" { 0.0 } else { 1.0 };
-            let all = self.elements(inner, frame)?;
-            let numbered = all.into_iter().enumerate().map(|(index, (element, _))| {
-                let number = number_expr(index as f64 + first, word.span);
-                let number = self.saved(number, word.span, true, frame);
-                let number =
-                    Element { parts: vec![(None, vec![number])], whole: Some(vec![number]) };
-                (element, Some(number))
-            });
-            return Some(numbered.collect());
-        }
-        let elements = if let [name] = values {
-            self.arrays.get(self.words.word(*name))?.elements.clone()
-        } else {
-            let (inner, []) = bracketed(values)? else { return None };
-            let is_list = matches!(values[0].kind, OpenBracket | OpenBrace);
-            let parts = split(inner, Comma);
-            let elements: Vec<Element> = parts.iter().map(|part| self.element(part)).collect();
-            let is_nested = elements.iter().all(|element| element.parts.len() > 1);
-            (is_list && is_nested).then_some(elements)?
-        };
-        Some(elements.into_iter().map(|element| (element, None)).collect())
-    }
-
-    /// The values of a loop's variables in each iteration. `name` is the first variable.
-    pub(crate) fn rounds(
-        &mut self,
-        name: Token,
-        pattern: &[Token],
-        values: &[Token],
-        frame: &mut Frame,
-    ) -> Fallible<Vec<Vec<(Token, LoopValue)>>> {
-        if let Some(elements) = self.elements(values, frame) {
-            let round = |(element, number): &(Element, Option<Element>)| {
-                let bindings = Self::bindings_of(pattern, element, number.as_ref())?;
-                let value =
-                    |(name, element): (Token, Element)| (name, LoopValue::Typed(element.tokens()));
-                Some(bindings.into_iter().map(value).collect())
-            };
-            if let Some(rounds) = elements.iter().map(round).collect() {
-                return Ok(rounds);
-            }
-        }
-        let names: Vec<Token> =
-            pattern.iter().filter(|token| token.kind.is_name()).copied().collect();
-        if names.is_empty() {
-            return Err(self.words.unsupported(name));
-        }
-        let values = self.values(name, values, frame)?;
-        values.into_iter().map(|value| self.loop_values(&names, value)).collect()
-    }
-
     /// Writes out `f(E for p in list)`, if the token at `at` is its `f`.
     fn generator(
         &mut self,
@@ -325,11 +205,13 @@ impl ProgramReader<'_> {
             inner = list;
         }
         let word = |token: &Token| self.words.word(*token);
+        let mut ends = Vec::new();
         let (body, pattern, values) = if word(&tokens[at]) == "Sum" {
-            // Mathematica has `Sum[E, {p, list}]`.
+            // Mathematica has `Sum[E, {p, list}]` and `Sum[E, {i, 1, n}]`.
             let [body, range] = <[_; 2]>::try_from(split(inner, Comma)).ok()?;
-            let (range, []) = bracketed(&range)? else { return None };
-            let [pattern, values] = <[_; 2]>::try_from(split(range, Comma)).ok()?;
+            ends = split(Words::inside(&range)?, Comma);
+            let pattern = ends.remove(0);
+            let values = ends.first()?.clone();
             (body, pattern, values)
         } else {
             let before = |sign: &str| inner.iter().position(|token| word(token) == sign);
@@ -341,12 +223,23 @@ impl ProgramReader<'_> {
                 inner[within + 1..].to_vec(),
             )
         };
-        let elements = self.elements(&values, frame)?;
-        let values = elements.iter().map(|(element, number)| {
-            let bindings = Self::bindings_of(&pattern, element, number.as_ref())?;
-            Some(self.bound(&body, &bindings))
-        });
-        let values: Vec<Vec<Token>> = values.collect::<Option<_>>()?;
+        let elements = match self.elements(&values, frame) {
+            Some(elements) => elements,
+            // Other sums over numbers stay sums.
+            None if self.selects(&body) => {
+                let numbers = self.range_values(&ends, values[0].span, frame)?;
+                numbers.into_iter().map(Element::single).collect()
+            }
+            None => return None,
+        };
+        // These languages run the generators over other lists.
+        let has_steps = matches!(self.language, Language::Python | Language::OpenScad);
+        let is_array = values.iter().any(|one| self.arrays.contains_key(self.words.word(*one)));
+        if has_steps && !is_array && elements.iter().any(|element| element.parts.len() < 2) {
+            return None;
+        }
+        let value = |element| Some(self.bound(&body, &self.bindings_of(&pattern, element)?));
+        let values: Vec<Vec<Token>> = elements.iter().map(value).collect::<Option<_>>()?;
         // A sum is written with signs, so `np.` of `np.sum` goes, too.
         let start = if joint == Comma { at } else { self.without_module(tokens, at) };
         let head = (joint == Comma).then_some(tokens[at]);
@@ -360,42 +253,6 @@ impl ProgramReader<'_> {
             && self.words.is_dot(tokens[at - 1])
             && matches!(self.words.word(tokens[at - 2]), "np" | "numpy" | "math" | "Math");
         if has_module { at - 2 } else { at }
-    }
-
-    /// The names in a pattern such as `a, b, c` or `[a, b, c]`, each with its part of an element.
-    fn bindings_of(
-        pattern: &[Token],
-        element: &Element,
-        number: Option<&Element>,
-    ) -> Option<Vec<(Token, Element)>> {
-        let mut parts = split(pattern, Comma);
-        let mut all = Vec::new();
-        if let Some(number) = number
-            && parts.len() > 1
-            && let [name] = parts.remove(0).as_slice()
-        {
-            all.push((*name, number.clone()));
-        }
-        if let [group] = parts.as_slice()
-            && let Some((inner, [])) = bracketed(group)
-        {
-            parts = split(inner, Comma);
-        }
-        if let [only] = parts.as_slice()
-            && let [name] = only.as_slice()
-        {
-            all.push((*name, element.clone()));
-            return Some(all);
-        }
-        if parts.len() != element.parts.len() {
-            return None;
-        }
-        for (name, (_, value)) in parts.iter().zip(&element.parts) {
-            let [name] = name.as_slice() else { return None };
-            let value = Element { parts: vec![(None, value.clone())], whole: Some(value.clone()) };
-            all.push((*name, value));
-        }
-        Some(all)
     }
 
     /// `body` with elements in place of names. An expression that selects a part of an element,
@@ -489,8 +346,7 @@ impl ProgramReader<'_> {
         }
         let mut value = start;
         for element in array.elements {
-            let so_far = Element { parts: vec![(None, value.clone())], whole: Some(value) };
-            value = self.bound(body, &[(*sum, so_far), (*name, element)]);
+            value = self.bound(body, &[(*sum, Element::single(value)), (*name, element)]);
             if value.len() > MOST_TOKENS {
                 return None;
             }
@@ -501,15 +357,27 @@ impl ProgramReader<'_> {
     /// Writes out `total(E)` of Desmos. In `E`, an array's name stands for each element in turn.
     fn listed_sum(&self, tokens: &[Token], at: usize) -> Option<(Range<usize>, Vec<Token>)> {
         let name = plain_name(self.words.word(tokens[at]));
-        if !matches!(name.as_str(), "total" | "Total") {
+        let is_column = |pair: &[Token]| {
+            self.arrays.contains_key(self.words.word(pair[0]))
+                && pair[1].kind == OpenBracket
+                && self.words.text[pair[1].span.end..].trim_start().starts_with(':')
+        };
+        // numpy's `sum(f(c[:, 0], c[:, 1]))` goes through the rows of `c`.
+        let of_columns = name == "sum" && tokens[at..].windows(2).any(is_column);
+        if !of_columns && !matches!(name.as_str(), "total" | "Total") {
             return None;
         }
         let (inner, _) = bracketed(tokens.get(at + 1..)?)?;
+        // Mathematica's `Total[f /@ list]` is expanded elsewhere.
+        if inner.iter().any(|token| token.kind == Ampersand) {
+            return None;
+        }
         let list = inner.iter().find(|token| self.arrays.contains_key(self.words.word(**token)))?;
         let word = self.words.word(*list);
         let array = self.arrays.get(word)?;
         let values = array.elements.iter().map(|one| self.bound(inner, &[(*list, one.clone())]));
-        Some((at..at + inner.len() + 3, joined(&values.collect::<Vec<_>>(), Plus)))
+        let start = self.without_module(tokens, at);
+        Some((start..at + inner.len() + 3, joined(&values.collect::<Vec<_>>(), Plus)))
     }
 
     /// Writes out a sum over a range of numbers, if its index selects elements of an array:
@@ -556,28 +424,74 @@ impl ProgramReader<'_> {
             let length = tokens.len() - at - behind.len();
             (*index, &range[..dots], &range[dots + 1..], &inner[comma + 1..], length)
         };
-        let selects = body.windows(3).any(|window| {
-            self.arrays.contains_key(self.words.word(window[0])) && window[1].kind == OpenBracket
-        });
         let ends = [self.known_value(low, frame)?, self.known_value(high, frame)?];
-        if !selects || ends[1] - ends[0] > MOST_ELEMENTS as f64 {
-            return None;
-        }
+        let numbers =
+            steps(ends[0], ends[1], 1.0, true, MOST_ELEMENTS).filter(|_| self.selects(body))?;
         let mut values = Vec::new();
-        let mut number = ends[0];
-        while number <= ends[1] {
-            let token = self.saved(number_expr(number, index.span), index.span, true, frame);
+        for number in numbers {
             // The number is one token, so it is a known index where it selects an element.
+            let token = self.number(number, index.span, frame);
             let is_index = |one: &Token| self.words.word(*one) == self.words.word(index);
             let term = body.iter().map(|one| if is_index(one) { token } else { *one });
             values.push(term.collect());
-            number += 1.0;
         }
         Some((at..at + length, joined(&values, Plus)))
     }
 
+    /// Returns whether a formula selects elements of an array.
+    fn selects(&self, body: &[Token]) -> bool {
+        body.windows(3).any(|window| {
+            self.arrays.contains_key(self.words.word(window[0])) && window[1].kind == OpenBracket
+        })
+    }
+
+    /// Sets an element of an array whose size was declared: `c[0] = vec3(1)`. Returns false for any
+    /// other statement.
+    pub(crate) fn sets_element(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<bool> {
+        let [name, rest @ ..] = tokens else { return Ok(false) };
+        let (Some((index, [equals, value @ ..])), true) =
+            (bracketed(rest), self.declared_arrays.contains(self.words.word(*name)))
+        else {
+            return Ok(false);
+        };
+        let index = self.known_value(index, frame).filter(|_| rest[0].kind == OpenBracket);
+        let index = index.filter(|_| equals.kind == Equals && frame.nested == 0);
+        let value = self.run_effects(value.to_vec(), frame)?;
+        let value = self.with_selections(&value, frame);
+        let kind = self.kind_of(value, frame)?;
+        let element = Element::single(vec![self.saved(kind, name.span, false, frame)]);
+        let array = self.arrays.get_mut(self.words.word(*name));
+        let place = array.zip(index).and_then(|(array, at)| array.elements.get_mut(at as usize));
+        let refused = || Error::new(name.span, ErrorKind::Array);
+        place.map(|place| *place = element).ok_or_else(refused).map(|()| true)
+    }
+
+    /// Records the declaration `c[3]` of an array. Returns false for any other declaration.
+    pub(crate) fn declares_array(&mut self, tokens: &[Token], frame: &Frame) -> bool {
+        let Some((name, [_, ..])) = tokens.split_first() else { return false };
+        let size = Words::inside(&tokens[1..]).and_then(|size| self.known_value(size, frame));
+        let Some(size) = size.filter(|size| (1.0..=MOST_ELEMENTS as f64).contains(size)) else {
+            return false;
+        };
+        let sets = |(_, behind): (&str, &str)| {
+            let value = behind.starts_with('[').then(|| behind.split_once(']')).flatten();
+            value.is_some_and(|(_, value)| {
+                let value = value.trim_start();
+                value.starts_with('=') && !value.starts_with("==")
+            })
+        };
+        let word = self.words.word(*name).to_owned();
+        if !self.uses(&word).any(sets) {
+            return false;
+        }
+        // Until an element is set, its value is not known.
+        let unset = vec![Element::single(vec![*name]); size as usize];
+        self.arrays.insert(word.clone(), Array::of(unset));
+        self.declared_arrays.insert(word)
+    }
+
     /// A statement with elements in place of `c[i]`, `c[i][j]`, `c[i, j]` and `c[[i]]`.
-    fn selected(&mut self, tokens: &[Token], frame: &Frame) -> Vec<Token> {
+    fn with_selections(&mut self, tokens: &[Token], frame: &Frame) -> Vec<Token> {
         let first = self.first_index();
         let mut all = Vec::with_capacity(tokens.len());
         let mut at = 0;
@@ -631,14 +545,4 @@ impl ProgramReader<'_> {
 /// The index of the first element of an array: 1 in MATLAB, else `first`.
 fn first_of(array: &Array, first: usize) -> usize {
     if array.is_round { 1 } else { first }
-}
-
-/// The sign that joins the values of a list in `sum` or `prod`; a comma for `min` and `max`.
-fn joint_of(word: &str) -> Option<TokenKind> {
-    Some(match word {
-        "sum" | "Sum" | "fsum" => Plus,
-        "prod" | "product" => Star,
-        "min" | "max" | "minimum" | "maximum" => Comma,
-        _ => return None,
-    })
 }

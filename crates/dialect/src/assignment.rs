@@ -53,7 +53,9 @@ impl ProgramReader<'_> {
                 && open.kind == OpenBracket
                 && name.kind.is_name()
             {
-                return Err(Error::new(name.span, ErrorKind::Array));
+                if !self.declares_array(&tokens, frame) {
+                    return Err(Error::new(name.span, ErrorKind::Array));
+                }
             } else if let [name] = tokens.as_slice() {
                 // A declaration without a value, such as `float a;`.
                 let word = self.words.word(*name);

@@ -1,11 +1,12 @@
 //! Splits blocks of programs into trees of statements. Formulas stay unparsed.
 
 use crate::effects::is_doubled;
+use crate::lists::with_signs;
 use crate::program_words::Words;
 use zeroset_parser::lex::token_kind::TokenKind::*;
 
-use zeroset_parser::lex::token::{Token, closing, outside};
-use zeroset_parser::{Error, ErrorKind, Fallible};
+use zeroset_parser::lex::token::{Token, closing, outside, split};
+use zeroset_parser::{Error, ErrorKind, Fallible, Span};
 
 /// Deepest nesting of blocks.
 const MAX_DEPTH: usize = 40;
@@ -32,9 +33,8 @@ pub(crate) enum ProgramStep {
         otherwise: Vec<ProgramStep>,
     },
     /// A loop over the values of a list or range. `pattern` is one variable or several, as in
-    /// `for a, b in pairs:`. `name` is its first token.
+    /// `for a, b in pairs:`.
     Each {
-        name: Token,
         pattern: Vec<Token>,
         values: Vec<Token>,
         body: Vec<ProgramStep>,
@@ -55,6 +55,12 @@ impl ProgramStep {
         })
     }
 
+    /// A loop of `while`, whose first token is `word`.
+    fn of_while(word: Token, condition: &[Token], body: Vec<Self>, otherwise: Vec<Self>) -> Self {
+        let (start, condition, next) = (Vec::new(), condition.to_vec(), Vec::new());
+        Self::Loop { word, start, condition, next, body, otherwise }
+    }
+
     /// A token near the start of the step, for error messages.
     pub(crate) fn first(&self) -> Option<Token> {
         match self {
@@ -62,21 +68,26 @@ impl ProgramStep {
             Self::Block(inner) => inner.first().and_then(Self::first),
             Self::If { condition, .. } => condition.first().copied(),
             Self::Loop { word, .. } => Some(*word),
-            Self::Each { name, .. } => Some(*name),
+            Self::Each { pattern, .. } => pattern.first().copied(),
         }
     }
 }
 
-/// The variables of `a, b in values`, and the tokens of the values.
-pub(crate) fn loop_names(tokens: &[Token]) -> Option<(Vec<Token>, &[Token])> {
-    let within = outside(tokens, In)?;
-    let is_name = |token: &Token| token.kind.is_name();
-    let is_sign =
-        |token: &Token| token.kind == Comma || token.kind == OpenParen || token.kind == CloseParen;
-    let left = &tokens[..within];
-    let names: Vec<Token> = left.iter().copied().filter(is_name).collect();
-    let is_read = !names.is_empty() && left.iter().all(|token| is_name(token) || is_sign(token));
-    is_read.then(|| (names, &tokens[within + 1..]))
+/// The range `a:b` of Julia, or `a, b` or `a, b, step` of Lua, in brackets with the step between its
+/// ends. Other values stay as they are.
+fn range_of(values: &[Token]) -> Vec<Token> {
+    let mut parts = split(values, Colon);
+    if parts.len() < 2 {
+        parts = split(values, Comma);
+        if parts.len() == 3 {
+            parts.swap(1, 2);
+        }
+    }
+    let place = values.first().map_or(0, |first| first.span.start);
+    let mut all = vec![Token::new(OpenBracket, Span::at(place))];
+    all.extend(with_signs(&parts, Colon));
+    all.push(Token::new(CloseBracket, Span::at(place)));
+    if parts.len() < 2 { values.to_vec() } else { all }
 }
 
 /// Drops the semicolons at the start of `tokens`.
@@ -186,9 +197,7 @@ impl Words<'_> {
                 steps.push(ProgramStep::If { condition: header.to_vec(), yes: body, no });
             }
             "while" => {
-                let (word, condition) = (first, header.to_vec());
-                let (start, next, otherwise) = (Vec::new(), Vec::new(), Vec::new());
-                steps.push(ProgramStep::Loop { word, start, condition, next, body, otherwise });
+                steps.push(ProgramStep::of_while(first, header, body, Vec::new()));
             }
             _ => {
                 let parts: Vec<Vec<Token>> =
@@ -207,14 +216,120 @@ impl Words<'_> {
                         |token: &&Token| matches!(self.word(**token), "const" | "let" | "var");
                     let words = header.iter().take_while(is_word).count();
                     let (pattern, otherwise) = (header[words..of].to_vec(), Vec::new());
-                    let Some(name) = pattern.first().copied() else {
+                    if pattern.is_empty() {
                         return Err(self.unsupported(first));
-                    };
-                    steps.push(ProgramStep::Each { name, pattern, values, body, otherwise });
+                    }
+                    steps.push(ProgramStep::Each { pattern, values, body, otherwise });
                 }
             }
         }
         Ok(rest)
+    }
+
+    /// A line of Lua or Julia, divided where a block begins or ends.
+    fn pieces(self, line: &[Token]) -> Vec<Vec<Token>> {
+        let mut all: Vec<Vec<Token>> = Vec::new();
+        let mut is_divided = true;
+        let mut depth = 0_usize;
+        for token in line {
+            depth += usize::from(token.kind.closer().is_some());
+            depth = depth.saturating_sub(usize::from(token.kind.is_closer()));
+            let word = if depth == 0 { self.word(*token) } else { "" };
+            match all.last_mut() {
+                Some(last) if !is_divided && !matches!(word, "end" | "else" | "elseif") => {
+                    last.push(*token);
+                }
+                _ => all.push(vec![*token]),
+            }
+            is_divided = matches!(word, "do" | "then" | "else" | "end");
+        }
+        all
+    }
+
+    /// The lines of a body of Lua or Julia up to its `end`, which is dropped.
+    pub(crate) fn lines_to_end(
+        self,
+        following: &mut impl Iterator<Item = Vec<Token>>,
+    ) -> Fallible<Vec<Vec<Token>>> {
+        let mut lines = Vec::new();
+        let mut depth = 1_usize;
+        for line in following {
+            let pieces = self.pieces(&line);
+            let count = pieces.len();
+            for (index, piece) in pieces.into_iter().enumerate() {
+                match self.word(piece[0]) {
+                    "for" | "while" | "if" | "function" => depth += 1,
+                    "repeat" => return Err(self.unsupported(piece[0])),
+                    "end" if depth == 1 && index + 1 < count => {
+                        return Err(self.unsupported(piece[0]));
+                    }
+                    "end" => depth -= 1,
+                    _ => {}
+                }
+                if depth == 0 {
+                    return Ok(lines);
+                }
+                lines.push(piece);
+            }
+        }
+        Ok(lines)
+    }
+
+    /// The statements of a block of Lua or Julia, and the line that ends it.
+    pub(crate) fn block_to_end(
+        self,
+        lines: &mut std::vec::IntoIter<Vec<Token>>,
+        depth: usize,
+    ) -> Fallible<(Vec<ProgramStep>, Option<Vec<Token>>)> {
+        let mut steps = Vec::new();
+        while let Some(line) = lines.next() {
+            let first = line[0];
+            if depth > MAX_DEPTH {
+                return Err(Error::new(first.span, ErrorKind::TooDeep { limit: MAX_DEPTH }));
+            }
+            match self.word(first) {
+                "end" | "else" | "elseif" => return Ok((steps, Some(line))),
+                "for" => {
+                    let header = self.header(&line);
+                    let at = outside(header, In).or_else(|| outside(header, Equals));
+                    let at = at.filter(|at| *at > 0).ok_or_else(|| self.unsupported(first))?;
+                    let (pattern, values) = (header[..at].to_vec(), range_of(&header[at + 1..]));
+                    let (body, otherwise) = (self.block_to_end(lines, depth + 1)?.0, Vec::new());
+                    steps.push(ProgramStep::Each { pattern, values, body, otherwise });
+                }
+                "while" => {
+                    let body = self.block_to_end(lines, depth + 1)?.0;
+                    steps.push(ProgramStep::of_while(first, self.header(&line), body, Vec::new()));
+                }
+                "if" => steps.push(self.branch_to_end(&line, lines, depth + 1)?),
+                _ => steps.push(ProgramStep::Plain(line)),
+            }
+        }
+        Ok((steps, None))
+    }
+
+    /// The tokens of `for … do`, `if … then` or `while … do` between the words.
+    fn header(self, line: &[Token]) -> &[Token] {
+        let is_end = line.last().is_some_and(|last| matches!(self.word(*last), "do" | "then"));
+        &line[1..line.len() - usize::from(is_end)]
+    }
+
+    /// An `if` or `elseif` of Lua or Julia.
+    fn branch_to_end(
+        self,
+        line: &[Token],
+        lines: &mut std::vec::IntoIter<Vec<Token>>,
+        depth: usize,
+    ) -> Fallible<ProgramStep> {
+        let (yes, ended) = self.block_to_end(lines, depth)?;
+        let no = match ended {
+            Some(line) if self.word(line[0]) == "else" => self.block_to_end(lines, depth)?.0,
+            Some(line) if self.word(line[0]) == "elseif" => {
+                vec![self.branch_to_end(&line, lines, depth + 1)?]
+            }
+            _ => Vec::new(),
+        };
+        Ok(ProgramStep::If { condition: self.header(line).to_vec(), yes, no })
     }
 
     /// Number of spaces and tabs at the start of a statement's line.
@@ -288,24 +403,14 @@ impl Words<'_> {
             "else" => steps.extend(body),
             "while" => {
                 let otherwise = self.otherwise(lines, &mut next, own, depth)?;
-                let (word, condition) = (first, header);
-                let (start, after) = (Vec::new(), Vec::new());
-                steps.push(ProgramStep::Loop {
-                    word,
-                    start,
-                    condition,
-                    next: after,
-                    body,
-                    otherwise,
-                });
+                steps.push(ProgramStep::of_while(first, &header, body, otherwise));
             }
             _ => {
                 let within = outside(&header, In).filter(|within| *within > 0);
                 let Some(within) = within else { return Err(self.unsupported(first)) };
                 let otherwise = self.otherwise(lines, &mut next, own, depth)?;
                 let (pattern, values) = (header[..within].to_vec(), header[within + 1..].to_vec());
-                let name = pattern[0];
-                steps.push(ProgramStep::Each { name, pattern, values, body, otherwise });
+                steps.push(ProgramStep::Each { pattern, values, body, otherwise });
             }
         }
         Ok(next)

@@ -1,19 +1,16 @@
 //! Reads calls in programs' expressions. Completes their arguments by names and default values, and
 //! expands generators such as `sum(a for i in range(3))`.
 
-use crate::blocks::loop_names;
 use crate::language::Language;
+use crate::lists::{joint_of, separated, with_signs};
 use crate::program_reader::{Frame, Procedure, ProgramReader};
 use crate::program_words::is_whole_vector;
 use crate::terms::outside_word;
 use std::rc::Rc;
-use zeroset_parser::lex::token::{Token, bracketed, in_brackets, split};
-use zeroset_parser::lex::token_kind::TokenKind::*;
+use zeroset_parser::lex::token::{Token, bracketed, in_brackets, outside, split};
+use zeroset_parser::lex::token_kind::TokenKind::{self, *};
 use zeroset_parser::tree::ast::ExprKind;
-use zeroset_parser::{Error, ErrorKind, Fallible, Span, plural};
-
-/// Functions that combine the values of a generator.
-const COMBINING: &[&str] = &["sum", "min", "max", "prod", "minimum", "maximum", "amin", "amax"];
+use zeroset_parser::{Error, ErrorKind, Fallible, plural};
 
 impl ProgramReader<'_> {
     /// Expands a value of Python outside functions: generators, and calls that have keywords or
@@ -66,10 +63,10 @@ impl ProgramReader<'_> {
             }
         }
         if matches!(self.language, Language::Python | Language::OpenScad)
-            && COMBINING.contains(&word)
+            && let Some(joint) = joint_of(word)
             && let Some(values) = self.generated_values(inner, frame)?
         {
-            self.combine(name, &values, out, frame)?;
+            out.extend(self.combined(name, joint, values, frame)?);
             return Ok(false);
         }
         let mut arguments = Vec::new();
@@ -151,7 +148,7 @@ impl ProgramReader<'_> {
     }
 
     /// The arguments of a call, in the order of the parameters. A missing one is the default.
-    fn with_defaults(
+    pub(crate) fn with_defaults(
         &self,
         name: Token,
         procedure: &Procedure,
@@ -191,44 +188,26 @@ impl ProgramReader<'_> {
         all.ok_or_else(wrong)
     }
 
-    /// Writes the sum, the product, the least or the greatest of `values`.
-    pub(crate) fn combine(
+    /// The sum, the product, the least or the greatest of `values`, as the call of `name` joins them.
+    fn combined(
         &mut self,
         name: Token,
-        values: &[Token],
-        out: &mut Vec<Token>,
+        joint: TokenKind,
+        values: Vec<Token>,
         frame: &mut Frame,
-    ) -> Fallible<()> {
-        let sign = match self.words.word(name) {
-            "sum" => Some(Plus),
-            "prod" => Some(Star),
-            _ => None,
-        };
-        let place = Span::at(name.span.end);
-        if values.is_empty() {
-            if sign != Some(Plus) {
-                return Err(Error::new(name.span, ErrorKind::EmptyBrackets));
+    ) -> Fallible<Vec<Token>> {
+        if values.is_empty() && joint == Plus {
+            return Ok(vec![self.number(0.0, name.span, frame)]);
+        }
+        let parts: Vec<Vec<Token>> = values.iter().map(|value| vec![*value]).collect();
+        match (values.len(), joint) {
+            (0, _) => Err(Error::new(name.span, ErrorKind::EmptyBrackets)),
+            (1, _) => Ok(values),
+            (_, Comma) => {
+                Ok(std::iter::once(name).chain(in_brackets(&separated(&parts))).collect())
             }
-            let zero = ExprKind::Number("0".to_owned());
-            out.push(self.saved(zero, name.span, false, frame));
-            return Ok(());
+            _ => Ok(in_brackets(&with_signs(&parts, joint))),
         }
-        if let [only] = values {
-            out.push(*only);
-            return Ok(());
-        }
-        if sign.is_none() {
-            out.push(name);
-        }
-        out.push(Token::new(OpenParen, place));
-        for (index, value) in values.iter().enumerate() {
-            if index > 0 {
-                out.push(Token::new(sign.unwrap_or(Comma), place));
-            }
-            out.push(*value);
-        }
-        out.push(Token::new(CloseParen, place));
-        Ok(())
     }
 
     /// The saved values of `a for i in range(3) if c`; `None` if `tokens` have another form.
@@ -246,7 +225,8 @@ impl ProgramReader<'_> {
         }
         let Some(for_at) = outside_word(self, tokens, "for") else { return Ok(None) };
         let (body, rest) = (&tokens[..for_at], &tokens[for_at + 1..]);
-        let Some((names, rest)) = loop_names(rest) else { return Ok(None) };
+        let Some(within) = outside(rest, In) else { return Ok(None) };
+        let (pattern, rest) = (&rest[..within], &rest[within + 1..]);
         let if_at = outside_word(self, rest, "if");
         let (list, filter) = match if_at {
             Some(at) => (&rest[..at], Some(&rest[at + 1..])),
@@ -255,6 +235,6 @@ impl ProgramReader<'_> {
         if filter.is_some_and(|filter| outside_word(self, filter, "for").is_some()) {
             return Ok(None);
         }
-        self.each_value(&names, list, filter, body, frame).map(Some)
+        self.each_value(pattern, list, filter, body, frame).map(Some)
     }
 }

@@ -1,12 +1,13 @@
 //! Unrolls the loops of programs. If the condition of a branch is unknown, both sides of the branch
 //! run. Each variable that the sides assign becomes a choice between two values.
 
+use crate::arrays::Array;
 use crate::blocks::ProgramStep;
 use crate::known_numbers::{count, number_expr, number_of};
 use crate::language::Language;
+use crate::lists::Element;
 use crate::program_reader::{Frame, ProgramReader, Statements};
-use crate::program_words::Words;
-use zeroset_parser::lex::token::{Token, in_brackets, outside, span_of, split};
+use zeroset_parser::lex::token::{Token, in_brackets, outside, span_of};
 use zeroset_parser::lex::token_kind::TokenKind::{self, Comma, Equals, OpenBracket};
 use zeroset_parser::tree::ast::{Expr, ExprKind, Name, Relation};
 use zeroset_parser::{Error, ErrorKind, Fallible, Span};
@@ -19,12 +20,6 @@ pub(crate) const MAX_STEPS: usize = 1000;
 pub(crate) const EXIT_LEVEL: &str = "break";
 /// Name of the variable that holds a function's returned value.
 pub(crate) const RESULT: &str = "return";
-
-/// Functions that turn a list into an array or into another list.
-const LISTS: &[&str] = &["array", "asarray", "list", "tuple", "stack"];
-
-/// Largest number of names and functions that are followed to find a list.
-const MAX_LISTS: usize = 4;
 
 /// Levels of an early exit: an exit from the iteration, from the loop, or from the function.
 const ROUND: f64 = 1.0;
@@ -77,14 +72,14 @@ impl ProgramReader<'_> {
                     self.repeat(&mut begin, body, otherwise, frame)?;
                     frame.leave_scope(mark);
                 }
-                ProgramStep::Each { name, pattern, values, body, otherwise } => {
-                    let rounds = self.rounds(*name, pattern, values, frame)?;
-                    let mut rounds = rounds.into_iter();
+                ProgramStep::Each { pattern, values, body, otherwise } => {
+                    let mut rounds = self.rounds(pattern, values, frame)?.into_iter();
+                    let span = span_of(pattern).unwrap_or_default();
                     let mut begin = |reader: &mut Self, frame: &mut Frame| {
                         let Some(values) = rounds.next() else { return Ok(false) };
-                        reader.count_step(name.span)?;
+                        reader.count_step(span)?;
                         for (name, value) in values {
-                            reader.begin_round(name, value, frame)?;
+                            reader.begin_round(name, &value, frame)?;
                         }
                         Ok(true)
                     };
@@ -103,81 +98,25 @@ impl ProgramReader<'_> {
         Ok(())
     }
 
-    /// The loop variables, each with its part of `value`.
-    pub(crate) fn loop_values(
-        &self,
-        names: &[Token],
-        value: LoopValue,
-    ) -> Fallible<Vec<(Token, LoopValue)>> {
-        let first = names[0];
-        let parts = match value {
-            value if names.len() == 1 => return Ok(vec![(first, value)]),
-            LoopValue::Typed(tokens) => self.list_values(&tokens).unwrap_or_default(),
-            LoopValue::Several(values) => return Ok(names.iter().copied().zip(values).collect()),
-            LoopValue::Known(_) => Vec::new(),
-        };
-        if parts.len() != names.len() {
-            return Err(Error::new(first.span, ErrorKind::LoopEnd));
-        }
-        Ok(names.iter().copied().zip(parts.into_iter().map(LoopValue::Typed)).collect())
-    }
-
     /// Gives a loop's variable its value in the next iteration.
-    fn begin_round(&mut self, name: Token, value: LoopValue, frame: &mut Frame) -> Fallible<()> {
+    fn begin_round(&mut self, name: Token, value: &Element, frame: &mut Frame) -> Fallible<()> {
         let span = name.span;
         let text = self.words.text[span.range()].to_owned();
-        match value {
-            LoopValue::Known(number) => {
-                if number.fract() == 0.0 {
-                    frame.integers.insert(text.clone());
-                }
-                frame.aliases.push(text, number_expr(number, span));
-                Ok(())
-            }
-            LoopValue::Typed(tokens) => match self.known_value(&tokens, frame) {
-                Some(number) => {
-                    frame.aliases.push(text, number_expr(number, span));
-                    Ok(())
-                }
-                None => self.set(Name { text, span }, 1, tokens, frame),
-            },
-            LoopValue::Several(_) => Err(Error::new(span, ErrorKind::LoopEnd)),
+        // `p[1]` selects a part of an element.
+        if value.is_list {
+            let parts = value.parts.iter().map(|(_, part)| Element::single(part.clone()));
+            self.arrays.insert(text.clone(), Array::of(parts.collect()));
         }
-    }
-
-    /// The values of a list, a tuple, an array, or a name that stands for one.
-    pub(crate) fn list_values(&self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
-        let mut tokens = tokens.to_vec();
-        for _ in 0..MAX_LISTS {
-            tokens = match tokens.as_slice() {
-                [name] => self.assigned.get(self.words.word(*name))?.clone(),
-                [name, rest @ ..] if LISTS.contains(&self.words.word(*name)) => {
-                    split(Words::inside(rest)?, Comma).into_iter().next()?
-                }
-                _ => break,
-            };
-        }
-        let inner = Words::inside(&tokens)?;
-        (tokens[0].kind != TokenKind::OpenBrace).then(|| split(inner, Comma))
-    }
-
-    /// The values of `enumerate(list)` or `zip(list, list)`; `None` for other tokens.
-    fn paired_values(&self, tokens: &[Token]) -> Option<Vec<LoopValue>> {
-        let (name, rest) = tokens.split_first()?;
-        let lists = split(Words::inside(rest)?, Comma);
-        let lists: Option<Vec<Vec<Vec<Token>>>> =
-            lists.iter().map(|list| self.list_values(list)).collect();
-        let lists = lists.filter(|lists| !lists.is_empty())?;
-        let count = lists.iter().map(Vec::len).min()?;
-        let row = |index: usize| {
-            let values = lists.iter().map(|list| LoopValue::Typed(list[index].clone()));
-            let number = LoopValue::Known(index as f64);
-            LoopValue::Several(match self.words.word(*name) {
-                "enumerate" => std::iter::once(number).chain(values).collect(),
-                _ => values.collect(),
-            })
+        let value = value.value();
+        let Some(number) = self.known_value(&value, frame) else {
+            return self.set(Name { text, span }, 1, value, frame);
         };
-        matches!(self.words.word(*name), "enumerate" | "zip").then(|| (0..count).map(row).collect())
+        let is_whole = |token: &Token| self.whole_values.contains(&token.number);
+        if matches!(value.as_slice(), [only] if is_whole(only)) {
+            frame.integers.insert(text.clone());
+        }
+        frame.aliases.push(text, number_expr(number, span));
+        Ok(())
     }
 
     /// Counts one step: a statement or an iteration of a loop. Fails beyond `MAX_STEPS`.
@@ -213,6 +152,9 @@ impl ProgramReader<'_> {
 
     /// Runs a statement that contains no other statements.
     fn plain_step(&mut self, tokens: &[Token], frame: &mut Frame) -> Fallible<()> {
+        if self.sets_element(tokens, frame)? {
+            return Ok(());
+        }
         let tokens = &self.with_elements(tokens.to_vec(), frame);
         let Some(first) = tokens.first() else { return Ok(()) };
         let word = match first.kind {
@@ -330,83 +272,6 @@ impl ProgramReader<'_> {
         known.ok_or_else(|| Error::new(span, ErrorKind::LoopEnd))
     }
 
-    /// The values that a loop over a list or a range gives to its variable `name`.
-    pub(crate) fn values(
-        &mut self,
-        name: Token,
-        tokens: &[Token],
-        frame: &mut Frame,
-    ) -> Fallible<Vec<LoopValue>> {
-        let span = span_of(tokens).unwrap_or(name.span);
-        let refused = || Error::new(span, ErrorKind::LoopEnd);
-        if self.language == Language::OpenScad
-            && let Some(numbers) = self.openscad_range(tokens, span, frame)?
-        {
-            return Ok(numbers.into_iter().map(LoopValue::Known).collect());
-        }
-        if let Some(values) = self.paired_values(tokens) {
-            return Ok(values);
-        }
-        let is_range = tokens.first().is_some_and(|first| self.words.word(*first) == "range");
-        let list = if is_range { &tokens[1..] } else { tokens };
-        let parts = self.list_values(list).ok_or_else(refused)?;
-        if !is_range {
-            return Ok(parts.into_iter().map(LoopValue::Typed).collect());
-        }
-        let numbers: Option<Vec<f64>> =
-            parts.iter().map(|part| self.known_value(part, frame)).collect();
-        let (low, high, step) = match numbers.as_deref() {
-            Some([high]) => (0.0, *high, 1.0),
-            Some([low, high]) => (*low, *high, 1.0),
-            Some([low, high, step]) if *step != 0.0 => (*low, *high, *step),
-            _ => return Err(refused()),
-        };
-        let mut values = Vec::new();
-        let mut value = low;
-        while (high - value) * step > 0.0 {
-            if values.len() > MAX_STEPS {
-                return Err(Error::new(span, ErrorKind::TooManySteps { limit: MAX_STEPS }));
-            }
-            values.push(LoopValue::Known(value));
-            value += step;
-        }
-        Ok(values)
-    }
-
-    /// The numbers of the range `[begin : end]` or `[begin : step : end]`, which has its end.
-    fn openscad_range(
-        &mut self,
-        tokens: &[Token],
-        span: Span,
-        frame: &mut Frame,
-    ) -> Fallible<Option<Vec<f64>>> {
-        let Some(inner) = Words::inside(tokens).filter(|_| tokens[0].kind == OpenBracket) else {
-            return Ok(None);
-        };
-        let parts = split(inner, TokenKind::Colon);
-        if parts.len() < 2 {
-            return Ok(None);
-        }
-        let numbers: Option<Vec<f64>> =
-            parts.iter().map(|part| self.known_value(part, frame)).collect();
-        let (low, step, high) = match numbers.as_deref() {
-            Some([low, high]) if low <= high => (*low, 1.0, *high),
-            Some([low, step, high]) if *step != 0.0 => (*low, *step, *high),
-            _ => return Err(Error::new(span, ErrorKind::LoopEnd)),
-        };
-        let count = ((high - low) / step).floor();
-        if count > MAX_STEPS as f64 {
-            return Err(Error::new(span, ErrorKind::TooManySteps { limit: MAX_STEPS }));
-        }
-        let mut values = Vec::new();
-        let mut number = 0.0;
-        while number <= count {
-            values.push(low + number * step);
-            number += 1.0;
-        }
-        Ok(Some(values))
-    }
-
     /// Ends an iteration. Drops an exit by `continue`, and returns an exit by `break` or `return`.
     fn end_round(&mut self, body: &[ProgramStep], frame: &mut Frame) -> Option<ExprKind> {
         if ProgramStep::has(body, self.words, "continue") {
@@ -437,14 +302,6 @@ impl ProgramReader<'_> {
 
 /// Prepares the next iteration of a loop. Returns false if the loop has no more iterations.
 type NextRound<'b, R> = &'b mut dyn FnMut(&mut R, &mut Frame) -> Fallible<bool>;
-
-/// Value of a loop's variable in one iteration: a known number, or the tokens of an expression.
-pub(crate) enum LoopValue {
-    Known(f64),
-    Typed(Vec<Token>),
-    /// A value for each of several variables.
-    Several(Vec<LoopValue>),
-}
 
 pub(crate) fn more_than(kind: ExprKind, level: f64) -> Expr {
     let span = Span::default();

@@ -10,18 +10,10 @@ use zeroset_parser::lex::token_kind::TokenKind::{self, *};
 use zeroset_parser::{Error, ErrorKind, Fallible, Note, NoteKind, Span};
 
 /// Commands that plot a curve.
+#[rustfmt::skip] // several words a line
 pub(crate) const COMMANDS: &[&str] = &[
-    "ParametricPlot3D",
-    "spacecurve",
-    "parametric_plot3d",
-    "plot3d_parametric_line",
-    "Curve",
-    "fplot3",
-    "ParametricFunction",
-    "ParametricCurve",
-    "ParametricPlot",
-    "curve3d",
-    "plotparam",
+    "ParametricPlot3D", "spacecurve", "parametric_plot3d", "plot3d_parametric_line", "Curve",
+    "fplot3", "ParametricFunction", "ParametricCurve", "ParametricPlot", "curve3d", "plotparam",
     "parametric",
 ];
 
@@ -62,10 +54,13 @@ impl Words<'_> {
         let word = plain_name(self.word(*first));
         let word = word.as_str();
         if word == "Graphics3D" {
-            // Mathematica writes the points in a list.
-            let [shape, open, ..] = inner else { return None };
-            let is_shape = matches!(self.word(*shape), "Line" | "Arrow");
-            let (list, []) = bracketed(&inner[1..]).filter(|_| is_shape)? else { return None };
+            // Mathematica writes the points in a list, and colors before the shape.
+            let parts = split(Self::inside(inner).unwrap_or(inner), Comma);
+            let (shape, styles) = parts.split_last()?;
+            let [word, open, ..] = shape.as_slice() else { return None };
+            let is_shape = matches!(self.word(*word), "Line" | "Arrow")
+                && styles.iter().all(|style| style[0].kind == TokenKind::Name);
+            let (list, []) = bracketed(&shape[1..]).filter(|_| is_shape)? else { return None };
             let (points, []) = bracketed(list)? else { return None };
             return Self::ends(*open, split(points, Comma));
         }

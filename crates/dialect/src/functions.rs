@@ -30,6 +30,13 @@ const SOLIDS_OF_SDF: ErrorKind = ErrorKind::Format {
            `intersect(a, b)` and `subtract(a, b)`",
 };
 
+/// The error for a blob of POV-Ray.
+const BLOB_OF_POV: ErrorKind = ErrorKind::Format {
+    format: "POV-Ray",
+    read: "no `blob` is read, and only the function of an `isosurface`",
+    help: "write the sum of its parts, such as `1/((x - 1)^2 + y^2 + z^2) + 1/((x + 1)^2 + y^2 + z^2) = 2`",
+};
+
 /// The error for a module of `OpenSCAD`.
 const MODULE_OF_OPENSCAD: ErrorKind = ErrorKind::Format {
     format: "OpenSCAD",
@@ -53,11 +60,17 @@ impl ProgramReader<'_> {
             ("import" | "from", _) if word(1) == "sdf" => {
                 Err(Error::new(tokens[0].span, SOLIDS_OF_SDF))
             }
+            ("blob", [first, open, ..]) if open.kind == OpenBrace => {
+                Err(Error::new(first.span, BLOB_OF_POV))
+            }
             ("module", [first, _, _, _, ..]) if is_named => {
                 Err(Error::new(first.span, MODULE_OF_OPENSCAD))
             }
-            ("function", [_, _, _, ..])
-                if is_named && parameters_end(2).is_some_and(|end| end + 3 == tokens.len()) =>
+            ("function", [_, _, _, .., last])
+                if is_named
+                    && parameters_end(2).is_some_and(|end| {
+                        end + 3 == tokens.len() || self.words.word(*last) == "end"
+                    }) =>
             {
                 self.function_to_end(tokens, following).map(|()| true)
             }
@@ -121,29 +134,24 @@ impl ProgramReader<'_> {
             return Ok(rest);
         }
         let body = self.expanded(body, 0)?;
-        let steps = self.words.block(&body, 0)?;
         let given = self.procedure_parameters(&parameters);
         let sizes: Vec<usize> = given.iter().map(|given| given.size).collect();
         let before = self.signatures.insert(word.clone(), sizes.clone());
         if self.language == Language::Typed && before.is_some_and(|before| before != sizes) {
             return Err(Error::new(name.span, ErrorKind::Overloaded { name: word }));
         }
-        if is_void || given.iter().any(|given| given.is_out) {
-            let uses_globals = self.uses_globals(&body);
-            let changes_globals = self.changes_globals(&body);
-            let procedure =
-                Procedure { parameters: given, body: steps, uses_globals, changes_globals };
-            self.record_whole(types, &word);
-            self.procedures.insert(word, Rc::new(procedure));
-            return Ok(rest);
-        }
+        let uses_globals = self.uses_globals(&body);
+        let is_procedure = is_void || given.iter().any(|given| given.is_out);
         let mut procedure = None;
-        if self.uses_globals(&body) {
-            let changes_globals = self.changes_globals(&body);
-            let (parameters, body) = (given, self.words.block(&body, 0)?);
-            let uses_globals = true;
-            procedure =
-                Some(Rc::new(Procedure { parameters, body, uses_globals, changes_globals }));
+        if is_procedure || uses_globals {
+            let (changes_globals, body) =
+                (self.changes_globals(&body), self.words.block(&body, 0)?);
+            procedure = Some(Procedure { parameters: given, body, uses_globals, changes_globals });
+        }
+        if is_procedure {
+            self.record_whole(types, &word);
+            self.procedures.extend(procedure.map(|procedure| (word, Rc::new(procedure))));
+            return Ok(rest);
         }
         let before = self.program.last_function.clone();
         let mut frame = self.enter(self.words.name(name), parameters)?;
@@ -157,10 +165,10 @@ impl ProgramReader<'_> {
             // function to draw.
             self.program.last_function = before;
         }
-        self.run_to_result(steps, &mut frame)?;
+        self.run_to_result(self.words.block(&body, 0)?, &mut frame)?;
         self.record_whole(types, &word);
         // The function is defined, too, because it may be the one to draw.
-        self.procedures.extend(procedure.map(|procedure| (word, procedure)));
+        self.procedures.extend(procedure.map(|procedure| (word, Rc::new(procedure))));
         Ok(rest)
     }
 
@@ -195,18 +203,13 @@ impl ProgramReader<'_> {
     /// Runs the body of a function, and ends the function. In Rust and Julia, the last expression
     /// of a body is the function's result.
     fn run_to_result(&mut self, mut steps: Vec<ProgramStep>, frame: &mut Frame) -> Fallible<()> {
-        let is_value = |step: &mut ProgramStep| match step {
-            ProgramStep::Plain(tokens) => self.words.is_value(tokens),
-            _ => false,
-        };
-        let is_typed = self.language == Language::Typed;
-        let tail = if is_typed { None } else { steps.pop_if(is_value) };
-        self.run_open(&steps, frame, false)?;
-        if let Some(ProgramStep::Plain(tokens)) = tail {
-            let tokens = self.run_effects(tokens, frame)?;
-            self.result(tokens, frame)?;
-            frame.has_result = true;
+        if let Some(ProgramStep::Plain(tokens)) = steps.last_mut()
+            && self.language != Language::Typed
+            && self.words.is_value(tokens)
+        {
+            tokens.insert(0, value_word(tokens[0]));
         }
+        self.run_open(&steps, frame, false)?;
         self.leave_function(frame)
     }
 
@@ -361,18 +364,13 @@ impl ProgramReader<'_> {
         tokens: &[Token],
         following: &mut Statements,
     ) -> Fallible<()> {
-        let mut lines = Vec::new();
-        let is_end = |line: &Vec<Token>| line.len() == 1 && self.words.word(line[0]) == "end";
-        for line in following.by_ref().take_while(|line| !is_end(line)) {
-            if matches!(self.words.word(line[0]), "if" | "for" | "while" | "repeat") {
-                return Err(self.words.unsupported(line[0]));
-            }
-            lines.push(line);
-        }
-        let Some((parameters, _)) = bracketed(&tokens[2..]) else {
+        let Some((parameters, body)) = bracketed(&tokens[2..]) else {
             return Err(self.words.unsupported(tokens[0]));
         };
-        let steps = self.words.lines(&lines, 0)?;
+        let first = Some(body.to_vec()).filter(|body| !body.is_empty());
+        let lines = self.words.lines_to_end(&mut first.into_iter().chain(following))?;
+        let mut lines = lines.into_iter();
+        let (steps, _) = self.words.block_to_end(&mut lines, 0)?;
         let mut frame = self.enter(self.words.name(tokens[1]), split(parameters, Comma))?;
         self.run_to_result(steps, &mut frame)
     }
@@ -412,7 +410,7 @@ impl ProgramReader<'_> {
         parameters.retain(|part| self.words.word(part[0]) != "self");
         let is_point = matches!(parameters.as_slice(), [only] if self.words.is_point(only, &lines));
         let steps = self.words.lines(&lines, 0)?;
-        self.record_body(name, &parameters, self.words.lines(&lines, 0)?);
+        self.record_body(self.words.word(name), &parameters, self.words.lines(&lines, 0)?);
         let mut frame = self.enter(self.words.name(name), parameters)?;
         if is_point {
             self.record_drawn(&self.words.name(name));
@@ -435,20 +433,17 @@ impl ProgramReader<'_> {
         let Some(first) = body.first() else {
             return Err(Error::new(name.span, ErrorKind::Unfinished));
         };
-        // The body is a statement that returns its value.
-        let mut step = vec![Token::new(TokenKind::Saved, Span::at(first.span.start))];
-        step.extend(&body);
-        self.record_body(name, &parameters, vec![ProgramStep::Plain(step)]);
+        self.record_body(self.words.word(name), &parameters, vec![value_step(*first, &body)]);
         let mut frame = self.enter(self.words.name(name), parameters)?;
         let value = self.run_effects(body, &mut frame)?;
         self.result(value, &frame)
     }
 
     /// Records the body of a function, for calls that name parameters or leave some out.
-    fn record_body(&mut self, name: Token, parameters: &[Vec<Token>], body: Vec<ProgramStep>) {
+    fn record_body(&mut self, name: &str, parameters: &[Vec<Token>], body: Vec<ProgramStep>) {
         let parameters = self.procedure_parameters(parameters);
-        let procedure = Procedure::of_values(parameters, body);
-        self.bodies.insert(self.words.word(name).to_owned(), Rc::new(procedure));
+        let procedure = Procedure { parameters, body, ..Procedure::default() };
+        self.bodies.insert(name.to_owned(), Rc::new(procedure));
     }
 
     /// Returns whether the last line is a `return`.
@@ -543,11 +538,7 @@ impl ProgramReader<'_> {
             && matches!(self.language, Language::Python | Language::OpenScad)
             && let Some(first) = value.first()
         {
-            let mut step = vec![Token::new(TokenKind::Saved, Span::at(first.span.start))];
-            step.extend(&value);
-            let given = self.procedure_parameters(&parameters);
-            let body = vec![ProgramStep::Plain(step)];
-            self.bodies.insert(name.text.clone(), Rc::new(Procedure::of_values(given, body)));
+            self.record_body(&name.text, &parameters, vec![value_step(*first, &value)]);
         }
         self.note_radians(&value);
         let mut frame = self.enter(name, parameters)?;
@@ -593,4 +584,14 @@ impl ProgramReader<'_> {
         }
         self.result(rest.to_vec(), frame)
     }
+}
+
+/// The word `return` before a value whose first token is `first`.
+fn value_word(first: Token) -> Token {
+    Token::new(TokenKind::Saved, Span::at(first.span.start))
+}
+
+/// A statement that returns the value `body`, whose first token is `first`.
+fn value_step(first: Token, body: &[Token]) -> ProgramStep {
+    ProgramStep::Plain(std::iter::once(value_word(first)).chain(body.iter().copied()).collect())
 }

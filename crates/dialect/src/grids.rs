@@ -336,10 +336,13 @@ impl ProgramReader<'_> {
             if let [name, equals, right @ ..] = formula.as_slice()
                 && equals.kind == Equals
                 && name.kind == TokenKind::Name
-                && !right.is_empty()
-                && outside(right, OpenBrace).is_none()
+                && right.first().is_some_and(|first| first.kind != OpenBrace)
             {
-                formula = minus_level(&[*name], right);
+                // A restriction stays behind the equation.
+                let is_brace = |token: &Token| token.kind == OpenBrace;
+                let (right, behind) =
+                    right.split_at(right.iter().position(is_brace).unwrap_or(right.len()));
+                formula = [&minus_level(&[*name], right), behind].concat();
             }
             for (index, name) in formula.iter().enumerate() {
                 let next = formula.get(index + 1).and_then(|next| next.kind.closer());

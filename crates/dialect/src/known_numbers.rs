@@ -38,6 +38,21 @@ pub(crate) fn number_of(kind: &ExprKind) -> Option<f64> {
     }
 }
 
+/// The numbers from `low` to `high` by `step`; with `high` itself if `is_closed`. `None` if there are
+/// more than `limit`.
+pub(crate) fn steps(
+    low: f64,
+    high: f64,
+    step: f64,
+    is_closed: bool,
+    limit: usize,
+) -> Option<Vec<f64>> {
+    let count = (high - low) / step;
+    let count = if is_closed { count.floor() + 1.0 } else { count.ceil() };
+    let number = |index| low + index as f64 * step;
+    (count <= limit as f64).then(|| (0..count.max(0.0) as usize).map(number).collect())
+}
+
 /// Relations that a condition may contain.
 const RELATIONS: &[TokenKind] = &[Less, LessEqual, Greater, GreaterEqual, Equals, NotEqual];
 

@@ -22,9 +22,10 @@ pub(crate) fn join_bars(tokens: &mut Vec<Token>) {
 }
 
 /// The language of a program, as far as meanings depend on it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Language {
     /// No program.
+    #[default]
     Plain,
     /// GLSL, HLSL or C: variables have types, and quotients of integers are truncated.
     Typed,

@@ -1,8 +1,8 @@
 //! Expands expressions that Mathematica evaluates before it plots: tables, functions of slots such
 //! as `#^2 &`, and the values that a user changes.
 
-use crate::known_numbers::number_expr;
-use crate::numpy::{joined, separated};
+use crate::known_numbers::steps;
+use crate::lists::{joined, separated};
 use crate::plot_commands::{is_plot, minus_level};
 use crate::program_reader::{Frame, ProgramReader};
 use crate::program_words::Words;
@@ -130,7 +130,8 @@ impl ProgramReader<'_> {
         frame: &mut Frame,
     ) -> Fallible<Vec<Token>> {
         let is_expanded = |token: &Token| {
-            matches!(self.words.word(*token), "Table" | "Evaluate") || self.slot(*token).is_some()
+            matches!(self.words.word(*token), "Table" | "Evaluate")
+                || self.words.slot(*token).is_some()
         };
         if !tokens.iter().any(is_expanded) {
             return Ok(tokens);
@@ -186,16 +187,17 @@ impl ProgramReader<'_> {
             return self.expand(part, frame);
         };
         let (name, value) = part.split_at(at + 2);
-        let Some(body) = pure(Words::inside(value).unwrap_or(value)) else {
+        let function = Words::inside(value).unwrap_or(value);
+        if pure(function).is_none() {
             return self.expand(part, frame);
-        };
-        let span = span_of(body).unwrap_or_default();
+        }
+        let span = span_of(function).unwrap_or_default();
         let coordinates = Axis::ALL.map(|axis| {
             let kind = ExprKind::Name(NamedValue::Coordinate(axis));
             vec![self.saved(kind, span, false, frame)]
         });
         let mut all = name.to_vec();
-        let Some(condition) = self.applied(body, &coordinates) else {
+        let Some(condition) = self.words.applied(function, &coordinates) else {
             return Err(Error::new(span, ErrorKind::NoFormula));
         };
         // A function without parameters: `Function[{}, condition]`.
@@ -203,27 +205,6 @@ impl ProgramReader<'_> {
         all.extend([sign(At), sign(OpenParen), sign(CloseParen)]);
         all.extend(condition);
         Ok(all)
-    }
-
-    /// The number of a slot: 1 for `#` and `#1`. `None` for other tokens.
-    fn slot(&self, token: Token) -> Option<usize> {
-        let typed = self.words.word(token).strip_prefix('#')?;
-        if typed.is_empty() { Some(1) } else { typed.parse().ok() }
-    }
-
-    /// The body of a function, in which each slot is replaced by its argument in brackets.
-    fn applied(&self, body: &[Token], arguments: &[Vec<Token>]) -> Option<Vec<Token>> {
-        let mut all = Vec::new();
-        for token in body {
-            match self.slot(*token) {
-                Some(number) => all.extend(in_brackets(arguments.get(number.checked_sub(1)?)?)),
-                None => all.push(*token),
-            }
-            if all.len() > MAX_TOKENS {
-                return None;
-            }
-        }
-        Some(all)
     }
 
     /// A list of the values of `body` over `{k, 1, 3}`, `{k, {1, 2}}` or `{k, list}`.
@@ -238,7 +219,9 @@ impl ProgramReader<'_> {
         let parts = split(Words::inside(range).ok_or_else(refused)?, Comma);
         let (name, ends) = parts.split_first().ok_or_else(refused)?;
         let values = match ends {
-            [list] if self.list_items(list).is_some() => self.list_items(list).unwrap_or_default(),
+            [list] if self.list_values(list).is_some() => {
+                self.list_values(list).unwrap_or_default()
+            }
             _ => self.range_values(ends, span, frame).ok_or_else(refused)?,
         };
         if values.len() > MAX_VALUES {
@@ -257,7 +240,7 @@ impl ProgramReader<'_> {
     }
 
     /// The numbers of `3`, `1, 3` or `1, 3, 0.5`.
-    fn range_values(
+    pub(crate) fn range_values(
         &mut self,
         ends: &[Vec<Token>],
         span: Span,
@@ -271,23 +254,8 @@ impl ProgramReader<'_> {
             [low, high, step] if *step > 0.0 => (*low, *high, *step),
             _ => return None,
         };
-        let mut values = Vec::new();
-        let mut value = low;
-        while value <= high && values.len() <= MAX_VALUES {
-            values.push(vec![self.saved(number_expr(value, span), span, false, frame)]);
-            value = low + step * values.len() as f64;
-        }
-        Some(values)
-    }
-
-    /// The items of a list in braces, or of a name that stands for one.
-    fn list_items(&self, tokens: &[Token]) -> Option<Vec<Vec<Token>>> {
-        let value = match tokens {
-            [name] => self.assigned.get(self.words.word(*name))?.as_slice(),
-            _ => tokens,
-        };
-        let inner = Words::inside(value).filter(|_| value[0].kind == OpenBrace)?;
-        Some(split(inner, Comma))
+        let numbers = steps(low, high, step, true, MAX_VALUES)?;
+        Some(numbers.into_iter().map(|number| vec![self.number(number, span, frame)]).collect())
     }
 
     fn nested(
@@ -297,22 +265,15 @@ impl ProgramReader<'_> {
         count: &[Token],
         frame: &Frame,
     ) -> Option<Vec<Token>> {
-        let body = pure(function)?;
-        let count =
-            self.known_value(count, frame).filter(|n| (0.0..=MAX_VALUES as f64).contains(n))?;
-        let mut value = start.to_vec();
-        let mut done = 0.0;
-        while done < count {
-            value = self.applied(body, &[value])?;
-            done += 1.0;
-        }
-        Some(in_brackets(&value))
+        let count = self.known_value(count, frame)?;
+        let numbers = steps(0.0, count, 1.0, false, MAX_VALUES)?;
+        let apply = |value: Vec<Token>, _| self.words.applied(function, &[value]);
+        numbers.into_iter().try_fold(start.to_vec(), apply).map(|value| in_brackets(&value))
     }
 
     fn folded(&self, function: &[Token], start: &[Token], list: &[Token]) -> Option<Vec<Token>> {
-        let body = pure(function)?;
-        let fold = |value: Vec<Token>, item: Vec<Token>| self.applied(body, &[value, item]);
-        let items = self.list_items(list)?.into_iter();
+        let fold = |value: Vec<Token>, item| self.words.applied(function, &[value, item]);
+        let items = self.list_values(list)?.into_iter();
         items.take(MAX_VALUES).try_fold(start.to_vec(), fold).map(|value| in_brackets(&value))
     }
 
@@ -324,10 +285,41 @@ impl ProgramReader<'_> {
                 && self.words.text[pair[1].span.range()] == *"@"
         };
         let at = tokens.windows(2).position(is_map)? + 1;
-        let function = &tokens[..at - 1];
-        let body = pure(function)?;
-        let items = self.list_items(&tokens[at + 1..])?.into_iter();
-        items.take(MAX_VALUES).map(|item| self.applied(body, &[item])).collect()
+        let items = self.list_values(&tokens[at + 1..])?.into_iter();
+        let value = |item| self.words.applied(&tokens[..at - 1], &[item]);
+        items.take(MAX_VALUES).map(value).collect()
+    }
+}
+
+impl Words<'_> {
+    /// The number of a slot: 1 for `#` and `#1`. `None` for other tokens.
+    fn slot(self, token: Token) -> Option<usize> {
+        let typed = self.word(token).strip_prefix('#')?;
+        if typed.is_empty() { Some(1) } else { typed.parse().ok() }
+    }
+
+    /// The value of an anonymous function, such as `lambda x: x**2` or `#^2 &`, at `arguments`.
+    pub(crate) fn applied(
+        self,
+        function: &[Token],
+        arguments: &[Vec<Token>],
+    ) -> Option<Vec<Token>> {
+        let (body, names) = match (pure(function), self.lambda(function)) {
+            (Some(body), _) => {
+                let slots = body.iter().filter(|token| self.slot(**token).is_some());
+                (body.to_vec(), slots.copied().collect())
+            }
+            (None, Some((None, parameters, body))) if parameters.len() == arguments.len() => {
+                (body, parameters.iter().map(|part| part[0]).collect::<Vec<Token>>())
+            }
+            _ => return None,
+        };
+        let argument = |(index, name): (usize, &Token)| {
+            let number = self.slot(*name).map_or(Some(index), |slot| slot.checked_sub(1))?;
+            Some((*name, arguments.get(number)?.clone()))
+        };
+        let rules = names.iter().enumerate().map(argument).collect::<Option<Vec<_>>>()?;
+        Self::substituted(&body, &rules, self.text)
     }
 }
 

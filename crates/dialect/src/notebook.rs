@@ -3,8 +3,11 @@
 
 use crate::curve_commands::{COMMANDS, LISTED};
 use crate::drawing_calls::{DRAWING_CALLS, WRAPPERS};
-use crate::plot_commands::{GRIDS, is_plot};
-use crate::program_reader::{Frame, ProgramReader, Statements, Unread};
+use crate::formats::part;
+use crate::plot_commands::{CONTAINERS, GRIDS, is_plot};
+use crate::program_reader::{
+    Frame, Procedure, ProcedureParameter, ProgramReader, Statements, Unread,
+};
 use crate::program_words::Words;
 use zeroset_parser::lex::spelling::{plain_name, short_name};
 use zeroset_parser::lex::token::{Token, bracketed, closing, in_brackets, span_of, split};
@@ -75,7 +78,7 @@ impl ProgramReader<'_> {
     ) -> Fallible<()> {
         let tokens = self.as_lambda(self.with_substitutions(tokens));
         self.record_assigned(&tokens);
-        if self.is_header(&tokens, following) || self.notebook_draws(&tokens, frame)? {
+        if self.is_header(&tokens, frame, following) || self.notebook_draws(&tokens, frame)? {
             return Ok(());
         }
         if self.words.has(&tokens, "points") && self.grid(&tokens, frame)? {
@@ -142,8 +145,14 @@ impl ProgramReader<'_> {
     }
 
     /// Returns whether a statement only begins a block: a class, a condition on `__name__`, or a
-    /// function that returns nothing. If the function has parameters, its lines are dropped.
-    fn is_header(&mut self, tokens: &[Token], following: &mut Statements) -> bool {
+    /// function that returns nothing. If the function has parameters, its lines take the place of
+    /// its calls, or are left out.
+    fn is_header(
+        &mut self,
+        tokens: &[Token],
+        frame: &mut Frame,
+        following: &mut Statements,
+    ) -> bool {
         let word = self.words.word(tokens[0]);
         let ends_with_colon = tokens.last().is_some_and(|last| last.kind == Colon);
         if word == "if" && self.words.has(tokens, "__name__")
@@ -154,7 +163,7 @@ impl ProgramReader<'_> {
         if word != "def" || tokens.len() < 4 {
             return false;
         }
-        let Some((_, parameters, first)) = Words::python_function(tokens) else { return false };
+        let Some((name, parameters, first)) = Words::python_function(tokens) else { return false };
         let own = self.words.indent(tokens);
         let lines = following.as_slice().iter().take_while(|line| self.words.indent(line) > own);
         let count = lines.clone().count();
@@ -163,9 +172,104 @@ impl ProgramReader<'_> {
         }
         let is_own = |part: &Vec<Token>| self.words.word(part[0]) == "self";
         if !parameters.iter().all(is_own) {
-            following.by_ref().take(count).for_each(drop);
+            let body: Vec<Vec<Token>> = following.by_ref().take(count).collect();
+            if !self.in_place_of_calls(name, &parameters, &body, following) {
+                let error = Error::new(name.span, ErrorKind::NoFormula);
+                self.leave_out(tokens, &self.defined_by(tokens), error, frame);
+            }
         }
         true
+    }
+
+    /// The statements of a call of this language's Python package, such as `zs.Surface(f, a=2)`:
+    /// the values of parameters, and the formula. `None` for other statements.
+    pub(crate) fn package_surface(&self, tokens: &[Token]) -> Fallible<Option<Vec<Vec<Token>>>> {
+        let call = &tokens[self.words.assigned_at(tokens).map_or(0, |at| at + 1)..];
+        let call = match call {
+            [module, dot, call @ ..] if module.kind.is_name() && self.words.is_dot(*dot) => call,
+            call => call,
+        };
+        let Some((name, (inner, _))) =
+            call.split_first().and_then(|(n, c)| Some((n, bracketed(c)?)))
+        else {
+            return Ok(None);
+        };
+        if self.words.word(*name) != "Surface" || self.arity(*name).is_some() {
+            return Ok(None);
+        }
+        let is_value = |part: &Vec<Token>| part.get(1).is_some_and(|sign| sign.kind == Equals);
+        let (mut values, formulas): (Vec<_>, Vec<_>) =
+            self.words.plot_arguments(inner).into_iter().partition(is_value);
+        let [formula] = formulas.as_slice() else { return Ok(None) };
+        // plotly's `Surface` takes coordinates by their names.
+        if values.iter().any(|value| value[0].kind.is_axis()) {
+            return Ok(None);
+        }
+        values.push(match formula.as_slice() {
+            [text] if text.kind == Unknown && text.span.end - text.span.start > 2 => {
+                part(self.words.text, text.span.start + 1..text.span.end - 1, &self.limits)?
+            }
+            formula => formula.to_vec(),
+        });
+        Ok(Some(values))
+    }
+
+    /// Puts the lines of a function that draws in place of its calls. Returns false if there is
+    /// no such call, or the call is read as a plot command.
+    fn in_place_of_calls(
+        &self,
+        name: Token,
+        parameters: &[Vec<Token>],
+        body: &[Vec<Token>],
+        following: &mut Statements,
+    ) -> bool {
+        let word = self.words.word(name);
+        let draws =
+            |line: &Vec<Token>| self.words.draws_by_call(line) || self.words.is_drawing(line);
+        let is_plot = is_plot(word) && !CONTAINERS.contains(&word);
+        if is_plot || !body.iter().any(draws) {
+            return false;
+        }
+        let given = self.procedure_parameters(parameters);
+        let procedure = Procedure { parameters: given, ..Procedure::default() };
+        let is_main = self.words.text.contains("__name__");
+        let mut all: Vec<Vec<Token>> = Vec::new();
+        let mut is_called = false;
+        for line in following.by_ref() {
+            let is_outer = is_main || self.words.indent(&line) == self.words.indent(&[name]);
+            let call = Words::inside(&line[1..]).filter(|_| self.words.word(line[0]) == word);
+            let values = call.filter(|_| is_outer).and_then(|inner| {
+                self.with_defaults(line[0], &procedure, &split(inner, Comma)).ok()
+            });
+            let Some(values) = values else {
+                all.push(line);
+                continue;
+            };
+            is_called = true;
+            all.extend(body.iter().map(|line| self.with_values(line, &procedure, &values)));
+        }
+        *following = all.into_iter();
+        is_called
+    }
+
+    /// A line of a function with values in place of its parameters. Keywords of calls stay.
+    fn with_values(
+        &self,
+        line: &[Token],
+        procedure: &Procedure,
+        values: &[Vec<Token>],
+    ) -> Vec<Token> {
+        let mut all = Vec::new();
+        for (at, token) in line.iter().enumerate() {
+            let is_keyword = line.get(at + 1).is_some_and(|next| next.kind == Equals);
+            let own = |given: &ProcedureParameter| given.name.text == self.words.word(*token);
+            match procedure.parameters.iter().position(own).filter(|_| !is_keyword) {
+                Some(index) if values[index].len() > 1 => all.extend(in_brackets(&values[index])),
+                Some(index) => all.extend(&values[index]),
+                None => all.push(*token),
+            }
+        }
+        all
     }
 
     /// Returns whether the lines of a function return a value, apart from functions within it.

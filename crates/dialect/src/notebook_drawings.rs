@@ -5,7 +5,7 @@ use crate::curve_commands::LISTED;
 use crate::drawing_calls::{DRAWING_CALLS, Drawn, PythonCall, Source};
 use crate::formats::part;
 use crate::known_numbers::number_expr;
-use crate::numpy::separated;
+use crate::lists::separated;
 use crate::plot_arguments::PlotRange;
 use crate::plot_commands::{AXES, minus_level};
 use crate::program_reader::{Frame, ProgramReader};
@@ -14,7 +14,7 @@ use zeroset_ir::Axis;
 use zeroset_parser::lex::token::{Token, bracketed, in_brackets, span_of, split};
 use zeroset_parser::lex::token_kind::TokenKind::{self, *};
 use zeroset_parser::tree::ast::{ExprKind, NamedValue};
-use zeroset_parser::{Error, ErrorKind, Fallible, Span};
+use zeroset_parser::{Error, ErrorKind, Fallible, Note, NoteKind, Span};
 
 /// Largest number of surfaces between two levels.
 const MAX_LEVELS: f64 = 20.0;
@@ -165,6 +165,9 @@ impl ProgramReader<'_> {
         for mut plot in self.words.plots_of("plot3d", &in_brackets(&separated(&parts)))? {
             plot.grid = if call.positional.len() > 2 { grid_of(&grid) } else { Vec::new() };
             plot.notes.extend(self.words.unused_note(call.positional.get(3..).unwrap_or_default()));
+            if matches!(call.row.word, "contour" | "contourf") {
+                plot.notes.push(Note { span: call.name.span, kind: NoteKind::LinesAsGraph });
+            }
             self.draw(plot, call.name.span, frame)?;
         }
         Ok(true)
@@ -247,7 +250,7 @@ impl ProgramReader<'_> {
             && text.span.end - text.span.start > 2
         {
             let range = text.span.start + 1..text.span.end - 1;
-            all.splice(start + 2..start + 3, part(self.words.text, range, self.limits)?);
+            all.splice(start + 2..start + 3, part(self.words.text, range, &self.limits)?);
         }
         Ok(all)
     }
@@ -373,23 +376,18 @@ impl ProgramReader<'_> {
         });
         let count = call.take(words, "surface_count").or(nested);
         let count = count.map_or(Some(2.0), |count| self.known_value(&count, frame));
-        let refused = || {
-            let name = "isomin".to_owned();
-            Error::new(span, ErrorKind::PlotOption { name })
-        };
+        let name = if count == Some(1.0) { "surface_count" } else { "isomin" };
+        let refused = || Error::new(span, ErrorKind::PlotOption { name: name.to_owned() });
         match (ends, count) {
             #[allow(clippy::float_cmp)] // the same number, typed twice
             ([Some(a), Some(b)], _) if a == b => Ok(vec![low]),
             (_, Some(2.0)) => Ok(vec![low, high]),
             ([Some(a), Some(b)], Some(count)) if (3.0..=MAX_LEVELS).contains(&count) => {
-                let mut levels = Vec::new();
-                let mut index = 0.0;
-                while index < count {
-                    let level = number_expr(a + (b - a) * index / (count - 1.0), span);
-                    levels.push(vec![self.saved(level, span, false, frame)]);
-                    index += 1.0;
-                }
-                Ok(levels)
+                let level = |index| {
+                    let level = number_expr(a + (b - a) * f64::from(index) / (count - 1.0), span);
+                    vec![self.saved(level, span, false, frame)]
+                };
+                Ok((0..count as u32).map(level).collect())
             }
             _ => Err(refused()),
         }

@@ -1,6 +1,7 @@
 //! Rewrites functions of Python's libraries that take lists and options. Drops methods that keep
 //! the value. Nothing here knows what a name means.
 
+use crate::lists::{joined, joint_of, separated};
 use crate::program_words::Words;
 use zeroset_parser::Span;
 use zeroset_parser::lex::token::{Token, bracketed, in_brackets, outside, split};
@@ -14,9 +15,15 @@ const NEUTRAL: &str = "ravel flatten copy astype reshape squeeze transpose tolis
 const OPTIONS: &str =
     "axis dtype keepdims order dim keepdim device indexing copy evaluate sparse endpoint";
 
-/// Functions that take one list in place of several values.
-const OF_LISTS: &str = "max min amax amin maximum minimum sum add prod multiply logical_and logical_or Max Min \
-    Add Mul";
+/// The sign that joins the values of a list which a function takes in place of several values.
+fn joint(word: &str) -> Option<TokenKind> {
+    match word {
+        "add" | "Add" => Some(Plus),
+        "multiply" | "Mul" => Some(Star),
+        "logical_and" | "logical_or" | "Max" | "Min" => Some(Comma),
+        _ => joint_of(word),
+    }
+}
 
 /// Returns whether `word` is among `words`, which blanks separate.
 fn lists(words: &str, word: &str) -> bool {
@@ -92,17 +99,12 @@ impl Words<'_> {
             return;
         }
         if let [only] = parts.as_slice()
-            && lists(OF_LISTS, word)
-            && let Some(list) = self.listed_values(only)
+            && let Some(joint) = joint(word)
+            && let Some(list) = self.values_of(only)
         {
-            let sign = match word {
-                "sum" | "add" | "Add" => Some(Plus),
-                "prod" | "multiply" | "Mul" => Some(Star),
-                _ => None,
-            };
-            if let Some(sign) = sign {
+            if joint != Comma {
                 out.pop();
-                out.extend(joined(&list, sign));
+                out.extend(joined(&list, joint));
                 return;
             }
             parts = list;
@@ -137,13 +139,9 @@ impl Words<'_> {
         }
     }
 
-    /// The values of a list or tuple. A generator, as in `[a for b in c]`, is no list.
-    pub(crate) fn listed_values(self, part: &[Token]) -> Option<Vec<Vec<Token>>> {
-        let inner = Self::inside(part)?;
-        let is_list = matches!(part[0].kind, OpenBracket | OpenParen);
-        let values = split(inner, Comma);
-        let is_several = values.len() > 1 || part[0].kind == OpenBracket && !values.is_empty();
-        (is_list && is_several && !self.has(inner, "for")).then_some(values)
+    /// The values of a list or tuple. A set, and a generator as in `[a for b in c]`, are no lists.
+    fn values_of(self, part: &[Token]) -> Option<Vec<Vec<Token>>> {
+        self.list_items(part).filter(|values| part[0].kind != OpenBrace && !values.is_empty())
     }
 
     /// The value of a call of `word`, if it is written in another form here.
@@ -157,18 +155,21 @@ impl Words<'_> {
                 is_shape.then(|| joined(&[vec![*name], vec![*name]], Minus))
             }
             ("select", [conditions, values, last @ ..]) => {
-                let values = self.listed_values(values)?;
+                let values = self.values_of(values)?;
                 let last = last.first().map(|last| self.without_option(last, "default"));
-                self.selected(conditions, values, last)
+                self.choice(conditions, values, last)
             }
             ("piecewise", [argument, conditions, functions]) => {
-                let functions = self.listed_values(functions)?.into_iter();
-                let values: Option<Vec<Vec<Token>>> =
-                    functions.map(|function| self.applied(&function, argument)).collect();
-                let mut values = values?;
-                let count = self.listed_values(conditions)?.len();
+                let functions = self.values_of(functions)?.into_iter();
+                let value = |function: Vec<Token>| match function.len() {
+                    // A number or name stands for itself.
+                    ..3 => Some(function),
+                    _ => self.applied(&function, std::slice::from_ref(argument)),
+                };
+                let mut values = functions.map(value).collect::<Option<Vec<Vec<Token>>>>()?;
+                let count = self.values_of(conditions)?.len();
                 let last = (values.len() > count).then(|| values.pop()).flatten();
-                self.selected(conditions, values, last)
+                self.choice(conditions, values, last)
             }
             // Where the condition fails, there is no value.
             ("where", [condition, value, other]) if self.is_nan(other) => {
@@ -181,7 +182,7 @@ impl Words<'_> {
                 Some(in_brackets(&all))
             }
             ("polyval", [list, argument]) => {
-                let mut values = self.listed_values(list)?.into_iter();
+                let mut values = self.values_of(list)?.into_iter();
                 let mut sum = values.next()?;
                 for value in values {
                     let product = joined(&[in_brackets(&sum), in_brackets(argument)], Star);
@@ -203,24 +204,14 @@ impl Words<'_> {
         }
     }
 
-    /// The value of an anonymous function at `argument`. A number or name stands for itself.
-    fn applied(self, function: &[Token], argument: &[Token]) -> Option<Vec<Token>> {
-        let Some((None, parameters, value)) = self.lambda(function) else {
-            return (function.len() < 3).then(|| function.to_vec());
-        };
-        let [parameter] = parameters.as_slice() else { return None };
-        let rule = (*parameter.first()?, argument.to_vec());
-        Self::substituted(&value, &[rule], self.text)
-    }
-
     /// A choice with these conditions and values. `last` is the value where no condition holds.
-    fn selected(
+    fn choice(
         self,
         conditions: &[Token],
         values: Vec<Vec<Token>>,
         last: Option<Vec<Token>>,
     ) -> Option<Vec<Token>> {
-        let conditions = self.listed_values(conditions)?;
+        let conditions = self.values_of(conditions)?;
         if conditions.len() != values.len() {
             return None;
         }
@@ -274,26 +265,4 @@ impl Words<'_> {
     pub(crate) fn assigned_at(self, tokens: &[Token]) -> Option<usize> {
         outside(tokens, Equals).filter(|at| *at > 0 && self.assigns(tokens, *at))
     }
-}
-
-/// The values in brackets, with `sign` between them, in brackets.
-pub(crate) fn joined(values: &[Vec<Token>], sign: TokenKind) -> Vec<Token> {
-    let values: Vec<Vec<Token>> = values.iter().map(|value| in_brackets(value)).collect();
-    in_brackets(&with_signs(&values, sign))
-}
-
-/// The values with commas between them.
-pub(crate) fn separated(values: &[Vec<Token>]) -> Vec<Token> {
-    with_signs(values, Comma)
-}
-
-fn with_signs(values: &[Vec<Token>], sign: TokenKind) -> Vec<Token> {
-    let mut all: Vec<Token> = Vec::new();
-    for value in values {
-        if let Some(first) = value.first().filter(|_| !all.is_empty()) {
-            all.push(Token::new(sign, Span::at(first.span.start)));
-        }
-        all.extend(value);
-    }
-    all
 }

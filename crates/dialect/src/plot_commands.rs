@@ -10,63 +10,21 @@ use zeroset_parser::lex::token_kind::TokenKind::{self, *};
 use zeroset_parser::{Error, ErrorKind, Fallible, Note, NoteKind, Span};
 
 /// Commands that plot heights over x and y.
+#[rustfmt::skip] // several words a line
 pub(crate) const HEIGHTS: &[&str] = &[
-    "Plot3D",
-    "plot3d",
-    "explicit",
-    "fsurf",
-    "ezsurf",
-    "surf",
-    "mesh",
-    "surface",
-    "surfc",
-    "meshc",
-    "plot_surface",
-    "curve3d",
+    "Plot3D", "plot3d", "explicit", "fsurf", "ezsurf", "surf", "mesh", "surface", "surfc", "meshc",
+    "plot_surface", "curve3d",
 ];
 
 /// Commands that plot a surface in space, and containers of plots.
+#[rustfmt::skip] // several words a line
 pub(crate) const SURFACES: &[&str] = &[
-    "ContourPlot3D",
-    "RegionPlot3D",
-    "ContourPlot",
-    "RegionPlot",
-    "fimplicit",
-    "implicitplot",
-    "implicit_plot",
-    "ImplicitRegion",
-    "implicit_plot3d",
-    "implicitplot3d",
-    r"\implicitPlot3d",
-    "ImplicitPlot3D",
-    "fimplicit3",
-    "ezimplot3",
-    "isosurface",
-    "implicit",
-    "plot_implicit",
-    "draw3d",
-    "draw",
-    "display",
-    "Show",
-    "show",
-    "GraphicsRow",
-    "GraphicsColumn",
-    "GraphicsGrid",
-    "contour3",
-    "implicitsurface",
-    "contour",
-    "marching_cubes",
-    "surfaceNets",
-    "patch",
-    "fimplicit",
-    "ContourPlot",
-    "RegionPlot",
-    "implicitplot",
-    "implicit_plot",
-    "ezplot",
-    "InequalityPlot3D",
-    "Implicit3d",
-    "contour3d",
+    "ContourPlot3D", "RegionPlot3D", "ContourPlot", "RegionPlot", "fimplicit", "implicitplot",
+    "implicit_plot", "ImplicitRegion", "implicit_plot3d", "implicitplot3d", r"\implicitPlot3d",
+    "ImplicitPlot3D", "fimplicit3", "ezimplot3", "isosurface", "implicit", "plot_implicit",
+    "draw3d", "draw", "display", "Show", "show", "GraphicsRow", "GraphicsColumn", "GraphicsGrid",
+    "contour3", "implicitsurface", "contour", "marching_cubes", "surfaceNets", "patch", "ezplot",
+    "InequalityPlot3D", "Implicit3d", "contour3d",
 ];
 
 /// Commands of [`SURFACES`] that plot in the plane of x and y.
@@ -85,15 +43,9 @@ pub(crate) fn is_plot(word: &str) -> bool {
 }
 
 /// Commands that only contain other plots.
+#[rustfmt::skip] // several words a line
 pub(crate) const CONTAINERS: &[&str] = &[
-    "draw3d",
-    "display",
-    "Show",
-    "show",
-    "patch",
-    "GraphicsRow",
-    "GraphicsColumn",
-    "GraphicsGrid",
+    "draw3d", "display", "Show", "show", "patch", "GraphicsRow", "GraphicsColumn", "GraphicsGrid",
 ];
 
 /// Plot commands that follow a module or an object and a dot.

@@ -15,7 +15,9 @@ use zeroset_parser::lex::curve_form::marked_curve;
 use zeroset_parser::lex::decimal_comma::doubts;
 use zeroset_parser::lex::open_brackets::scan_lines;
 use zeroset_parser::lex::scanner::{is_python, scan};
-use zeroset_parser::lex::token_kind::TokenKind::{Equals, Number, OpenBrace, OpenParen, Unknown};
+use zeroset_parser::lex::token_kind::TokenKind::{
+    self, Colon, Equals, Number, OpenBrace, OpenParen, Unknown,
+};
 use zeroset_parser::tree::raw_statement::{Head, RawStatement, ValueConversion};
 
 use rustc_hash::{FxHashMap, FxHashSet};
@@ -55,6 +57,7 @@ pub(crate) struct Frame {
 
 /// A function whose body replaces calls of it: it changes variables of its caller, returns nothing,
 /// or has default values.
+#[derive(Default)]
 pub(crate) struct Procedure {
     pub parameters: Vec<ProcedureParameter>,
     pub body: Vec<ProgramStep>,
@@ -62,13 +65,6 @@ pub(crate) struct Procedure {
     pub uses_globals: bool,
     /// True if the body changes such variables.
     pub changes_globals: bool,
-}
-
-impl Procedure {
-    /// A function that only computes its value.
-    pub(crate) fn of_values(parameters: Vec<ProcedureParameter>, body: Vec<ProgramStep>) -> Self {
-        Self { parameters, body, uses_globals: false, changes_globals: false }
-    }
 }
 
 pub(crate) struct ProcedureParameter {
@@ -89,9 +85,10 @@ pub(crate) struct Macro {
     pub body: Vec<Token>,
 }
 
+#[derive(Default)]
 pub(crate) struct ProgramReader<'a> {
     pub words: Words<'a>,
-    pub limits: &'a Limits,
+    pub limits: Limits,
     /// Names that the text uses, and names that were generated.
     pub taken: FxHashSet<String>,
     pub language: Language,
@@ -124,6 +121,8 @@ pub(crate) struct ProgramReader<'a> {
     pub has_grid: bool,
     /// Arrays that names stand for.
     pub arrays: FxHashMap<String, Array>,
+    /// Arrays whose sizes were declared. Statements set their elements.
+    pub declared_arrays: FxHashSet<String>,
     /// Ends of the ranges that names stand for.
     pub ranges: FxHashMap<String, [Vec<Token>; 2]>,
     /// Rows of numbers that names stand for.
@@ -204,36 +203,15 @@ pub fn program(text: &str, limits: &Limits, closes_brackets: bool) -> Fallible<P
     let mutable = words.mutable_globals(&statements, language);
     let mut reader = ProgramReader {
         words,
-        limits,
+        limits: *limits,
         language,
-        integers: FxHashSet::default(),
-        reads: Vec::new(),
-        expression_depth: 0,
-        saved_count: 0,
-        whole_values: FxHashSet::default(),
-        signatures: FxHashMap::default(),
-        whole_functions: FxHashSet::default(),
         mutable,
-        bodies: FxHashMap::default(),
         taken: taken.into_iter().map(str::to_owned).collect(),
-        defined_names: FxHashSet::default(),
-        macros: FxHashMap::default(),
-        procedures: FxHashMap::default(),
-        arities: FxHashMap::default(),
         has_grid: ["meshgrid", "linspace", "arange", "plot3", "lines3d", "contour"]
             .iter()
             .any(|w| text.contains(w)),
-        arrays: FxHashMap::default(),
-        ranges: FxHashMap::default(),
-        rows: FxHashMap::default(),
         is_python,
         draws_by_calls,
-        assigned: FxHashMap::default(),
-        fields: FxHashMap::default(),
-        unread: Vec::new(),
-        constants: FxHashMap::default(),
-        steps: 0,
-        expanded_tokens: Cell::new(0),
         program: PastedProgram {
             in_steps: in_steps || is_python || draws_by_calls,
             is_y_up,
@@ -241,6 +219,7 @@ pub fn program(text: &str, limits: &Limits, closes_brackets: bool) -> Fallible<P
             notes,
             ..PastedProgram::default()
         },
+        ..ProgramReader::default()
     };
     let mut top = Frame::default();
     let mut statements = statements.into_iter();
@@ -284,6 +263,11 @@ impl ProgramReader<'_> {
         following: &mut Statements,
         draws: bool,
     ) -> Fallible<()> {
+        if let Some(statements) = self.package_surface(&tokens)? {
+            let none = Statements::default;
+            let mut read = |tokens| self.statement(tokens, frame, &mut none());
+            return statements.into_iter().try_for_each(&mut read);
+        }
         if self.is_python {
             return self.notebook_statement(tokens, frame, following);
         }
@@ -339,7 +323,8 @@ impl ProgramReader<'_> {
         following: &mut Statements,
     ) -> Fallible<()> {
         let tokens = self.expanded(tokens, 0)?;
-        let Some(mut tokens) = self.with_arrays(tokens, frame)? else { return Ok(()) };
+        let Some(tokens) = self.with_arrays(tokens, frame)? else { return Ok(()) };
+        let mut tokens = Words::with_matrices(tokens);
         let Some(first) = tokens.first().copied() else {
             return Ok(());
         };
@@ -616,8 +601,16 @@ impl ProgramReader<'_> {
             let name = self.words.word(*token).to_owned();
             return Err(Error::new(token.span, ErrorKind::OutParameter { name }));
         }
+        if let [label, colon, _, ..] = tokens.as_slice()
+            && head.is_none()
+            && (label.kind, colon.kind) == (TokenKind::Name, Colon)
+        {
+            let label = self.words.word(*label).to_owned();
+            let kind = NoteKind::LabelLeftOut { label };
+            self.program.notes.push(Note { span: tokens[0].span, kind });
+        }
         self.record_arity(&tokens, head.as_ref());
-        if let Some(lexed) = arrange(self.words.text, tokens, self.limits)? {
+        if let Some(lexed) = arrange(self.words.text, tokens, &self.limits)? {
             let aliases = aliases.clone();
             self.defined_names.extend(head.iter().map(|head| head.name.text.clone()));
             self.program.statements.push(RawStatement {

@@ -1,6 +1,6 @@
 //! Recognizes the words of programs and the parts of statements. Does not parse formulas.
 
-use zeroset_parser::lex::spelling::{plain_name, start, token_kind};
+use zeroset_parser::lex::spelling::{ACCENTS, plain_name, start, token_kind};
 use zeroset_parser::lex::token::{Token, bracketed, closing, in_brackets, split};
 use zeroset_parser::lex::token_kind::TokenKind::{self, *};
 use zeroset_parser::tree::ast::Name;
@@ -62,7 +62,7 @@ pub(crate) fn size_of(word: &str) -> usize {
 }
 
 /// Looks up the words of tokens in the text of the program.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(crate) struct Words<'a> {
     pub text: &'a str,
 }
@@ -397,6 +397,28 @@ impl<'a> Words<'a> {
             return;
         }
         for at in (1..tokens.len()).rev() {
+            // `\vec{r}` is one name.
+            let is_accent = ACCENTS.iter().any(|(accent, _)| self.word(tokens[at - 1]) == *accent);
+            let end = match bracketed(&tokens[at..]) {
+                Some(([name], _)) if name.kind.is_name() => at + 2,
+                _ => at,
+            };
+            if is_accent && (end > at || tokens[at].kind.is_name()) {
+                let span = tokens[at - 1].span.to(tokens[end].span);
+                tokens.splice(at - 1..=end, [Token::new(TokenKind::Name, span)]);
+                continue;
+            }
+            // `{\cos^2} x` is `\cos^2 x`.
+            if tokens[at - 1].kind == OpenBrace
+                && self.word(tokens[at]).starts_with('\\')
+                && tokens.get(at + 1).is_some_and(|next| next.kind == Caret)
+                && let Some(end) = closing(&tokens[at - 1..])
+                && (end == 4 || closing(&tokens[at + 2..]).is_some_and(|inner| end == inner + 4))
+            {
+                tokens.remove(at - 1 + end);
+                tokens.remove(at - 1);
+                continue;
+            }
             if self.word(tokens[at - 1]) == r"\overline"
                 && tokens[at].kind == OpenBrace
                 && let Some(end) = closing(&tokens[at..])

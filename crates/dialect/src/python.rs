@@ -1,11 +1,9 @@
 //! Runs statements of Python, and generators of Python and `OpenSCAD`.
 
-use crate::control_flow::LoopValue;
 use crate::effects::{PureValue, Target};
-use crate::known_numbers::number_expr;
 use crate::program_reader::{Frame, ProgramReader};
 use crate::program_words::Words;
-use zeroset_parser::lex::token::{Token, bracketed, split};
+use zeroset_parser::lex::token::{Token, bracketed, span_of, split};
 use zeroset_parser::lex::token_kind::TokenKind::{Comma, Equals, OpenParen, Slash};
 use zeroset_parser::tree::ast::{Expr, ExprKind, LETTERS};
 use zeroset_parser::{Error, ErrorKind, Fallible};
@@ -167,35 +165,29 @@ impl ProgramReader<'_> {
         Ok(kinds)
     }
 
-    /// The values of `body` for each value of `names` in `list` for which the filter holds.
+    /// The values of `body` in each iteration over `list` for which the filter holds.
     pub(crate) fn each_value(
         &mut self,
-        names: &[Token],
+        pattern: &[Token],
         list: &[Token],
         filter: Option<&[Token]>,
         body: &[Token],
         frame: &mut Frame,
     ) -> Fallible<Vec<Token>> {
-        let Some(index) = names.first().copied() else { return Ok(Vec::new()) };
+        let span = span_of(pattern).unwrap_or_default();
+        let names = pattern.iter().filter(|token| token.kind.is_name());
         let before: Vec<(String, Option<ExprKind>, bool)> =
-            names.iter().map(|name| self.meaning_before(*name, frame)).collect();
+            names.map(|name| self.meaning_before(*name, frame)).collect();
         let mut values = Vec::new();
-        for value in self.values(index, list, frame)? {
-            self.count_step(index.span)?;
-            for (name, value) in self.loop_values(names, value)? {
-                let kind = match value {
-                    LoopValue::Known(number) => number_expr(number, name.span),
-                    LoopValue::Typed(tokens) => {
-                        let value = self.assignment(&tokens, frame)?;
-                        self.kind_of(value.tokens, frame)?
-                    }
-                    LoopValue::Several(_) => return Err(Error::new(name.span, ErrorKind::LoopEnd)),
-                };
+        for round in self.rounds(pattern, list, frame)? {
+            self.count_step(span)?;
+            for (name, element) in round {
+                let value = self.assignment(&element.value(), frame)?;
+                let kind = self.kind_of(value.tokens, frame)?;
                 frame.aliases.push(self.words.word(name).to_owned(), kind);
             }
             if let Some(filter) = filter {
                 let filter = self.assignment(filter, frame)?.tokens;
-                let span = index.span;
                 match self.known_value(&filter, frame) {
                     Some(0.0) => continue,
                     Some(_) => {}
@@ -203,7 +195,6 @@ impl ProgramReader<'_> {
                 }
             }
             let value = self.assignment(body, frame)?;
-            let span = index.span;
             let kind = self.kind_of(value.tokens, frame)?;
             values.push(self.saved(kind, span, value.is_whole, frame));
         }

@@ -5,36 +5,44 @@ use crate::grids::GRIDS;
 use crate::program_words::Words;
 use zeroset_parser::lex::token_kind::TokenKind::{self, *};
 
-use crate::plot_commands::minus_level;
+use crate::lists::with_signs;
+use crate::plot_commands::{minus_level, restrict};
 use zeroset_parser::Span;
 use zeroset_parser::lex::spelling::plain_name;
 use zeroset_parser::lex::token::{Token, bracketed, closing, in_brackets, outside, split};
-use zeroset_parser::tree::scope::{NameMeaning, built_in};
+use zeroset_parser::tree::scope::{NameMeaning, built_in, canonical};
+
+/// Conditions such as `x, y, z >= 0`, in which a comma joins names, as one for each name.
+fn written_out(conditions: Vec<Vec<Token>>) -> Vec<Vec<Token>> {
+    let mut all: Vec<Vec<Token>> = Vec::new();
+    let mut names: Vec<Token> = Vec::new();
+    for condition in conditions {
+        match condition.as_slice() {
+            [name] if name.kind.is_name() => {
+                names.push(*name);
+                continue;
+            }
+            [name, sign, ..] if name.kind.is_name() && sign.kind.is_relation() => {
+                let own = |name: Token| std::iter::once(name).chain(condition[1..].iter().copied());
+                all.extend(names.drain(..).map(|name| own(name).collect()));
+            }
+            _ => all.extend(names.drain(..).map(|name| vec![name])),
+        }
+        all.push(condition);
+    }
+    all.extend(names.into_iter().map(|name| vec![name]));
+    all
+}
 
 /// Largest number of tokens after names were replaced by values.
 const MAX_SUBSTITUTED: usize = 10_000;
 
 /// Commands of other systems that only declare names or change settings.
+#[rustfmt::skip] // several words a line
 const SETUP: &[&str] = &[
-    "syms",
-    "restart",
-    "clc",
-    "clear",
-    "close",
-    "hold",
-    "figure",
-    "ring",
-    "LIB",
-    "Clear",
-    "ClearAll",
-    "Needs",
-    "draw_curve",
-    "clear_screen",
-    "using",
-    "namespace",
-    "package",
-    "precision",
-    "pkg",
+    "syms", "restart", "clc", "clear", "close", "hold", "figure", "ring", "LIB", "Clear",
+    "ClearAll", "Needs", "draw_curve", "clear_screen", "using", "namespace", "package",
+    "precision", "pkg",
 ];
 
 /// Setup commands whose arguments are in brackets.
@@ -70,7 +78,8 @@ impl Words<'_> {
         {
             return Some(Vec::new());
         }
-        if let Some(named) = self.named_equation(tokens) {
+        let level = self.level_of_function(tokens);
+        if let Some(named) = self.named_equation(tokens).or(level) {
             return Some(vec![named]);
         }
         if let Some(equals) = tokens.iter().position(|token| token.kind == Equals)
@@ -92,7 +101,7 @@ impl Words<'_> {
         // The name of a set, as in `E = {(x, y, z) : z > 0}`, is dropped.
         if let [name, equals, open, ..] = tokens
             && (name.kind, equals.kind, open.kind) == (TokenKind::Name, Equals, OpenBrace)
-            && let Some(conditions) = Self::set(&tokens[2..])
+            && let Some(conditions) = self.set(&tokens[2..])
         {
             return Some(vec![conditions]);
         }
@@ -171,6 +180,23 @@ impl Words<'_> {
             _ => return None,
         };
         (!rest.is_empty()).then_some(rest)
+    }
+
+    /// Turns `f(x, y, z) = formula = 2` into `formula = 2`, if the text uses `f` nowhere else.
+    fn level_of_function(self, tokens: &[Token]) -> Option<Vec<Token>> {
+        let (name, call) = tokens.split_first().filter(|(name, _)| name.kind == TokenKind::Name)?;
+        let (point, [equals, sides @ ..]) = bracketed(call)? else { return None };
+        let is_point = point.iter().map(|token| token.kind).eq([X, Comma, Y, Comma, Z]);
+        let level = &sides[outside(sides, Equals)? + 1..];
+        let is_number = |token: &Token| matches!(token.kind, Number | Minus | Slash);
+        let is_zero = matches!(level, [zero] if &self.text[zero.span.range()] == "0");
+        let is_read = is_point
+            && equals.kind == Equals
+            && !level.is_empty()
+            && level.iter().all(is_number)
+            && !is_zero
+            && self.text.matches(&format!("{}(", self.word(*name))).count() == 1;
+        is_read.then(|| sides.to_vec())
     }
 
     /// Turns `name = left == right` into `name = (left) - (right)`, which a plot then draws.
@@ -318,19 +344,19 @@ impl Words<'_> {
 
     /// The conditions of a set such as `{(x, y, z) : x > y}`, in which a bar may replace the colon.
     /// Several are joined by `and`; conditions beside an equation restrict it.
-    fn set(tokens: &[Token]) -> Option<Vec<Token>> {
+    fn set(self, tokens: &[Token]) -> Option<Vec<Token>> {
         let (inner, rest) = bracketed(tokens)?;
         let has = |sign| outside(inner, sign);
         let sign = has(Colon).or_else(|| has(Bar));
         let within = has(In).zip(sign).is_some_and(|(within, sign)| within < sign);
-        let is_point = |end: usize| {
-            let is_part =
-                |token: &Token| matches!(token.kind, OpenParen | X | Y | Z | Comma | CloseParen);
+        let is_sign = |sign: &Token| matches!(sign.kind, Colon | Bar);
+        let is_point = |end: &usize| {
             inner[0].kind == OpenParen
-                && inner[..=end].iter().all(is_part)
-                && inner.get(end + 1).is_some_and(|sign| matches!(sign.kind, Colon | Bar))
+                && self.coordinate_system(&inner[1..*end]).is_some()
+                && inner.get(end + 1).is_some_and(is_sign)
         };
-        let start = match closing(inner).filter(|end| is_point(*end)) {
+        let point = closing(inner).filter(is_point);
+        let start = match point {
             Some(end) => end + 2,
             None => sign.filter(|_| within)? + 1,
         };
@@ -339,25 +365,58 @@ impl Words<'_> {
             return None;
         }
         let is_equation = |part: &Vec<Token>| part.iter().any(|token| token.kind == Equals);
-        let (mut equations, conditions): (Vec<_>, Vec<_>) =
+        let (mut equations, mut conditions): (Vec<_>, Vec<_>) =
             split(&inner[start..], Comma).into_iter().partition(is_equation);
-        let mut joined = Vec::new();
-        for condition in conditions {
-            if let Some(next) = condition.first().filter(|_| !joined.is_empty()) {
-                joined.push(Token::new(And, Span::at(next.span.start)));
-            }
-            joined.extend(condition);
+        if point.is_some_and(|end| self.coordinate_system(&inner[1..end]) == Some(true)) {
+            conditions = self.without_full_turns(conditions);
         }
+        let joined = with_signs(&written_out(conditions), And);
         let Some(mut all) = equations.pop() else {
             return Some(joined).filter(|joined| !joined.is_empty());
         };
-        if let [first, .., last] = joined.as_slice() {
-            let (start, end) = (first.span.start, last.span.end);
-            all.push(Token::new(OpenBrace, Span::at(start)));
-            all.extend(&joined);
-            all.push(Token::new(CloseBrace, Span::at(end)));
+        if !joined.is_empty() {
+            restrict(&mut all, &joined);
         }
         equations.is_empty().then_some(all)
+    }
+
+    /// Whether the coordinates `x, y, z`, `r, theta, z` or `rho, theta, phi` have angles. `None` for
+    /// other names, and for angles whose names differ in meaning.
+    fn coordinate_system(self, tokens: &[Token]) -> Option<bool> {
+        let name = |part: &Vec<Token>| Some(self.canonical(*part.first()?));
+        let names: Vec<String> = split(tokens, Comma).iter().map(name).collect::<Option<_>>()?;
+        match names.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+            ["x", "y"] | ["x", "y", "z"] => Some(false),
+            ["r", "theta" | "phi", "z"] | ["rho", "theta", "phi"] => Some(true),
+            _ => None,
+        }
+    }
+
+    /// The plain text of a token, in which `φ` and `\varphi` are `phi`.
+    fn canonical(self, token: Token) -> String {
+        let name = plain_name(&self.text[token.span.range()]);
+        canonical(&name).map_or(name, str::to_owned)
+    }
+
+    /// Leaves out conditions that hold for all angles: `0 <= theta <= 2 pi`, and beside it
+    /// `0 <= phi <= pi`.
+    fn without_full_turns(self, conditions: Vec<Vec<Token>>) -> Vec<Vec<Token>> {
+        let ends = |part: &Vec<Token>| {
+            let [zero, first, name, second, high @ ..] = part.as_slice() else { return None };
+            let typed = |tokens: &[Token]| -> String {
+                tokens.iter().map(|token| self.canonical(*token)).collect()
+            };
+            let is_angle = matches!(self.canonical(*name).as_str(), "theta" | "phi");
+            let is_chain = [first, second].iter().all(|sign| matches!(sign.kind, Less | LessEqual));
+            (is_angle && is_chain && typed(&[*zero]) == "0").then(|| typed(high))
+        };
+        let is_turn = |part: &Vec<Token>| {
+            ends(part)
+                .is_some_and(|high| matches!(high.as_str(), "2pi" | "2*pi" | "2·pi" | "2cdotpi"))
+        };
+        let has_turn = conditions.iter().any(is_turn);
+        let is_half = |part: &Vec<Token>| has_turn && ends(part).is_some_and(|high| high == "pi");
+        conditions.into_iter().filter(|part| !is_turn(part) && !is_half(part)).collect()
     }
 
     /// The equation in `{x^2 + y^2 = 1}`, or the condition in `{(x, y, z) : x > y}`.
@@ -366,7 +425,7 @@ impl Words<'_> {
         if tokens[end + 1..].iter().any(|token| !matches!(token.kind, Comma | Unknown)) {
             return None;
         }
-        if let Some(conditions) = Self::set(tokens) {
+        if let Some(conditions) = self.set(tokens) {
             return Some(conditions);
         }
         let inner = &tokens[1..end];

@@ -16,6 +16,8 @@ use pyo3::prelude::*;
 /// Compiled formulas, pictures and meshes.
 #[pymodule]
 mod _zeroset {
+    use pyo3::prelude::*;
+
     #[pymodule_export]
     use super::error::Error;
     #[pymodule_export]
@@ -26,4 +28,10 @@ mod _zeroset {
     use super::scene::{Scene, choices, gallery, looks, methods, views};
     #[pymodule_export]
     use super::work::Stop;
+
+    /// Adds the version.
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
 }

@@ -1,13 +1,17 @@
 """Python functions and SymPy's expressions mean what they mean there."""
 
+import importlib.metadata
 import math
 
 import numpy as np
 import pytest
+import scipy.special
 import sympy as sp
 from conftest import SEED
 
 import zeroset as zs
+
+CENTERS = np.array([[0, 0, 0], [1, 0, 0.5], [-0.5, 1, 0]])
 
 FUNCTIONS = [
     lambda x, y, z: x + 2 * y - z / 3,
@@ -39,6 +43,20 @@ FUNCTIONS = [
     lambda x, y, z: np.float64(2.5) * x - np.int32(3) * y + np.array(1.5) * z,
     lambda x, y, z: math.pi * x - math.e * y + 1e-7 * z + 1e22 * x,
     lambda x, y, z: sum(np.sin(k * x) / k for k in range(1, 6)) - y * z,
+    lambda x, y, z: np.max([x, y, z], axis=0) - np.min(np.stack([x * y, z]), axis=0),
+    lambda x, y, z: np.maximum.reduce([x - 1, -x - 1, y]) + np.minimum.reduce([y, z]),
+    lambda x, y, z: np.select([x < -1, x < 1], [-1, x**3], default=1) - z,
+    lambda x, y, z: np.select([x < 0, True], [x**2, x], default=np.nan) - z,
+    lambda x, y, z: np.piecewise(x, [x < 0, x >= 0], [lambda a: -a, lambda a: a**2]) - y * z,
+    lambda x, y, z: np.round(2 * x) / 2 + np.around(y, 1) - np.fix(3 * z),
+    lambda x, y, z: np.sinc(x) + np.sinc(y * z),
+    lambda x, y, z: np.real((x + 1j * y) ** 3 - 1) + ((x + 1j * y) ** 2).imag - np.angle(z + 9j),
+    lambda x, y, z: scipy.special.erf(x) - scipy.special.erfc(y) + scipy.special.jv(2, z),
+    lambda x, y, z: sum(1 / (np.hypot(x - a, y - b) + (z - c) ** 2 + 1) for a, b, c in CENTERS),
+    lambda x, y, z: np.linalg.norm(np.array([x, y, z]), axis=0) + np.prod([x, y], axis=0),
+    lambda x, y, z: (
+        np.dot([1, 2, 3], [x, y, z]) - np.cross([1, 2, 3], np.stack([x, y, z], -1)).T[0]
+    ),
     lambda x, y, z: np.subtract(1, x) + np.divide(y, 3) - np.multiply(z, x) + np.add(x, y),
 ]
 
@@ -49,6 +67,87 @@ def test_functions_mean_what_they_mean_in_numpy(number, random):
     points = random.uniform(-2, 2, (200, 3))
     expected = function(*points.T)
     np.testing.assert_allclose(zs.Surface(function)(points), expected, rtol=1e-12, atol=1e-12)
+
+
+def changed_in_place(x, y, z):
+    v = x**2 + y**2
+    v -= 1
+    v *= v
+    return v + z**2 - 0.1
+
+
+def box(x, y, z):
+    q = np.abs(np.array([x, y, z])) - np.array([1, 0.5, 0.7])
+    return np.linalg.norm(np.maximum(q, 0.0)) + min(max(q[0], max(q[1], q[2])), 0.0)
+
+
+def escape(x, y, z):
+    a, b = x, y
+    for count in range(5):
+        if a * a + b * b > 4:
+            return z - count
+        a, b = a * a - b * b + x, 2 * a * b + y
+    return z
+
+
+def blobs(x, y, z):
+    distances = (x - CENTERS[:, 0]) ** 2 + (y - CENTERS[:, 1]) ** 2 + (z - CENTERS[:, 2]) ** 2
+    return np.sum(np.exp(-4 * distances)) - 0.5
+
+
+# Functions that compute with the numbers of one point.
+OF_A_POINT = [
+    lambda x, y, z: max(x, y, z) - 1,
+    lambda x, y, z: min(x, y * z) + max(abs(x), abs(z), 1),
+    lambda x, y, z: x if x > 0 else y * z,
+    lambda x, y, z: (x if x > y and y > z else y) - (z or 1),
+    lambda x, y, z: sorted([x, y, z])[1],
+    lambda x, y, z: round(x, 1) - round(y) + z,
+    changed_in_place,
+    box,
+    escape,
+    blobs,
+]
+
+
+@pytest.mark.parametrize("number", range(len(OF_A_POINT)))
+def test_tests_of_formulas_become_choices(number, random):
+    function = OF_A_POINT[number]
+    points = random.uniform(-2, 2, (200, 3))
+    expected = [function(*point) for point in points]
+    np.testing.assert_allclose(zs.Surface(function)(points), expected, rtol=1e-12, atol=1e-12)
+
+
+def test_the_greatest_of_several_stays_one_maximum():
+    text = zs.Surface(lambda x, y, z: np.max([x, y, z, x * y], axis=0) - max(abs(x), abs(y))).text
+    assert text.count("max(") == 2
+    assert "if(" not in text
+
+
+def test_conditions_joined_by_words_of_python_are_solids():
+    s = zs.Surface(lambda x, y, z: x**2 + y**2 < 1 and -1 < z < 1)
+    assert 2 * math.pi in s.measure(relative=0.02)[0].volume
+
+
+def test_a_function_of_x_and_y_is_a_graph():
+    s = zs.Surface(lambda x, y: x * y)
+    assert s(2, 3, 10) == 4
+    s = zs.Surface(lambda u, v, a: a * u * v, a=2)
+    assert s(2, 3, 10) == -2
+
+
+def test_an_equation_with_a_name_on_its_left_is_no_definition(random):
+    r = sp.sqrt(X**2 + Y**2 + Z**2)
+    points = random.uniform(-2, 2, (50, 3))
+    x, y, z = points.T
+    distance = np.sqrt(x**2 + y**2 + z**2)
+    found = zs.Surface(sp.Eq(r, sp.Abs(Z / r)))(points)
+    np.testing.assert_allclose(found, distance - np.abs(z) / distance, rtol=1e-12, atol=1e-12)
+    assert zs.Surface(sp.Eq(sp.Symbol("a"), X + Y), a=2)(1, 3, 0) == -2
+
+
+def test_the_version_is_that_of_the_package():
+    assert zs.__version__ == importlib.metadata.version("zeroset")
 
 
 # Functions that are defined for all numbers, under NumPy's names and SymPy's.
@@ -142,22 +241,28 @@ def test_an_inequality_is_a_solid():
     assert 2 * math.pi in s.measure(relative=0.02)[0].volume
 
 
+def without_end(x, y, z):
+    while x < 100:
+        x = x * 2
+    return x
+
+
 @pytest.mark.parametrize(
     ("function", "message"),
     [
         (lambda x, y, z: math.sin(x), "functions of numpy"),
-        (lambda x, y, z: x if x > 0 else y, "numpy.where"),
         (lambda x, y, z: np.gcd(x, y), "numpy.gcd"),
         (lambda x, y, z: np.add.accumulate(x), "accumulate"),
-        (lambda x, y, z: np.median(x), "no meaning|no elements|"),
         (lambda x, y, z: x + float("inf"), "no number"),
         (lambda x, y, z: x + "y", "str"),
         (lambda x, y, z: None, "NoneType"),
         (lambda x, y, z: True, "constant"),
-        (lambda x, y: x, "three arguments"),
+        (lambda x: x, "the arguments x, y and z"),
+        (without_end, "tests formulas too often"),
         (lambda x, y, z, a: x, "a value for a"),
         (lambda x, y, z: list(x), "no elements"),
         (lambda x, y, z: x + 1j, "complex"),
+        (lambda x, y, z: np.interp(x, [0, 1], [2, 3]), "numpy.interp"),
         (lambda x, y, z: np.sin(x, where=False), "options"),
     ],
 )
@@ -202,6 +307,7 @@ SYMBOLIC = [
     sp.Heaviside(X + 0.123) * Y - Z,
     sp.sech(X) + sp.csch(Y + 3) - sp.coth(Z + 3),
     sp.acot(X + 3) + sp.asec(Y + 4) - sp.acsc(Z + 4),
+    sp.Sum(sp.cos(sp.Symbol("k") * X) / sp.Symbol("k"), (sp.Symbol("k"), 1, 4)) - Y * Z,
     sp.factor(X**4 - Y**4) + sp.besselj(2, Z),
 ]
 

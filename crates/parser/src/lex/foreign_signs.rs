@@ -50,8 +50,14 @@ pub(crate) fn foreign(rest: &str, context: LexContext) -> Option<(TokenKind, usi
         '@' if rest[1..].starts_with('P') && prefix_length(&rest[1..], is_name_char) == 1 => {
             Some((TokenKind::Name, 2))
         }
+        // LaTeX's blank between the signs of a set.
+        '~' if matches!(context.last, Some(CloseParen | Colon | Comma))
+            && rest[1..].starts_with(|c: char| c == ':' || c == '\\' || c.is_ascii_digit()) =>
+        {
+            Some((Blank, 1))
+        }
         // Python's product of matrices.
-        '@' if rest[1..].starts_with(' ') && context.touching.is_none() => Some((Star, 1)),
+        '@' if rest[1..].starts_with(' ') && context.touching.is_none() => Some((DotProduct, 1)),
         '.' => {
             let dots = rest.find(|c| c != '.').unwrap_or(rest.len());
             // A line continuation of MATLAB.
@@ -67,10 +73,16 @@ pub(crate) fn foreign(rest: &str, context: LexContext) -> Option<(TokenKind, usi
             if context.touching == Some(TokenKind::Name) && rest[1..].starts_with('(') {
                 return Some((Blank, 1));
             }
-            // A product of vectors, as in Mathematica's `{a, b}.{c, d}` and in `(a, b).(c, d)`.
-            (matches!(context.touching, Some(CloseBrace | CloseParen))
-                && rest[1..].starts_with(['{', '(']))
-            .then_some((DotProduct, 1))
+            // A product of vectors and matrices, as in Mathematica's `{a, b}.m.{c, d}` and in
+            // `(a, b).(c, d)`.
+            let name = prefix_length(&rest[1..], is_name_char);
+            let is_product = match context.touching {
+                Some(CloseBrace) if name > 0 => rest[1 + name..].starts_with(".{"),
+                Some(CloseBrace | CloseParen) => rest[1..].starts_with(['{', '(']),
+                Some(TokenKind::Name) => rest[1..].starts_with('{'),
+                _ => false,
+            };
+            is_product.then_some((DotProduct, 1))
         }
         // All elements of an array in MATLAB, as in `R(:)`.
         '(' if rest.starts_with("(:)") && context.touching == Some(TokenKind::Name) => {

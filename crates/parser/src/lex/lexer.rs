@@ -13,28 +13,10 @@ use crate::lex::token::LexContext;
 use crate::lex::token_kind::TokenKind::{self, *};
 
 /// Names of modules, as in `np.sin`. A module's name is skipped before a dot and a name.
+#[rustfmt::skip] // several words a line
 const MODULES: &[&str] = &[
-    "np",
-    "numpy",
-    "math",
-    "Math",
-    "sp",
-    "sympy",
-    "scipy",
-    "jnp",
-    "torch",
-    "tf",
-    "glm",
-    "linalg",
-    "mpmath",
-    "mp",
-    "cp",
-    "xp",
-    "Mathf",
-    "special",
-    "plotting",
-    "functools",
-    "Funcs",
+    "np", "numpy", "math", "Math", "sp", "sympy", "scipy", "jnp", "torch", "tf", "glm", "linalg",
+    "mpmath", "mp", "cp", "xp", "Mathf", "special", "plotting", "functools", "Funcs",
 ];
 
 /// LaTeX commands whose braces hold text that is not part of a formula.

@@ -227,8 +227,22 @@ pub fn decimal(typed: &str) -> String {
     number
 }
 
+/// LaTeX's accents of vectors, and the beginnings of the names of such vectors.
+pub const ACCENTS: [(&str, &str); 3] =
+    [(r"\vec", "vec_"), (r"\overrightarrow", "vec_"), (r"\hat", "hat_")];
+
+/// The name of a vector such as `\vec{r}`: `vec_r`. A vector is another name than its letter.
+fn vector_name(typed: &str) -> Option<String> {
+    ACCENTS.into_iter().find_map(|(accent, prefix)| {
+        let inner = typed.strip_prefix(accent).filter(|inner| inner.starts_with(['{', ' ']))?;
+        let letter = inner.trim_matches(['{', '}', ' ', '\\']);
+        // `\imath` is an i without its dot.
+        Some(format!("{prefix}{}", letter.strip_suffix("math").unwrap_or(letter)))
+    })
+}
+
 /// A name without LaTeX around it: `\sin` becomes `sin`, `\operatorname{foo}` becomes `foo`,
-/// `x_{12}` becomes `x_12`, `\[Theta]` becomes `theta`.
+/// `x_{12}` becomes `x_12`, `\[Theta]` becomes `theta`, `\vec{r}` becomes `vec_r`.
 pub fn plain_name(typed: &str) -> String {
     if let Some(named) = typed.strip_prefix("\\[").and_then(|rest| rest.strip_suffix(']')) {
         return named.to_lowercase();
@@ -241,6 +255,9 @@ pub fn plain_name(typed: &str) -> String {
     }
     if typed == "{0,1}" {
         return "i".to_owned();
+    }
+    if let Some(name) = typed.starts_with('\\').then(|| vector_name(typed)).flatten() {
+        return name;
     }
     let typed = &plain_text(typed.strip_prefix('%').unwrap_or(typed));
     let text = typed.strip_prefix('\\').unwrap_or(typed).trim_end_matches('}');

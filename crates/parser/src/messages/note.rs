@@ -135,6 +135,8 @@ pub enum NoteKind {
     PlotPartsLeftOut { left: String },
     #[error("the plot gives no level, so this is drawn where the function is 0")]
     PlotWithoutLevel,
+    #[error("lines of equal value are drawn as a graph, `z = f`; for one such line, write `f = 1`")]
+    LinesAsGraph,
     #[error("only the formula and its ranges are read; these have no effect here: {left}")]
     FileLeftOut { left: String },
     #[error("`{name}` takes its shape at {axis} = 0, so {axis} has no effect within it")]
@@ -148,6 +150,8 @@ pub enum NoteKind {
          (statements: {count})"
     )]
     StatementsLeftOut { count: usize, example: String },
+    #[error("the label `{label}:` has no effect; a title is a line `title {label}`")]
+    LabelLeftOut { label: String },
     #[error("the names of the plot are the coordinates: `{read}`")]
     PlotNames { read: String },
     #[error("read as in {system}: `{read}`; for another, define it")]

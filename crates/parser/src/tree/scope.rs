@@ -221,6 +221,9 @@ impl Scope {
         if canonical(name).is_some() {
             self.implied.push(name);
         } else {
+            if name.starts_with("vec_") || name.starts_with("hat_") {
+                self.vectors.insert(name.to_owned());
+            }
             self.define(name, None);
         }
     }

@@ -109,7 +109,8 @@ impl Builder<'_> {
             let meant = format!("{name}(x, y, z)");
             return Error::new(span, kind).suggest(left, meant);
         }
-        let is_parameter = matches!(name, "u" | "v" | "s");
+        // `2piu` is 2π·u.
+        let is_parameter = matches!(name.strip_prefix("pi").unwrap_or(name), "u" | "v" | "s");
         if is_parameter && self.lexed.tokens[0].kind == PointWord {
             let other = |token: &Token| {
                 let typed = &self.text[token.span.range()];

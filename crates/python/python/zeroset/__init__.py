@@ -27,7 +27,7 @@ from ._surface import (
     plot,
     views,
 )
-from ._zeroset import Error, Mesh, Picture, SurfaceMesh
+from ._zeroset import Error, Mesh, Picture, SurfaceMesh, __version__
 
 __all__ = [
     "HIT",
@@ -43,6 +43,7 @@ __all__ = [
     "Surface",
     "SurfaceMesh",
     "Trace",
+    "__version__",
     "choices",
     "example",
     "examples",

@@ -1,7 +1,7 @@
 """Formulas of other kinds as texts: Python functions of NumPy's ufuncs, and SymPy's expressions.
 
-A function is called once, with an `Expression` for each argument. What it computes is recorded and
-written as a text.
+A function is called with an `Expression` for each argument. What it computes is recorded and
+written as a text. An `if` on a formula, as in Python's `max`, calls it once for each way through.
 """
 
 from __future__ import annotations
@@ -10,13 +10,14 @@ import inspect
 import math
 import numbers
 from collections.abc import Callable
+from contextvars import ContextVar
 from typing import Any
 
 import numpy as np
 
 from ._zeroset import Error
 
-# NumPy's ufuncs by the language's functions of the same arguments.
+# Ufuncs of NumPy and SciPy by the language's functions of the same arguments.
 _CALLS = {
     "absolute": "abs", "fabs": "abs", "sign": "sign", "floor": "floor", "ceil": "ceil",
     "rint": "round", "trunc": "trunc", "square": "sqr", "sqrt": "sqrt", "cbrt": "cbrt",
@@ -27,6 +28,7 @@ _CALLS = {
     "arctan2": "atan2", "hypot": "hypot", "minimum": "min", "maximum": "max", "fmin": "min",
     "fmax": "max", "remainder": "mod", "reciprocal": "recip", "heaviside": "heaviside",
     "deg2rad": "radians", "radians": "radians", "rad2deg": "degrees", "degrees": "degrees",
+    "erf": "erf", "erfc": "erfc", "jv": "besselj", "conjugate": "conj",
 }  # fmt: skip
 _SIGNS = {
     "add": "+", "subtract": "-", "multiply": "*", "divide": "/", "true_divide": "/",
@@ -50,13 +52,22 @@ _SYMPY_SAME = {
     "hermite", "laguerre", "gegenbauer", "chebyshevt", "chebyshevu",
 }  # fmt: skip
 
+# Largest number of ways through a function whose `if` tests formulas.
+_MOST_WAYS = 256
+_TOO_MANY = (
+    "the function tests formulas too often: write numpy.where(condition, a, b) for `if`, and "
+    "numpy.maximum(a, b) for `max`"
+)
+# The tests on one way through a function, and the answers to them.
+_WAY: ContextVar[_Way | None] = ContextVar("way", default=None)
+
 # Deeper formulas are written as several lines: the language bounds how deep brackets go.
 _DEEPEST = 20
 
 
 class Expression(np.lib.mixins.NDArrayOperatorsMixin):
-    """A value that a traced function computes. It takes part in arithmetic, comparisons, NumPy's
-    ufuncs, ``numpy.where`` and ``numpy.clip``. It has no number yet, so ``if`` cannot test it.
+    """A value that a traced function computes. It takes part in arithmetic, comparisons, and the
+    functions of NumPy that work on arrays of objects.
     """
 
     # The mixin makes a ufunc of every operator.
@@ -71,10 +82,14 @@ class Expression(np.lib.mixins.NDArrayOperatorsMixin):
 
     def __array_ufunc__(self, ufunc: np.ufunc, method: str, *inputs: Any, **options: Any) -> Any:
         name = ufunc.__name__
-        if method != "__call__" or options:
+        # `v -= 1` gives `v` another value.
+        (target,) = options.pop("out", (None,))
+        if method != "__call__" or options or (target is not None and target is not inputs[0]):
             raise Error(f"numpy.{name} with {method} or options has no meaning in a formula")
         if any(isinstance(value, np.ndarray) and value.ndim for value in inputs):
-            return NotImplemented
+            arrays = np.broadcast(*map(_as_array, inputs))
+            values = np.array([_as_array(ufunc(*parts)) for parts in arrays], dtype=object)
+            return values.reshape(arrays.shape)
         parts = [expression(value) for value in inputs]
         if name == "negative":
             return Expression("(-{})", *parts)
@@ -92,14 +107,30 @@ class Expression(np.lib.mixins.NDArrayOperatorsMixin):
         raise Error(f"numpy.{name} has no meaning in a formula")
 
     def __array_function__(self, function: Any, types: Any, args: Any, kwargs: Any) -> Any:
-        if function is np.where and len(args) == 3:
-            return _choice(*map(expression, args))
-        if function is np.clip and len(args) == 3:
-            return call("clamp", *map(expression, args))
-        raise Error(f"numpy.{function.__name__} has no meaning in a formula")
+        if function in _FUNCTIONS:
+            return _FUNCTIONS[function](*args, **kwargs)
+        try:
+            value = function(*map(_without_expressions, args), **kwargs)
+        except (TypeError, AttributeError, ValueError, IndexError) as error:
+            raise Error(f"numpy.{function.__name__} has no meaning in a formula") from error
+        return value.item() if isinstance(value, np.ndarray) and not value.ndim else value
 
     def __bool__(self) -> bool:
-        raise Error("a formula has no truth value: write numpy.where(condition, a, b) for `if`")
+        way = _WAY.get()
+        if way is None:
+            raise Error("a formula has no truth value: write numpy.where(condition, a, b) for `if`")
+        return way.answer(self)
+
+    def __round__(self, digits: int = 0) -> Expression:
+        return _rounded(self, digits)
+
+    @property
+    def real(self) -> Expression:
+        return call("re", self)
+
+    @property
+    def imag(self) -> Expression:
+        return call("im", self)
 
     def __float__(self) -> float:
         raise Error("a formula has no number: use functions of numpy in place of those of math")
@@ -125,6 +156,70 @@ def _choice(condition: Expression, yes: Expression, no: Expression) -> Expressio
     return call("if", condition, yes, no)
 
 
+def _as_array(value: Any) -> np.ndarray:
+    """An array of objects that holds a value."""
+    array = np.empty((), dtype=object)
+    array[()] = value
+    return array if isinstance(value, Expression) else np.asarray(value, dtype=object)
+
+
+def _without_expressions(value: Any) -> Any:
+    """An argument of NumPy with arrays in place of expressions, so that NumPy computes it."""
+    if isinstance(value, (list, tuple)):
+        return [_without_expressions(one) for one in value]
+    return _as_array(value) if isinstance(value, Expression) else value
+
+
+def _rounded(value: Any, decimals: int = 0) -> Expression:
+    if decimals == 0:
+        return call("round", value)
+    scale = 10.0**decimals
+    return _infix("/", call("round", _infix("*", value, scale)), scale)
+
+
+def _selected(conditions: Any, values: Any, default: Any = 0) -> Expression:
+    """The first of the values whose condition holds."""
+    pairs = list(zip(conditions, values))
+    always = [at for at, (one, _) in enumerate(pairs) if isinstance(one, (bool, np.bool_)) and one]
+    if always:
+        default, pairs = pairs[always[0]][1], pairs[: always[0]]
+    if isinstance(default, float) and math.isnan(default):
+        # Nowhere else is there a value.
+        condition, value = pairs.pop()
+        found = Expression("({{{}: {}}})", expression(condition), expression(value))
+    else:
+        found = expression(default)
+    for condition, value in reversed(pairs):
+        found = _choice(expression(condition), expression(value), found)
+    return found
+
+
+def _piecewise(value: Any, conditions: Any, functions: Any) -> Expression:
+    values = [one(value) if callable(one) else one for one in functions]
+    default = values[len(conditions)] if len(values) > len(conditions) else 0
+    return _selected(conditions, values[: len(conditions)], default)
+
+
+# Functions of NumPy that are no ufuncs.
+_FUNCTIONS: dict[Any, Callable[..., Expression]] = {
+    np.where: lambda condition, yes, no: _choice(*map(expression, (condition, yes, no))),
+    np.clip: lambda value, low, high: call("clamp", value, low, high),
+    np.select: _selected,
+    np.piecewise: _piecewise,
+    np.round: _rounded,
+    np.around: _rounded,
+    np.fix: lambda value: call("trunc", value),
+    np.sinc: lambda value: call("sinc", math.pi * expression(value)),
+    np.real: lambda value: call("re", value),
+    np.imag: lambda value: call("im", value),
+    np.angle: lambda value: call("arg", value),
+}
+
+# NumPy calls these methods for the elements of an array of objects.
+for _ufunc, _here in _CALLS.items():
+    setattr(Expression, _ufunc, lambda *values, _here=_here: call(_here, *values))
+
+
 def expression(value: Any) -> Expression:
     """A number or an expression as an expression."""
     if isinstance(value, Expression):
@@ -139,6 +234,8 @@ def expression(value: Any) -> Expression:
         if not math.isfinite(value):
             raise Error(f"{value!r} is no number of a formula")
         return Expression(f"({float(value)!r})")
+    if isinstance(value, numbers.Complex):
+        return _infix("+", value.real, _infix("*", value.imag, Expression("i")))
     raise Error(f"a {type(value).__name__} has no meaning in a formula: {value!r}")
 
 
@@ -173,6 +270,10 @@ def text_of(root: Expression) -> str:
     # A drawing is no pair of brackets around an equation.
     if _is_condition(root):
         final = final[1:-1]
+    # An equation with a name on its left would define the name.
+    if root._form == "({} = {})" and texts[id(root._parts[0])].isidentifier():
+        left, right = (texts[id(part)] for part in root._parts)
+        final = final if left in ("x", "y", "z") else f"{left} - {right} = 0"
     return "\n".join([*lines, final])
 
 
@@ -187,15 +288,179 @@ def traced(function: Callable[..., Any], values: dict[str, float]) -> str:
         names = list(inspect.signature(function).parameters)
     except (TypeError, ValueError):
         names = ["x", "y", "z"]
-    unknown = [name for name in names[3:] if name not in values]
-    if len(names) < 3 or unknown:
-        wanted = f"a value for {unknown[0]}" if unknown else "three arguments: x, y and z"
+    # A function of x and y is the graph over them.
+    count = 2 if len(names) == 2 or (len(names) > 2 and names[2] in values) else 3
+    unknown = [name for name in names[count:] if name not in values]
+    if len(names) < 2 or unknown:
+        wanted = f"a value for {unknown[0]}" if unknown else "the arguments x, y and z"
         raise Error(f"the function {getattr(function, '__name__', '')} needs {wanted}")
-    arguments = [Expression(name) for name in ["x", "y", "z", *names[3:]]]
-    result = function(*arguments)
+    arguments = [Expression(name) for name in ["x", "y", "z"][:count] + names[count:]]
+    result = _explored(lambda: function(*arguments))
     if isinstance(result, (bool, np.bool_)):
         raise Error("the function is a constant")
+    if count == 2 and not _is_condition(expression(result)):
+        result = _infix("=", Expression("z"), result)
     return text_of(expression(result))
+
+
+class _Way:
+    """One way through a function: the conditions that it tests, and the answers."""
+
+    def __init__(self, answers: list[bool], known: dict[Any, Expression]) -> None:
+        self.answers = answers
+        self.known = known
+        self.tests: list[Expression] = []
+
+    def answer(self, test: Expression) -> bool:
+        """The answer to a test. Those after the given answers are true."""
+        test = _shared(test if _is_condition(test) else _infix("!=", test, 0), self.known)
+        answers = [*self.answers, *[True] * (len(self.tests) + 1 - len(self.answers))]
+        for earlier, answer in zip(self.tests, answers):
+            if earlier is test:
+                return answer
+        self.tests.append(test)
+        if len(self.tests) > _MOST_WAYS:
+            raise Error(_TOO_MANY)
+        return answers[len(self.tests) - 1]
+
+
+def _explored(function: Callable[[], Any]) -> Any:
+    """The value of a function whose `if` may test formulas: choices between its values on all ways
+    through it.
+    """
+    known: dict[Any, Expression] = {}
+    ways = 0
+
+    def value_after(answers: list[bool]) -> Any:
+        nonlocal ways
+        ways += 1
+        if ways > _MOST_WAYS:
+            raise Error(_TOO_MANY)
+        way = _Way(answers, known)
+        token = _WAY.set(way)
+        try:
+            value = function()
+        finally:
+            _WAY.reset(token)
+        if len(way.tests) == len(answers) == 0:
+            return value
+        is_fixed = isinstance(value, (bool, np.bool_))
+        value = bool(value) if is_fixed else _shared(expression(value), known)
+        for at in reversed(range(len(answers), len(way.tests))):
+            other = value_after([*answers, *[True] * (at - len(answers)), False])
+            value = _merged(way.tests[at], value, other, known)
+        return value
+
+    return value_after([])
+
+
+def _shared(root: Expression, known: dict[Any, Expression]) -> Expression:
+    """An expression in which equal parts are one object."""
+    done: dict[int, Expression] = {}
+    stack = [root]
+    while stack:
+        node = stack[-1]
+        left = [part for part in node._parts if id(part) not in done]
+        stack.extend(left)
+        if not left:
+            stack.pop()
+            parts = [done[id(part)] for part in node._parts]
+            key = (node._form, *map(id, parts))
+            done[id(node)] = known.setdefault(key, Expression(node._form, *parts))
+    return done[id(root)]
+
+
+def _merged(test: Expression, yes: Any, no: Any, known: dict[Any, Expression]) -> Any:
+    """`yes` where the condition `test` holds, else `no`."""
+    if yes is no:
+        return yes
+    values = (yes, no)
+    if all(isinstance(one, (bool, np.bool_)) or _is_condition(one) for one in values):
+        return _merged_conditions(test, yes, no)
+    yes, no = (_shared(expression(one), known) for one in values)
+    # Where both values differ in one part only, that part is the choice.
+    chosen: dict[_Pair, Expression] = {}
+    others = _differences(test, yes, no, chosen)
+    if len(others) + len(chosen) == 1:
+        chosen.update((key, _choice(test, *pair)) for key, pair in others.items())
+        others.clear()
+    value = _choice(test, yes, no) if others else _replaced(yes, no, chosen)
+    return _shared(value, known)
+
+
+def _merged_conditions(test: Expression, yes: Any, no: Any) -> Any:
+    if yes is True or yes is test:
+        return test if no is False else _infix("or", test, no)
+    if no is False or no is test:
+        return Expression("(not {})", test) if yes is True else _infix("and", test, yes)
+    otherwise = Expression("(not {})", test)
+    if yes is False:
+        return otherwise if no is True else _infix("and", otherwise, no)
+    if no is True:
+        return _infix("or", otherwise, yes)
+    return _infix("or", _infix("and", test, yes), _infix("and", otherwise, no))
+
+
+_Pair = tuple[int, int]
+
+
+def _differences(
+    test: Expression, yes: Expression, no: Expression, chosen: dict[_Pair, Expression]
+) -> dict[_Pair, tuple[Expression, Expression]]:
+    """The parts in which two expressions differ. Those whose choice is a maximum or a minimum are
+    added to `chosen` instead.
+    """
+    others = {}
+    seen = set()
+    stack = [(yes, no)]
+    while stack:
+        one, other = stack.pop()
+        key = id(one), id(other)
+        if one is other or key in seen:
+            continue
+        seen.add(key)
+        extreme = _extreme(test, one, other)
+        if extreme is not None:
+            chosen[key] = extreme
+        elif one._form == other._form and len(one._parts) == len(other._parts) > 0:
+            stack.extend(zip(one._parts, other._parts))
+        else:
+            others[key] = one, other
+    return others
+
+
+def _replaced(yes: Expression, no: Expression, chosen: dict[_Pair, Any]) -> Expression:
+    """`yes` with choices in place of the parts in which it differs from `no`."""
+    done: dict[_Pair, Expression] = dict(chosen)
+    stack = [(yes, no)]
+    while stack:
+        one, other = stack[-1]
+        pairs = [(a, b) for a, b in zip(one._parts, other._parts) if a is not b]
+        left = [(a, b) for a, b in pairs if (id(a), id(b)) not in done]
+        if left and (id(one), id(other)) not in done:
+            stack.extend(left)
+            continue
+        stack.pop()
+        if (id(one), id(other)) not in done:
+            parts = [a if a is b else done[id(a), id(b)] for a, b in zip(one._parts, other._parts)]
+            done[id(one), id(other)] = Expression(one._form, *parts)
+    return done[id(yes), id(no)]
+
+
+def _extreme(test: Expression, yes: Expression, no: Expression) -> Expression | None:
+    """The choice as a maximum or minimum, if it is one."""
+    sides = {"({} > {})": 1, "({} >= {})": 1, "({} < {})": -1, "({} <= {})": -1}.get(test._form)
+    if sides is None:
+        return None
+    greater, less = test._parts[::sides]
+    for name, own, other in (("max", greater, less), ("min", less, greater)):
+        parts = [
+            node._parts if node._form.startswith(name + "(") else (node,) for node in (yes, no)
+        ]
+        of_yes, of_no = ({id(part) for part in some} for some in parts)
+        if of_yes - of_no == {id(own)} and of_no - of_yes == {id(other)}:
+            return call(name, *parts[0], other)
+    return None
 
 
 def from_sympy(value: Any) -> str:
@@ -243,6 +508,13 @@ def from_sympy(value: Any) -> str:
                 for part in rest:
                     first = _infix(sign, first, part)
                 return first
+        if isinstance(node, (sympy.Sum, sympy.Product)):
+            value = node.doit()
+            if value.has(sympy.Sum, sympy.Product):
+                raise Error(
+                    f"this sum or product has no meaning in a formula, write its terms: {node}"
+                )
+            return convert(value)
         if isinstance(node, sympy.Not):
             return Expression("(not {})", convert(node.args[0]))
         if isinstance(node, sympy.Pow):

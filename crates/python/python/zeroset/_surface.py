@@ -112,8 +112,8 @@ class Surface:
     """The zero set of a formula, or all drawings of a text of several lines.
 
     `formula` is a text in the language of the program `zeroset`, a SymPy expression or equation, or
-    a Python function of x, y and z that uses NumPy's functions. A function is called once, and
-    recorded. `values` are parameters: names in the formula that get these values.
+    a Python function of x, y and z, or of x and y, that uses NumPy's functions. What a function
+    computes is recorded. `values` are parameters: names in the formula that get these values.
 
     Raises `Error` if the formula cannot be read. Its message shows the place.
 

@@ -10,6 +10,8 @@ _Floats = npt.NDArray[np.float64]
 _Pair = list[float]
 _Box = list[_Pair]
 
+__version__: str
+
 class Error(ValueError):
     """A formula or an argument that cannot be used."""
 

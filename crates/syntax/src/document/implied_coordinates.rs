@@ -4,10 +4,11 @@
 //! The used names together determine the coordinate system, and a note states the definitions. A
 //! definition in the text takes precedence.
 
+use crate::lower::constant::evaluate_text;
 use rustc_hash::{FxHashMap, FxHashSet};
 use zeroset_parser::lex::arrangement::statements;
 use zeroset_parser::lex::spelling::plain_name;
-use zeroset_parser::lex::token::Token;
+use zeroset_parser::lex::token::{Token, span_of};
 use zeroset_parser::lex::token_kind::TokenKind::{self, Component, X, Y, Z};
 use zeroset_parser::tree::ast::{Definition, ExprKind, Name, NamedValue, Statement};
 use zeroset_parser::tree::builder::Builder;
@@ -21,9 +22,19 @@ use zeroset_parser::{Limits, Note, NoteKind, Span};
 /// A name, and the text of the name's definition.
 type ImpliedDefinition = (&'static str, &'static str);
 
+/// Names of the point of space. The last one is LaTeX's `\vec{r}`.
+const POINTS: [&str; 3] = ["p", "pos", "vec_r"];
+
+/// The unit vectors of LaTeX, such as `\hat{i}`.
+const UNIT_VECTORS: [ImpliedDefinition; 3] =
+    [("hat_i", "vec3(1, 0, 0)"), ("hat_j", "vec3(0, 1, 0)"), ("hat_k", "vec3(0, 0, 1)")];
+
 const CYLINDER_RADIUS: &str = "sqrt(x^2 + y^2)";
 const SPHERE_RADIUS: &str = "sqrt(x^2 + y^2 + z^2)";
 const AZIMUTH: &str = "atan2(y, x)";
+
+/// The azimuth from 0 to 2π, for texts that have angles above π.
+const FULL_AZIMUTH: &str = "mod(atan2(y, x), 2*pi)";
 
 /// The uses of each name. A use is the index of a line and a place in the text.
 type Uses = FxHashMap<&'static str, Vec<(usize, Span)>>;
@@ -50,7 +61,8 @@ fn uses(text: &str, lines: &[ParsedStatement<'_>], scope: &Scope) -> Uses {
                     if scope.is_defined(&name) {
                         continue;
                     }
-                    let point = ["p", "pos"].into_iter().find(|point| *point == name);
+                    let units = UNIT_VECTORS.iter().map(|(name, _)| *name);
+                    let point = POINTS.into_iter().chain(units).find(|point| *point == name);
                     let named = point.or_else(|| canonical(&name));
                     // `rcos(theta)` is a product with r.
                     let radius = || {
@@ -170,8 +182,17 @@ pub(crate) fn implied(
     };
     let mut notes = Vec::new();
     let mut given: Vec<ImpliedDefinition> = Vec::new();
-    for name in ["p", "pos"] {
-        let is_vector = is_program || has_components(text, lines, name);
+    for (name, body) in UNIT_VECTORS {
+        if let Some(span) = place(name) {
+            let definitions = format!("{name} = {body}");
+            let kind = NoteKind::Coordinates { system: "a unit vector", definitions };
+            notes.push(Note { span, kind });
+            given.push((name, body));
+        }
+    }
+    for name in POINTS {
+        let is_arrow = name.starts_with("vec_");
+        let is_vector = is_arrow || is_program || has_components(text, lines, name);
         if let (Some(span), true) = (place(name), is_vector) {
             notes.push(Note { span, kind: NoteKind::PointOfSpace { name: name.to_owned() } });
             given.push((name, "vec3(x, y, z)"));
@@ -186,6 +207,23 @@ pub(crate) fn implied(
         .map(|(line, _)| *line)
         .collect();
     let with_plane = uses.get("r").is_some_and(|all| all.iter().any(|(at, _)| plane.contains(at)));
+    // An equation between constants has no surface, so its φ is an angle.
+    let is_constant = |line: &ParsedStatement<'_>| {
+        let tokens = &line.raw.lexed.tokens;
+        let is_fixed = |token: &Token| match token.kind {
+            TokenKind::Name => {
+                built_in(&plain_name(&text[token.span.range()])) != NameMeaning::Unknown
+            }
+            kind => !kind.is_axis(),
+        };
+        line.head.is_none()
+            && tokens.iter().any(|token| token.kind == TokenKind::Equals)
+            && tokens.iter().all(is_fixed)
+    };
+    // The plain word is the golden ratio.
+    let is_sign =
+        |(at, span): &(usize, Span)| &text[span.range()] != "phi" && is_constant(&lines[*at]);
+    let has_angle = has_angle || uses.get("phi").is_some_and(|all| all.iter().any(is_sign));
     let is_angle = has_angle || r.is_some() || rho.is_some() || theta.is_some();
     let phi = phi.filter(|_| is_angle);
     let r = r.filter(|_| !with_plane || theta.is_some());
@@ -196,6 +234,11 @@ pub(crate) fn implied(
             let index = ["r", "rho", "theta", "phi"].iter().position(|other| other == name);
             index.is_some_and(|index| names[index]) || (*name == "rho" && names[3]) && !names[0]
         });
+        for (name, body) in &mut definitions {
+            if *body == AZIMUTH && goes_beyond_half(text, lines, name, limits) {
+                *body = FULL_AZIMUTH;
+            }
+        }
         let listed: Vec<String> =
             definitions.iter().map(|(name, body)| format!("{name} = {body}")).collect();
         let definitions_text = listed.join("; ");
@@ -209,6 +252,47 @@ pub(crate) fn implied(
     let built =
         given.iter().filter_map(|(name, body)| define(name, &[], body, scope, limits)).collect();
     (built, notes)
+}
+
+/// Returns whether an inequality such as `theta <= 3*pi/2` bounds an angle by more than π.
+fn goes_beyond_half(
+    text: &str,
+    lines: &[ParsedStatement<'_>],
+    angle: &str,
+    limits: &Limits,
+) -> bool {
+    let is_end = |token: &&Token| {
+        token.kind.is_relation()
+            || token.kind.is_closer()
+            || matches!(token.kind, TokenKind::And | TokenKind::Or | TokenKind::Comma)
+    };
+    let is_large = |tokens: &[Token]| {
+        let span = span_of(tokens).and_then(|span| text.get(span.range()));
+        let value = span.and_then(|typed| evaluate_text(typed, limits).ok());
+        value.is_some_and(|value| value.bounds().lo > std::f64::consts::PI)
+    };
+    lines.iter().any(|line| {
+        let tokens = &line.raw.lexed.tokens;
+        (0..tokens.len()).any(|at| {
+            let typed = plain_name(&text[tokens[at].span.range()]);
+            if canonical(&typed) != Some(angle) {
+                return false;
+            }
+            let (before, behind) = (&tokens[..at], &tokens[at + 1..]);
+            match (before.last().map(|token| token.kind), behind.first().map(|token| token.kind)) {
+                (_, Some(TokenKind::Less | TokenKind::LessEqual)) => {
+                    let count = behind[1..].iter().take_while(|token| !is_end(token)).count();
+                    is_large(&behind[1..=count])
+                }
+                (Some(TokenKind::Greater | TokenKind::GreaterEqual), _) => {
+                    let before = &before[..at - 1];
+                    let count = before.iter().rev().take_while(|token| !is_end(token)).count();
+                    is_large(&before[before.len() - count..])
+                }
+                _ => false,
+            }
+        })
+    })
 }
 
 /// The name and the definitions of the coordinate system to which the used names belong.

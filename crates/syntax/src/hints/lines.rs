@@ -259,7 +259,7 @@ const LINES: &[(&str, &str, &[&str])] = &[
     ("linewidth A", "how wide curves are is a line `width`", &["width A"]),
     ("levels A", "lines of equal height are a line `contours`", &["contours A"]),
     ("contour A", "it is spelled", &["contours A"]),
-    ("animate N", "what moves depends on the time t", &["N = 1 in [0, 5]"]),
+    ("animate N", "what moves depends on the time t", &["N = 1 + sin(t)"]),
 ];
 
 /// Words for signs.

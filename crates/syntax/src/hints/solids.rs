@@ -11,8 +11,8 @@ pub(super) fn proposals(mistake: &Mistake<'_>) -> Vec<Proposal> {
     let text = mistake.text;
     let mut all = Vec::new();
     let why = "solids are joined and moved by functions, and a box has half sizes";
-    let listed = scheme(mistake.line);
-    all.extend(listed.map(|solid| Proposal::new(why, format!("{solid} <= 0"))));
+    let listed = scheme(text.trim());
+    all.extend(listed.map(|solid| Proposal::text(why, format!("{solid} <= 0"))));
     let is_program = text.contains('{') || text.contains("new ") || text.contains("_extrude");
     let words = ["for (", "Workplane", "translate([", "rotate([", "scale([", "cube(", "square("];
     let is_program = is_program || words.iter().any(|word| text.contains(word));
@@ -72,9 +72,27 @@ fn list<'a>(
     let name = match name.as_str() {
         "difference" => "subtract",
         "intersection" => "intersect",
+        "move" => "translate",
+        "box" | "box-exact" => return box_of_corners(values),
         other => other,
     };
     starts.then(|| format!("{name}({})", values.join(", ")))
+}
+
+/// libfive's box between two corners.
+fn box_of_corners(corners: &[String]) -> Option<String> {
+    let numbers = |corner: &String| -> Option<Vec<f64>> {
+        let list = corner.strip_prefix('(')?.strip_suffix(')')?;
+        list.split(", ").map(|number| number.parse().ok()).collect()
+    };
+    let [low, high] = corners else { return None };
+    let ends: Vec<(f64, f64)> = numbers(low)?.into_iter().zip(numbers(high)?).collect();
+    let list = |of: fn(&(f64, f64)) -> f64| {
+        ends.iter().map(|pair| of(pair).to_string()).collect::<Vec<_>>().join(", ")
+    };
+    let (half, center) =
+        (list(|(low, high)| (high - low) / 2.0), list(|(low, high)| f64::midpoint(*low, *high)));
+    (ends.len() == 3).then(|| format!("translate(box({half}), {center})"))
 }
 
 /// The union of some solids.

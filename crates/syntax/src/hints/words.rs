@@ -84,8 +84,10 @@ const NAMES: &[(&str, &str)] = &[
 /// Calls that are written otherwise here: the pattern, the reason, and templates in this language.
 #[rustfmt::skip] // one row a line
 const CALLS: &[(&str, &str, &[&str])] = &[
+    ("log(A, V)", "`log` takes one value; a logarithm to a base is a quotient", &["ln(A)/ln(V)"]),
     ("log(V, A)", "`log` takes one value; a logarithm to a base is a quotient", &["ln(A)/ln(V)"]),
     ("log(A, B)", "`log` takes one value; a logarithm to a base is a quotient", &["ln(A)/ln(B)"]),
+    ("ln(A, V)", "`ln` takes one value; a logarithm to a base is a quotient", &["ln(A)/ln(V)"]),
     ("ln(V, A)", "`ln` takes one value; a logarithm to a base is a quotient", &["ln(A)/ln(V)"]),
     ("ln(A, B)", "`ln` takes one value; a logarithm to a base is a quotient", &["ln(A)/ln(B)"]),
     ("sqrt(A, V)", "another root is a `root`", &["root(A, V)"]),

@@ -391,13 +391,18 @@ fn bind(
     }
 }
 
-/// Returns whether the shape is the last argument, as in other systems: `translate(1, 0, 0,
-/// sphere(1))`.
+/// Returns whether only the last argument varies in space: as in other systems, the shape is last
+/// in `translate(1, 0, 0, sphere(1))`.
 fn is_shape_last(graph: &Graph, arguments: &[(Tensor, Span)]) -> bool {
     let [numbers @ .., (Tensor::Number(last), _)] = arguments else { return false };
-    let is_number = |one: &(Tensor, Span)| matches!(one.0, Tensor::Number(node) if graph.number(node).is_some());
-    let varies = |id: &NodeId| matches!(graph.node(*id), Node::Variable(_) | Node::Parameter(_));
-    numbers.len() == 3 && numbers.iter().all(is_number) && graph.needed(&[*last]).iter().any(varies)
+    let moves = |id: &NodeId| match graph.node(*id) {
+        Node::Parameter(number) => *number >= FIRST_PLACEHOLDER,
+        node => matches!(node, Node::Variable(_)),
+    };
+    let varies = |node: NodeId| graph.needed(&[node]).iter().any(moves);
+    let is_fixed =
+        |(value, _): &(Tensor, Span)| matches!(value, Tensor::Number(node) if !varies(*node));
+    matches!(numbers.len(), 1 | 3) && numbers.iter().all(is_fixed) && varies(*last)
 }
 
 /// Advice that shows an example of each builder with this name.
