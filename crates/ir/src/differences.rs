@@ -5,15 +5,17 @@
 //!
 //! The functions Q follow from addition theorems, and from the extensions S of the table.
 
-use crate::algebra::{add, div, mul, neg};
+use crate::algebra::{add, div, mul, neg, sub};
 use crate::compact::compact;
-use crate::graph::{Graph, Node, NodeId};
+use crate::graph::{Graph, Node, NodeId, Operands};
 use crate::polynomial::{Polynomial, Work};
+use crate::roots::Root;
 use crate::simplify::rewrite;
 use num_rational::BigRational;
-use num_traits::Signed;
+use num_traits::{One, Signed};
+use std::collections::BTreeSet;
 use zeroset_interval::Interval;
-use zeroset_ops::{Domain, Op};
+use zeroset_ops::{Domain, Op, Parity};
 
 /// A node f(u) that is `value` + `divisor`·Q. The function Q depends on `parts`: u, w and u − w.
 pub(crate) struct Shift {
@@ -24,54 +26,106 @@ pub(crate) struct Shift {
     pub parts: [NodeId; 3],
 }
 
-/// The variables in which a polynomial is linear. Each comes with the value at which the polynomial
-/// is 0.
-pub(crate) fn linear_roots(polynomial: &Polynomial, work: &mut Work) -> Vec<(NodeId, Polynomial)> {
-    let root = |variable: NodeId| {
-        let factor = polynomial.linear_factor(variable)?;
-        let term =
-            Polynomial::variable(variable).times(&Polynomial::constant(factor.clone()), work);
-        let rest = term?.minus(polynomial);
-        Some((variable, rest.times(&Polynomial::constant(factor.recip()), work)?))
-    };
-    polynomial.variables().into_iter().filter_map(root).collect()
-}
-
-/// Prepares a rewriting of node f(u), where w is u with `at` in place of the variable. `None` if f
-/// has no addition theorem, if u does not depend on the variable, or if f(w) may be undefined where
-/// f(u) is defined.
+/// Prepares a rewriting of node f(u), where w is u at the root. `None` if f has no addition theorem,
+/// if u does not depend on the variable, or if f(w) may be undefined where f(u) is defined.
 pub(crate) fn shift(
     graph: &mut Graph,
     node: NodeId,
-    (variable, at): &(NodeId, Polynomial),
-    known: &[NodeId],
+    root: &Root,
+    known: &BTreeSet<NodeId>,
     work: &mut Work,
 ) -> Option<Shift> {
-    let Node::Apply(op, operands) = *graph.node(node) else { return None };
-    let place = match op {
-        Op::Exp | Op::Sin | Op::Cos | Op::Sinh | Op::Cosh | Op::Sqrt | Op::Cbrt | Op::Ln => 0,
-        Op::Pow if graph.exact(operands[0]).is_some_and(Signed::is_positive) => 1,
-        _ => return None,
-    };
+    let (op, operands, place) = function(graph, node)?;
     let u = Polynomial::of(graph, operands[place], work);
-    let w = u.substituted(*variable, at, work)?;
+    let w = at_root(graph, &u, root, known, work)?;
     let divisor = u.minus(&w);
     if divisor.is_zero() {
         return None;
     }
-    let w_node = w.emit(graph);
-    let mut shifted = operands.to_vec();
-    shifted[place] = w_node;
-    let value_node = graph.apply(op, &shifted);
-    let value = match exact(graph, value_node, &w) {
-        Some(value) => Polynomial::constant(value),
-        None if known.contains(&value_node) || op.row().domain == Domain::All => {
-            Polynomial::variable(value_node)
-        }
-        None => return None,
+    let value = applied(graph, node, &w, known, work)?;
+    let parts = [operands[place], w.emit(graph), divisor.emit(graph)];
+    Some(Shift { node, op, value, divisor, parts })
+}
+
+/// The operation and operands of node f(u) if f has an addition theorem, and the place of u.
+fn function(graph: &Graph, node: NodeId) -> Option<(Op, Operands, usize)> {
+    let Node::Apply(op, operands) = *graph.node(node) else { return None };
+    let place = match op {
+        Op::Exp
+        | Op::Ln
+        | Op::Sqrt
+        | Op::Cbrt
+        | Op::Sin
+        | Op::Cos
+        | Op::Asin
+        | Op::Acos
+        | Op::Atan
+        | Op::Sinh
+        | Op::Cosh
+        | Op::Tanh
+        | Op::Asinh
+        | Op::Atanh => 0,
+        Op::Pow if graph.exact(operands[0]).is_some_and(Signed::is_positive) => 1,
+        _ => return None,
     };
-    let difference = divisor.emit(graph);
-    Some(Shift { node, op, value, divisor, parts: [operands[place], w_node, difference] })
+    Some((op, operands, place))
+}
+
+/// A polynomial with the root's value in place of its variable, also within functions.
+fn at_root(
+    graph: &mut Graph,
+    polynomial: &Polynomial,
+    root: &Root,
+    known: &BTreeSet<NodeId>,
+    work: &mut Work,
+) -> Option<Polynomial> {
+    let (variable, value) = root;
+    let mut result = polynomial.substituted(*variable, value, work)?;
+    for node in polynomial.variables() {
+        let Some((_, operands, place)) = function(graph, node) else { continue };
+        let inner = Polynomial::of(graph, operands[place], work);
+        let inner_at_root = at_root(graph, &inner, root, known, work)?;
+        if inner_at_root != inner {
+            let value = applied(graph, node, &inner_at_root, known, work)?;
+            result = result.substituted(node, &value, work)?;
+        }
+    }
+    Some(result)
+}
+
+/// The function of `node` with operand w. `None` if its value may be undefined where that of `node`
+/// is defined.
+fn applied(
+    graph: &mut Graph,
+    node: NodeId,
+    w: &Polynomial,
+    known: &BTreeSet<NodeId>,
+    work: &mut Work,
+) -> Option<Polynomial> {
+    let (op, operands, place) = function(graph, node)?;
+    // Equal sums may be different nodes, and cos(−w) is cos(w).
+    for other in known {
+        let Some((other_op, others, _)) = function(graph, *other) else { continue };
+        if other_op != op || (place == 1 && others[0] != operands[0]) {
+            continue;
+        }
+        let operand = Polynomial::of(graph, others[place], work);
+        let minus_one = -BigRational::one();
+        let factor = match op.row().parity {
+            _ if operand == *w => BigRational::one(),
+            Parity::Even if operand.scaled(&minus_one) == *w => BigRational::one(),
+            Parity::Odd if operand.scaled(&minus_one) == *w => minus_one,
+            Parity::Even | Parity::Odd | Parity::Neither => continue,
+        };
+        return Some(Polynomial::variable(*other).scaled(&factor));
+    }
+    let mut operands = operands.to_vec();
+    operands[place] = w.emit(graph);
+    let value = graph.apply(op, &operands);
+    match exact(graph, value, w) {
+        Some(value) => Some(Polynomial::constant(value)),
+        None => (op.row().domain == Domain::All).then(|| Polynomial::variable(value)),
+    }
 }
 
 /// The value of a constant node, if it is known to be rational.
@@ -87,8 +141,13 @@ fn exact(graph: &Graph, node: NodeId, operand: &Polynomial) -> Option<BigRationa
 impl Shift {
     /// Returns whether Q may be undefined where u = w, although f(u) and f(w) are not.
     pub fn has_gap(&self) -> bool {
-        let is_root = self.op == Op::Sqrt || self.op == Op::Cbrt;
-        is_root && self.value.as_constant().is_none_or(|value| !value.is_positive())
+        match self.op {
+            Op::Sqrt | Op::Cbrt => {
+                self.value.as_constant().is_none_or(|value| !value.is_positive())
+            }
+            Op::Asin | Op::Acos => true,
+            _ => false,
+        }
     }
 }
 
@@ -142,6 +201,15 @@ pub(crate) fn difference_quotient(
             let value = graph.apply(Op::Ln, &[*w]);
             graph.apply(Op::WhereDefined, &[quotient, value])
         }
+        Op::Tanh => {
+            let secant = extension(graph, Op::Sinh, [*difference; 2]);
+            let [a, b] = [*u, *w].map(|id| graph.apply(Op::Cosh, &[id]));
+            let below = mul(graph, a, b);
+            div(graph, secant, below)
+        }
+        Op::Asin | Op::Acos | Op::Atan | Op::Asinh | Op::Atanh => {
+            inverse_quotient(graph, shift, extension)
+        }
         Op::Cbrt => {
             let [a, b] = [*u, *w].map(|id| graph.apply(Op::Cbrt, &[id]));
             let squares = [a, b].map(|id| graph.apply(Op::Sqr, &[id]));
@@ -155,5 +223,62 @@ pub(crate) fn difference_quotient(
             let (one, sum) = (graph.integer(1), add(graph, a, b));
             div(graph, one, sum)
         }
+    }
+}
+
+/// Adds the Q of an inverse function. Let α and β be the function's values at u and w.
+///
+/// - tan((α − β)/2) = (sin α − sin β)/(cos α + cos β) for asin, and sin(α − β)/(1 + cos(α − β)) =
+///   (u − w)/(ab + 1 + uw) for atan. Half the difference is within ±π/2, so atan gives it back.
+/// - sinh(α − β) = u√(1 + w²) − w√(1 + u²) = (u − w)·(1 − uw + ab)/(a + b) for asinh, where a and b
+///   are the roots. The numerator is at least 1, since ab ≥ |uw|.
+/// - tanh(α − β) = (u − w)/(1 − uw) for atanh.
+fn inverse_quotient(
+    graph: &mut Graph,
+    shift: &Shift,
+    mut extension: impl FnMut(&mut Graph, Op, [NodeId; 2]) -> NodeId,
+) -> NodeId {
+    let Shift { op, parts: [u, w, difference], .. } = shift;
+    let [one, two] = [1, 2].map(|n| graph.integer(n));
+    let product = mul(graph, *u, *w);
+    let root = |graph: &mut Graph, id: NodeId, of: Op| {
+        let square = mul(graph, id, id);
+        let sum = graph.apply(of, &[one, square]);
+        graph.apply(Op::Sqrt, &[sum])
+    };
+    let is_circular = *op == Op::Asin || *op == Op::Acos;
+    let of = if is_circular { Op::Sub } else { Op::Add };
+    let (a, b) = (root(graph, *u, of), root(graph, *w, of));
+    let sum = add(graph, a, b);
+    // The quotient of the tangent, or of the hyperbolic function, by u − w.
+    let (inverse, slope) = match op {
+        Op::Asin | Op::Acos => (Op::Atan, div(graph, one, sum)),
+        Op::Atan => {
+            let below = mul(graph, a, b);
+            let below = add(graph, below, one);
+            let below = add(graph, below, product);
+            (Op::Atan, div(graph, one, below))
+        }
+        Op::Asinh => {
+            let above = mul(graph, a, b);
+            let above = add(graph, above, one);
+            let above = sub(graph, above, product);
+            (Op::Asinh, div(graph, above, sum))
+        }
+        _ => {
+            let below = sub(graph, one, product);
+            (Op::Atanh, div(graph, one, below))
+        }
+    };
+    let operand = mul(graph, slope, *difference);
+    let secant = extension(graph, inverse, [operand; 2]);
+    let quotient = mul(graph, secant, slope);
+    match op {
+        Op::Asin | Op::Atan => mul(graph, two, quotient),
+        Op::Acos => {
+            let twice = mul(graph, two, quotient);
+            neg(graph, twice)
+        }
+        _ => quotient,
     }
 }
