@@ -38,6 +38,24 @@ fn listed(scene: &mut Scene, expected: &str) {
     scene.terminal.shows(expected);
 }
 
+pub fn a_surface_is_colored_in_the_list_and_an_added_one_has_the_usual_color() {
+    let mut scene = Scene::start(TWO);
+    scene.point(SWATCH, ROWS[1]);
+    scene.turn();
+    scene.changes("the line opens", || scene.press("3"));
+    scene.type_text("red");
+    scene.changes("red", || scene.key("Return"));
+    scene.point(30, 250);
+    scene.rest();
+    assert_eq!(colored(&scene.picture())[1], 0, "some of it is still blue");
+    listed(&mut scene, "color red\r\nx^2+y^2+z^2 = 1\r\nz = 1.2");
+    scene.type_text("x = 0");
+    scene.changes("added", || scene.key("ctrl+Return"));
+    listed(&mut scene, "z = 1.2\r\ncolor auto\r\nx = 0");
+    scene.terminal.type_in(":quit\r");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
 pub fn surfaces_are_hidden_seen_through_moved_and_taken_away() {
     let mut scene = Scene::start(TWO);
     scene.point(30, 250);
