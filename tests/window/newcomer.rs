@@ -186,8 +186,7 @@ fn finds_it_again(scene: Scene, text: &str) {
     let scene = scene.started_again(&["--last"]);
     scene.is_document(&more);
     // It is offered once, by the first start that would show something else.
-    scene.quits_after_a_question();
-    let scene = scene.started_again(&[]);
+    let scene = scene.restarted(&[]);
     scene.terminal.shows("The last document was not saved: `:load last` opens it.");
     let scene = scene.restarted(&[]);
     scene.terminal.shows("This is the gyroid.");

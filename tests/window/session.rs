@@ -135,7 +135,8 @@ fn repeats_click_and_picture(arguments: &[&str], part: &str) -> [String; 2] {
     // A command ends with the line in which its last quote is closed.
     let command = |begin: &str| {
         let rest = &shown[shown.find(begin).unwrap_or_else(|| panic!("no {begin:?} in {shown}"))..];
-        let is_whole = |end: &usize| rest[..*end].matches('\'').count() % 2 == 0;
+        // A quote within a word is written as '\''.
+        let is_whole = |end: &usize| rest[..*end].replace("\\'", "").matches('\'').count() % 2 == 0;
         let end = rest.match_indices('\n').map(|(end, _)| end).find(is_whole);
         rest[..end.expect("a whole command")].to_owned()
     };

@@ -129,7 +129,7 @@ pub fn time_is_played_paused_and_scrubbed() {
         scene.drag("1", (TRACK.0, ROWS[1]), (TRACK.0 + 20, ROWS[1]));
     });
     listed(&mut scene, "t = 0.79 in [0, 2pi]");
-    scene.key("ctrl+q");
+    scene.quits_after_a_question();
     assert_eq!(scene.terminal.ends(), 0);
 }
 

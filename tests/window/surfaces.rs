@@ -42,7 +42,8 @@ pub fn a_surface_is_colored_in_the_list_and_an_added_one_has_the_usual_color() {
     let mut scene = Scene::start(TWO);
     scene.point(SWATCH, ROWS[1]);
     scene.turn();
-    scene.changes("the line opens", || scene.press("3"));
+    scene.press("3");
+    scene.turn();
     scene.type_text("red");
     scene.changes("red", || scene.key("Return"));
     scene.point(30, 250);
@@ -133,7 +134,7 @@ pub fn formulas_are_edited_and_added_in_the_list() {
     scene.type_text("z = -1");
     scene.key("Return");
     scene.rest();
-    listed(&mut scene, "z = 1.2\r\nz = -1");
+    listed(&mut scene, "z = 1.2\r\ncolor auto\r\nz = -1");
     // Ctrl-Enter adds, too. Enter replaces all, and undo brings them back.
     scene.type_text("y = 1");
     scene.key("ctrl+Return");
@@ -144,7 +145,8 @@ pub fn formulas_are_edited_and_added_in_the_list() {
     scene.key("Return");
     scene.rest();
     scene.key("ctrl+z");
-    scene.key("ctrl+q");
+    scene.rest();
+    scene.quits_after_a_question();
     let kept = scene.terminal.place().join("data/zeroset/last.zset");
     until("the window has ended", || {
         std::fs::read_to_string(&kept).is_ok_and(|text| text.contains("y = 1"))

@@ -379,7 +379,7 @@ impl Cancellation {
         while let Some(node) = open.pop_last() {
             let Some(shift) = shift(graph, node, root, &known, &mut self.work) else { continue };
             let is_excluded = self.is_excluded(graph, &shift.divisor, nonzero())?;
-            if !is_excluded && shift.has_gap() {
+            if !is_excluded && shift.has_gap {
                 if by == 1 {
                     continue;
                 }

@@ -9,6 +9,7 @@ use crate::algebra::{add, div, mul, neg, sub};
 use crate::compact::compact;
 use crate::graph::{Graph, Node, NodeId, Operands};
 use crate::polynomial::{Polynomial, Work};
+use crate::regular::Nonneg;
 use crate::roots::Root;
 use crate::simplify::rewrite;
 use num_rational::BigRational;
@@ -24,6 +25,8 @@ pub(crate) struct Shift {
     pub value: Polynomial,
     pub divisor: Polynomial,
     pub parts: [NodeId; 3],
+    /// Whether Q may be undefined where u = w, although f(u) and f(w) are not.
+    pub has_gap: bool,
 }
 
 /// Prepares a rewriting of node f(u), where w is u at the root. `None` if f has no addition theorem,
@@ -38,13 +41,14 @@ pub(crate) fn shift(
     let (op, operands, place) = function(graph, node)?;
     let u = Polynomial::of(graph, operands[place], work);
     let w = at_root(graph, &u, root, known, work)?;
-    let divisor = u.minus(&w);
+    let divisor = u.clone().minus(&w);
     if divisor.is_zero() {
         return None;
     }
     let value = applied(graph, node, &w, known, work)?;
     let parts = [operands[place], w.emit(graph), divisor.emit(graph)];
-    Some(Shift { node, op, value, divisor, parts })
+    let has_gap = has_gap(graph, op, [&u, &w]);
+    Some(Shift { node, op, value, divisor, parts, has_gap })
 }
 
 /// The operation and operands of node f(u) if f has an addition theorem, and the place of u.
@@ -138,17 +142,22 @@ fn exact(graph: &Graph, node: NodeId, operand: &Polynomial) -> Option<BigRationa
     small.exact(roots[0]).cloned()
 }
 
-impl Shift {
-    /// Returns whether Q may be undefined where u = w, although f(u) and f(w) are not.
-    pub fn has_gap(&self) -> bool {
-        match self.op {
-            Op::Sqrt | Op::Cbrt => {
-                self.value.as_constant().is_none_or(|value| !value.is_positive())
-            }
-            Op::Asin | Op::Acos => true,
-            _ => false,
-        }
+/// Whether Q may be undefined where u = w, although f(u) and f(w) are not.
+fn has_gap(graph: &mut Graph, op: Op, operands: [&Polynomial; 2]) -> bool {
+    match op {
+        // Q is undefined where both roots are 0.
+        Op::Sqrt | Op::Cbrt => !operands.into_iter().any(|operand| is_positive(graph, operand)),
+        Op::Asin | Op::Acos => true,
+        _ => false,
     }
+}
+
+/// Whether a polynomial is a number above 0, or the sum of one and of terms that are never below 0.
+fn is_positive(graph: &mut Graph, polynomial: &Polynomial) -> bool {
+    let least = polynomial.constant_term();
+    let rest = polynomial.clone().minus(&Polynomial::constant(least.clone()));
+    let rest = rest.emit(graph);
+    least.is_positive() && Nonneg::default().holds(graph, rest)
 }
 
 /// Adds Q(u, w) = (f(u) − f(w))/(u − w). `extension` adds the function S of an operation. Its
