@@ -403,8 +403,8 @@ impl Session {
         }
     }
 
-    /// Whether the document has unsaved changes that are not typed again in a moment: changes to a
-    /// file, or more than [`FEW_LINES`].
+    /// Returns whether quitting would leave work unsaved: changes to a file, or more lines than
+    /// [`FEW_LINES`].
     #[cfg(feature = "window")]
     pub fn has_unsaved_work(&self) -> bool {
         self.live.is_changed()

@@ -245,10 +245,9 @@ impl Cancellation {
             .or_else(|| self.common_factor_by_origin(graph, [p, b], &nonzero))
     }
 
-    /// Finds a common factor q of p and b if p is n/r for the numerator n from which a factor r was
-    /// removed, and n has the factor q, too: n = q·m. If r − k·q is a number d, then p/q =
-    /// n/(q·r) = (m − k·p)/d. For example, sin(πx)/(x² − 1) is half the difference of
-    /// sin(πx)/(x − 1) and sin(πx)/(x + 1).
+    /// Finds a common factor q of p and b if p is n/r for an earlier numerator n = q·m and a factor
+    /// r. If r − k·q is a number d, then p/q = n/(q·r) = (m − k·p)/d. For example, sin(πx)/(x² − 1)
+    /// is half the difference of sin(πx)/(x − 1) and sin(πx)/(x + 1).
     fn common_factor_by_origin<I: Iterator<Item = NodeId>>(
         &mut self,
         graph: &mut Graph,

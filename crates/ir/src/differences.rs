@@ -237,11 +237,13 @@ pub(crate) fn difference_quotient(
 
 /// Adds the Q of an inverse function. Let α and β be the function's values at u and w.
 ///
-/// - tan((α − β)/2) = (sin α − sin β)/(cos α + cos β) for asin, and sin(α − β)/(1 + cos(α − β)) =
-///   (u − w)/(ab + 1 + uw) for atan. Half the difference is within ±π/2, so atan gives it back.
+/// - tan((α − β)/2) = (sin α − sin β)/(cos α + cos β) for asin.
+/// - tan((α − β)/2) = sin(α − β)/(1 + cos(α − β)) = (u − w)/(ab + 1 + uw) for atan.
 /// - sinh(α − β) = u√(1 + w²) − w√(1 + u²) = (u − w)·(1 − uw + ab)/(a + b) for asinh, where a and b
 ///   are the roots. The numerator is at least 1, since ab ≥ |uw|.
 /// - tanh(α − β) = (u − w)/(1 − uw) for atanh.
+///
+/// Half the difference of two angles is within ±π/2, so atan gives it back.
 fn inverse_quotient(
     graph: &mut Graph,
     shift: &Shift,
@@ -282,12 +284,17 @@ fn inverse_quotient(
     let operand = mul(graph, slope, *difference);
     let secant = extension(graph, inverse, [operand; 2]);
     let quotient = mul(graph, secant, slope);
-    match op {
-        Op::Asin | Op::Atan => mul(graph, two, quotient),
-        Op::Acos => {
-            let twice = mul(graph, two, quotient);
-            neg(graph, twice)
-        }
-        _ => quotient,
+    if matches!(op, Op::Asinh | Op::Atanh) {
+        return quotient;
     }
+    let quotient = mul(graph, two, quotient);
+    if *op == Op::Atan {
+        return quotient;
+    }
+    // Both cosines are 0 also where u and w are the two ends of the domain of definition.
+    let [alpha, beta] = [*u, *w].map(|id| graph.apply(Op::Asin, &[id]));
+    let plain = sub(graph, alpha, beta);
+    let plain = div(graph, plain, *difference);
+    let quotient = graph.apply(Op::Otherwise, &[quotient, plain]);
+    if *op == Op::Acos { neg(graph, quotient) } else { quotient }
 }

@@ -156,7 +156,7 @@ impl Polynomial {
         Self(self.0.iter().map(|(monomial, value)| (monomial.clone(), value * factor)).collect())
     }
 
-    /// The coefficient of the last term in order; 0 if there is none.
+    /// The coefficient of the last term in order, or 0 without a term.
     pub fn leading_coefficient(&self) -> BigRational {
         self.0.values().next_back().cloned().unwrap_or_else(BigRational::zero)
     }

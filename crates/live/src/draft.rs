@@ -92,9 +92,9 @@ pub(super) fn completes(text: &str, line: &str) -> bool {
 }
 
 /// The lines after which a drawing at the end of the text has its usual color and opacity and is
-/// shown, whatever style lines are above it. Empty if there are none.
+/// shown, whatever style lines are above it. Empty if no style line is above it.
 fn usual_style(text: &str) -> String {
-    // What the last lines leave to be undone: a color, an opacity, a hiding.
+    // Whether a color, an opacity and a hiding are in effect.
     let mut open = [false; 3];
     for line in text.split(['\n', ';']) {
         let mut words = line.split_whitespace().skip(1);

@@ -6,7 +6,7 @@ use crate::theme::{CHOSEN, DIM, INK, TRACK};
 use zeroset_live::Slider;
 use zeroset_render::overlay::{Canvas, Rgb, with_minus};
 
-/// Color of what the pointer is on.
+/// Color of the part under the pointer.
 const BRIGHT: Rgb = 0x00ff_ffff;
 
 /// Width of a button, greatest width of a name, and width of a value, in dots of a letter.
@@ -28,7 +28,7 @@ pub enum SliderPart {
     Value,
 }
 
-/// What the drawing of the panel depends on.
+/// Everything that the drawing of the panel depends on.
 #[derive(Clone, PartialEq)]
 pub struct PanelContent {
     pub panel: Panel,

@@ -140,6 +140,19 @@ fn quotients_by_factors_in_two_variables_have_no_pole_left() {
 }
 
 #[test]
+fn an_arc_sine_has_a_difference_between_the_ends_of_its_domain() {
+    let builder = TestGraphBuilder::default();
+    let [.., z] = builder.xyz();
+    let root = (((z + 1.0).f(Op::Asin) - builder.number("1").f(Op::Asin)) / z).id;
+    let mut graph = builder.graph();
+    let filled = without_gaps(&mut graph, root, &[]);
+    assert_ne!(filled, root);
+    let values = evaluate(&graph, [0.0, 0.0, -2.0], &[]);
+    let value = values[filled.index()].map(|(value, _)| value);
+    assert!(value.is_some_and(|value| (value - std::f64::consts::FRAC_PI_2).abs() < 1e-14));
+}
+
+#[test]
 fn numerators_that_do_not_vanish_keep_their_poles() {
     let formulas: [fn([TestExpr<'_>; 3]) -> NodeId; 5] = [
         |[x, y, _]| ((x.f(Op::Sin) + y.f(Op::Sin)) / (x - y)).id,
