@@ -239,7 +239,7 @@ fn the_argument_may_be_a_formula_or_a_file() {
         (&["x +"][..], "a value is missing after `+`"),
         (&["none.zset"], "there is no file 'none.zset'"),
         (&["x\ny", "--at", "-"], "--at needs exactly one formula, not 2"),
-        (&["r = 1"], "there is no formula to evaluate"),
+        (&["curve x^2+y^2 = 1, z = 0"], "there is no formula to evaluate"),
         (&["x", "-D", "q=1"], "q"),
         (&["x", "-D", "q"], "-D 'q' is not of the form name=value"),
         (&["x", "--time", "soon"], "--time 'soon' is not a finite number"),

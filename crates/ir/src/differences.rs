@@ -18,6 +18,13 @@ use std::collections::BTreeSet;
 use zeroset_interval::Interval;
 use zeroset_ops::{Domain, Op, Parity};
 
+/// Functions of one operand whose differences are known.
+#[rustfmt::skip]
+const WITH_DIFFERENCES: [Op; 14] = [
+    Op::Exp, Op::Ln, Op::Sqrt, Op::Cbrt, Op::Sin, Op::Cos, Op::Asin, Op::Acos, Op::Atan, Op::Sinh,
+    Op::Cosh, Op::Tanh, Op::Asinh, Op::Atanh,
+];
+
 /// A node f(u) that is `value` + `divisor`·Q. The function Q depends on `parts`: u, w and u − w.
 pub(crate) struct Shift {
     pub node: NodeId,
@@ -55,20 +62,7 @@ pub(crate) fn shift(
 fn function(graph: &Graph, node: NodeId) -> Option<(Op, Operands, usize)> {
     let Node::Apply(op, operands) = *graph.node(node) else { return None };
     let place = match op {
-        Op::Exp
-        | Op::Ln
-        | Op::Sqrt
-        | Op::Cbrt
-        | Op::Sin
-        | Op::Cos
-        | Op::Asin
-        | Op::Acos
-        | Op::Atan
-        | Op::Sinh
-        | Op::Cosh
-        | Op::Tanh
-        | Op::Asinh
-        | Op::Atanh => 0,
+        _ if WITH_DIFFERENCES.contains(&op) => 0,
         Op::Pow if graph.exact(operands[0]).is_some_and(Signed::is_positive) => 1,
         _ => return None,
     };
@@ -216,7 +210,7 @@ pub(crate) fn difference_quotient(
             let below = mul(graph, a, b);
             div(graph, secant, below)
         }
-        Op::Asin | Op::Acos | Op::Atan | Op::Asinh | Op::Atanh => {
+        Op::Atan | Op::Asin | Op::Acos | Op::Asinh | Op::Atanh => {
             inverse_quotient(graph, shift, extension)
         }
         Op::Cbrt => {
@@ -264,21 +258,21 @@ fn inverse_quotient(
     // The quotient of the tangent, or of the hyperbolic function, by u − w.
     let (inverse, slope) = match op {
         Op::Asin | Op::Acos => (Op::Atan, div(graph, one, sum)),
-        Op::Atan => {
-            let below = mul(graph, a, b);
-            let below = add(graph, below, one);
-            let below = add(graph, below, product);
-            (Op::Atan, div(graph, one, below))
-        }
         Op::Asinh => {
             let above = mul(graph, a, b);
             let above = add(graph, above, one);
             let above = sub(graph, above, product);
             (Op::Asinh, div(graph, above, sum))
         }
-        _ => {
+        Op::Atanh => {
             let below = sub(graph, one, product);
             (Op::Atanh, div(graph, one, below))
+        }
+        _ => {
+            let below = mul(graph, a, b);
+            let below = add(graph, below, one);
+            let below = add(graph, below, product);
+            (Op::Atan, div(graph, one, below))
         }
     };
     let operand = mul(graph, slope, *difference);

@@ -11,7 +11,7 @@ const BRIGHT: Rgb = 0x00ff_ffff;
 
 /// Width of a button, greatest width of a name, and width of a value, in dots of a letter.
 const BUTTON: usize = 12;
-const NAME: usize = 52;
+const NAME: usize = 96;
 const VALUE: usize = 72;
 /// Longest and shortest track, in dots of a letter.
 const LONGEST: usize = 160;
@@ -73,6 +73,9 @@ impl Panel {
         let rows = RowLayout::new(sliders.len(), scroll, height, canvas)?;
         let [space, button, most, value] =
             [SPACE, BUTTON, NAME, VALUE].map(|dots| canvas.dots(dots));
+        // Names give way to the shortest track.
+        let others = button + value + 4 * space + canvas.dots(SHORTEST);
+        let most = most.min(width.saturating_sub(others));
         let longest = sliders.iter().map(|one| canvas.text_width(&one.name)).max()?.min(most);
         let rest = button + longest + value + 4 * space;
         let track = canvas.dots(LONGEST).min(width.saturating_sub(rest));
