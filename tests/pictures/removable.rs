@@ -101,7 +101,7 @@ const QUOTIENTS: [(&str, Row); 31] = [
 ];
 
 /// Quotients by several factors or in two variables. Each numerator is 0 where a factor is.
-const BY_FACTORS: [(&str, Row); 22] = [
+const BY_FACTORS: [(&str, Row); 21] = [
     (
         "2",
         ("z = (y^2 cosh(x) - x^2 cosh(y))/(x^2-y^2)", |x, y, z| {
@@ -173,12 +173,6 @@ const BY_FACTORS: [(&str, Row); 22] = [
         "0.9",
         ("z = (atanh(x)+atanh(y))/(x+y) - 1.5", |x, y, z| {
             z + 1.5 - secant(f64::atanh, |m| 1.0 / (1.0 - m * m), x, -y)
-        }),
-    ),
-    (
-        "1.5",
-        ("z = (acos(x)-acos(y))/(x-y)", |x, y, z| {
-            z - secant(f64::acos, |m| -1.0 / (1.0 - m * m).sqrt(), x, y)
         }),
     ),
     (

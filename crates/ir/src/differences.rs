@@ -20,9 +20,9 @@ use zeroset_ops::{Domain, Op, Parity};
 
 /// Functions of one operand whose differences are known.
 #[rustfmt::skip]
-const WITH_DIFFERENCES: [Op; 14] = [
-    Op::Exp, Op::Ln, Op::Sqrt, Op::Cbrt, Op::Sin, Op::Cos, Op::Asin, Op::Acos, Op::Atan, Op::Sinh,
-    Op::Cosh, Op::Tanh, Op::Asinh, Op::Atanh,
+const WITH_DIFFERENCES: [Op; 12] = [
+    Op::Exp, Op::Ln, Op::Sqrt, Op::Cbrt, Op::Sin, Op::Cos, Op::Atan, Op::Sinh, Op::Cosh, Op::Tanh,
+    Op::Asinh, Op::Atanh,
 ];
 
 /// A node f(u) that is `value` + `divisor`·Q. The function Q depends on `parts`: u, w and u − w.
@@ -141,7 +141,6 @@ fn has_gap(graph: &mut Graph, op: Op, operands: [&Polynomial; 2]) -> bool {
     match op {
         // Q is undefined where both roots are 0.
         Op::Sqrt | Op::Cbrt => !operands.into_iter().any(|operand| is_positive(graph, operand)),
-        Op::Asin | Op::Acos => true,
         _ => false,
     }
 }
@@ -210,9 +209,7 @@ pub(crate) fn difference_quotient(
             let below = mul(graph, a, b);
             div(graph, secant, below)
         }
-        Op::Atan | Op::Asin | Op::Acos | Op::Asinh | Op::Atanh => {
-            inverse_quotient(graph, shift, extension)
-        }
+        Op::Atan | Op::Asinh | Op::Atanh => inverse_quotient(graph, shift, extension),
         Op::Cbrt => {
             let [a, b] = [*u, *w].map(|id| graph.apply(Op::Cbrt, &[id]));
             let squares = [a, b].map(|id| graph.apply(Op::Sqr, &[id]));
@@ -231,7 +228,6 @@ pub(crate) fn difference_quotient(
 
 /// Adds the Q of an inverse function. Let α and β be the function's values at u and w.
 ///
-/// - tan((α − β)/2) = (sin α − sin β)/(cos α + cos β) for asin.
 /// - tan((α − β)/2) = sin(α − β)/(1 + cos(α − β)) = (u − w)/(ab + 1 + uw) for atan.
 /// - sinh(α − β) = u√(1 + w²) − w√(1 + u²) = (u − w)·(1 − uw + ab)/(a + b) for asinh, where a and b
 ///   are the roots. The numerator is at least 1, since ab ≥ |uw|.
@@ -246,18 +242,15 @@ fn inverse_quotient(
     let Shift { op, parts: [u, w, difference], .. } = shift;
     let [one, two] = [1, 2].map(|n| graph.integer(n));
     let product = mul(graph, *u, *w);
-    let root = |graph: &mut Graph, id: NodeId, of: Op| {
+    let root = |graph: &mut Graph, id: NodeId| {
         let square = mul(graph, id, id);
-        let sum = graph.apply(of, &[one, square]);
+        let sum = add(graph, one, square);
         graph.apply(Op::Sqrt, &[sum])
     };
-    let is_circular = *op == Op::Asin || *op == Op::Acos;
-    let of = if is_circular { Op::Sub } else { Op::Add };
-    let (a, b) = (root(graph, *u, of), root(graph, *w, of));
+    let (a, b) = (root(graph, *u), root(graph, *w));
     let sum = add(graph, a, b);
     // The quotient of the tangent, or of the hyperbolic function, by u − w.
     let (inverse, slope) = match op {
-        Op::Asin | Op::Acos => (Op::Atan, div(graph, one, sum)),
         Op::Asinh => {
             let above = mul(graph, a, b);
             let above = add(graph, above, one);
@@ -278,17 +271,5 @@ fn inverse_quotient(
     let operand = mul(graph, slope, *difference);
     let secant = extension(graph, inverse, [operand; 2]);
     let quotient = mul(graph, secant, slope);
-    if matches!(op, Op::Asinh | Op::Atanh) {
-        return quotient;
-    }
-    let quotient = mul(graph, two, quotient);
-    if *op == Op::Atan {
-        return quotient;
-    }
-    // Both cosines are 0 also where u and w are the two ends of the domain of definition.
-    let [alpha, beta] = [*u, *w].map(|id| graph.apply(Op::Asin, &[id]));
-    let plain = sub(graph, alpha, beta);
-    let plain = div(graph, plain, *difference);
-    let quotient = graph.apply(Op::Otherwise, &[quotient, plain]);
-    if *op == Op::Acos { neg(graph, quotient) } else { quotient }
+    if *op == Op::Atan { mul(graph, two, quotient) } else { quotient }
 }
