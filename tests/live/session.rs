@@ -60,7 +60,7 @@ fn other_light_traces_nothing() {
     let (before, after) = (&plain.picture.statistics, &night.picture.statistics);
     assert_eq!((before.times.trace, before.work), (after.times.trace, after.work));
     assert!(night.picture.rgb == rendered(&night) && night.picture.rgb != plain.picture.rgb);
-    assert!(night.command("out.png", false).contains(" --look night "));
+    assert!(night.command("out.png", false, zeroset_live::quote).contains(" --look night "));
     assert!(night.revision > plain.revision && night.picture.buffer == plain.picture.buffer);
     // Turning shadows on traces rays to the lights, but no rays from the eye.
     live.enter(":shadows on").expect("valid");
@@ -232,7 +232,7 @@ fn commands_are_answered() {
     assert_eq!(exact.picture.statistics.pixels.undecided, 0);
     assert!(exact.summary().contains(" · affine auto 0.1 px · 0 undecided"), "{}", exact.summary());
     assert!(say(":status").contains("method      affine, precision auto (32 bits"));
-    let command = exact.command("out.png", false);
+    let command = exact.command("out.png", false, zeroset_live::quote);
     assert!(command.contains(" --tolerance 0.1 ") && !command.contains("--method"), "{command}");
     assert_eq!(live.enter(":method knoll").ok(), Some(Reply::Done));
     assert!(say(":steps").contains("the method knoll does not use that, but sphere, march do"));
@@ -241,7 +241,9 @@ fn commands_are_answered() {
     assert_eq!(live.settings().options.depth, 12);
     let coarse = settled(&live);
     assert!(
-        coarse.command("out.png", false).contains(" --method knoll --precision f32 --max-depth 12")
+        coarse
+            .command("out.png", false, zeroset_live::quote)
+            .contains(" --method knoll --precision f32 --max-depth 12")
     );
     assert!(say(":status").contains("undecided   this method proves misses"));
     // `f64` allows a greater depth than `f32`. Back in `f32`, the depth is reduced.
@@ -253,7 +255,7 @@ fn commands_are_answered() {
     assert!(
         fine.summary().contains(" f64 33 0.1 px · ") && say(":status").contains(", precision f64")
     );
-    let command = fine.command("out.png", false);
+    let command = fine.command("out.png", false, zeroset_live::quote);
     assert!(command.contains("--precision f64"), "{command}");
     assert!(say(":precision f32").ends_with("; depth 20 of at most 20"));
     assert!(say(":depth").starts_with("depth 20 of at most 20"));
@@ -325,13 +327,13 @@ fn ideas_that_are_left_out_are_told_and_repeated() {
     let alone = settled(&live);
     assert!(alone.summary().contains(" · affine auto no-tiles · "), "{}", alone.summary());
     assert!(
-        alone.command("a.png", false).contains(" --no-tiles -o"),
+        alone.command("a.png", false, zeroset_live::quote).contains(" --no-tiles -o"),
         "{}",
-        alone.command("a.png", false)
+        alone.command("a.png", false, zeroset_live::quote)
     );
     // The method `knoll` reads none of the options that were set.
     live.enter(":method knoll").expect("a method");
-    assert!(!settled(&live).command("a.png", false).contains("--no-"));
+    assert!(!settled(&live).command("a.png", false, zeroset_live::quote).contains("--no-"));
 }
 
 #[test]

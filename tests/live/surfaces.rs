@@ -91,6 +91,34 @@ fn an_opacity_is_dragged_in_one_step() {
 }
 
 #[test]
+fn a_surface_gets_its_own_color_and_an_added_one_has_the_usual_look() {
+    let usual = settled(&start("domain 2\nx^2+y^2+z^2 = 1\nz = 0", 48)).surfaces();
+    let live = start("domain 2\ncolor tomato 50%\nx^2+y^2+z^2 = 1", 48);
+    enter(&live, ":add z = 0");
+    let added = settled(&live).surfaces();
+    assert_eq!((added[0].opacity, added[1].opacity), (0.5, 1.0));
+    assert_eq!(added[1].colors, usual[1].colors);
+    enter(&live, ":color 2 #102030 25%");
+    let colored = settled(&live).surfaces();
+    assert_eq!((&*colored[1].colors, colored[1].opacity), (&[[16, 32, 48]][..], 0.25));
+    assert_eq!(colored[0], added[0]);
+    enter(&live, ":color 1 viridis(z)");
+    let mapped = settled(&live).surfaces();
+    assert_eq!((mapped[0].colors.len(), mapped[0].opacity), (6, 0.5));
+    assert_eq!(mapped[1], colored[1]);
+    enter(&live, ":color 2 auto");
+    assert_eq!(settled(&live).surfaces()[1].colors, usual[1].colors);
+    for (line, why) in [
+        (":color 3 red", "there is no surface 3"),
+        (":color 0 red", "there is no surface 0"),
+        (":color 1 redd", "this is not a color"),
+    ] {
+        let refusal = live.enter(line).expect_err(line).to_string();
+        assert!(refusal.contains(why), "{line}: {refusal}");
+    }
+}
+
+#[test]
 fn what_is_moved_or_left_looks_as_it_did() {
     let live = start(THREE, 48);
     let first = settled(&live);

@@ -145,7 +145,7 @@ fn a_plane_of_the_document_is_told_taken_away_and_given_back() {
     enter(&live, ":clip off");
     assert_eq!(kept(), "nothing is cut away");
     assert!(settled(&live).picture.rgb != cut.picture.rgb, "the same picture");
-    assert!(settled(&live).command("a.png", false).contains(" --clip off"));
+    assert!(settled(&live).command("a.png", false, zeroset_live::quote).contains(" --clip off"));
     // With a clip plane of the document, toggling the cut removes this plane.
     assert!(live.undo());
     settled(&live);

@@ -33,6 +33,22 @@ fn exp_secant(a: f64) -> f64 {
     if a == 0.0 { 1.0 } else { a.exp_m1() / a }
 }
 
+fn sinhc(a: f64) -> f64 {
+    if a == 0.0 { 1.0 } else { a.sinh() / a }
+}
+
+/// (f(a) − f(b))/(a − b), from f and its derivative.
+fn secant(f: fn(f64) -> f64, slope: fn(f64) -> f64, a: f64, b: f64) -> f64 {
+    // Below this, the slope in the middle is off by less than 1e-10, and above it the quotient.
+    const NEAR: f64 = 1e-5;
+    if (a - b).abs() < NEAR { slope(a.midpoint(b)) } else { (f(a) - f(b)) / (a - b) }
+}
+
+/// Half the sum, and half the difference.
+fn halves(x: f64, y: f64) -> [f64; 2] {
+    [(x + y) / 2.0, (x - y) / 2.0]
+}
+
 /// A text, and its function extended by hand.
 type Row = (&'static str, fn(f64, f64, f64) -> f64);
 
@@ -82,6 +98,130 @@ const QUOTIENTS: [(&str, Row); 31] = [
     ("2", ("x^2/x = 0", none)),
     ("2", ("(x^2-1)/(x-1) = 2", none)),
     ("2", ("(x-y)^2 (x^2+1)/(y-x) = 0", none)),
+];
+
+/// Quotients by several factors or in two variables. Each numerator is 0 where a factor is.
+const BY_FACTORS: [(&str, Row); 21] = [
+    (
+        "2",
+        ("z = (y^2 cosh(x) - x^2 cosh(y))/(x^2-y^2)", |x, y, z| {
+            let [p, q] = halves(x, y);
+            z - (p * p + q * q) / 2.0 * sinhc(p) * sinhc(q) + p.cosh() * q.cosh()
+        }),
+    ),
+    (
+        "2",
+        ("z = (y^2 cosh(x) - x^2 cosh(y))/((x-y) (x+y))", |x, y, z| {
+            let [p, q] = halves(x, y);
+            z - (p * p + q * q) / 2.0 * sinhc(p) * sinhc(q) + p.cosh() * q.cosh()
+        }),
+    ),
+    (
+        "3",
+        ("z = (x sin(y) - y sin(x))/(x-y)", |x, y, z| {
+            let d = x - y;
+            let cosine = d / 2.0 * sinc(d / 2.0).powi(2);
+            z - y.sin() * (1.0 + y * cosine) + y * y.cos() * sinc(d)
+        }),
+    ),
+    (
+        "3",
+        ("z = (x sin(y) - y sin(x))/(x^2-y^2)", |x, y, z| {
+            let [p, q] = halves(x, y);
+            z - (sinc(p) * q.cos() - p.cos() * sinc(q)) / 2.0
+        }),
+    ),
+    ("2", ("(x^3-y^3)/(x-y) = z+1", |x, y, z| x * x + x * y + y * y - z - 1.0)),
+    ("2", ("z = (x^4-y^4)/(x^2-y^2)", |x, y, z| z - x * x - y * y)),
+    (
+        "3",
+        ("z = (cos(x)-cos(y))/(x^2-y^2)", |x, y, z| {
+            let [p, q] = halves(x, y);
+            z + sinc(p) * sinc(q) / 2.0
+        }),
+    ),
+    (
+        "2",
+        ("z = (x^2-y^2)/(cosh(x)-cosh(y))", |x, y, z| {
+            let [p, q] = halves(x, y);
+            z - 2.0 / (sinhc(p) * sinhc(q))
+        }),
+    ),
+    (
+        "2",
+        ("z = (x exp(y) - y exp(x))/(x-y)", |x, y, z| z - y.exp() * (1.0 - y * exp_secant(x - y))),
+    ),
+    (
+        "3",
+        ("z = (atan(x)-atan(y))/(x-y)", |x, y, z| {
+            z - secant(f64::atan, |m| 1.0 / (1.0 + m * m), x, y)
+        }),
+    ),
+    (
+        "3",
+        ("z = (tanh(x)-tanh(y))/(x-y)", |x, y, z| {
+            z - secant(f64::tanh, |m| m.cosh().powi(-2), x, y)
+        }),
+    ),
+    (
+        "3",
+        ("z = (asinh(x)-asinh(y))/(x-y)", |x, y, z| {
+            z - secant(f64::asinh, |m| 1.0 / m.hypot(1.0), x, y)
+        }),
+    ),
+    (
+        "0.9",
+        ("z = (atanh(x)+atanh(y))/(x+y) - 1.5", |x, y, z| {
+            z + 1.5 - secant(f64::atanh, |m| 1.0 / (1.0 - m * m), x, -y)
+        }),
+    ),
+    (
+        "3",
+        ("z = (exp(sin(x))-exp(sin(y)))/(x-y)", |x, y, z| {
+            z - secant(|a| a.sin().exp(), |m| m.cos() * m.sin().exp(), x, y)
+        }),
+    ),
+    (
+        "2",
+        ("z = (sin(x^2)-sin(y^2))/(x^2-y^2)", |x, y, z| {
+            z - secant(f64::sin, f64::cos, x * x, y * y)
+        }),
+    ),
+    (
+        "2",
+        ("z = (sqrt(1+x^2)-sqrt(1+y^2))/(x-y)", |x, y, z| {
+            z - secant(|a| a.hypot(1.0), |m| m / m.hypot(1.0), x, y)
+        }),
+    ),
+    (
+        "2",
+        ("z = (x ln(y) - y ln(x))/(x-y)", |x, y, z| {
+            if x > 0.0 && y > 0.0 {
+                z - y.ln() + y * secant(f64::ln, f64::recip, x, y)
+            } else {
+                f64::NAN
+            }
+        }),
+    ),
+    (
+        "2",
+        ("z = sin(pi x)/(x^2-1)", |x, _, z| {
+            z + PI / 2.0 * (sinc(PI * (x - 1.0)) - sinc(PI * (x + 1.0)))
+        }),
+    ),
+    ("2", ("z = sin(pi x)/(x (1-x))", |x, _, z| z - PI * (sinc(PI * x) + sinc(PI * (x - 1.0))))),
+    (
+        "3",
+        ("z = (cos(x)-cos(2y))/(x-2y) + (x^2-1)/(x-1)", |x, y, z| {
+            z - secant(f64::cos, |m| -m.sin(), x, 2.0 * y) - x - 1.0
+        }),
+    ),
+    (
+        "3",
+        ("z = (sin(x)-sin(2y))/(x-2y) + x/3", |x, y, z| {
+            z - secant(f64::sin, f64::cos, x, 2.0 * y) - x / 3.0
+        }),
+    ),
 ];
 
 const SOLIDS: [(&str, Row); 4] = [
@@ -207,6 +347,11 @@ fn compare((side, (text, function)): (&str, Row)) {
 #[test]
 fn removable_quotients_are_drawn_as_their_extensions() {
     QUOTIENTS.into_iter().for_each(compare);
+}
+
+#[test]
+fn quotients_by_factors_are_drawn_as_their_extensions() {
+    BY_FACTORS.into_iter().for_each(compare);
 }
 
 #[test]

@@ -238,7 +238,8 @@ fn the_argument_may_be_a_formula_or_a_file() {
     for (arguments, why) in [
         (&["x +"][..], "a value is missing after `+`"),
         (&["none.zset"], "there is no file 'none.zset'"),
-        (&["x\ny"], "exactly one formula is required, not 2"),
+        (&["x\ny", "--at", "-"], "--at needs exactly one formula, not 2"),
+        (&["curve x^2+y^2 = 1, z = 0"], "there is no formula to evaluate"),
         (&["x", "-D", "q=1"], "q"),
         (&["x", "-D", "q"], "-D 'q' is not of the form name=value"),
         (&["x", "--time", "soon"], "--time 'soon' is not a finite number"),
@@ -247,6 +248,26 @@ fn the_argument_may_be_a_formula_or_a_file() {
         let run = place.run_with(&[&["eval"], arguments].concat(), b"{\"at\":[2,0,0]}");
         assert_eq!(run.code, Some(2), "{arguments:?}");
         assert!(run.stdout.is_empty() && run.stderr.contains(why), "{why}: {}", run.stderr);
+    }
+}
+
+#[test]
+fn a_line_names_one_of_several_formulas_by_its_number() {
+    let place = Sandbox::new();
+    let ask =
+        |line: &str| place.run_with(&["eval", "x^2 = 3\nr = 2\nx + r*y <= 1"], line.as_bytes());
+    let value = |line: &str| ask(line).ok().json()["value"].as_f64();
+    assert_eq!(value(r#"{"at":[2,1,0],"surface":1}"#), Some(1.0));
+    assert_eq!(value(r#"{"at":[2,1,0],"surface":2}"#), Some(3.0));
+    for (key, why) in [
+        ("", "there are 2 formulas: add the key \"surface\", from 1 to 2"),
+        (r#","surface":0"#, "\"surface\" is a number from 1 to 2, not 0"),
+        (r#","surface":3"#, "\"surface\" is a number from 1 to 2, not 3"),
+        (r#","surface":"x""#, "\"surface\" is a number from 1 to 2, not \"x\""),
+    ] {
+        let run = ask(&format!("{{\"at\":[2,1,0]{key}}}"));
+        assert_eq!(run.code, Some(2));
+        assert_eq!(run.json()["error"].as_str(), Some(why));
     }
 }
 

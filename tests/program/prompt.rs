@@ -486,7 +486,7 @@ fn the_prompt_tells_how_to_give_a_letter_a_value() {
     terminal.type_in(":list\r");
     terminal.shows("q = 1\r\nx^2+y^2 = q");
     let place = terminal.place().join("data/zeroset/tips");
-    for (line, shown) in [(":tips on\r", "0\n"), (":tips off\r", "5\n")] {
+    for (line, shown) in [(":tips on\r", "0\n"), (":tips off\r", "6\n")] {
         terminal.type_in(line);
         until(line, || std::fs::read_to_string(&place).is_ok_and(|text| text == shown));
     }

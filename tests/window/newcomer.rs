@@ -37,6 +37,11 @@ impl Scene {
     /// Quits, and starts again in the same directory.
     fn restarted(self, arguments: &[&str]) -> Self {
         self.key("ctrl+q");
+        self.started_again(arguments)
+    }
+
+    /// Starts again in the same directory, once the program has ended.
+    fn started_again(self, arguments: &[&str]) -> Self {
         let place = self.terminal.shared_place();
         let Self { terminal, display, window } = self;
         assert_eq!(terminal.ends(), 0);
@@ -177,10 +182,15 @@ fn finds_it_again(scene: Scene, text: &str) {
     scene.has_title("zeroset-1.zset*");
     let more = format!("{text}\nx = 2");
     scene.is_document(&more);
-    let scene = scene.restarted(&["--last"]);
+    scene.quits_after_a_question();
+    let scene = scene.started_again(&["--last"]);
     scene.is_document(&more);
-    // The file is among the recent ones.
+    // It is offered once, by the first start that would show something else.
     let scene = scene.restarted(&[]);
+    scene.terminal.shows("The last document was not saved: `:load last` opens it.");
+    let scene = scene.restarted(&[]);
+    scene.terminal.shows("This is the gyroid.");
+    // The file is among the recent ones.
     scene.has_title("gyroid");
     scene.changes("recent files", || scene.key("ctrl+r"));
     scene.key("Return");
@@ -189,7 +199,7 @@ fn finds_it_again(scene: Scene, text: &str) {
     scene.type_text("x = 3");
     scene.key("Return");
     scene.has_title("zeroset-1.zset*");
-    scene.key("ctrl+q");
+    scene.quits_after_a_question();
     scene.terminal.shows("the document was not saved");
     scene.terminal.shows("`zeroset --last`");
     assert_eq!(scene.terminal.ends(), 0);

@@ -48,6 +48,16 @@ impl Scene {
         image::imageops::crop_imm(&picture, 0, 24, width, height - 90).to_image()
     }
 
+    /// Quits although there are unsaved changes: the first Ctrl-Q only asks, in the row above the
+    /// status line.
+    pub fn quits_after_a_question(&self) {
+        self.turn();
+        let before = self.picture();
+        self.key("ctrl+q");
+        until("the question is there", || self.picture() != before);
+        self.key("ctrl+q");
+    }
+
     /// Waits until the window has polled mouse and keys several times, and has drawn what that
     /// changed.
     pub fn turn(&self) {

@@ -94,9 +94,37 @@ pub fn a_line_is_typed_corrected_and_entered_in_the_window() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
+/// A program with a loop, a vector and a word that only programs have.
+const PROGRAM: &str = "float map(vec3 p) {
+  float d = 1e3;
+  for (int i = 0; i < 4; i++) {
+    d = min(d, length(p - vec3(float(i) - 1.5, 0.0, 0.0)) - 0.6);
+  }
+  return d;
+}";
+
+/// Several lines: two surfaces, of which the second is in front.
+const LINES: &str =
+    "view front\nr = 0.5\nx^2 + z^2 + (y - 2)^2 = r^2\n# the wall\ny = -1 + 0.1*sin(3*x)*r";
+
 pub fn a_click_and_a_saved_picture_can_be_repeated_from_the_terminal() {
-    let mut scene = Scene::start(CUBE);
-    scene.changes("turning", || scene.drag("1", (200, 160), (170, 150)));
+    let size = ["--size", "400x320"];
+    repeats_click_and_picture(CUBE, "max(abs(x)");
+    repeats_click_and_picture(&[&[PROGRAM], &size[..]].concat(), "float map");
+    repeats_click_and_picture(&[&[LINES], &size[..]].concat(), "# the wall");
+    let directory = tempfile::tempdir().expect("a directory");
+    let file = directory.path().join("it's a file.glsl");
+    std::fs::write(&file, format!("{PROGRAM}\n")).expect("written");
+    let file = file.to_str().expect("a name in UTF-8");
+    let commands = repeats_click_and_picture(&[&[file], &size[..]].concat(), "s a file.glsl'");
+    assert!(commands.iter().all(|command| command.lines().count() == 1), "{commands:?}");
+}
+
+/// Clicks and saves a picture, then runs both commands that the terminal shows. They hold this part
+/// of the document.
+fn repeats_click_and_picture(arguments: &[&str], part: &str) -> [String; 2] {
+    let mut scene = Scene::start(arguments);
+    scene.changes("turning", || scene.drag("1", (200, 160), (190, 155)));
     scene.point(200, 160);
     scene.turn();
     scene.press("1");
@@ -104,10 +132,16 @@ pub fn a_click_and_a_saved_picture_can_be_repeated_from_the_terminal() {
     scene.key("ctrl+p");
     scene.terminal.shows("-o zeroset-1.png");
     let shown = scene.terminal.shown().replace("\r\n", "\n");
-    let line = |with: &str| {
-        let found = shown.lines().find(|line| line.contains(with));
-        found.unwrap_or_else(|| panic!("no {with:?} in {shown}")).trim().to_owned()
+    // A command ends with the line in which its last quote is closed.
+    let command = |begin: &str| {
+        let rest = &shown[shown.find(begin).unwrap_or_else(|| panic!("no {begin:?} in {shown}"))..];
+        // A quote within a word is written as '\''.
+        let is_whole = |end: &usize| rest[..*end].replace("\\'", "").matches('\'').count() % 2 == 0;
+        let end = rest.match_indices('\n').map(|(end, _)| end).find(is_whole);
+        rest[..end.expect("a whole command")].to_owned()
     };
+    let commands = [command("echo '{"), command("zeroset render ")];
+    assert!(commands.iter().all(|command| command.matches(part).count() == 1), "{commands:?}");
     let program = env!("CARGO_BIN_EXE_zeroset");
     let shell = |line: &str| {
         let line = line.replace("| zeroset", &format!("| {program}"));
@@ -120,16 +154,16 @@ pub fn a_click_and_a_saved_picture_can_be_repeated_from_the_terminal() {
         assert!(run.status.success(), "{line}: {}", String::from_utf8_lossy(&run.stderr));
         String::from_utf8(run.stdout).expect("UTF-8")
     };
-    let answer: serde_json::Value =
-        serde_json::from_str(&shell(&line("| zeroset eval"))).expect("JSON");
+    let answer: serde_json::Value = serde_json::from_str(&shell(&commands[0])).expect("JSON");
     let value = format!("f = {}", answer["value"].as_f64().expect("a number"));
     assert!(shown.contains(&value), "{value} is not in {shown}");
     let pixels = |name| image::open(scene.terminal.place().join(name)).expect("saved");
     let saved = pixels("zeroset-1.png");
-    shell(&line("-o zeroset-1.png").replace("-o zeroset-1.png", "-o again.png"));
+    shell(&commands[1].replace("-o zeroset-1.png", "-o again.png"));
     assert!(saved == pixels("again.png"), "the command makes another picture");
     scene.terminal.type_in(":quit\r");
     assert_eq!(scene.terminal.ends(), 0);
+    commands
 }
 
 pub fn a_key_and_enter_save_a_mesh() {

@@ -7,7 +7,10 @@ const BALL: &[&str] =
     &["domain 3\nr = 1 in [0, 2]\nx^2+y^2+z^2 = r^2 + 0.3*sin(5*t)", "--size", "640x320"];
 
 /// Columns at the ends of the first slider's track, and rows of the first two sliders.
-const TRACK: (i32, i32) = (18, 178);
+const TRACK: (i32, i32) = (30, 190);
+/// Columns of the first slider's button and of its number.
+const PLAY: i32 = 7;
+const NUMBER: i32 = 215;
 const ROWS: [i32; 2] = [16, 36];
 
 /// Asserts that `:list` shows `expected` in the terminal.
@@ -126,6 +129,38 @@ pub fn time_is_played_paused_and_scrubbed() {
         scene.drag("1", (TRACK.0, ROWS[1]), (TRACK.0 + 20, ROWS[1]));
     });
     listed(&mut scene, "t = 0.79 in [0, 2pi]");
+    scene.quits_after_a_question();
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
+pub fn a_value_runs_by_its_button_and_its_range_is_edited_in_place() {
+    let mut scene = Scene::start(BALL);
+    let click = |scene: &Scene, x: i32| {
+        scene.point(x, ROWS[0]);
+        scene.turn();
+        scene.press("1");
+    };
+    click(&scene, PLAY);
+    let mut last = scene.middle();
+    for _ in 0..3 {
+        until("the ball grows", || scene.middle() != last);
+        last = scene.middle();
+    }
+    click(&scene, PLAY);
+    let stopped = scene.rest();
+    assert!(scene.still() == stopped, "it runs on");
+    scene.key("ctrl+z");
+    scene.rest();
+    listed(&mut scene, "r = 1 in [0, 2]");
+    // The definition opens in the line, with the cursor at its end.
+    click(&scene, NUMBER);
+    scene.turn();
+    scene.key("BackSpace");
+    scene.key("BackSpace");
+    scene.type_text("5]");
+    scene.key("Return");
+    scene.rest();
+    listed(&mut scene, "r = 1 in [0, 5]");
     scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }

@@ -38,6 +38,25 @@ fn listed(scene: &mut Scene, expected: &str) {
     scene.terminal.shows(expected);
 }
 
+pub fn a_surface_is_colored_in_the_list_and_an_added_one_has_the_usual_color() {
+    let mut scene = Scene::start(TWO);
+    scene.point(SWATCH, ROWS[1]);
+    scene.turn();
+    scene.press("3");
+    scene.turn();
+    scene.type_text("red");
+    scene.changes("red", || scene.key("Return"));
+    scene.point(30, 250);
+    scene.rest();
+    assert_eq!(colored(&scene.picture())[1], 0, "some of it is still blue");
+    listed(&mut scene, "color red\r\nx^2+y^2+z^2 = 1\r\nz = 1.2");
+    scene.type_text("x = 0");
+    scene.changes("added", || scene.key("ctrl+Return"));
+    listed(&mut scene, "z = 1.2\r\ncolor auto\r\nx = 0");
+    scene.terminal.type_in(":quit\r");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
 pub fn surfaces_are_hidden_seen_through_moved_and_taken_away() {
     let mut scene = Scene::start(TWO);
     scene.point(30, 250);
@@ -115,7 +134,7 @@ pub fn formulas_are_edited_and_added_in_the_list() {
     scene.type_text("z = -1");
     scene.key("Return");
     scene.rest();
-    listed(&mut scene, "z = 1.2\r\nz = -1");
+    listed(&mut scene, "z = 1.2\r\ncolor auto\r\nz = -1");
     // Ctrl-Enter adds, too. Enter replaces all, and undo brings them back.
     scene.type_text("y = 1");
     scene.key("ctrl+Return");
@@ -126,7 +145,8 @@ pub fn formulas_are_edited_and_added_in_the_list() {
     scene.key("Return");
     scene.rest();
     scene.key("ctrl+z");
-    scene.key("ctrl+q");
+    scene.rest();
+    scene.quits_after_a_question();
     let kept = scene.terminal.place().join("data/zeroset/last.zset");
     until("the window has ended", || {
         std::fs::read_to_string(&kept).is_ok_and(|text| text.contains("y = 1"))

@@ -119,7 +119,7 @@ pub fn fifty_formulas_typed_blind_are_drawn() {
         });
     }
     assert_eq!(files(), before, "a file was written");
-    scene.key("ctrl+q");
+    scene.quits_after_a_question();
     assert_eq!(scene.terminal.ends(), 0);
 }
 

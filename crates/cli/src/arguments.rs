@@ -641,8 +641,8 @@ where it is proven to be continuous too. At a point where f is proven to have no
 "value" and "grad" are "nan"; where nothing is proven they are what the arithmetic of floats
 yields. Numbers may be texts: hexadecimal floats, "inf" and "-inf". "f" may hold several
 lines, as a file does, or be a name from `zeroset gallery --list`. If the argument is a formula,
-lines on standard input may leave "f" out. A line that cannot be answered gives {"error": "..."};
-then the exit code is 2.
+lines on standard input may leave "f" out. "surface": 2 chooses the second of several formulas.
+A line that cannot be answered gives {"error": "..."}; then the exit code is 2.
 
 With --at, points come from an array of NumPy of shape (N, 3), in float32 or float64:
   zeroset eval 'x^2+y^2-z' --at points.npy -o values.npy --precision f64

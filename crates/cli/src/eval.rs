@@ -58,6 +58,10 @@ pub fn run(arguments: &EvalArgs) -> Result<ExitCode> {
         let has_lines = Path::new(argument).is_file() && holds_lines(argument)?;
         ensure!(!has_lines, "'{}' has lines of JSON; --at needs a formula", argument.display());
         let program = functions.read_text(&source::find(argument)?)?;
+        let only = surface(None, program.roots().len()).map_err(|_| {
+            anyhow!("--at needs exactly one formula, not {}", program.roots().len())
+        })?;
+        debug_assert_eq!(only, 0, "the arrays are of the first surface");
         return arrays(arguments, &program, points);
     }
     let input: Box<dyn BufRead> = match argument {
@@ -89,7 +93,7 @@ fn arrays(arguments: &EvalArgs, program: &Program, points: &Path) -> Result<Exit
     }
     let mut out = BufWriter::new(std::io::stdout().lock());
     for point in &array.points {
-        let found = answer(program, &PointOrBox::At(*point), arguments.precision);
+        let found = answer(program, 0, &PointOrBox::At(*point), arguments.precision);
         match writeln!(out, "{}", found.map_err(|error| anyhow!(error))?) {
             Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => break,
             other => other.context("cannot write the answer")?,
@@ -185,10 +189,11 @@ impl FormulaCache {
             None if self.given.is_some() => None,
             None => return Err("the formula \"f\" is missing".to_owned()),
         };
-        let known = ["f", "at", "box", "precision"];
+        let known = ["f", "at", "box", "precision", "surface"];
         if let Some(other) = request.keys().find(|key| !known.contains(&key.as_str())) {
             return Err(format!(
-                "\"{other}\" is not a key; keys are \"f\", \"at\", \"box\" and \"precision\""
+                "\"{other}\" is not a key; keys are \"f\", \"at\", \"box\", \"precision\" and \
+                 \"surface\""
             ));
         }
         let place = match (request.get("at"), request.get("box")) {
@@ -208,7 +213,8 @@ impl FormulaCache {
             (None, Some(given)) => given,
             (formula, _) => self.program(formula.map_or("", |formula| formula))?,
         };
-        answer(program, &place, precision).map_err(|error| error.to_string())
+        let surface = surface(request.get("surface"), program.roots().len())?;
+        answer(program, surface, &place, precision).map_err(|error| error.to_string())
     }
 
     fn program(&mut self, formula: &str) -> Result<&Program, String> {
@@ -248,11 +254,8 @@ impl FormulaCache {
     }
 
     fn compile(&self, document: &Document) -> Result<Program, String> {
-        if document.surfaces.len() != 1 {
-            return Err(format!(
-                "exactly one formula is required, not {}: evaluate each on its own",
-                document.surfaces.len()
-            ));
+        if document.surfaces.is_empty() {
+            return Err("there is no formula to evaluate".to_owned());
         }
         if self.lacks_time(document) {
             return Err(
@@ -274,7 +277,8 @@ impl FormulaCache {
         let is_unset = |one: &&zeroset_syntax::Parameter| {
             one.kind == ParameterKind::Time && one.span.is_none()
         };
-        let needed = document.graph.reachable(&[document.surfaces[0].root]);
+        let roots: Vec<_> = document.surfaces.iter().map(|surface| surface.root).collect();
+        let needed = document.graph.reachable(&roots);
         let is_used = |time: &zeroset_syntax::Parameter| {
             let node = Node::Parameter(time.number);
             document.graph.iter().any(|(id, other)| needed[id.index()] && *other == node)
@@ -283,22 +287,43 @@ impl FormulaCache {
     }
 }
 
+/// The index of the surface that a line names by its number, of `count` surfaces.
+fn surface(number: Option<&Value>, count: usize) -> Result<usize, String> {
+    let Some(number) = number else {
+        return match count {
+            1 => Ok(0),
+            _ => Err(format!(
+                "there are {count} formulas: add the key \"surface\", from 1 to {count}"
+            )),
+        };
+    };
+    let index = number.as_u64().and_then(|number| usize::try_from(number).ok()?.checked_sub(1));
+    index
+        .filter(|index| *index < count)
+        .ok_or_else(|| format!("\"surface\" is a number from 1 to {count}, not {number}"))
+}
+
 /// Answers a request in this precision.
 fn answer(
     program: &Program,
+    surface: usize,
     place: &PointOrBox,
     precision: Precision,
 ) -> Result<Value, KernelError> {
     let mut answer = match precision {
-        Precision::Auto | Precision::F32 => answer_in::<f32>(program, place),
-        Precision::F64 => answer_in::<f64>(program, place),
+        Precision::Auto | Precision::F32 => answer_in::<f32>(program, surface, place),
+        Precision::F64 => answer_in::<f64>(program, surface, place),
     }?;
     answer["precision"] = precision.to_string().into();
     Ok(answer)
 }
 
-fn answer_in<T: KernelFloat>(program: &Program, place: &PointOrBox) -> Result<Value, KernelError> {
-    let kernels = program.kernels::<T>(0);
+fn answer_in<T: KernelFloat>(
+    program: &Program,
+    surface: usize,
+    place: &PointOrBox,
+) -> Result<Value, KernelError> {
+    let kernels = program.kernels::<T>(surface);
     let bounds = kernels.bounds()?;
     Ok(match place {
         PointOrBox::At(point) => sample(kernels.gradients()?, bounds, *point),

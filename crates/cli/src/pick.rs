@@ -1,17 +1,16 @@
 //! The surface point under the pointer, and its description.
 
+use super::source;
 use glam::DVec3;
 use serde_json::json;
 use std::fmt::Write as _;
 use zeroset_interval::Interval;
 use zeroset_live::{Rendering, Request, quote};
-use zeroset_parser::Limits;
-use zeroset_parser::tree::ast::Statement;
 use zeroset_render::model::{Located, true_digits};
 use zeroset_render::picture::Precision;
 use zeroset_scene::number::nearest;
 use zeroset_space::Ray;
-use zeroset_syntax::{Document, Parameter, ParameterKind, parse};
+use zeroset_syntax::{Document, Parameter, ParameterKind};
 use zeroset_trace::{Proves, RayGrid, Status, UndecidedReason};
 
 /// A pixel of a rendering, and the surface point that is visible in it.
@@ -128,14 +127,22 @@ impl<'a> Pick<'a> {
         let [u, v, w] = gradient.map(show);
         let _ = write!(text, "\n  f = {}  gradient {u}, {v}, {w}", show(value));
         let _ = write!(text, "\n  normal {a:.4}, {b:.4}, {c:.4}");
-        let formula = formula(&self.rendering.request, document, surface);
+        let towards_eye = -self.ray.direction.dot(DVec3::new(a.into(), b.into(), c.into()));
+        if towards_eye != 0.0 {
+            let sign = if towards_eye > 0.0 { '>' } else { '<' };
+            let _ = write!(text, ", seen from the side where f {sign} 0");
+        }
         let (point, precision) = match precision {
             Precision::F32 => (json!(p.as_vec3().to_array()), Precision::F32),
             Precision::Auto | Precision::F64 => (json!(p.to_array()), Precision::F64),
         };
         let precision = precision.to_string();
-        let question = json!({ "f": formula, "at": point, "precision": precision }).to_string();
-        let _ = write!(text, "\n  echo {} | zeroset eval", quote(&question));
+        let mut question = json!({ "at": point, "precision": precision });
+        if document.surfaces.len() > 1 {
+            question["surface"] = (surface + 1).into();
+        }
+        let request = &self.rendering.request;
+        let _ = write!(text, "\n  echo '{question}' | {}", evaluation(request, document));
         text
     }
 }
@@ -146,43 +153,20 @@ fn digits(reach: f64) -> usize {
     (-reach.log10().floor()).clamp(0.0, 17.0) as usize
 }
 
-/// Returns a document's definitions and the formula of one surface, as a text.
-fn formula(request: &Request, document: &Document, surface: usize) -> String {
-    let text = &request.text;
-    let statements = parse(text, &Limits::default()).unwrap_or_default();
-    let mut lines = Vec::new();
-    let mut drawings = 0;
-    let part = |start: usize| {
-        let end = text[start..].find(['\n', ';']).map_or(text.len(), |end| start + end);
-        // A statement with an open bracket ends on the line that closes the bracket.
-        let mut end = end;
-        while super::completion::is_open(&text[start..end]) && end < text.len() {
-            end = text[end + 1..].find(['\n', ';']).map_or(text.len(), |more| end + 1 + more);
-        }
-        text[start..end].trim_end().to_owned()
-    };
-    for statement in &statements {
-        match statement {
-            Statement::Define(definition) => lines.push(part(definition.name.span.start)),
-            Statement::Draw { expr, .. } => {
-                if drawings == surface {
-                    lines.push(part(expr.span.start));
-                }
-                drawings += 1;
-            }
-            Statement::Curve(_) => {}
-        }
-    }
+/// The command that evaluates the surfaces of a document at the points of its standard input.
+fn evaluation(request: &Request, document: &Document) -> String {
+    let mut command = "zeroset eval".to_owned();
     for (name, value) in &request.overrides {
-        lines.push(format!("{name} = {value}"));
+        let _ = write!(command, " -D {}", quote(&format!("{name}={value}")));
     }
     // Unlike a picture, `eval` has no default for the time.
     let is_unset = |one: &&Parameter| one.kind == ParameterKind::Time && one.span.is_none();
     let start = || Some(nearest(&document.parameters.iter().find(is_unset)?.value));
     if let Some(time) = request.time.or_else(start) {
-        lines.push(format!("t = {time}"));
+        let _ = write!(command, " --time {time}");
     }
-    lines.join("\n")
+    // The text is last, since it may be long.
+    command + " " + &source::shell_word(&request.source, &request.text)
 }
 
 #[cfg(test)]
@@ -191,20 +175,25 @@ mod tests {
     use zeroset_syntax::Options;
 
     #[test]
-    fn a_formula_of_the_time_is_written_with_its_time() {
+    fn the_command_of_a_point_names_the_text_as_it_was_entered() {
         let written = |text: &str, time, overrides: &[(&str, &str)]| {
             let owned = |(name, value): &(&str, &str)| ((*name).to_owned(), (*value).to_owned());
             let overrides: Vec<_> = overrides.iter().map(owned).collect();
             let options = Options { overrides: &overrides, time, ..Options::default() };
             let document = zeroset_syntax::read(text, &options).expect(text);
             let request = Request { text: text.into(), time, overrides, ..Request::default() };
-            formula(&request, &document, 0)
+            evaluation(&request, &document)
         };
-        assert_eq!(written("x = t", None, &[]), "x = t\nt = 0");
-        assert_eq!(written("x = t", Some(0.5), &[]), "x = t\nt = 0.5");
-        assert_eq!(written("t = 2 in [0, 3]\nx = t", None, &[]), "t = 2 in [0, 3]\nx = t");
-        assert_eq!(written("x = t", None, &[("t", "3")]), "x = t\nt = 3\nt = 3");
-        assert_eq!(written("x = 1", None, &[]), "x = 1");
+        assert_eq!(written("x = 1", None, &[]), "zeroset eval 'x = 1'");
+        assert_eq!(written("x = t", None, &[]), "zeroset eval --time 0 'x = t'");
+        assert_eq!(written("x = t", Some(0.5), &[]), "zeroset eval --time 0.5 'x = t'");
+        let at_two = "t = 2 in [0, 3]\nx = t";
+        assert_eq!(written(at_two, None, &[]), format!("zeroset eval '{at_two}'"));
+        let at_three = format!("zeroset eval -D t=3 '{at_two}'");
+        assert_eq!(written(at_two, None, &[("t", "3")]), at_three);
+        let program = "float map(vec3 p) {\n  float d = 0.0;\n  for (int i = 0; i < 99; i++) \
+                       d += 0.01*p.x;\n  return d - 0.5;\n}";
+        assert_eq!(written(program, None, &[]), format!("zeroset eval '{program}'"));
     }
 
     #[test]

@@ -31,8 +31,14 @@ const DEFAULT_SURFACE: &str = "gyroid";
 
 /// File in the data directory with the last document that had unsaved changes.
 const LAST: &str = "last.zset";
+/// File with the last such document that was offered at a start.
+const OFFERED: &str = "offered.zset";
 /// Name of that document for `:load`.
 const LAST_NAME: &str = "last";
+
+/// Number of unsaved lines up to which the window quits without a question.
+#[cfg(feature = "window")]
+const FEW_LINES: usize = 3;
 
 /// A terminal picture is saved at the default size if it is smaller than a square of this side.
 const MIN_SAVED_SIDE: usize = 128;
@@ -145,6 +151,9 @@ impl Session {
             None if arguments.last => {
                 "This is the last unsaved document. Type a formula, or :help for more.".to_owned()
             }
+            None if is_last_offered() => format!(
+                "The last document was not saved: `:load {LAST_NAME}` opens it. Or type a formula."
+            ),
             None => format!(
                 "This is the {DEFAULT_SURFACE}. Type a formula such as x^2+y^2+z^2 = 1, or :help for more."
             ),
@@ -394,6 +403,14 @@ impl Session {
         }
     }
 
+    /// Returns whether quitting would leave work unsaved: changes to a file, or more lines than
+    /// [`FEW_LINES`].
+    #[cfg(feature = "window")]
+    pub fn has_unsaved_work(&self) -> bool {
+        self.live.is_changed()
+            && (self.path().is_some() || self.live.text().trim().lines().count() > FEW_LINES)
+    }
+
     /// Keeps the document if it has unsaved changes, and says where.
     pub fn say_what_is_kept(&self) {
         self.keep();
@@ -458,6 +475,10 @@ impl Session {
         *lock(&self.refused_overwrite) = None;
         self.live.saved(&path, &text);
         note_file(&path);
+        // The copy of this text is not offered at the next start.
+        if last().is_ok_and(|last| last.trim_end() == text.trim_end()) {
+            store_text(OFFERED, text.trim_end());
+        }
         self.follow();
         Ok(format!("saved '{}'", path.display()))
     }
@@ -501,7 +522,8 @@ impl Session {
         };
         let Pixels { rgb, alpha } = overlay.over((&*picture).into());
         let name = path.display().to_string();
-        let command = picture.command(&name, overlay.axes);
+        let from = &picture.request.source;
+        let command = picture.command(&name, overlay.axes, |text| source::shell_word(from, text));
         let size = [buffer.width, buffer.height];
         let origin = PictureOrigin::command(&command);
         let (samples, format) = (samples(&rgb, &alpha, &[]), PngFormat::of(&alpha, &[]));
@@ -580,6 +602,19 @@ impl Session {
         }
         Ok(())
     }
+}
+
+/// Returns whether there is a document with unsaved changes that no earlier start offered. Then it
+/// counts as offered.
+fn is_last_offered() -> bool {
+    let Ok(last) = last() else { return false };
+    let path = data_directory().map(|directory| directory.join(OFFERED));
+    let offered = path.and_then(|path| std::fs::read_to_string(path).ok());
+    let is_new = offered.is_none_or(|offered| offered.trim_end() != last.trim_end());
+    if is_new {
+        store_text(OFFERED, last.trim_end());
+    }
+    is_new
 }
 
 /// The last document with unsaved changes, in this session or an earlier one.

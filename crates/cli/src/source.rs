@@ -5,7 +5,7 @@ use std::ffi::OsStr;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
-use zeroset_live::DocumentSource;
+use zeroset_live::{DocumentSource, quote};
 use zeroset_scene::gallery::{Example, example, examples, models};
 
 /// Longest text that is read, in bytes. The parser's own limit is lower.
@@ -72,6 +72,20 @@ pub fn find(argument: &OsStr) -> Result<Source> {
         );
     }
     Ok(Source { from: DocumentSource::Typed, text: text.to_owned() })
+}
+
+/// The word of a shell for which [`find`] finds this text: the file or the name of the gallery that
+/// it came from, if that still holds it, or else the text itself.
+pub fn shell_word(from: &DocumentSource, text: &str) -> String {
+    let name = match from {
+        DocumentSource::File(path) => {
+            let holds_text = || open(path).is_ok_and(|file| file.text == text);
+            path.to_str().filter(|_| holds_text())
+        }
+        DocumentSource::Gallery(example) => Some(example.slug).filter(|_| example.text == text),
+        DocumentSource::Typed | DocumentSource::Stream(_) => None,
+    };
+    quote(name.unwrap_or(text))
 }
 
 /// Returns the gallery name that a word probably means: one that begins with the word, or else the

@@ -11,6 +11,7 @@ pub const TIPS: &[&str] = &[
     "Tip: F7 cuts open what faces you, and Ctrl with the wheel moves the cut",
     "Tip: use t in a formula, and F5 plays it; Ctrl-O shows a gallery to choose from",
     "Tip: Ctrl-Z takes back whatever you did, and Ctrl-P saves the picture; click a point to have its coordinates in the terminal",
+    "Tip: a surface has a full color where f > 0 and a pale one where f < 0; a line such as `color tomato` gives it one",
 ];
 
 const COUNT_FILE: &str = "tips";

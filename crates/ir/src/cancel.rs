@@ -9,13 +9,15 @@
 //! c: sin u = u·S(u). The table of operations has S for each such f. So sin(x y)/x becomes y·S(x
 //! y). The expressions f(u) and S(u) are variables of the polynomials.
 
-use crate::algebra::{mul, powi};
+use crate::addition::factor_pairs;
+use crate::algebra::{div, mul, powi, sub};
 use crate::clear::Factors;
 use crate::constant::Constant;
 use crate::derivative::formula;
-use crate::differences::{difference_quotient, linear_roots, shift};
+use crate::differences::{difference_quotient, shift};
 use crate::graph::{Graph, Node, NodeId};
 use crate::polynomial::{self, Polynomial, Work};
+use crate::roots::{Root, roots};
 use num_rational::BigRational;
 use num_traits::{One, Zero};
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
@@ -26,6 +28,8 @@ use zeroset_ops::{Class, Op, Secant};
 const WORK_LIMIT: u32 = 20_000;
 /// Largest number of functions in a pair of polynomials that are replaced by secants together.
 const SECANT_LIMIT: usize = 4;
+/// Largest number of roots of a polynomial that are tried.
+const ROOT_LIMIT: usize = 8;
 /// Largest number of factors that are cancelled in one fraction.
 const STEP_LIMIT: usize = 32;
 /// Largest number of operations that are examined to prove that a node is defined everywhere.
@@ -38,14 +42,16 @@ pub(crate) struct Cancellation {
     work: Work,
     coprime: HashSet<(NodeId, NodeId)>,
     extensions: HashMap<(NodeId, bool), NodeId>,
+    /// For each numerator from which a factor was removed: the numerator before, and the factor.
+    origins: HashMap<NodeId, (NodeId, NodeId)>,
     /// True if every S(u) gets a value where u = c.
     is_total: bool,
 }
 
 impl Default for Cancellation {
     fn default() -> Self {
-        let (coprime, extensions) = (HashSet::new(), HashMap::new());
-        Self { work: Work(WORK_LIMIT), coprime, extensions, is_total: false }
+        let (coprime, extensions, origins) = (HashSet::new(), HashMap::new(), HashMap::new());
+        Self { work: Work(WORK_LIMIT), coprime, extensions, origins, is_total: false }
     }
 }
 
@@ -139,7 +145,10 @@ impl Cancellation {
             let [rest, divisor] = found.cofactors;
             match rest {
                 Cofactor::Number(value) => coefficient *= value.pow(times as i32),
-                Cofactor::Node(id) => put(&mut above, id, times),
+                Cofactor::Node(id) => {
+                    self.origins.entry(id).or_insert((p, found.factor));
+                    put(&mut above, id, times);
+                }
             }
             match divisor {
                 Cofactor::Number(value) => coefficient /= value.pow(times as i32),
@@ -224,7 +233,57 @@ impl Cancellation {
         if let Some(common) = self.split_common_factor(graph, &plain, [p, b]) {
             return Some(common);
         }
-        let differences = self.related_differences(graph, &plain);
+        if let Some(common) = self.common_factor_by_secants(graph, &plain, [p, b], &nonzero) {
+            return Some(common);
+        }
+        if let Some(common) = self.common_factor_by_sums(graph, &plain, [p, b], &nonzero) {
+            return Some(common);
+        }
+        [1, 0]
+            .into_iter()
+            .find_map(|by| self.common_factor_by_shifts(graph, &plain, by, [p, b], &nonzero))
+            .or_else(|| self.common_factor_by_origin(graph, [p, b], &nonzero))
+    }
+
+    /// Finds a common factor q of p and b if p is n/r for an earlier numerator n = q·m and a factor
+    /// r. If r − k·q is a number d, then p/q = n/(q·r) = (m − k·p)/d. For example, sin(πx)/(x² − 1)
+    /// is half the difference of sin(πx)/(x − 1) and sin(πx)/(x + 1).
+    fn common_factor_by_origin<I: Iterator<Item = NodeId>>(
+        &mut self,
+        graph: &mut Graph,
+        [p, b]: [NodeId; 2],
+        nonzero: &impl Fn() -> I,
+    ) -> Option<CommonFactor> {
+        let (n, r) = *self.origins.get(&p)?;
+        let nonzero: Vec<NodeId> = nonzero().collect();
+        let nonzero: &dyn Fn() -> std::vec::IntoIter<NodeId> = &|| nonzero.clone().into_iter();
+        let CommonFactor { factor, cofactors: [m, below] } =
+            self.common_factor(graph, [n, b], nonzero)?;
+        let [r, q] = [r, factor].map(|id| Polynomial::of(graph, id, &mut self.work));
+        let variable = q.variables().pop_first()?;
+        let k = r.linear_factor(variable)? / q.linear_factor(variable)?;
+        let d = r.minus(&q.scaled(&k)).as_constant().filter(|d| !d.is_zero())?;
+        let [k, d] = [k, d].map(|value| graph.constant(Constant::rational(value)));
+        let m = match m {
+            Cofactor::Number(value) => graph.constant(Constant::rational(value)),
+            Cofactor::Node(id) => id,
+        };
+        let multiple = mul(graph, k, p);
+        let difference = sub(graph, m, multiple);
+        let above = Cofactor::Node(div(graph, difference, d));
+        Some(CommonFactor { factor, cofactors: [above, below] })
+    }
+
+    /// Finds a common factor of two polynomials in which functions f(u) are replaced by v + (u −
+    /// c)ⁿ·S(u).
+    fn common_factor_by_secants<I: Iterator<Item = NodeId>>(
+        &mut self,
+        graph: &mut Graph,
+        plain: &[Polynomial; 2],
+        nodes: [NodeId; 2],
+        nonzero: &impl Fn() -> I,
+    ) -> Option<CommonFactor> {
+        let differences = self.related_differences(graph, plain);
         // Small sets of replaced functions are tried first.
         let mut sets: Vec<u32> = (1..1 << differences.len()).collect();
         sets.sort_by_key(|set| set.count_ones());
@@ -239,18 +298,42 @@ impl Cancellation {
                     }
                 }
             }
-            if let Some(common) = self.split_common_factor(graph, &pair, [p, b]) {
+            if let Some(common) = self.split_common_factor(graph, &pair, nodes) {
                 return Some(common);
             }
         }
-        [1, 0]
-            .into_iter()
-            .find_map(|by| self.common_factor_by_shifts(graph, &plain, by, [p, b], &nonzero))
+        None
     }
 
-    /// Finds a common factor of two polynomials if `plain[by]` is linear in some variable. In the
+    /// Finds a common factor after functions of sums in the numerator are expanded. The terms of
+    /// the sums are multiples of two linear factors of the bases.
+    fn common_factor_by_sums<I: Iterator<Item = NodeId>>(
+        &mut self,
+        graph: &mut Graph,
+        plain: &[Polynomial; 2],
+        nodes: [NodeId; 2],
+        nonzero: &impl Fn() -> I,
+    ) -> Option<CommonFactor> {
+        let bases: Vec<Polynomial> =
+            nonzero().map(|base| Polynomial::of(graph, base, &mut self.work)).collect();
+        for factors in factor_pairs(&bases, &mut self.work).iter().take(SECANT_LIMIT) {
+            let Some(expanded) = factors.expanded(graph, &plain[0], &mut self.work) else {
+                continue;
+            };
+            let pair = [expanded, plain[1].clone()];
+            if let Some(common) = self.split_common_factor(graph, &pair, nodes) {
+                return Some(common);
+            }
+            if let Some(common) = self.common_factor_by_secants(graph, &pair, nodes, nonzero) {
+                return Some(common);
+            }
+        }
+        None
+    }
+
+    /// Finds a common factor of two polynomials if `plain[by]` has a root in some variable. In the
     /// other polynomial, each function f(u) is rewritten as f(w) + (u − w)·Q. Here w is u at the
-    /// zero of the linear polynomial.
+    /// root.
     fn common_factor_by_shifts<I: Iterator<Item = NodeId>>(
         &mut self,
         graph: &mut Graph,
@@ -259,31 +342,10 @@ impl Cancellation {
         nodes: [NodeId; 2],
         nonzero: &impl Fn() -> I,
     ) -> Option<CommonFactor> {
-        let known: Vec<NodeId> = plain.iter().flat_map(Polynomial::variables).collect();
-        for root in linear_roots(&plain[by], &mut self.work).iter().take(SECANT_LIMIT) {
-            let (mut pair, mut gaps) = (plain.clone(), Vec::new());
-            for node in plain[1 - by].variables() {
-                let Some(shift) = shift(graph, node, root, &known, &mut self.work) else {
-                    continue;
-                };
-                let is_excluded = self.is_excluded(graph, &shift.divisor, nonzero())?;
-                if !is_excluded && shift.has_gap() {
-                    if by == 1 {
-                        continue;
-                    }
-                    gaps.push(shift.divisor.clone());
-                }
-                let is_total = self.is_total || !is_excluded;
-                let quotient = difference_quotient(graph, &shift, |graph, op, operands| {
-                    let value = graph.apply(op, &operands[..1]);
-                    let secant = &op.row().secants[0];
-                    extension(graph, secant, operands, is_total.then_some(value))
-                });
-                let product =
-                    Polynomial::variable(quotient).times(&shift.divisor, &mut self.work)?;
-                let value = product.plus(&shift.value);
-                pair[1 - by] = pair[1 - by].substituted(node, &value, &mut self.work)?;
-            }
+        for root in roots(&plain[by], &mut self.work).iter().take(ROOT_LIMIT) {
+            let Some((pair, gaps)) = self.shifted(graph, plain, by, root, nonzero) else {
+                continue;
+            };
             if pair == *plain {
                 continue;
             }
@@ -296,6 +358,46 @@ impl Cancellation {
             }
         }
         None
+    }
+
+    /// The pair of polynomials with f(w) + (u − w)·Q in place of functions f(u) in `pair[1 - by]`,
+    /// and the divisors u − w where Q may be undefined. The functions within u follow. `None` if
+    /// this takes too much work.
+    fn shifted<I: Iterator<Item = NodeId>>(
+        &mut self,
+        graph: &mut Graph,
+        plain: &[Polynomial; 2],
+        by: usize,
+        root: &Root,
+        nonzero: &impl Fn() -> I,
+    ) -> Option<([Polynomial; 2], Vec<Polynomial>)> {
+        let mut known: BTreeSet<NodeId> = plain.iter().flat_map(Polynomial::variables).collect();
+        let (mut pair, mut gaps) = (plain.clone(), Vec::new());
+        let mut open = plain[1 - by].variables();
+        // Operands precede the nodes that use them, so the outermost function is last.
+        while let Some(node) = open.pop_last() {
+            let Some(shift) = shift(graph, node, root, &known, &mut self.work) else { continue };
+            let is_excluded = self.is_excluded(graph, &shift.divisor, nonzero())?;
+            if !is_excluded && shift.has_gap {
+                if by == 1 {
+                    continue;
+                }
+                gaps.push(shift.divisor.clone());
+            }
+            let is_total = self.is_total || !is_excluded;
+            let quotient = difference_quotient(graph, &shift, |graph, op, operands| {
+                let value = graph.apply(op, &operands[..1]);
+                let secant = &op.row().secants[0];
+                extension(graph, secant, operands, is_total.then_some(value))
+            });
+            let product = Polynomial::variable(quotient).times(&shift.divisor, &mut self.work)?;
+            let value = product.plus(&shift.value);
+            pair[1 - by] = pair[1 - by].substituted(node, &value, &mut self.work)?;
+            let inner = shift.divisor.variables();
+            open.extend(inner.difference(&known).filter(|inner| **inner < node));
+            known.extend(inner);
+        }
+        Some((pair, gaps))
     }
 
     /// Returns whether a polynomial is 0 only where one of the nodes `nonzero` is 0. `None` if this

@@ -5,15 +5,25 @@
 //!
 //! The functions Q follow from addition theorems, and from the extensions S of the table.
 
-use crate::algebra::{add, div, mul, neg};
+use crate::algebra::{add, div, mul, neg, sub};
 use crate::compact::compact;
-use crate::graph::{Graph, Node, NodeId};
+use crate::graph::{Graph, Node, NodeId, Operands};
 use crate::polynomial::{Polynomial, Work};
+use crate::regular::Nonneg;
+use crate::roots::Root;
 use crate::simplify::rewrite;
 use num_rational::BigRational;
-use num_traits::Signed;
+use num_traits::{One, Signed};
+use std::collections::BTreeSet;
 use zeroset_interval::Interval;
-use zeroset_ops::{Domain, Op};
+use zeroset_ops::{Domain, Op, Parity};
+
+/// Functions of one operand whose differences are known.
+#[rustfmt::skip]
+const WITH_DIFFERENCES: [Op; 12] = [
+    Op::Exp, Op::Ln, Op::Sqrt, Op::Cbrt, Op::Sin, Op::Cos, Op::Atan, Op::Sinh, Op::Cosh, Op::Tanh,
+    Op::Asinh, Op::Atanh,
+];
 
 /// A node f(u) that is `value` + `divisor`·Q. The function Q depends on `parts`: u, w and u − w.
 pub(crate) struct Shift {
@@ -22,56 +32,98 @@ pub(crate) struct Shift {
     pub value: Polynomial,
     pub divisor: Polynomial,
     pub parts: [NodeId; 3],
+    /// Whether Q may be undefined where u = w, although f(u) and f(w) are not.
+    pub has_gap: bool,
 }
 
-/// The variables in which a polynomial is linear. Each comes with the value at which the polynomial
-/// is 0.
-pub(crate) fn linear_roots(polynomial: &Polynomial, work: &mut Work) -> Vec<(NodeId, Polynomial)> {
-    let root = |variable: NodeId| {
-        let factor = polynomial.linear_factor(variable)?;
-        let term =
-            Polynomial::variable(variable).times(&Polynomial::constant(factor.clone()), work);
-        let rest = term?.minus(polynomial);
-        Some((variable, rest.times(&Polynomial::constant(factor.recip()), work)?))
-    };
-    polynomial.variables().into_iter().filter_map(root).collect()
-}
-
-/// Prepares a rewriting of node f(u), where w is u with `at` in place of the variable. `None` if f
-/// has no addition theorem, if u does not depend on the variable, or if f(w) may be undefined where
-/// f(u) is defined.
+/// Prepares a rewriting of node f(u), where w is u at the root. `None` if f has no addition theorem,
+/// if u does not depend on the variable, or if f(w) may be undefined where f(u) is defined.
 pub(crate) fn shift(
     graph: &mut Graph,
     node: NodeId,
-    (variable, at): &(NodeId, Polynomial),
-    known: &[NodeId],
+    root: &Root,
+    known: &BTreeSet<NodeId>,
     work: &mut Work,
 ) -> Option<Shift> {
-    let Node::Apply(op, operands) = *graph.node(node) else { return None };
-    let place = match op {
-        Op::Exp | Op::Sin | Op::Cos | Op::Sinh | Op::Cosh | Op::Sqrt | Op::Cbrt | Op::Ln => 0,
-        Op::Pow if graph.exact(operands[0]).is_some_and(Signed::is_positive) => 1,
-        _ => return None,
-    };
+    let (op, operands, place) = function(graph, node)?;
     let u = Polynomial::of(graph, operands[place], work);
-    let w = u.substituted(*variable, at, work)?;
-    let divisor = u.minus(&w);
+    let w = at_root(graph, &u, root, known, work)?;
+    let divisor = u.clone().minus(&w);
     if divisor.is_zero() {
         return None;
     }
-    let w_node = w.emit(graph);
-    let mut shifted = operands.to_vec();
-    shifted[place] = w_node;
-    let value_node = graph.apply(op, &shifted);
-    let value = match exact(graph, value_node, &w) {
-        Some(value) => Polynomial::constant(value),
-        None if known.contains(&value_node) || op.row().domain == Domain::All => {
-            Polynomial::variable(value_node)
-        }
-        None => return None,
+    let value = applied(graph, node, &w, known, work)?;
+    let parts = [operands[place], w.emit(graph), divisor.emit(graph)];
+    let has_gap = has_gap(graph, op, [&u, &w]);
+    Some(Shift { node, op, value, divisor, parts, has_gap })
+}
+
+/// The operation and operands of node f(u) if f has an addition theorem, and the place of u.
+fn function(graph: &Graph, node: NodeId) -> Option<(Op, Operands, usize)> {
+    let Node::Apply(op, operands) = *graph.node(node) else { return None };
+    let place = match op {
+        _ if WITH_DIFFERENCES.contains(&op) => 0,
+        Op::Pow if graph.exact(operands[0]).is_some_and(Signed::is_positive) => 1,
+        _ => return None,
     };
-    let difference = divisor.emit(graph);
-    Some(Shift { node, op, value, divisor, parts: [operands[place], w_node, difference] })
+    Some((op, operands, place))
+}
+
+/// A polynomial with the root's value in place of its variable, also within functions.
+fn at_root(
+    graph: &mut Graph,
+    polynomial: &Polynomial,
+    root: &Root,
+    known: &BTreeSet<NodeId>,
+    work: &mut Work,
+) -> Option<Polynomial> {
+    let (variable, value) = root;
+    let mut result = polynomial.substituted(*variable, value, work)?;
+    for node in polynomial.variables() {
+        let Some((_, operands, place)) = function(graph, node) else { continue };
+        let inner = Polynomial::of(graph, operands[place], work);
+        let inner_at_root = at_root(graph, &inner, root, known, work)?;
+        if inner_at_root != inner {
+            let value = applied(graph, node, &inner_at_root, known, work)?;
+            result = result.substituted(node, &value, work)?;
+        }
+    }
+    Some(result)
+}
+
+/// The function of `node` with operand w. `None` if its value may be undefined where that of `node`
+/// is defined.
+fn applied(
+    graph: &mut Graph,
+    node: NodeId,
+    w: &Polynomial,
+    known: &BTreeSet<NodeId>,
+    work: &mut Work,
+) -> Option<Polynomial> {
+    let (op, operands, place) = function(graph, node)?;
+    // Equal sums may be different nodes, and cos(−w) is cos(w).
+    for other in known {
+        let Some((other_op, others, _)) = function(graph, *other) else { continue };
+        if other_op != op || (place == 1 && others[0] != operands[0]) {
+            continue;
+        }
+        let operand = Polynomial::of(graph, others[place], work);
+        let minus_one = -BigRational::one();
+        let factor = match op.row().parity {
+            _ if operand == *w => BigRational::one(),
+            Parity::Even if operand.scaled(&minus_one) == *w => BigRational::one(),
+            Parity::Odd if operand.scaled(&minus_one) == *w => minus_one,
+            Parity::Even | Parity::Odd | Parity::Neither => continue,
+        };
+        return Some(Polynomial::variable(*other).scaled(&factor));
+    }
+    let mut operands = operands.to_vec();
+    operands[place] = w.emit(graph);
+    let value = graph.apply(op, &operands);
+    match exact(graph, value, w) {
+        Some(value) => Some(Polynomial::constant(value)),
+        None => (op.row().domain == Domain::All).then(|| Polynomial::variable(value)),
+    }
 }
 
 /// The value of a constant node, if it is known to be rational.
@@ -84,12 +136,21 @@ fn exact(graph: &Graph, node: NodeId, operand: &Polynomial) -> Option<BigRationa
     small.exact(roots[0]).cloned()
 }
 
-impl Shift {
-    /// Returns whether Q may be undefined where u = w, although f(u) and f(w) are not.
-    pub fn has_gap(&self) -> bool {
-        let is_root = self.op == Op::Sqrt || self.op == Op::Cbrt;
-        is_root && self.value.as_constant().is_none_or(|value| !value.is_positive())
+/// Whether Q may be undefined where u = w, although f(u) and f(w) are not.
+fn has_gap(graph: &mut Graph, op: Op, operands: [&Polynomial; 2]) -> bool {
+    match op {
+        // Q is undefined where both roots are 0.
+        Op::Sqrt | Op::Cbrt => !operands.into_iter().any(|operand| is_positive(graph, operand)),
+        _ => false,
     }
+}
+
+/// Whether a polynomial is a number above 0, or the sum of one and of terms that are never below 0.
+fn is_positive(graph: &mut Graph, polynomial: &Polynomial) -> bool {
+    let least = polynomial.constant_term();
+    let rest = polynomial.clone().minus(&Polynomial::constant(least.clone()));
+    let rest = rest.emit(graph);
+    least.is_positive() && Nonneg::default().holds(graph, rest)
 }
 
 /// Adds Q(u, w) = (f(u) − f(w))/(u − w). `extension` adds the function S of an operation. Its
@@ -142,6 +203,13 @@ pub(crate) fn difference_quotient(
             let value = graph.apply(Op::Ln, &[*w]);
             graph.apply(Op::WhereDefined, &[quotient, value])
         }
+        Op::Tanh => {
+            let secant = extension(graph, Op::Sinh, [*difference; 2]);
+            let [a, b] = [*u, *w].map(|id| graph.apply(Op::Cosh, &[id]));
+            let below = mul(graph, a, b);
+            div(graph, secant, below)
+        }
+        Op::Atan | Op::Asinh | Op::Atanh => inverse_quotient(graph, shift, extension),
         Op::Cbrt => {
             let [a, b] = [*u, *w].map(|id| graph.apply(Op::Cbrt, &[id]));
             let squares = [a, b].map(|id| graph.apply(Op::Sqr, &[id]));
@@ -156,4 +224,52 @@ pub(crate) fn difference_quotient(
             div(graph, one, sum)
         }
     }
+}
+
+/// Adds the Q of an inverse function. Let α and β be the function's values at u and w.
+///
+/// - tan((α − β)/2) = sin(α − β)/(1 + cos(α − β)) = (u − w)/(ab + 1 + uw) for atan.
+/// - sinh(α − β) = u√(1 + w²) − w√(1 + u²) = (u − w)·(1 − uw + ab)/(a + b) for asinh, where a and b
+///   are the roots. The numerator is at least 1, since ab ≥ |uw|.
+/// - tanh(α − β) = (u − w)/(1 − uw) for atanh.
+///
+/// Half the difference of two angles is within ±π/2, so atan gives it back.
+fn inverse_quotient(
+    graph: &mut Graph,
+    shift: &Shift,
+    mut extension: impl FnMut(&mut Graph, Op, [NodeId; 2]) -> NodeId,
+) -> NodeId {
+    let Shift { op, parts: [u, w, difference], .. } = shift;
+    let [one, two] = [1, 2].map(|n| graph.integer(n));
+    let product = mul(graph, *u, *w);
+    let root = |graph: &mut Graph, id: NodeId| {
+        let square = mul(graph, id, id);
+        let sum = add(graph, one, square);
+        graph.apply(Op::Sqrt, &[sum])
+    };
+    let (a, b) = (root(graph, *u), root(graph, *w));
+    let sum = add(graph, a, b);
+    // The quotient of the tangent, or of the hyperbolic function, by u − w.
+    let (inverse, slope) = match op {
+        Op::Asinh => {
+            let above = mul(graph, a, b);
+            let above = add(graph, above, one);
+            let above = sub(graph, above, product);
+            (Op::Asinh, div(graph, above, sum))
+        }
+        Op::Atanh => {
+            let below = sub(graph, one, product);
+            (Op::Atanh, div(graph, one, below))
+        }
+        _ => {
+            let below = mul(graph, a, b);
+            let below = add(graph, below, one);
+            let below = add(graph, below, product);
+            (Op::Atan, div(graph, one, below))
+        }
+    };
+    let operand = mul(graph, slope, *difference);
+    let secant = extension(graph, inverse, [operand; 2]);
+    let quotient = mul(graph, secant, slope);
+    if *op == Op::Atan { mul(graph, two, quotient) } else { quotient }
 }

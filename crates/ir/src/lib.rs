@@ -3,6 +3,7 @@
 //! This crate knows nothing of text, kernels or pictures. A graph only grows, and operands always
 //! precede the nodes that use them. So ids are in topological order, and every pass is one loop.
 
+mod addition;
 mod algebra;
 mod angles;
 mod blends;
@@ -22,6 +23,7 @@ mod logarithms;
 mod polynomial;
 mod radical;
 mod regular;
+mod roots;
 mod sign;
 mod simplify;
 mod thin_zeros;

@@ -133,6 +133,17 @@ impl Polynomial {
         Self(self.0.iter().filter_map(part).collect())
     }
 
+    /// The term without variables.
+    pub fn constant_term(&self) -> BigRational {
+        self.0.get(&Monomial::new()).cloned().unwrap_or_else(BigRational::zero)
+    }
+
+    /// The sum of the terms whose exponents add up to `degree`.
+    pub fn part_of_degree(&self, degree: u32) -> Self {
+        let terms = self.0.iter().filter(|(monomial, _)| monomial.values().sum::<u32>() == degree);
+        Self(terms.map(|(monomial, value)| (monomial.clone(), value.clone())).collect())
+    }
+
     fn leading(&self, by: NodeId) -> Self {
         self.coefficient(by, self.degree(by))
     }
@@ -145,9 +156,18 @@ impl Polynomial {
         Self(self.0.iter().map(|(monomial, value)| (monomial.clone(), value * factor)).collect())
     }
 
+    /// The coefficient of the last term in order, or 0 without a term.
+    pub fn leading_coefficient(&self) -> BigRational {
+        self.0.values().next_back().cloned().unwrap_or_else(BigRational::zero)
+    }
+
     /// The same polynomial with 1 as the coefficient of some term.
     fn monic(&self) -> Self {
-        self.0.values().next_back().map_or_else(Self::default, |value| self.scaled(&value.recip()))
+        if self.is_zero() {
+            Self::default()
+        } else {
+            self.scaled(&self.leading_coefficient().recip())
+        }
     }
 
     fn add_scaled(&mut self, other: &Self, factor: &BigRational) {

@@ -34,6 +34,7 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
         let is_style = matches!(word, "color" | "opacity" | "material" | "width" | "hidden");
         if !rest.is_empty() {
             let is_of_added = is_style && adding && draws(base, rest);
+            let joined = format!("{base}\n{}{line}", usual_style(base));
             let with_setting = || entered(&entered(text, new, adding), rest, adding);
             return if is_of_added { joined } else { with_setting() };
         }
@@ -73,8 +74,8 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     if parse(&kept, &limits).is_err() {
         return joined;
     }
-    if draws && adding && is_hidden_below(base) {
-        kept.insert_str(kept.len() - line.len(), "hidden off\n");
+    if draws && adding {
+        kept.insert_str(kept.len() - line.len(), &usual_style(base));
     } else if draws && !adding {
         let typed = kept.split_off(kept.len() - line.len());
         let before = without_lines(&kept, "hidden");
@@ -90,10 +91,26 @@ pub(super) fn completes(text: &str, line: &str) -> bool {
         && parse(&format!("{}\n{line}", text.trim_end()), &limits).is_ok()
 }
 
-/// Returns whether a drawing added at the end of the text would be hidden.
-fn is_hidden_below(text: &str) -> bool {
-    let last = text.lines().rfind(|line| scene_word(line) == Some("hidden"));
-    last.is_some_and(|line| line.split_whitespace().nth(1) != Some("off"))
+/// The lines after which a drawing at the end of the text has its usual color and opacity and is
+/// shown, whatever style lines are above it. Empty if no style line is above it.
+fn usual_style(text: &str) -> String {
+    // Whether a color, an opacity and a hiding are in effect.
+    let mut open = [false; 3];
+    for line in text.split(['\n', ';']) {
+        let mut words = line.split_whitespace().skip(1);
+        match scene_word(line) {
+            Some("color") => {
+                open[0] = words.next() != Some("auto");
+                let is_share = |word: &str| word.ends_with('%') || word.parse::<f64>().is_ok();
+                open[1] |= words.any(is_share);
+            }
+            Some("opacity") => open[1] = !matches!(words.next(), Some("100%" | "1")),
+            Some("hidden") => open[2] = words.next() != Some("off"),
+            _ => {}
+        }
+    }
+    let lines = ["color auto\n", "opacity 100%\n", "hidden off\n"];
+    lines.into_iter().zip(open).filter(|(_, is_open)| *is_open).map(|(line, _)| line).collect()
 }
 
 /// The text without the setting lines that begin with this word.
@@ -392,6 +409,23 @@ mod tests {
         let text = "r = 1\nhidden\nx = r\nhidden off\ny = r\nhidden\nz = r";
         assert_eq!(entered(text, "x = y", false), "r = 1\nx = y");
         assert_eq!(entered(text, "x = y", true), format!("{text}\nhidden off\nx = y"));
+        for (text, lines, added) in [
+            ("color tomato 50%\nx = 1", "color auto\nopacity 100%", "y = 1"),
+            ("color tomato; x = 1", "color auto", "y = 1"),
+            ("opacity 0.3\ncolor viridis(z, -1, 1)\nx = 1", "color auto\nopacity 100%", "y = 1"),
+            ("opacity 50%\nx = 1", "opacity 100%", "color red; y = 1"),
+            ("color red\nx = 1", "color auto", "curve x = 0, y = 0"),
+        ] {
+            assert_eq!(entered(text, added, true), format!("{text}\n{lines}\n{added}"));
+        }
+        for (text, added) in [
+            ("color red\nx = 1\ncolor auto", "y = 1"),
+            ("color red 50%\nx = 1\ncolor auto\nopacity 100%\nz = 1", "y = 1"),
+            ("color red\nx = 1", "r = 2"),
+            ("title \"color red\"\nx = 1", "y = 1"),
+        ] {
+            assert_eq!(entered(text, added, true), format!("{text}\n{added}"));
+        }
         let shown = "hidden\nx = 1\nhidden off\ny = 1";
         assert_eq!(entered(shown, "z = 1", true), format!("{shown}\nz = 1"));
         assert_eq!(entered("hidden\nx = r\nr = 2", "r = 1", false), "hidden\nx = r\nr = 1");

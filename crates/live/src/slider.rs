@@ -42,6 +42,12 @@ impl Slider {
         Self { name: parameter.name.clone(), value, low, high, is_time }
     }
 
+    /// The line that defines the value with its range.
+    pub fn definition(&self) -> String {
+        let [value, low, high] = [self.value, self.low, self.high].map(format_value);
+        format!("{} = {value} in [{low}, {high}]", self.name)
+    }
+
     /// Returns whether the range has a positive width that is a finite float.
     fn is_usable(&self) -> bool {
         let width = self.high - self.low;

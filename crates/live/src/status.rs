@@ -138,16 +138,15 @@ impl Rendering {
     }
 
     /// The shell command that writes this picture, at its full size, to the file `output`. With
-    /// `axes`, it also draws axes.
-    pub fn command(&self, output: &str, axes: bool) -> String {
+    /// `axes`, it also draws axes. The function `word` returns the shell's word for a text.
+    pub fn command(&self, output: &str, axes: bool, word: impl Fn(&str) -> String) -> String {
         let request = &self.request;
         let settings = &request.settings;
         let point = |p: DVec3| format!("{},{},{}", p.x, p.y, p.z);
         let says_axes = self.document.picture.choices.axes == Some(true);
         // No option takes away axes that the document asks for.
         let against = if says_axes && !axes { "\naxes off" } else { "" };
-        let mut command =
-            format!("zeroset render {}", quote(&format!("{}{against}", request.text)));
+        let mut command = format!("zeroset render {}", word(&format!("{}{against}", request.text)));
         for (name, value) in &request.overrides {
             let _ = write!(command, " -D {}", quote(&format!("{name}={value}")));
         }

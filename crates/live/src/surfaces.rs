@@ -237,6 +237,30 @@ impl Live {
         set.unwrap_or(Ok(()))
     }
 
+    /// Sets the color of a surface, given as in a line `color …`, perhaps with an opacity in
+    /// percent. Numbers count from 1.
+    ///
+    /// # Errors
+    /// If there is no such surface, it is no color, or no style line can express the change.
+    pub fn set_color(&self, number: usize, color: &str) -> Result<(), Refusal> {
+        let share = color.rsplit_once(char::is_whitespace).and_then(|(color, share)| {
+            let percent: f64 = share.strip_suffix('%')?.parse().ok()?;
+            Some((color.trim(), (percent / 100.0).clamp(0.0, 1.0)))
+        });
+        let (name, opacity) = share.map_or((color, None), |(name, share)| (name, Some(share)));
+        let set = self.restyle(number, &["color", "opacity"], None, |drawn| {
+            let one = &mut drawn[number - 1];
+            name.clone_into(&mut one.color);
+            one.opacity = opacity.unwrap_or(one.opacity);
+        });
+        // A wrong color is a better reason than that no line can hold it.
+        let lone = format!("color {color}\nz = x");
+        match zeroset_syntax::read(&lone, &Options::default()) {
+            Err(errors) if set.is_err() => Err(Refusal::Text { text: lone, errors }),
+            _ => set,
+        }
+    }
+
     /// Moves a surface to another place in the order. Both numbers count from 1.
     ///
     /// # Errors

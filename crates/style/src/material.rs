@@ -57,7 +57,7 @@ pub const MATERIALS: [Material; 5] = [
     },
     Material {
         name: "metal",
-        help: "reflections in the surface's color",
+        help: "reflections of a bright room in the surface's color",
         diffuse: 0.2,
         highlight: 1.6,
         is_sharp: true,
@@ -67,7 +67,7 @@ pub const MATERIALS: [Material; 5] = [
     },
     Material {
         name: "glass",
-        help: "translucent, with reflections that grow toward the edges",
+        help: "a clear film, with reflections that grow toward the edges; bends no light",
         diffuse: 0.9,
         highlight: 4.0,
         is_sharp: true,

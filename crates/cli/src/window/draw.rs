@@ -3,7 +3,7 @@
 
 use super::enlarge::enlarge;
 use super::page::Page;
-use super::panel::Panel;
+use super::panel::PanelContent;
 use super::recent::RecentMenu;
 use super::tasks::LineGoal;
 use super::{MESSAGE_TIME, PAUSE, Window, browser, list};
@@ -14,7 +14,7 @@ use minifb::MouseMode;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
-use zeroset_live::{Fault, Rendering, Slider, Snapshot, Working, defined};
+use zeroset_live::{Fault, Rendering, Snapshot, Working, defined};
 use zeroset_render::overlay::{Canvas, Overlay, Rgb, with_minus};
 
 const PAPER: Rgb = 0x00f4_f4f6;
@@ -54,7 +54,7 @@ pub struct Content {
     hint: Option<String>,
     candidates: Option<String>,
     message: Option<String>,
-    sliders: Option<(Panel, Vec<Slider>, Option<usize>)>,
+    sliders: Option<PanelContent>,
     surfaces: Option<list::ListContent>,
     gallery: Option<browser::GalleryContent>,
     recent: Option<RecentMenu>,
@@ -123,7 +123,9 @@ impl Window {
             _ => None,
         };
         let surfaces = self.surfaces.shown(edited);
-        let tip = surfaces.as_ref().and_then(list::ListContent::tip);
+        let sliders = self.sliders.shown();
+        let of_slider = || Some(sliders.as_ref()?.tip()?.to_owned());
+        let tip = surfaces.as_ref().and_then(list::ListContent::tip).or_else(of_slider);
         let rested = self.typed.elapsed() > PAUSE;
         let fault = self.fault(seen);
         Content {
@@ -141,7 +143,7 @@ impl Window {
             hint: self.hint(),
             candidates: (!self.candidates.is_empty()).then(|| self.candidates.join("  ")),
             message: self.message.as_ref().map(|(text, _)| text.clone()),
-            sliders: self.sliders.shown(),
+            sliders,
             surfaces,
             gallery,
             recent: self.recent.clone(),
@@ -215,8 +217,8 @@ impl Window {
         if let Some(rendering) = rendering.filter(|_| !are_listed && content.sliders.is_none()) {
             canvas.label(&canvas.fitting(&echo(rendering), room), 0, 0, INK);
         }
-        if let Some((panel, sliders, hovered)) = &content.sliders {
-            panel.draw(&mut canvas, sliders, *hovered);
+        if let Some(sliders) = &content.sliders {
+            sliders.draw(&mut canvas);
         }
         if let Some(shown) = listed {
             shown.draw(&mut canvas);

@@ -126,7 +126,7 @@ pub const SHORTCUTS: &[Shortcut] = &[
     Shortcut { name: "Ctrl-1 to 9", help: "hide, show", held: Held::Control, keys: &DIGITS,
         run: |window, key| window.toggle_surface(DIGITS.iter().position(|one| *one == key).unwrap_or(0)) },
     Shortcut { name: "Ctrl-Q", help: "quit", held: Held::Control, keys: &[Key::Q],
-        run: |window, _| window.session.end() },
+        run: |window, _| window.quit() },
 ];
 
 impl Window {
@@ -407,6 +407,15 @@ impl Window {
         if let Some(line) = self.line.take().filter(|line| !line.text().trim().is_empty()) {
             self.session.recall([line.text().trim().to_owned()]);
         }
+    }
+
+    /// Ends the program. Asks first if work would be left unsaved.
+    fn quit(&mut self) {
+        let revision = self.session.live.revision();
+        if self.session.has_unsaved_work() && self.asked.replace(revision) != Some(revision) {
+            return self.say("not saved: Ctrl-S saves it; Ctrl-Q once more quits and keeps a copy");
+        }
+        self.session.end();
     }
 
     fn toggle_full_screen(&mut self) {

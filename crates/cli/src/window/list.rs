@@ -248,6 +248,7 @@ impl ListContent {
             ListPart::Delete => "delete".to_owned(),
             ListPart::Formula => "click: edit, drag: move".to_owned(),
             ListPart::Swatch if formula.is_some_and(|one| one.hidden) => "show".to_owned(),
+            ListPart::Swatch if index < self.surfaces => "click: hide, right: color".to_owned(),
             ListPart::Swatch => "hide".to_owned(),
             ListPart::Opacity(_) => {
                 format!("opacity {:.0} %", 100.0 * formula.map_or(1.0, |one| one.opacity))

@@ -108,6 +108,8 @@ pub struct Window {
     /// Time of the last check whether the window's content has changed.
     compared: Instant,
     title: String,
+    /// Revision of the unsaved document for which Ctrl-Q has asked whether to quit.
+    asked: Option<u64>,
     /// Time of the last activity.
     active: Instant,
 }
@@ -180,6 +182,7 @@ impl Window {
             drawn: None,
             compared: now,
             title: String::new(),
+            asked: None,
             active: now,
         })
     }

@@ -102,7 +102,7 @@ impl Window {
                     DragTarget::Line
                 } else if left && self.press_slider(at) {
                     DragTarget::Slider
-                } else if left && self.press_surface(at) {
+                } else if left && self.press_surface(at) || right && self.press_color(at) {
                     DragTarget::Surface
                 } else if right || self.is_shifted() {
                     DragTarget::Pan

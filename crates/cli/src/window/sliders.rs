@@ -1,7 +1,7 @@
 //! Moves sliders by mouse, keys and clock. A slow picture is still shown: the next value is
 //! requested only when the previous value's picture is finished.
 
-use super::panel::Panel;
+use super::panel::{Panel, PanelContent, SliderPart};
 use super::{FRAME, Window};
 use std::time::{Duration, Instant};
 use zeroset_live::{Slider, Snapshot};
@@ -20,8 +20,10 @@ const KEY_PAUSE: Duration = Duration::from_millis(700);
 const FINE: f64 = 0.1;
 /// An arrow key moves a slider from one end to the other in this many presses.
 const STEPS: f64 = 100.0;
-/// Number of values that `t` takes in one loop over its range.
+/// Number of values that a running value takes in one loop over its range.
 const TIME_STEPS: f64 = 5000.0;
+/// Seconds in which a value other than `t` runs to the end of its range and back.
+const ROUND_TRIP: f64 = 8.0;
 
 /// The sliders of the visible picture, and their movement.
 #[derive(Default)]
@@ -29,7 +31,7 @@ pub struct Sliders {
     all: Vec<Slider>,
     panel: Option<Panel>,
     scroll: usize,
-    hovered: Option<usize>,
+    hovered: Option<(usize, SliderPart)>,
     /// Index of the slider that is being dragged, and its value before rounding.
     held: Option<(usize, f64)>,
     /// Name of the slider that was pressed last, and time of the press.
@@ -43,10 +45,27 @@ pub struct Sliders {
     nudged: Option<Instant>,
 }
 
-/// A running clock: when it began to move `t`, and the value of `t` at that time.
+/// A running clock: the name of the value that it moves, when it began, and the value at that time.
 struct Playing {
+    name: String,
     since: Instant,
     from: f64,
+}
+
+impl Playing {
+    /// The value of the slider now. The time counts seconds, from the start of its range again and
+    /// again. Other values move to the end of their range and back.
+    fn value(&self, slider: &Slider) -> f64 {
+        let range = slider.high - slider.low;
+        let (begun, passed) = (self.from - slider.low, self.since.elapsed().as_secs_f64());
+        let above = if slider.is_time {
+            (begun + passed) % range
+        } else {
+            let way = (begun + passed * 2.0 * range / ROUND_TRIP) % (2.0 * range);
+            if way > range { 2.0 * range - way } else { way }
+        };
+        slider.rounded(slider.low + above, range / TIME_STEPS)
+    }
 }
 
 impl Sliders {
@@ -74,9 +93,16 @@ impl Sliders {
         self.panel.map_or(0, |panel| panel.width)
     }
 
-    /// Returns the panel, the sliders to draw, and the index of the slider under the pointer.
-    pub fn shown(&self) -> Option<(Panel, Vec<Slider>, Option<usize>)> {
-        Some((self.panel?, self.all.clone(), self.hovered))
+    /// Returns the panel to draw.
+    pub fn shown(&self) -> Option<PanelContent> {
+        let (panel, sliders, hovered) = (self.panel?, self.all.clone(), self.hovered);
+        Some(PanelContent { panel, sliders, hovered, playing: self.playing_index() })
+    }
+
+    /// Index of the slider that the clock moves.
+    fn playing_index(&self) -> Option<usize> {
+        let name = &self.playing.as_ref()?.name;
+        self.all.iter().position(|one| one.name == *name)
     }
 
     /// Adopts the sliders of a new picture.
@@ -111,16 +137,28 @@ impl Sliders {
 impl Window {
     pub(super) fn hover_slider(&mut self, at: Option<(f64, f64)>) {
         let sliders = &mut self.sliders;
-        sliders.hovered = sliders.held.map(|(index, _)| index).or_else(|| sliders.panel?.at(at?));
+        let held = sliders.held.map(|(index, _)| (index, SliderPart::Track));
+        sliders.hovered = held.or_else(|| sliders.panel?.at(at?));
     }
 
     /// Presses the slider under the pointer, and returns whether there is one.
     pub(super) fn press_slider(&mut self, at: (f64, f64)) -> bool {
         let sliders = &mut self.sliders;
         let Some(panel) = sliders.panel else { return false };
-        let Some(index) = panel.at(at) else { return false };
-        let slider = sliders.all[index].clone();
-        if slider.is_time {
+        let Some((index, part)) = panel.at(at) else { return false };
+        let Some(slider) = sliders.all.get(index).cloned() else { return false };
+        match part {
+            SliderPart::Play => {
+                self.toggle_play_of(index);
+                return true;
+            }
+            SliderPart::Value => {
+                self.edit_value(&slider);
+                return true;
+            }
+            SliderPart::Track => {}
+        }
+        if sliders.playing_index() == Some(index) {
             sliders.pause();
         }
         let now = Instant::now();
@@ -177,9 +215,9 @@ impl Window {
     pub(super) fn nudge(&mut self, steps: f64) -> bool {
         let fine = if self.is_shifted() { FINE } else { 1.0 };
         let sliders = &mut self.sliders;
-        let Some(index) = sliders.hovered else { return false };
+        let Some((index, _)) = sliders.hovered else { return false };
         let Some(slider) = sliders.all.get(index).cloned() else { return false };
-        if slider.is_time {
+        if sliders.playing_index() == Some(index) {
             sliders.pause();
         }
         let step = fine * (slider.high - slider.low) / STEPS;
@@ -195,34 +233,50 @@ impl Window {
         panel.is_some_and(|panel| panel.rows.scroll(&mut sliders.scroll, steps))
     }
 
-    /// Starts or stops the clock.
+    /// Starts or stops the clock for the time.
     pub(super) fn toggle_play(&mut self) {
         if self.sliders.pause() {
             return;
         }
-        let Some(index) = self.sliders.all.iter().position(|one| one.is_time) else {
-            return self.say("there is no time t in what is drawn: write it into a formula first");
-        };
+        match self.sliders.all.iter().position(|one| one.is_time) {
+            Some(index) => self.toggle_play_of(index),
+            None => self.say("there is no time t in what is drawn: write it into a formula first"),
+        }
+    }
+
+    /// Starts the clock for the slider with this index, or stops it if it runs for that slider.
+    fn toggle_play_of(&mut self, index: usize) {
+        let was_playing = self.sliders.playing_index() == Some(index);
+        self.sliders.pause();
+        if was_playing {
+            return;
+        }
         let slider = self.sliders.all[index].clone();
         // Record an undo step for this value, since changes by the clock are not recorded.
         self.session.live.drag(&slider, slider.value);
-        self.sliders.playing = Some(Playing { since: Instant::now(), from: slider.value });
+        let Slider { name, value: from, .. } = slider;
+        self.sliders.playing = Some(Playing { name, since: Instant::now(), from });
     }
 
-    /// Sets the time to its start value plus the elapsed seconds, in a loop over its range.
+    /// Opens the definition of a slider's value in the line.
+    fn edit_value(&mut self, slider: &Slider) {
+        self.sliders.pause();
+        self.put_line_away();
+        self.open_line().insert_text(&slider.definition());
+        self.follow_typing();
+    }
+
+    /// Sets the running value to that of this moment.
     pub(super) fn play(&mut self, seen: &Snapshot) {
         let sliders = &mut self.sliders;
-        let Some(Playing { since, from }) = &sliders.playing else { return };
+        let Some(playing) = &sliders.playing else { return };
         self.active = Instant::now();
-        let index = sliders.all.iter().position(|one| one.is_time);
-        let Some(index) = index.filter(|_| seen.rendering.is_some()) else {
+        let index = sliders.playing_index().filter(|_| seen.rendering.is_some());
+        let Some(index) = index else {
             sliders.pause();
             return;
         };
-        let slider = &sliders.all[index];
-        let range = slider.high - slider.low;
-        let value = slider.low + (from - slider.low + since.elapsed().as_secs_f64()) % range;
-        let value = slider.rounded(value, range / TIME_STEPS);
+        let value = playing.value(&sliders.all[index]);
         sliders.want(index, value);
     }
 
@@ -236,11 +290,9 @@ impl Window {
     fn ask_for_value(&mut self) {
         let Some((slider, value)) = self.sliders.wanted.take() else { return };
         let live = &self.session.live;
-        let revision = if slider.is_time && self.sliders.playing.is_some() {
-            live.pass(&slider, value)
-        } else {
-            live.drag(&slider, value)
-        };
+        let is_played = self.sliders.playing.as_ref().is_some_and(|one| one.name == slider.name);
+        let revision =
+            if is_played { live.pass(&slider, value) } else { live.drag(&slider, value) };
         self.sliders.sent = Some((revision, Instant::now()));
         self.session.report_in_window();
     }

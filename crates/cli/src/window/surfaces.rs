@@ -127,6 +127,20 @@ impl Window {
         true
     }
 
+    /// Handles a press of the right button: on a color, opens a line for another one. Returns
+    /// whether it hit a color.
+    pub(super) fn press_color(&mut self, at: (f64, f64)) -> bool {
+        let hit = self.surfaces.list.and_then(|list| list.at(at));
+        let Some((index, ListPart::Swatch)) = hit else { return false };
+        if index >= self.surfaces.surface_count {
+            self.say("a curve gets its color from a `color` line above it");
+            return true;
+        }
+        self.put_line_away();
+        self.open_line().insert_text(&format!(":color {} ", index + 1));
+        true
+    }
+
     /// Moves the dragged opacity or surface.
     pub(super) fn drag_surface(&mut self, at: (f64, f64)) {
         let surfaces = &mut self.surfaces;

@@ -206,10 +206,10 @@ fn label(
     let free = |label: &Label, labels: &[Label]| {
         !labels.iter().any(|other| label.touches(other, SPACE * scale))
     };
-    let ink = projector.shown.ink();
+    let colors = projector.shown.letter_colors();
     let mut write = |label: Label, labels: &mut Vec<Label>| {
         let (x, y) = (label.place.x.round() as i64, label.place.y.round() as i64);
-        canvas.write(&label.text, x, y, ink);
+        canvas.write_with_halo(&label.text, x, y, colors);
         labels.push(label);
     };
     let mut marks = Vec::new();

@@ -4,10 +4,15 @@ use super::letters::{glyph, width};
 use crate::picture::Picture;
 use crate::pixels::{mix_over, mixed, mixed_over};
 use glam::Vec4;
+use std::collections::BTreeMap;
 
 /// Height of a letter's box, and of a line of text, in dots. A dot is a pixel at scale 1.
 const LETTER: usize = 16;
 const LINE: usize = 20;
+
+/// Width of the rim around letters in dots, and its opacity as a share of 255.
+const HALO: usize = 1;
+const HALO_SHARE: u32 = 200;
 
 /// A color as 0xRRGGBB.
 pub type Rgb = u32;
@@ -151,7 +156,38 @@ impl Canvas {
     /// Writes a line of text with its upper left corner at this position. Letters that the font
     /// lacks become question marks.
     pub fn write(&mut self, text: &str, x: i64, y: i64, color: Rgb) {
-        let mut pen = 0.0;
+        for (x, y, cover) in self.covered(text, x, y) {
+            self.blend(x, y, color, cover);
+        }
+    }
+
+    /// Writes a line of text like [`Canvas::write`], with a rim of the color `halo` around each
+    /// letter, so that it can be read over anything.
+    pub fn write_with_halo(&mut self, text: &str, x: i64, y: i64, [color, halo]: [Rgb; 2]) {
+        let covered = self.covered(text, x, y);
+        let reach = self.dots(HALO) as i64;
+        let around =
+            || (-reach..=reach).flat_map(move |dy| (-reach..=reach).map(move |dx| (dx, dy)));
+        let in_reach = |(dx, dy): &(i64, i64)| dx * dx + dy * dy <= reach * reach + 1;
+        // Rims of neighboring pixels do not add up.
+        let mut rim: BTreeMap<(i64, i64), u32> = BTreeMap::new();
+        for &(x, y, cover) in &covered {
+            for (dx, dy) in around().filter(in_reach) {
+                let share = rim.entry((y + dy, x + dx)).or_insert(0);
+                *share = (*share).max(cover * HALO_SHARE / 255);
+            }
+        }
+        for ((y, x), share) in rim {
+            self.blend(x, y, halo, share);
+        }
+        for (x, y, cover) in covered {
+            self.blend(x, y, color, cover);
+        }
+    }
+
+    /// The pixels that a line of text covers, each with its share of 255.
+    fn covered(&self, text: &str, x: i64, y: i64) -> Vec<(i64, i64, u32)> {
+        let (mut pen, mut covered) = (0.0, Vec::new());
         for letter in text.chars() {
             let glyph = glyph(letter, self.scale);
             let left = x + f64::round(pen) as i64;
@@ -160,11 +196,11 @@ impl Canvas {
             }
             for (n, cover) in (0_i64..).zip(&glyph.cover).filter(|(_, cover)| **cover > 0) {
                 let (row, column) = (n / glyph.width, n % glyph.width);
-                let (x, y) = (left + glyph.left + column, y + glyph.top + row);
-                self.blend(x, y, color, u32::from(*cover));
+                covered.push((left + glyph.left + column, y + glyph.top + row, u32::from(*cover)));
             }
             pen += glyph.advance;
         }
+        covered
     }
 
     /// Writes a line of text on a dark background.

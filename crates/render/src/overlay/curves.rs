@@ -184,7 +184,7 @@ pub fn draw_curves(canvas: &mut Canvas, shown: PictureView<'_>, height: usize) {
         }
     }
     covers.blend(canvas);
-    write_labels(canvas, &labels, shown.ink(), height);
+    write_labels(canvas, &labels, shown.letter_colors(), height);
 }
 
 /// Draws a polyline. `along` is its position along all curves, which it moves.
@@ -383,7 +383,12 @@ fn ball_radius(point: &TracedPoint, scale: f64) -> f64 {
 
 /// Writes the labels of points that are seen, beside them. A label that would cover another one is
 /// left out.
-fn write_labels(canvas: &mut Canvas, labels: &[(DVec2, &TracedPoint)], ink: Rgb, height: usize) {
+fn write_labels(
+    canvas: &mut Canvas,
+    labels: &[(DVec2, &TracedPoint)],
+    colors: [Rgb; 2],
+    height: usize,
+) {
     let high = canvas.letter_height() as f64;
     let bounds = DVec2::new(canvas.width as f64, height as f64);
     let mut taken: Vec<[DVec2; 2]> = Vec::new();
@@ -398,7 +403,8 @@ fn write_labels(canvas: &mut Canvas, labels: &[(DVec2, &TracedPoint)], ink: Rgb,
         let end = place + size;
         let covers = |other: &[DVec2; 2]| place.cmplt(other[1]).all() && other[0].cmplt(end).all();
         if taken.len() < MOST_LABELS && !taken.iter().any(covers) {
-            canvas.write(&text, place.x.round() as i64, place.y.round() as i64, ink);
+            let (x, y) = (place.x.round() as i64, place.y.round() as i64);
+            canvas.write_with_halo(&text, x, y, colors);
             taken.push([place, end]);
         }
     }

@@ -35,6 +35,12 @@ impl<'a> PictureView<'a> {
     pub fn ink(&self) -> Rgb {
         INKS[usize::from(is_dark(self.picture.background))]
     }
+
+    /// The color of letters, and that of a rim around them.
+    pub fn letter_colors(&self) -> [Rgb; 2] {
+        let [red, green, blue] = self.picture.background;
+        [self.ink(), u32::from_be_bytes([0, red, green, blue])]
+    }
 }
 
 /// Projects points into a picture of a given size.

@@ -107,18 +107,31 @@ impl Seams<'_> {
     /// Returns an expression that is mostly 0 where `h` is.
     fn vanishing(&mut self, h: &str) -> String {
         let (q, n) = (self.small(), self.one_of(&["0", "1", "4"]));
-        match self.0.u32(0..9) {
+        match self.0.u32(0..11) {
             0 => h.to_owned(),
             1 => format!("{h}*{q}"),
             2 => format!("{h}*{q} - {h}"),
             3 | 4 => {
-                let f = self.one_of(&["exp", "sin", "cos", "sinh", "cosh", "sqrt", "cbrt", "ln"]);
+                let f = self.one_of(&[
+                    "exp", "sin", "cos", "sinh", "cosh", "sqrt", "cbrt", "ln", "tanh", "asin",
+                    "acos", "atan", "asinh", "atanh",
+                ]);
                 let u = if self.0.bool() { q } else { n.to_owned() };
                 format!("{f}({u} + {h}) - {f}({u})")
             }
             5 => format!("1 - cos({h})"),
             6 => format!("ln(1 + {h})"),
             7 => format!("{h}*ln({h})"),
+            8 => {
+                let [f, g] = [0; 2].map(|_| self.one_of(&["exp", "sin", "cos", "tanh", "atan"]));
+                format!("{f}({g}({q} + {h})) - {f}({g}({q}))")
+            }
+            9 => {
+                // This is 0 where u is v, and mostly where u is -v.
+                let (u, v) = (self.axis(), self.axis());
+                let f = self.one_of(&["sin", "cos", "sinh", "cosh", "exp"]);
+                format!("{h}/({u}^2 - {v}^2)*({u}^2*{f}({v}) - {v}^2*{f}({u}))")
+            }
             _ => {
                 let f =
                     self.one_of(&["sin", "tan", "asin", "atan", "sinh", "tanh", "asinh", "abs"]);
