@@ -73,8 +73,8 @@ impl ProgramStep {
     }
 }
 
-/// The range `a:b` of Julia, or `a, b` or `a, b, step` of Lua, in brackets with the step between its
-/// ends. Other values stay as they are.
+/// The range `a:b` of Julia, or `a, b` or `a, b, step` of Lua, in brackets with the step between
+/// its ends. Other values stay as they are.
 fn range_of(values: &[Token]) -> Vec<Token> {
     let mut parts = split(values, Colon);
     if parts.len() < 2 {

@@ -188,7 +188,8 @@ impl ProgramReader<'_> {
         all.ok_or_else(wrong)
     }
 
-    /// The sum, the product, the least or the greatest of `values`, as the call of `name` joins them.
+    /// The sum, the product, the least or the greatest of `values`, as the call of `name` joins
+    /// them.
     fn combined(
         &mut self,
         name: Token,

@@ -38,8 +38,8 @@ pub(crate) fn number_of(kind: &ExprKind) -> Option<f64> {
     }
 }
 
-/// The numbers from `low` to `high` by `step`; with `high` itself if `is_closed`. `None` if there are
-/// more than `limit`.
+/// The numbers from `low` to `high` by `step`; with `high` itself if `is_closed`. `None` if there
+/// are more than `limit`.
 pub(crate) fn steps(
     low: f64,
     high: f64,

@@ -380,8 +380,8 @@ impl Words<'_> {
         equations.is_empty().then_some(all)
     }
 
-    /// Whether the coordinates `x, y, z`, `r, theta, z` or `rho, theta, phi` have angles. `None` for
-    /// other names, and for angles whose names differ in meaning.
+    /// Whether the coordinates `x, y, z`, `r, theta, z` or `rho, theta, phi` have angles. `None`
+    /// for other names, and for angles whose names differ in meaning.
     fn coordinate_system(self, tokens: &[Token]) -> Option<bool> {
         let name = |part: &Vec<Token>| Some(self.canonical(*part.first()?));
         let names: Vec<String> = split(tokens, Comma).iter().map(name).collect::<Option<_>>()?;

@@ -36,8 +36,9 @@ pub(crate) struct Shift {
     pub has_gap: bool,
 }
 
-/// Prepares a rewriting of node f(u), where w is u at the root. `None` if f has no addition theorem,
-/// if u does not depend on the variable, or if f(w) may be undefined where f(u) is defined.
+/// Prepares a rewriting of node f(u), where w is u at the root. `None` if f has no addition
+/// theorem, if u does not depend on the variable, or if f(w) may be undefined where f(u) is
+/// defined.
 pub(crate) fn shift(
     graph: &mut Graph,
     node: NodeId,

@@ -69,8 +69,8 @@ impl Cover {
         Self { triangles: present.iter().map(places).collect(), bounds, neighbors, index }
     }
 
-    /// Places in this mesh that are not proven to be within a distance of another one, in units: one
-    /// of each triangle that has such a place.
+    /// Places in this mesh that are not proven to be within a distance of another one, in units:
+    /// one of each triangle that has such a place.
     pub fn far_from(&self, other: &Self, distance: f64) -> Vec<DVec3> {
         let distance = distance * (1.0 - ROUNDING);
         let search =

@@ -40,8 +40,8 @@ pub struct Setting<'a> {
     pub guide: &'a Guide<'a>,
     /// Corners of the domain.
     pub ends: [I64Vec3; 2],
-    /// Largest distance from the surface that samples may have, in world units. Around some vertices
-    /// only a [share](Triangulation::shares) of it is allowed.
+    /// Largest distance from the surface that samples may have, in world units. Around some
+    /// vertices only a [share](Triangulation::shares) of it is allowed.
     pub most: f64,
 }
 
