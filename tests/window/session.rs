@@ -136,7 +136,8 @@ fn repeats_click_and_picture(arguments: &[&str], part: &str) -> [String; 2] {
     let command = |begin: &str| {
         let rest = &shown[shown.find(begin).unwrap_or_else(|| panic!("no {begin:?} in {shown}"))..];
         // A quote within a word is written as '\''.
-        let is_whole = |end: &usize| rest[..*end].replace("\\'", "").matches('\'').count() % 2 == 0;
+        let is_whole =
+            |end: &usize| rest[..*end].replace("\\'", "").matches('\'').count().is_multiple_of(2);
         let end = rest.match_indices('\n').map(|(end, _)| end).find(is_whole);
         rest[..end.expect("a whole command")].to_owned()
     };
