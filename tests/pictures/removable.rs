@@ -46,7 +46,7 @@ fn secant(f: fn(f64) -> f64, slope: fn(f64) -> f64, a: f64, b: f64) -> f64 {
 
 /// Half the sum, and half the difference.
 fn halves(x: f64, y: f64) -> [f64; 2] {
-    [(x + y) / 2.0, (x - y) / 2.0]
+    [0.5 * (x + y), 0.5 * (x - y)]
 }
 
 /// A text, and its function extended by hand.
@@ -106,14 +106,14 @@ const BY_FACTORS: [(&str, Row); 21] = [
         "2",
         ("z = (y^2 cosh(x) - x^2 cosh(y))/(x^2-y^2)", |x, y, z| {
             let [p, q] = halves(x, y);
-            z - (p * p + q * q) / 2.0 * sinhc(p) * sinhc(q) + p.cosh() * q.cosh()
+            z - 0.5 * (p * p + q * q) * sinhc(p) * sinhc(q) + p.cosh() * q.cosh()
         }),
     ),
     (
         "2",
         ("z = (y^2 cosh(x) - x^2 cosh(y))/((x-y) (x+y))", |x, y, z| {
             let [p, q] = halves(x, y);
-            z - (p * p + q * q) / 2.0 * sinhc(p) * sinhc(q) + p.cosh() * q.cosh()
+            z - 0.5 * (p * p + q * q) * sinhc(p) * sinhc(q) + p.cosh() * q.cosh()
         }),
     ),
     (
