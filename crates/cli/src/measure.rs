@@ -44,7 +44,7 @@ pub fn run(arguments: &MeasureArgs) -> Result<ExitCode> {
         );
     };
     if let Some(searched) = found.searched {
-        notes::note(&subject::describe_domain(&searched));
+        notes::note(&subject::describe_domain(&searched, &found.region));
     }
     found.remarks.iter().for_each(|remark| notes::note(remark));
     if !subject.document.curves.is_empty() {

@@ -52,7 +52,7 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
         );
     };
     if let Some(searched) = found.searched {
-        notes::note(&subject::describe_domain(&searched));
+        notes::note(&subject::describe_domain(&searched, &found.region));
     }
     if found.is_empty() {
         bail!("nothing to write: {}", why_empty(&found, &subject.document));

@@ -91,7 +91,7 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     let (camera, picture, is_stopped, times) = pool.install(make)?;
 
     if let Some(found) = searched {
-        notes::note(&subject::describe_domain(&found));
+        notes::note(&subject::describe_domain(&found, &region));
     }
     if let Some(stretched) = proportions::description(&region) {
         notes::note(&stretched);

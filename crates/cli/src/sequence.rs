@@ -302,7 +302,7 @@ impl<'a> FrameRenderer<'a> {
         let (stage, last) =
             sequence.stage(first, &options, place, &choice, around.axes, settings)?;
         if let Some(found) = &stage.searched {
-            notes::note(&subject::describe_domain(found));
+            notes::note(&subject::describe_domain(found, &stage.region));
         }
         if let Some(stretched) = proportions::description(&stage.region) {
             notes::note(&stretched);

@@ -9,6 +9,7 @@ use zeroset_parser::Errors;
 use zeroset_scene::coordinate::coordinate;
 use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::view::{self, DomainChoice};
+use zeroset_space::Region;
 use zeroset_syntax::{Document, Options};
 
 /// A document to draw or explain.
@@ -76,9 +77,10 @@ pub fn note_time(time: Option<f64>, document: &Document) {
     }
 }
 
-/// Describes a domain that was found automatically, in one line.
-pub fn describe_domain(found: &AutoDomain) -> String {
-    let range = |axis: usize| [found.low[axis], found.high[axis]].map(coordinate).join("..");
+/// Describes a domain of which some ranges were found automatically, in one line.
+pub fn describe_domain(found: &AutoDomain, region: &Region) -> String {
+    let (low, high) = (region.low(), region.high());
+    let range = |axis: usize| [low[axis], high[axis]].map(coordinate).join("..");
     let [x, y, z] = [0, 1, 2].map(range);
     let shown = if x == y && y == z {
         format!("x, y, z in {x}")

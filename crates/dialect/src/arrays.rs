@@ -312,13 +312,7 @@ impl ProgramReader<'_> {
         let is_from_zero = match self.language {
             // A text that is no program counts from 0 if it has the index 0 or signs of Python.
             Language::Plain => {
-                let is_python =
-                    ["import ", "**", "np."].iter().any(|sign| self.words.text.contains(sign));
-                let mut names = self.arrays.keys();
-                is_python
-                    || names.any(|name| {
-                        self.uses(name).any(|(_, behind)| behind.trim_start().starts_with("[0]"))
-                    })
+                ["import ", "**", "np.", "[0]"].iter().any(|sign| self.words.text.contains(sign))
             }
             Language::Script => !self.words.text.contains("local "),
             Language::Typed | Language::Python | Language::OpenScad => true,

@@ -60,6 +60,9 @@ const SHORT: u64 = 2_000;
 /// Largest number of evaluations at infinity for one box.
 const WORK_AT_ONCE: u64 = 6_000;
 
+/// Greatest ratio of the extent of a surface between given ranges to the largest of these.
+const LONGEST_PART: f64 = 1000.0;
+
 /// Space left around a bounded surface, as a share of its extent on each axis. Around curves, it is
 /// a share of their largest extent.
 const SPACE: f64 = 0.05;
@@ -190,16 +193,8 @@ pub fn find_while(
     is_stretched: bool,
     wanted: &dyn Fn() -> bool,
 ) -> Result<Option<AutoDomain>, ProgramError> {
-    let surfaces = (0..program.roots().len()).take_while(|_| wanted());
-    let surfaces = surfaces.map(|surface| program.kernels::<f64>(surface).zeros());
-    let surfaces = surfaces.collect::<Result<Vec<_>, _>>()?;
-    if !wanted() {
-        return Ok(None);
-    }
-    let share = |work: u64| work * SHORT / SHORT.max(program.graph().len() as u64);
-    let work = Counter::new(share(WORK));
-    let mut search = CellSearch { surfaces, forms: Vec::new(), wanted, work };
-    let mut at_infinity = share(WORK_AT_INFINITY);
+    let Some(mut search) = cell_search(program, wanted)? else { return Ok(None) };
+    let mut at_infinity = share(program, WORK_AT_INFINITY);
     let bounds = everything(program, &search, &mut at_infinity)
         .map_or_else(|| bounds::bounds(&search), Some);
     let whole = bounds.filter(Cell::is_finite);
@@ -223,6 +218,51 @@ pub fn find_while(
     let Cell { low, high } = valid_box(found);
     // The result of a cancelled search is not reliable.
     Ok(wanted().then_some(AutoDomain { low, high, finding, cut }))
+}
+
+/// Finds the surfaces where some of the ranges of x, y and z are given: a box around that part,
+/// with space along the other axes. `None` if the part is empty, if it is not proven to be bounded,
+/// if it is too long to be shown as a whole, or once `wanted` returns false.
+///
+/// # Errors
+/// If a kernel cannot be compiled.
+pub(crate) fn find_between(
+    program: &Program,
+    ranges: &[Option<[f64; 2]>; 3],
+    wanted: &dyn Fn() -> bool,
+) -> Result<Option<Cell>, ProgramError> {
+    let Some(mut search) = cell_search(program, wanted)? else { return Ok(None) };
+    let [low, high] = [0, 1].map(|end| {
+        let everywhere = [-REACH, REACH];
+        ranges.map(|range| range.unwrap_or(everywhere)[end])
+    });
+    let Some(hull) = search.tight(Cell { low, high }, BOX_DEPTH) else { return Ok(None) };
+    let open = || (0..3).filter(|axis| ranges[*axis].is_none());
+    if !open().all(|axis| -REACH < hull.low[axis] && hull.high[axis] < REACH) {
+        return Ok(None);
+    }
+    let Some(hull) = tighten(program, &mut search, hull)? else { return Ok(None) };
+    let given = (0..3).filter(|axis| ranges[*axis].is_some());
+    let widest = given.map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+    let is_shown = open().all(|axis| hull.extent(axis) <= LONGEST_PART * widest);
+    Ok((is_shown && wanted()).then(|| valid_box(thickened(with_margin(&hull), THIN))))
+}
+
+/// A search of cells for the surfaces of a program. `None` once `wanted` returns false.
+fn cell_search<'a>(
+    program: &'a Program,
+    wanted: &'a dyn Fn() -> bool,
+) -> Result<Option<CellSearch<'a>>, ProgramError> {
+    let surfaces = (0..program.roots().len()).take_while(|_| wanted());
+    let surfaces = surfaces.map(|surface| program.kernels::<f64>(surface).zeros());
+    let surfaces = surfaces.collect::<Result<Vec<_>, _>>()?;
+    let work = Counter::new(share(program, WORK));
+    Ok(wanted().then_some(CellSearch { surfaces, forms: Vec::new(), wanted, work }))
+}
+
+/// The evaluations of a search, of which large programs get fewer.
+fn share(program: &Program, work: u64) -> u64 {
+    work * SHORT / SHORT.max(program.graph().len() as u64)
 }
 
 /// A box around all parts of `whole` that may hold a surface. Intervals find it, then affine forms

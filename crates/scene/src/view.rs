@@ -189,6 +189,18 @@ pub fn region_while(
         for axis in (0..3).filter(|axis| ranges[*axis].is_some()) {
             found.cut[axis] = [false; 2];
         }
+        // Between given ranges, an unbounded surface may be bounded.
+        if ranges.iter().any(Option::is_some)
+            && found.finding == Finding::Unbounded
+            && let Some(program) = search
+            && let program = program.over_time(document)
+            && let Some(part) = domain::find_between(&program, &ranges, wanted)?
+        {
+            for axis in (0..3).filter(|axis| ranges[*axis].is_none()) {
+                (found.low[axis], found.high[axis]) = (part.low[axis], part.high[axis]);
+                found.cut[axis] = [false; 2];
+            }
+        }
         let open = (0..3).filter(|axis| ranges[*axis].is_none());
         let reach = open.map(|axis| found.high[axis].max(-found.low[axis])).fold(0.0, f64::max);
         if reach > LARGEST_COORDINATE {

@@ -35,6 +35,33 @@ fn the_document_s_domain_counts_unless_another_is_given() {
 }
 
 #[test]
+fn between_given_ranges_the_rest_of_a_surface_is_shown_whole() {
+    let ground = |text: &str, range: &str| {
+        let (low, high) = found(&format!("domain x in {range}, y in {range}\n{text}"));
+        [low[2], high[2]]
+    };
+    for (text, range, [low, high]) in [
+        ("z = x^2 - y^2", "[-10, 10]", [-100.0, 100.0]),
+        ("z = x^2 - y^2", "[-1, 1]", [-1.0, 1.0]),
+        ("z = x^2 + y^2", "[5, 10]", [50.0, 200.0]),
+        ("z = 1000 + x*y", "[0, 2]", [1000.0, 1004.0]),
+        ("z^2 = x^2 + y^2", "[-3, 3]", [-18_f64.sqrt(), 18_f64.sqrt()]),
+    ] {
+        let [from, to] = ground(text, range);
+        let most = 0.2 * (high - low);
+        let is_around = (low - most..=low).contains(&from) && (high..=high + most).contains(&to);
+        assert!(is_around, "{text} in {range}: {from}, {to}");
+    }
+    // Nothing bounds these along z, or they would be a needle.
+    for text in ["z = 1/(x^2 + y^2)", "x^2 + y^2 = 1", "z = exp(x^2)"] {
+        let [from, to] = ground(text, "[-4, 4]");
+        assert!(to - from < 20.0, "{text}: {from}, {to}");
+    }
+    let (low, high) = found("domain z in [0, 3]\nx^2 + y^2 = z^2");
+    assert!(low[0] < -3.0 && high[0] > 3.0 && high[0] < 4.0, "{low:?}, {high:?}");
+}
+
+#[test]
 fn what_goes_on_alike_in_all_directions_is_cut_by_a_ball() {
     let found = |text: &str, choice, to| {
         let (region, searched) =
