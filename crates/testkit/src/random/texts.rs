@@ -81,7 +81,9 @@ impl Text<'_> {
             let size = |rng: &mut Rng| sizes[below(rng, sizes.len())].to_owned();
             let rng = &mut *self.rng;
             given.push(match role {
-                Role::Shape | Role::Distance | Role::Number => self.number(depth),
+                // A constant as shape is refused if the last argument is none.
+                Role::Shape => format!("x + ({})", self.number(depth)),
+                Role::Distance | Role::Number => self.number(depth),
                 Role::Vector => self.vector(depth),
                 Role::Direction => format!("(1, {}, 2)", self.number(depth)),
                 Role::Sizes => format!("({}, {}, {})", size(rng), size(rng), size(rng)),
