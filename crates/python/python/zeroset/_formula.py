@@ -126,10 +126,12 @@ class Expression(np.lib.mixins.NDArrayOperatorsMixin):
 
     @property
     def real(self) -> Expression:
+        """The real part."""
         return call("re", self)
 
     @property
     def imag(self) -> Expression:
+        """The imaginary part."""
         return call("im", self)
 
     def __float__(self) -> float:
@@ -215,9 +217,18 @@ _FUNCTIONS: dict[Any, Callable[..., Expression]] = {
     np.angle: lambda value: call("arg", value),
 }
 
+
+def _method(here: str) -> Callable[..., Expression]:
+    def method(*values: Any) -> Expression:
+        return call(here, *values)
+
+    method.__doc__ = f"The function `{here}` of this formula and of further arguments."
+    return method
+
+
 # NumPy calls these methods for the elements of an array of objects.
 for _ufunc, _here in _CALLS.items():
-    setattr(Expression, _ufunc, lambda *values, _here=_here: call(_here, *values))
+    setattr(Expression, _ufunc, _method(_here))
 
 
 def expression(value: Any) -> Expression:
