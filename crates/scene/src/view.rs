@@ -196,6 +196,8 @@ pub fn region_while(
             && let program = program.over_time(document)
             && let Some(part) = domain::find_between(&program, &ranges, wanted)?
         {
+            let part = AutoDomain { low: part.low, high: part.high, ..found };
+            let part = curves::extent(document).map_or(part, |ends| part.with_box(ends));
             for axis in (0..3).filter(|axis| ranges[*axis].is_none()) {
                 (found.low[axis], found.high[axis]) = (part.low[axis], part.high[axis]);
                 found.cut[axis] = [false; 2];

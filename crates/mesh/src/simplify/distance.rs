@@ -90,7 +90,7 @@ impl Cover {
     }
 
     /// A place in a triangle that is not proven to be within a distance of one of the triangles
-    /// `near`. `None` if there is none.
+    /// `near`. `None` if the whole triangle is proven.
     fn outside(
         &self,
         piece: &[DVec3; 3],

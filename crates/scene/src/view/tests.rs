@@ -57,6 +57,9 @@ fn between_given_ranges_the_rest_of_a_surface_is_shown_whole() {
         let [from, to] = ground(text, "[-4, 4]");
         assert!(to - from < 20.0, "{text}: {from}, {to}");
     }
+    // A point beyond the surface is shown, too.
+    let [_, to] = ground("z = x^2 + y^2\npoint (0, 0, 50)", "[-1, 1]");
+    assert!((50.0..60.0).contains(&to), "{to}");
     let (low, high) = found("domain z in [0, 3]\nx^2 + y^2 = z^2");
     assert!(low[0] < -3.0 && high[0] > 3.0 && high[0] < 4.0, "{low:?}, {high:?}");
 }

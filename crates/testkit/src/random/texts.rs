@@ -81,7 +81,7 @@ impl Text<'_> {
             let size = |rng: &mut Rng| sizes[below(rng, sizes.len())].to_owned();
             let rng = &mut *self.rng;
             given.push(match role {
-                // A constant as shape is refused if the last argument is none.
+                // A shape must vary: a constant is refused if only the last argument varies.
                 Role::Shape => format!("x + ({})", self.number(depth)),
                 Role::Distance | Role::Number => self.number(depth),
                 Role::Vector => self.vector(depth),
