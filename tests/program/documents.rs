@@ -1,5 +1,6 @@
 //! Checks README, ARCHITECTURE and the manual against the tables and files that they mention.
 
+use crate::surroundings::zeroset;
 use std::fs;
 use std::path::{Path, PathBuf};
 use zeroset_live::COMMANDS;
@@ -33,6 +34,19 @@ fn list<'a>(text: &'a str, before: &str) -> Vec<&'a str> {
 /// A text as a cell of a table shows it.
 fn cell(text: &str) -> String {
     text.replace('|', "\\|")
+}
+
+#[test]
+fn changes_are_listed_for_the_version_that_the_program_says() {
+    let place = tempfile::tempdir().expect("a directory");
+    let output = zeroset(&[], place.path()).arg("--version").output().expect("runs");
+    let said = String::from_utf8_lossy(&output.stdout);
+    let version = env!("CARGO_PKG_VERSION");
+    let bits = 8 * zeroset_jit::vector_widths().next().expect("a width");
+    assert!(said.starts_with(&format!("zeroset {version} (")), "{said}");
+    assert!(said.contains(std::env::consts::ARCH), "{said}");
+    assert!(said.trim_end().ends_with(&format!("vectors of {bits} bits)")), "{said}");
+    assert!(text("CHANGELOG.md").contains(&format!("## {version}")));
 }
 
 #[test]

@@ -15,6 +15,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), ChartError> {
     let directory = path.parent().unwrap_or(Path::new("."));
     fs::create_dir_all(directory).map_err(&refuse)?;
     let mut builder = tempfile::Builder::new();
+    builder.prefix(".zeroset-").suffix(".part");
     // A temporary file is readable by its owner only. Results get the usual permissions.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));

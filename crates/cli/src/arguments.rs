@@ -8,7 +8,9 @@ use clap::{Arg, ArgAction, ArgMatches, Args, FromArgMatches, Parser, Subcommand}
 use glam::DVec3;
 use std::ffi::OsString;
 use std::path::PathBuf;
+use std::sync::LazyLock;
 use zeroset_export::{UNITS, Unit};
+use zeroset_jit::vector_widths;
 use zeroset_render::names::Named;
 use zeroset_render::overlay::Overlay;
 use zeroset_render::picture::{Normals, Precision};
@@ -85,11 +87,23 @@ const LIGHT: &str = "Light and color";
 const SEQUENCES: &str = "Sequences";
 const METHOD_OPTIONS: &str = "Methods";
 
+/// The version, the commit if this is a release, the system, and the bits of a kernel's vectors on
+/// this processor.
+fn version() -> &'static str {
+    static VERSION: LazyLock<String> = LazyLock::new(|| {
+        let commit = option_env!("ZEROSET_COMMIT").map_or(String::new(), |it| format!("{it}, "));
+        let bits = 8 * vector_widths().next().unwrap_or(0);
+        let (version, os) = (env!("CARGO_PKG_VERSION"), std::env::consts::OS);
+        format!("{version} ({commit}{}-{os}, vectors of {bits} bits)", std::env::consts::ARCH)
+    });
+    &VERSION
+}
+
 /// Type any f(x,y,z) = 0 and see its zero set, with a proof for every pixel.
 ///
 /// Without a command, zeroset opens a window and a prompt.
 #[derive(Debug, Parser)]
-#[command(name = "zeroset", version, max_term_width = 100)]
+#[command(name = "zeroset", version = version(), max_term_width = 100)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 #[command(disable_help_flag = true, after_help = examples::PROGRAM)]
 pub struct Arguments {

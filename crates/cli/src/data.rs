@@ -6,13 +6,24 @@ use std::path::{Path, PathBuf};
 
 /// Returns the data directory, created if missing. `None` if it cannot be created.
 pub fn data_directory() -> Option<PathBuf> {
-    let from = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty());
-    let base = from("XDG_DATA_HOME")
-        .map(PathBuf::from)
-        .or_else(|| Some(PathBuf::from(from("HOME")?).join(".local/share")))?;
-    let directory = base.join("zeroset");
+    let directory = directory_for_data()?.join("zeroset");
     std::fs::create_dir_all(&directory).ok()?;
     Some(directory)
+}
+
+/// The directory in which programs have their data, by the custom of the system. On every system
+/// the variable `XDG_DATA_HOME` names another one.
+fn directory_for_data() -> Option<PathBuf> {
+    let from =
+        |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+    from("XDG_DATA_HOME").or_else(|| {
+        if cfg!(windows) {
+            return from("LOCALAPPDATA");
+        }
+        let below =
+            if cfg!(target_os = "macos") { "Library/Application Support" } else { ".local/share" };
+        Some(from("HOME")?.join(below))
+    })
 }
 
 /// Stores a text in the data directory at once, so that it is not lost if the program crashes.

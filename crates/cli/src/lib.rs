@@ -125,6 +125,15 @@ fn dispatch() -> anyhow::Result<ExitCode> {
     }
 }
 
+/// Writes a manual page for the program and one for each command into a directory.
+///
+/// # Errors
+/// If a page cannot be written.
+#[cfg(feature = "man")]
+pub fn write_manual(directory: &Path) -> std::io::Result<()> {
+    clap_mangen::generate_to(Arguments::command(), directory)
+}
+
 /// Returns the first argument, and the command that it probably means. `None` if it is a command, a
 /// file, or not like any command.
 fn meant_command() -> Option<(String, String)> {

@@ -1,5 +1,6 @@
 //! Messages on standard error.
 
+use super::terminal;
 use std::io::{IsTerminal, Write};
 
 /// An error message that is already formatted, with carets and a suggestion.
@@ -39,6 +40,7 @@ pub fn colored_output() -> bool {
 fn colors_are_wanted() -> bool {
     std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
         && std::env::var_os("TERM").is_none_or(|terminal| terminal != "dumb")
+        && terminal::takes_escapes()
 }
 
 fn label(word: &str, code: &str) -> String {

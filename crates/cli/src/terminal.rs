@@ -1,5 +1,5 @@
 //! The size and the modes of the terminal, and queries to it. If a window ends while a line is
-//! being typed, the terminal's modes are restored. Only Unix is supported.
+//! being typed, the terminal's modes are restored. Elsewhere than on Unix only the size is known.
 
 #[cfg(unix)]
 use rustix::termios::{LocalModes, OptionalActions, SpecialCodeIndex};
@@ -19,13 +19,26 @@ pub fn size() -> Option<(TerminalSize, Option<TerminalSize>)> {
     Some((characters, pair((size.ws_xpixel / size.ws_col, size.ws_ypixel / size.ws_row))))
 }
 
-/// Returns `None`, since the size is known on Unix only.
+/// Returns the terminal's columns and rows. The size of a character in pixels is known on Unix
+/// only.
 #[cfg(not(unix))]
 pub fn size() -> Option<(TerminalSize, Option<TerminalSize>)> {
-    None
+    let (columns, rows) = terminal_size::terminal_size()?;
+    Some(((usize::from(columns.0), usize::from(rows.0)), None))
+}
+
+/// Whether the terminal understands escape sequences. Consoles of Windows do only if they are asked
+/// to, and not before Windows 10.
+pub fn takes_escapes() -> bool {
+    #[cfg(windows)]
+    let takes = anstyle_query::windows::enable_ansi_colors().unwrap_or(false);
+    #[cfg(not(windows))]
+    let takes = true;
+    takes
 }
 
 /// The answer to a query for the primary device attributes.
+#[cfg_attr(not(unix), expect(dead_code, reason = "queries are sent on Unix only"))]
 pub enum QueryAnswer {
     /// The full answer, from the escape character to the final `c`.
     Given(String),

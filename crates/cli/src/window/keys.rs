@@ -420,7 +420,7 @@ impl Window {
 
     fn toggle_full_screen(&mut self) {
         if !screen::toggle_full_screen(&self.native) {
-            self.say("nothing here makes windows as large as the screen");
+            self.say("F11 works with a window manager of X11 only: try the button in the frame of the window");
         }
     }
 

@@ -7,9 +7,6 @@ pub use x11::{scale, toggle_full_screen};
 #[cfg(not(all(unix, not(target_os = "macos"))))]
 pub use elsewhere::{scale, toggle_full_screen};
 
-/// Least and greatest scale that is believed.
-const RANGE: (f64, f64) = (0.5, 6.0);
-
 #[cfg(not(all(unix, not(target_os = "macos"))))]
 mod elsewhere {
     pub fn scale() -> Option<f64> {
@@ -23,11 +20,12 @@ mod elsewhere {
 
 #[cfg(all(unix, not(target_os = "macos")))]
 mod x11 {
-    use super::RANGE;
     use x11rb::connection::Connection;
     use x11rb::protocol::xproto::{AtomEnum, ClientMessageEvent, ConnectionExt as _, EventMask};
     use x11rb::resource_manager::new_from_default;
 
+    /// Least and greatest scale that is believed.
+    const RANGE: (f64, f64) = (0.5, 6.0);
     /// Resolution at which letters have their usual size, in dots per inch.
     const USUAL_DPI: f64 = 96.0;
     /// The request to switch a state on or off, whichever it is not.
