@@ -108,9 +108,8 @@ pub fn area(
 ) -> Result<Option<Option<Area>>, ProgramError> {
     let source = Source::of(program, surface, larger.as_ref().unwrap_or(region))?;
     let Some(source) = source else { return Ok(Some(None)) };
-    let faces = |region: &Region| match program.is_solid(surface) {
-        true => faces(region),
-        false => Vec::new(),
+    let faces = |region: &Region| {
+        if program.is_solid(surface) { faces(region) } else { Vec::new() }
     };
     if let Some(larger) = larger {
         // A solid may fill the domain outside of its surface. Then the domain cuts it.
@@ -131,10 +130,8 @@ fn faces(region: &Region) -> Vec<Column> {
     let whole = Column::whole(region);
     let face = |axis: usize, is_upper: bool| {
         let mut cell = whole.cell;
-        match is_upper {
-            true => cell.low[axis] = cell.high[axis],
-            false => cell.high[axis] = cell.low[axis],
-        }
+        let end = if is_upper { cell.high[axis] } else { cell.low[axis] };
+        (cell.low[axis], cell.high[axis]) = (end, end);
         Column { cell, axis: Some(axis), is_face: true, ..whole }
     };
     (0..3).flat_map(|axis| [face(axis, false), face(axis, true)]).collect()
@@ -187,7 +184,8 @@ impl Source {
         let mut factors = Vec::new();
         for part in 0..count {
             let kernels = choices.parts.kernels::<f64>(part);
-            (kernels.bounds()?, kernels.gradient_bounds()?);
+            kernels.bounds()?;
+            kernels.gradient_bounds()?;
             let of = choices.parts.area_factors(part).ok();
             let is_made =
                 |of: &Program| (0..3).all(|axis| of.kernels::<f64>(axis).gradient_bounds().is_ok());
@@ -345,7 +343,8 @@ impl Forms<'_> {
         let steepest = || (0..3).max_by(|a, b| slopes[*a].lo.total_cmp(&slopes[*b].lo));
         let axis = axis.or_else(steepest)?;
         let share = |other: usize| slopes[other].over(slopes[axis]).power(2);
-        if !(slopes[axis].lo > 0.0) {
+        // The slope of an affine form need not be one of the function's slopes.
+        if slopes[axis].lo <= 0.0 || strip.slope[axis] == 0.0 {
             return None;
         }
         let squares = share((axis + 1) % 3).plus(share((axis + 2) % 3));
@@ -412,7 +411,7 @@ fn shortened(column: &Column, graph: &Graph) -> Option<Column> {
     let (middle, reach) = (-strip.value / steep, (lateral + strip.error) / steep.abs());
     let spare = SPARE * reach + 1e3 * ROUNDING + rounding(&column.cell, axis);
     let ends = [middle - reach - spare, middle + reach + spare];
-    if !(ends[1] - ends[0] < 2.0 * SNUG) {
+    if ends[1] - ends[0] >= 2.0 * SNUG {
         return None;
     }
     let mut shorter = *column;

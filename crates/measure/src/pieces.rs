@@ -90,7 +90,7 @@ impl Pieces<'_> {
         let lines: Vec<Option<Line>> =
             self.strips.iter().map(|strip| strip.as_ref().map(project)).collect();
         let (mut sure, mut none) = (0.0, 0.0);
-        self.split(Polygon::square(), &lines, &mut |region| {
+        Self::split(Polygon::square(), &lines, &mut |region| {
             let (area, _) = region.polygon.moments();
             match self.is_inside(&region.signs, None) {
                 Some(true) => sure += area,
@@ -146,7 +146,7 @@ impl Pieces<'_> {
         };
         let (mut low, mut high, mut without) = (0.0, 0.0, 0.0);
         let mut decided = 0.0;
-        self.split(all, &lines, &mut |region| {
+        Self::split(all, &lines, &mut |region| {
             let ends =
                 [-1.0, 1.0].map(|sign| self.is_inside(&region.signs, Some((graph.part, sign))));
             match ends {
@@ -166,7 +166,7 @@ impl Pieces<'_> {
 
     /// Divides a polygon into regions in which parts have proven signs. Leaves out where a part may
     /// be 0.
-    fn split(&self, polygon: Polygon, lines: &[Option<Line>], found: &mut dyn FnMut(&Signed)) {
+    fn split(polygon: Polygon, lines: &[Option<Line>], found: &mut dyn FnMut(&Signed)) {
         let mut regions = vec![Signed { polygon, signs: vec![0.0; lines.len()] }];
         for (number, line) in lines.iter().enumerate() {
             let Some(line) = line else { continue };

@@ -89,9 +89,10 @@ fn proven(area: &Area) -> String {
         let unit = 10.0_f64.powi(digits.clamp(0, 18));
         return format!("at least {}", (area.low * unit).floor() / unit);
     }
-    let rest = match area.is_limited {
-        true => format!(" (not narrower, with {} boxes)", area.boxes),
-        false => String::new(),
+    let rest = if area.is_limited {
+        format!(" (not narrower, with {} boxes)", area.boxes)
+    } else {
+        String::new()
     };
     format!("{}{rest}", digits(Interval { lo: area.low, hi: area.high }))
 }

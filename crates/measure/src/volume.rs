@@ -382,9 +382,10 @@ impl Sums {
             }))
         };
         Solid {
-            volume: match self.least_density < 0.0 {
-                true => volume,
-                false => Interval { lo: volume.lo.max(0.0), ..volume },
+            volume: if self.least_density < 0.0 {
+                volume
+            } else {
+                Interval { lo: volume.lo.max(0.0), ..volume }
             },
             origin,
             first: each(least.first, most.first, self.size.first),

@@ -43,7 +43,7 @@ mod tests {
     #[test]
     fn decimals_have_no_digits_but_their_own() {
         for (value, exponent, text) in [
-            (0.123456, -3, "0.123"),
+            (0.1234, -3, "0.123"),
             (-0.3, -1, "-0.3"),
             (-0.0004, -3, "0"),
             (999_951.0, 2, "1000000"),

@@ -69,10 +69,9 @@ impl Reader<'_> {
             Op::Mul | Op::Div => {
                 let other = self.read(operands[1])?;
                 let (root, factor) = match (one.under, other.under) {
-                    (Some(_), Some(_)) => return None,
                     (root, None) => (root, other.plain),
                     (None, root) if op == Op::Mul => (root, one.plain),
-                    _ => return None,
+                    (_, Some(_)) => return None,
                 };
                 let under = root.map(|root| {
                     let factor = self.square(factor);
