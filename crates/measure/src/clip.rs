@@ -94,29 +94,48 @@ pub struct Moments {
 }
 
 impl Moments {
-    /// The integrals over tetrahedra, weighted by a linear function.
-    pub fn of(tetrahedra: &[Tetrahedron], weight: impl Fn(DVec3) -> f64) -> Self {
+    /// The integrals over tetrahedra.
+    pub fn of(tetrahedra: &[Tetrahedron]) -> Self {
+        let mut all = Self::default();
+        for [a, b, c, d] in tetrahedra {
+            let volume = (b - a).cross(c - a).dot(d - a).abs() / 6.0;
+            let sum = a + b + c + d;
+            // The integral of x·y is V/20 · (Σ xᵢ yᵢ + Σ xᵢ Σ yᵢ).
+            let pairs = |one: fn(DVec3) -> DVec3| {
+                let each = [a, b, c, d].into_iter().map(|p| *p * one(*p)).sum::<DVec3>();
+                (each + sum * one(sum)) * (volume / 20.0)
+            };
+            all.volume += volume;
+            all.first += sum * (volume / 4.0);
+            all.squares += pairs(|p| p);
+            // `pairs` are x·y, y·z and z·x. They are rotated into the order of `products`.
+            all.products += next(pairs(next));
+        }
+        all
+    }
+
+    /// The integrals over tetrahedra, weighted by a linear function. They take twice as long as
+    /// those of [`Moments::of`].
+    pub fn weighted(tetrahedra: &[Tetrahedron], weight: &Strip) -> Self {
         let mut all = Self::default();
         for corners in tetrahedra {
             let [a, b, c, d] = corners;
             let volume = (b - a).cross(c - a).dot(d - a).abs() / 6.0;
-            let weights = corners.map(&weight);
-            let sum = a + b + c + d;
-            let total: f64 = weights.iter().sum();
+            let weights = corners.map(|corner| weight.at(corner));
+            let (sum, total) = (a + b + c + d, weights.iter().sum::<f64>());
             let each = || corners.iter().zip(weights);
             let weighted = each().map(|(p, weight)| *p * weight).sum::<DVec3>();
             // The integral of w·x·y is V/120 times the sum of wᵢ·xⱼ·yₖ over all i, j and k. A term
             // counts twice if two of the three numbers are equal, and six times if all are.
             let pairs = |one: fn(DVec3) -> DVec3| {
-                let plain = corners.iter().map(|p| *p * one(*p)).sum::<DVec3>();
-                let equal = each().map(|(p, weight)| *p * one(*p) * weight).sum::<DVec3>();
+                let equal =
+                    each().map(|(p, weight)| *p * one(*p) * (total + 2.0 * weight)).sum::<DVec3>();
                 let mixed = weighted * one(sum) + sum * one(weighted);
-                (sum * one(sum) * total + mixed + plain * total + equal * 2.0) * (volume / 120.0)
+                (sum * one(sum) * total + mixed + equal) * (volume / 120.0)
             };
             all.volume += total * (volume / 4.0);
             all.first += (weighted + sum * total) * (volume / 20.0);
             all.squares += pairs(|p| p);
-            // `pairs` are x·y, y·z and z·x. They are rotated into the order of `products`.
             all.products += next(pairs(next));
         }
         all

@@ -163,7 +163,7 @@ impl Weight {
             let linear = form.linear();
             let (inner, error) = match part.inner {
                 None => (form.moments(), form.error),
-                Some(inner) => (Moments::of(inner, |point| linear.at(point)), linear.error),
+                Some(inner) => (Moments::weighted(inner, &linear), linear.error),
             };
             let error = error + (ROUNDING + rounding) * form.size();
             let [inner, sure, all] = [inner, part.sure, part.all].map(|of| moved(of).to_array());

@@ -137,8 +137,8 @@ impl Frame {
         if outer.is_empty() {
             return None;
         }
-        let all = if is_cut { Moments::of(&outer, |_| 1.0) } else { Moments::CUBE };
-        let sure = if is_cut { Moments::of(&inner, |_| 1.0) } else { Moments::CUBE };
+        let all = if is_cut { Moments::of(&outer) } else { Moments::CUBE };
+        let sure = if is_cut { Moments::of(&inner) } else { Moments::CUBE };
         let moved = |moments: Moments| moments.moved(self.middle - self.origin, self.half);
         let hull = |tetrahedra: &[[DVec3; 4]]| {
             let corners = tetrahedra.as_flattened();

@@ -423,7 +423,7 @@ impl Wall {
             return (Interval::ZERO, [Interval::ZERO; 3]);
         }
         let opposite = Strip { value: -bound.value, slope: -bound.slope, error: 0.0 };
-        let moments = Moments::of(&clip(&clip(&cube(), &bound, -high), &opposite, low), |_| 1.0);
+        let moments = Moments::of(&clip(&clip(&cube(), &bound, -high), &opposite, low));
         let around = |value: f64| {
             let own = Interval { lo: value - 8.0 * ROUNDING, hi: value + 8.0 * ROUNDING };
             own.times(Interval { lo: steep, hi: steep })
