@@ -14,6 +14,7 @@ use crate::taylor::{Derivatives, rounding};
 use crate::wall::{enclosures, sides, value};
 use rayon::prelude::*;
 use rustc_hash::FxHashMap;
+use std::sync::OnceLock;
 use zeroset_eval::LANES;
 use zeroset_interval::Interval;
 use zeroset_scene::choices::{Choice, Choices};
@@ -80,8 +81,9 @@ struct Patch {
 /// The functions whose zeros are the surface.
 struct Source {
     choices: Choices,
-    /// For each part, the factors of its area by axis. `None` if they are too large.
-    factors: Vec<Option<Program>>,
+    /// For each part, the factors of its area by axis, once they are needed. `None` if they are too
+    /// large.
+    factors: Vec<OnceLock<Option<Program>>>,
     /// For each part, the largest number of zeros on lines along each axis, if it is known.
     zeros: Vec<Option<[u32; 3]>>,
     /// The value of a part in a box in which it is undefined. It is that of points outside if the
@@ -181,16 +183,10 @@ impl Source {
         if program.is_solid(surface) {
             choices.first_cut = count;
         }
-        let mut factors = Vec::new();
         for part in 0..count {
-            let kernels = choices.parts.kernels::<f64>(part);
-            kernels.bounds()?;
-            kernels.gradient_bounds()?;
-            let of = choices.parts.area_factors(part).ok();
-            let is_made =
-                |of: &Program| (0..3).all(|axis| of.kernels::<f64>(axis).gradient_bounds().is_ok());
-            factors.push(of.filter(|of| part < choices.first_cut && is_made(of)));
+            choices.parts.kernels::<f64>(part).bounds()?;
         }
+        let factors = (0..count).map(|_| OnceLock::new()).collect();
         // A maximum is undefined where one of its operands is.
         let is_greatest = |choice: &Choice| match choice {
             Choice::Part(_) => true,
@@ -351,7 +347,9 @@ impl Forms<'_> {
         let factor = squares.plus(Interval::ONE).root();
         let (cells, source) = (self.cells, self.source);
         let known = self.factors.entry((part, axis)).or_insert_with(|| {
-            Derivatives::with_planes((source.factors[part].as_ref()?, axis), cells)
+            let make = || source.choices.parts.area_factors(part).ok();
+            let factors = source.factors[part].get_or_init(make).as_ref()?;
+            Derivatives::with_planes((factors, axis), cells)
         });
         let form = known.as_ref().and_then(|known| known.linear(&cells[lane], lane));
         factor.is_bounded().then_some(Graph { part, axis, strip, factor, form })
