@@ -95,14 +95,14 @@ class Measures:
     """The mass of a solid, if there is a density. Where this has no value, it counts as 0."""
     centroid: tuple[Interval, Interval, Interval] | None
     moments: tuple[Interval, Interval, Interval] | None
-    """Moments of inertia about the axes through the centroid along x, y and z. The density is 1 unless
-    it is given.
+    """Moments of inertia about the axes through the centroid along x, y and z. The density is 1
+    unless it is given.
     """
     corners: tuple[tuple[Interval, ...], tuple[Interval, ...]] | None
     """The least and the greatest x, y and z."""
     area_bounds: Interval | None
-    """The area. Its end is infinite if nothing bounds the area from above. None also if the function
-    has too many parts.
+    """The area. Its end is infinite if nothing bounds the area from above. None also if the
+    function has too many parts.
     """
     area: float | None
     """The area of a mesh: an estimate. None also if the mesh has no triangle, and the surface is
