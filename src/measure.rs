@@ -2,6 +2,7 @@
 
 use crate::error::Error;
 use crate::settings::Domain;
+use crate::text::Text;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 use std::sync::atomic::AtomicBool;
@@ -10,7 +11,6 @@ use zeroset_interval::Interval;
 use zeroset_measure::{MeasureError, Quantity, RELATIVE, Request, measures};
 use zeroset_render::limit::{Limit, StopFlag};
 use zeroset_scene::view::Clipping;
-use zeroset_syntax::Document;
 
 /// A measure that can be asked for, such as `"volume".parse::<Measure>()`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -52,6 +52,7 @@ impl FromStr for Measure {
 pub struct MeasureSettings {
     domain: Domain,
     relative: Option<f64>,
+    density: Option<String>,
     only: Option<Vec<Measure>>,
     limit: Limit,
 }
@@ -73,6 +74,21 @@ impl MeasureSettings {
     /// Default: 0.001.
     pub fn relative(mut self, share: f64) -> Self {
         self.relative = Some(share);
+        self
+    }
+
+    /// Sets the density of solids: a formula, in which names mean what they mean in the scene's
+    /// text. It weights the mass, the centroid and the moments of inertia. Default: 1, and no mass.
+    ///
+    /// ```
+    /// let ball = zeroset::Scene::read("x^2+y^2+z^2 <= 1")?;
+    /// let settings = zeroset::MeasureSettings::new().density("x^2+y^2+z^2").relative(0.01);
+    /// let mass = ball.measure(&settings.only(["mass".parse()?]))?[0].mass.clone();
+    /// assert!(mass.expect("a solid").contains(&2.51327));
+    /// # Ok::<(), zeroset::Error>(())
+    /// ```
+    pub fn density(mut self, formula: impl Into<String>) -> Self {
+        self.density = Some(formula.into());
         self
     }
 
@@ -111,13 +127,19 @@ pub struct Measures {
     pub name: String,
     /// The volume, if the surface bounds a solid.
     pub volume: Option<RangeInclusive<f64>>,
-    /// The centroid, if the volume is proven not to be 0.
+    /// The mass, if there is a [density](MeasureSettings::density). Where this has no value, it
+    /// counts as 0.
+    pub mass: Option<RangeInclusive<f64>>,
+    /// The centroid, if the volume or the mass is proven not to be 0.
     pub centroid: Option<[RangeInclusive<f64>; 3]>,
-    /// The moments of inertia about the axes through the centroid along x, y and z, for a density
-    /// of 1.
+    /// The moments of inertia about the axes through the centroid along x, y and z. The density is
+    /// 1 unless it is set.
     pub moments: Option<[RangeInclusive<f64>; 3]>,
     /// The least and the greatest coordinates along x, y and z. `None` if they are not proven.
     pub ends: Option<[[RangeInclusive<f64>; 3]; 2]>,
+    /// The area. The end is infinite if nothing bounds the area from above. `None` if the function
+    /// has too many parts.
+    pub area_bounds: Option<RangeInclusive<f64>>,
     /// The area of a mesh: an estimate, not a proof. `None` if the mesh has no triangle, and the
     /// surface is not proven empty.
     pub area: Option<f64>,
@@ -129,10 +151,7 @@ pub struct Measures {
     pub is_shape_proven: Option<bool>,
 }
 
-pub(crate) fn measured(
-    document: &Document,
-    settings: &MeasureSettings,
-) -> Result<Vec<Measures>, Error> {
+pub(crate) fn measured(text: &Text, settings: &MeasureSettings) -> Result<Vec<Measures>, Error> {
     let relative = settings.relative.unwrap_or(RELATIVE);
     if !(relative > 0.0 && relative.is_finite()) {
         return Err(Error::argument("relative must be a finite number above 0"));
@@ -141,10 +160,17 @@ pub(crate) fn measured(
         Some(only) => only.iter().map(|measure| measure.0).collect(),
         None => Quantity::ALL.to_vec(),
     };
-    let request = Request { quantities: &quantities, relative };
+    let density = match &settings.density {
+        Some(formula) => Some(text.expression(formula)?),
+        None if settings.only.is_some() && quantities.contains(&Quantity::Mass) => {
+            return Err(Error::argument("a mass needs a density"));
+        }
+        None => None,
+    };
+    let request = Request { quantities: &quantities, relative, density: density.as_ref() };
     let wanted = settings.limit.wanted();
     let found =
-        measures(document, settings.domain.choice(), Clipping::default(), &request, &wanted);
+        measures(&text.document, settings.domain.choice(), Clipping::default(), &request, &wanted);
     let found = found.map_err(|error| match error {
         MeasureError::Scene(error) => Error::scene(error),
         MeasureError::Unbounded { .. } => {
@@ -158,7 +184,8 @@ pub(crate) fn measured(
     let range = |bounds: Interval| bounds.lo..=bounds.hi;
     let measures = found.surfaces.into_iter().map(|(name, of)| {
         let solid = |quantity| of.solid.as_ref().filter(|_| request.has(quantity));
-        let inertia = |quantity| solid(quantity).and_then(zeroset_measure::Solid::inertia);
+        let weighted = of.weighted.as_ref().filter(|_| request.has(Quantity::Mass));
+        let inertia = |quantity| of.inertia().filter(|_| request.has(quantity));
         let ends = of.ends.filter(|_| request.has(Quantity::Ends));
         let has_area = request.has(Quantity::Area) && of.counts().is_some();
         let has_shape = request.has(Quantity::Shape);
@@ -166,9 +193,11 @@ pub(crate) fn measured(
         Measures {
             name,
             volume: solid(Quantity::Volume).map(|solid| range(solid.volume)),
+            mass: weighted.map(|solid| range(solid.volume)),
             centroid: inertia(Quantity::Centroid).map(|inertia| inertia.centroid.map(range)),
             moments: inertia(Quantity::Inertia).map(|inertia| inertia.moments.map(range)),
             ends: ends.map(|ends| ends.map(|end| end.map(range))),
+            area_bounds: of.area_bounds.map(|area| area.low..=area.high),
             area: has_area.then_some(of.area),
             area_change: has_area.then_some(of.area_change),
             genus: has_shape.then(genus),

@@ -182,7 +182,7 @@ impl Scene {
     /// # Ok::<(), zeroset::Error>(())
     /// ```
     pub fn measure(&self, settings: &MeasureSettings) -> Result<Vec<Measures>, Error> {
-        measured(&self.text.document, settings)
+        measured(&self.text, settings)
     }
 }
 

@@ -47,6 +47,19 @@ impl Text {
         self.document.parameters.iter().map(parameter).collect()
     }
 
+    /// Reads an expression with the names of the text, and the values that its parameters have now.
+    pub fn expression(&self, expression: &str) -> Result<Document, Error> {
+        let read = zeroset_syntax::read_expression(&self.text, expression, &Options::default());
+        let mut document = read.map_err(|errors| Error::syntax(&errors, expression))?;
+        for parameter in &mut document.parameters {
+            let own = |one: &&zeroset_syntax::Parameter| one.name == parameter.name;
+            if let Some(own) = self.document.parameters.iter().find(own) {
+                parameter.value = own.value.clone();
+            }
+        }
+        Ok(document)
+    }
+
     /// Returns the document with the parameter `name` set to exactly `value`.
     pub fn with(&self, name: &str, value: f64) -> Result<Document, Error> {
         let point = Interval::point(value)

@@ -96,6 +96,78 @@ fn only_measures_that_are_asked_for_are_computed() {
     assert_eq!([&shell["pieces"], &shell["hollows"]], [1, 1], "{shell}");
 }
 
+/// A density is read with the names of the text. It weights the mass, and not the volume.
+#[test]
+fn a_density_weights_mass_centroid_and_inertia() {
+    let ball = "x^2+y^2+z^2 <= 1";
+    let holds = |value: &Value, exact: f64, of: &str| {
+        let [low, high] = pair(value);
+        assert!(low <= exact && exact <= high && high - low < 0.05, "{of}: {value}, {exact}");
+    };
+    let few = ["--relative", "0.01", "--mass", "--centroid", "--inertia", "--volume"];
+    let (_, found) = report(&[&[ball, "--density", "x^2+y^2+z^2"], &few[..]].concat());
+    holds(&found["mass"], 0.8 * PI, "mass");
+    holds(&found["volume"], 4.0 / 3.0 * PI, "volume");
+    // The integral of r^2 (x^2+y^2).
+    holds(&found["inertia"]["zz"], 8.0 / 21.0 * PI, "inertia");
+    let half = "0 <= x and x <= 1 and 0 <= y and y <= 1 and 0 <= z and z <= 1";
+    let text = format!("a = 3 in [1, 5]; {half}");
+    for (options, exact) in [(&[][..], 2.5), (&["-D", "a=1"], 1.5)] {
+        let (_, found) = report(&[&[&*text, "--density", "1 + a x"], &few[..], options].concat());
+        holds(&found["mass"], exact, "a cube");
+        holds(&found["centroid"][0], (0.5 + (exact - 1.0) * 2.0 / 3.0) / exact, "a cube");
+    }
+    // A name that the density alone uses has a value, and a definition has a use.
+    for options in
+        [&["r = 2", "--density", "1 + r x"][..], &["", "-D", "a=2", "--density", "a x+1"]]
+    {
+        let text = [options[0], half].join("; ");
+        let (_, stderr, code) = run(&[&[&*text], &options[1..], &few[..]].concat());
+        assert!(code == Some(0) && !stderr.contains("never used"), "{stderr}");
+    }
+    let (_, stderr, _) =
+        run(&[ball, "--density", "t", "--time", "2", "--mass", "--relative", "0.1"]);
+    assert!(!stderr.contains("--time changes nothing"), "{stderr}");
+    let (text, ..) = run(&[ball, "--density", "2", "--relative", "0.1"]);
+    let labels: Vec<&str> = text.lines().map(|line| line.split(' ').next().unwrap()).collect();
+    assert_eq!(
+        labels,
+        ["volume", "mass", "centroid", "inertia", "", "from", "to", "area", "shape"]
+    );
+    let (_, plain) = report(&[ball, "--relative", "0.1"]);
+    assert_eq!(plain.get("mass"), None);
+    for (density, expected) in [
+        ("1/x", "the density is not proven to be bounded in the solid near (0"),
+        ("ln(x)", "the density has no value in the solid near (-0."),
+        ("1 + q", "--density:1:5"),
+        ("x < 1", "--density:1:1"),
+        ("1; 2", "--density:1:4"),
+        ("x = 1", "--density:1:1"),
+    ] {
+        let (_, stderr, code) = run(&[ball, "--density", density, "--mass"]);
+        assert!(code == Some(2) && stderr.contains(expected), "{density}: {stderr}");
+    }
+    let (_, stderr, code) = run(&[ball, "--mass"]);
+    assert!(code == Some(2) && stderr.contains("--density <FORMULA>"), "{stderr}");
+}
+
+/// The area has proven bounds beside the estimate, and a lower one where nothing bounds it.
+#[test]
+fn an_area_has_bounds() {
+    let (_, ball) = report(&["x^2+y^2+z^2 <= 1", "--area"]);
+    let [low, high] = pair(&ball["area_bounds"]);
+    assert!(low <= 4.0 * PI && 4.0 * PI <= high && high - low < 1e-3 * high, "{ball}");
+    let (text, ..) = run(&["max(abs(x), abs(y), abs(z)) <= 1", "--area"]);
+    let (bounds, estimate) = text.split_once("; ").expect(&text);
+    assert!(bounds.starts_with("area        23.999999999") && bounds.len() < 50, "{text}");
+    assert!(estimate.ends_with("estimated by two meshes\n"), "{text}");
+    let steps = ["z = floor(x + 0.3) + 0.5", "--domain", "1", "--area", "--relative", "0.01"];
+    let (text, ..) = run(&steps);
+    assert!(text.starts_with("area        at least 3.3"), "{text}");
+    let (_, steps) = report(&steps);
+    assert!(steps["area_bounds"][0].as_f64() > Some(3.3) && steps["area_bounds"][1].is_null());
+}
+
 #[test]
 fn equations_get_a_hint_how_to_write_the_solid() {
     for (arguments, expected) in [
@@ -153,7 +225,8 @@ const WIRE: [&str; 5] = ["x^2+y^2 <= 1e-10", "--domain", "1", "--area", "--shape
 #[test]
 fn a_solid_that_the_mesh_misses_is_not_said_to_be_nothing() {
     let (text, ..) = run(&WIRE);
-    assert!(text.contains("area        not estimated: the mesh has no triangle\n"), "{text}");
+    assert!(text.starts_with("area        0.0000..0.00"), "{text}");
+    assert!(text.contains("; not estimated: the mesh has no triangle\n"), "{text}");
     assert!(text.contains("shape       not known: "), "{text}");
     let (_, wire) = report(&WIRE);
     for key in ["area", "area_change", "pieces", "hollows"] {

@@ -544,6 +544,18 @@ fn notes_say_where_a_file_is_less_than_the_surface() {
     let place = Sandbox::new();
     let stderr = place.run(&[&["mesh", "-o", "a.stl"], &far[..]].concat()).ok().stderr;
     assert!(stderr.contains("STL rounds coordinates, by up to 6.0e-2"), "{stderr}");
+    // The advice of the note is enough.
+    assert!(stderr.contains("moved by (-1000000, 0, 0), about the origin, it is; with --tol"));
+    let least = stderr.split("--tolerance ").nth(1).and_then(|rest| rest.split(' ').next());
+    let near = ["x^2+y^2+z^2 = 1", "--domain", "-2,2,-2,2,-2,2"];
+    for advised in [&near[..], &[&far[..], &["--tolerance", least.expect("a number")]].concat()] {
+        let stderr = place.run(&[&["mesh", "-o", "a.stl"], advised].concat()).ok().stderr;
+        assert!(stderr.contains("the shape is proven") && !stderr.contains("rounds"), "{stderr}");
+    }
+    // Two sheets that are nearer than the digits of a place near the origin.
+    let wall = ["shell(sphere(1), 2e-7) <= 0", "--domain", "1.1", "--tolerance", "0.01"];
+    let stderr = place.run(&[&["mesh", "-o", "a.stl"], &wall[..]].concat()).ok().stderr;
+    assert!(stderr.contains("keep the shape: OBJ, PLY and 3MF have more digits"), "{stderr}");
     let (mesh, stderr) = read(&far, "a.ply");
     assert!(!stderr.contains("rounds"), "{stderr}");
     assert_eq!(mesh.closed_euler(), 2);

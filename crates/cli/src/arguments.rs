@@ -794,6 +794,10 @@ pub struct MeasureArgs {
     #[arg(long, help_heading = "Measures (without any, all)")]
     pub volume: bool,
 
+    /// Measure the mass of solids, by --density
+    #[arg(long, requires = "density", help_heading = "Measures (without any, all)")]
+    pub mass: bool,
+
     /// Measure the centroid of solids
     #[arg(long, help_heading = "Measures (without any, all)")]
     pub centroid: bool,
@@ -806,13 +810,18 @@ pub struct MeasureArgs {
     #[arg(long, help_heading = "Measures (without any, all)")]
     pub ends: bool,
 
-    /// Estimate the area
+    /// Bound the area, and estimate it
     #[arg(long, help_heading = "Measures (without any, all)")]
     pub area: bool,
 
     /// Count pieces, hollows and handles
     #[arg(long, visible_alias = "pieces", help_heading = "Measures (without any, all)")]
     pub shape: bool,
+
+    /// Set the density of solids: a formula, in which names mean what they mean in the text. It
+    /// weights mass, centroid and inertia
+    #[arg(long, value_name = "FORMULA", allow_hyphen_values = true)]
+    pub density: Option<String>,
 
     /// Make the bounds of a volume this narrow, as a share of the volume [default: 1e-3]
     #[arg(long, value_name = "SHARE", allow_hyphen_values = true)]

@@ -25,11 +25,12 @@ pub fn run(arguments: &MeasureArgs) -> Result<ExitCode> {
         "--relative needs a finite number above 0, such as 1e-3"
     );
     let asked = asked(arguments);
-    let request = Request { quantities: &asked, relative };
     let budget = budget(arguments.budget)?;
     interrupt::listen("nothing is printed")?;
-    let subject = Subject::read(&arguments.document)?;
+    let density = arguments.density.as_deref().map(|formula| ("--density", formula));
+    let (subject, density) = Subject::read_beside(&arguments.document, density)?;
     subject.show_notes();
+    let request = Request { quantities: &asked, relative, density: density.as_ref() };
     let wanted = Limit { budget, begun: Some(begun), ..Limit::default() }.wanted();
     let found = in_threads(arguments.threads, || {
         let (document, cut) = (&subject.document, Clipping::default());
@@ -62,6 +63,7 @@ pub fn run(arguments: &MeasureArgs) -> Result<ExitCode> {
 fn asked(arguments: &MeasureArgs) -> Vec<Quantity> {
     let is_asked = |quantity: &Quantity| match quantity {
         Quantity::Volume => arguments.volume,
+        Quantity::Mass => arguments.mass,
         Quantity::Centroid => arguments.centroid,
         Quantity::Inertia => arguments.inertia,
         Quantity::Ends => arguments.ends,
@@ -105,17 +107,21 @@ fn report(found: &Measured, request: &Request<'_>, parse: Duration) -> Value {
 fn entry(name: &str, measures: &Measures, request: &Request<'_>) -> Value {
     let pair = |interval: Interval| [interval.lo, interval.hi];
     let each = |all: [Interval; 3]| all.map(pair);
-    let solid = measures.solid.as_ref();
-    let inertia = solid.and_then(zeroset_measure::Solid::inertia);
+    let (solid, weighted) = (measures.solid.as_ref(), measures.weighted.as_ref());
+    let inertia = measures.inertia();
     let pieces = &measures.shape.pieces;
     let counts = measures.counts();
     let mut entry = json!({ "name": name });
     let all = entry.as_object_mut().expect("an object");
-    for quantity in request.quantities {
+    for quantity in request.quantities.iter().filter(|one| request.has(**one)) {
         let values = match quantity {
             Quantity::Volume => json!({
                 "volume": solid.map(|solid| pair(solid.volume)),
                 "boxes": solid.map(|solid| solid.boxes),
+            }),
+            Quantity::Mass => json!({
+                "mass": weighted.map(|solid| pair(solid.volume)),
+                "mass_boxes": weighted.map(|solid| solid.boxes),
             }),
             Quantity::Centroid => json!({
                 "centroid": inertia.map(|inertia| each(inertia.centroid)),
@@ -135,6 +141,10 @@ fn entry(name: &str, measures: &Measures, request: &Request<'_>) -> Value {
                 "high": measures.ends.map(|ends| each(ends[1])),
             }),
             Quantity::Area => json!({
+                "area_bounds": measures.area_bounds.map(|area| {
+                    // JSON has no infinite number.
+                    json!([area.low, area.high.is_finite().then_some(area.high)])
+                }),
                 "area": counts.map(|_| measures.area),
                 "area_change": counts.map(|_| measures.area_change),
             }),

@@ -7,6 +7,7 @@ use super::report::ms;
 use super::subject::{self, Subject};
 use super::{UNDECIDED, interrupt, notes};
 use anyhow::{Context, Result, bail, ensure};
+use glam::DVec3;
 use npyz::WriterBuilder;
 use serde_json::{Value, json};
 use std::io::{self, Write};
@@ -15,9 +16,10 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 use zeroset_export::{FORMATS, Format, Meshes, Object, Quality, Unit, meshes};
 use zeroset_live::Rendering;
-use zeroset_mesh::{Mesh, Unproven};
+use zeroset_mesh::{Mesh, Unproven, least_for_single};
 use zeroset_render::limit::Limit;
 use zeroset_scene::blank::{Blank, ends};
+use zeroset_scene::coordinate::{coordinate, decimal};
 use zeroset_scene::curves::UNPROVEN;
 use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::view::Clipping;
@@ -210,17 +212,48 @@ fn remarks(found: &Meshes, format: Option<&Format>) -> Vec<String> {
             listed(|format| format.has_objects)
         ));
     }
-    let largest = found.region.low().abs().max(found.region.high().abs()).max_element();
-    let rounding = largest * f64::from(f32::EPSILON) / 2.0;
     if format.is_single && found.objects.iter().any(|object| !object.mesh.is_single) {
-        remarks.push(format!(
-            "{} rounds coordinates, by up to {rounding:.1e} here, which is not proven to keep the \
-             shape: a larger --tolerance, a place near the origin, or a format with more digits does",
-            format.name
-        ));
+        remarks.push(rounding(found, format));
     }
     remarks
 }
+
+/// Says that `f32` are too coarse for a mesh, and the offset, the tolerance and the formats with
+/// which coordinates have enough digits.
+fn rounding(found: &Meshes, format: &Format) -> String {
+    let ends = [found.region.low(), found.region.high()];
+    let largest = ends[0].abs().max(ends[1].abs()).max_element();
+    let rounding = largest * f64::from(f32::EPSILON) / 2.0;
+    let walls = found.objects.iter().filter(|object| !object.mesh.is_single);
+    let wall = walls.filter_map(|object| object.mesh.wall).fold(f64::INFINITY, f64::min);
+    let least = least_for_single(ends);
+    let mut advice = Vec::new();
+    if least <= found.tolerance.min(wall) {
+        advice.push("without --detail full, it is".to_owned());
+    } else {
+        // The nearest offset of few digits. Rounding it must not move the ends past a power of two.
+        let unit = largest.log10().ceil() as i32 - OFFSET_DIGITS;
+        let offset = ((ends[0] + ends[1]) * -0.5).to_array().map(|along| decimal(along, unit));
+        let moved = ends.map(|end| end + DVec3::from_array(offset));
+        if least_for_single(moved) <= found.tolerance.min(wall) {
+            let listed = offset.map(coordinate).join(", ");
+            advice.push(format!("moved by ({listed}), about the origin, it is"));
+        }
+        if least <= wall {
+            advice.push(format!("with --tolerance {least} it is"));
+        }
+    }
+    advice.push(format!("{} have more digits", listed(|format| !format.is_single)));
+    format!(
+        "{} rounds coordinates, by up to {rounding:.1e} here, which is not proven to keep the \
+         shape: {}",
+        format.name,
+        advice.join("; ")
+    )
+}
+
+/// Number of digits of an offset that a note names.
+const OFFSET_DIGITS: i32 = 4;
 
 /// The report that `--json` prints.
 fn report(found: &Meshes, subject: &Subject, write: Duration) -> Value {

@@ -30,12 +30,39 @@ impl Subject {
     /// # Errors
     /// If the text is missing or invalid.
     pub fn read(arguments: &DocumentArgs) -> Result<Self> {
+        Ok(Self::read_beside(arguments, None)?.0)
+    }
+
+    /// Finds and reads the text, and an expression that a flag gives beside it, with the names of
+    /// the text. `beside` is the flag and the expression. Prints the notes on the expression.
+    ///
+    /// # Errors
+    /// If the text is missing, or it or the expression is invalid.
+    pub fn read_beside(
+        arguments: &DocumentArgs,
+        beside: Option<(&str, &str)>,
+    ) -> Result<(Self, Option<Document>)> {
         let values = &arguments.values;
         let (overrides, time) = (values.overrides()?, values.time()?);
-        let options = Options { overrides: &overrides, time, ..Options::default() };
+        let used = beside.map_or_else(Vec::new, |(_, text)| zeroset_syntax::names_in(text));
+        let options =
+            Options { overrides: &overrides, used_beside: &used, time, ..Options::default() };
         let subject = Self::read_by(arguments, |text| zeroset_syntax::read(text, &options))?;
-        note_time(time, &subject.document);
-        Ok(subject)
+        let mut expression = None;
+        if let Some((flag, text)) = beside {
+            let read = zeroset_syntax::read_expression(&subject.source.text, text, &options);
+            let document = read.map_err(|errors| {
+                notes::FormattedError(errors.render(Some(flag), text, notes::colored()))
+            })?;
+            for note in &document.notes {
+                notes::say(&note.render(Some(flag), text, notes::colored()));
+            }
+            expression = Some(document);
+        }
+        if !expression.as_ref().is_some_and(view::depends_on_time) {
+            note_time(time, &subject.document);
+        }
+        Ok((subject, expression))
     }
 
     /// Finds the text, and lets `read` turn it into a document.

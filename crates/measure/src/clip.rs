@@ -18,7 +18,7 @@ pub struct Strip {
 
 impl Strip {
     /// The linear function at a point of the cube.
-    fn at(&self, point: DVec3) -> f64 {
+    pub fn at(&self, point: DVec3) -> f64 {
         self.value + self.slope.dot(point)
     }
 
@@ -29,8 +29,8 @@ impl Strip {
     }
 }
 
-/// A tetrahedron.
-type Tetrahedron = [DVec3; 4];
+/// The corners of a tetrahedron.
+pub type Tetrahedron = [DVec3; 4];
 
 /// The cube as six tetrahedra around its diagonal.
 pub fn cube() -> Vec<Tetrahedron> {
@@ -114,6 +114,51 @@ impl Moments {
         all
     }
 
+    /// The integrals over tetrahedra, weighted by a linear function. They take twice as long as
+    /// those of [`Moments::of`].
+    pub fn weighted(tetrahedra: &[Tetrahedron], weight: &Strip) -> Self {
+        let mut all = Self::default();
+        for corners in tetrahedra {
+            let [a, b, c, d] = corners;
+            let volume = (b - a).cross(c - a).dot(d - a).abs() / 6.0;
+            let weights = corners.map(|corner| weight.at(corner));
+            let (sum, total) = (a + b + c + d, weights.iter().sum::<f64>());
+            let each = || corners.iter().zip(weights);
+            let weighted = each().map(|(p, weight)| *p * weight).sum::<DVec3>();
+            // The integral of w·x·y is V/120 times the sum of wᵢ·xⱼ·yₖ over all i, j and k. A term
+            // counts twice if two of the three numbers are equal, and six times if all are.
+            let pairs = |one: fn(DVec3) -> DVec3| {
+                let equal =
+                    each().map(|(p, weight)| *p * one(*p) * (total + 2.0 * weight)).sum::<DVec3>();
+                let mixed = weighted * one(sum) + sum * one(weighted);
+                (sum * one(sum) * total + mixed + equal) * (volume / 120.0)
+            };
+            all.volume += total * (volume / 4.0);
+            all.first += (weighted + sum * total) * (volume / 20.0);
+            all.squares += pairs(|p| p);
+            all.products += next(pairs(next));
+        }
+        all
+    }
+
+    /// All integrals, in their order.
+    pub fn to_array(self) -> [f64; 10] {
+        let [x, y, z] = self.first.to_array();
+        let [xx, yy, zz] = self.squares.to_array();
+        let [yz, zx, xy] = self.products.to_array();
+        [self.volume, x, y, z, xx, yy, zz, yz, zx, xy]
+    }
+
+    /// The integrals of which [`Moments::to_array`] is the list.
+    pub fn from_array([volume, x, y, z, xx, yy, zz, yz, zx, xy]: [f64; 10]) -> Self {
+        Self {
+            volume,
+            first: DVec3::new(x, y, z),
+            squares: DVec3::new(xx, yy, zz),
+            products: DVec3::new(yz, zx, xy),
+        }
+    }
+
     /// The integrals over the whole cube.
     pub const CUBE: Self = Self {
         volume: 8.0,
@@ -132,6 +177,17 @@ impl Moments {
             first: volume * reach,
             squares: volume * reach * reach,
             products: volume * products,
+        }
+    }
+
+    /// The integrals times a number.
+    #[must_use]
+    pub fn times(&self, by: f64) -> Self {
+        Self {
+            volume: by * self.volume,
+            first: by * self.first,
+            squares: by * self.squares,
+            products: by * self.products,
         }
     }
 

@@ -1,25 +1,36 @@
-//! Measures of surfaces: volume, centroid and inertia of solids between proven bounds, pieces and
-//! genus where they are proven, and an estimate of the area.
+//! Measures of surfaces: volume, mass, centroid and inertia of solids between proven bounds, area
+//! between proven bounds and as an estimate, and pieces and genus where they are proven.
 
+mod area;
 mod clip;
+mod density;
 mod hint;
+mod inertia;
+mod part;
+mod pieces;
+mod polygon;
 mod quantity;
 mod scene;
 mod shape;
+mod taylor;
 mod text;
 mod volume;
 mod wall;
 
+pub use area::{Area, area};
+pub use density::{Density, DensityFault};
+pub use inertia::Inertia;
 pub use quantity::Quantity;
 pub use scene::{MeasureError, Measured, measures};
 pub use shape::{Piece, Shape};
-pub use volume::{Inertia, Limit, Solid, SolidKernels, solid};
+pub use volume::{Limit, Solid, SolidKernels, solid};
 
 use shape::hull;
 use zeroset_interval::Interval;
 use zeroset_mesh::{Mesh, mesh};
-use zeroset_scene::program::{Program, ProgramError};
+use zeroset_scene::program::Program;
 use zeroset_space::Region;
+use zeroset_syntax::Document;
 
 /// Default of the largest width of a volume's bounds, as a share of the volume.
 pub const RELATIVE: f64 = 1e-3;
@@ -38,6 +49,8 @@ pub struct Measures {
     pub is_solid: bool,
     /// Volume and moments. `None` if the surface bounds no solid.
     pub solid: Option<Solid>,
+    /// Mass and moments, weighted by the density. `None` without a density.
+    pub weighted: Option<Solid>,
     /// The least and the greatest coordinates of the surface. `None` if they are not proven.
     pub ends: Option<[[Interval; 3]; 2]>,
     /// Pieces and genus of a mesh.
@@ -45,6 +58,8 @@ pub struct Measures {
     /// Number of cells in which the mesh is not proven to have the surface's shape. If it is 0,
     /// `shape` is the shape of the surface. 0 without a mesh.
     pub unproven: usize,
+    /// Bounds of the area. `None` without a request, or if the function has too many parts.
+    pub area_bounds: Option<Area>,
     /// The area of a mesh: an estimate.
     pub area: f64,
     /// The difference from the area of a coarser mesh.
@@ -52,6 +67,12 @@ pub struct Measures {
 }
 
 impl Measures {
+    /// The centroid and the moments of inertia. `None` if they were not asked for, or the volume or
+    /// the mass may be 0.
+    pub fn inertia(&self) -> Option<Inertia> {
+        self.weighted.as_ref().or(self.solid.as_ref())?.inertia()
+    }
+
     /// The numbers of pieces and of hollows. A hollow belongs to the piece around it; only a solid
     /// has any. `None` if the mesh has no triangle and the surface is not proven empty.
     pub fn counts(&self) -> Option<(usize, usize)> {
@@ -67,18 +88,31 @@ impl Measures {
 pub struct Request<'a> {
     /// Names of the measures. No other one is computed.
     pub quantities: &'a [Quantity],
-    /// Largest width of a volume's bounds, as a share of the volume. They are wider only if
-    /// narrower ones take too many boxes.
+    /// Largest width of a volume's bounds, as a share of the volume, and of those of a mass or an
+    /// area. They are wider only if narrower ones take too many boxes.
     pub relative: f64,
+    /// The density of solids: the function of the document's one surface. Without it, the density
+    /// is 1.
+    pub density: Option<&'a Document>,
 }
 
 impl Request<'_> {
     /// All measures, with the default width of bounds.
-    pub const ALL: Self = Self { quantities: &Quantity::ALL, relative: RELATIVE };
+    pub const ALL: Self = Self { quantities: &Quantity::ALL, relative: RELATIVE, density: None };
 
-    /// Returns whether a measure is asked for.
+    /// Returns whether a measure is asked for. There is no mass without a density.
     pub fn has(&self, quantity: Quantity) -> bool {
         self.quantities.contains(&quantity)
+            && (quantity != Quantity::Mass || self.density.is_some())
+    }
+
+    /// Returns whether a measure is asked for that takes integrals over a solid, either weighted by
+    /// the density or not.
+    fn has_integrals(&self, is_weighted: bool) -> bool {
+        let is_such = |one: &&Quantity| {
+            one.is_of_solid() && is_weighted == (one.is_weighted() && self.density.is_some())
+        };
+        self.quantities.iter().filter(is_such).any(|one| self.has(*one))
     }
 }
 
@@ -87,7 +121,8 @@ impl Request<'_> {
 /// false.
 ///
 /// # Errors
-/// If the function is too large, or a kernel is not available.
+/// If a function is too large, a kernel is not available, or the density has no value or no bounds
+/// in the solid.
 ///
 /// # Panics
 /// If there is no such surface, or the program is not valid in the
@@ -99,19 +134,34 @@ pub fn measure(
     larger: Option<Region>,
     request: &Request<'_>,
     wanted: &(dyn Fn() -> bool + Sync),
-) -> Result<Option<Measures>, ProgramError> {
+) -> Result<Option<Measures>, MeasureError> {
     let is_solid = program.is_solid(surface);
     let has_ends = request.has(Quantity::Ends);
-    let solid = if is_solid && (has_ends || request.quantities.iter().any(|one| one.is_of_solid()))
-    {
-        let kernels = SolidKernels::of(program, surface)?;
-        let Some(solid) = solid(&kernels, region, request.relative, has_ends, wanted) else {
-            return Ok(None);
-        };
-        Some(solid)
-    } else {
-        None
+    let integrals = |density: Option<&Density>, has_ends: bool| {
+        let mut kernels = SolidKernels::of(program, surface)?;
+        if let Some(density) = density {
+            kernels = kernels.weighted(density);
+        }
+        let solid = solid(&kernels, region, request.relative, has_ends, wanted);
+        match solid.and_then(|solid| solid.fault) {
+            Some(fault) => Err(MeasureError::from(fault)),
+            None => Ok(solid),
+        }
     };
+    let (mut solid, mut weighted) = (None, None);
+    if is_solid && (has_ends || request.has_integrals(false)) {
+        solid = integrals(None, has_ends)?;
+        if solid.is_none() {
+            return Ok(None);
+        }
+    }
+    if let Some(density) = request.density.filter(|_| is_solid && request.has_integrals(true)) {
+        let density = Density::new(density, program.domain())?;
+        weighted = integrals(Some(&density), false)?;
+        if weighted.is_none() {
+            return Ok(None);
+        }
+    }
     let tolerance = TOLERANCE * (region.high() - region.low()).length();
     let with = |tolerance: f64| {
         let options = zeroset_mesh::Options {
@@ -132,13 +182,21 @@ pub fn measure(
     let area = shape::area(&fine);
     let coarse = if has_area { with(COARSER * tolerance)? } else { Some(Mesh::default()) };
     let Some(coarse) = coarse else { return Ok(None) };
+    let mut area_bounds = None;
+    if has_area {
+        let found = self::area(program, surface, region, larger, request.relative, wanted)?;
+        let Some(found) = found else { return Ok(None) };
+        area_bounds = found;
+    }
     Ok(Some(Measures {
         is_solid,
+        area_bounds,
         ends: match &solid {
             Some(solid) => solid.low.zip(solid.high).map(<[_; 2]>::from),
             None => ends(&fine, tolerance),
         },
         solid,
+        weighted,
         shape: shape::shape(&fine),
         unproven: fine.unproven.len(),
         area,

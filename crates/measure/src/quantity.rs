@@ -5,6 +5,8 @@
 pub enum Quantity {
     /// The volume of a solid.
     Volume,
+    /// The mass of a solid with a density.
+    Mass,
     /// The centroid of a solid.
     Centroid,
     /// The moments of inertia of a solid.
@@ -19,13 +21,21 @@ pub enum Quantity {
 
 impl Quantity {
     /// All measures, in the order in which they are printed.
-    pub const ALL: [Self; 6] =
-        [Self::Volume, Self::Centroid, Self::Inertia, Self::Ends, Self::Area, Self::Shape];
+    pub const ALL: [Self; 7] = [
+        Self::Volume,
+        Self::Mass,
+        Self::Centroid,
+        Self::Inertia,
+        Self::Ends,
+        Self::Area,
+        Self::Shape,
+    ];
 
     /// The name, a word in lowercase.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Volume => "volume",
+            Self::Mass => "mass",
             Self::Centroid => "centroid",
             Self::Inertia => "inertia",
             Self::Ends => "ends",
@@ -41,6 +51,11 @@ impl Quantity {
 
     /// Returns whether boxes of a solid are enough.
     pub(crate) const fn is_of_solid(self) -> bool {
-        matches!(self, Self::Volume | Self::Centroid | Self::Inertia)
+        matches!(self, Self::Volume | Self::Mass | Self::Centroid | Self::Inertia)
+    }
+
+    /// Returns whether a density weights the measure.
+    pub(crate) const fn is_weighted(self) -> bool {
+        matches!(self, Self::Mass | Self::Centroid | Self::Inertia)
     }
 }

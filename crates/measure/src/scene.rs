@@ -1,9 +1,11 @@
 //! The measures of a document.
 
+use crate::density::DensityFault;
 use crate::hint::hint;
 use crate::{Measures, Request, measure};
 use std::time::{Duration, Instant};
 use thiserror::Error;
+use zeroset_eval::KernelError;
 use zeroset_scene::coordinate::coordinate;
 use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::program::{Program, ProgramError};
@@ -37,6 +39,12 @@ pub enum MeasureError {
     /// A function cannot be compiled.
     #[error(transparent)]
     Program(#[from] ProgramError),
+    /// A kernel is not available.
+    #[error(transparent)]
+    Kernel(#[from] KernelError),
+    /// A solid has no mass.
+    #[error(transparent)]
+    Density(#[from] DensityFault),
     /// A surface may reach beyond any box.
     #[error("the surface is not proven to be bounded, so its measures may be infinite")]
     Unbounded {
@@ -72,7 +80,7 @@ impl MeasureError {
 ///
 /// # Errors
 /// If the domain is not given and a surface is not proven bounded. If no surface is visible or has
-/// a point, or a function is too large.
+/// a point, a function is too large, or the density is at fault.
 pub fn measures(
     document: &Document,
     domain: DomainChoice,

@@ -1,7 +1,7 @@
 //! Measures as lines of text.
 
 use crate::volume::Limit;
-use crate::{Inertia, Measured, Measures, Quantity, Request};
+use crate::{Area, Inertia, Measured, Measures, Quantity, Request, Solid};
 use std::fmt::Write;
 use zeroset_interval::Interval;
 
@@ -9,23 +9,26 @@ use zeroset_interval::Interval;
 fn rows(measures: &Measures, request: &Request<'_>) -> Vec<(&'static str, String)> {
     let mut rows = Vec::new();
     let point = |of: &[Interval; 3]| of.map(digits).join(", ");
-    if let Some(solid) = &measures.solid {
-        let rest = match solid.limit {
-            None => String::new(),
-            Some(Limit::Boxes) => format!(" (not narrower, with {} boxes)", solid.boxes),
-            Some(Limit::Rounding) => " (not narrower, because of rounding)".to_owned(),
-        };
-        let mut of_solid = |quantity: Quantity, label, value: String| {
-            if request.has(quantity) {
-                rows.push((label, value));
-            }
-        };
-        of_solid(Quantity::Volume, "volume", format!("{}{rest}", digits(solid.volume)));
-        if let Some(Inertia { centroid, moments, products }) = solid.inertia() {
-            of_solid(Quantity::Centroid, "centroid", point(&centroid));
-            of_solid(Quantity::Inertia, "inertia", format!("xx, yy, zz: {}", point(&moments)));
-            of_solid(Quantity::Inertia, "", format!("products yz, zx, xy: {}", point(&products)));
+    let mut of_solid = |quantity: Quantity, label, value: String| {
+        if request.has(quantity) {
+            rows.push((label, value));
         }
+    };
+    if let Some(solid) = &measures.solid {
+        of_solid(Quantity::Volume, "volume", bounds(solid));
+    }
+    if let Some(solid) = &measures.weighted {
+        let doubt = if solid.may_lack_density {
+            "; where the density has no value, it counts as 0"
+        } else {
+            ""
+        };
+        of_solid(Quantity::Mass, "mass", format!("{}{doubt}", bounds(solid)));
+    }
+    if let Some(Inertia { centroid, moments, products }) = measures.inertia() {
+        of_solid(Quantity::Centroid, "centroid", point(&centroid));
+        of_solid(Quantity::Inertia, "inertia", format!("xx, yy, zz: {}", point(&moments)));
+        of_solid(Quantity::Inertia, "", format!("products yz, zx, xy: {}", point(&products)));
     }
     match &measures.ends {
         _ if !request.has(Quantity::Ends) => {}
@@ -39,11 +42,15 @@ fn rows(measures: &Measures, request: &Request<'_>) -> Vec<(&'static str, String
     let counts = measures.counts();
     if request.has(Quantity::Area) {
         let area = Interval { lo: area - area_change, hi: area + area_change };
+        let estimated = match counts {
+            Some(_) => format!("{}, estimated by two meshes", digits(area)),
+            None => "not estimated: the mesh has no triangle".to_owned(),
+        };
         rows.push((
             "area",
-            match counts {
-                Some(_) => format!("{}, estimated by two meshes", digits(area)),
-                None => "not estimated: the mesh has no triangle".to_owned(),
+            match &measures.area_bounds {
+                Some(bounds) => format!("{}; {estimated}", proven(bounds)),
+                None => estimated,
             },
         ));
     }
@@ -62,6 +69,32 @@ fn rows(measures: &Measures, request: &Request<'_>) -> Vec<(&'static str, String
         ));
     }
     rows
+}
+
+/// The bounds of a volume or a mass, and the reason why they are wider than requested.
+fn bounds(solid: &Solid) -> String {
+    let rest = match solid.limit {
+        None => String::new(),
+        Some(Limit::Boxes) => format!(" (not narrower, with {} boxes)", solid.boxes),
+        Some(Limit::Rounding) => " (not narrower, because of rounding)".to_owned(),
+    };
+    format!("{}{rest}", digits(solid.volume))
+}
+
+/// The bounds of an area, and the reason why they are wider than requested.
+fn proven(area: &Area) -> String {
+    if !area.high.is_finite() {
+        // Four digits, rounded down.
+        let digits = 4 - area.low.max(f64::MIN_POSITIVE).log10().ceil() as i32;
+        let unit = 10.0_f64.powi(digits.clamp(0, 18));
+        return format!("at least {}", (area.low * unit).floor() / unit);
+    }
+    let rest = if area.is_limited {
+        format!(" (not narrower, with {} boxes)", area.boxes)
+    } else {
+        String::new()
+    };
+    format!("{}{rest}", digits(Interval { lo: area.low, hi: area.high }))
 }
 
 /// The pieces of a surface and its hollows, in words.

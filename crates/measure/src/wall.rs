@@ -250,20 +250,22 @@ fn is_wall(choices: &Choices, one: usize, other: usize) -> bool {
     one.group == other.group && (one.factor < 0.0) != (other.factor < 0.0)
 }
 
-fn enclosures(kernel: &dyn Kernel<Enclose, f64>, boxes: &[[Interval; 3]]) -> Enclosures<f64> {
+/// The bounds of a function in up to sixteen boxes.
+pub fn enclosures(kernel: &dyn Kernel<Enclose, f64>, boxes: &[[Interval; 3]]) -> Enclosures<f64> {
     let mut found = Enclosures::default();
     kernel.eval(&Boxes::around(boxes)[0], &mut found);
     found
 }
 
-fn approximated(kernel: &dyn Kernel<ContractTiles, f64>, cells: &[Cell]) -> Planes<f64> {
+/// The linear approximations of a function in up to sixteen boxes.
+pub fn approximated(kernel: &dyn Kernel<ContractTiles, f64>, cells: &[Cell]) -> Planes<f64> {
     let mut found = Planes::default();
     kernel.eval(&tiles_of(cells), &mut found);
     found
 }
 
 /// The bounds in one box.
-fn value(bounds: &Enclosures<f64>, lane: usize) -> Interval {
+pub fn value(bounds: &Enclosures<f64>, lane: usize) -> Interval {
     Interval { lo: -bounds.neg_lo[lane], hi: bounds.hi[lane] }
 }
 

@@ -31,7 +31,7 @@ use glam::DVec3;
 use leaf::{Kind, Nearness};
 use near::{Far, Loose};
 use refine::{Limits, Refined, refine};
-pub use simplify::{Simplification, simplify};
+pub use simplify::{Simplification, least_for_single, simplify};
 use space::Space;
 use zeroset_interval::Interval;
 use zeroset_scene::choices::Choices;

@@ -23,7 +23,7 @@ use crate::{Mesh, Unproven, domain};
 use distance::Cover;
 use glam::DVec3;
 use guide::Guide;
-use lattice::Lattice;
+use lattice::{Lattice, single_spacing};
 use reduction::{Reduction, Setting};
 use rustc_hash::FxHashSet;
 use triangulation::Triangulation;
@@ -56,6 +56,12 @@ pub struct Simplification {
     pub tolerance: f64,
     /// Largest distance between the old triangles and the new ones, above 0.
     pub distance: f64,
+}
+
+/// The least tolerance, and the least thickness of a wall, with which [`simplify`] makes the
+/// coordinates between two points `f32`.
+pub fn least_for_single(ends: [DVec3; 2]) -> f64 {
+    single_spacing(ends) / ROUNDING
 }
 
 /// Replaces the triangles of a mesh by fewer ones of the same shape, and makes coordinates `f32` if

@@ -341,13 +341,14 @@ impl Scene {
     }
 
     /// Measures all surfaces. Returns a dictionary for each.
-    #[pyo3(signature = (*, region=None, only=None, relative=None, budget=None))]
+    #[pyo3(signature = (*, region=None, only=None, relative=None, density=None, budget=None))]
     fn measure<'py>(
         &self,
         py: Python<'py>,
         region: Option<DomainArgument>,
         only: Option<Vec<String>>,
         relative: Option<f64>,
+        density: Option<String>,
         budget: Option<f64>,
     ) -> PyResult<Vec<Bound<'py, PyDict>>> {
         let mut settings = MeasureSettings::new().domain(domain(region)?);
@@ -358,6 +359,9 @@ impl Scene {
         }
         if let Some(relative) = relative {
             settings = settings.relative(relative);
+        }
+        if let Some(density) = density {
+            settings = settings.density(density);
         }
         if let Some(budget) = budget {
             settings = settings.budget(seconds(budget)?);
@@ -373,10 +377,12 @@ impl Scene {
             let row = PyDict::new(py);
             row.set_item("name", one.name)?;
             row.set_item("volume", one.volume.as_ref().map(ends))?;
+            row.set_item("mass", one.mass.as_ref().map(ends))?;
             row.set_item("centroid", one.centroid.map(|all| all.each_ref().map(ends)))?;
             row.set_item("moments", one.moments.map(|all| all.each_ref().map(ends)))?;
             let corners = one.ends.map(|both| both.map(|all| all.each_ref().map(ends)));
             row.set_item("corners", corners)?;
+            row.set_item("area_bounds", one.area_bounds.as_ref().map(ends))?;
             row.set_item("area", one.area)?;
             row.set_item("area_change", one.area_change)?;
             row.set_item("genus", one.genus)?;

@@ -210,8 +210,28 @@ def test_measures():
     only = zs.Surface("x^2 + y^2 + z^2 <= 1").measure(only=["volume", "centroid"])[0]
     assert 4 * np.pi / 3 in only.volume and 0 in only.centroid[0]
     assert [only.moments, only.corners, only.area, only.genus, only.proven] == [None] * 5
-    with pytest.raises(zs.Error, match="'mass' is not a measure: volume, centroid"):
-        zs.Surface("x^2 + y^2 + z^2 <= 1").measure(only="mass")
+    ball = zs.Surface("x^2 + y^2 + z^2 <= 1")
+    with pytest.raises(zs.Error, match="'weight' is not a measure: volume, mass, centroid"):
+        ball.measure(only="weight")
+    with pytest.raises(zs.Error, match="a mass needs a density"):
+        ball.measure(only="mass")
+    area = ball.measure(only="area", relative=0.01)[0]
+    assert 4 * np.pi in area.area_bounds and area.area_bounds.width < 0.13
+
+
+def test_densities():
+    ball = zs.Surface("x^2 + y^2 + z^2 <= r^2", r=1.0)
+    one = ball.measure(density="1 + x/r", relative=0.01)[0]
+    assert 4 * np.pi / 3 in one.mass and 0.2 in one.centroid[0] and 0 in one.centroid[1]
+    # The density takes the value that a parameter has now.
+    ball.set(r=2.0)
+    one = ball.measure(only=["mass", "centroid"], density="1 + x/r", relative=0.01)[0]
+    assert 32 * np.pi / 3 in one.mass and 0.4 in one.centroid[0] and one.volume is None
+    assert ball.measure(only="volume")[0].mass is None
+    with pytest.raises(zs.Error, match="not proven to be bounded in the solid near"):
+        ball.measure(density="1/x")
+    with pytest.raises(zs.Error, match="`q` is not defined"):
+        ball.measure(density="q")
 
 
 def test_a_budget_ends_the_work():

@@ -443,6 +443,32 @@ impl Program {
         self.with_functions(surface, graph, slopes.to_vec())
     }
 
+    /// A program whose three surfaces are the factors of area of a surface's function f: |∇f| over
+    /// |∂f/∂x|, over |∂f/∂y| and over |∂f/∂z|. A small piece of a level has this factor times the
+    /// area of its projection along the axis.
+    ///
+    /// # Errors
+    /// If a derivative is too large.
+    ///
+    /// # Panics
+    /// If there is no such surface.
+    pub fn area_factors(&self, surface: usize) -> Result<Self, ProgramError> {
+        let (mut graph, root) = self.simplified().symbolic(surface);
+        let slopes = gradient(&mut graph, root);
+        let one = graph.constant(Constant::integer(1));
+        let factors = [0, 1, 2].map(|axis| {
+            let square = |graph: &mut Graph, other: usize| {
+                let share = graph.apply(Op::Div, &[slopes[(axis + other) % 3], slopes[axis]]);
+                graph.apply(Op::Mul, &[share, share])
+            };
+            let (left, right) = (square(&mut graph, 1), square(&mut graph, 2));
+            let sum = graph.apply(Op::Add, &[left, right]);
+            let sum = graph.apply(Op::Add, &[one, sum]);
+            graph.apply(Op::Sqrt, &[sum])
+        });
+        self.with_functions(surface, graph, factors.to_vec())
+    }
+
     /// A program for other functions, with the domain and the parameters of this one. They are
     /// functions of solids if `surface` is one.
     fn with_functions(

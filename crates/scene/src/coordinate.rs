@@ -12,6 +12,15 @@ pub fn coordinate(value: f64) -> String {
     if is_near && number(&text) == Some(value) { text } else { value.to_string() }
 }
 
+/// The multiple of a power of ten that is nearest to a number: the float of this decimal.
+pub fn decimal(value: f64, exponent: i32) -> f64 {
+    let unit = 10.0_f64.powi(exponent.abs());
+    let near =
+        if exponent < 0 { (value * unit).round() / unit } else { (value / unit).round() * unit };
+    // Adding 0 takes the sign from -0.
+    near + 0.0
+}
+
 /// The text of `times` π, where `times` is a multiple of 1/4.
 pub fn multiple_of_pi(times: f64) -> String {
     let quarters = (4.0 * times).round() as i64;
@@ -30,6 +39,19 @@ mod tests {
     use super::*;
     use crate::view::DomainChoice;
     use std::f64::consts::PI;
+
+    #[test]
+    fn decimals_have_no_digits_but_their_own() {
+        for (value, exponent, text) in [
+            (0.1234, -3, "0.123"),
+            (-0.3, -1, "-0.3"),
+            (-0.0004, -3, "0"),
+            (999_951.0, 2, "1000000"),
+            (-123_456.7, 2, "-123500"),
+        ] {
+            assert_eq!(coordinate(decimal(value, exponent)), text);
+        }
+    }
 
     #[test]
     fn coordinates_read_back_as_they_were() {

@@ -15,6 +15,7 @@ pub mod curves;
 pub mod domain;
 pub mod gallery;
 pub mod kernels;
+mod line_zeros;
 pub mod number;
 pub mod point_value;
 pub mod program;

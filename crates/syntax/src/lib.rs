@@ -31,6 +31,7 @@ mod picture;
 mod words;
 
 pub use document::curves::{Curve, CurveShape, Curves};
+pub use document::expression::{names_in, read_expression};
 pub use document::listed::is_expression_list;
 pub use document::reading::{
     Document, Options, Parameter, ParameterKind, Surface, SurfaceKind, parse,

@@ -30,7 +30,7 @@ impl Lattice {
         let largest = exponent(low.abs().max(high.abs()).max_element());
         let fine = (exponent((high - low).max_element()) - BITS).max(largest - BITS_FROM_ORIGIN);
         let single = fine.max(largest - BITS_OF_SINGLE);
-        let is_single = power(single) <= most;
+        let is_single = single_spacing([low, high]) <= most;
         let coarse = if is_single { single } else { fine };
         let spacing = power(coarse);
         let base = (low / spacing).floor() * spacing;
@@ -84,6 +84,11 @@ impl Lattice {
 }
 
 /// The least whole number e with x ≤ 2ᵉ, for a finite x above 0.
+/// The largest distance between neighboring `f32` between two points, on one axis.
+pub fn single_spacing([low, high]: [DVec3; 2]) -> f64 {
+    power(exponent(low.abs().max(high.abs()).max_element()) - BITS_OF_SINGLE)
+}
+
 fn exponent(x: f64) -> i32 {
     let bits = (x.to_bits() >> 52) as i32 - 1023;
     bits + i32::from(x > power(bits))

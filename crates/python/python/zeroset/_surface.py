@@ -91,11 +91,19 @@ class Measures:
     """The formula as it was read."""
     volume: Interval | None
     """The volume of a solid."""
+    mass: Interval | None
+    """The mass of a solid, if there is a density. Where this has no value, it counts as 0."""
     centroid: tuple[Interval, Interval, Interval] | None
     moments: tuple[Interval, Interval, Interval] | None
-    """Moments of inertia about the axes through the centroid along x, y and z, for density 1."""
+    """Moments of inertia about the axes through the centroid along x, y and z. The density is 1
+    unless it is given.
+    """
     corners: tuple[tuple[Interval, ...], tuple[Interval, ...]] | None
     """The least and the greatest x, y and z."""
+    area_bounds: Interval | None
+    """The area. Its end is infinite if nothing bounds the area from above. None also if the
+    function has too many parts.
+    """
     area: float | None
     """The area of a mesh: an estimate. None also if the mesh has no triangle, and the surface is
     not proven empty.
@@ -330,19 +338,26 @@ class Surface:
         domain: Domain | None = None,
         only: Iterable[str] | None = None,
         relative: float | None = None,
+        density: str | None = None,
         budget: float | None = None,
     ) -> list[Measures]:
-        """Measures of each surface. `only` names those to compute, of `"volume"`, `"centroid"`,
-        `"inertia"`, `"ends"`, `"area"` and `"shape"`: all by default. `relative` is the width of
-        the bounds of a volume, as a share of it: 0.001 by default.
+        """Measures of each surface. `only` names those to compute, of `"volume"`, `"mass"`,
+        `"centroid"`, `"inertia"`, `"ends"`, `"area"` and `"shape"`: all by default. `relative` is
+        the width of the bounds of a volume, as a share of it: 0.001 by default. `density` is a
+        formula that weights mass, centroid and moments.
 
-        >>> 4.18879 in Surface("x^2+y^2+z^2 <= 1").measure(relative=0.01)[0].volume
+        >>> ball = Surface("x^2+y^2+z^2 <= 1")
+        >>> 4.18879 in ball.measure(relative=0.01)[0].volume
+        True
+        >>> 2.51327 in ball.measure(only="mass", relative=0.01, density="x^2+y^2+z^2")[0].mass
         True
         """
         if isinstance(only, str):
             only = [only]
         names = None if only is None else list(only)
-        rows = self._scene.measure(region=domain, only=names, relative=relative, budget=budget)
+        rows = self._scene.measure(
+            region=domain, only=names, relative=relative, density=density, budget=budget
+        )
         return [Measures(**{key: _intervals(value) for key, value in row.items()}) for row in rows]
 
     def explore(self, width: int = 512, height: int = 512, **options: Any) -> Explorer:

@@ -147,6 +147,7 @@ class Scene:
         region: Any = None,
         only: list[str] | None = None,
         relative: float | None = None,
+        density: str | None = None,
         budget: float | None = None,
     ) -> list[dict[str, Any]]: ...
 

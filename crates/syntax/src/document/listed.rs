@@ -52,7 +52,8 @@ impl DocumentReader<'_> {
             self.statements()?;
         }
         let settings = std::mem::take(&mut self.settings);
-        let used: FxHashSet<&str> = settings.used.iter().map(String::as_str).collect();
+        let used = settings.used.iter().chain(self.options.used_beside);
+        let used: FxHashSet<&str> = used.map(String::as_str).collect();
         let overrides = self.overrides(&[], &used);
         let (names, parameters) = self.parameters(&[], &overrides, &[], used.contains("t"));
         self.check()?;

@@ -5,6 +5,7 @@
 //! documents. `parameters` and `listed` add methods to the `DocumentReader` of `reading`.
 
 pub(crate) mod curves;
+pub(crate) mod expression;
 pub(crate) mod foreign_definitions;
 pub(crate) mod heading;
 pub(crate) mod implied_coordinates;

@@ -38,6 +38,9 @@ pub struct Options<'a> {
     /// Overrides: names and the constant expressions that define them. If a name occurs twice, the
     /// later override counts.
     pub overrides: &'a [(String, String)],
+    /// Names that count as used, since an [expression beside the text](crate::read_expression) uses
+    /// them.
+    pub used_beside: &'a [String],
     /// Value of the time `t`. This value replaces the document's value.
     pub time: Option<f64>,
     /// Limits on the text.
@@ -313,6 +316,25 @@ impl<'a> DocumentReader<'a> {
         }
     }
 
+    /// Leaves out definitions whose names are defined again. Only the last definition of a name
+    /// counts, even for statements above that definition.
+    pub(crate) fn last_definitions<'d>(
+        &mut self,
+        definitions: &[(&'d Definition, &'d BuiltStatement)],
+    ) -> Vec<(&'d Definition, &'d BuiltStatement)> {
+        let mut last: FxHashMap<&str, usize> = FxHashMap::default();
+        for (index, (definition, _)) in definitions.iter().enumerate() {
+            if let Some(before) = last.insert(&definition.name.text, index) {
+                let earlier = &definitions[before].0.name;
+                let name = earlier.text.clone();
+                self.notes.push(Note { span: earlier.span, kind: NoteKind::Redefined { name } });
+            }
+        }
+        let mut last: Vec<usize> = last.into_values().collect();
+        last.sort_unstable();
+        last.into_iter().map(|index| definitions[index]).collect()
+    }
+
     fn read(mut self) -> Result<Document, Errors> {
         let (built, scope) = self.statements()?;
         let mut definitions: Vec<(&Definition, &BuiltStatement)> = Vec::new();
@@ -326,22 +348,12 @@ impl<'a> DocumentReader<'a> {
                 Statement::Curve(_) => curves.push(one),
             }
         }
-        // Only the last definition of a name counts, even for statements above that definition.
-        let mut last: FxHashMap<&str, usize> = FxHashMap::default();
-        for (index, (definition, _)) in definitions.iter().enumerate() {
-            if let Some(before) = last.insert(&definition.name.text, index) {
-                let earlier = &definitions[before].0.name;
-                let name = earlier.text.clone();
-                self.notes.push(Note { span: earlier.span, kind: NoteKind::Redefined { name } });
-            }
-        }
-        let mut last: Vec<usize> = last.into_values().collect();
-        last.sort_unstable();
-        definitions = last.into_iter().map(|index| definitions[index]).collect();
+        let definitions = self.last_definitions(&definitions);
         no_recursion(&definitions)?;
         let settings = std::mem::take(&mut self.settings);
+        let used = built.iter().flat_map(|b| &b.used).chain(&settings.used);
         let used: FxHashSet<&str> =
-            built.iter().flat_map(|b| &b.used).chain(&settings.used).map(String::as_str).collect();
+            used.chain(self.options.used_beside).map(String::as_str).collect();
         let drawn: Vec<&BuiltStatement> = drawings.iter().chain(&curves).copied().collect();
         let implied =
             drawn.is_empty().then(|| implied_drawing(self.text, &definitions, &self.generated));
@@ -385,12 +397,7 @@ impl<'a> DocumentReader<'a> {
             self.notes.push(note.clone());
             surfaces.push(surface(&mut lowering, statement)?);
         }
-        if lowering.has_placeholders() {
-            let roots: Vec<NodeId> = surfaces.iter().map(|surface| surface.root).collect();
-            let (graph, roots) = zeroset_ir::compact(&lowering.graph, &roots);
-            lowering.graph = graph;
-            surfaces.iter_mut().zip(roots).for_each(|(surface, root)| surface.root = root);
-        }
+        without_placeholders(&mut lowering, &mut surfaces);
         style(&mut surfaces, &mut curves.all, &settings, &values)?;
         let picture = picture(&settings, &values)?;
         self.notes.append(&mut lowering.notes);
@@ -547,8 +554,21 @@ fn unused_note(definition: &Definition, scope: &Scope) -> Note {
     Note { span: *span, kind: NoteKind::Unused { name: short_name(name), meant } }
 }
 
+/// Drops the nodes that no surface needs, if some have placeholders.
+pub(crate) fn without_placeholders(lowering: &mut Lowering<'_>, surfaces: &mut [Surface]) {
+    if lowering.has_placeholders() {
+        let roots: Vec<NodeId> = surfaces.iter().map(|surface| surface.root).collect();
+        let (graph, roots) = zeroset_ir::compact(&lowering.graph, &roots);
+        lowering.graph = graph;
+        surfaces.iter_mut().zip(roots).for_each(|(surface, root)| surface.root = root);
+    }
+}
+
 /// The surface that a statement draws.
-fn surface<'a>(lowering: &mut Lowering<'a>, built: &'a BuiltStatement) -> Fallible<Surface> {
+pub(crate) fn surface<'a>(
+    lowering: &mut Lowering<'a>,
+    built: &'a BuiltStatement,
+) -> Fallible<Surface> {
     let Statement::Draw { expr, restrictions } = &built.statement else {
         return Err(Error::new(built.span, ErrorKind::Empty));
     };
