@@ -240,7 +240,7 @@ pub fn extent(document: &Document) -> Option<[DVec3; 2]> {
 }
 
 /// The document at times in the range of the time, if a curve depends on the time.
-fn moments(document: &Document) -> Option<Vec<Document>> {
+pub(crate) fn moments(document: &Document) -> Option<Vec<Document>> {
     let mut parameters = document.parameters.iter();
     let time = parameters.position(|one| one.kind == ParameterKind::Time)?;
     let (low, high) = document.parameters[time].range.as_ref()?;

@@ -32,7 +32,6 @@ pub(crate) use moving::{Motion, find_moving};
 pub(crate) use shape::GraphShape;
 use std::cell::Cell as Counter;
 use waves::Wave;
-pub(crate) use window::few_digits;
 use window::{Window, WindowChooser};
 use zeroset_eval::Assumptions;
 use zeroset_interval::Interval;
@@ -548,7 +547,7 @@ fn valid_box(mut cell: Cell) -> Cell {
 }
 
 /// A coordinate rounded to a multiple of the largest power of ten up to `grain`.
-fn rounded(place: f64, grain: f64) -> f64 {
+pub(crate) fn rounded(place: f64, grain: f64) -> f64 {
     let near = in_grains(place, grain, f64::round);
     if near.is_finite() { near } else { place }
 }

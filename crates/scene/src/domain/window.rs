@@ -382,6 +382,6 @@ const MOST_PLACES: usize = 16;
 const FEW_OCTAVES: usize = 2;
 
 /// A length rounded to three digits.
-pub fn few_digits(length: f64) -> f64 {
+pub(super) fn few_digits(length: f64) -> f64 {
     format!("{length:.2e}").parse().unwrap_or(length)
 }
