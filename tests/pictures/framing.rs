@@ -179,12 +179,82 @@ fn flat_curves_and_floors_of_shaders_are_seen_from_above_with_and_without_axes()
         let (region, _) = region(&document, DomainChoice::Document, None).expect("a region");
         let settings = Settings { width: SIDE, height: SIDE, ..Settings::default() };
         let model = Model::new(&document, &region, &settings).expect("compiles");
-        // With axes, surfaces are not looked at before the picture.
-        for axes in [false, text != "z = x"] {
+        for axes in [false, true] {
             let camera = framing::camera(&model, &CameraChoice::default(), &settings, axes);
             let camera = camera.expect("a camera");
             let back = (camera.eye() - camera.target()).normalize();
             assert!(back.dot(upper) > 0.4, "{text} with axes {axes}: {back}");
         }
+    }
+}
+
+/// The camera that is chosen for a text, with or without axes.
+fn chosen(text: &str, axes: bool) -> Camera {
+    let document = read(text, &Options::default()).expect(text);
+    let (region, _) = region(&document, DomainChoice::Document, None).expect(text);
+    let settings = Settings { width: SIDE, height: SIDE, ..Settings::default() };
+    let model = Model::new(&document, &region, &settings).expect(text);
+    framing::camera(&model, &CameraChoice::default(), &settings, axes).expect(text)
+}
+
+#[test]
+fn axes_do_not_change_the_side_from_which_a_surface_is_seen() {
+    for text in [
+        "x + 2y + 3z = 6",
+        "x + y + z = 1",
+        "x + 2y + 3z = 6 {x>=0}{y>=0}{z>=0}",
+        "x^2+y^2+z^2=9; x+y+z=1; curve x^2+y^2+z^2=9, x+y+z=1",
+        "z = x^2 - y^2",
+        "x^2+y^2+z^2 = 1",
+    ] {
+        let [back, other] = [false, true].map(|axes| {
+            let camera = chosen(text, axes).displayed();
+            (camera.eye() - camera.target()).normalize()
+        });
+        assert!(back.dot(other) > 0.999, "{text}: {back} without axes, {other} with axes");
+    }
+}
+
+#[test]
+fn the_side_is_chosen_from_which_points_are_seen() {
+    let bowl = "z = x^2 + y^2; z = 2x + 2y - 2; (1, 1, 2) \"P\"";
+    let column = |at: &str| format!("x^2 + y^2 <= 1 and abs(z) <= 3; point {at}");
+    for (text, towards) in [
+        (bowl.to_owned(), DVec3::new(1.0, 1.0, 0.0)),
+        (column("(-1.01, 0, 0)"), DVec3::NEG_X),
+        (column("(1.01, 0, 0)"), DVec3::X),
+        (column("(0, 1.01, 0)"), DVec3::Y),
+        (column("(0, -1.01, 0)"), DVec3::NEG_Y),
+    ] {
+        for axes in [false, true] {
+            let camera = chosen(&text, axes);
+            let back = (camera.eye() - camera.target()).normalize();
+            assert!(back.dot(towards) > 0.2, "{text} with axes {axes}: {back}");
+        }
+    }
+}
+
+#[test]
+fn flat_drawings_seen_along_their_axis_have_parallel_rays() {
+    let is_parallel = |text: &str| {
+        [false, true]
+            .map(|axes| matches!(chosen(text, axes).projection(), Projection::Orthographic { .. }))
+    };
+    for text in [
+        "curve y = 1/x, z = 0; view top",
+        "curve r = 2 sin(3 theta), z = 0; view top",
+        "(cos(s), 2, sin(s)) for s in [0, 5]; view front",
+        "point (1, 2, 3); point (1, 0, 0); view left",
+    ] {
+        assert_eq!(is_parallel(text), [true; 2], "{text}");
+    }
+    for text in [
+        "curve y = 1/x, z = 0",
+        "curve x^2 + y^2 = 1, z = x; view top",
+        "curve y = x^2, z = 0; x^2 + y^2 + z^2 = 1; view top",
+        "curve y = x^2, z = 0; view front",
+        "curve y = x^2, z = 0; view top fov 40",
+    ] {
+        assert_eq!(is_parallel(text), [false; 2], "{text}");
     }
 }

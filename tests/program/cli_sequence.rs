@@ -245,3 +245,46 @@ fn frames_that_another_method_drew_say_so() {
     let note = "in 3 of 3 frames surface 1 was traced by knoll, not affine: ";
     assert_eq!(run.stderr.matches(note).count(), 1, "{}", run.stderr);
 }
+
+/// The domain of a sequence holds the domain of each of its frames.
+#[test]
+fn what_moves_is_not_cut_in_any_frame() {
+    let place = Sandbox::new();
+    place.write(
+        "turned.glsl",
+        "mat2 rot(float a) { float s = sin(a), c = cos(a); return mat2(c, -s, s, c); }\n\
+         float map(vec3 p) { p.xz *= rot(iTime*.5); p.xy *= rot(.7); return length(max(abs(p) - \
+         .5, 0.)) - .05; }",
+    );
+    // The ends of x, y and z, in turn.
+    let ends = |arguments: &[&str]| -> Vec<f64> {
+        let run = place.run(&[&["render"], arguments, &["--size", "16", "--json"]].concat()).ok();
+        let ends = frames(run.text())[0]["domain"].as_array().expect("ends").clone();
+        ends.iter().map(|end| end.as_f64().expect("a number")).collect()
+    };
+    for (text, sweep, values) in [
+        ("turned.glsl", "--time", ["0", "1", "2", "3"]),
+        ("rotate(box(1,0.5,0.3), t) <= 0", "--time", ["0", "1", "2", "3"]),
+        ("rotate(torus(1,0.3), t, (1,0,0)) <= 0", "--time", ["0", "1", "2", "3"]),
+        ("a = 0 in [0,3]; rotate(box(1,0.5,0.3), a, (1,1,0)) <= 0", "a", ["0", "1", "2", "3"]),
+        ("a = 2; x^2 + y^2 + a*z^2 = a^2", "a", ["1", "2", "3", "4"]),
+    ] {
+        let option = |value: &str| match sweep {
+            "--time" => [sweep.to_owned(), value.to_owned()],
+            name => ["--sweep".to_owned(), format!("{name}={value}")],
+        };
+        let [word, motion] = option(&format!("{}..{}", values[0], values[3]));
+        for frames in ["4", "40"] {
+            let whole = ends(&[text, &word, &motion, "--frames", frames]);
+            for value in values {
+                let [word, value] = option(value);
+                let word = if word == "--sweep" { "-D" } else { &word };
+                let one = ends(&[text, word, &value]);
+                let mut axes = whole.chunks(2).zip(one.chunks(2));
+                let is_within = axes.clone().all(|(a, b)| a[0] <= b[0] && b[1] <= a[1]);
+                let is_near = axes.all(|(a, b)| a[1] - a[0] < 12.0 * (b[1] - b[0]));
+                assert!(is_within && is_near, "{text} at {value}: {one:?} in {whole:?}");
+            }
+        }
+    }
+}

@@ -6,9 +6,12 @@
 //! depends on the picture's method or on threads.
 
 use crate::model::Model;
+use crate::overlay::{PictureView, Projector};
 use crate::picture::Settings;
 use glam::{DQuat, DVec3};
+use std::cmp::Ordering;
 use zeroset_scene::camera::{self, CameraChoice};
+use zeroset_scene::curves::TracedPoint;
 use zeroset_scene::view::SceneError;
 use zeroset_shade::Light;
 use zeroset_space::{Basis, Camera, CameraError, Projection, Region};
@@ -81,12 +84,8 @@ pub fn camera_while(
     axes: bool,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Camera>, SceneError> {
-    let framing = Framing { region: model.region(), choice, typed: model.camera(), settings };
-    if axes {
-        framing.of_domain(Some(model)).map(Some)
-    } else {
-        framing.over(&[model], false, wanted)
-    }
+    let framing = Framing { region: model.region(), choice, typed: &model.camera(), settings };
+    if axes { framing.of_domain(&[model], wanted) } else { framing.over(&[model], false, wanted) }
 }
 
 /// The camera that shows the whole region, unless the caller or the document sets another one.
@@ -94,7 +93,7 @@ pub fn camera_while(
 /// # Errors
 /// If the choices do not describe a camera.
 pub fn whole(model: &Model, choice: &CameraChoice) -> Result<Camera, SceneError> {
-    Ok(camera::camera(&choice.or(*model.camera()), model.region())?)
+    Ok(camera::camera(&choice.or(model.camera()), model.region())?)
 }
 
 /// Like [`camera_while`], within a part of the settings' time budget. When that time is over, the
@@ -162,25 +161,8 @@ impl Framing<'_> {
             let fitted = view.fitted_around(back, &usual, region, &look)?;
             return Ok(fitted.map(|camera| camera.in_stretched(stretch)));
         }
-        let Some(mut seen) = look(back)? else { return Ok(None) };
-        let mut side = back;
-        if self.is_upright() {
-            let flat = flat(&seen.spots);
-            let sides = match flat {
-                Some(normal) => view.steep(normal, back).into_iter().collect(),
-                None => (1..TURNS).map(|n| turned(usual.up(), n, TURNS) * back).collect::<Vec<_>>(),
-            };
-            for other in sides {
-                let Some(mut found) = look(other)? else { return Ok(None) };
-                // No point lies outside of the outline, from whatever side it was found.
-                found.spots.append(&mut seen.spots);
-                seen.spots = found.spots;
-                if flat.is_some() || found.area > MORE * seen.area {
-                    (side, seen.area) = (other, found.area);
-                }
-            }
-        }
-        let mut spots = if seen.spots.len() < LEAST { corners(region) } else { seen.spots };
+        let Some((side, spots)) = self.side(models, &view, back, wanted)? else { return Ok(None) };
+        let mut spots = if spots.len() < LEAST { corners(region) } else { spots };
         add_shadows(side, &mut spots);
         let fitted = view.fitted(side, &spots, FILLED);
         // If floats cannot represent the fitted camera, the camera shows the whole region.
@@ -192,25 +174,58 @@ impl Framing<'_> {
         Ok(self.usual()?.0)
     }
 
-    /// Fits the region's whole box with its axis labels. A flat curve of `model` alone is not seen
-    /// from its edge.
-    pub fn of_domain(&self, model: Option<&Model>) -> Result<Camera, SceneError> {
+    /// Fits the region's whole box with its axis labels, on the side from which most of the models
+    /// is visible. Returns `None` once `wanted` returns false.
+    pub fn of_domain(
+        &self,
+        models: &[&Model],
+        wanted: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Option<Camera>, SceneError> {
         let (given, view) = self.usual()?;
-        let Some(view) = view else { return Ok(given) };
+        let Some(view) = view else { return Ok(Some(given)) };
         let usual = given.displayed();
-        let stretch = self.region.stretch();
-        let mut back = (usual.eye() - usual.target()).normalize();
-        // Whether surfaces are flat would only be seen in a small picture.
-        let alone = model.filter(|model| model.surfaces() == 0 && self.is_upright());
-        if let Some(model) = alone {
-            let places = model.curves().places();
-            let spots: Vec<Spot> =
-                places.map(|at| Spot { at: at * stretch, radius: 0.0 }).collect();
-            back = flat(&spots).and_then(|normal| view.steep(normal, back)).unwrap_or(back);
-        }
+        let back = (usual.eye() - usual.target()).normalize();
+        let Some((side, _)) = self.side(models, &view, back, wanted)? else { return Ok(None) };
         let slope = FILLED_BY_DOMAIN * view.slope();
-        let fitted = view.fitted_within(back, &corners(self.region), [slope * view.aspect, slope]);
-        Ok(fitted.unwrap_or(usual).in_stretched(stretch))
+        let fitted = view.fitted_within(side, &corners(self.region), [slope * view.aspect, slope]);
+        Ok(Some(fitted.unwrap_or(usual).in_stretched(self.region.stretch())))
+    }
+
+    /// The side from which most of the models is visible, among `back` and others, and the points
+    /// that are visible from any of them. Returns `None` once `wanted` returns false.
+    fn side(
+        &self,
+        models: &[&Model],
+        view: &FreeView,
+        back: DVec3,
+        wanted: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Option<(DVec3, Vec<Spot>)>, SceneError> {
+        let look = |back: DVec3| view.seen(models, back, self.region, self.settings, wanted);
+        let Some(mut seen) = look(back)? else { return Ok(None) };
+        let mut side = back;
+        if !self.is_upright() {
+            return Ok(Some((side, seen.spots)));
+        }
+        let flat = flat(&seen.spots);
+        let sides = match flat {
+            Some(normal) => view.steep(normal, back).into_iter().collect(),
+            None => (1..TURNS).map(|n| turned(view.up, n, TURNS) * back).collect::<Vec<_>>(),
+        };
+        for other in sides {
+            let Some(mut found) = look(other)? else { return Ok(None) };
+            // No point lies outside of the outline, from whatever side it was found.
+            found.spots.append(&mut seen.spots);
+            seen.spots = found.spots;
+            let is_better = match found.points.cmp(&seen.points) {
+                Ordering::Less => false,
+                Ordering::Equal => found.area > MORE * seen.area,
+                Ordering::Greater => true,
+            };
+            if flat.is_some() || is_better {
+                (side, seen.area, seen.points) = (other, found.area, found.points);
+            }
+        }
+        Ok(Some((side, seen.spots)))
     }
 
     /// Returns whether neither the caller nor the document chooses the upward direction.
@@ -236,6 +251,8 @@ impl Framing<'_> {
 /// The points that are visible from one side.
 struct Seen {
     spots: Vec<Spot>,
+    /// Number of visible points among those that the document marks.
+    points: usize,
     /// Approximate area of the visible parts, in which undersides count as [`UNDERSIDE`].
     area: f64,
 }
@@ -305,7 +322,7 @@ impl FreeView {
         let rays = RayGrid::new(&in_space, SIDE, SIDE);
         let forward = rays.forward();
         let slope = self.slope();
-        let (mut spots, mut area) = (Vec::new(), 0.0);
+        let (mut spots, mut area, mut marked) = (Vec::new(), 0.0, 0);
         for model in models {
             let picture = model.trace(&in_space, &small, &|_| wanted())?;
             if !wanted() {
@@ -318,8 +335,15 @@ impl FreeView {
             spots.extend(points.iter().filter(|at| at.is_finite()).map(spot));
             spots.extend(model.curves().places().map(|at| Spot { at: at * stretch, radius: 0.0 }));
             area += visible_area(&points, &pixel, self.up);
+            let shown = PictureView::of(model, &in_space, &picture);
+            let projector = Projector::new(shown, SIDE, SIDE);
+            let is_seen = |point: &&TracedPoint| {
+                let found = projector.project(point.at);
+                found.is_some_and(|(at, distance)| projector.is_seen_nearby(at, distance).1)
+            };
+            marked += model.curves().points.iter().filter(is_seen).count();
         }
-        Ok(Some(Seen { spots, area }))
+        Ok(Some(Seen { spots, points: marked, area }))
     }
 
     /// A camera on the side of `back` whose eye can turn around its target about an upright axis.

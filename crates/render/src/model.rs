@@ -19,7 +19,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
-use zeroset_eval::{Boxes, KernelFloat, Points, SurfaceKernels};
+use zeroset_eval::{Assumptions, Boxes, KernelFloat, Points, SurfaceKernels};
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Graph};
 use zeroset_scene::camera::CameraChoice;
@@ -213,9 +213,13 @@ impl Model {
         let styles = document.surfaces.clone();
         let mut remarks = program.remarks(document);
         remarks.extend(curves.remarks.iter().cloned());
+        let mut setting = DocumentStyle::of(document);
+        if styles.is_empty() {
+            setting.camera.flat = curves.flat();
+        }
         Self {
             region: *region,
-            setting: DocumentStyle::of(document),
+            setting,
             remarks,
             curves,
             program,
@@ -284,8 +288,8 @@ impl Model {
     }
 
     /// The camera that the document chooses.
-    pub(crate) fn camera(&self) -> &CameraChoice {
-        &self.setting.camera
+    pub(crate) fn camera(&self) -> CameraChoice {
+        self.setting.camera
     }
 
     /// Returns whether a picture with these settings has a ground.
@@ -359,6 +363,20 @@ impl Model {
         };
         let values = (surface < self.surfaces()).then(|| sample(program.surface(surface), point));
         values.flatten().unwrap_or(UNKNOWN)
+    }
+
+    /// Returns whether an eye in the region is on a visible surface, as far as bounds of functions
+    /// tell.
+    fn meets_eye(&self, eye: DVec3) -> bool {
+        let (low, high) = (self.region.low(), self.region.high());
+        if !(low.cmple(eye).all() && eye.cmple(high).all()) {
+            return false;
+        }
+        let domain = eye.to_array().map(|along| Interval { lo: along, hi: along });
+        let assumptions = Assumptions { domain, parameters: self.program.values().to_vec() };
+        let (graph, roots) = (self.program.graph(), self.program.roots());
+        let bounds = zeroset_eval::enclose_all(graph, roots, &assumptions);
+        self.visible_surfaces().any(|surface| bounds[surface].0.contains(0.0))
     }
 
     /// Returns whether some visible surface's function cannot be distinguished from 0 at each of

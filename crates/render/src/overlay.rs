@@ -10,6 +10,7 @@ mod ticks;
 pub use canvas::{Canvas, Rgb};
 pub use letters::with_minus;
 pub use projector::PictureView;
+pub(crate) use projector::Projector;
 
 use crate::legend::Legend;
 use crate::picture::Picture;

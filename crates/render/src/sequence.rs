@@ -13,9 +13,10 @@ use zeroset_ir::Constant;
 use zeroset_parser::Errors;
 use zeroset_scene::camera::CameraChoice;
 use zeroset_scene::domain::AutoDomain;
+use zeroset_scene::program::Program;
 use zeroset_scene::view::{self, Clipping, DomainChoice, SceneError};
 use zeroset_space::{Camera, CameraError, Region};
-use zeroset_syntax::{Document, Options};
+use zeroset_syntax::{Document, Options, ParameterKind};
 
 /// Number of frames, spread evenly over the sequence, from which region and camera are chosen.
 const SAMPLES: usize = 33;
@@ -148,7 +149,7 @@ impl Sequence {
         let samples = if self.is_still() { 1 } else { self.frames.clamp(1, SAMPLES) };
         let last = self.frames.saturating_sub(1);
         let mut seen: Vec<Document> = Vec::new();
-        let mut found: Option<(Region, Option<AutoDomain>)> = None;
+        let mut search = RegionSearch::new(self, (domain, cut));
         let mut refused = None;
         for sample in 0..samples {
             let frame = sample * last / (samples - 1).max(1);
@@ -157,15 +158,12 @@ impl Sequence {
                 _ => self.document(text, options, frame),
             };
             let document = read.map_err(|errors| SequenceError::Text { frame, errors })?;
-            match view::region(&document, domain, cut) {
-                Ok(one) => {
-                    found = Some(found.map_or(one, |before| both(&before, &one)));
-                    seen.push(document);
-                }
+            match search.add(&document) {
+                Ok(()) => seen.push(document),
                 Err(error) => refused = refused.or(Some(SequenceError::Scene { frame, error })),
             }
         }
-        let Some((region, searched)) = found else {
+        let Some((region, searched)) = search.found() else {
             return Err(refused.expect("there is a frame"));
         };
         let at_start = |error| SequenceError::Scene { frame: 0, error };
@@ -178,14 +176,15 @@ impl Sequence {
         }
         let all: Vec<&Model> = models.iter().collect();
         let is_turned = self.turn.is_some();
-        let typed = &CameraChoice::typed(&seen[0]);
-        let framing = Framing { region: &region, choice, typed, settings };
+        let typed = models.first().map_or_else(|| CameraChoice::typed(&seen[0]), Model::camera);
+        let framing = Framing { region: &region, choice, typed: &typed, settings };
         // Without models, the camera shows the whole box.
         let visible = if shows_domain { &[] } else { &*all };
+        let wanted = settings.limit.wanted_to_choose();
         let camera = if shows_domain && !is_turned {
-            framing.of_domain(models.first()).map(Some)
+            framing.of_domain(&all, &wanted)
         } else {
-            framing.over(visible, is_turned, &settings.limit.wanted_to_choose())
+            framing.over(visible, is_turned, &wanted)
         };
         let camera = camera.and_then(|camera| camera.map_or_else(|| framing.whole(), Ok));
         let camera = camera.map_err(at_start)?;
@@ -206,6 +205,63 @@ impl Sequence {
     }
 }
 
+/// The search for the region of a sequence.
+struct RegionSearch<'a> {
+    sequence: &'a Sequence,
+    choices: (DomainChoice, Clipping),
+    /// The program and the document of the last search.
+    program: Option<Program>,
+    before: Option<Document>,
+    found: Option<(Region, Option<AutoDomain>)>,
+}
+
+impl<'a> RegionSearch<'a> {
+    fn new(sequence: &'a Sequence, choices: (DomainChoice, Clipping)) -> Self {
+        Self { sequence, choices, program: None, before: None, found: None }
+    }
+
+    /// Returns whether domains are searched for all values between the first frame and the last.
+    /// Otherwise they are searched for single frames.
+    fn is_continuous(&self) -> bool {
+        self.sequence.frames > SAMPLES && self.sequence.sweeps.len() == 1
+    }
+
+    /// Extends the region to show a frame.
+    fn add(&mut self, document: &Document) -> Result<(), SceneError> {
+        let mut document = document.clone();
+        for parameter in &mut document.parameters {
+            let mut sweeps = self.sequence.sweeps.iter();
+            let moves = self.is_continuous() && sweeps.any(|sweep| sweep.name == parameter.name);
+            parameter.kind = if moves { ParameterKind::Time } else { ParameterKind::Slider };
+        }
+        let program = self.program.as_ref().filter(|program| program.serves(&document));
+        let before = self.before.as_ref().filter(|_| program.is_some());
+        if before.is_some_and(|before| view::same_search(before, &document)) {
+            return Ok(());
+        }
+        let (domain, cut) = self.choices;
+        let one = view::region_while(&mut self.program, &document, domain, cut, &|| true)?;
+        if let Some(one) = one {
+            self.found = Some(self.found.map_or(one, |before| both(&before, &one)));
+        }
+        self.before = Some(document);
+        Ok(())
+    }
+
+    /// The region of all frames, and the result of the search.
+    fn found(self) -> Option<(Region, Option<AutoDomain>)> {
+        let is_whole = self.sequence.frames <= SAMPLES || self.is_continuous();
+        let (region, mut searched) = self.found?;
+        if let Some(found) = &mut searched
+            && !is_whole
+            && !self.sequence.is_still()
+        {
+            found.finding = found.finding.between_times();
+        }
+        Some((region, searched))
+    }
+}
+
 /// The camera with its eye turned by this many degrees about the upright axis through its target.
 fn turned(camera: &Camera, degrees: f64) -> Result<Camera, CameraError> {
     let (given, camera) = (camera, camera.displayed());
@@ -221,26 +277,19 @@ fn turned(camera: &Camera, degrees: f64) -> Result<Camera, CameraError> {
     Ok(turned.in_stretched(given.stretch()))
 }
 
-/// The smallest region that contains both regions, and the result of both searches.
+/// The smallest region that contains both regions, and the result of both searches. The region of
+/// an empty surface does not count.
 fn both(
     (one, found): &(Region, Option<AutoDomain>),
     (other, found_too): &(Region, Option<AutoDomain>),
 ) -> (Region, Option<AutoDomain>) {
+    let searched = found.zip(*found_too).map(|(one, other)| one.hull(other));
+    let is_empty = |found: &Option<AutoDomain>| found.is_some_and(|one| one.finding.is_empty());
+    if is_empty(found) || is_empty(found_too) {
+        return (if is_empty(found) { *other } else { *one }, searched);
+    }
     let (low, high) = (one.low().min(other.low()), one.high().max(other.high()));
     let is_round = one.ball().is_some() && other.ball().is_some();
     let region = view::clipped(low, high, is_round, one.clip()).unwrap_or(*one);
-    let region = region.with_stretch(one.stretch());
-    let searched = found.zip(*found_too).map(|(one, other)| AutoDomain {
-        low: low.to_array(),
-        high: high.to_array(),
-        finding: one.finding.max(other.finding),
-        cut: [0, 1, 2].map(|axis| {
-            let reaches = |found: AutoDomain, side: usize| {
-                let ends = [found.low[axis] == low[axis], found.high[axis] == high[axis]];
-                found.cut[axis][side] && ends[side]
-            };
-            [0, 1].map(|side| reaches(one, side) || reaches(other, side))
-        }),
-    });
-    (region, searched)
+    (region.with_stretch(one.stretch()), searched)
 }

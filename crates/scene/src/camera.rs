@@ -26,6 +26,9 @@ pub struct CameraChoice {
     pub projection: Option<Projection>,
     /// Whether y points up in the default view, as in programs of shaders.
     pub is_y_up: bool,
+    /// Per axis, whether all that is drawn lies in one plane across it. Seen along that axis, such
+    /// a drawing is shown by parallel rays, so that ticks are where they are in the plane.
+    pub flat: [bool; 3],
 }
 
 impl CameraChoice {
@@ -47,6 +50,7 @@ impl CameraChoice {
             up: point(&typed.up),
             projection,
             is_y_up: document.is_y_up,
+            flat: [false; 3],
         }
     }
 
@@ -62,13 +66,14 @@ impl CameraChoice {
             up: self.up.or(own.up.filter(|_| is_kept)),
             projection: self.projection.or(own.projection),
             is_y_up: self.is_y_up || own.is_y_up,
+            flat: [0, 1, 2].map(|axis| self.flat[axis] || own.flat[axis]),
         }
     }
 
     /// Returns whether the choice fixes the view: a side other than the usual one, an eye, a target
     /// or a projection.
     pub fn is_fixed(&self) -> bool {
-        let Self { view, eye, target, up: _, projection, is_y_up: _ } = self;
+        let Self { view, eye, target, up: _, projection, is_y_up: _, flat: _ } = self;
         let is_other = view.is_some_and(|view| view != <&StandardView>::default());
         is_other || eye.is_some() || target.is_some() || projection.is_some()
     }
@@ -106,7 +111,17 @@ pub fn camera(choice: &CameraChoice, region: &Region) -> Result<Camera, CameraEr
         if vertical { turned([0.0, 1.0, 0.0]) } else { view_up }
     };
     let up = choice.up.map_or_else(usual_up, displayed);
-    let projection = choice.projection.unwrap_or(Projection::Perspective { fov: FOV });
+    let projection = choice.projection.unwrap_or_else(|| {
+        let way = eye - target;
+        let is_along = |axis: usize| choice.flat[axis] && way.length() == way[axis].abs();
+        if (0..3).any(is_along) {
+            // The same part of the plane is shown as in perspective.
+            let half = (FOV.to_radians() / 2.0).tan() * way.length();
+            Projection::Orthographic { height: 2.0 * half }
+        } else {
+            Projection::Perspective { fov: FOV }
+        }
+    });
     Ok(Camera::new(eye, target, up, projection)?.in_stretched(stretch))
 }
 

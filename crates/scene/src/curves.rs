@@ -7,11 +7,13 @@ mod functions;
 mod intersection;
 mod march;
 mod path;
+mod plane;
 mod shaped;
 
 use crate::number::nearest;
 use functions::bound;
 use glam::DVec3;
+pub(crate) use plane::{PlaneCurves, in_planes};
 use rayon::prelude::*;
 use zeroset_interval::Interval;
 use zeroset_ir::{Constant, NodeId};
@@ -72,11 +74,24 @@ impl TracedCurves {
         let lines = self.lines.iter().flat_map(|line| line.at.iter().copied());
         lines.chain(self.points.iter().map(|point| point.at))
     }
+
+    /// Per axis, whether all curves and points lie in one plane across it.
+    pub fn flat(&self) -> [bool; 3] {
+        let low = self.places().fold(DVec3::INFINITY, DVec3::min);
+        let high = self.places().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let size = high - low;
+        let thickest = FLAT * size.max_element();
+        size.to_array().map(|extent| (0.0..=thickest).contains(&extent))
+    }
 }
 
 /// The remark that arrays, meshes and counts leave curves out.
 pub const UNPROVEN: &str =
     "curves and points are drawn, not proven: arrays, counts and meshes leave them out";
+
+/// Drawings are flat if their thickness is at most this share of their largest extent: that is how
+/// exactly curves are traced.
+const FLAT: f64 = 1e-6;
 
 /// Largest number of points with labels of their coordinates. More would cover one another.
 const LABELED_POINTS: usize = 50;
@@ -225,7 +240,7 @@ pub fn extent(document: &Document) -> Option<[DVec3; 2]> {
 }
 
 /// The document at times in the range of the time, if a curve depends on the time.
-fn moments(document: &Document) -> Option<Vec<Document>> {
+pub(crate) fn moments(document: &Document) -> Option<Vec<Document>> {
     let mut parameters = document.parameters.iter();
     let time = parameters.position(|one| one.kind == ParameterKind::Time)?;
     let (low, high) = document.parameters[time].range.as_ref()?;

@@ -15,6 +15,7 @@ mod graph;
 mod ground;
 mod heights;
 mod homogeneous;
+mod moving;
 mod partial;
 mod period;
 mod polynomial;
@@ -27,6 +28,7 @@ use crate::coordinate::coordinate;
 use crate::program::{Program, ProgramError};
 use glam::DVec3;
 use homogeneous::Homogeneous;
+pub(crate) use moving::{Motion, find_moving};
 pub(crate) use shape::GraphShape;
 use std::cell::Cell as Counter;
 use waves::Wave;
@@ -118,6 +120,25 @@ impl AutoDomain {
         Self { low, high, finding, ..self }
     }
 
+    /// The smallest domain that contains both domains. A domain of an empty surface does not count.
+    #[must_use]
+    pub fn hull(self, other: Self) -> Self {
+        if other.finding.is_empty() || self.finding.is_empty() {
+            let (kept, empty) = if self.finding.is_empty() { (other, self) } else { (self, other) };
+            return Self { finding: kept.finding.max(empty.finding), ..kept };
+        }
+        let low = [0, 1, 2].map(|axis| self.low[axis].min(other.low[axis]));
+        let high = [0, 1, 2].map(|axis| self.high[axis].max(other.high[axis]));
+        let cut = [0, 1, 2].map(|axis| {
+            let reaches = |found: &Self, side: usize| {
+                let ends = [found.low[axis] == low[axis], found.high[axis] == high[axis]];
+                found.cut[axis][side] && ends[side]
+            };
+            [0, 1].map(|side| reaches(&self, side) || reaches(&other, side))
+        });
+        Self { low, high, finding: self.finding.max(other.finding), cut }
+    }
+
     /// One phrase that describes the finding, and where the domain cuts a graph.
     pub fn describe(&self) -> String {
         let mut phrase = self.finding.describe().to_owned();
@@ -150,6 +171,9 @@ pub enum Finding {
     Bounded,
     /// The part of the surface within ±[`REACH`] is proven to lie in the domain.
     BoundedNear,
+    /// The surface moves. At some values of the parameter that moves, it is proven to lie in the
+    /// domain. For other values there is no proof.
+    BoundedAtTimes,
     /// The surface could not be proven bounded. The domain is a window, and the surface looks
     /// better in the window's [ball](zeroset_space::Region::with_ball).
     UnboundedInBall,
@@ -164,11 +188,18 @@ impl Finding {
             Self::Traced => "the box of the curves and points",
             Self::Bounded => "bounded: proven",
             Self::BoundedNear => "bounded: proven up to ±1e12",
+            Self::BoundedAtTimes => "bounded at the times tried, else not proven",
             Self::Unbounded => "unbounded, clipped to a box",
             Self::UnboundedInBall => "unbounded, clipped to a ball",
             Self::Empty => "empty: proven",
             Self::EmptyNear => "empty: proven up to ±1e12",
         }
+    }
+
+    /// The finding for all times, if this one holds at some of them.
+    #[must_use]
+    pub fn between_times(self) -> Self {
+        if self.is_bounded() { Self::BoundedAtTimes } else { self }
     }
 
     /// Returns whether the surface is proven empty, at least within ±[`REACH`].
@@ -194,21 +225,14 @@ pub fn find_while(
     wanted: &dyn Fn() -> bool,
 ) -> Result<Option<AutoDomain>, ProgramError> {
     let Some(mut search) = cell_search(program, wanted)? else { return Ok(None) };
-    let mut at_infinity = share(program, WORK_AT_INFINITY);
-    let bounds = everything(program, &search, &mut at_infinity)
-        .map_or_else(|| bounds::bounds(&search), Some);
-    let whole = bounds.filter(Cell::is_finite);
-    let whole = whole.map(|whole| (whole, Finding::Bounded, Finding::Empty));
-    let near =
-        || everything_near(&search).map(|whole| (whole, Finding::BoundedNear, Finding::EmptyNear));
     let mut cut = [[false; 2]; 3];
-    let (found, finding) = match bounds.map(|bounds| (bounds, whole.or_else(near))) {
-        None => (Cell::cube(DEFAULT_HALF), Finding::Empty),
-        Some((_, Some((whole, bounded, empty)))) => match tighten(program, &mut search, whole)? {
+    let (found, finding) = match reach(program, &search) {
+        Reach::Empty => (Cell::cube(DEFAULT_HALF), Finding::Empty),
+        Reach::Within(whole, [bounded, empty]) => match tighten(program, &mut search, whole)? {
             Some(hull) => (around(program, &hull), bounded),
             None => (Cell::cube(DEFAULT_HALF), empty),
         },
-        Some((bounds, None)) => {
+        Reach::Open(bounds) => {
             let window = windows(program, is_stretched, &search, bounds)?;
             cut = window.cut;
             let is_round = window.is_round;
@@ -246,6 +270,30 @@ pub(crate) fn find_between(
     let widest = given.map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
     let is_shown = open().all(|axis| hull.extent(axis) <= LONGEST_PART * widest);
     Ok((is_shown && wanted()).then(|| valid_box(thickened(with_margin(&hull), THIN))))
+}
+
+/// The part of space in which surfaces are proven to lie.
+enum Reach {
+    /// There are no surfaces.
+    Empty,
+    /// A finite box, with the findings for surfaces in it and for none in it.
+    Within(Cell, [Finding; 2]),
+    /// A box of which some ends are infinite.
+    Open(Cell),
+}
+
+/// The part of space in which all surfaces are proven to lie.
+fn reach(program: &Program, search: &CellSearch<'_>) -> Reach {
+    let mut at_infinity = share(program, WORK_AT_INFINITY);
+    let everything = everything(program, search, &mut at_infinity);
+    let Some(bounds) = everything.or_else(|| bounds::bounds(search)) else { return Reach::Empty };
+    if bounds.is_finite() {
+        return Reach::Within(bounds, [Finding::Bounded, Finding::Empty]);
+    }
+    let near = everything_near(search);
+    near.map_or(Reach::Open(bounds), |near| {
+        Reach::Within(near, [Finding::BoundedNear, Finding::EmptyNear])
+    })
 }
 
 /// A search of cells for the surfaces of a program. `None` once `wanted` returns false.
@@ -499,7 +547,7 @@ fn valid_box(mut cell: Cell) -> Cell {
 }
 
 /// A coordinate rounded to a multiple of the largest power of ten up to `grain`.
-fn rounded(place: f64, grain: f64) -> f64 {
+pub(crate) fn rounded(place: f64, grain: f64) -> f64 {
     let near = in_grains(place, grain, f64::round);
     if near.is_finite() { near } else { place }
 }
@@ -534,12 +582,18 @@ fn around_curves([low, high]: [DVec3; 2]) -> [DVec3; 2] {
 
 /// The box with some space on each side, its bounds rounded outward to few digits.
 fn with_margin(cell: &Cell) -> Cell {
-    let mut with_margin = *cell;
+    grown(cell, SPACE)
+}
+
+/// The box with the share `space` of its extent on each side, its bounds rounded outward to few
+/// digits.
+fn grown(cell: &Cell, space: f64) -> Cell {
+    let mut grown = *cell;
     // An axis without extent gets a millionth of the largest extent.
     let least = cell.largest() * 1e-6;
     for axis in 0..3 {
         let extent = cell.extent(axis).max(least);
-        let space = SPACE * extent;
+        let space = space * extent;
         let neat = |bound: f64, outward: fn(f64) -> f64| {
             in_grains(bound, extent / 100.0, |grains| {
                 // A bound that is a whole number of grains up to rounding is not moved outward by
@@ -551,12 +605,11 @@ fn with_margin(cell: &Cell) -> Cell {
         let low = neat(cell.low[axis] - space, f64::floor);
         let high = neat(cell.high[axis] + space, f64::ceil);
         // Far from the origin, rounding to grains may overflow.
-        with_margin.low[axis] =
-            if low.is_finite() { low.min(cell.low[axis]) } else { cell.low[axis] };
-        with_margin.high[axis] =
+        grown.low[axis] = if low.is_finite() { low.min(cell.low[axis]) } else { cell.low[axis] };
+        grown.high[axis] =
             if high.is_finite() { high.max(cell.high[axis]) } else { cell.high[axis] };
     }
-    with_margin
+    grown
 }
 
 #[cfg(test)]

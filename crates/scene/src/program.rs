@@ -185,16 +185,25 @@ impl Program {
     /// Proofs of the program then hold at each of these times.
     #[must_use]
     pub fn over_time(&self, document: &Document) -> Self {
-        let assumed = &self.store.simplified.assumptions.parameters;
-        let parameters = document.parameters.iter().zip(assumed);
-        let range = |(parameter, assumed): (&Parameter, &Interval)| match (
-            parameter.kind,
-            &parameter.range,
-        ) {
-            (ParameterKind::Time, Some(_)) => *assumed,
-            (ParameterKind::Time, None) | (ParameterKind::Slider, _) => parameter.value.bounds(),
-        };
-        self.with(parameters.map(range).collect())
+        match self.times(document) {
+            Some((time, range)) => self.during(time, range),
+            None => self.with(self.values.to_vec()),
+        }
+    }
+
+    /// The same program for all values of one parameter in a range. Proofs of the program then hold
+    /// at each of these values.
+    pub(crate) fn during(&self, parameter: usize, range: Interval) -> Self {
+        let mut values = self.values.to_vec();
+        values[parameter] = range;
+        self.with(values)
+    }
+
+    /// The place of the document's time in the list of parameters, and its range, if it has one.
+    pub(crate) fn times(&self, document: &Document) -> Option<(usize, Interval)> {
+        let has_range = |one: &Parameter| one.kind == ParameterKind::Time && one.range.is_some();
+        let time = document.parameters.iter().position(has_range)?;
+        Some((time, self.store.simplified.assumptions.parameters[time]))
     }
 
     fn with(&self, values: Vec<Interval>) -> Self {

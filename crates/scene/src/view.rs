@@ -1,7 +1,7 @@
 //! The region of a document. The caller's choice comes first, then the document's, then a default.
 
-use crate::curves;
-use crate::domain::{self, AutoDomain, Finding};
+use crate::curves::{self, PlaneCurves};
+use crate::domain::{self, AutoDomain, Finding, Motion};
 use crate::number::{nearest, numbers};
 use crate::program::{Program, ProgramError};
 use crate::proportions;
@@ -11,7 +11,9 @@ use std::str::FromStr;
 use zeroset_interval::Interval;
 use zeroset_ir::{Constant, Node, NodeId};
 use zeroset_space::{CameraError, HalfSpace, LARGEST_COORDINATE, Region, RegionError};
-use zeroset_syntax::{Document, DomainLine, Parameter, ParameterKind, PointValue, SurfaceColor};
+use zeroset_syntax::{
+    Document, DomainLine, Parameter, ParameterKind, PointValue, Surface, SurfaceColor,
+};
 
 /// The caller's choice of a domain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -306,8 +308,63 @@ fn search_while(
         program.hurry();
         program
     });
-    let found = domain::find_while(&program.over_time(document), is_tall, wanted)?;
+    let found = find(program, document, is_tall, wanted)?;
+    let found = match (found, &proxy) {
+        (Some(found), Some(Some(proxy))) if !found.finding.is_bounded() => {
+            around_plane_curves(document, &proxy.surfaces, wanted).unwrap_or(found).into()
+        }
+        (found, _) => found,
+    };
     Ok(found.map(|found| ends.map_or(found, |ends| found.with_box(ends))))
+}
+
+/// A domain of the surfaces of `program`. Time covers its whole range.
+fn find(
+    program: &Program,
+    document: &Document,
+    is_tall: bool,
+    wanted: &dyn Fn() -> bool,
+) -> Result<Option<AutoDomain>, ProgramError> {
+    let moves = |(time, _): &(usize, Interval)| !is_idle(document, &document.parameters[*time]);
+    match program.times(document).filter(moves) {
+        Some((parameter, range)) => {
+            domain::find_moving(program, Motion { parameter, range }, is_tall, wanted)
+        }
+        None => domain::find_while(program, is_tall, wanted),
+    }
+}
+
+/// A domain of curves that all lie in planes across one axis: that of the surfaces over which they
+/// lie, with the planes in the middle. If the curves move, it holds their domains at some times.
+/// `None` for other curves, or once `wanted` returns false.
+fn around_plane_curves(
+    document: &Document,
+    surfaces: &[Surface],
+    wanted: &dyn Fn() -> bool,
+) -> Option<AutoDomain> {
+    let moments = curves::moments(document);
+    let moments = moments.as_deref().unwrap_or(std::slice::from_ref(document));
+    let now = |document| around_plane_curves_now(&curves::in_planes(document, surfaces)?, wanted);
+    let found: Option<Vec<AutoDomain>> = moments.iter().map(now).collect();
+    found?.into_iter().reduce(AutoDomain::hull)
+}
+
+fn around_plane_curves_now(curves: &PlaneCurves, wanted: &dyn Fn() -> bool) -> Option<AutoDomain> {
+    let document = &curves.surfaces;
+    let program = Program::new(document, [Interval::ENTIRE; 3]).ok()?;
+    program.hurry();
+    let mut found = find(&program, document, false, wanted).ok()??;
+    let others = (0..3).filter(|other| *other != curves.axis);
+    let widest = others.map(|other| found.high[other] - found.low[other]).fold(0.0, f64::max);
+    let end = |plane: f64, side: f64| domain::rounded(plane + side * widest / 4.0, widest / 1000.0);
+    found.low[curves.axis] = end(curves.ends[0], -1.0);
+    found.high[curves.axis] = end(curves.ends[1], 1.0);
+    found.cut[curves.axis] = [false; 2];
+    found.finding = match found.finding {
+        Finding::UnboundedInBall => Finding::Unbounded,
+        other => other,
+    };
+    Some(found)
 }
 
 /// Returns whether [`search`] gives the same result for two documents. Their surfaces must differ

@@ -18,6 +18,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 use zeroset_eval::{Enclose, Kernel, KernelFloat};
+use zeroset_scene::coordinate::coordinate;
 use zeroset_scene::program::ProgramError;
 use zeroset_shade::{Colors, ColorsMut, NormalSource, Pattern, Shader, normals};
 use zeroset_space::Camera;
@@ -457,6 +458,11 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             kernels: made,
             nodes: model.program.nodes(),
         };
+        let has_eye = rays.ray(0, 0).origin == rays.eye();
+        if has_eye && 2 * pixels.undecided > buffer.status.len() && model.meets_eye(rays.eye()) {
+            let place = rays.eye().to_array().map(coordinate).join(", ");
+            lit.remarks.push(format!("the eye ({place}) is on a surface: move it off the surface"));
+        }
         // If a function is 0 everywhere, every ray through the region is undecided.
         let flat = pixels.hit == 0 && pixels.undecided > 0 && model.is_flat::<T>()?;
         let light = lit.pixels.light();

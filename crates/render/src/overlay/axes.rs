@@ -16,6 +16,9 @@ const WIDTH: f64 = 1.1;
 /// Least space between labels, in dots of a letter.
 const SPACE: f64 = 5.0;
 
+/// Least length of an axis with labels, in dots of a letter.
+const LEAST: f64 = 2.0;
+
 /// Number of pieces into which an edge is divided for tests of visibility.
 const PIECES: usize = 256;
 
@@ -141,6 +144,8 @@ pub fn draw_box(canvas: &mut Canvas, shown: PictureView<'_>, height: usize) -> V
     let (region, mut cover) = (shown.region, Cover::new(canvas));
     let corners = corners(region);
     let centre = projector.project(region.centre()).map(|(at, _)| at);
+    let upward = shown.camera.displayed().up().abs();
+    let upright = upward.max_position();
     for axis in 0..3 {
         let edges: Vec<(DVec3, DVec3)> = (0..8)
             .filter(|n| n >> axis & 1 == 0)
@@ -149,10 +154,10 @@ pub fn draw_box(canvas: &mut Canvas, shown: PictureView<'_>, height: usize) -> V
         for (from, to) in &edges {
             projector.line(&mut cover, *from, *to);
         }
-        // Ticks of x and y are on the lowest edge in the picture, those of z on the leftmost.
+        // Ticks of the upright axis are on the leftmost edge in the picture, others on the lowest.
         let rank = |(from, to): &&(DVec3, DVec3)| {
             let at = projector.project(from.midpoint(*to)).map(|(at, _)| at)?;
-            let rank = if axis == 2 { -at.x } else { at.y };
+            let rank = if axis == upright { -at.x } else { at.y };
             rank.is_finite().then_some((rank * 16.0) as i64)
         };
         let edge = edges.iter().filter(|edge| rank(edge).is_some()).max_by_key(rank);
@@ -182,6 +187,10 @@ fn label(
     let away = (middle - centre).normalize_or(DVec2::Y);
     let ends = projector.project(from).zip(projector.project(to));
     let across = ends.map_or(DVec2::ZERO, |((a, _), (b, _))| (b - a).perp());
+    // With parallel rays, an axis that is seen from its end has the length 0.
+    if across.length() < LEAST * canvas.scale {
+        return;
+    }
     let outward = match across.try_normalize() {
         Some(across) if across.dot(away) < 0.0 => -across,
         Some(across) => across,
@@ -248,9 +257,13 @@ mod tests {
 
     /// Returns the labels of a picture of this size, for the region from -2 to 2 on each axis.
     fn labels(width: usize, height: usize, scale: f64, fitted: bool) -> Vec<Label> {
+        labels_of("domain 2\nx^2+y^2+z^2 = 1", [width, height], scale, fitted)
+    }
+
+    fn labels_of(text: &str, size: [usize; 2], scale: f64, fitted: bool) -> Vec<Label> {
+        let [width, height] = size;
         let settings = Settings { width, height, ..Settings::default() };
-        let document =
-            zeroset_syntax::read("domain 2\nx^2+y^2+z^2 = 1", &zeroset_syntax::Options::default());
+        let document = zeroset_syntax::read(text, &zeroset_syntax::Options::default());
         let (document, choice) = (document.expect("reads"), CameraChoice::default());
         let region = view::region(&document, DomainChoice::Document, None).expect("a cube").0;
         let model = Model::new(&document, &region, &settings).expect("a model");
@@ -293,6 +306,26 @@ mod tests {
         let mut expected = vec!["0", "0", "0", "1", "1", "1", "2", "2", "2", "x", "y", "z"];
         expected.extend(["−1", "−1", "−1", "−2", "−2"]);
         assert_eq!(texts, expected);
+    }
+
+    #[test]
+    fn the_upright_axis_is_at_the_left_and_an_axis_seen_from_its_end_has_no_labels() {
+        for (text, upright, hidden) in [
+            ("domain 2\nx^2+y^2+z^2 = 1", "z", None),
+            ("domain 2\nfloat map(vec3 p) { return length(p) - 1.0; }", "y", None),
+            ("domain 2\nview top\nx^2+y^2+z^2 = 1", "y", None),
+            ("view top\ncurve y = x^2, z = 0", "y", Some("z")),
+            ("view front\n(s, 0, s^3) for s in [-2, 2]", "z", Some("y")),
+            ("view right\npoint (0, 1, 2)\npoint (0, 2, 1)", "z", Some("x")),
+        ] {
+            let labels = labels_of(text, [800, 600], 1.0, true);
+            let name = |name: &str| labels.iter().find(|label| label.text == name);
+            let left = name(upright).expect(text).place.x;
+            for other in ["x", "y", "z"].into_iter().filter(|other| *other != upright) {
+                assert_eq!(name(other).is_none(), Some(other) == hidden, "{text}: {labels:?}");
+                assert!(name(other).is_none_or(|label| left < label.place.x), "{text}: {labels:?}");
+            }
+        }
     }
 
     /// [`Cover::line`] visits only pixels near the line. The test checks that it misses no covered

@@ -14,6 +14,10 @@ const MOST: usize = 16;
 /// Tolerance for rounding errors: in units of π/2 for ends, and in steps for ticks.
 const NEAR: f64 = 1e-9;
 
+/// Two steps in a row differ by 2 or 2.5 times. A step divided by this number is between the next
+/// smaller one and the one after that.
+const BETWEEN_STEPS: f64 = 2.6;
+
 /// Steps smaller than π, in units of π.
 const PARTS: [f64; 2] = [0.25, 0.5];
 
@@ -28,16 +32,25 @@ pub fn ticks(low: f64, high: f64) -> (Vec<(f64, String)>, f64) {
     };
     let turns = in_halves(low).zip(in_halves(high)).filter(|(a, b)| a.abs().max(b.abs()) < 1e6);
     let least = (high - low) / TICKS;
-    let (unit, step) = if turns.is_some() {
+    let (unit, mut step) = if turns.is_some() {
         let part = PARTS.into_iter().find(|part| part * PI >= least);
         (PI, part.unwrap_or_else(|| round_step(least / PI).max(1.0)))
     } else {
         (1.0, round_step(least))
     };
-    // An end counts as a tick if only rounding separates it from a multiple of the step.
-    let first = (low / unit / step - NEAR).ceil() as i64;
-    let last = (high / unit / step + NEAR).floor() as i64;
-    let values: Vec<f64> = (first..=last).take(MOST).map(|tick| tick as f64 * step).collect();
+    let multiples = |step: f64| -> Vec<f64> {
+        // An end counts as a tick if only rounding separates it from a multiple of the step.
+        let first = (low / unit / step - NEAR).ceil() as i64;
+        let last = (high / unit / step + NEAR).floor() as i64;
+        (first..=last).take(MOST).map(|tick| tick as f64 * step).collect()
+    };
+    let mut values = multiples(step);
+    // With one tick alone, nothing can be read off an axis. The next smaller step is at most half
+    // of the axis.
+    if values.len() < 2 {
+        step = round_step(step / BETWEEN_STEPS);
+        values = multiples(step);
+    }
     let texts: Vec<String> = if turns.is_some() {
         values.iter().map(|value| multiple_of_pi(*value)).collect()
     } else {
@@ -94,6 +107,9 @@ mod tests {
         assert_eq!(texts(-0.9, 0.3), ["-0.5", "0"]);
         assert_eq!(texts(0.0, 2.0), ["0", "0.5", "1.0", "1.5", "2.0"]);
         assert_eq!(texts(0.0, 250.0), ["0", "100", "200"]);
+        assert_eq!(texts(-4.9, 4.9), ["-4", "-2", "0", "2", "4"]);
+        assert_eq!(texts(0.6, 6.2), ["2", "4", "6"]);
+        assert_eq!(texts(-4.5 * PI, 4.5 * PI), ["-4π", "-2π", "0", "2π", "4π"]);
         let (places, step) = ticks(-1.2, 1.2);
         assert_eq!((places.len(), step), (3, 1.0));
     }
@@ -120,6 +136,7 @@ mod tests {
             let middle = if random.bool() { 0.0 } else { 10.0 * size * (random.f64() - 0.5) };
             let (low, high) = (middle - size * random.f64(), middle + size * random.f64());
             let (found, step) = ticks(low, high);
+            assert!(found.len() > 1, "{found:?} of {low} to {high}");
             for (value, text) in &found {
                 let read: f64 = text.parse().expect(text);
                 assert!((read - value).abs() < 1e-6 * step, "{text} at {value} of {low} to {high}");

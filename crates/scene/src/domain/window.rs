@@ -268,7 +268,7 @@ impl WindowChooser<'_> {
                 // A line is shown through the whole window.
                 let is_line = widest < FLAT * window.high[axis];
                 let most = window.high[axis];
-                let half = if is_line { most } else { most.min(ROD * widest) };
+                let half = if is_line { most } else { most.min(few_digits(ROD * widest)) };
                 (hull.low[axis], hull.high[axis]) = (-half, half);
             }
             hull.low[axis] = hull.low[axis].max(window.low[axis]);

@@ -64,6 +64,40 @@ fn between_given_ranges_the_rest_of_a_surface_is_shown_whole() {
     assert!(low[0] < -3.0 && high[0] > 3.0 && high[0] < 4.0, "{low:?}, {high:?}");
 }
 
+/// A curve in a plane across an axis has the domain of the surface over which it lies.
+#[test]
+fn plane_curves_that_go_on_have_the_domain_of_their_equation() {
+    for (equation, plane, axis, at) in [
+        ("x^3 + y^3 = 6x*y", "z = 0", 2, 0.0),
+        ("y = sin(x)/x", "z = 0", 2, 0.0),
+        ("y = cos(x)/x", "z = 2", 2, 2.0),
+        ("y = x*sin(x)", "2z + 3 = 0", 2, -1.5),
+        ("x^3 + z^3 = 6x*z", "y = 1", 1, 1.0),
+        ("y^2 = z^3 - 4z + 1", "0 = x", 0, 0.0),
+    ] {
+        let surface = found(equation);
+        for both in [format!("curve {equation}, {plane}"), format!("curve {plane}, {equation}")] {
+            let curve = found(&both);
+            for other in (0..3).filter(|other| *other != axis) {
+                let ends = [curve.0[other], curve.1[other]];
+                assert_eq!(ends, [surface.0[other], surface.1[other]], "{both}");
+            }
+            assert!(curve.0[axis] < at && at < curve.1[axis], "{both}: {curve:?}");
+        }
+    }
+    // The plane's coordinate may occur in the equation. Two curves have one domain.
+    let both = "curve x^3 + y^3 = 6x*y + z - 1, z = 1; curve y = x^2, z = -3";
+    let (low, high) = found(both);
+    assert!(low[2] < -3.0 && 1.0 < high[2] && high[0] > 3.2 && high[1] > 3.2, "{high:?}");
+    let (_, searched) =
+        region(&document("curve y = x^3, z = 0"), DomainChoice::Auto, None).expect("a region");
+    assert_eq!(searched.map(|found| found.finding), Some(Finding::Unbounded));
+    // A curve that is bounded has a box of its own.
+    let (_, searched) = region(&document("curve x^4 + y^2 = 1, z = 0"), DomainChoice::Auto, None)
+        .expect("a region");
+    assert_eq!(searched.map(|found| found.finding), Some(Finding::Bounded));
+}
+
 #[test]
 fn what_goes_on_alike_in_all_directions_is_cut_by_a_ball() {
     let found = |text: &str, choice, to| {
