@@ -253,7 +253,7 @@ fn flat_drawings_seen_along_their_axis_have_parallel_rays() {
         "curve x^2 + y^2 = 1, z = x; view top",
         "curve y = x^2, z = 0; x^2 + y^2 + z^2 = 1; view top",
         "curve y = x^2, z = 0; view front",
-        "curve y = x^2, z = 0; view top fov 40",
+        "curve y = x^2, z = 0; view eye (0, 0, 9)",
     ] {
         assert_eq!(is_parallel(text), [false; 2], "{text}");
     }

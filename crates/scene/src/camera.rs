@@ -114,7 +114,7 @@ pub fn camera(choice: &CameraChoice, region: &Region) -> Result<Camera, CameraEr
     let projection = choice.projection.unwrap_or_else(|| {
         let way = eye - target;
         let is_along = |axis: usize| choice.flat[axis] && way.length() == way[axis].abs();
-        if (0..3).any(is_along) {
+        if choice.eye.is_none() && (0..3).any(is_along) {
             // The same part of the plane is shown as in perspective.
             let half = (FOV.to_radians() / 2.0).tan() * way.length();
             Projection::Orthographic { height: 2.0 * half }
