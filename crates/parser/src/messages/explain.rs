@@ -176,7 +176,16 @@ impl Error {
                     .to_owned()
             }
             UnknownName { name, letter: None } => {
-                format!("give it a value with a line `{name} = 1` or with `-D {name}=1`")
+                let line = text.get(statement(text, self.span).range()).unwrap_or_default();
+                let is_equation = line.replace("<=", "").replace(">=", "").contains('=');
+                // In an equation with x or y, r is hardly this distance.
+                let distance = match name.as_str() {
+                    "r" if !is_equation => {
+                        "; for the distance from the z axis, write `r = sqrt(x^2 + y^2)`"
+                    }
+                    _ => "",
+                };
+                format!("give it a value with a line `{name} = 1` or with `-D {name}=1`{distance}")
             }
             UnknownName { name, letter: Some(letter) } => {
                 let product = name.chars().map(String::from).collect::<Vec<_>>().join("*");
