@@ -194,7 +194,7 @@ pub fn region_while(
             && found.finding == Finding::Unbounded
             && let Some(program) = search
             && let program = program.over_time(document)
-            && let Some(part) = domain::find_between(&program, &ranges, wanted)?
+            && let Some(part) = domain::find_between(&program, &ranges, *is_tall, wanted)?
         {
             let part = AutoDomain { low: part.low, high: part.high, ..found };
             let part = curves::extent(document).map_or(part, |ends| part.with_box(ends));

@@ -45,6 +45,9 @@ fn between_given_ranges_the_rest_of_a_surface_is_shown_whole() {
         ("z = x^2 - y^2", "[-1, 1]", [-1.0, 1.0]),
         ("z = x^2 + y^2", "[5, 10]", [50.0, 200.0]),
         ("z = 1000 + x*y", "[0, 2]", [1000.0, 1004.0]),
+        ("z = exp(x^2)", "[-3, 3]", [1.0, 9_f64.exp()]),
+        ("z = exp(x^2)", "[-4, 4]", [1.0, 16_f64.exp()]),
+        ("z = x^5*y^3 - y", "[-9, 9]", [-9_f64.powi(8), 9_f64.powi(8)]),
         ("z^2 = x^2 + y^2", "[-3, 3]", [-18_f64.sqrt(), 18_f64.sqrt()]),
     ] {
         let [from, to] = ground(text, range);
@@ -53,7 +56,12 @@ fn between_given_ranges_the_rest_of_a_surface_is_shown_whole() {
         assert!(is_around, "{text} in {range}: {from}, {to}");
     }
     // Nothing bounds these along z, or they would be a needle.
-    for text in ["z = 1/(x^2 + y^2)", "x^2 + y^2 = 1", "z = exp(x^2)"] {
+    for text in [
+        "z = 1/(x^2 + y^2)",
+        "x^2 + y^2 = 1",
+        "aspect equal\nz = exp(x^2)",
+        "z = exp(x^2) + 0*sin(z) + z^3/9",
+    ] {
         let [from, to] = ground(text, "[-4, 4]");
         assert!(to - from < 20.0, "{text}: {from}, {to}");
     }
