@@ -184,6 +184,20 @@ def test_widget_is_driven_in_a_browser(server, browser, place):
     saddle = widget.pixels()
     assert saddle != first
 
+    # A surface of another size is seen as large as the one before.
+    spheres = []
+    for square in ("1", "900"):
+        before = widget.frames()
+        widget.formula.fill(f"x^2+y^2+z^2 = {square}")
+        widget.rest(before)
+        spheres.append(widget.pixels())
+    assert spheres[0] == spheres[1]
+    before = widget.frames()
+    widget.formula.fill("z = b*x*y\nb = 1 in [0, 3]")
+    sync_api.expect(widget.root.locator(".sliders label")).to_have_text("b")
+    widget.rest(before)
+    assert widget.pixels() == saddle
+
     # A slider, by keyboard and by mouse.
     before = widget.frames()
     slider = widget.root.locator("input[type=range]")

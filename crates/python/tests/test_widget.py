@@ -43,6 +43,28 @@ def test_a_picture_is_that_of_render():
     assert browser.answer()[1] == [png]
 
 
+def test_the_view_follows_the_surface_unless_it_was_moved():
+    w = zs.explore("x^2 + y^2 + z^2 = r^2", 32, 32, r=1)
+    browser = Browser(w)
+    browser.ask()
+    answer, (small,) = browser.answer()
+    # A sphere of any size fills the picture alike.
+    w.text = "x^2 + y^2 + z^2 = 900*r^2\nr = 1"
+    assert w.camera == {}
+    browser.ask()
+    large, (png,) = browser.answer()
+    assert png == small and large["camera"]["eye"] != answer["camera"]["eye"]
+    w.values = {"r": 20.0}
+    assert w.camera == {}
+    assert w.surface.render(64, 64, **w.camera).png() == small
+    # Somebody turns it: the view stays, and the domain is that of the surface.
+    eye = [100.0, 0.0, 0.0]
+    browser.ask(camera={**large["camera"], "eye": eye}, values={"r": 20.0})
+    browser.answer()
+    w.text = "x^2 + y^2 + z^2 = 400"
+    assert w.camera["eye"] == tuple(eye) and "domain" not in w.camera
+
+
 def test_options_reach_the_picture():
     w = zs.explore("z = x*y", 48, 32, options={"look": "studio", "fov": 20, "axes": True})
     browser = Browser(w)
