@@ -99,6 +99,7 @@ const TESTS: &[Group] = &[
             frame::letters_are_as_large_as_they_are_asked_to_be,
             frame::the_overlay_is_drawn_around_the_picture,
             frame::a_saved_file_is_seen_at_once,
+            frame::the_close_button_asks_before_work_is_lost,
             frame::closing_the_window_ends_the_program_and_keeps_the_document,
             frame::a_terminal_that_goes_away_beside_a_window_ends_the_program,
             gallery::a_surface_is_chosen_by_its_picture,
