@@ -15,7 +15,7 @@ use zeroset_scene::camera::CameraChoice;
 use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::view::{self, Clipping, DomainChoice, SceneError};
 use zeroset_space::{Camera, CameraError, Region};
-use zeroset_syntax::{Document, Options};
+use zeroset_syntax::{Document, Options, ParameterKind};
 
 /// Number of frames, spread evenly over the sequence, from which region and camera are chosen.
 const SAMPLES: usize = 33;
@@ -157,7 +157,7 @@ impl Sequence {
                 _ => self.document(text, options, frame),
             };
             let document = read.map_err(|errors| SequenceError::Text { frame, errors })?;
-            match view::region(&document, domain, cut) {
+            match view::region(&at_its_time(&document), domain, cut) {
                 Ok(one) => {
                     found = Some(found.map_or(one, |before| both(&before, &one)));
                     seen.push(document);
@@ -219,6 +219,14 @@ fn turned(camera: &Camera, degrees: f64) -> Result<Camera, CameraError> {
     }
     let turned = Camera::new(eye, camera.target(), up, camera.projection())?;
     Ok(turned.in_stretched(given.stretch()))
+}
+
+/// The document at its present time alone: the samples stand for the others.
+fn at_its_time(document: &Document) -> Document {
+    let mut document = document.clone();
+    let times = document.parameters.iter_mut().filter(|one| one.kind == ParameterKind::Time);
+    times.for_each(|time| time.range = None);
+    document
 }
 
 /// The smallest region that contains both regions, and the result of both searches.

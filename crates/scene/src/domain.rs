@@ -152,6 +152,8 @@ pub enum Finding {
     Bounded,
     /// The part of the surface within ±[`REACH`] is proven to lie in the domain.
     BoundedNear,
+    /// At some times in the range of the time, the whole surface is proven to lie in the domain.
+    BoundedAtTimes,
     /// The surface could not be proven bounded. The domain is a window, and the surface looks
     /// better in the window's [ball](zeroset_space::Region::with_ball).
     UnboundedInBall,
@@ -166,6 +168,7 @@ impl Finding {
             Self::Traced => "the box of the curves and points",
             Self::Bounded => "bounded: proven",
             Self::BoundedNear => "bounded: proven up to ±1e12",
+            Self::BoundedAtTimes => "bounded: proven at some times",
             Self::Unbounded => "unbounded, clipped to a box",
             Self::UnboundedInBall => "unbounded, clipped to a ball",
             Self::Empty => "empty: proven",
@@ -220,6 +223,58 @@ pub fn find_while(
     let Cell { low, high } = valid_box(found);
     // The result of a cancelled search is not reliable.
     Ok(wanted().then_some(AutoDomain { low, high, finding, cut }))
+}
+
+/// Number of times at which a surface is searched that moves.
+pub(crate) const TIMES: usize = 17;
+/// Greatest ratio of a domain that is proven for all times to one that is found at some of them.
+const LOOSE: f64 = 1.5;
+
+/// The domain of a surface that moves. `found` is its domain for the whole range of the time, whose
+/// bounds may be loose: a solid that turns by an unknown angle has none. If a domain that is found
+/// at some times is much smaller, that counts. `None` once `wanted` returns false.
+///
+/// # Errors
+/// As [`find_while`].
+pub(crate) fn find_over_time(
+    found: AutoDomain,
+    times: &[Program],
+    is_stretched: bool,
+    wanted: &dyn Fn() -> bool,
+) -> Result<Option<AutoDomain>, ProgramError> {
+    let mut hull: Option<AutoDomain> = None;
+    // The first, the last and the middle one often tell that the proven domain is good.
+    let (first, last) = (0, times.len().saturating_sub(1));
+    let others = (first..=last).filter(|index| ![first, last / 2, last].contains(index));
+    let order = [first, last, last / 2].into_iter().chain(others);
+    for (count, index) in order.enumerate() {
+        let Some(program) = times.get(index) else { return Ok(Some(found)) };
+        let Some(one) = find_while(program, is_stretched, wanted)? else { return Ok(None) };
+        if one.finding.is_empty() {
+            continue;
+        }
+        if !one.finding.is_bounded() {
+            return Ok(Some(found));
+        }
+        hull = Some(hull.map_or(one, |hull| AutoDomain {
+            low: [0, 1, 2].map(|axis| hull.low[axis].min(one.low[axis])),
+            high: [0, 1, 2].map(|axis| hull.high[axis].max(one.high[axis])),
+            ..hull
+        }));
+        let extent = |domain: &AutoDomain, axis: usize| domain.high[axis] - domain.low[axis];
+        let is_good = |hull: &AutoDomain| {
+            (0..3).all(|axis| extent(&found, axis) <= LOOSE * extent(hull, axis))
+        };
+        if count >= 2 && found.finding.is_bounded() && hull.as_ref().is_none_or(is_good) {
+            return Ok(Some(found));
+        }
+    }
+    // There is space for what moves farther between these times.
+    let hull = hull.map(|AutoDomain { low, high, .. }| {
+        let Cell { low, high } = valid_box(with_margin(&Cell { low, high }));
+        AutoDomain { low, high, finding: Finding::BoundedAtTimes, cut: [[false; 2]; 3] }
+    });
+    Ok(Some(hull.unwrap_or(found)))
 }
 
 /// Finds the surfaces where some of the ranges of x, y and z are given: a box around that part,

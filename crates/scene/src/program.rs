@@ -197,6 +197,29 @@ impl Program {
         self.with(parameters.map(range).collect())
     }
 
+    /// The same program at `count` times, evenly spread over the range of the document's time.
+    /// Empty if the time has no range.
+    pub(crate) fn at_times(&self, document: &Document, count: usize) -> Vec<Self> {
+        let parameters = document.parameters.iter();
+        let Some((index, (low, high))) = parameters.enumerate().find_map(|(index, parameter)| {
+            let range = parameter.range.as_ref()?;
+            (parameter.kind == ParameterKind::Time).then_some((index, range))
+        }) else {
+            return Vec::new();
+        };
+        let (low, high) = (low.bounds().lo, high.bounds().hi);
+        let values: Vec<Interval> =
+            document.parameters.iter().map(|parameter| parameter.value.bounds()).collect();
+        let at = |step: usize| {
+            let share = step as f64 / (count - 1) as f64;
+            let time = (low * (1.0 - share) + high * share).clamp(low, high);
+            let mut values = values.clone();
+            values[index] = Interval { lo: time, hi: time };
+            self.with(values)
+        };
+        (0..count).map(at).collect()
+    }
+
     fn with(&self, values: Vec<Interval>) -> Self {
         Self::of(Arc::clone(&self.store), values)
     }

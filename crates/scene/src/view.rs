@@ -271,8 +271,9 @@ pub fn clipped(
 }
 
 /// Searches for the surfaces with intervals, and ignores the document's domain. Parameters have
-/// their present values; time covers its whole loop. The domain also holds points and curves with a
-/// parameter. Curves of two equations count if there is no surface.
+/// their present values; time covers its whole range, or some times if that is not bounded. The
+/// domain also holds points and curves with a parameter. Curves of two equations count if there is
+/// no surface.
 ///
 /// # Errors
 /// If there is no surface, or a kernel cannot be compiled.
@@ -306,7 +307,11 @@ fn search_while(
         program.hurry();
         program
     });
-    let found = domain::find_while(&program.over_time(document), is_tall, wanted)?;
+    let Some(found) = domain::find_while(&program.over_time(document), is_tall, wanted)? else {
+        return Ok(None);
+    };
+    let times = program.at_times(document, domain::TIMES);
+    let found = domain::find_over_time(found, &times, is_tall, wanted)?;
     Ok(found.map(|found| ends.map_or(found, |ends| found.with_box(ends))))
 }
 

@@ -56,12 +56,7 @@ fn between_given_ranges_the_rest_of_a_surface_is_shown_whole() {
         assert!(is_around, "{text} in {range}: {from}, {to}");
     }
     // Nothing bounds these along z, or they would be a needle.
-    for text in [
-        "z = 1/(x^2 + y^2)",
-        "x^2 + y^2 = 1",
-        "aspect equal\nz = exp(x^2)",
-        "z = exp(x^2) + 0*sin(z) + z^3/9",
-    ] {
+    for text in ["z = 1/(x^2 + y^2)", "x^2 + y^2 = 1", "aspect equal\nz = exp(x^2)"] {
         let [from, to] = ground(text, "[-4, 4]");
         assert!(to - from < 20.0, "{text}: {from}, {to}");
     }
@@ -70,6 +65,29 @@ fn between_given_ranges_the_rest_of_a_surface_is_shown_whole() {
     assert!((50.0..60.0).contains(&to), "{to}");
     let (low, high) = found("domain z in [0, 3]\nx^2 + y^2 = z^2");
     assert!(low[0] < -3.0 && high[0] > 3.0 && high[0] < 4.0, "{low:?}, {high:?}");
+}
+
+#[test]
+fn what_turns_with_the_time_is_in_the_domain_whole() {
+    for (text, reach) in [
+        ("rotate(box(1, 0.5, 0.3), t) <= 0", [1.118, 1.118, 0.3]),
+        ("rotate(torus(1, 0.3), t, (1, 0, 0)) <= 0", [1.3, 1.3, 1.3]),
+        ("rotate(sphere(0.5, (1, 0, 0)), t) = 0", [1.5, 1.5, 0.5]),
+        (
+            "p = (x cos(t) + z sin(t), y, z cos(t) - x sin(t))\nlength((length(p.xz)-1, p.y)) = 0.3",
+            [1.3, 0.3, 1.3],
+        ),
+        ("x^2 + y^2 + z^2 = 2 + sin(t)", [1.7, 1.7, 1.7]),
+        ("translate(sphere(1), 3cos(t), 3sin(t), 0) <= 0", [4.0, 4.0, 1.0]),
+    ] {
+        for at in [0.0, 1.0, 5.0] {
+            let (low, high) = found(&format!("t = {at} in [0, 2pi]\n{text}"));
+            for axis in 0..3 {
+                let fits = |end: f64| (0.98 * reach[axis]..1.5 * reach[axis]).contains(&end);
+                assert!(fits(-low[axis]) && fits(high[axis]), "{text} at {at}: {low:?}, {high:?}");
+            }
+        }
+    }
 }
 
 #[test]

@@ -192,7 +192,10 @@ pub(crate) fn implied(
     }
     for name in POINTS {
         let is_arrow = name.starts_with("vec_");
-        let is_vector = is_arrow || is_program || has_components(text, lines, name);
+        let is_vector = is_arrow
+            || is_program
+            || has_components(text, lines, name)
+            || has_length(text, lines, name);
         if let (Some(span), true) = (place(name), is_vector) {
             notes.push(Note { span, kind: NoteKind::PointOfSpace { name: name.to_owned() } });
             given.push((name, "vec3(x, y, z)"));
@@ -369,6 +372,19 @@ fn has_components(text: &str, lines: &[ParsedStatement<'_>], name: &str) -> bool
             pair[0].kind == TokenKind::Name
                 && pair[1].kind == Component
                 && plain_name(&text[pair[0].span.range()]) == name
+        })
+    })
+}
+
+/// Returns whether the text has the length of `name`, as in `length(p) - 1`.
+fn has_length(text: &str, lines: &[ParsedStatement<'_>], name: &str) -> bool {
+    lines.iter().any(|line| {
+        line.raw.lexed.tokens.windows(4).any(|four| {
+            let word = |at: usize| &text[four[at].span.range()];
+            matches!(word(0), "length" | "norm" | "magnitude")
+                && four[1].kind == TokenKind::OpenParen
+                && plain_name(word(2)) == name
+                && four[3].kind == TokenKind::CloseParen
         })
     })
 }

@@ -216,6 +216,7 @@ impl<'a> DocumentReader<'a> {
         let mut lines = lines(self.text, &program.statements)?;
         let mut scope = Scope::default();
         scope.in_degrees = program.in_degrees;
+        scope.in_steps = program.in_steps;
         scope.conditions = program.conditions;
         for (name, _) in self.options.overrides {
             scope.define(name, None);

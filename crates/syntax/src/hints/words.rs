@@ -166,6 +166,10 @@ const CALLS: &[(&str, &str, &[&str])] = &[
     ("dome(A)", "half a ball is cut by a plane", &["intersect(sphere(A), -z)"]),
     ("xor(A, B)", "`xor` is not built in; it is the union without the intersection", &["subtract(union(A, B), intersect(A, B))"]),
     ("gyroid(A)", "a gyroid is written out", &["(sin x cos y + sin y cos z + sin z cos x)"]),
+    ("sdSphere(p, A)", "this solid is built in", &["sphere(A)"]),
+    ("sdBox(p, A)", "this solid is built in", &["box(A)"]),
+    ("sdTorus(p, vec2(A, B))", "this solid is built in, around the z axis", &["rotate(torus(A, B), 90°, (1, 0, 0))"]),
+    ("sdCapsule(p, A, B, C)", "this solid is built in", &["capsule(A, B, C)"]),
     ("square(A, B)", "a rectangle is given by its half sizes", &["rectangle(A/2, B/2)"]),
 ];
 
