@@ -82,11 +82,7 @@ pub fn camera_while(
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Camera>, SceneError> {
     let framing = Framing { region: model.region(), choice, typed: model.camera(), settings };
-    if axes {
-        framing.of_domain(Some(model)).map(Some)
-    } else {
-        framing.over(&[model], false, wanted)
-    }
+    if axes { framing.of_domain(&[model], wanted) } else { framing.over(&[model], false, wanted) }
 }
 
 /// The camera that shows the whole region, unless the caller or the document sets another one.
@@ -162,6 +158,23 @@ impl Framing<'_> {
             let fitted = view.fitted_around(back, &usual, region, &look)?;
             return Ok(fitted.map(|camera| camera.in_stretched(stretch)));
         }
+        let Some((side, seen)) = self.best_side(&view, &usual, &look)? else { return Ok(None) };
+        let mut spots = if seen.spots.len() < LEAST { corners(region) } else { seen.spots };
+        add_shadows(side, &mut spots);
+        let fitted = view.fitted(side, &spots, FILLED);
+        // If floats cannot represent the fitted camera, the camera shows the whole region.
+        Ok(Some(fitted.unwrap_or(usual).in_stretched(stretch)))
+    }
+
+    /// The side from which most is seen, as a direction toward the eye, and all that `look` has
+    /// seen from this and other sides. Returns `None` once `look` returns `None`.
+    fn best_side(
+        &self,
+        view: &FreeView,
+        usual: &Camera,
+        look: &dyn Fn(DVec3) -> Result<Option<Seen>, SceneError>,
+    ) -> Result<Option<(DVec3, Seen)>, SceneError> {
+        let back = (usual.eye() - usual.target()).normalize();
         let Some(mut seen) = look(back)? else { return Ok(None) };
         let mut side = back;
         if self.is_upright() {
@@ -180,11 +193,7 @@ impl Framing<'_> {
                 }
             }
         }
-        let mut spots = if seen.spots.len() < LEAST { corners(region) } else { seen.spots };
-        add_shadows(side, &mut spots);
-        let fitted = view.fitted(side, &spots, FILLED);
-        // If floats cannot represent the fitted camera, the camera shows the whole region.
-        Ok(Some(fitted.unwrap_or(usual).in_stretched(stretch)))
+        Ok(Some((side, seen)))
     }
 
     /// The camera that shows the whole region, unless the caller or the document sets another one.
@@ -192,25 +201,23 @@ impl Framing<'_> {
         Ok(self.usual()?.0)
     }
 
-    /// Fits the region's whole box with its axis labels. A flat curve of `model` alone is not seen
-    /// from its edge.
-    pub fn of_domain(&self, model: Option<&Model>) -> Result<Camera, SceneError> {
+    /// Fits the region's whole box with its axis labels, seen from the best side. Returns `None`
+    /// once `wanted` returns false.
+    pub fn of_domain(
+        &self,
+        models: &[&Model],
+        wanted: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Option<Camera>, SceneError> {
+        let Self { region, settings, .. } = *self;
         let (given, view) = self.usual()?;
-        let Some(view) = view else { return Ok(given) };
+        let Some(view) = view else { return Ok(Some(given)) };
         let usual = given.displayed();
-        let stretch = self.region.stretch();
-        let mut back = (usual.eye() - usual.target()).normalize();
-        // Whether surfaces are flat would only be seen in a small picture.
-        let alone = model.filter(|model| model.surfaces() == 0 && self.is_upright());
-        if let Some(model) = alone {
-            let places = model.curves().places();
-            let spots: Vec<Spot> =
-                places.map(|at| Spot { at: at * stretch, radius: 0.0 }).collect();
-            back = flat(&spots).and_then(|normal| view.steep(normal, back)).unwrap_or(back);
-        }
+        let stretch = region.stretch();
+        let look = |back: DVec3| view.seen(models, back, region, settings, wanted);
+        let Some((back, _)) = self.best_side(&view, &usual, &look)? else { return Ok(None) };
         let slope = FILLED_BY_DOMAIN * view.slope();
-        let fitted = view.fitted_within(back, &corners(self.region), [slope * view.aspect, slope]);
-        Ok(fitted.unwrap_or(usual).in_stretched(stretch))
+        let fitted = view.fitted_within(back, &corners(region), [slope * view.aspect, slope]);
+        Ok(Some(fitted.unwrap_or(usual).in_stretched(stretch)))
     }
 
     /// Returns whether neither the caller nor the document chooses the upward direction.

@@ -182,10 +182,11 @@ impl Sequence {
         let framing = Framing { region: &region, choice, typed, settings };
         // Without models, the camera shows the whole box.
         let visible = if shows_domain { &[] } else { &*all };
+        let wanted = settings.limit.wanted_to_choose();
         let camera = if shows_domain && !is_turned {
-            framing.of_domain(models.first()).map(Some)
+            framing.of_domain(&all[..all.len().min(1)], &wanted)
         } else {
-            framing.over(visible, is_turned, &settings.limit.wanted_to_choose())
+            framing.over(visible, is_turned, &wanted)
         };
         let camera = camera.and_then(|camera| camera.map_or_else(|| framing.whole(), Ok));
         let camera = camera.map_err(at_start)?;

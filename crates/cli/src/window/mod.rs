@@ -43,7 +43,7 @@ use std::thread::{JoinHandle, sleep, spawn};
 use std::time::{Duration, Instant};
 use surfaces::Surfaces;
 use tasks::{LineGoal, Task, TaskOutcome, do_all};
-use zeroset_live::{Rendering, Snapshot};
+use zeroset_live::{DocumentSource, Rendering, Snapshot};
 use zeroset_render::overlay::{Canvas, Overlay};
 
 const MESSAGE_TIME: Duration = Duration::from_secs(8);
@@ -198,6 +198,7 @@ impl Window {
     /// # Errors
     /// If drawing to the window fails.
     pub fn run(mut self) -> Result<()> {
+        self.open_wrong_formula();
         while !self.session.has_ended() && (self.native.is_open() || self.stays_open()) {
             let (width, height) = self.picture_size();
             self.session.live.resize(width, height);
@@ -234,6 +235,18 @@ impl Window {
             }
         }
         Ok(())
+    }
+
+    /// Puts a formula that the program was started with into the line, to be mended, if it has an
+    /// error.
+    fn open_wrong_formula(&mut self) {
+        let request = self.session.live.request();
+        let text = request.text.trim().to_owned();
+        let is_formula = request.source == DocumentSource::Typed && !text.contains('\n');
+        if is_formula && !text.is_empty() && request.read().is_err() {
+            *self.open_line() = text.into();
+            self.follow_typing();
+        }
     }
 
     /// Asks first if the window's close button was pressed and work would be left unsaved. Returns
