@@ -131,6 +131,24 @@ fn whatever_is_said_last_of_a_value_counts() {
 }
 
 #[test]
+fn values_of_sliders_are_no_typed_work() {
+    let live = start("domain 2\nr = 1\nx^2+y^2 = r + sin(t)", 16);
+    assert_eq!(live.typed_lines(), None);
+    for name in ["r", "t"] {
+        drag(&live, name, 1.5);
+        assert!(live.is_changed());
+        assert_eq!(live.typed_lines(), None, "{name}");
+    }
+    assert_eq!(live.text().lines().count(), 4, "{}", live.text());
+    // A line that dragging added does not count beside typed ones.
+    live.enter(":add z = 1").expect("valid");
+    assert_eq!(live.typed_lines(), Some(4), "{}", live.text());
+    live.undo();
+    live.enter("r = 0.5").expect("valid");
+    assert_eq!(live.typed_lines(), Some(3));
+}
+
+#[test]
 fn the_time_has_a_slider_where_it_is_drawn_only() {
     let names = |text: &str| {
         let all = settled(&start(text, 16)).sliders();

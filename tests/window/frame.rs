@@ -194,6 +194,37 @@ pub fn closing_the_window_ends_the_program_and_keeps_the_document() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
+pub fn the_close_button_asks_before_work_is_lost() {
+    let mut scene = Scene::start(CUBE);
+    for line in [":add x = 1", ":add y = 1", ":add z = 1"] {
+        scene.terminal.type_in(&format!("{line}\r"));
+    }
+    scene.terminal.type_in(":list\r");
+    scene.terminal.shows("z = 1");
+    // The window asks, and stays in use.
+    let reopened = |scene: &mut Scene| {
+        let before = scene.window.clone();
+        close(scene);
+        until("the window is open again", || {
+            scene.window = scene.display.window();
+            scene.window != before
+        });
+        scene.point(200, 160);
+        until("it shows the picture", || painted(&scene.picture()).is_some());
+    };
+    reopened(&mut scene);
+    scene.rest();
+    scene.changes("another plane", || {
+        scene.type_text("x = 1/2");
+        scene.key("ctrl+Return");
+    });
+    // There is more to lose now.
+    reopened(&mut scene);
+    close(&scene);
+    scene.terminal.shows("the document was not saved");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
 pub fn a_terminal_that_goes_away_with_a_signal_ends_the_program() {
     Terminal::controlling(&["--preview", "x+y+z"], None).hang_up();
 }

@@ -88,6 +88,7 @@ const TESTS: &[Group] = &[
         tests: tests![
             typing::fifty_formulas_typed_blind_are_drawn,
             typing::a_line_is_selected_copied_cut_pasted_and_undone,
+            typing::a_wrong_formula_from_the_command_line_is_mended_in_the_line,
             typing::other_programs_texts_are_pasted,
         ],
     },
@@ -99,6 +100,7 @@ const TESTS: &[Group] = &[
             frame::letters_are_as_large_as_they_are_asked_to_be,
             frame::the_overlay_is_drawn_around_the_picture,
             frame::a_saved_file_is_seen_at_once,
+            frame::the_close_button_asks_before_work_is_lost,
             frame::closing_the_window_ends_the_program_and_keeps_the_document,
             frame::a_terminal_that_goes_away_beside_a_window_ends_the_program,
             gallery::a_surface_is_chosen_by_its_picture,

@@ -129,7 +129,8 @@ pub fn time_is_played_paused_and_scrubbed() {
         scene.drag("1", (TRACK.0, ROWS[1]), (TRACK.0 + 20, ROWS[1]));
     });
     listed(&mut scene, "t = 0.79 in [0, 2pi]");
-    scene.quits_after_a_question();
+    // Values of sliders are no typed work.
+    scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }
 

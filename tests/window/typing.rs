@@ -1,7 +1,8 @@
 //! Typing in a real window: every printable key types, and the line is edited as lines are.
 
-use crate::scene::{CUBE, Scene};
-use crate::terminal_support::until;
+use crate::display::Display;
+use crate::scene::{CUBE, Scene, painted};
+use crate::terminal_support::{Terminal, until};
 use std::io::Write as _;
 use std::process::{Command, Stdio};
 
@@ -157,6 +158,21 @@ pub fn a_line_is_selected_copied_cut_pasted_and_undone() {
     scene.type_text("z = 2x");
     scene.key("Return");
     scene.is_document("z = 2x");
+    scene.key("ctrl+q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
+pub fn a_wrong_formula_from_the_command_line_is_mended_in_the_line() {
+    let display = Display::start();
+    let terminal = Terminal::start(&["x^2+y^2+z^2 =", "--size", "400x320"], Some(&display.name));
+    let window = display.window();
+    let scene = Scene { terminal, display, window };
+    scene.point(200, 160);
+    scene.turn();
+    scene.type_text(" 1");
+    scene.key("Return");
+    until("the picture is there", || painted(&scene.picture()).is_some());
+    scene.is_document("x^2+y^2+z^2 = 1");
     scene.key("ctrl+q");
     assert_eq!(scene.terminal.ends(), 0);
 }

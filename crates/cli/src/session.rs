@@ -404,11 +404,11 @@ impl Session {
     }
 
     /// Returns whether quitting would leave work unsaved: changes to a file, or more lines than
-    /// [`FEW_LINES`].
+    /// [`FEW_LINES`]. Values of sliders do not count.
     #[cfg(feature = "window")]
     pub fn has_unsaved_work(&self) -> bool {
-        self.live.is_changed()
-            && (self.path().is_some() || self.live.text().trim().lines().count() > FEW_LINES)
+        let typed = self.live.typed_lines();
+        typed.is_some_and(|lines| self.path().is_some() || lines > FEW_LINES)
     }
 
     /// Keeps the document if it has unsaved changes, and says where.

@@ -225,6 +225,11 @@ impl ProgramReader<'_> {
         };
         let elements = match self.elements(&values, frame) {
             Some(elements) => elements,
+            None if joint == Comma => {
+                let span = values.first()?.span;
+                let numbers = self.range_numbers(&values, span, frame).ok()??.into_iter();
+                numbers.map(|one| Element::single(vec![self.number(one, span, frame)])).collect()
+            }
             // Other sums over numbers stay sums.
             None if self.selects(&body) => {
                 let numbers = self.range_values(&ends, values[0].span, frame)?;

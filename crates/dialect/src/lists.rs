@@ -214,7 +214,7 @@ impl ProgramReader<'_> {
 
     /// The numbers of Python's `range(low, high, step)`, or of `[low : step : high]`, which has its
     /// end, as in `OpenSCAD`. `None` for other tokens.
-    fn range_numbers(
+    pub(crate) fn range_numbers(
         &mut self,
         tokens: &[Token],
         span: Span,

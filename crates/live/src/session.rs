@@ -327,6 +327,16 @@ impl Live {
         state.kept.trim_end() != state.request.text.trim_end()
     }
 
+    /// The number of lines without those that dragging values added. `None` if the document differs
+    /// from the text last loaded or saved by nothing but dragged values.
+    pub fn typed_lines(&self) -> Option<usize> {
+        let state = self.lock();
+        let text = state.request.text.trim_end();
+        let is_typed = with_dragged(&state.kept, text, &state.dragged).trim_end() != text;
+        let added = state.dragged.iter().filter(|one| one.side.is_empty()).count();
+        is_typed.then(|| text.trim().lines().count().saturating_sub(added))
+    }
+
     /// Requests pictures of this size, in pixels. Sizes below 1 count as 1.
     pub fn resize(&self, width: usize, height: usize) {
         let (width, height) = (width.max(1), height.max(1));

@@ -137,6 +137,16 @@ class Widget:
         """The canvas, as a data URL of a PNG file."""
         return self.canvas.evaluate("canvas => canvas.toDataURL()")
 
+    def painted(self):
+        """Number of columns with something other than the background."""
+        return self.canvas.evaluate("""canvas => {
+            const { width, height } = canvas;
+            const row = canvas.getContext("2d").getImageData(0, height >> 1, width, 1).data;
+            const colored = [...Array(width).keys()].filter(
+                x => Math.abs(row[4 * x] - row[4 * x + 2]) > 30);
+            return colored.length;
+        }""")
+
     def center(self):
         box = self.canvas.bounding_box()
         return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
@@ -183,6 +193,27 @@ def test_widget_is_driven_in_a_browser(server, browser, place):
     widget.rest(before)
     saddle = widget.pixels()
     assert saddle != first
+
+    # A surface of another size is seen as large as the one before, whether typed or moved.
+    slider = widget.root.locator("input[type=range]")
+    widths = []
+    for radius, share in ((1, 0.9), (30, 0.2)):
+        before = widget.frames()
+        widget.formula.fill(f"x^2+y^2+z^2 = {radius**2}*r^2\nr = 1 in [0.9, 9]")
+        sync_api.expect(widget.root.locator(".sliders label")).to_have_text("r")
+        widget.rest(before)
+        widths.append(widget.painted())
+        before, box = widget.frames(), slider.bounding_box()
+        page.mouse.click(box["x"] + share * box["width"], box["y"] + box["height"] / 2)
+        widget.rest(before)
+        widths.append(widget.painted())
+    assert widths[0] > 100
+    assert max(widths) - min(widths) < 12, widths
+    before = widget.frames()
+    widget.formula.fill("z = b*x*y\nb = 1 in [0, 3]")
+    sync_api.expect(widget.root.locator(".sliders label")).to_have_text("b")
+    widget.rest(before)
+    assert widget.pixels() == saddle
 
     # A slider, by keyboard and by mouse.
     before = widget.frames()

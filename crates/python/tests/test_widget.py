@@ -43,6 +43,32 @@ def test_a_picture_is_that_of_render():
     assert browser.answer()[1] == [png]
 
 
+def test_the_view_follows_the_surface_unless_it_was_moved():
+    w = zs.explore("x^2 + y^2 + z^2 = r^2", 32, 32, r=1)
+    browser = Browser(w)
+    browser.ask()
+    small = browser.answer()[0]["camera"]
+
+    def ratio(camera):
+        return math.dist(camera["eye"], (0, 0, 0)) / math.dist(small["eye"], (0, 0, 0))
+
+    w.text = "x^2 + y^2 + z^2 = 900*r^2\nr = 1"
+    assert w.camera == {}
+    browser.ask()
+    answer, _ = browser.answer()
+    large = answer["camera"]
+    assert ratio(large) == pytest.approx(30, rel=0.05)
+    w.values = {"r": 20.0}
+    assert w.camera == {}
+    assert ratio(w.surface.render(64, 64, **w.camera).camera) == pytest.approx(600, rel=0.05)
+    # Somebody turns it: the view stays, and the domain is that of the surface.
+    eye = [100.0, 0.0, 0.0]
+    browser.ask(camera={**large, "eye": eye}, values={"r": 20.0})
+    browser.answer()
+    w.text = "x^2 + y^2 + z^2 = 400"
+    assert w.camera["eye"] == eye and "domain" not in w.camera
+
+
 def test_options_reach_the_picture():
     w = zs.explore("z = x*y", 48, 32, options={"look": "studio", "fov": 20, "axes": True})
     browser = Browser(w)

@@ -62,8 +62,10 @@ const SHORT: u64 = 2_000;
 /// Largest number of evaluations at infinity for one box.
 const WORK_AT_ONCE: u64 = 6_000;
 
-/// Greatest ratio of the extent of a surface between given ranges to the largest of these.
+/// Greatest ratio of the extent of a surface between given ranges to the largest of these, and the
+/// same for a graph whose heights are stretched for display.
 const LONGEST_PART: f64 = 1000.0;
+const LONGEST_STRETCHED_PART: f64 = 1e9;
 
 /// Space left around a bounded surface, as a share of its extent on each axis. Around curves, it is
 /// a share of their largest extent.
@@ -253,6 +255,7 @@ pub fn find_while(
 pub(crate) fn find_between(
     program: &Program,
     ranges: &[Option<[f64; 2]>; 3],
+    is_stretched: bool,
     wanted: &dyn Fn() -> bool,
 ) -> Result<Option<Cell>, ProgramError> {
     let Some(mut search) = cell_search(program, wanted)? else { return Ok(None) };
@@ -268,7 +271,8 @@ pub(crate) fn find_between(
     let Some(hull) = tighten(program, &mut search, hull)? else { return Ok(None) };
     let given = (0..3).filter(|axis| ranges[*axis].is_some());
     let widest = given.map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
-    let is_shown = open().all(|axis| hull.extent(axis) <= LONGEST_PART * widest);
+    let longest = if is_stretched { LONGEST_STRETCHED_PART } else { LONGEST_PART };
+    let is_shown = open().all(|axis| hull.extent(axis) <= longest * widest);
     Ok((is_shown && wanted()).then(|| valid_box(thickened(with_margin(&hull), THIN))))
 }
 

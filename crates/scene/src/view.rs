@@ -196,7 +196,7 @@ pub fn region_while(
             && found.finding == Finding::Unbounded
             && let Some(program) = search
             && let program = program.over_time(document)
-            && let Some(part) = domain::find_between(&program, &ranges, wanted)?
+            && let Some(part) = domain::find_between(&program, &ranges, *is_tall, wanted)?
         {
             let part = AutoDomain { low: part.low, high: part.high, ..found };
             let part = curves::extent(document).map_or(part, |ends| part.with_box(ends));
@@ -273,8 +273,9 @@ pub fn clipped(
 }
 
 /// Searches for the surfaces with intervals, and ignores the document's domain. Parameters have
-/// their present values; time covers its whole loop. The domain also holds points and curves with a
-/// parameter. Curves of two equations count if there is no surface.
+/// their present values; time covers its whole range, or some times if that is not bounded. The
+/// domain also holds points and curves with a parameter. Curves of two equations count if there is
+/// no surface.
 ///
 /// # Errors
 /// If there is no surface, or a kernel cannot be compiled.

@@ -411,11 +411,21 @@ impl Window {
 
     /// Ends the program. Asks first if work would be left unsaved.
     fn quit(&mut self) {
-        let revision = self.session.live.revision();
-        if self.session.has_unsaved_work() && self.asked.replace(revision) != Some(revision) {
-            return self.say("not saved: Ctrl-S saves it; Ctrl-Q once more quits and keeps a copy");
+        if self.may_quit("Ctrl-Q once more") {
+            self.session.end();
         }
-        self.session.end();
+    }
+
+    /// Returns whether no work would be left unsaved, or the window has asked already. Otherwise
+    /// asks; `again` names the way to quit in spite of that.
+    pub(super) fn may_quit(&mut self, again: &str) -> bool {
+        let revision = self.session.live.revision();
+        let asks =
+            self.session.has_unsaved_work() && self.asked.replace(revision) != Some(revision);
+        if asks {
+            self.say(&format!("not saved: Ctrl-S saves it; {again} quits and keeps a copy"));
+        }
+        !asks
     }
 
     fn toggle_full_screen(&mut self) {

@@ -43,7 +43,7 @@ use std::thread::{JoinHandle, sleep, spawn};
 use std::time::{Duration, Instant};
 use surfaces::Surfaces;
 use tasks::{LineGoal, Task, TaskOutcome, do_all};
-use zeroset_live::{Rendering, Snapshot};
+use zeroset_live::{DocumentSource, Rendering, Snapshot};
 use zeroset_render::overlay::{Canvas, Overlay};
 
 const MESSAGE_TIME: Duration = Duration::from_secs(8);
@@ -108,10 +108,25 @@ pub struct Window {
     /// Time of the last check whether the window's content has changed.
     compared: Instant,
     title: String,
-    /// Revision of the unsaved document for which Ctrl-Q has asked whether to quit.
+    /// Revision of the unsaved document for which the window has asked whether to quit.
     asked: Option<u64>,
     /// Time of the last activity.
     active: Instant,
+}
+
+/// Opens a window of the system, whose keys go to `typed_keys`.
+fn native_window(size: Size, typed_keys: &InputQueue) -> Result<minifb::Window, String> {
+    let options = WindowOptions {
+        resize: true,
+        scale_mode: ScaleMode::UpperLeft,
+        ..WindowOptions::default()
+    };
+    let mut window = minifb::Window::new("zeroset", size.width, size.height, options)
+        .map_err(|error| format!("a window cannot be opened ({error})"))?;
+    // The loop in `run` sleeps by itself, since it polls more often than it draws.
+    window.set_target_fps(0);
+    window.set_input_callback(Box::new(Keyboard(typed_keys.clone())));
+    Ok(window)
 }
 
 impl Window {
@@ -133,17 +148,8 @@ impl Window {
         let pixels = |length: usize| (length as f64 * display.unwrap_or(1.0)).round() as usize;
         let size = size
             .unwrap_or(Size { width: pixels(USUAL_SIZE.width), height: pixels(USUAL_SIZE.height) });
-        let options = WindowOptions {
-            resize: true,
-            scale_mode: ScaleMode::UpperLeft,
-            ..WindowOptions::default()
-        };
-        let mut window = minifb::Window::new("zeroset", size.width, size.height, options)
-            .map_err(|error| format!("a window cannot be opened ({error})"))?;
-        // The loop in `run` sleeps by itself, since it polls more often than it draws.
-        window.set_target_fps(0);
         let typed_keys = InputQueue::default();
-        window.set_input_callback(Box::new(Keyboard(typed_keys.clone())));
+        let native = native_window(size, &typed_keys)?;
         let (tasks, given) = channel();
         let (tell, outcomes) = channel();
         let thread = {
@@ -152,8 +158,8 @@ impl Window {
         };
         let now = Instant::now();
         Ok(Self {
-            clicks: Clicks::of(&window),
-            native: window,
+            clicks: Clicks::of(&native),
+            native,
             session: Arc::clone(session),
             tasks,
             outcomes,
@@ -192,7 +198,8 @@ impl Window {
     /// # Errors
     /// If drawing to the window fails.
     pub fn run(mut self) -> Result<()> {
-        while self.native.is_open() && !self.session.has_ended() {
+        self.open_wrong_formula();
+        while !self.session.has_ended() && (self.native.is_open() || self.stays_open()) {
             let (width, height) = self.picture_size();
             self.session.live.resize(width, height);
             self.keys();
@@ -228,6 +235,35 @@ impl Window {
             }
         }
         Ok(())
+    }
+
+    /// Puts a formula that the program was started with into the line, to be mended, if it has an
+    /// error.
+    fn open_wrong_formula(&mut self) {
+        let request = self.session.live.request();
+        let text = request.text.trim().to_owned();
+        let is_formula = request.source == DocumentSource::Typed && !text.contains('\n');
+        if is_formula && !text.is_empty() && request.read().is_err() {
+            *self.open_line() = text.into();
+            self.follow_typing();
+        }
+    }
+
+    /// Asks first if the window's close button was pressed and work would be left unsaved. Returns
+    /// whether the window is open again: the library cannot hold it, so a new one takes its place.
+    fn stays_open(&mut self) -> bool {
+        if self.may_quit("closing it once more") {
+            return false;
+        }
+        let (width, height) = self.native.get_size();
+        self.typed_keys = InputQueue::default();
+        let Ok(native) = native_window(Size { width, height }, &self.typed_keys) else {
+            return false;
+        };
+        self.clicks = Clicks::of(&native);
+        self.native = native;
+        (self.drawn, self.title) = (None, String::new());
+        true
     }
 
     /// Takes over the sliders and surfaces of the visible rendering, and lays them out.

@@ -378,6 +378,8 @@ fn command(rest: &str, context: LexContext) -> (TokenKind, usize) {
     let word = &rest[1..end];
     let after = &rest[end..];
     match word {
+        // In `x\y`, the sign is no command, and other systems divide by it in one way or the other.
+        "x" | "y" | "z" => return (Unknown, 1),
         "begin" | "end" => return environment(rest, word == "begin", context.last),
         "left" | "right" if after.starts_with('.') => return (Blank, end + 1),
         "text" | "textrm" | "mbox" | "mathrm" | "textnormal" => {

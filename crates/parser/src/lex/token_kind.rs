@@ -153,7 +153,8 @@ impl TokenKind {
         matches!(self, Plus | Minus | Star | Slash)
     }
 
-    pub(crate) fn is_inequality(self) -> bool {
+    /// Returns whether this compares two values by their order.
+    pub fn is_inequality(self) -> bool {
         matches!(self, Less | LessEqual | Greater | GreaterEqual)
     }
 

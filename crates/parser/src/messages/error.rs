@@ -28,6 +28,14 @@ impl Errors {
         }
     }
 
+    /// Keeps the error with this index, of which the others are consequences.
+    pub fn keep_only(&mut self, index: usize) {
+        if index < self.0.len() {
+            self.0.swap(0, index);
+            self.0.truncate(1);
+        }
+    }
+
     /// The document's errors in the order of their places, then the errors of overrides.
     pub fn iter(&self) -> std::slice::Iter<'_, Error> {
         self.0.iter()

@@ -176,7 +176,16 @@ impl Error {
                     .to_owned()
             }
             UnknownName { name, letter: None } => {
-                format!("give it a value with a line `{name} = 1` or with `-D {name}=1`")
+                let line = text.get(statement(text, self.span).range()).unwrap_or_default();
+                let is_equation = line.replace("<=", "").replace(">=", "").contains('=');
+                // In an equation with x or y, r is hardly this distance.
+                let distance = match name.as_str() {
+                    "r" if !is_equation => {
+                        "; for the distance from the z axis, write `r = sqrt(x^2 + y^2)`"
+                    }
+                    _ => "",
+                };
+                format!("give it a value with a line `{name} = 1` or with `-D {name}=1`{distance}")
             }
             UnknownName { name, letter: Some(letter) } => {
                 let product = name.chars().map(String::from).collect::<Vec<_>>().join("*");
@@ -203,8 +212,7 @@ impl Error {
                 )
             }
             NothingToDraw { last, parameters: Some(count), .. } => {
-                let coordinates = ["x", "y", "z"].into_iter().chain(std::iter::repeat("1"));
-                let arguments: Vec<&str> = coordinates.take(*count).collect();
+                let arguments = example_arguments(text, self.span, *count);
                 format!(
                     "`{last}` is not built in, so this line defines it; to draw where it is 0, \
                      add a line that is just `{last}({})`",
@@ -287,6 +295,29 @@ impl Error {
         }
         corrected
     }
+}
+
+/// Arguments with which a function is drawn that is defined at `name`: the coordinates, or the
+/// point of space for a parameter whose type is a vector.
+fn example_arguments(text: &str, name: Span, count: usize) -> Vec<&'static str> {
+    let behind = text.get(name.end..).unwrap_or_default().trim_start();
+    let list = behind.strip_prefix('(').and_then(|rest| rest.split_once(')'));
+    let typed: Vec<&str> = list.map(|(list, _)| list.split(',').collect()).unwrap_or_default();
+    let size =
+        |parameter: &&str| ["vec2", "vec3"].into_iter().find(|size| parameter.contains(size));
+    if typed.len() != count || !typed.iter().any(|one| size(one).is_some()) {
+        let coordinates = ["x", "y", "z"].into_iter().chain(std::iter::repeat("1"));
+        return coordinates.take(count).collect();
+    }
+    let first = typed.iter().position(|one| size(one).is_some());
+    let argument = |(index, one)| match (size(one), first == Some(index)) {
+        (Some("vec2"), true) => "vec2(x, y)",
+        (Some(_), true) => "vec3(x, y, z)",
+        (Some("vec2"), false) => "vec2(1, 1)",
+        (Some(_), false) => "vec3(1, 1, 1)",
+        (None, _) => "1",
+    };
+    typed.iter().enumerate().map(argument).collect()
 }
 
 /// The place of the statement around `at`, if it is on one line.
@@ -510,7 +541,7 @@ fn character_help(character: char) -> Option<&'static str> {
         '_' => "a subscript is a part of a name, `x_1`; a norm is `length((x, y, z))`",
         '°' => "write `30*pi/180` for 30 degrees",
         '±' => "write two formulas, one a line, or square both sides",
-        '\\' => "a LaTeX command has a name, such as `\\sin`",
+        '\\' => "a quotient is written `x/y`; a LaTeX command has a name, such as `\\sin`",
         '.' => "a product is written `*`, a method as a function: `dot(a, b)`",
         _ => return None,
     })

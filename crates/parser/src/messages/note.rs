@@ -174,6 +174,11 @@ pub enum NoteKind {
     RootOf { read: String },
     #[error("numbers are added here, and no solids are joined; for that, write `{meant}`")]
     SolidsInSum { meant: String },
+    #[error(
+        "`cylinder(r, h)` has the radius first, and then half the height; in OpenSCAD, the height \
+         is first"
+    )]
+    CylinderOfOpenscad,
     #[error("a bracket is open at the end of the line, which is read as `{read}`")]
     BracketClosed { read: String },
     #[error("this is nowhere 0, so there is nothing to draw")]

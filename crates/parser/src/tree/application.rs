@@ -2,7 +2,7 @@
 //! function.
 
 use crate::lex::spelling::short_formula;
-use crate::lex::token_kind::TokenKind::{Minus, Number};
+use crate::lex::token_kind::TokenKind::{Minus, Number, Slash};
 use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::messages::note::NoteKind;
 use crate::span::Span;
@@ -202,7 +202,22 @@ impl Builder<'_> {
             let read = short_formula(&product.to_string());
             self.note(span.to(product.span), NoteKind::FunctionOfProduct { name, read });
         }
+        self.note_quotient(callee, span, &product);
         Ok(product)
+    }
+
+    /// Adds a note to `sin x/2`, which others read as `sin(x/2)`.
+    fn note_quotient(&mut self, callee: &Callee, span: Span, argument: &Expr) {
+        let next = self.lexed.tokens.partition_point(|one| one.span.start < argument.span.end);
+        let [slash, divisor, ..] = &self.lexed.tokens[next..] else { return };
+        if slash.kind == Slash && (divisor.kind == Number || divisor.kind.is_name()) {
+            let place = span.to(divisor.span);
+            let divisor = &self.text[divisor.span.range()];
+            let name = callee.name();
+            let read = short_formula(&format!("{name}({argument})/{divisor}"));
+            let other = short_formula(&format!("{name}({}/{divisor})", factor_text(argument)));
+            self.note(place, NoteKind::ImplicitDivision { read, other });
+        }
     }
 
     /// Suggests `sin(-x)` in the error for `sin -x`, which is read as a subtraction.
@@ -235,7 +250,13 @@ impl Builder<'_> {
         self.note_function(callee, span);
         let typed = &self.text[span.range()];
         match (callee, arguments.as_mut_slice()) {
-            (Callee::BuiltIn(name), [_]) if name == "log" && typed == "\\log" => {
+            // In programs and in modules such as `np`, this is well known.
+            (Callee::BuiltIn(name), [_])
+                if name == "log"
+                    && matches!(typed, "log" | "\\log")
+                    && !self.scope.in_steps
+                    && !self.text[..span.start].ends_with('.') =>
+            {
                 self.note(span, NoteKind::NaturalLogarithm);
             }
             // In SymPy and MATLAB, `Heaviside(0)` is 1/2.

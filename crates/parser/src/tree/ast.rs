@@ -439,7 +439,7 @@ pub enum CurveForm {
 
 impl Statement {
     /// The drawn formula and its restrictions, or the body of the definition.
-    pub(crate) fn expressions(&self) -> Vec<&Expr> {
+    pub fn expressions(&self) -> Vec<&Expr> {
         match self {
             Self::Draw { expr, restrictions } => {
                 std::iter::once(expr).chain(restrictions).collect()

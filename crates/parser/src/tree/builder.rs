@@ -252,21 +252,9 @@ impl<'a> Builder<'a> {
             terms.push((before, self.term(&mut pairs)?));
             // The signs plus and minus separate the terms.
             let Some(operator) = pairs.next() else {
-                self.note_solids(&terms);
                 return chain_of(Chain::Sum, self.numbers(terms));
             };
             before = sign(&operator);
-        }
-    }
-
-    /// Adds a note to a sum or difference of two solids, since it does not join them.
-    fn note_solids(&mut self, terms: &[(ChainSign, Expr)]) {
-        let [(_, first), (sign, second)] = terms else { return };
-        let is_solid = |term: &Expr| matches!(term.kind, ExprKind::Call(Function::Builder(_), _));
-        if is_solid(first) && is_solid(second) {
-            let name = if *sign == ChainSign::Direct { "union" } else { "subtract" };
-            let meant = format!("{name}(a, b)");
-            self.note(first.span.to(second.span), NoteKind::SolidsInSum { meant });
         }
     }
 

@@ -25,6 +25,8 @@ pub struct Scope {
     internal: bool,
     /// True if the trigonometry of the text is in degrees, as in `OpenSCAD`.
     pub in_degrees: bool,
+    /// True if the text is a program, whose statements are run in order.
+    pub in_steps: bool,
     /// Rules for conditions that are used as numbers.
     pub conditions: Conditions,
 }

@@ -63,6 +63,8 @@ class Explorer(anywidget.AnyWidget):
         self._typed = surface.parameters
         self._picture: Picture | None = None
         self._camera: dict[str, Any] = {}
+        # Whether somebody turned, moved or zoomed the surface.
+        self._is_moved = False
         self._painter = ThreadPoolExecutor(max_workers=1, thread_name_prefix="zeroset")
         super().__init__(
             text=surface.text,
@@ -106,6 +108,7 @@ class Explorer(anywidget.AnyWidget):
         kept = {n: moved[n] for n, v in typed.items() if n in moved and self._typed.get(n) == v}
         surface.set(**kept)
         self._surface, self._typed = surface, typed
+        self._fit()
         with self.hold_sync():
             self.values = surface.parameters
             self.sliders = _sliders(surface)
@@ -115,7 +118,15 @@ class Explorer(anywidget.AnyWidget):
     @traitlets.observe("values")
     def _set(self, change: Any) -> None:
         known = self._surface.parameters
-        self._surface.set(**{name: v for name, v in change.new.items() if known.get(name) != v})
+        changed = {name: v for name, v in change.new.items() if known.get(name) != v}
+        self._surface.set(**changed)
+        if changed:
+            self._fit()
+
+    def _fit(self) -> None:
+        """Forgets the domain of an earlier surface, and its view unless somebody chose it."""
+        view = {key: value for key, value in self._camera.items() if key != "domain"}
+        self._camera = view if self._is_moved else {}
 
     def _receive(self, _: Any, request: dict[str, Any], __: Any) -> None:
         """Takes a request for a picture."""
@@ -157,6 +168,7 @@ class Explorer(anywidget.AnyWidget):
             self._camera = {**picture.camera, "domain": picture.domain}
             if request["final"]:
                 self._picture = picture
+                self._is_moved = request["camera"] is not None
         self.send(answer, png)
 
     def _render(self, request: dict[str, Any], stop: Stop) -> Picture:

@@ -88,6 +88,8 @@ class View {
     this.number = 0;
     /** Requests without an answer, by number: whether for a picture at rest, and when sent. */
     this.asked = new Map();
+    /** Number of the last request for a picture of an earlier document. */
+    this.outdated = 0;
     /** Number of the picture that is shown, and when it came. */
     this.shown = 0;
     this.came = 0;
@@ -187,6 +189,7 @@ class View {
   showDocument() {
     this.domain = null;
     if (!this.moved) this.orbit = null;
+    this.outdated = this.number;
     this.values = { ...this.model.get("values") };
     this.rows = {};
     this.bars.replaceChildren();
@@ -348,9 +351,9 @@ class View {
     const side = name => Math.max(1, Math.round(this.model.get(name) * pixel));
     const [width, height] = [side("width"), side("height")];
     this.asked.set(this.number, { final, sent: performance.now() });
-    // At rest, the surface may have outgrown the domain.
+    // At rest, the surface may have outgrown the domain, and a view that nobody chose.
     const domain = final ? null : this.domain;
-    const camera = this.orbit && this.orbit.camera();
+    const camera = (this.moved || !final) && this.orbit ? this.orbit.camera() : null;
     const { id: view, number, values } = this;
     this.model.send({ view, number, width, height, final, camera, domain, values });
     if (final) {
@@ -397,8 +400,10 @@ class View {
       Object.assign(this.canvas, { width: wide, height: high });
     }
     this.canvas.getContext("2d").drawImage(image, 0, 0, wide, high);
-    this.orbit ??= new Orbit(camera);
-    this.domain = domain;
+    if (number > this.outdated) {
+      if (!this.moved || !this.orbit) this.orbit = new Orbit(camera);
+      this.domain = domain;
+    }
     this.showError(this.model.get("error"));
     const share = 100 * counts.undecided / (size[0] * size[1]);
     const open = share === 0 ? "every pixel proven" : `${share.toPrecision(2)} % undecided`;

@@ -45,6 +45,9 @@ fn between_given_ranges_the_rest_of_a_surface_is_shown_whole() {
         ("z = x^2 - y^2", "[-1, 1]", [-1.0, 1.0]),
         ("z = x^2 + y^2", "[5, 10]", [50.0, 200.0]),
         ("z = 1000 + x*y", "[0, 2]", [1000.0, 1004.0]),
+        ("z = exp(x^2)", "[-3, 3]", [1.0, 9_f64.exp()]),
+        ("z = exp(x^2)", "[-4, 4]", [1.0, 16_f64.exp()]),
+        ("z = x^5*y^3 - y", "[-9, 9]", [-9_f64.powi(8), 9_f64.powi(8)]),
         ("z^2 = x^2 + y^2", "[-3, 3]", [-18_f64.sqrt(), 18_f64.sqrt()]),
     ] {
         let [from, to] = ground(text, range);
@@ -53,7 +56,7 @@ fn between_given_ranges_the_rest_of_a_surface_is_shown_whole() {
         assert!(is_around, "{text} in {range}: {from}, {to}");
     }
     // Nothing bounds these along z, or they would be a needle.
-    for text in ["z = 1/(x^2 + y^2)", "x^2 + y^2 = 1", "z = exp(x^2)"] {
+    for text in ["z = 1/(x^2 + y^2)", "x^2 + y^2 = 1", "aspect equal\nz = exp(x^2)"] {
         let [from, to] = ground(text, "[-4, 4]");
         assert!(to - from < 20.0, "{text}: {from}, {to}");
     }
@@ -96,6 +99,29 @@ fn plane_curves_that_go_on_have_the_domain_of_their_equation() {
     let (_, searched) = region(&document("curve x^4 + y^2 = 1, z = 0"), DomainChoice::Auto, None)
         .expect("a region");
     assert_eq!(searched.map(|found| found.finding), Some(Finding::Bounded));
+}
+
+#[test]
+fn what_turns_with_the_time_is_in_the_domain_whole() {
+    for (text, reach) in [
+        ("rotate(box(1, 0.5, 0.3), t) <= 0", [1.118, 1.118, 0.3]),
+        ("rotate(torus(1, 0.3), t, (1, 0, 0)) <= 0", [1.3, 1.3, 1.3]),
+        ("rotate(sphere(0.5, (1, 0, 0)), t) = 0", [1.5, 1.5, 0.5]),
+        (
+            "p = (x cos(t) + z sin(t), y, z cos(t) - x sin(t))\nlength((length(p.xz)-1, p.y)) = 0.3",
+            [1.3, 0.3, 1.3],
+        ),
+        ("x^2 + y^2 + z^2 = 2 + sin(t)", [1.7, 1.7, 1.7]),
+        ("translate(sphere(1), 3cos(t), 3sin(t), 0) <= 0", [4.0, 4.0, 1.0]),
+    ] {
+        for at in [0.0, 1.0, 5.0] {
+            let (low, high) = found(&format!("t = {at} in [0, 2pi]\n{text}"));
+            for axis in 0..3 {
+                let fits = |end: f64| (0.98 * reach[axis]..1.5 * reach[axis]).contains(&end);
+                assert!(fits(-low[axis]) && fits(high[axis]), "{text} at {at}: {low:?}, {high:?}");
+            }
+        }
+    }
 }
 
 #[test]

@@ -192,21 +192,26 @@ pub(crate) fn implied(
     }
     for name in POINTS {
         let is_arrow = name.starts_with("vec_");
-        let is_vector = is_arrow || is_program || has_components(text, lines, name);
+        let is_vector = is_arrow
+            || is_program
+            || has_components(text, lines, name)
+            || has_length(text, lines, name);
         if let (Some(span), true) = (place(name), is_vector) {
             notes.push(Note { span, kind: NoteKind::PointOfSpace { name: name.to_owned() } });
             given.push((name, "vec3(x, y, z)"));
         }
     }
     let [r, rho, theta, phi] = ["r", "rho", "theta", "phi"].map(place);
-    // Beside x or y in a line, r is probably a radius whose definition is missing.
+    // Beside x or y in a line, r is probably a radius whose definition is missing, unless they only
+    // cut the drawing.
     let plane: FxHashSet<usize> = ["x", "y"]
         .iter()
         .filter_map(|name| uses.get(name))
         .flatten()
         .map(|(line, _)| *line)
         .collect();
-    let with_plane = uses.get("r").is_some_and(|all| all.iter().any(|(at, _)| plane.contains(at)));
+    let is_radius = |at: &usize| plane.contains(at) && !only_cuts(text, &lines[*at]);
+    let with_plane = uses.get("r").is_some_and(|all| all.iter().any(|(at, _)| is_radius(at)));
     // An equation between constants has no surface, so its φ is an angle.
     let is_constant = |line: &ParsedStatement<'_>| {
         let tokens = &line.raw.lexed.tokens;
@@ -252,6 +257,37 @@ pub(crate) fn implied(
     let built =
         given.iter().filter_map(|(name, body)| define(name, &[], body, scope, limits)).collect();
     (built, notes)
+}
+
+/// Functions whose arguments may each be a condition that cuts a drawing.
+const JOINTS: [&str; 7] = ["max", "min", "union", "intersect", "intersection", "subtract", "blend"];
+
+/// Returns whether x and y occur only in half-spaces such as `x > 0`, and so cut what is drawn, as
+/// in `max((r-1)^2 + z^2 - 0.1, -x) <= 0` and `z = r^2 {x > 0}`.
+fn only_cuts(text: &str, line: &ParsedStatement<'_>) -> bool {
+    let is_joint = |token: &Token| {
+        token.kind == TokenKind::Name && JOINTS.contains(&&text[token.span.range()])
+    };
+    let is_end = |token: &Token| {
+        use TokenKind::{And, CloseBrace, Comma, OpenBrace, Or, Semicolon};
+        matches!(token.kind, And | Or | Comma | Semicolon | OpenBrace | CloseBrace)
+    };
+    line.raw.lexed.tokens.split(is_end).all(|part| {
+        let part = match part {
+            [first, second, rest @ ..]
+                if is_joint(first) && second.kind == TokenKind::OpenParen =>
+            {
+                rest
+            }
+            other => other,
+        };
+        let is_linear = |token: &Token| {
+            use TokenKind::{CloseParen, Minus, Number, Plus};
+            matches!(token.kind, X | Y | Number | Plus | Minus | CloseParen)
+                || token.kind.is_inequality()
+        };
+        !part.iter().any(|token| matches!(token.kind, X | Y)) || part.iter().all(is_linear)
+    })
 }
 
 /// Returns whether an inequality such as `theta <= 3*pi/2` bounds an angle by more than π.
@@ -336,6 +372,19 @@ fn has_components(text: &str, lines: &[ParsedStatement<'_>], name: &str) -> bool
             pair[0].kind == TokenKind::Name
                 && pair[1].kind == Component
                 && plain_name(&text[pair[0].span.range()]) == name
+        })
+    })
+}
+
+/// Returns whether the text has the length of `name`, as in `length(p) - 1`.
+fn has_length(text: &str, lines: &[ParsedStatement<'_>], name: &str) -> bool {
+    lines.iter().any(|line| {
+        line.raw.lexed.tokens.windows(4).any(|four| {
+            let word = |at: usize| &text[four[at].span.range()];
+            matches!(word(0), "length" | "norm" | "magnitude")
+                && four[1].kind == TokenKind::OpenParen
+                && plain_name(word(2)) == name
+                && four[3].kind == TokenKind::CloseParen
         })
     })
 }

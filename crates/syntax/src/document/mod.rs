@@ -16,4 +16,5 @@ pub(crate) mod parameters;
 mod plane_curve;
 pub(crate) mod reading;
 pub(crate) mod recursion;
+mod solids_in_sums;
 mod thin_zeros;

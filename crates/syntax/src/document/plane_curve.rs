@@ -1,6 +1,7 @@
 //! A note on equations of two coordinates, which people mostly type for a curve in a plane.
 
 use super::reading::{Surface, SurfaceKind};
+use rustc_hash::FxHashSet;
 use zeroset_ir::{Axis, Graph, Node};
 use zeroset_parser::{Note, NoteKind};
 
@@ -12,7 +13,13 @@ const VIEWS: [&str; 3] = ["right", "front", "top"];
 
 /// The note on the first of some surfaces, if all are equations in which the same coordinate does
 /// not occur, and both others do.
-pub fn plane_curve_note(graph: &Graph, surfaces: &[Surface]) -> Option<Note> {
+///
+/// Equations with names in `generated` cannot be typed.
+pub fn plane_curve_note(
+    graph: &Graph,
+    surfaces: &[Surface],
+    generated: &FxHashSet<String>,
+) -> Option<Note> {
     let first = surfaces.first()?;
     let axis = missing(graph, first)?;
     let is_alike = |surface: &Surface| {
@@ -20,7 +27,9 @@ pub fn plane_curve_note(graph: &Graph, surfaces: &[Surface]) -> Option<Note> {
     };
     let equation = first.line();
     // A restriction or a choice has a comma of its own.
-    let is_simple = !equation.contains(['{', ',']) && equation.chars().count() <= LONGEST;
+    let is_simple = !equation.contains(['{', ','])
+        && equation.chars().count() <= LONGEST
+        && !generated.iter().any(|name| equation.contains(name.as_str()));
     (is_simple && surfaces.iter().all(is_alike)).then(|| {
         let view = VIEWS[axis as usize];
         let axis = ['x', 'y', 'z'][axis as usize];

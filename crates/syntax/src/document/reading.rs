@@ -9,6 +9,7 @@ use crate::document::listed::{self, is_expression_list};
 use crate::document::other_readings::with_other_readings;
 use crate::document::plane_curve::plane_curve_note;
 use crate::document::recursion::no_recursion;
+use crate::document::solids_in_sums::{cylinder_of_openscad, solids_in_sums};
 use crate::document::thin_zeros::thin_zeros_notes;
 use crate::lower::condition::holds_zeros;
 use crate::lower::constant::near_integers;
@@ -218,6 +219,7 @@ impl<'a> DocumentReader<'a> {
         let mut lines = lines(self.text, &program.statements)?;
         let mut scope = Scope::default();
         scope.in_degrees = program.in_degrees;
+        scope.in_steps = program.in_steps;
         scope.conditions = program.conditions;
         for (name, _) in self.options.overrides {
             scope.define(name, None);
@@ -289,9 +291,15 @@ impl<'a> DocumentReader<'a> {
         Ok((built, scope))
     }
 
-    /// The value of `result`, or `None` after recording the error of `result`.
+    /// The value of `result`, or `None` after recording the error of `result`. The rounds of a
+    /// loop have the same error at the same place, which is recorded once.
     pub(crate) fn ok_or_record<T>(&mut self, result: Fallible<T>) -> Option<T> {
-        result.map_err(|error| self.errors.push(*error)).ok()
+        let record = |error: Box<Error>| {
+            if !self.errors.contains(&error) {
+                self.errors.push(*error);
+            }
+        };
+        result.map_err(record).ok()
     }
 
     /// Fails if errors were recorded.
@@ -348,6 +356,8 @@ impl<'a> DocumentReader<'a> {
                 Statement::Curve(_) => curves.push(one),
             }
         }
+        self.notes.extend(solids_in_sums(&built));
+        self.notes.extend(cylinder_of_openscad(self.text, &built));
         let definitions = self.last_definitions(&definitions);
         no_recursion(&definitions)?;
         let settings = std::mem::take(&mut self.settings);
@@ -404,7 +414,7 @@ impl<'a> DocumentReader<'a> {
         self.notes.extend(near_integer_notes(&lowering.graph, &surfaces));
         let thin = thin_zeros_notes(&lowering.graph, &surfaces, &parameters);
         if curves.all.is_empty() && thin.is_empty() {
-            self.notes.extend(plane_curve_note(&lowering.graph, &surfaces));
+            self.notes.extend(plane_curve_note(&lowering.graph, &surfaces, &self.generated));
         }
         self.notes.extend(thin);
         let text = self.text;

@@ -11,7 +11,9 @@ pub(super) fn proposals(mistake: &Mistake<'_>) -> Vec<Proposal> {
     let mut all: Vec<Proposal> = coordinates(mistake).into_iter().collect();
     all.extend(without_range(mistake));
     all.extend(with_axes(mistake));
+    all.extend(in_a_plane(mistake));
     all.extend(sliders(mistake));
+    all.extend(levels(mistake));
     all.extend(vectors(mistake));
     all.extend(condition_of_name(mistake));
     all.extend(function_of_name(mistake));
@@ -69,6 +71,66 @@ fn with_axes(mistake: &Mistake<'_>) -> Option<Proposal> {
     }
     let why = "what moves along a curve is its parameter";
     Some(Proposal::new(why, format!("{curve}{} for t in [-3, 3]", &line[end..])))
+}
+
+/// `curve y = x^2`, as the curve in the plane of the coordinates that occur.
+fn in_a_plane(mistake: &Mistake<'_>) -> Option<Proposal> {
+    let ErrorKind::CurveEquations = mistake.kind else { return None };
+    let typed = mistake.line.strip_prefix("curve ")?;
+    let (equation, condition) = typed.split_at(typed.find('{').unwrap_or(typed.len()));
+    // `6xy` has both coordinates.
+    let occurs = |axis: char| {
+        let is_product = |word: &str| word.chars().all(|c| "xyz".contains(c));
+        pieces(equation)
+            .into_iter()
+            .map(|at| &equation[at])
+            .any(|word| is_product(word) && word.contains(axis))
+    };
+    let axis = ['z', 'y', 'x'].into_iter().find(|axis| !occurs(*axis))?;
+    let why = format!("a curve takes two equations; in the plane {axis} = 0 it is");
+    let line = format!("curve {}, {axis} = 0 {condition}", equation.trim());
+    Some(Proposal::new(why, line.trim()))
+}
+
+/// A formula with a list of numbers in place of one, as one formula for each number. Two numbers
+/// behind `in` are a range.
+fn levels(mistake: &Mistake<'_>) -> Option<Proposal> {
+    let line = mistake.line;
+    let (parts, formula) = match matched("A = B for N in [C]", line) {
+        Some(parts) => (parts, Some(line.split_once(" for ")?.0)),
+        None => (matched("A = [C]", line)?, None),
+    };
+    let numbers: Vec<&str> = parts[&'C'].split(',').map(str::trim).collect();
+    if !numbers.iter().all(|number| number.parse::<f64>().is_ok()) {
+        return None;
+    }
+    let why = "each value has a formula of its own";
+    let Some(formula) = formula else {
+        let lines = numbers.iter().map(|number| format!("{} = {number}", parts[&'A']));
+        return Some(Proposal::new(why, lines.collect::<Vec<_>>().join("\n")));
+    };
+    let name = parts[&'N'];
+    if let [low, high] = numbers.as_slice() {
+        let slider = format!("{name} = {low} in [{low}, {high}]\n{formula}");
+        return Some(Proposal::new("a value that moves is a slider", slider));
+    }
+    let with = |number: &&str| {
+        let mut all = String::new();
+        let mut end = 0;
+        for piece in pieces(formula) {
+            all += &formula[end..piece.start];
+            end = piece.end;
+            match &formula[piece] {
+                word if word == name && (all.trim().is_empty() || all.ends_with("= ")) => {
+                    all += number;
+                }
+                word if word == name => all.extend(["(", number, ")"]),
+                word => all += word,
+            }
+        }
+        all
+    };
+    Some(Proposal::new(why, numbers.iter().map(with).collect::<Vec<_>>().join("\n")))
 }
 
 /// Sliders in the notations of other systems.

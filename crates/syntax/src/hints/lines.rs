@@ -85,8 +85,8 @@ const LINES: &[(&str, &str, &[&str])] = &[
     ("if (P) A = C", "a condition stands in braces", &["A = C {P}"]),
     // Calls inside of statements.
     ("A = iterate(B, C)", "give the function a name", &["f(x) = B\nA = iterate(f, C, x)"]),
-    ("A = [B for N in range(C)]", "a list is not a number; its sum is", &["A = sum(N = 0..(C - 1), B)"]),
-    ("A = [B for N in range(C, D)]", "a list is not a number; its sum is", &["A = sum(N = C..(D - 1), B)"]),
+    ("A = [B for N in range(C)]", "a list is not a number, but its sum is one", &["A = sum(N = 0..(C - 1), B)"]),
+    ("A = [B for N in range(C, D)]", "a list is not a number, but its sum is one", &["A = sum(N = C..(D - 1), B)"]),
     ("A = sum(B for N in range(C))", "a sum has its range first", &["A = sum(N = 0..(C - 1), B)"]),
     ("A = sum(B, N, C, D)", "a sum has its range first", &["A = sum(N = C..D, B)"]),
     ("A = sum(N, C, D, B)", "a sum has its range first", &["A = sum(N = C..D, B)"]),
@@ -105,12 +105,7 @@ const LINES: &[(&str, &str, &[&str])] = &[
     ("set N A", "a definition has an equals sign", &["N = A"]),
     ("define N as A", "a definition has an equals sign", &["N = A"]),
     ("define N A", "a definition has an equals sign", &["N = A"]),
-    ("given N = A", "a definition stands alone", &["N = A"]),
-    ("assume N = A", "a definition stands alone", &["N = A"]),
     ("N is A", "a definition has an equals sign", &["N = A"]),
-    ("def N(A) = B", "a function needs no word before it", &["N(A) = B"]),
-    ("func N(A) = B", "a function needs no word before it", &["N(A) = B"]),
-    ("fn N(A) = B", "a function needs no word before it", &["N(A) = B"]),
     // Curves and solids.
     ("line from A to B", "a segment is a curve with a parameter", &["(1 - t)*A + t*B for t in [0, 1]"]),
     ("segment from A to B", "a segment is a curve with a parameter", &["(1 - t)*A + t*B for t in [0, 1]"]),
@@ -123,6 +118,8 @@ const LINES: &[(&str, &str, &[&str])] = &[
     ("text(A, B, C, D)", "a label stands at a point", &["(A, B, C) D"]),
     ("label A", "a label stands at a point", &["(0, 0, 0) A"]),
     ("point at A", "a point is its coordinates", &["A"]),
+    ("(A, B) for N in C", "a point of space has three coordinates", &["(A, B, 0) for N in C"]),
+    ("curve (A, B) for N in C", "a point of space has three coordinates", &["(A, B, 0) for N in C"]),
     ("circle of radius A", "a circle is a curve", &["curve x^2 + y^2 = A^2, z = 0"]),
     ("plane N = A", "a plane is its equation", &["N = A"]),
     ("A of radius B", "a solid is a call, and an equation such as `x^2 + y^2 + z^2 = 4` a surface", &["A(B)"]),
@@ -142,13 +139,13 @@ const LINES: &[(&str, &str, &[&str])] = &[
     ("S || T", "solids are joined by functions", &["union(S, T) <= 0"]),
     ("S and T", "solids are joined by functions", &["intersect(S, T) <= 0"]),
     ("S or T", "solids are joined by functions", &["union(S, T) <= 0"]),
-    ("S without T", "one solid without another is", &["subtract(S, T) <= 0"]),
+    ("S without T", "a solid is cut out of another by a function", &["subtract(S, T) <= 0"]),
     ("S ∪ T", "solids are joined by functions", &["union(S, T) <= 0"]),
-    ("S \\ T", "one solid without another is", &["subtract(S, T) <= 0"]),
-    ("S ∖ T", "one solid without another is", &["subtract(S, T) <= 0"]),
+    ("S \\ T", "a solid is cut out of another by a function", &["subtract(S, T) <= 0"]),
+    ("S ∖ T", "a solid is cut out of another by a function", &["subtract(S, T) <= 0"]),
     ("S and T <= C", "solids are joined by functions", &["intersect(S, T) <= C"]),
     ("S or T <= C", "solids are joined by functions", &["union(S, T) <= C"]),
-    ("S minus T", "one solid without another is", &["subtract(S, T) <= 0"]),
+    ("S minus T", "a solid is cut out of another by a function", &["subtract(S, T) <= 0"]),
     ("S intersect T", "solids are joined by functions", &["intersect(S, T) <= 0"]),
     ("S union T", "solids are joined by functions", &["union(S, T) <= 0"]),
     // Lines about the picture.
@@ -262,6 +259,11 @@ const LINES: &[(&str, &str, &[&str])] = &[
     ("animate N", "what moves depends on the time t", &["N = 1 + sin(t)"]),
 ];
 
+/// Words that stand before definitions in other systems, mostly types.
+const BEFORE_DEFINITIONS: &str = "vec vector vec2 vec3 vec4 point float double real scalar number \
+    num int integer bool var let const constant val param parameter slider local auto def func \
+    function fn fun set given assume define where with";
+
 /// Words for signs.
 const SIGNS: &[(&str, &str)] = &[
     (" is less than or equal to ", " <= "),
@@ -318,6 +320,11 @@ pub(super) fn unread(mistake: &Mistake<'_>) -> Option<String> {
              such as `float map(vec3 p) { return length(p) - 1.; }`"
                 .to_owned(),
         ),
+        ErrorKind::Program { word } if word == "struct" => Some(
+            "a function that is drawn returns the distance alone, as in \
+             `float map(vec3 p) { return length(p) - 1.; }`"
+                .to_owned(),
+        ),
         ErrorKind::Empty if has("import ") => Some(
             "this only loads a module; add the formula, such as `z = np.sin(x)*np.cos(y)`"
                 .to_owned(),
@@ -328,10 +335,21 @@ pub(super) fn unread(mistake: &Mistake<'_>) -> Option<String> {
 
 pub(super) fn proposals(mistake: &Mistake<'_>) -> Vec<Proposal> {
     let mut all = Vec::new();
+    if mistake.text.contains("<f32>") {
+        let why = "a vector has its size alone";
+        all.push(Proposal::text(why, mistake.text.replace("<f32>", "")));
+    }
     for (pattern, why, templates) in LINES {
         let Some(parts) = matched(pattern, mistake.line) else { continue };
         let lines = templates.iter().map(|template| Proposal::new(*why, filled(template, &parts)));
         all.extend(lines);
+    }
+    if let Some((word, definition)) = mistake.line.split_once(char::is_whitespace)
+        && BEFORE_DEFINITIONS.split_whitespace().any(|one| one == word)
+        && ["N = A", "N(A) = B"].iter().any(|one| matched(one, definition).is_some())
+    {
+        let why = format!("a definition stands alone, without `{word}`");
+        all.push(Proposal::new(why, definition.trim()));
     }
     if let ErrorKind::InWords | ErrorKind::Solid { .. } = mistake.kind {
         let signs = |line: String, (word, sign): &(&str, &str)| line.replace(word, sign);
@@ -339,7 +357,26 @@ pub(super) fn proposals(mistake: &Mistake<'_>) -> Vec<Proposal> {
         all.push(Proposal::new("a formula has signs", line));
     }
     all.extend(of_brackets_and_signs(mistake));
+    all.extend(of_color(mistake));
     all
+}
+
+/// A color in the notation of CSS, or a vector as in a shader, by its digits.
+fn of_color(mistake: &Mistake<'_>) -> Option<Proposal> {
+    let (word, rest) = mistake.line.split_once(' ')?;
+    let (ErrorKind::BadColorMap | ErrorKind::BadColor) = mistake.kind else { return None };
+    let (call, opacity) = rest.split_at(rest.rfind(')')? + 1);
+    let color = match matched("N(A, B, C)", call) {
+        Some(parts) if parts[&'N'].starts_with("vec") || parts[&'N'].starts_with("float") => {
+            let number = |letter| parts[&letter].parse::<f32>().ok();
+            csscolorparser::Color::new(number('A')?, number('B')?, number('C')?, 1.0)
+        }
+        _ => csscolorparser::parse(call).ok()?,
+    };
+    let digits = color.to_css_hex().to_string();
+    let why = "a color has a name of CSS, or digits";
+    // Digits of the opacity are no part of a color here.
+    Some(Proposal::new(why, format!("{word} {}{opacity}", digits.get(..7)?)))
 }
 
 /// Corrections of unpaired or empty brackets, and of signs without an operand.

@@ -11,6 +11,7 @@ mod lines;
 mod numbers;
 mod pattern;
 mod solids;
+mod values;
 mod words;
 
 use crate::document::reading::{self, Document, Options};
@@ -120,7 +121,9 @@ fn advised(text: &str, options: &Options<'_>, mut errors: Errors) -> Errors {
         if error.suggestion.as_ref().is_some_and(is_decimal) {
             continue;
         }
-        let mut advice = advice(text, options, place, (error, count));
+        let Some((mut line, mends_all)) = advice(text, options, place, (error, count)) else {
+            continue;
+        };
         // The usual advice on these errors helps beside the corrected line.
         let is_kept = matches!(
             error.kind,
@@ -129,23 +132,27 @@ fn advised(text: &str, options: &Options<'_>, mut errors: Errors) -> Errors {
                 | ErrorKind::FormUsage { .. }
                 | ErrorKind::EquationInCondition
         );
-        if let (true, Some(line), Some(usual)) = (is_kept, &mut advice, error.help(text)) {
+        if let (true, Some(usual)) = (is_kept, error.help(text)) {
             line.extend(["; ", &usual]);
         }
-        if let Some(advice) = advice {
-            errors.advise(index, advice);
+        errors.advise(index, line);
+        // The other errors follow from this one.
+        if mends_all {
+            errors.keep_only(index);
+            break;
         }
     }
     errors
 }
 
-/// The advice on an error at `place`, whose text has `count` errors.
+/// The advice on an error at `place`, whose text has `count` errors, and whether the text has no
+/// error with the line that it gives.
 fn advice(
     text: &str,
     options: &Options<'_>,
     place: Span,
     (error, count): (&Error, usize),
-) -> Option<String> {
+) -> Option<(String, bool)> {
     let (kind, suggestion) = (&error.kind, error.suggestion.as_ref());
     let whole = statement(text, place);
     let line = text.get(whole.clone())?;
@@ -155,10 +162,10 @@ fn advice(
     if let ErrorKind::UnknownFunction { name } = kind
         && let Some(why) = words::absent(name)
     {
-        return Some(why.to_owned());
+        return Some((why.to_owned(), false));
     }
     if let Some(advice) = lines::unread(&mistake) {
-        return Some(advice);
+        return Some((advice, false));
     }
     let proposals = SOURCES.iter().flat_map(|source| source(&mistake));
     let proposals = proposals.filter(|proposal| proposal.line != line).take(MOST_TRIED);
@@ -169,7 +176,9 @@ fn advice(
         let range = if is_text { 0..text.len() } else { whole.clone() };
         let end = range.start + line.len();
         let corrected = format!("{}{line}{}", &text[..range.start], &text[range.end..]);
-        let is_better = match reading::read(&corrected, options) {
+        let read = reading::read(&corrected, options);
+        let mends_all = read.is_ok();
+        let is_better = match read {
             Ok(_) => true,
             // A function alone draws nothing, but is right.
             Err(errors) if is_definition(&errors) => true,
@@ -184,14 +193,16 @@ fn advice(
             let new: Vec<&str> = line.lines().filter(is_new).collect();
             let line = new.join("` and below it `");
             let line = line.trim();
-            return Some(match why.as_str() {
+            let advice = match why.as_str() {
                 "" => format!("write `{line}`"),
                 why if why.ends_with('?') => format!("{why} Write `{line}`"),
                 why => format!("{why}: write `{line}`"),
-            });
+            };
+            return Some((advice, mends_all));
         }
     }
-    None
+    let values = || values::missing(&mistake, &whole, options);
+    Some((solids::unread(&mistake).or_else(values)?, false))
 }
 
 /// Returns whether the only error is that the text draws nothing.

@@ -84,12 +84,12 @@ const NAMES: &[(&str, &str)] = &[
 /// Calls that are written otherwise here: the pattern, the reason, and templates in this language.
 #[rustfmt::skip] // one row a line
 const CALLS: &[(&str, &str, &[&str])] = &[
-    ("log(A, V)", "`log` takes one value; a logarithm to a base is a quotient", &["ln(A)/ln(V)"]),
-    ("log(V, A)", "`log` takes one value; a logarithm to a base is a quotient", &["ln(A)/ln(V)"]),
-    ("log(A, B)", "`log` takes one value; a logarithm to a base is a quotient", &["ln(A)/ln(B)"]),
-    ("ln(A, V)", "`ln` takes one value; a logarithm to a base is a quotient", &["ln(A)/ln(V)"]),
-    ("ln(V, A)", "`ln` takes one value; a logarithm to a base is a quotient", &["ln(A)/ln(V)"]),
-    ("ln(A, B)", "`ln` takes one value; a logarithm to a base is a quotient", &["ln(A)/ln(B)"]),
+    ("log(A, V)", "", &["ln(A)/ln(V)"]),
+    ("log(V, A)", "", &["ln(A)/ln(V)"]),
+    ("log(A, B)", "", &["ln(A)/ln(B)"]),
+    ("ln(A, V)", "", &["ln(A)/ln(V)"]),
+    ("ln(V, A)", "", &["ln(A)/ln(V)"]),
+    ("ln(A, B)", "", &["ln(A)/ln(B)"]),
     ("sqrt(A, V)", "another root is a `root`", &["root(A, V)"]),
     ("sum(N = A to B, D)", "a range has dots between its ends", &["sum(N = A..B, D)"]),
     ("sum(N = A, B, D)", "a range has dots between its ends", &["sum(N = A..B, D)"]),
@@ -98,7 +98,7 @@ const CALLS: &[(&str, &str, &[&str])] = &[
     ("sum(D, N, A, B)", "a sum has its range first", &["sum(N = A..B, D)"]),
     ("product(N = A to B, D)", "a range has dots between its ends", &["product(N = A..B, D)"]),
     ("product(N, A, B, D)", "a product has its range first", &["product(N = A..B, D)"]),
-    ("logb(A, B)", "a base is divided by", &["ln(B)/ln(A)"]),
+    ("logb(A, B)", "a logarithm to a base is a quotient", &["ln(B)/ln(A)"]),
     ("atan2(A)", "the angle of a point takes both coordinates, as in `atan2(y, x)`; of one value it is `atan`", &["atan(A)"]),
     ("mod(A)", "`mod` also takes what to divide by", &["mod(A, 1)"]),
     ("clamp(A, B)", "`clamp` takes a value and two bounds", &["clamp(A, 0, B)"]),
@@ -145,9 +145,9 @@ const CALLS: &[(&str, &str, &[&str])] = &[
     ("shear(A, B)", "there is no `shear`; move by a vector that depends on z", &["translate(A, B*z, 0, 0)"]),
     ("skew(A, B)", "there is no `skew`; move by a vector that depends on z", &["translate(A, B*z, 0, 0)"]),
     ("taper(cylinder(A, B), C)", "there is no `taper`; a cone with two radii is `cone`", &["cone(A, C, B)"]),
-    ("minkowski(A, sphere(B))", "there is no `minkowski`; a solid grown on all sides is", &["offset(A, B)"]),
-    ("round_edges(A, B)", "a solid grown on all sides has round edges", &["offset(A, B)"]),
-    ("fillet(A, B)", "a solid grown on all sides has round edges", &["offset(A, B)"]),
+    ("minkowski(A, sphere(B))", "there is no `minkowski`; `offset` grows a solid on all sides", &["offset(A, B)"]),
+    ("round_edges(A, B)", "`offset` grows a solid on all sides, which rounds its edges", &["offset(A, B)"]),
+    ("fillet(A, B)", "`offset` grows a solid on all sides, which rounds its edges", &["offset(A, B)"]),
     ("hull(sphere(A), sphere(B))", "there is no `hull`; that of two balls of one radius is a `capsule`", &["capsule((0, 0, 0), (2, 0, 0), A)"]),
     ("pyramid(A, B)", "there is no `pyramid`; it is a square that grows smaller", &["max(abs(x), abs(y)) - A*(1 - z/B)"]),
     ("pyramid(A)", "there is no `pyramid`; it is a square that grows smaller", &["max(abs(x), abs(y)) - A*(1 - z/A)"]),
@@ -164,8 +164,12 @@ const CALLS: &[(&str, &str, &[&str])] = &[
     ("hemisphere(A)", "half a ball is cut by a plane", &["intersect(sphere(A), -z)"]),
     ("half_sphere(A)", "half a ball is cut by a plane", &["intersect(sphere(A), -z)"]),
     ("dome(A)", "half a ball is cut by a plane", &["intersect(sphere(A), -z)"]),
-    ("xor(A, B)", "what lies in one solid only is", &["subtract(union(A, B), intersect(A, B))"]),
+    ("xor(A, B)", "`xor` is not built in; it is the union without the intersection", &["subtract(union(A, B), intersect(A, B))"]),
     ("gyroid(A)", "a gyroid is written out", &["(sin x cos y + sin y cos z + sin z cos x)"]),
+    ("sdSphere(p, A)", "this solid is built in", &["sphere(A)"]),
+    ("sdBox(p, A)", "this solid is built in", &["box(A)"]),
+    ("sdTorus(p, vec2(A, B))", "this solid is built in, around the z axis", &["rotate(torus(A, B), 90°, (1, 0, 0))"]),
+    ("sdCapsule(p, A, B, C)", "this solid is built in", &["capsule(A, B, C)"]),
     ("square(A, B)", "a rectangle is given by its half sizes", &["rectangle(A/2, B/2)"]),
 ];
 
@@ -261,7 +265,7 @@ pub(super) fn proposals(mistake: &Mistake<'_>) -> Vec<Proposal> {
         && let Some((name, function)) = SURFACES.iter().find(|(name, _)| *name == parts[&'N'])
     {
         let formula = format!("{function} = {}", parts[&'B']);
-        all.push(Proposal::new(format!("`{name}` is not built in; its formula is"), formula));
+        all.push(Proposal::new(format!("`{name}` is not built in, but has a formula"), formula));
     }
     let word = mistake.typed();
     if let ErrorKind::UnknownName { .. } = mistake.kind
@@ -315,33 +319,7 @@ pub(super) fn misspelled(mistake: &Mistake<'_>) -> Vec<Proposal> {
         let line = mistake.replaced(mistake.place.clone(), name);
         all.push(Proposal::new(format!("did you mean `{name}`?"), line));
     }
-    all.extend(without_values(mistake));
     all
-}
-
-/// Values for all letters without one, as in `(x/a)^2 + (y/b)^2 = 1`.
-fn without_values(mistake: &Mistake<'_>) -> Option<Proposal> {
-    let line = mistake.line;
-    let is_called = |end: usize| line[end..].trim_start().starts_with('(');
-    let mut letters = BTreeSet::new();
-    for piece in pieces(line).into_iter().filter(|piece| !is_called(piece.end)) {
-        let word = &line[piece];
-        let is_short = word.len() <= 2 && word.bytes().all(|c| c.is_ascii_alphabetic());
-        letters.extend(word.chars().filter(|c| is_short && !"xyzteijXYZ".contains(*c)));
-    }
-    let defines = |letter: &char| {
-        let own = mistake.text.lines().find(|other| other.trim_start().starts_with(*letter));
-        own.is_some_and(|own| own.trim_start()[1..].trim_start().starts_with('='))
-    };
-    letters.retain(|letter| !defines(letter));
-    // The usual advice is as good for a single letter.
-    if letters.len() < 2 || letters.len() > 6 {
-        return None;
-    }
-    let named: Vec<String> = letters.iter().map(|letter| format!("`{letter}`")).collect();
-    let values: Vec<String> = letters.iter().map(|letter| format!("{letter} = 1")).collect();
-    let why = format!("give a value to {}", named.join(", "));
-    Some(Proposal::new(why, format!("{}\n{line}", values.join("; "))))
 }
 
 /// Functions that may stand at the end of a name.
@@ -350,23 +328,28 @@ const FUNCTIONS: [&str; 14] = [
     "log", "ln",
 ];
 
-/// Reads `axcos(y)` as a product, with values for the letters that have none.
+/// Constants that may stand at the start of a name.
+const CONSTANTS: [&str; 2] = ["pi", "tau"];
+
+/// Reads `axcos(y)` and `pir` as products, with values for the letters that have none.
 fn product_with_letters(mistake: &Mistake<'_>, word: &str) -> Vec<Proposal> {
-    let found =
-        FUNCTIONS.iter().find_map(|function| Some((word.strip_suffix(function)?, *function)));
-    let Some((letters, function)) = found.filter(|(letters, _)| (1..=3).contains(&letters.len()))
-    else {
-        return Vec::new();
+    let is_product = |letters: &str| {
+        (1..=3).contains(&letters.len()) && letters.bytes().all(|c| c.is_ascii_lowercase())
     };
-    if !letters.bytes().all(|letter| letter.is_ascii_lowercase()) {
-        return Vec::new();
-    }
-    let product: Vec<String> = letters.chars().map(String::from).collect();
-    let product = format!("{}*{function}", product.join("*"));
+    let split = |letters: &str| letters.chars().map(String::from).collect::<Vec<_>>().join("*");
+    let call = FUNCTIONS.iter().find_map(|function| {
+        let letters = word.strip_suffix(function)?;
+        is_product(letters).then(|| (letters, format!("{}*{function}", split(letters))))
+    });
+    let multiple = CONSTANTS.iter().find_map(|constant| {
+        let letters = word.strip_prefix(constant)?;
+        is_product(letters).then(|| (letters, format!("{constant}*{}", split(letters))))
+    });
+    let Some((letters, product)) = call.or(multiple) else { return Vec::new() };
     let line = mistake.replaced(mistake.place.clone(), &product);
-    let values: Vec<String> =
-        letters.chars().filter(|c| !"xyz".contains(*c)).map(|c| format!("{c} = 1")).collect();
-    let why = format!("`{word}` is no function; as a product");
+    let values: BTreeSet<char> = letters.chars().filter(|c| !"xyzt".contains(*c)).collect();
+    let values: Vec<String> = values.iter().map(|letter| format!("{letter} = 1")).collect();
+    let why = format!("`{word}` has no meaning; as a product");
     let with_values = format!("{}\n{line}", values.join("; "));
     vec![Proposal::new(why.clone(), line), Proposal::new(why, with_values)]
 }
