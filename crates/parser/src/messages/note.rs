@@ -179,6 +179,15 @@ pub enum NoteKind {
          is first"
     )]
     CylinderOfOpenscad,
+    #[error("`{typed}` is read as a factor; leave it out if it only numbers the line")]
+    NumberOfList { typed: String },
+    #[error(
+        "this line begins with a minus sign and is a formula of its own; one that goes on with the \
+         line above is indented"
+    )]
+    LineWithMinus,
+    #[error("the angle {number} is in radians; for degrees, write `{number}°`")]
+    LargeAngle { number: String },
     #[error("a bracket is open at the end of the line, which is read as `{read}`")]
     BracketClosed { read: String },
     #[error("this is nowhere 0, so there is nothing to draw")]

@@ -10,6 +10,7 @@ pub(crate) mod foreign_definitions;
 pub(crate) mod heading;
 pub(crate) mod implied_coordinates;
 pub(crate) mod implied_drawing;
+mod likely_slips;
 pub(crate) mod listed;
 pub(crate) mod other_readings;
 pub(crate) mod parameters;

@@ -5,6 +5,7 @@ use crate::document::foreign_definitions::foreign_definitions;
 use crate::document::heading::heading;
 use crate::document::implied_coordinates;
 use crate::document::implied_drawing::{drawn_by_program, implied_drawing};
+use crate::document::likely_slips::likely_slips;
 use crate::document::listed::{self, is_expression_list};
 use crate::document::other_readings::with_other_readings;
 use crate::document::plane_curve::plane_curve_note;
@@ -357,6 +358,7 @@ impl<'a> DocumentReader<'a> {
             }
         }
         self.notes.extend(solids_in_sums(&built));
+        self.notes.extend(likely_slips(self.text, &built, scope.in_degrees));
         self.notes.extend(cylinder_of_openscad(self.text, &built));
         let definitions = self.last_definitions(&definitions);
         no_recursion(&definitions)?;

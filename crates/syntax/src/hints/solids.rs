@@ -248,7 +248,7 @@ impl<'a> Reader<'a> {
         Some((definitions, solids))
     }
 
-    /// Reads an assignment, as a definition. One that says how fine a mesh is has none.
+    /// Reads an assignment, as a definition. The text is empty if it only says how fine a mesh is.
     fn assignment(&mut self) -> Option<String> {
         let is_special = self.take("$");
         let name = self.peek();

@@ -128,7 +128,7 @@ fn advice_is_the_line_to_write_and_is_given_once() {
     }
 }
 
-/// The line for a program of solids has the same solid, or there is none.
+/// A program of solids gets a line with the same solid, or no line.
 #[test]
 fn programs_of_solids_get_lines_with_the_same_solid() {
     for (text, line) in [
