@@ -30,7 +30,9 @@ pub fn ticks(low: f64, high: f64) -> (Vec<(f64, String)>, f64) {
         let halves = end / FRAC_PI_2;
         ((halves - halves.round()).abs() < NEAR).then_some(halves.round())
     };
-    let turns = in_halves(low).zip(in_halves(high)).filter(|(a, b)| a.abs().max(b.abs()) < 1e6);
+    // Both ends of a tiny axis are near the same multiple.
+    let turns = in_halves(low).zip(in_halves(high));
+    let turns = turns.filter(|(a, b)| a != b && a.abs().max(b.abs()) < 1e6);
     let least = (high - low) / TICKS;
     let (unit, mut step) = if turns.is_some() {
         let part = PARTS.into_iter().find(|part| part * PI >= least);
@@ -124,6 +126,7 @@ mod tests {
         assert_eq!(texts(0.0, 250_000.0), ["0", "1e5", "2e5"]);
         // Many digits are no shorter with an exponent.
         assert_eq!(texts(1e6, 1e6 + 0.5), ["1000000.0", "1000000.2", "1000000.4"]);
+        assert_eq!(texts(-1e-12, 1e-12), ["-1.0e-12", "-0.5e-12", "0", "0.5e-12", "1.0e-12"]);
         assert_eq!(texts(0.0, 0.0), ["0"]);
     }
 
