@@ -480,9 +480,11 @@ impl Args for ChoiceArgs {
             let arg = arg.value_name(row.values.notation()).allow_hyphen_values(true);
             // As on a line of the text, the word alone means `on`.
             let arg = match row.values {
-                Values::Number { on: Some(_), .. } => {
-                    arg.num_args(0..=1).default_missing_value("on").allow_hyphen_values(false)
-                }
+                Values::Number { on: Some(_), .. } => arg
+                    .num_args(0..=1)
+                    .default_missing_value("on")
+                    .allow_hyphen_values(false)
+                    .allow_negative_numbers(true),
                 _ => arg,
             };
             arg.value_parser(|text: &str| row.values.read(text, number::number))
