@@ -492,13 +492,6 @@ impl Args for ChoiceArgs {
                 return arg.action(ArgAction::SetTrue);
             }
             let arg = arg.value_name(row.values.notation()).allow_hyphen_values(true);
-            // As on a line of the text, the word alone means `on`.
-            let arg = match row.values {
-                Values::Number { on: Some(_), .. } => {
-                    arg.num_args(0..=1).default_missing_value("on").allow_hyphen_values(false)
-                }
-                _ => arg,
-            };
             arg.value_parser(|text: &str| row.values.read(text, number::number))
         };
         let command = command.args(CHOICES.iter().map(flag));

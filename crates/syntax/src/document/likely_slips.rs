@@ -66,10 +66,10 @@ fn line_with_minus(text: &str, span: Span) -> Option<Note> {
 /// The note on `rotate(s, 45)` and `sin(30)`.
 fn degrees(expr: &Expr) -> Option<Note> {
     let ExprKind::Call(function, arguments) = &expr.kind else { return None };
-    let angle = match (function, arguments.as_slice()) {
-        (Function::Builder("rotate"), [_, angle, ..])
-        | (Function::Native(Op::Sin | Op::Cos | Op::Tan), [angle]) => angle,
-        _ => return None,
+    let ((Function::Builder("rotate"), [_, angle, ..])
+    | (Function::Native(Op::Sin | Op::Cos | Op::Tan), [angle])) = (function, arguments.as_slice())
+    else {
+        return None;
     };
     let number = match &angle.kind {
         ExprKind::Negate(inner) => inner.number()?,

@@ -50,7 +50,7 @@ pub(crate) fn cylinder_of_openscad(text: &str, built: &[BuiltStatement]) -> Opti
         &expr.kind, ExprKind::Call(Function::Builder("cylinder"), given) if given.len() == 2
     );
     (is_cylinder && text.trim_end().ends_with(';'))
-        .then(|| Note { span: *span, kind: NoteKind::CylinderOfOpenscad })
+        .then_some(Note { span: *span, kind: NoteKind::CylinderOfOpenscad })
 }
 
 /// The statement with `joined` in place of `sum`, or `joined` if the sum is only a part.

@@ -510,8 +510,9 @@ impl<'a> Reader<'a> {
                 ("hole", Some(solid), [diameter]) => {
                     Some(format!("subtract({solid}, cylinder({}, {height}))", half(diameter)))
                 }
-                ("faces", Some(solid), ["\">Z\"" | "\"<Z\""]) => Some(solid),
-                ("workplane", Some(solid), []) => Some(solid),
+                ("faces", Some(solid), ["\">Z\"" | "\"<Z\""]) | ("workplane", Some(solid), []) => {
+                    Some(solid)
+                }
                 _ => return None,
             };
         }
