@@ -7,13 +7,16 @@ use zeroset_dialect::is_scene_function;
 use zeroset_parser::Limits;
 use zeroset_parser::settings::setting_word;
 use zeroset_parser::tree::ast::{ExprKind, Function, Statement};
+use zeroset_parser::tree::scope::canonical;
 use zeroset_scene::number::number;
 use zeroset_syntax::{is_expression_list, parse};
 
 /// Returns `text` after `line` is entered.
 ///
 /// - A definition replaces the one with the same name; a single value is replaced in place.
-/// - A drawing replaces all others, or is added to them if `adding`. It is never hidden.
+/// - A drawing replaces all others, or is added to them if `adding`. It is never hidden. So does a
+///   surface in spherical or cylindrical coordinates, such as `phi = pi/3`, though it may look like
+///   a definition.
 /// - A new function of a program that draws it, such as `map` of a shader, replaces them, too.
 /// - A setting such as `domain`, `view` or `color` replaces earlier lines of that setting.
 /// - A new number keeps the range of the old value, widened to hold the number.
@@ -59,15 +62,20 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
     if let Some(text) = with_value_replaced(base, line, &old, &new) {
         return text;
     }
+    let surfaces = coordinate_surfaces(base, &old);
     let is_known = |(_, one): &Placed<'_>| old.iter().any(|(_, other)| name(other) == name(one));
     let draws = new.iter().any(|(_, one)| name(one).is_none())
-        || draws_function(line) && !new.iter().any(is_known);
-    let replaced = |one: &Statement| match name(one) {
-        Some(own) => new.iter().any(|(_, other)| name(other) == Some(own)),
+        || draws_function(line) && !new.iter().any(is_known)
+        || !adding && is_coordinate_surface(base, line, &old, &surfaces);
+    let replaced = |(span, one): &Placed<'_>| match name(one) {
+        Some(own) => {
+            let is_drawing = draws && !adding && surfaces.contains(&span.start);
+            is_drawing || new.iter().any(|(_, other)| name(other) == Some(own))
+        }
         None => draws && !adding,
     };
     let mut kept = joined.clone();
-    for (span, _) in old.iter().rev().filter(|(_, one)| replaced(one)) {
+    for (span, _) in old.iter().rev().filter(|one| replaced(one)) {
         kept.replace_range(statement_piece(&joined, span), "");
     }
     // If the text needs a function's old definition, keep both. The later definition takes effect.
@@ -82,6 +90,42 @@ pub fn entered(text: &str, line: &str, adding: bool) -> String {
         kept = if before.is_empty() { typed } else { format!("{}\n{typed}", before.trim_end()) };
     }
     kept.trim_start_matches('\n').to_owned()
+}
+
+/// Where those surfaces begin that `base` draws, and that are among the definitions of `old`: an
+/// equation such as `r = 1 + cos(theta)` defines r once another line uses r. A line without a
+/// coordinate on its right side, such as `r = 2`, may be meant as either, and is a definition then.
+fn coordinate_surfaces(base: &str, old: &[Placed<'_>]) -> Vec<usize> {
+    let defines = |(_, one): &&Placed<'_>| name(one).is_some();
+    if !old.iter().any(|one| defines(&one)) {
+        return Vec::new();
+    }
+    let drawn = drawings(base);
+    let is_surface = |(span, one): &&Placed<'_>| {
+        let Statement::Define(definition) = one else { return false };
+        drawn.iter().any(|other| other.start == span.start)
+            && words(&base[definition.body.span.range()])
+                .any(|word| matches!(word, "x" | "y" | "z") || canonical(word).is_some())
+    };
+    old.iter().filter(is_surface).map(|(span, _)| span.start).collect()
+}
+
+/// Returns whether a line such as `phi = pi/3` is meant as a surface: it is one if it stands alone,
+/// and no line of `base` uses its name, apart from `surfaces` and an equation like it.
+fn is_coordinate_surface(base: &str, line: &str, old: &[Placed<'_>], surfaces: &[usize]) -> bool {
+    let head = |text: &str| text.split('=').next().and_then(|head| canonical(head.trim()));
+    let own = head(line);
+    let uses = |(span, _): &Placed<'_>| {
+        let typed = &base[span.clone()];
+        let is_surface = surfaces.contains(&span.start) || head(typed) == own;
+        !is_surface && words(typed).any(|word| canonical(word) == own)
+    };
+    own.is_some() && !drawings(line).is_empty() && !old.iter().any(uses)
+}
+
+/// The names in a text.
+fn words(text: &str) -> impl Iterator<Item = &str> {
+    text.split(|c: char| !c.is_alphabetic() && c != '_').filter(|word| !word.is_empty())
 }
 
 /// Returns whether a line has only definitions, and the text parses once they are added.
@@ -170,7 +214,13 @@ pub(super) fn draws(text: &str, line: &str) -> bool {
         return !rest.is_empty() && draws(text, rest);
     }
     let joined = format!("{text}\n{line}");
-    drawings(&joined).iter().any(|span| span.start > text.len())
+    if drawings(&joined).iter().any(|span| span.start > text.len()) {
+        return true;
+    }
+    let statements = parse(&joined, &Limits::default()).unwrap_or_default();
+    let all = statements.iter().map(|one| (statement_span(one), one));
+    let old: Vec<_> = all.filter(|(span, one)| span.end <= text.len() && is_typed(one)).collect();
+    is_coordinate_surface(text, line, &old, &coordinate_surfaces(text, &old))
 }
 
 /// Returns whether a program draws one of its functions without a statement that says so, since its
@@ -362,6 +412,19 @@ mod tests {
             ("g(a) = a\nz = g(x)", "g(a) = 2a", "z = g(x)\ng(a) = 2a"),
             ("z = r^2", "r = 2", "z = r^2\nr = 2"),
             ("r = 1 + cos(theta)", "z = x", "z = x"),
+            ("r = 1 + cos(theta)", "r^2 + z^2 = 9", "r^2 + z^2 = 9"),
+            ("a = 2\nr = a + cos(theta)", "r^2 + z^2 = a", "a = 2\nr^2 + z^2 = a"),
+            (
+                "r = 1 + cos(theta)",
+                "curve r = 1 + cos(theta), z = 0",
+                "curve r = 1 + cos(theta), z = 0",
+            ),
+            ("ρ = 4 cos(φ)", "φ = pi/3", "φ = pi/3"),
+            ("rho = 4 cos(phi)", "phi = pi/3", "phi = pi/3"),
+            ("x = 1", "theta = pi/4", "theta = pi/4"),
+            ("x = 1", "r = 2", "r = 2"),
+            ("r = 2", "r^2 + z^2 = 9", "r = 2\nr^2 + z^2 = 9"),
+            ("r = z", "r = 2", "r = 2"),
             ("x^2 = a\na = 2", MAP, &format!("a = 2\n{MAP}")),
             (MAP, "z = map(vec3(x, y, 0))", &format!("{MAP}\nz = map(vec3(x, y, 0))")),
             (

@@ -195,6 +195,23 @@ fn points_have_labels_beside_them() {
     assert_eq!(hidden.drawn(), hidden.picture.rgb);
 }
 
+#[test]
+fn the_label_of_the_nearer_point_is_seen() {
+    let eye = DVec3::new(0.0, -6.0, 0.0);
+    let drawn = |points: &str| {
+        let text = format!("domain 2\n{points}");
+        let rgb = Scene::new(&text, eye, Projection::Orthographic { height: 4.0 }).drawn();
+        // What is right of the ball is the label.
+        let rows = rgb.chunks_exact(3 * SIZE);
+        rows.flat_map(|row| row[3 * (SIZE / 2 + 8)..].to_vec()).collect::<Vec<u8>>()
+    };
+    let (near, far) = ("(0, -1, 0) \"NEAR\"", "(0, 1, 0) \"FAR\"");
+    let alone = drawn(near);
+    assert!(alone != drawn(far));
+    assert!(drawn(&format!("{near}\n{far}")) == alone, "the nearer one first");
+    assert!(drawn(&format!("{far}\n{near}")) == alone, "the nearer one last");
+}
+
 /// A small picture of the same view hides as well as one of full size.
 #[test]
 fn a_picture_may_be_smaller_than_the_canvas() {
