@@ -111,7 +111,8 @@ fn coordinate_surfaces(base: &str, old: &[Placed<'_>]) -> Vec<usize> {
 }
 
 /// Returns whether a line such as `phi = pi/3` is meant as a surface: it is one if it stands alone,
-/// and no line of `base` uses its name, apart from `surfaces` and an equation like it.
+/// and no line of `base` uses its name, apart from `surfaces` and an equation like it. `r = 2` is
+/// not: people give r a value before they type the formula with it.
 fn is_coordinate_surface(base: &str, line: &str, old: &[Placed<'_>], surfaces: &[usize]) -> bool {
     let head = |text: &str| text.split('=').next().and_then(|head| canonical(head.trim()));
     let own = head(line);
@@ -120,7 +121,7 @@ fn is_coordinate_surface(base: &str, line: &str, old: &[Placed<'_>], surfaces: &
         let is_surface = surfaces.contains(&span.start) || head(typed) == own;
         !is_surface && words(typed).any(|word| canonical(word) == own)
     };
-    own.is_some() && !drawings(line).is_empty() && !old.iter().any(uses)
+    own.is_some_and(|own| own != "r") && !drawings(line).is_empty() && !old.iter().any(uses)
 }
 
 /// The names in a text.
@@ -422,9 +423,8 @@ mod tests {
             ("ρ = 4 cos(φ)", "φ = pi/3", "φ = pi/3"),
             ("rho = 4 cos(phi)", "phi = pi/3", "phi = pi/3"),
             ("x = 1", "theta = pi/4", "theta = pi/4"),
-            ("x = 1", "r = 2", "r = 2"),
+            ("x = 1", "r = 2", "x = 1\nr = 2"),
             ("r = 2", "r^2 + z^2 = 9", "r = 2\nr^2 + z^2 = 9"),
-            ("r = z", "r = 2", "r = 2"),
             ("x^2 = a\na = 2", MAP, &format!("a = 2\n{MAP}")),
             (MAP, "z = map(vec3(x, y, 0))", &format!("{MAP}\nz = map(vec3(x, y, 0))")),
             (
