@@ -1,7 +1,7 @@
 """Checks that what two processors prove about the same rays does not contradict.
 
-python consistent.py DIRECTORY DIRECTORY compares NAME.status.npy and NAME.bracket.npy of both. A ray
-that is a proven hit in one is no proven miss in the other, and the two brackets meet.
+python consistent.py DIRECTORY DIRECTORY compares NAME.status.npy and NAME.bracket.npy of both. A
+ray that is a proven hit in one is no proven miss in the other, and the two brackets meet.
 """
 
 import array

@@ -15,7 +15,15 @@ NAMES = ("licen", "copying", "notice", "unlicense")
 
 
 def main(manifest: str, target: str, features: str, file: str) -> None:
-    command = ["cargo", "metadata", "--locked", "--format-version", "1", "--manifest-path", manifest]
+    command = [
+        "cargo",
+        "metadata",
+        "--locked",
+        "--format-version",
+        "1",
+        "--manifest-path",
+        manifest,
+    ]
     command += ["--filter-platform", target]
     command += ["--features", features] if features else []
     metadata = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
@@ -44,9 +52,15 @@ def main(manifest: str, target: str, features: str, file: str) -> None:
         if not found:
             bare.append(title)
     rule = "=" * 80
-    parts = [f"{rule}\n{chr(10).join(titles)}\n{rule}\n\n{text}\n" for text, titles in texts.items()]
+    parts = [
+        f"{rule}\n{chr(10).join(titles)}\n{rule}\n\n{text}\n" for text, titles in texts.items()
+    ]
     if bare:
-        parts.append(f"{rule}\nCrates that hold no text of their licence\n{rule}\n\n" + "\n".join(bare) + "\n")
+        parts.append(
+            f"{rule}\nCrates that hold no text of their licence\n{rule}\n\n"
+            + "\n".join(bare)
+            + "\n"
+        )
     pathlib.Path(file).write_text("\n".join(parts), encoding="utf-8")
     print(f"{file}: {len(texts)} texts, {len(bare)} crates without one")
 

@@ -1,8 +1,8 @@
 """Types into the prompt and the window of the program for Windows, under wine, as a user would.
 
-python window.py DIRECTORY COMMAND... starts COMMAND in a pseudo-terminal, with a display of its own,
-and leaves screenshots in DIRECTORY. Needs pexpect, pyte, Xvfb, openbox, xdotool, xclip, and `import`
-of ImageMagick.
+python window.py DIRECTORY COMMAND... starts COMMAND in a pseudo-terminal, with a display of its
+own, and leaves screenshots in DIRECTORY. Needs pexpect, pyte, Xvfb, openbox, xdotool, xclip, and
+`import` of ImageMagick.
 
 wine's console does not interpret escape sequences, so colors are off. It turns Ctrl-C in the prompt
 into the event that ends programs, so that key is tried in the window only.
@@ -76,7 +76,12 @@ class Program:
         command = ["xclip", "-quiet", "-selection", "clipboard"]
         quiet = subprocess.DEVNULL
         owner = subprocess.Popen(
-            command, env=self.environment, stdin=subprocess.PIPE, stdout=quiet, stderr=quiet, text=True
+            command,
+            env=self.environment,
+            stdin=subprocess.PIPE,
+            stdout=quiet,
+            stderr=quiet,
+            text=True,
         )
         owner.stdin.write(text)
         owner.stdin.close()
