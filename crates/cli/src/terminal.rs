@@ -27,8 +27,8 @@ pub fn size() -> Option<(TerminalSize, Option<TerminalSize>)> {
     Some(((usize::from(columns.0), usize::from(rows.0)), None))
 }
 
-/// Whether the terminal understands escape sequences. Consoles of Windows do only if they are asked
-/// to, and not before Windows 10.
+/// Returns whether the terminal interprets escape sequences. A console of Windows does so only on
+/// request, and not before Windows 10.
 pub fn takes_escapes() -> bool {
     #[cfg(windows)]
     let takes = anstyle_query::windows::enable_ansi_colors().unwrap_or(false);

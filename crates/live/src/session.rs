@@ -327,8 +327,8 @@ impl Live {
         state.kept.trim_end() != state.request.text.trim_end()
     }
 
-    /// The number of lines without those that dragging values added. `None` if the document differs
-    /// from the text last loaded or saved by nothing but dragged values.
+    /// The number of lines, not counting lines that dragging a slider added. `None` if only dragged
+    /// values differ from the text that was loaded or saved last.
     pub fn typed_lines(&self) -> Option<usize> {
         let state = self.lock();
         let text = state.request.text.trim_end();

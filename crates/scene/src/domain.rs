@@ -62,8 +62,8 @@ const SHORT: u64 = 2_000;
 /// Largest number of evaluations at infinity for one box.
 const WORK_AT_ONCE: u64 = 6_000;
 
-/// Greatest ratio of the extent of a surface between given ranges to the largest of these, and the
-/// same for a graph whose heights are stretched for display.
+/// Greatest ratio of the extent of a surface between given ranges to the largest of these. The
+/// second ratio is for a graph whose heights are stretched for display.
 const LONGEST_PART: f64 = 1000.0;
 const LONGEST_STRETCHED_PART: f64 = 1e9;
 

@@ -105,7 +105,7 @@ fn exponent(graph: &Graph, node: NodeId) -> Option<u32> {
     exact.is_integer().then(|| exact.to_u32()).flatten().filter(|power| *power <= MOST_POWER)
 }
 
-/// The degree of a polynomial in x, y and z. `None` if the node is none.
+/// The degree of a polynomial in x, y and z. `None` for other functions.
 fn degrees(graph: &Graph, root: NodeId) -> Option<[u32; 3]> {
     let mut known: FxHashMap<NodeId, [u32; 3]> = FxHashMap::default();
     for id in graph.needed(&[root]) {

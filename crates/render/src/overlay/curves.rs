@@ -184,7 +184,7 @@ pub fn draw_curves(canvas: &mut Canvas, shown: PictureView<'_>, height: usize) {
         }
     }
     covers.blend(canvas);
-    // Of two labels at one place, that of the point in front is seen, as its ball is.
+    // If two labels overlap, the label of the nearer point is written.
     let depth = |point: &TracedPoint| projector.depth(point.at);
     labels.sort_by(|(_, one), (_, other)| depth(one).total_cmp(&depth(other)));
     write_labels(canvas, &labels, shown.letter_colors(), height);

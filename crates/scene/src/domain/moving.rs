@@ -127,13 +127,16 @@ impl Proof<'_> {
         Ok((whole, finding))
     }
 
-    /// Returns whether a box is `whole`, extended by at most the share `room` on each side. Without
-    /// a box at the start, every box is near. So is the box of an empty surface.
+    /// Returns whether a box is in `whole`, or in the box at the start with the share `room` of its
+    /// extent on each side. So many small extensions do not add up. Without a box at the start,
+    /// every box is near. So is the box of an empty surface.
     fn is_near(&self, whole: Option<Cell>, cell: Option<Cell>, room: f64) -> bool {
         let Some(((whole, cell), start)) = whole.zip(cell).zip(self.start) else { return true };
         (0..3).all(|axis| {
             let room = room * start.extent(axis);
-            whole.low[axis] - room <= cell.low[axis] && cell.high[axis] <= whole.high[axis] + room
+            let (low, high) = (start.low[axis] - room, start.high[axis] + room);
+            whole.low[axis].min(low) <= cell.low[axis]
+                && cell.high[axis] <= whole.high[axis].max(high)
         })
     }
 
@@ -186,7 +189,7 @@ struct Part {
     ends: [f64; 2],
     /// Number of times that the range was halved.
     halvings: u32,
-    /// What is proven of a larger part.
+    /// The proven extent for a larger part.
     known: Option<Extent>,
 }
 

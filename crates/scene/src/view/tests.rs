@@ -117,7 +117,7 @@ fn what_turns_with_the_time_is_in_the_domain_whole() {
         for at in [0.0, 1.0, 5.0] {
             let (low, high) = found(&format!("t = {at} in [0, 2pi]\n{text}"));
             for axis in 0..3 {
-                let fits = |end: f64| (0.98 * reach[axis]..1.7 * reach[axis]).contains(&end);
+                let fits = |end: f64| (0.98 * reach[axis]..1.5 * reach[axis]).contains(&end);
                 assert!(fits(-low[axis]) && fits(high[axis]), "{text} at {at}: {low:?}, {high:?}");
             }
         }

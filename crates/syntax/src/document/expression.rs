@@ -55,7 +55,7 @@ pub fn read_expression(
     })?
 }
 
-/// The names in an expression. There is none if the text cannot be divided into words.
+/// The names in an expression. The list is empty if the text cannot be divided into words.
 pub fn names_in(expression: &str) -> Vec<String> {
     let words = statements(expression, &Limits::default()).unwrap_or_default();
     let words = words.iter().flat_map(|lexed| &lexed.tokens);

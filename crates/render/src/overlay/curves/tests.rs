@@ -201,7 +201,7 @@ fn the_label_of_the_nearer_point_is_seen() {
     let drawn = |points: &str| {
         let text = format!("domain 2\n{points}");
         let rgb = Scene::new(&text, eye, Projection::Orthographic { height: 4.0 }).drawn();
-        // What is right of the ball is the label.
+        // The label is to the right of the ball.
         let rows = rgb.chunks_exact(3 * SIZE);
         rows.flat_map(|row| row[3 * (SIZE / 2 + 8)..].to_vec()).collect::<Vec<u8>>()
     };
