@@ -137,8 +137,8 @@ pub struct Measures {
     pub moments: Option<[RangeInclusive<f64>; 3]>,
     /// The least and the greatest coordinates along x, y and z. `None` if they are not proven.
     pub ends: Option<[[RangeInclusive<f64>; 3]; 2]>,
-    /// The area. The end is infinite if nothing bounds the area from above. `None` if the function
-    /// has too many parts.
+    /// The area, if [`MeasureSettings::only`] names it. The end is infinite if nothing bounds the
+    /// area from above. `None` if the function has too many parts.
     pub area_bounds: Option<RangeInclusive<f64>>,
     /// The area of a mesh: an estimate, not a proof. `None` if the mesh has no triangle, and the
     /// surface is not proven empty.
@@ -167,7 +167,12 @@ pub(crate) fn measured(text: &Text, settings: &MeasureSettings) -> Result<Vec<Me
         }
         None => None,
     };
-    let request = Request { quantities: &quantities, relative, density: density.as_ref() };
+    let request = Request {
+        quantities: &quantities,
+        relative,
+        density: density.as_ref(),
+        has_area_bounds: settings.only.is_some(),
+    };
     let wanted = settings.limit.wanted();
     let found =
         measures(&text.document, settings.domain.choice(), Clipping::default(), &request, &wanted);

@@ -810,7 +810,7 @@ pub struct MeasureArgs {
     #[arg(long, help_heading = "Measures (without any, all)")]
     pub ends: bool,
 
-    /// Bound the area, and estimate it
+    /// Estimate the area, and prove bounds of it, which takes longer
     #[arg(long, help_heading = "Measures (without any, all)")]
     pub area: bool,
 

@@ -30,7 +30,12 @@ pub fn run(arguments: &MeasureArgs) -> Result<ExitCode> {
     let density = arguments.density.as_deref().map(|formula| ("--density", formula));
     let (subject, density) = Subject::read_beside(&arguments.document, density)?;
     subject.show_notes();
-    let request = Request { quantities: &asked, relative, density: density.as_ref() };
+    let request = Request {
+        quantities: &asked,
+        relative,
+        density: density.as_ref(),
+        has_area_bounds: arguments.area,
+    };
     let wanted = Limit { budget, begun: Some(begun), ..Limit::default() }.wanted();
     let found = in_threads(arguments.threads, || {
         let (document, cut) = (&subject.document, Clipping::default());

@@ -94,11 +94,19 @@ pub struct Request<'a> {
     /// The density of solids: the function of the document's one surface. Without it, the density
     /// is 1.
     pub density: Option<&'a Document>,
+    /// True if the area is to have bounds, if it is asked for. They take ten times as long as the
+    /// estimate.
+    pub has_area_bounds: bool,
 }
 
 impl Request<'_> {
-    /// All measures, with the default width of bounds.
-    pub const ALL: Self = Self { quantities: &Quantity::ALL, relative: RELATIVE, density: None };
+    /// All measures, with the default width of bounds, and without those of the area.
+    pub const ALL: Self = Self {
+        quantities: &Quantity::ALL,
+        relative: RELATIVE,
+        density: None,
+        has_area_bounds: false,
+    };
 
     /// Returns whether a measure is asked for. There is no mass without a density.
     pub fn has(&self, quantity: Quantity) -> bool {
@@ -183,7 +191,7 @@ pub fn measure(
     let coarse = if has_area { with(COARSER * tolerance)? } else { Some(Mesh::default()) };
     let Some(coarse) = coarse else { return Ok(None) };
     let mut area_bounds = None;
-    if has_area {
+    if has_area && request.has_area_bounds {
         let found = self::area(program, surface, region, larger, request.relative, wanted)?;
         let Some(found) = found else { return Ok(None) };
         area_bounds = found;

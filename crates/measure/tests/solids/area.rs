@@ -77,7 +77,12 @@ fn random_solids_have_the_area_that_meshes_estimate() {
         let document = read(&text, &Options::default()).expect(&text);
         let region = cube(1.0);
         let program = Program::new(&document, zeroset_scene::view::bounds(&region)).expect(&text);
-        let request = Request { quantities: &[Quantity::Area], relative: 2e-2, density: None };
+        let request = Request {
+            quantities: &[Quantity::Area],
+            relative: 2e-2,
+            has_area_bounds: true,
+            ..Request::ALL
+        };
         let found = measure(&program, 0, &region, None, &request, &|| true).expect("small");
         let found = found.expect("wanted");
         let Area { low, high, boxes, .. } = found.area_bounds.expect("few parts");

@@ -221,7 +221,7 @@ fn nothing_is_computed_but_what_a_measure_needs() {
         let document = read(text, &zeroset_syntax::Options::default()).expect(text);
         let region = cube(1.1);
         let program = Program::new(&document, zeroset_scene::view::bounds(&region)).expect(text);
-        let request = Request { quantities, relative: 0.1, density: None };
+        let request = Request { quantities, relative: 0.1, ..Request::ALL };
         let found = measure(&program, 0, &region, None, &request, &|| true).expect("small");
         let found = found.expect("wanted");
         assert_eq!(found.shape.pieces.len(), usize::from(has_mesh), "{quantities:?}");

@@ -101,8 +101,8 @@ class Measures:
     corners: tuple[tuple[Interval, ...], tuple[Interval, ...]] | None
     """The least and the greatest x, y and z."""
     area_bounds: Interval | None
-    """The area. Its end is infinite if nothing bounds the area from above. None also if the
-    function has too many parts.
+    """The area, if `only` names it. Its end is infinite if nothing bounds the area from above. None
+    also if the function has too many parts.
     """
     area: float | None
     """The area of a mesh: an estimate. None also if the mesh has no triangle, and the surface is
