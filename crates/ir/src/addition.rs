@@ -11,6 +11,25 @@ use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
 use zeroset_ops::Op;
 
+/// The odd and the even function of an addition theorem, by which a function is expressed, and the
+/// sign s in even(a + b) = even(a)·even(b) + s·odd(a)·odd(b).
+fn theorem(op: Op) -> Option<(Op, Op, i8)> {
+    match op {
+        Op::Sin | Op::Cos => Some((Op::Sin, Op::Cos, -1)),
+        Op::Sinh | Op::Cosh | Op::Exp => Some((Op::Sinh, Op::Cosh, 1)),
+        _ => None,
+    }
+}
+
+/// Returns whether a polynomial has a function with an addition theorem.
+pub(crate) fn has_sums(graph: &Graph, polynomial: &Polynomial) -> bool {
+    let is_sum = |id: &NodeId| match graph.node(*id) {
+        Node::Apply(op, _) => theorem(*op).is_some(),
+        _ => false,
+    };
+    polynomial.variables().iter().any(is_sum)
+}
+
 /// Two linear factors of denominators, and the two variables that they determine.
 pub(crate) struct FactorPair {
     factors: [Polynomial; 2],
@@ -90,11 +109,8 @@ impl FactorPair {
         let mut result = polynomial.clone();
         for node in polynomial.variables() {
             let Node::Apply(op, operands) = *graph.node(node) else { continue };
-            let (odd, even, sign) = match op {
-                Op::Sin | Op::Cos => (Op::Sin, Op::Cos, -BigRational::one()),
-                Op::Sinh | Op::Cosh | Op::Exp => (Op::Sinh, Op::Cosh, BigRational::one()),
-                _ => continue,
-            };
+            let Some((odd, even, sign)) = theorem(op) else { continue };
+            let sign = BigRational::from_integer(sign.into());
             let sum = Polynomial::of(graph, operands[0], work);
             let Some(terms) = self.terms(&sum) else { continue };
             // The odd and the even function of the sum of the terms so far.

@@ -9,7 +9,7 @@
 //! c: sin u = u·S(u). The table of operations has S for each such f. So sin(x y)/x becomes y·S(x
 //! y). The expressions f(u) and S(u) are variables of the polynomials.
 
-use crate::addition::factor_pairs;
+use crate::addition::{factor_pairs, has_sums};
 use crate::algebra::{div, mul, powi, sub};
 use crate::clear::Factors;
 use crate::constant::Constant;
@@ -314,6 +314,10 @@ impl Cancellation {
         nodes: [NodeId; 2],
         nonzero: &impl Fn() -> I,
     ) -> Option<CommonFactor> {
+        // Roots of bases take long to find.
+        if !has_sums(graph, &plain[0]) {
+            return None;
+        }
         let bases: Vec<Polynomial> =
             nonzero().map(|base| Polynomial::of(graph, base, &mut self.work)).collect();
         for factors in factor_pairs(&bases, &mut self.work).iter().take(SECANT_LIMIT) {
@@ -342,6 +346,10 @@ impl Cancellation {
         nodes: [NodeId; 2],
         nonzero: &impl Fn() -> I,
     ) -> Option<CommonFactor> {
+        let is_function = |id: &NodeId| matches!(graph.node(*id), Node::Apply(..));
+        if !plain[1 - by].variables().iter().any(is_function) {
+            return None;
+        }
         for root in roots(&plain[by], &mut self.work).iter().take(ROOT_LIMIT) {
             let Some((pair, gaps)) = self.shifted(graph, plain, by, root, nonzero) else {
                 continue;

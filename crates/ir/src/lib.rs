@@ -11,6 +11,7 @@ mod cancel;
 mod clear;
 mod compact;
 mod constant;
+mod coprime;
 mod decimal;
 mod derivative;
 mod differences;

@@ -10,6 +10,7 @@
 
 use crate::algebra::{add, mul, neg, powi};
 use crate::constant::{Constant, bits};
+use crate::coprime::are_coprime;
 use crate::graph::{Graph, Node, NodeId};
 use num_rational::BigRational;
 use num_traits::{One, Signed, Zero};
@@ -144,6 +145,13 @@ impl Polynomial {
         Self(terms.map(|(monomial, value)| (monomial.clone(), value.clone())).collect())
     }
 
+    /// The variables of each term with their exponents, and its coefficient.
+    pub fn terms(
+        &self,
+    ) -> impl Iterator<Item = (impl Iterator<Item = (NodeId, u32)>, &BigRational)> {
+        self.0.iter().map(|(powers, value)| (powers.iter().map(|(id, n)| (*id, *n)), value))
+    }
+
     fn leading(&self, by: NodeId) -> Self {
         self.coefficient(by, self.degree(by))
     }
@@ -258,6 +266,9 @@ impl Polynomial {
         let Some(by) = mine.intersection(&theirs).next().copied() else {
             return Some(Self::constant(BigRational::one()));
         };
+        if are_coprime(self, other) {
+            return Some(Self::constant(BigRational::one()));
+        }
         // A common divisor holds no variable that only one of the two has.
         if let Some(only) = mine.symmetric_difference(&theirs).next() {
             return self.content(*only, work)?.gcd(&other.content(*only, work)?, work);
