@@ -153,6 +153,51 @@ fn arrays_hold_what_the_picture_shows() {
     assert!((normal[3 * (4 * 20 + 10) + 2] - 0.978).abs() < 0.005);
 }
 
+/// Programs that know nothing of this one check the file, as examples/python/check_claims.py does.
+#[test]
+fn claims_hold_formula_domain_rays_and_proofs() {
+    let place = Sandbox::new();
+    let text =
+        "r = 0.1 in [0, 1]; domain ball 2; max(x^2 + y^2, abs(z)) - pi*r <= 0; hidden; z = 1/3";
+    let size = ["--size", "20x30", "--clip", "1,0,0,0.25"];
+    let files = ["--claims", "c.jsonl", "--status", "s.npy", "--bracket", "b.npy"];
+    place.run(&[&["render", text], &size[..], &files].concat()).ok();
+    let lines = std::fs::read_to_string(place.path("c.jsonl")).expect("written");
+    let lines: Vec<serde_json::Value> =
+        lines.lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+    let (header, claims) = lines.split_first().expect("a first line");
+    assert_eq!(header["text"], text);
+    assert_eq!(header["size"], serde_json::json!([20, 30]));
+    let domain = serde_json::json!({
+        "low": [-2.0, -2.0, -2.0],
+        "high": [2.0, 2.0, 2.0],
+        "ball": {"center": [0.0, 0.0, 0.0], "radius": 2.0},
+        "clip": {"normal": [1.0, 0.0, 0.0], "offset": 0.25},
+    });
+    assert_eq!(header["domain"], domain);
+    let surfaces = header["surfaces"].as_array().expect("a list");
+    let kinds: Vec<_> = surfaces.iter().map(|one| [&one["kind"], &one["hidden"]]).collect();
+    assert_eq!(serde_json::json!(kinds), serde_json::json!([["solid", false], ["equation", true]]));
+    let steps = header["steps"].as_array().expect("a list");
+    for step in ["[\"pi\"]", "[\"number\",\"1/10\"]", "[\"number\",\"1/3\"]", "[\"x\"]"] {
+        assert!(steps.iter().any(|one| one.to_string() == step), "{step}");
+    }
+    assert!(steps[surfaces[1]["step"].as_u64().expect("a number") as usize][0] == "sub");
+    let (_, status) = array::<u8>(&place, "s.npy");
+    let (_, bracket) = array::<f64>(&place, "b.npy");
+    assert_eq!(claims.len(), 600);
+    for (pixel, claim) in claims.iter().enumerate() {
+        assert_eq!(claim["pixel"], serde_json::json!([pixel % 20, pixel / 20]));
+        assert_eq!(claim["status"], ["miss", "hit", "undecided"][status[pixel] as usize]);
+        let ends = &bracket[2 * pixel..][..2];
+        let is_same = claim.get("bracket").map(|found| *found == serde_json::json!(ends));
+        assert_eq!(is_same, (status[pixel] == 1).then_some(true), "{claim}");
+        assert!(claim["origin"][0].is_f64() && claim["direction"][2].is_f64(), "{claim}");
+    }
+    let hits = status.iter().filter(|status| **status == 1).count();
+    assert!((20..500).contains(&hits), "{hits} hits");
+}
+
 /// The formula is that of docs/command-line.md.
 #[test]
 fn points_follow_from_distances_as_the_manual_says() {
@@ -510,7 +555,8 @@ fn shadows_central_normals_and_parallel_rays() {
 
 #[test]
 fn every_thread_count_gives_the_same_picture_and_arrays() {
-    const ARRAYS: [&str; 6] = ["status", "distance", "points", "bracket", "normal", "surface-id"];
+    const ARRAYS: [&str; 7] =
+        ["status", "distance", "points", "bracket", "normal", "surface-id", "claims"];
 
     let place = Sandbox::new();
     place.write("behind.zset", "domain 1.5\nopacity 40%\nx^2+y^2+z^2 = 1\nz = x*y\nx < -1\n");

@@ -1,25 +1,45 @@
-//! Pixel data as arrays in numpy's `.npy` format: a table of each array's flag, help and writer.
+//! Pixel data as files: a table of each file's flag, help and writer. All but the claims are arrays
+//! in numpy's `.npy` format.
 
+use super::claims;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, value_parser};
 use npyz::{AutoSerialize, NpyWriter, WriterBuilder};
 use std::io::{self, Write};
 use std::path::PathBuf;
 use zeroset_render::picture::{Picture, Precision};
+use zeroset_space::Region;
+use zeroset_syntax::Document;
 use zeroset_trace::{GBuffer, RayGrid};
 
-/// A kind of array that `render` can write to a file.
+/// All that is known of a picture before its rows are.
+#[derive(Clone, Copy)]
+pub struct Beginning<'a> {
+    /// Width and height in pixels.
+    pub size: [usize; 2],
+    /// The precision in which it is computed.
+    pub precision: Precision,
+    /// The text.
+    pub text: &'a str,
+    /// The text's meaning.
+    pub document: &'a Document,
+    /// The domain.
+    pub region: &'a Region,
+}
+
+/// A kind of data that `render` can write to a file.
 #[derive(Debug)]
 pub struct ArrayRow {
     /// Name of the flag, without the dashes.
     pub flag: &'static str,
     help: &'static str,
+    /// Name of the file in the help.
+    file: &'static str,
     /// Whether the array needs normals.
     pub needs_normals: bool,
     /// Whether the array needs the brackets of hits.
     pub needs_brackets: bool,
-    /// Begins a file for a picture of this many rows and columns that is computed in this
-    /// precision.
-    pub begin: fn(Box<dyn Write>, [usize; 2], Precision) -> NewRowWriter,
+    /// Begins a file.
+    pub begin: fn(Box<dyn Write>, &Beginning<'_>) -> NewRowWriter,
 }
 
 /// A writer for an array's rows, or the error if its file could not be begun.
@@ -56,27 +76,27 @@ pub const ARRAYS: &[ArrayRow] = &[
     ArrayRow {
         flag: "distance",
         help: "Distance from the eye as a float64 array (float32 with --precision f32), inf for a miss",
+        file: "FILE.npy",
         needs_normals: false,
         needs_brackets: false,
-        begin: |out, [rows, columns], precision| match precision {
+        begin: |out, beginning| match beginning.precision {
             // Kernels of this precision compute in `f32`, which is also enough for distances.
-            Precision::F32 => array(out, &[rows, columns], |picture, _, array| {
+            Precision::F32 => array(out, beginning, &[], |picture, _, array| {
                 array.extend(distances(&picture.buffer).map(|distance| distance as f32))
             }),
-            Precision::Auto | Precision::F64 => {
-                array(out, &[rows, columns], |picture, _, array| {
-                    array.extend(distances(&picture.buffer))
-                })
-            }
+            Precision::Auto | Precision::F64 => array(out, beginning, &[], |picture, _, array| {
+                array.extend(distances(&picture.buffer))
+            }),
         },
     },
     ArrayRow {
         flag: "points",
         help: "The points that are drawn as a float64 array of x, y and z, NaN where nothing is drawn",
+        file: "FILE.npy",
         needs_normals: false,
         needs_brackets: false,
-        begin: |out, [rows, columns], _| {
-            array(out, &[rows, columns, 3], |picture, rays, array| {
+        begin: |out, beginning| {
+            array(out, beginning, &[3], |picture, rays, array| {
                 array.extend(rays.drawn_points(&picture.buffer.drawn).flatten())
             })
         },
@@ -84,10 +104,11 @@ pub const ARRAYS: &[ArrayRow] = &[
     ArrayRow {
         flag: "bracket",
         help: "For hits, the distances between which the first zero is proven to lie, as a float64 array of two values per pixel, NaN elsewhere",
+        file: "FILE.npy",
         needs_normals: false,
         needs_brackets: true,
-        begin: |out, [rows, columns], _| {
-            array(out, &[rows, columns, 2], |picture, _, array| {
+        begin: |out, beginning| {
+            array(out, beginning, &[2], |picture, _, array| {
                 array.extend(picture.buffer.bracket.iter().flatten().copied())
             })
         },
@@ -95,10 +116,11 @@ pub const ARRAYS: &[ArrayRow] = &[
     ArrayRow {
         flag: "status",
         help: "What is proven about each pixel as a uint8 array: 0 miss, 1 hit, 2 undecided",
+        file: "FILE.npy",
         needs_normals: false,
         needs_brackets: false,
-        begin: |out, [rows, columns], _| {
-            array(out, &[rows, columns], |picture, _, array| {
+        begin: |out, beginning| {
+            array(out, beginning, &[], |picture, _, array| {
                 array.extend(picture.buffer.status.iter().map(|&status| status as u8))
             })
         },
@@ -106,21 +128,21 @@ pub const ARRAYS: &[ArrayRow] = &[
     ArrayRow {
         flag: "normal",
         help: "Unit normals towards f > 0 as a float32 array, 0 where nothing is drawn",
+        file: "FILE.npy",
         needs_normals: true,
         needs_brackets: false,
-        begin: |out, [rows, columns], _| {
-            array(out, &[rows, columns, 3], |picture, _, array| {
-                array.extend(normals(&picture.buffer))
-            })
+        begin: |out, beginning| {
+            array(out, beginning, &[3], |picture, _, array| array.extend(normals(&picture.buffer)))
         },
     },
     ArrayRow {
         flag: "surface-id",
         help: "Which surface is drawn as an int16 array: 0 for the first in the text, and so on; -1 for none",
+        file: "FILE.npy",
         needs_normals: false,
         needs_brackets: false,
-        begin: |out, [rows, columns], _| {
-            array(out, &[rows, columns], |picture, _, array| {
+        begin: |out, beginning| {
+            array(out, beginning, &[], |picture, _, array| {
                 let buffer = &picture.buffer;
                 let drawn = |pixel: usize| buffer.is_drawn(pixel).then_some(buffer.surface[pixel]);
                 // A surface's number fits an `i16`, since a text has at most 10,000 surfaces.
@@ -128,6 +150,14 @@ pub const ARRAYS: &[ArrayRow] = &[
                 array.extend((0..buffer.status.len()).map(number))
             })
         },
+    },
+    ArrayRow {
+        flag: "claims",
+        help: "All that the picture claims to prove, for programs that check it: the formula, and each pixel's ray, status and bracket, as lines of JSON",
+        file: "FILE.jsonl",
+        needs_normals: false,
+        needs_brackets: true,
+        begin: claims::begin,
     },
 ];
 
@@ -152,8 +182,8 @@ impl FromArgMatches for Arrays {
 impl Args for Arrays {
     fn augment_args(command: Command) -> Command {
         ARRAYS.iter().fold(command, |command, row| {
-            let flag = Arg::new(row.flag).long(row.flag).help(row.help).value_name("FILE.npy");
-            let flag = flag.help_heading("Arrays of what is proven");
+            let flag = Arg::new(row.flag).long(row.flag).help(row.help).value_name(row.file);
+            let flag = flag.help_heading("Files of what is proven");
             command.arg(flag.value_parser(value_parser!(PathBuf)).hide_short_help(true))
         })
     }
@@ -165,13 +195,20 @@ impl Args for Arrays {
 
 type Writer<T> = NpyWriter<T, Box<dyn Write>>;
 
-/// Begins an array of this shape, in C order. For each strip, `add` appends the strip's values.
-fn array<T, F>(out: Box<dyn Write>, shape: &[usize], add: F) -> NewRowWriter
+/// Begins an array of rows, columns and `more`, in C order. For each strip, `add` appends the
+/// strip's values.
+fn array<T, F>(
+    out: Box<dyn Write>,
+    beginning: &Beginning<'_>,
+    more: &[usize],
+    add: F,
+) -> NewRowWriter
 where
     T: AutoSerialize + Copy + 'static,
     F: FnMut(&Picture, &RayGrid, &mut Writer<T>) -> io::Result<()> + 'static,
 {
-    let shape: Vec<u64> = shape.iter().map(|&side| side as u64).collect();
+    let [width, height] = beginning.size;
+    let shape: Vec<u64> = [height, width].iter().chain(more).map(|&side| side as u64).collect();
     let options = npyz::WriteOptions::<T>::new().default_dtype().shape(&shape);
     Ok(Box::new(Array { writer: options.writer(out).begin_nd()?, add }))
 }

@@ -1,7 +1,7 @@
 //! The output files of one picture, opened before it is rendered.
 
 use super::arguments::OutputArgs;
-use super::array::{ARRAYS, ArrayRow, Arrays, NewRowWriter, RowWriter};
+use super::array::{ARRAYS, ArrayRow, Arrays, Beginning, NewRowWriter, RowWriter};
 use super::output::OutputFile;
 use super::png_file::PictureOrigin;
 use anyhow::{Context, Error, Result, bail, ensure};
@@ -10,7 +10,7 @@ use std::cell::RefCell;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-use zeroset_render::picture::{Picture, Precision};
+use zeroset_render::picture::Picture;
 use zeroset_render::png_file::{PngFormat, check_png, png_encoder};
 use zeroset_trace::RayGrid;
 
@@ -74,31 +74,34 @@ impl Files {
     ///
     /// # Errors
     /// If a file cannot be written.
-    pub fn finish(self, picture: &Picture, rays: &RayGrid, origin: &PictureOrigin) -> Result<()> {
-        let size = [picture.buffer.width, picture.buffer.height];
-        let mut files = self.begin(size, picture.png_format(), picture.precision, origin)?;
+    pub fn finish(
+        self,
+        picture: &Picture,
+        rays: &RayGrid,
+        beginning: &Beginning<'_>,
+        origin: &PictureOrigin,
+    ) -> Result<()> {
+        let mut files = self.begin(beginning, picture.png_format(), origin)?;
         files.add(picture, rays)?;
         files.finish()
     }
 
-    /// Starts the files of a picture with this size, pixel format and precision. Its rows are added
-    /// later.
+    /// Starts the files of a picture with this pixel format. Its rows are added later.
     ///
     /// # Errors
     /// If a file cannot be written.
     pub fn begin(
         self,
-        size: [usize; 2],
+        beginning: &Beginning<'_>,
         format: PngFormat,
-        precision: Precision,
         origin: &PictureOrigin,
     ) -> Result<OpenFiles> {
-        let [width, height] = size;
         let begin = |row: Option<&ArrayRow>, out: Box<dyn Write>| -> NewRowWriter {
             if let Some(row) = row {
-                return (row.begin)(out, [height, width], precision);
+                return (row.begin)(out, beginning);
             }
-            let writer = png_encoder(out, size, format, &origin.chunks)?.write_header()?;
+            let writer =
+                png_encoder(out, beginning.size, format, &origin.chunks)?.write_header()?;
             Ok(Box::new(Png(writer.into_stream_writer()?)))
         };
         let open = |(row, file)| {

@@ -7,6 +7,7 @@
 mod animation;
 mod arguments;
 mod array;
+mod claims;
 mod completion;
 mod data;
 mod eval;

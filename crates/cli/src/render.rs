@@ -3,6 +3,7 @@
 mod abandoned;
 
 use super::arguments::{KernelArgs, RenderArgs, TracingArgs};
+use super::array::Beginning;
 use super::files::Files;
 use super::output::print;
 use super::png_file::PictureOrigin;
@@ -69,7 +70,10 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
         let size = [settings.width, settings.height];
         let has_alpha = model.is_transparent(&settings);
         let format = PngFormat { has_alpha, depth: settings.depth };
-        let mut files = files.begin(size, format, settings.options.precision, &origin)?;
+        let precision = settings.options.precision;
+        let text = &subject.source.text;
+        let beginning = Beginning { size, precision, text, document, region: &region };
+        let mut files = files.begin(&beginning, format, &origin)?;
         let rays = RayGrid::new(&camera, settings.width, settings.height);
         let mut write_time = Duration::ZERO;
         let mut write = |top: usize, picture: &mut Picture| -> Result<()> {

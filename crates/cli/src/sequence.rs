@@ -2,7 +2,7 @@
 
 use super::animation::{Animation, AnimationFormat};
 use super::arguments::{OutputArgs, RenderArgs, SequenceArgs};
-use super::array::Arrays;
+use super::array::{Arrays, Beginning};
 use super::files::Files;
 use super::output::{OutputFile, print};
 use super::png_file::PictureOrigin;
@@ -389,7 +389,14 @@ impl<'a> FrameRenderer<'a> {
             let (camera, picture) = self.render_frame(frame)?;
             let held = interrupt::hold();
             let rays = RayGrid::new(&camera, picture.buffer.width, picture.buffer.height);
-            opened.finish(&picture, &rays, &origin)?;
+            let beginning = Beginning {
+                size: [picture.buffer.width, picture.buffer.height],
+                precision: picture.precision,
+                text: &self.subject.source.text,
+                document: &self.subject.document,
+                region: &self.stage.region,
+            };
+            opened.finish(&picture, &rays, &beginning, &origin)?;
             if wanted.json {
                 let Stage { region, searched, .. } = &self.stage;
                 let settings = self.settings;

@@ -1,0 +1,136 @@
+//! The file of `--claims`: all that a picture claims to prove, for programs that check it.
+//!
+//! The file has a JSON object on each line. The first has the surfaces as lists of steps, which are
+//! the operations as typed, and the domain. Each further line is a pixel with its ray. The decimals
+//! are those of floats, so both are exact.
+
+use super::array::{Beginning, NewRowWriter, RowWriter};
+use serde_json::{Value, json};
+use std::collections::HashMap;
+use std::io::{self, Write};
+use zeroset_ir::{Constant, Node, NodeId};
+use zeroset_render::picture::Picture;
+use zeroset_space::Region;
+use zeroset_syntax::{Document, Surface, SurfaceKind};
+use zeroset_trace::{RayGrid, Status};
+
+/// The first line's `format`.
+const FORMAT: &str = "zeroset claims 1";
+
+/// Begins the file.
+pub fn begin(mut out: Box<dyn Write>, picture: &Beginning<'_>) -> NewRowWriter {
+    let Beginning { size: [width, height], document, region, .. } = *picture;
+    let [surfaces, steps] = functions(document);
+    let header = json!({
+        "format": FORMAT,
+        "text": picture.text,
+        "size": [width, height],
+        "domain": domain(region),
+        "surfaces": surfaces,
+        "steps": steps,
+    });
+    writeln!(out, "{header}")?;
+    Ok(Box::new(Claims { out, width, row: 0 }))
+}
+
+/// The box, the half-space and the ball of which the region is the intersection.
+fn domain(region: &Region) -> Value {
+    let mut domain = json!({
+        "low": region.low().to_array(),
+        "high": region.high().to_array(),
+    });
+    if let Some(clip) = region.clip() {
+        domain["clip"] = json!({"normal": clip.normal.to_array(), "offset": clip.offset});
+    }
+    if let Some(ball) = region.ball() {
+        domain["ball"] = json!({"center": ball.centre.to_array(), "radius": ball.radius});
+    }
+    domain
+}
+
+/// The surfaces in the order of the text, hidden ones included: their numbers are those of
+/// `--surface-id`. Then all steps, each after those that it uses. Sliders have their values.
+fn functions(document: &Document) -> [Vec<Value>; 2] {
+    let roots: Vec<NodeId> = document.surfaces.iter().map(|surface| surface.root).collect();
+    let mut places = HashMap::new();
+    let mut steps = Vec::new();
+    for id in document.graph.needed(&roots) {
+        places.insert(id, steps.len());
+        steps.push(match document.graph.node(id) {
+            Node::Variable(axis) => json!([axis.name()]),
+            Node::Parameter(number) => slider(document, *number),
+            Node::Constant(number) => constant(number),
+            Node::Apply(op, operands) => {
+                let operands = operands.iter().map(|id| json!(places[id]));
+                [json!(op.row().name)].into_iter().chain(operands).collect()
+            }
+        });
+    }
+    let surface = |surface: &Surface| {
+        let kind = match surface.kind {
+            SurfaceKind::Equation => "equation",
+            SurfaceKind::Solid => "solid",
+        };
+        json!({
+            "read": surface.line(),
+            "kind": kind,
+            "hidden": surface.hidden,
+            "step": places[&surface.root],
+        })
+    };
+    [document.surfaces.iter().map(surface).collect(), steps]
+}
+
+/// The value of a slider.
+fn slider(document: &Document, number: u32) -> Value {
+    let found = document.parameters.iter().find(|parameter| parameter.number == number);
+    found.map_or_else(|| json!(["unknown"]), |parameter| constant(&parameter.value))
+}
+
+fn constant(constant: &Constant) -> Value {
+    match constant {
+        Constant::Exact(value) => json!(["number", value.to_string()]),
+        Constant::Named(name) => json!([name.name()]),
+        Constant::Enclosed(_) => {
+            let bounds = constant.bounds();
+            json!(["between", bounds.lo, bounds.hi])
+        }
+    }
+}
+
+struct Claims {
+    out: Box<dyn Write>,
+    width: usize,
+    /// Number of rows that are written.
+    row: usize,
+}
+
+impl RowWriter for Claims {
+    fn add(&mut self, picture: &Picture, rays: &RayGrid) -> io::Result<()> {
+        let buffer = &picture.buffer;
+        for (pixel, status) in buffer.status.iter().enumerate() {
+            let ray = rays.ray_of(pixel);
+            let mut claim = json!({
+                "pixel": [pixel % self.width, self.row + pixel / self.width],
+                "origin": ray.origin.to_array(),
+                "direction": ray.direction.to_array(),
+                "status": match status {
+                    Status::Miss => "miss",
+                    Status::Hit => "hit",
+                    Status::Undecided => "undecided",
+                },
+            });
+            if *status == Status::Hit {
+                claim["surface"] = json!(buffer.surface[pixel]);
+                claim["bracket"] = json!(buffer.bracket[pixel]);
+            }
+            writeln!(self.out, "{claim}")?;
+        }
+        self.row += buffer.height;
+        Ok(())
+    }
+
+    fn end(mut self: Box<Self>) -> io::Result<()> {
+        self.out.flush()
+    }
+}
