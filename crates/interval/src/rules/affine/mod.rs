@@ -11,6 +11,8 @@
 mod arithmetic;
 mod functions;
 mod pieces;
+#[cfg(test)]
+mod rounding;
 mod solve;
 mod waves;
 
