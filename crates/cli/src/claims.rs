@@ -48,8 +48,8 @@ fn domain(region: &Region) -> Value {
     domain
 }
 
-/// The surfaces in the order of the text, hidden ones included: their numbers are those of
-/// `--surface-id`. Then all steps, each after those that it uses. Sliders have their values.
+/// The surfaces in the order of the text, and hidden ones too, since `--surface-id` counts them.
+/// Then all steps, each after those that it uses. Sliders have their values.
 fn functions(document: &Document) -> [Vec<Value>; 2] {
     let roots: Vec<NodeId> = document.surfaces.iter().map(|surface| surface.root).collect();
     let mut places = HashMap::new();

@@ -1,10 +1,10 @@
 //! A quick proof that two polynomials have no common divisor, in the field of integers modulo a
 //! prime.
 //!
-//! All variables but one get values. A common divisor that holds this variable would divide the
-//! images of both polynomials, and its degree would stay if the leading coefficient of either
-//! polynomial does not become 0 (Knuth, The Art of Computer Programming 2, section 4.6.1). So if
-//! the images are coprime for each variable, the polynomials are.
+//! All variables but one get values. The image of a common divisor divides the images of both
+//! polynomials. Its degree stays if the leading coefficient of either polynomial does not become 0
+//! (Knuth, The Art of Computer Programming 2, section 4.6.1). So if the images are coprime for each
+//! variable, the polynomials are.
 
 use crate::graph::NodeId;
 use crate::polynomial::Polynomial;

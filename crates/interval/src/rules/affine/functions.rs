@@ -15,16 +15,16 @@ use zeroset_ops::Op;
 /// The bounds of an operand and their middle, at which a function's derivatives are evaluated.
 pub(super) struct ExpansionPoint<V> {
     /// The middle of the bounds.
-    x: V,
+    pub(super) x: V,
     /// The middle of the bounds, as an operand.
-    point: Operand<V>,
+    pub(super) point: Operand<V>,
     /// Minus the lower end of the bounds.
-    neg_lo: V,
+    pub(super) neg_lo: V,
     /// The largest magnitude of a number within the bounds.
-    most: V,
+    pub(super) most: V,
     /// The function's enclosure at the middle; `value` is its enclosure over the bounds.
-    here: Enclosure<V>,
-    value: Enclosure<V>,
+    pub(super) here: Enclosure<V>,
+    pub(super) value: Enclosure<V>,
 }
 
 /// A function that computes a slope and bounds of the second derivative.
@@ -33,15 +33,15 @@ type DerivativesOf<R, V> = fn(&mut R, &ExpansionPoint<V>) -> Derivatives<V>;
 /// The slope of a function, and bounds of its second derivative: the bend.
 pub(super) struct Derivatives<V> {
     /// The slope α.
-    slope: V,
+    pub(super) slope: V,
     /// An upper bound of |f′(m) − α|.
-    off: V,
+    pub(super) off: V,
     /// Upper bounds of −f″ and of f″, at least 0, over the operand's bounds.
-    bend: [V; 2],
+    pub(super) bend: [V; 2],
 }
 
 /// Bound on the error of a result of few operations without cancellation, in units of the result.
-const UNITS: f64 = 32.0;
+pub(super) const UNITS: f64 = 32.0;
 
 impl<M: Machine> Rule<'_, M> {
     /// The form of √x. For α = 1/(√lo + √hi), √x − αx is at most 1/(4α), and is least at an end.

@@ -47,16 +47,6 @@ impl Recorder {
     }
 }
 
-/// No rule that is recorded branches on values.
-macro_rules! not_recorded {
-    ($($name:ident($($argument:ident: $kind:ty),*) -> $result:ty;)*) => {
-        $(fn $name(&mut self, $($argument: $kind),*) -> $result {
-            let _ = ($($argument,)*);
-            unimplemented!(stringify!($name))
-        })*
-    };
-}
-
 impl Machine for Recorder {
     type V = usize;
 
@@ -116,23 +106,8 @@ impl Machine for Recorder {
         sqrt(a: usize) -> usize;
         min(a: usize, b: usize) -> usize;
         max(a: usize, b: usize) -> usize;
-        floor(a: usize) -> usize;
-        ceil(a: usize) -> usize;
-        trunc(a: usize) -> usize;
-        nearest(a: usize) -> usize;
         lt(a: usize, b: usize) -> usize;
-        le(a: usize, b: usize) -> usize;
-        eq(a: usize, b: usize) -> usize;
-        and(a: usize, b: usize) -> usize;
-        or(a: usize, b: usize) -> usize;
-        xor(a: usize, b: usize) -> usize;
         select(mask: usize, a: usize, b: usize) -> usize;
-        select_signed(sign: usize, a: usize, b: usize) -> usize;
-        int_add(a: usize, b: usize) -> usize;
-        int_sub(a: usize, b: usize) -> usize;
-        shift_left(a: usize, by: u8) -> usize;
-        shift_right(a: usize, by: u8) -> usize;
-        widen(a: usize) -> [usize; 2];
-        narrow(halves: [usize; 2]) -> usize;
     }
+    integers_and_bits_are_not_recorded!(usize);
 }
