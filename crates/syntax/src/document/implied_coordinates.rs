@@ -195,7 +195,7 @@ fn relates(line: &ParsedStatement<'_>, index: usize, uses: &Uses) -> bool {
     };
     let names = ["r", "rho", "theta", "phi"];
     let used = names.iter().filter(|name| is_here(name) || defined == Some(**name)).count();
-    used > 1 && !["x", "y", "z"].iter().any(|name| is_here(name))
+    used > 1 && !["x", "y", "z"].iter().any(is_here)
 }
 
 /// Returns the implied definitions, and notes that state them. Adds the names to `scope`. With

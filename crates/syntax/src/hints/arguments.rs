@@ -96,7 +96,7 @@ fn with_points(call: &Call<'_>) -> Option<Vec<String>> {
         return None;
     }
     // A number that ends with a decimal comma goes on with the next argument.
-    let starts = |at: usize| given[at] == "0" || given.len() == 4 && at % 2 == 0;
+    let starts = |at: usize| given[at] == "0" || given.len() == 4 && at.is_multiple_of(2);
     let mut all = Vec::new();
     let mut at = 0;
     while at < given.len() {
