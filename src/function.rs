@@ -86,6 +86,22 @@ impl Enclosure {
     }
 }
 
+/// The function that is negative inside of a solid, for an inequality with two sides.
+fn difference(solid: &str) -> Option<String> {
+    let (left, rest) = solid.split_once(['<', '>'])?;
+    let (left, right) = (left.trim(), rest.trim_start_matches('=').trim());
+    if right.contains(['<', '>', '{', '=']) || solid.contains(" and ") || solid.contains(" or ") {
+        return None;
+    }
+    let (more, less) = if solid.contains('<') { (left, right) } else { (right, left) };
+    let is_plain = less.chars().all(|c| c.is_ascii_alphanumeric() || c == '.');
+    Some(match less {
+        "0" => more.to_owned(),
+        _ if is_plain => format!("{more} - {less}"),
+        _ => format!("{more} - ({less})"),
+    })
+}
+
 impl Function {
     /// Reads a text and compiles its one formula to native code.
     ///
@@ -94,14 +110,15 @@ impl Function {
     /// formula is too large to compile.
     pub fn parse(text: &str) -> Result<Self, Error> {
         let text = Text::read(text)?;
-        let wrong = match &text.document.surfaces[..] {
-            [surface] if surface.kind == SurfaceKind::Equation => None,
-            [_] => Some("an inequality is a solid".to_owned()),
-            [] => Some("these are curves and points".to_owned()),
-            several => Some(format!("these are {} formulas", several.len())),
+        let (wrong, other) = match &text.document.surfaces[..] {
+            [surface] if surface.kind == SurfaceKind::Equation => (None, None),
+            [solid] => (Some("an inequality is a solid".to_owned()), difference(&solid.echo)),
+            [] => (Some("these are curves and points".to_owned()), None),
+            several => (Some(format!("these are {} formulas", several.len())), None),
         };
         if let Some(wrong) = wrong {
-            return Err(Error::formula(format!("{wrong} and not a function: render a scene")));
+            let other = other.map_or("render a scene".to_owned(), |text| format!("write `{text}`"));
+            return Err(Error::formula(format!("{wrong} and not a function: {other}")));
         }
         let (typed, is_total) = compile(&text.document, None)?;
         Ok(Self { text, typed, is_total, traced: Mutex::default() })

@@ -60,7 +60,10 @@ fn functions_are_shared_between_threads() {
 #[test]
 fn what_is_no_single_function_is_refused() {
     for (text, why) in [
-        ("x^2+y^2 < 1", "an inequality is a solid and not a function"),
+        ("x^2+y^2 < 1", "an inequality is a solid and not a function: write `x^2 + y^2 - 1`"),
+        ("4 >= x^2+y^2", "write `x^2 + y^2 - 4`"),
+        ("z <= x + y", "write `z - (x + y)`"),
+        ("x > 0 and y > 0", "an inequality is a solid and not a function: render a scene"),
         ("x = 1\ny = 1", "these are 2 formulas and not a function"),
     ] {
         let error = Function::parse(text).expect_err("no function");

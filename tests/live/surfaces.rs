@@ -1,7 +1,7 @@
 //! Surfaces are hidden, made translucent, moved and deleted. These edits of the text compile no
 //! kernel. A line of a document may also hide a surface.
 
-use super::live_support::{settled, start};
+use super::live_support::{LIMIT, settled, start};
 use zeroset_live::{Axes, Live, Rendering};
 use zeroset_render::model::{Model, render};
 use zeroset_scene::camera::{self, CameraChoice};
@@ -176,6 +176,58 @@ fn axes_have_room_unless_the_document_wants_none() {
     // Axes are not part of the document, so showing them is no undo step.
     assert!(live.undo());
     assert_eq!(live.text(), "x^2+y^2+z^2 = 1");
+}
+
+/// The region of a slider that runs holds the surfaces of its whole range, and the view fits that
+/// region once.
+#[test]
+fn a_view_fits_the_whole_movement_of_a_slider_that_runs() {
+    let live = start("r = 1 in [0.5, 8]\nx^2+y^2+z^2 = r^2", 64);
+    live.set_axes(Axes::On);
+    let first = settled(&live);
+    let slider = first.sliders().remove(0);
+    live.set_played(Some("r"));
+    live.set_moving(true);
+    live.pass(&slider, 1.01);
+    let begun = settled(&live);
+    assert!(begun.camera != first.camera, "the view is that of the first value");
+    let half = begun.model.region().high().min_element();
+    assert!((8.0..10.0).contains(&half), "{half}");
+    for value in [1.5, 3.0, 8.0, 0.5] {
+        live.pass(&slider, value);
+        let seen = settled(&live);
+        assert!(seen.camera == begun.camera, "the view jumped at {value}");
+        assert!(seen.model.region() == begun.model.region(), "the region changed at {value}");
+    }
+}
+
+/// The beginning of a line that shows nothing, or that cannot be read, leaves the picture before.
+#[test]
+fn the_beginning_of_a_line_leaves_the_last_picture_that_shows_something() {
+    let live = start("z = x", 32);
+    settled(&live);
+    let shown = || {
+        assert!(live.wait(LIMIT), "the picture does not settle");
+        let seen = live.snapshot().rendering.expect("a picture");
+        seen.document.surfaces[0].echo.clone()
+    };
+    for (line, expected) in [
+        ("x^2 + y^2", "z = x"),
+        ("x^2 + y^2 - b z^2", "z = x"),
+        ("x^2 + y^2 = 1", "x^2 + y^2 = 1"),
+        ("x^2 + y^2 = 1 + ", "x^2 + y^2 = 1"),
+        ("x^2 + y^2 = 1 + z^2 + 9", "x^2 + y^2 = 1 + z^2 + 9"),
+    ] {
+        live.type_line(line);
+        assert_eq!(shown(), expected, "{line}");
+    }
+    // A beginning that could be read is drawn, even if no picture of it was ever finished.
+    live.type_line("x^2 + z^2 = 1");
+    live.type_line("x^2 + z^2 = 1 and");
+    assert_eq!(shown(), "x^2 + z^2 = 1");
+    // A line that is entered is drawn whatever it shows.
+    enter(&live, "x^2 + y^2");
+    assert_eq!(shown(), "x^2 + y^2 = 0");
 }
 
 /// An automatic view stays while a value is dragged. Afterwards it glides until the surface fits.

@@ -89,6 +89,7 @@ const TESTS: &[Group] = &[
             typing::fifty_formulas_typed_blind_are_drawn,
             typing::a_line_is_selected_copied_cut_pasted_and_undone,
             typing::a_wrong_formula_from_the_command_line_is_mended_in_the_line,
+            typing::tab_writes_the_line_that_the_advice_gives,
             typing::other_programs_texts_are_pasted,
         ],
     },

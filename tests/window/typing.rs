@@ -177,6 +177,18 @@ pub fn a_wrong_formula_from_the_command_line_is_mended_in_the_line() {
     assert_eq!(scene.terminal.ends(), 0);
 }
 
+pub fn tab_writes_the_line_that_the_advice_gives() {
+    let scene = Scene::start(CUBE);
+    scene.type_text("z = sine(x)");
+    until("the advice is there", || scene.is_faulty());
+    scene.key("Tab");
+    until("it is mended", || !scene.is_faulty());
+    scene.key("Return");
+    scene.is_document("z = sin(x)");
+    scene.key("ctrl+q");
+    assert_eq!(scene.terminal.ends(), 0);
+}
+
 pub fn other_programs_texts_are_pasted() {
     let scene = Scene::start(CUBE);
     scene.put("clipboard", "z = 3x");

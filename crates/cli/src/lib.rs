@@ -22,6 +22,7 @@ mod interactive;
 mod interrupt;
 #[cfg(feature = "window")]
 mod line_edit;
+mod long_work;
 mod measure;
 mod mesh;
 mod notes;

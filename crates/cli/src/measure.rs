@@ -1,6 +1,7 @@
 //! The command `zeroset measure`.
 
 use super::arguments::MeasureArgs;
+use super::long_work::LongWork;
 use super::output::print;
 use super::render::{budget, in_threads};
 use super::report::ms;
@@ -16,6 +17,10 @@ use zeroset_measure::{Measured, Measures, Quantity, RELATIVE, Request, measures}
 use zeroset_render::limit::Limit;
 use zeroset_scene::curves::UNPROVEN;
 use zeroset_scene::view::Clipping;
+
+/// The note on measures that take long.
+const LONG: &str = "the measures are being narrowed; a larger --relative ends that sooner, --volume \
+                    and the like ask for some alone, and --budget 60 ends it after a minute";
 
 pub fn run(arguments: &MeasureArgs) -> Result<ExitCode> {
     let begun = Instant::now();
@@ -37,11 +42,13 @@ pub fn run(arguments: &MeasureArgs) -> Result<ExitCode> {
         has_area_bounds: arguments.area,
     };
     let wanted = Limit { budget, begun: Some(begun), ..Limit::default() }.wanted();
+    let long = LongWork::begin(LONG);
     let found = in_threads(arguments.threads, || {
         let (document, cut) = (&subject.document, Clipping::default());
         measures(document, subject.domain, cut, &request, &wanted)
             .map_err(|error| anyhow!(error.advise(&|ends| format!("--domain={ends}"))))
     })?;
+    drop(long);
     let Some(found) = found else {
         let seconds = budget.unwrap_or_default().as_secs_f64();
         bail!(

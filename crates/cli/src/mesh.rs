@@ -1,6 +1,7 @@
 //! The command `zeroset mesh`.
 
 use super::arguments::MeshArgs;
+use super::long_work::LongWork;
 use super::output::{OutputFile, print};
 use super::render::{budget, in_threads};
 use super::report::ms;
@@ -25,6 +26,10 @@ use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::view::Clipping;
 use zeroset_syntax::Document;
 
+/// The note on a mesh that takes long.
+const LONG: &str = "the mesh is being made and proven; --estimate makes one without proofs, a larger \
+                    --tolerance one of fewer triangles, and --budget 60 ends the work after a minute";
+
 pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
     let begun = Instant::now();
     let tolerance = arguments.tolerance;
@@ -43,9 +48,11 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
     let subject = Subject::read(&arguments.document)?;
     subject.show_notes();
     let wanted = Limit { budget, begun: Some(begun), ..Limit::default() }.wanted();
+    let long = LongWork::begin(LONG);
     let found = in_threads(arguments.threads, || {
         Ok(meshes(&subject.document, subject.domain, Clipping::default(), quality, &wanted)?)
     })?;
+    drop(long);
     let Some(found) = found else {
         let seconds = budget.unwrap_or_default().as_secs_f64();
         bail!(

@@ -5,6 +5,7 @@ mod abandoned;
 use super::arguments::{KernelArgs, RenderArgs, TracingArgs};
 use super::array::Beginning;
 use super::files::Files;
+use super::long_work::LongWork;
 use super::output::print;
 use super::png_file::PictureOrigin;
 use super::progress::Progress;
@@ -126,6 +127,10 @@ pub fn run(arguments: &RenderArgs) -> Result<ExitCode> {
     })
 }
 
+/// The note on a search for a domain that takes long.
+const LONG: &str = "the surface is being looked for; --domain 2 looks within x, y, z in -2..2 alone, \
+                    and --budget 60 ends the work after a minute";
+
 /// The region of a picture, and the result of the search for it. If the search finds no region
 /// within a quarter of the budget, a cube about the origin.
 fn chosen(
@@ -137,6 +142,7 @@ fn chosen(
     let domain = subject.domain;
     let left = settings.limit.time_left().filter(|_| view::needs_search(&subject.document, domain));
     let pool = thread_pool(threads)?;
+    let _long = LongWork::begin(LONG);
     let Some(left) = left else {
         return Ok(pool.install(|| view::region(&subject.document, domain, cut))?);
     };

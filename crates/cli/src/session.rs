@@ -134,6 +134,7 @@ impl Session {
         }
         let request = Request {
             source: from,
+            preview: None,
             text: text.into(),
             overrides: arguments.values.overrides()?,
             time: arguments.values.time()?,

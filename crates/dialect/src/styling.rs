@@ -55,6 +55,8 @@ impl Words<'_> {
         };
         match rest.first() {
             None => !first.kind.is_setting() && word != "box",
+            // The hints give `axes on` and the ranges of a domain.
+            Some(_) if self.is_of_axes(tokens) => false,
             // In `view 4, 3, 6`, the numbers are the eye's position without the word `eye`.
             Some(next)
                 if word == "view"
@@ -72,6 +74,21 @@ impl Words<'_> {
                 let is_option = next.kind.is_name() && !first.kind.is_setting();
                 (is_option || next.kind == Unknown) && !rest.iter().any(is_formula)
             }
+        }
+    }
+
+    /// Returns whether a statement switches the axes or sets the range of one.
+    fn is_of_axes(self, tokens: &[Token]) -> bool {
+        match tokens {
+            [first, second] => {
+                self.word(*first) == "axis" && matches!(self.word(*second), "on" | "off")
+            }
+            [first, open, inner, ..] => {
+                matches!(self.word(*first), "xlim" | "ylim" | "zlim")
+                    && open.kind == OpenParen
+                    && inner.kind == OpenBracket
+            }
+            _ => false,
         }
     }
 

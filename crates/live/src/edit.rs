@@ -45,14 +45,19 @@ impl Live {
     /// a line, draws the document itself.
     pub(super) fn show_typed(&self, line: Option<&str>, goal: LineGoal) {
         let shown = |Checkpoint { request, readable, .. }: &Checkpoint| {
-            Ok(match line {
-                Some(line) => (with_line(request, readable, line, goal).0.into(), defined(line)),
-                None => (Arc::clone(&request.text), Vec::new()),
-            })
+            let Some(line) = line else {
+                return Ok((Arc::clone(&request.text), Vec::new(), false));
+            };
+            let text: Arc<str> = with_line(request, readable, line, goal).0.into();
+            let is_readable = parse(&text, &Limits::default()).is_ok();
+            Ok((text, defined(line), is_readable))
         };
-        let _never_refused = self.change_after(shown, |state, (shown, typed): (Arc<str>, _)| {
+        let _never_refused = self.change_after(shown, |state, (shown, typed, is_readable)| {
             if (&shown, &typed) != (&state.shown, &state.typed) {
                 state.typed = typed;
+                if is_readable {
+                    state.preview = Some(Arc::clone(&shown));
+                }
                 self.show(state, shown);
             }
         });
@@ -73,6 +78,7 @@ impl Live {
         let given = defined(line);
         let is_given = |note: &&Note| match &note.kind {
             NoteKind::Unused { name, .. } => given.contains(name),
+            NoteKind::UnusedRadius { .. } => given.iter().any(|name| name == "r"),
             _ => false,
         };
         let unused = document.notes.iter().find(is_given);

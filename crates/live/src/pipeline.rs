@@ -29,7 +29,7 @@ use zeroset_scene::camera::CameraChoice;
 use zeroset_scene::domain::AutoDomain;
 use zeroset_scene::view::{ClipChoice, DomainChoice, SceneError};
 use zeroset_space::{Camera, Region};
-use zeroset_syntax::{Document, Options};
+use zeroset_syntax::{Document, Options, statement};
 
 /// Choice of axes around the region's box. With axes, an automatic view shows the whole box.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -61,6 +61,10 @@ pub struct Request {
     pub source: DocumentSource,
     /// Text of the document.
     pub text: Arc<str>,
+    /// For a document with a line that is being typed: the latest such text that could be read. It
+    /// is drawn while the text has errors. A picture of such a document that shows nothing does not
+    /// replace the picture before it.
+    pub preview: Option<Arc<str>>,
     /// Names and values of parameters. They override the values in the text.
     pub overrides: Vec<(String, String)>,
     /// The time `t`, which overrides the value in the text.
@@ -139,6 +143,12 @@ impl<'a> From<&'a Rendering> for PictureView<'a> {
 }
 
 impl Rendering {
+    /// Returns whether nothing is drawn in the picture.
+    pub(super) fn shows_nothing(&self) -> bool {
+        let pixels = self.picture.statistics.pixels;
+        pixels.hit + pixels.undecided == 0 && self.model.curves().is_empty()
+    }
+
     /// Returns whether the picture has all the requested pixels.
     pub fn is_full(&self) -> bool {
         let (buffer, asked) = (&self.picture.buffer, &self.request.settings);
@@ -181,6 +191,21 @@ impl Fault {
                 "internal error: this is a bug in zeroset, not in your formula".into()
             }
         }
+    }
+
+    /// The advice on the error, if there is any, in one line.
+    pub fn advice(&self) -> Option<String> {
+        let FaultReason::Text(errors) = &self.reason else { return None };
+        errors.iter().next()?.help(&self.request.text)
+    }
+
+    /// The line to write in place of the statement with the error, if the advice gives one, and the
+    /// statement as it was typed.
+    pub fn correction(&self) -> Option<(&str, &str)> {
+        let FaultReason::Text(errors) = &self.reason else { return None };
+        let error = errors.iter().next()?;
+        let typed = self.request.text.get(statement(&self.request.text, error.span))?;
+        Some((typed, error.correction.as_deref()?))
     }
 
     /// The undefined single letter, if no other error exists.
@@ -257,6 +282,8 @@ struct PipelineState {
     given_up: u64,
     /// Set while the user or the clock moves values. Meanwhile an automatic view holds still.
     moving: bool,
+    /// Name of the slider that the clock moves.
+    played: Option<String>,
     /// The next change of an automatic view.
     next_view: NextView,
     stop: bool,
@@ -292,6 +319,7 @@ impl Pipeline {
             progress: None,
             given_up: 0,
             moving: false,
+            played: None,
             next_view: NextView::Immediate,
             stop: false,
         };
@@ -319,6 +347,14 @@ impl Pipeline {
             state.next_view = NextView::Gliding;
         }
         is_due
+    }
+
+    /// Sets the name of the slider that the clock moves.
+    pub fn set_played(&self, name: Option<&str>) {
+        let mut state = self.shared.lock();
+        if state.played.as_deref() != name {
+            state.played = name.map(str::to_owned);
+        }
     }
 
     /// The current results.

@@ -37,6 +37,8 @@ pub(super) struct SessionState {
     pub shown: Arc<str>,
     /// Names defined by the line that is being typed.
     pub typed: Vec<String>,
+    /// The latest drawn text, with a line that is being typed, that could be read.
+    pub preview: Option<Arc<str>>,
     /// The last text that parsed. Edits start from it when a watched file stops parsing.
     pub readable: Arc<str>,
     /// The text as last loaded or saved.
@@ -184,6 +186,12 @@ impl Live {
         if self.pipeline.set_moving(moving) {
             self.refresh();
         }
+    }
+
+    /// Sets the name of the slider that the clock moves, if there is one. The region then holds the
+    /// surfaces at both ends of the slider's range, and the view fits it from the start.
+    pub fn set_played(&self, name: Option<&str>) {
+        self.pipeline.set_played(name);
     }
 
     /// Shows or hides the axes.
@@ -457,8 +465,12 @@ impl Live {
         let mut request = Request { text: Arc::clone(&state.shown), ..state.request.clone() };
         request.forget_given(&state.typed);
         // The error messages of a line that is being typed must not name the file.
-        if state.shown != state.request.text {
+        if state.shown == state.request.text {
+            state.preview = None;
+        } else {
             request.source = DocumentSource::Typed;
+            let entered = || Arc::clone(&state.request.text);
+            request.preview = Some(state.preview.clone().unwrap_or_else(entered));
         }
         state.revision = self.pipeline.request(request);
     }

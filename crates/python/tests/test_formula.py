@@ -302,6 +302,7 @@ SYMBOLIC = [
     sp.legendre(4, X) + sp.chebyshevt(3, Y) - sp.hermite(3, Z),
     sp.Float("0.1") * X + sp.Float("1e-9") * Y - Z,
     sp.diff(sp.sin(X * Y) * sp.exp(Z), X),
+    sp.Derivative(X**3 * Y, X) - Z,
     sp.expand((X + Y) ** 5 - Z),
     sp.sec(X) ** 2 - 1 + Y / (Z + 4),
     sp.Heaviside(X + 0.123) * Y - Z,

@@ -17,6 +17,7 @@ use crate::picture::Picture;
 use crate::pixels::Pixels;
 use axes::draw_box;
 use curves::draw_curves;
+use std::ops::Range;
 use ticks::ticks;
 use zeroset_style::Choices;
 use zeroset_syntax::Document;
@@ -35,6 +36,15 @@ const TITLE_SIZES: [f64; 2] = [0.75, 1.35];
 
 /// Space around a legend, in dots.
 const SPACE: usize = 10;
+
+/// The part of a window's picture that its panels leave free.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FreeArea {
+    /// The columns between the panels at the top.
+    pub columns: Range<usize>,
+    /// The row above which the panel at the bottom begins.
+    pub bottom: usize,
+}
 
 /// The choice of axes, legends and title over a picture.
 #[derive(Clone)]
@@ -82,14 +92,14 @@ impl Overlay {
     }
 
     /// Draws curves and points, axes, legends and title over a picture in the upper `height` rows
-    /// of the canvas. Legends begin below the title. With `bottom`, they end at that row, and the
-    /// title is in the left half, since the window's list is at the upper right.
+    /// of the canvas. Legends begin below the title. With `free`, they end at its last row, and the
+    /// title is between its columns.
     pub fn draw(
         &self,
         canvas: &mut Canvas,
         shown: PictureView<'_>,
         height: usize,
-        bottom: Option<usize>,
+        free: Option<&FreeArea>,
     ) {
         draw_curves(canvas, shown, height);
         if self.axes {
@@ -97,10 +107,11 @@ impl Overlay {
         }
         let mut top = canvas.dots(SPACE);
         if let Some(title) = &self.title {
-            top += draw_title(canvas, title, (top, bottom.is_some()), shown.ink());
+            let columns = free.map_or(0..canvas.width, |free| free.columns.clone());
+            top += draw_title(canvas, title, (top, columns), shown.ink());
         }
         if self.legend {
-            draw_legends(canvas, shown, height, (top, bottom));
+            draw_legends(canvas, shown, height, (top, free.map(|free| free.bottom)));
         }
     }
 
@@ -137,17 +148,24 @@ fn legend_height(count: usize, height: usize, scale: f64) -> usize {
     tall + Canvas::line_height_at(scale) + Canvas::dots_at(SPACE, scale)
 }
 
-/// Writes a title in the middle of the row `top`, or in its left half. Letters of a long title are
-/// smaller, and its end may be missing. Returns the height of the line.
-fn draw_title(canvas: &mut Canvas, title: &str, (top, is_left): (usize, bool), ink: u32) -> usize {
+/// Writes a title in the middle of the row `top`, as far as these columns allow. Letters of a long
+/// title are smaller, and its end may be missing. Returns the height of the line.
+fn draw_title(
+    canvas: &mut Canvas,
+    title: &str,
+    (top, columns): (usize, Range<usize>),
+    ink: u32,
+) -> usize {
     let (usual, space) = (canvas.scale, canvas.dots(SPACE));
-    let room = (canvas.width / if is_left { 2 } else { 1 }).saturating_sub(2 * space);
+    let room = columns.len().saturating_sub(2 * space);
     let wide = (canvas.text_width(title) as f64).max(1.0);
     let [smallest, largest] = TITLE_SIZES;
     canvas.scale *= (room as f64 / wide).clamp(smallest, largest);
     let title = canvas.fitting(title, room);
-    let middle = canvas.width.saturating_sub(canvas.text_width(&title)) / 2;
-    let left = if is_left { space } else { middle };
+    let wide = canvas.text_width(&title);
+    let middle = canvas.width.saturating_sub(wide) / 2;
+    let last = columns.end.saturating_sub(space + wide);
+    let left = middle.min(last).max(columns.start + space);
     canvas.write(&title, left as i64, top as i64, ink);
     let tall = canvas.line_height();
     canvas.scale = usual;
@@ -319,6 +337,22 @@ mod tests {
             let (ink, [[left, right], rows]) = drawn(&"Barth's sextic ".repeat(20), size);
             assert!(left >= 8 && right + 8 <= width && ink > 20, "{size:?} {left} {right}");
             assert!(rows[1] - rows[0] <= bottom - top + 4, "{size:?}");
+        }
+        // In a window a title is between the panels, in the middle if it fits there.
+        for (columns, is_centred) in [(300..800, true), (0..800, true), (500..800, false)] {
+            let mut canvas = Canvas::new(800, 300, vec![0x00ff_ffff; 800 * 300], 1.0);
+            let free = FreeArea { columns: columns.clone(), bottom: 280 };
+            Overlay::CURVES.titled(Some("Torus")).draw(&mut canvas, shown, 300, Some(&free));
+            let row = canvas.pixels.iter().enumerate().filter(|(_, ink)| **ink != 0x00ff_ffff);
+            let across: Vec<usize> = row.map(|(at, _)| at % 800).collect();
+            let [left, right] =
+                [across.iter().min(), across.iter().max()].map(|end| *end.expect("ink"));
+            assert!(columns.contains(&left) && columns.contains(&right), "{columns:?}");
+            assert_eq!(
+                (left + right).abs_diff(800) < 40,
+                is_centred,
+                "{columns:?}: {left} {right}"
+            );
         }
         // The font lacks these letters; something is written in their place.
         assert!(drawn("曲面", [400, 300]).0 > 10);

@@ -37,7 +37,7 @@ pub use document::reading::{
     Document, Options, Parameter, ParameterKind, Surface, SurfaceKind, parse,
 };
 pub use emit::{EmitError, Format, emit};
-pub use hints::{read, read_bytes};
+pub use hints::{read, read_bytes, statement};
 pub use lower::constant::constant;
 pub use picture::lines::{PictureLines, SettingLine};
 pub use picture::paint::{Contours, MappedColor, POINT_NAMES, PointValue, SurfaceColor};

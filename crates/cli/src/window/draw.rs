@@ -15,7 +15,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 use zeroset_live::{Fault, Rendering, Snapshot, Working, defined};
-use zeroset_render::overlay::{Canvas, Overlay, Rgb, with_minus};
+use zeroset_render::overlay::{Canvas, FreeArea, Overlay, Rgb, with_minus};
 
 const PAPER: Rgb = 0x00f4_f4f6;
 const DIM: Rgb = 0x00b0_b0bc;
@@ -35,6 +35,7 @@ pub struct Backdrop {
     rendering: Option<Arc<Rendering>>,
     size: (usize, usize),
     scale: f64,
+    free: FreeArea,
     pixels: Vec<Rgb>,
 }
 
@@ -106,7 +107,13 @@ impl Window {
         }
         self.active = self.compared;
         let (picture, scale) = (self.picture_size(), self.scale_at(content.size.1));
-        self.backdrop.follow(seen.rendering.as_ref(), picture, content.size, scale);
+        let left = content.sliders.as_ref().map_or(0, |sliders| sliders.panel.width);
+        let right = content.surfaces.as_ref().map_or(picture.0, |surfaces| surfaces.list.left());
+        // Legends are at the bottom, since the lists are at the top. The row of the typed line is
+        // free of them.
+        let bottom = picture.1.saturating_sub(Canvas::line_height_at(scale));
+        let free = FreeArea { columns: left..right.max(left), bottom };
+        self.backdrop.follow(seen.rendering.as_ref(), picture, content.size, scale, free);
         let canvas = self.compose(&content);
         self.native
             .update_with_buffer(&canvas.pixels, canvas.width, canvas.height)
@@ -238,12 +245,17 @@ impl Window {
     }
 }
 
-/// Describes a fault in one line, with the key that corrects it if there is one.
+/// Describes a fault with the key that corrects it, if there is one. The advice is in a line of its
+/// own.
 fn wrong(fault: &Fault) -> String {
     let message = fault.message();
-    match fault.missing_letter() {
-        Some(letter) => format!("{message}; F2: {letter} = 1"),
-        None => message,
+    match (fault.missing_letter(), fault.advice()) {
+        (Some(letter), _) => format!("{message}; F2: {letter} = 1"),
+        (None, Some(advice)) if fault.correction().is_some() => {
+            format!("{message}\nTab: {advice}")
+        }
+        (None, Some(advice)) => format!("{message}\n{advice}"),
+        (None, None) => message,
     }
 }
 
@@ -303,8 +315,10 @@ fn draw_texts(canvas: &mut Canvas, layout: &Layout, content: &Content) {
         above -= row as i64;
     }
     if let Some((text, color)) = content.message_above() {
-        let text = canvas.fitting(text, room);
-        canvas.label(&text, 0, above, color);
+        for line in text.lines().rev() {
+            canvas.label(&canvas.fitting(line, room), 0, above, color);
+            above -= row as i64;
+        }
     }
 }
 
@@ -352,13 +366,15 @@ impl Backdrop {
         picture: (usize, usize),
         window: (usize, usize),
         scale: f64,
+        free: FreeArea,
     ) {
         let is_same = self.rendering.as_ref().map(Arc::as_ptr) == rendering.map(Arc::as_ptr);
-        if is_same && (self.size, self.scale) == (window, scale) && !self.pixels.is_empty() {
+        let is_there = !self.pixels.is_empty() && self.free == free;
+        if is_same && (self.size, self.scale) == (window, scale) && is_there {
             return;
         }
         self.rendering = rendering.cloned();
-        (self.size, self.scale) = (window, scale);
+        (self.size, self.scale, self.free) = (window, scale, free);
         self.pixels.clear();
         self.pixels.resize(window.0 * window.1, PAPER);
         let Some(rendering) = rendering else { return };
@@ -368,11 +384,8 @@ impl Backdrop {
         let axes = rendering.request.axes.are_shown(&rendering.document);
         let pixels = std::mem::take(&mut self.pixels);
         let mut canvas = Canvas::new(window.0, window.1, pixels, scale);
-        // Legends are at the bottom, since the lists are at the top. The row of the typed line is
-        // free of them.
-        let bottom = picture.1.saturating_sub(canvas.line_height());
         let around = Overlay::new(axes, &rendering.document);
-        around.draw(&mut canvas, (&**rendering).into(), picture.1, Some(bottom));
+        around.draw(&mut canvas, (&**rendering).into(), picture.1, Some(&self.free));
         self.pixels = canvas.pixels;
     }
 }

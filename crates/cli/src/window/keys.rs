@@ -12,7 +12,7 @@ use minifb::Key;
 use std::sync::Arc;
 use std::thread::spawn;
 use std::time::Instant;
-use zeroset_live::{Axes, status_words};
+use zeroset_live::{Axes, Snapshot, status_words};
 
 /// An arrow key turns the view like a drag of this many pixels in a window [`ARROW_HEIGHT`] pixels
 /// high.
@@ -308,7 +308,13 @@ impl Window {
             (Key::Backspace, true) => line.remove(Motion::WordLeft),
             (Key::Delete, false) if !shift => line.delete(),
             (Key::Delete, true) => line.remove(Motion::WordRight),
-            (Key::Tab, false) => candidates = line.complete(),
+            (Key::Tab, false) => {
+                let before = line.text().to_owned();
+                candidates = line.complete();
+                if candidates.is_empty() && line.text() == before {
+                    correct(line, &self.session.live.snapshot());
+                }
+            }
             (Key::Up | Key::Down, false) => {
                 line.recall(&self.session.history_since(&mut 0), key == Key::Up);
             }
@@ -451,6 +457,18 @@ impl Window {
             // By default the axes are already in the desired state.
             (true, false) | (false, true) => Axes::Usual,
         });
+    }
+}
+
+/// Writes the line that the advice on an error gives in place of the statement with the error.
+fn correct(line: &mut LineEdit, seen: &Snapshot) {
+    let Some((typed, meant)) = seen.fault.as_ref().and_then(|fault| fault.correction()) else {
+        return;
+    };
+    if line.text().contains(typed) {
+        let corrected = line.text().replacen(typed, meant, 1);
+        line.select_all();
+        line.insert_text(&corrected);
     }
 }
 

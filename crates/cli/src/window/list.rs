@@ -130,6 +130,11 @@ impl List {
         (share.clamp(0.0, 1.0) * 100.0).round() / 100.0
     }
 
+    /// The first column of the list.
+    pub fn left(&self) -> usize {
+        self.left
+    }
+
     /// Whether formulas are shown beside the colors.
     pub fn has_formulas(&self) -> bool {
         self.formula_width > 0

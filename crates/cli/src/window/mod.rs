@@ -208,6 +208,7 @@ impl Window {
             self.follow(&seen);
             self.mouse(&seen);
             self.play(&seen);
+            self.session.live.set_played(self.sliders.played());
             self.session.live.set_moving(self.sliders.is_in_motion());
             self.send_value(&seen);
             self.send_opacity(&seen);

@@ -9,7 +9,8 @@ use zeroset_render::overlay::{Canvas, Rgb, with_minus};
 /// Color of the part under the pointer.
 const BRIGHT: Rgb = 0x00ff_ffff;
 
-/// Width of a button, greatest width of a name, and width of a value, in dots of a letter.
+/// Width of a button, greatest width of a name in a small window, and width of a value, in dots of
+/// a letter.
 const BUTTON: usize = 12;
 const NAME: usize = 96;
 const VALUE: usize = 72;
@@ -73,7 +74,8 @@ impl Panel {
         let rows = RowLayout::new(sliders.len(), scroll, height, canvas)?;
         let [space, button, most, value] =
             [SPACE, BUTTON, NAME, VALUE].map(|dots| canvas.dots(dots));
-        // Names give way to the shortest track.
+        // In a large window names have more room. They give way to the shortest track.
+        let most = most.max(width / 4);
         let others = button + value + 4 * space + canvas.dots(SHORTEST);
         let most = most.min(width.saturating_sub(others));
         let longest = sliders.iter().map(|one| canvas.text_width(&one.name)).max()?.min(most);

@@ -88,6 +88,12 @@ impl Sliders {
         self.is_moving() || self.nudged.is_some_and(|at| at.elapsed() < KEY_PAUSE)
     }
 
+    /// Name of the slider that the clock moves. `None` for the time, whose domain holds all times.
+    pub fn played(&self) -> Option<&str> {
+        let slider = &self.all[self.playing_index()?];
+        (!slider.is_time).then_some(slider.name.as_str())
+    }
+
     /// Width of the panel in pixels, or 0 without a panel.
     pub fn width(&self) -> usize {
         self.panel.map_or(0, |panel| panel.width)

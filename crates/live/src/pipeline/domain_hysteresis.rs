@@ -49,6 +49,48 @@ pub fn next_region(before: &Region, found: &Region) -> Result<Region, RegionErro
     Ok(next.with_stretch(found.stretch()))
 }
 
+/// The regions found at both ends of the range of the slider `name`.
+pub fn ends(
+    document: &Document,
+    name: &str,
+    domain: DomainChoice,
+    search: &mut Option<Program>,
+    wanted: &dyn Fn() -> bool,
+) -> Vec<Region> {
+    let played = document.parameters.iter().find(|parameter| parameter.name == name);
+    played.map_or_else(Vec::new, |slider| regions_at_ends(document, slider, domain, search, wanted))
+}
+
+/// The smallest region of the shape of `region` that holds `region` and `others`.
+///
+/// # Errors
+/// If it is not a valid region.
+pub fn with_ends(region: &Region, others: &[Region]) -> Result<Region, RegionError> {
+    let low = others.iter().fold(region.low(), |low, other| low.min(other.low()));
+    let high = others.iter().fold(region.high(), |high, other| high.max(other.high()));
+    let whole = view::clipped(low, high, region.ball().is_some(), region.clip())?;
+    Ok(whole.with_stretch(region.stretch()))
+}
+
+/// The regions found at both ends of a slider's range. At the very end of a range there may be no
+/// surface.
+fn regions_at_ends(
+    document: &Document,
+    parameter: &Parameter,
+    domain: DomainChoice,
+    search: &mut Option<Program>,
+    wanted: &dyn Fn() -> bool,
+) -> Vec<Region> {
+    let ends = parameter.range.iter().flat_map(|(first, last)| [first, last]);
+    let regions = ends.filter_map(|end| {
+        let mut there = document.clone();
+        there.parameters[parameter.number as usize].value = end.clone();
+        let found = view::region_while(search, &there, domain, None, wanted);
+        found.ok().flatten().map(|(region, _)| region)
+    });
+    regions.collect()
+}
+
 /// A box around the shown region and the regions found at the ends of sliders' ranges. Code
 /// compiled for this box is meant to serve all values of the sliders.
 pub fn code_region(
@@ -62,16 +104,9 @@ pub fn code_region(
         |parameter: &&Parameter| parameter.range.is_some() && !view::is_idle(document, parameter);
     let (mut low, mut high) = (shown.low(), shown.high());
     for parameter in document.parameters.iter().filter(moving).take(SLIDERS) {
-        let Some((first, last)) = &parameter.range else { continue };
-        for end in [first, last] {
-            let mut there = document.clone();
-            there.parameters[parameter.number as usize].value = end.clone();
-            let found = view::region_while(search, &there, domain, None, wanted);
-            // At the very end of a range there may be no surface.
-            if let Ok(Some((region, _))) = found {
-                let room = MARGIN * (region.high() - region.low());
-                (low, high) = (low.min(region.low() - room), high.max(region.high() + room));
-            }
+        for region in regions_at_ends(document, parameter, domain, search, wanted) {
+            let room = MARGIN * (region.high() - region.low());
+            (low, high) = (low.min(region.low() - room), high.max(region.high() + room));
         }
     }
     let far = FARTHEST * shown.half_extent();

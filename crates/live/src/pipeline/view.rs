@@ -73,7 +73,9 @@ impl Worker {
                         && framed.formula == formula
                         && framed.region == *model.region());
             let mut state = self.shared.lock();
-            let stays = state.moving && framed.formula == formula;
+            // A clock's region holds its whole movement, which the view shows from the start.
+            let is_played = state.played.is_some() && framed.region != *model.region();
+            let stays = state.moving && framed.formula == formula && !is_played;
             if stays && !is_fitted {
                 state.next_view = NextView::Deferred;
             }

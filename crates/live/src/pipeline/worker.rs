@@ -32,6 +32,9 @@ pub(super) struct Worker {
     /// Program of the last search for a region, reused in the next search.
     search: Option<Program>,
     pub framed: Option<FittedCamera>,
+    /// The regions at the ends of the range of the slider that the clock moves, with the number of
+    /// its formula and its name.
+    whole: Option<(Option<u64>, String, Vec<Region>)>,
     /// Number of different formulas so far. The next formula gets the number after it.
     formulas: u64,
     pub pace: Pace,
@@ -89,12 +92,8 @@ impl JobContext<'_> {
     pub fn rendering(&self, camera: Camera, picture: Picture, coarse: bool) -> Rendering {
         let Self { job, parse, .. } = *self;
         let AnchoredModel { ref model, searched, view_anchor, .. } = *self.made;
-        let pixels = picture.statistics.pixels;
-        let is_blank = !coarse && pixels.hit + pixels.undecided == 0 && model.curves().is_empty();
         let undefined = picture.undefined;
-        let blank =
-            is_blank.then(|| Blank::find(self.document, model.region(), undefined, searched));
-        Rendering {
+        let mut rendering = Rendering {
             revision: job.revision,
             request: Arc::clone(&job.request),
             document: Arc::clone(self.document),
@@ -102,12 +101,17 @@ impl JobContext<'_> {
             searched,
             view_anchor,
             camera,
-            blank,
+            blank: None,
             picture,
             coarse,
             parse,
             latency: job.requested.elapsed(),
+        };
+        if !coarse && rendering.shows_nothing() {
+            let blank = Blank::find(self.document, model.region(), undefined, searched);
+            rendering.blank = Some(blank);
         }
+        rendering
     }
 }
 
@@ -153,8 +157,8 @@ impl PipelineState {
 impl Worker {
     pub fn new(shared: Arc<Shared>) -> Self {
         let (read, built, search, framed, finished) = (None, None, None, None, None);
-        let (pace, formulas) = (Pace::default(), 0);
-        Self { shared, read, built, search, framed, formulas, pace, finished }
+        let (pace, formulas, whole) = (Pace::default(), 0, None);
+        Self { shared, read, built, search, framed, whole, formulas, pace, finished }
     }
 
     pub fn run(mut self) {
@@ -190,20 +194,32 @@ impl Worker {
         self.shared.changed.notify_all();
     }
 
-    /// Draws the shown document again with the settings of a request whose text has errors.
+    /// Draws the beginning of a typed line that could be read, or else the shown document again,
+    /// with the settings of a request whose text has errors.
     fn redraw_shown(&mut self, job: &Job) {
+        if let Some(text) = job.request.preview.clone() {
+            let request = Request { text, ..(*job.request).clone() };
+            if matches!(self.redraw(job, request), Ok(())) {
+                return;
+            }
+        }
         let Some(CachedModel { request: shown, .. }) = &self.built else { return };
         let Request { source, text, overrides, time, .. } = (**shown).clone();
         let request = Request { source, text, overrides, time, ..(*job.request).clone() };
+        // Ignore errors here, since the error in the new text is already reported.
+        let _reported = self.redraw(job, request);
+    }
+
+    /// Draws another request in place of that of `job`.
+    fn redraw(&mut self, job: &Job, request: Request) -> Result<(), FaultReason> {
         let job = Job { request: Arc::new(request), ..*job };
         if self.finished.as_ref() == Some(&job.request) {
-            return;
+            return Ok(());
         }
-        let served = catch_unwind(AssertUnwindSafe(|| self.serve(&job)));
-        // Ignore errors here, since the error in the new text is already reported.
-        if served.is_err() {
+        catch_unwind(AssertUnwindSafe(|| self.serve(&job))).unwrap_or_else(|_| {
             *self = Self::new(Arc::clone(&self.shared));
-        }
+            Err(FaultReason::Bug)
+        })
     }
 
     /// Waits for a request with another revision than `done`. `None` once the worker should stop.
@@ -324,8 +340,18 @@ impl Worker {
         Ok(())
     }
 
+    /// Makes a picture the visible one. The beginning of a typed line that shows nothing leaves the
+    /// picture before it.
     pub fn publish(&self, rendering: Arc<Rendering>) {
         let mut state = self.shared.lock();
+        if rendering.request.preview.is_some()
+            && rendering.shows_nothing()
+            && state.snapshot.rendering.is_some()
+        {
+            state.snapshot.fault.take_if(|fault| fault.revision != rendering.revision);
+            self.shared.changed.notify_all();
+            return;
+        }
         let before = state.snapshot.rendering.replace(rendering);
         let revision = state.snapshot.rendering.as_ref().map(|rendering| rendering.revision);
         // If this request has a fault, keep the fault: the picture shows an earlier text.
@@ -417,7 +443,7 @@ impl Worker {
                 return Ok(Some(AnchoredModel { model: Arc::new(model?), ..*made }));
             }
         }
-        let Self { shared, search, .. } = self;
+        let Self { shared, search, whole, .. } = self;
         let wanted = || shared.wanted(job);
         let found = view::region_while(search, document, *domain, Some(*clip), &wanted)?;
         let Some((found, searched)) = found.filter(|_| wanted()) else { return Ok(None) };
@@ -427,9 +453,21 @@ impl Worker {
         let old = old.filter(|made| made.searched.is_some() && searched.is_some());
         // For the same formula, the region changes rarely, so the surface is seen to grow.
         let moved = old.filter(|_| formula.is_some());
-        let region = moved
-            .map_or(Ok(found), |made| domain_hysteresis::next_region(made.model.region(), &found));
-        let region = region?;
+        let mut region = moved.map_or(Ok(found), |made| {
+            domain_hysteresis::next_region(made.model.region(), &found)
+        })?;
+        let played = shared.lock().played.clone();
+        if let (Some(name), Some(_)) = (played, searched) {
+            let ends = match whole.take().filter(|whole| whole.0 == formula && whole.1 == name) {
+                Some((.., ends)) => ends,
+                None => domain_hysteresis::ends(document, &name, *domain, search, &wanted),
+            };
+            if !wanted() {
+                return Ok(None);
+            }
+            region = domain_hysteresis::with_ends(&region, &ends)?;
+            *whole = Some((formula, name, ends));
+        }
         let rebound = moved.and_then(|made| made.model.rebound(document, &region));
         let model = if let Some(model) = rebound {
             Some(model?)

@@ -21,10 +21,10 @@ impl Errors {
         Self(errors)
     }
 
-    /// Sets the advice on the error with this index.
-    pub fn advise(&mut self, index: usize, advice: String) {
+    /// Sets the advice on the error with this index, and the line that it says to write, if any.
+    pub fn advise(&mut self, index: usize, advice: String, correction: Option<String>) {
         if let Some(error) = self.0.get_mut(index) {
-            error.advice = Some(advice);
+            (error.advice, error.correction) = (Some(advice), correction);
         }
     }
 
@@ -83,6 +83,8 @@ pub struct Error {
     pub origin: Origin,
     /// Advice that takes the place of the usual advice on an error of this kind.
     pub advice: Option<String>,
+    /// The line to write in place of the statement with the error, if the advice gives one.
+    pub correction: Option<String>,
 }
 
 /// The text in which an error lies.
@@ -467,7 +469,8 @@ pub type Fallible<T> = Result<T, Box<Error>>;
 impl Error {
     /// An error of the document at `span`, without a suggestion.
     pub fn new(span: Span, kind: ErrorKind) -> Box<Self> {
-        Box::new(Self { span, kind, suggestion: None, origin: Origin::Document, advice: None })
+        let origin = Origin::Document;
+        Box::new(Self { span, kind, suggestion: None, origin, advice: None, correction: None })
     }
 
     /// Adds the suggestion to replace `span` by `replacement`.

@@ -82,7 +82,7 @@ impl Error {
                 "a surface is one equation between numbers, in x, y and z; \
                  there are no parametric surfaces"
             }
-            Calculus => "formulas are computed as they stand, nothing is derived from them",
+            Calculus => "there are derivatives, as in `diff(f, x)` and `f'(x)`, but no integrals",
             Program { .. } => "a formula is read as a whole, not run step by step",
             IntegerDivision => "it begins a comment, and what follows looks like a divisor",
             RangeNotWhole => "a sum is written out before anything is drawn",

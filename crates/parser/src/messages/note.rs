@@ -168,6 +168,32 @@ pub enum NoteKind {
          it is a value"
     )]
     CoordinateAlone { name: String },
+    #[error(
+        "beside the other coordinates of this text, `{name}` is one, so this is drawn as a surface"
+    )]
+    CoordinateAmongOthers { name: String },
+    #[error("`r` is defined and never used; to draw the cylinder, write `{line}`")]
+    UnusedRadius { line: String },
+    #[error(
+        "`r` is never negative here, and `{angle}` goes from -pi to pi, so parts of the polar curve \
+         are missing; all of it is `{line}`"
+    )]
+    PolarCurve { angle: String, line: String },
+    #[error("read as `{read}`; for a power with the exponent {exponent}, write `{other}`")]
+    FractionAsPower { read: String, exponent: String, other: String },
+    #[error(
+        "this is a slab, which is drawn beside the others; to keep a part of a surface, write \
+         `{line}`"
+    )]
+    SlabBeside { line: String },
+    #[error("marks of a list are left out: {typed}")]
+    MarksOfList { typed: String },
+    #[error("`{typed}` is the number of the equation and is left out; a factor stands in front")]
+    NumberOfEquation { typed: String },
+    #[error(
+        "this line goes on with the line above; for a formula of its own, write `= 0` at its end"
+    )]
+    LineGoesOn,
     #[error("read as the curve on which both equations hold, `{read}`")]
     CommonCurve { read: String },
     #[error("the value of a root comes first, so this is read as `{read}`")]

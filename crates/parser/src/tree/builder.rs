@@ -499,17 +499,22 @@ fn implicit_division(numerator: &Expr, divisor: &Expr, others: &[Expr]) -> NoteK
     }
 }
 
-/// The note on `x^1/3`, which is read as `(x^1)/3`. The 1 is probably a numerator.
+/// The note on `x^1/3` and `x^-1/2`, which are read as `(x^1)/3` and `(x^-1)/2`. The 1 is probably
+/// a numerator.
 fn divided_power(power: &Expr, divisor: &Expr) -> Option<NoteKind> {
     let ExprKind::Power(base, exponent) = &power.kind else {
         return None;
     };
     let index = divisor.whole_number().filter(|index| *index >= 2)?;
+    let (sign, top, exponent) = match &exponent.kind {
+        ExprKind::Negate(inner) => ("-", "1/", inner),
+        _ => ("", "", exponent),
+    };
     if exponent.number() != Some("1") {
         return None;
     }
-    let read = format!("({}^1)/{index}", short_formula(&factor_text(base)));
-    Some(NoteKind::DividedPower { read, root: root_text(base, index) })
+    let read = format!("({}^{sign}1)/{index}", short_formula(&factor_text(base)));
+    Some(NoteKind::DividedPower { read, root: format!("{top}{}", root_text(base, index)) })
 }
 
 /// The text of the `index`-th root of `radicand`.

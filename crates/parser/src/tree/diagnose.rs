@@ -169,7 +169,12 @@ fn listed(text: &str, lexed: &LexedStatement, first: usize) -> Option<String> {
     if lexed.tokens[..first].len() != parts[0].len() {
         return None;
     }
-    let meant = if all(&is_value) {
+    let is_equation = |part: &Vec<Token>| {
+        has(part, |kind| kind == Equals) && !has(part, TokenKind::is_inequality)
+    };
+    // Two equations may be meant as a curve.
+    let are_equations = rest.len() > 1 && is_equation(&parts[0]) && all(&is_equation);
+    let meant = if all(&is_value) || are_equations {
         texts.join("; ")
     } else if all(&is_condition) && is_condition(&parts[0]) {
         texts.join(" and ")

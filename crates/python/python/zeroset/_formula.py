@@ -532,6 +532,15 @@ def from_sympy(value: Any) -> str:
             if node.exp == sympy.Rational(1, 2):
                 return call("sqrt", convert(node.base))
             return _infix("^", convert(node.base), convert(node.exp))
+        if isinstance(node, sympy.Derivative):
+            done = node.doit()
+            if not done.has(sympy.Derivative):
+                return convert(done)
+        if isinstance(node, sympy.Integral):
+            raise Error(
+                f"SymPy's Integral has no meaning in a formula, give its `.doit()` if it has one: "
+                f"{node}"
+            )
         name = type(node).__name__
         if name in _SYMPY or name in _SYMPY_SAME:
             return call(_SYMPY.get(name, name), *map(convert, node.args))

@@ -29,9 +29,9 @@ const POINTS: [&str; 3] = ["p", "pos", "vec_r"];
 const UNIT_VECTORS: [ImpliedDefinition; 3] =
     [("hat_i", "vec3(1, 0, 0)"), ("hat_j", "vec3(0, 1, 0)"), ("hat_k", "vec3(0, 0, 1)")];
 
-const CYLINDER_RADIUS: &str = "sqrt(x^2 + y^2)";
+pub(crate) const CYLINDER_RADIUS: &str = "sqrt(x^2 + y^2)";
 const SPHERE_RADIUS: &str = "sqrt(x^2 + y^2 + z^2)";
-const AZIMUTH: &str = "atan2(y, x)";
+pub(crate) const AZIMUTH: &str = "atan2(y, x)";
 
 /// The azimuth from 0 to 2π, for texts that have angles above π.
 const FULL_AZIMUTH: &str = "mod(atan2(y, x), 2*pi)";
@@ -95,8 +95,9 @@ fn uses(text: &str, lines: &[ParsedStatement<'_>], scope: &Scope) -> Uses {
 
 /// Turns a definition of r, rho, theta or phi, such as `r = 1 + cos(theta)`, into an equation if no
 /// other line uses the defined name. The right side must contain another of these four names that
-/// is not defined, or contain z without x and y, or be constant. Returns notes on equations with a
-/// constant right side.
+/// is not defined, or contain z without x and y, or be constant. A constant may also be used by
+/// lines that relate it to other coordinates alone. Returns notes on equations with a constant
+/// right side.
 pub(crate) fn make_definitions_equations(
     text: &str,
     lines: &mut [ParsedStatement<'_>],
@@ -115,14 +116,22 @@ pub(crate) fn make_definitions_equations(
         curves.flat_map(|line| &line.raw.lexed.tokens).any(is_own)
     };
     let mut notes = Vec::new();
-    let defined: FxHashSet<String> = lines
+    let mut defined: FxHashSet<String> = lines
         .iter()
         .filter_map(|line| line.head.as_ref())
         .map(|head| canonical(&head.name.text).map_or(head.name.text.clone(), str::to_owned))
         .collect();
-    let has = |name: &str| defined.contains(name);
     let uses = uses(text, lines, scope);
-    for index in 0..lines.len() {
+    let is_here = |index: usize, name: &str| {
+        uses.get(name).is_some_and(|all| all.binary_search_by_key(&index, |(at, _)| *at).is_ok())
+    };
+    let is_constant = |index: usize| {
+        !["x", "y", "z", "r", "rho", "theta", "phi"].into_iter().any(|name| is_here(index, name))
+    };
+    // Constants come first: once drawn, they are no values for the other lines.
+    let mut order: Vec<usize> = (0..lines.len()).collect();
+    order.sort_by_key(|index| !is_constant(*index));
+    for index in order {
         let line = &lines[index];
         let Some(head) = line.head.as_ref().filter(|head| head.parameters.is_none()) else {
             continue;
@@ -135,13 +144,12 @@ pub(crate) fn make_definitions_equations(
             let mut ends = all.first().into_iter().chain(all.last());
             ends.any(|(at, _)| *at != index)
         });
-        let is_here = |name: &str| {
-            uses.get(name)
-                .is_some_and(|all| all.binary_search_by_key(&index, |(at, _)| *at).is_ok())
-        };
+        let is_related = used_elsewhere
+            && uses[own].iter().all(|(at, _)| *at == index || relates(&lines[*at], *at, &uses));
+        let is_here = |name: &str| is_here(index, name);
         let in_terms_of_others = ["r", "rho", "theta", "phi"]
             .into_iter()
-            .any(|other| other != own && is_here(other) && !has(other));
+            .any(|other| other != own && is_here(other) && !defined.contains(other));
         // `theta = z/2` is an equation. A formula with x or y may define the name instead.
         let has_part = |rule| line.pair.clone().into_inner().any(|part| part.as_rule() == rule);
         let is_restricted = has_part(Rule::restriction);
@@ -150,19 +158,44 @@ pub(crate) fn make_definitions_equations(
         let is_alone = may_be_alone
             && !is_restricted
             && !has_part(Rule::range)
-            && !["x", "y", "z", "r", "rho", "theta", "phi"].into_iter().any(is_here)
-            && (own != "r" || is_one_line)
+            && is_constant(index)
+            && (own != "r" || is_one_line || is_related)
             && !scope.is_defined(own)
             && !used_by_curve(lines, own);
-        if (in_terms_of_others || in_terms_of_z || is_alone) && !used_elsewhere {
+        let is_drawn = (in_terms_of_others || in_terms_of_z || is_alone) && !used_elsewhere;
+        if is_drawn || is_alone && is_related {
+            let name = own.to_owned();
+            let kind = if is_related {
+                NoteKind::CoordinateAmongOthers { name }
+            } else {
+                NoteKind::CoordinateAlone { name }
+            };
             if is_alone {
-                let name = own.to_owned();
-                notes.push(Note { span: head.name.span, kind: NoteKind::CoordinateAlone { name } });
+                notes.push(Note { span: head.name.span, kind });
             }
             lines[index].head = None;
+            defined.remove(own);
         }
     }
     notes
+}
+
+/// Returns whether line number `index` relates two of r, rho, theta and phi, without x, y and z, as
+/// in `rho*cos(phi) = 1` and `r = 1 + cos(theta)`.
+fn relates(line: &ParsedStatement<'_>, index: usize, uses: &Uses) -> bool {
+    let is_here =
+        |name: &&str| uses.get(name).is_some_and(|all| all.iter().any(|(at, _)| *at == index));
+    let defined = match &line.head {
+        Some(head) => match canonical(&head.name.text) {
+            // Other lines take it for a value.
+            Some(own) if !uses.contains_key(own) => Some(own),
+            _ => return false,
+        },
+        None => None,
+    };
+    let names = ["r", "rho", "theta", "phi"];
+    let used = names.iter().filter(|name| is_here(name) || defined == Some(**name)).count();
+    used > 1 && !["x", "y", "z"].iter().any(is_here)
 }
 
 /// Returns the implied definitions, and notes that state them. Adds the names to `scope`. With

@@ -2,7 +2,7 @@
 //! lines that begin with a minus sign, and degrees without their sign.
 
 use zeroset_ops::Op;
-use zeroset_parser::tree::ast::{Expr, ExprKind, Function, Statement};
+use zeroset_parser::tree::ast::{Chain, Expr, ExprKind, Function, NamedValue, Relation, Statement};
 use zeroset_parser::tree::built_statement::BuiltStatement;
 use zeroset_parser::{Note, NoteKind, Span};
 
@@ -17,39 +17,90 @@ pub(crate) fn likely_slips(text: &str, built: &[BuiltStatement], in_degrees: boo
             notes.extend(number_of_list(text, one.span));
             notes.extend(line_with_minus(text, one.span));
         }
+        if let Statement::Draw { expr, .. } = &one.statement {
+            notes.extend(expr.all_parts().into_iter().find_map(fraction_as_power));
+        }
         if !in_degrees {
             let parts = one.statement.expressions().into_iter().flat_map(Expr::all_parts);
             notes.extend(parts.filter_map(degrees));
         }
     }
+    notes.extend(slab(text, built));
     notes
 }
 
-/// The note on `1. z = x^2`, `(1) z = x^2` and `z = x^2   (1)`.
+/// The note on `x^2/3 + y^2/3`, whose exponents may have been 2/3.
+fn fraction_as_power(expr: &Expr) -> Option<Note> {
+    let ExprKind::Chain(Chain::Sum, first, rest) = &expr.kind else { return None };
+    let terms = std::iter::once(&**first).chain(rest.iter().map(|(_, term)| term));
+    let fraction = |term: &Expr| {
+        let (power, below) = term.quotient()?;
+        let ExprKind::Power(base, above) = &power.kind else { return None };
+        let (above, below) = (above.whole_number()?, below.whole_number()?);
+        let is_odd = below % 2 == 1 && above < below && below < 10;
+        (is_odd && matches!(base.kind, ExprKind::Name(_)))
+            .then(|| (term.clone(), base.to_string(), above, below))
+    };
+    let mut fractions = terms.filter_map(fraction);
+    let (term, base, above, below) = fractions.next()?;
+    let is_alike = fractions.any(|other| (other.2, other.3) == (above, below));
+    let (read, exponent) = (term.to_string(), format!("{above}/{below}"));
+    let kind = NoteKind::FractionAsPower { read, other: format!("{base}^({exponent})"), exponent };
+    is_alike.then_some(Note { span: term.span, kind })
+}
+
+/// The note on `-5 < x < 5` beside one equation.
+fn slab(text: &str, built: &[BuiltStatement]) -> Option<Note> {
+    let drawn = |one: &BuiltStatement| match &one.statement {
+        Statement::Draw { expr, restrictions } if restrictions.is_empty() => {
+            Some((one.span, expr.clone()))
+        }
+        _ => None,
+    };
+    let all: Vec<(Span, Expr)> = built.iter().filter_map(drawn).collect();
+    let bounds = |expr: &Expr| match &expr.kind {
+        ExprKind::Compare(first, rest) => match rest.as_slice() {
+            [(relation, middle), (_, last)] => {
+                let is_coordinate =
+                    matches!(middle.kind, ExprKind::Name(NamedValue::Coordinate(_)));
+                let is_constant = |side: &Expr| {
+                    !side.all_parts().iter().any(|part| matches!(part.kind, ExprKind::Name(_)))
+                };
+                *relation != Relation::Equal
+                    && is_coordinate
+                    && is_constant(first)
+                    && is_constant(last)
+            }
+            _ => false,
+        },
+        _ => false,
+    };
+    let is_equation = |expr: &Expr| {
+        matches!(&expr.kind, ExprKind::Compare(_, rest)
+            if matches!(rest.as_slice(), [(Relation::Equal, _)]))
+    };
+    let slabs: Vec<_> = all.iter().filter(|(_, expr)| bounds(expr)).collect();
+    let (span, _) = slabs.first()?;
+    let mut others = all.iter().filter(|(_, expr)| !bounds(expr));
+    let ((other, expr), None) = (others.next()?, others.next()) else { return None };
+    let typed = |span: &Span| text.get(span.range()).map(str::trim);
+    let conditions: Option<Vec<&str>> = slabs.iter().map(|(span, _)| typed(span)).collect();
+    let line = format!("{} {{{}}}", typed(other)?, conditions?.join(", "));
+    is_equation(expr).then_some(Note { span: *span, kind: NoteKind::SlabBeside { line } })
+}
+
+/// The note on `2. z = x^2` and `(2) z = x^2`, where no other line is numbered.
 fn number_of_list(text: &str, span: Span) -> Option<Note> {
-    let typed = text.get(span.range())?.trim_end();
     let is_number = |number: &str| {
         !number.is_empty() && number.bytes().all(|c| c.is_ascii_digit() || c == b'.')
     };
-    let (first, rest) = typed.split_once(' ').unwrap_or_default();
+    let (first, rest) = text.get(span.range())?.split_once(' ')?;
     let goes_on = rest.trim_start().starts_with(|c: char| c.is_alphabetic() || c == '(');
-    let in_brackets = |word: &str| {
-        word.strip_prefix('(').and_then(|rest| rest.strip_suffix(')')).is_some_and(is_number)
-    };
-    let is_first = first.strip_suffix('.').is_some_and(is_number) || in_brackets(first);
-    let (before, last) = typed.rsplit_once(' ').unwrap_or_default();
-    let place = if is_first && goes_on {
-        Span::new(span.start, span.start + first.len())
-    } else if in_brackets(last)
-        && before.trim_end().ends_with(|c: char| c.is_ascii_digit() || "xyz".contains(c))
-    {
-        let end = span.start + typed.len();
-        Span::new(end - last.len(), end)
-    } else {
-        return None;
-    };
-    let typed = text.get(place.range())?.to_owned();
-    Some(Note { span: place, kind: NoteKind::NumberOfList { typed } })
+    let in_brackets = first.strip_prefix('(').and_then(|rest| rest.strip_suffix(')'));
+    let is_first = first.strip_suffix('.').or(in_brackets).is_some_and(is_number);
+    let place = Span::new(span.start, span.start + first.len());
+    let kind = NoteKind::NumberOfList { typed: first.to_owned() };
+    (is_first && goes_on).then_some(Note { span: place, kind })
 }
 
 /// The note on a line that begins with a minus sign, and may go on with the line above.
@@ -95,17 +146,17 @@ mod tests {
     #[test]
     fn likely_slips_have_notes() {
         for (text, note) in [
-            ("1. z = x^2 + y^2\n2. z = 4 - x^2", "`2.` is read as a factor"),
             ("2. x^2+y^2+z^2=1", "`2.` is read as a factor"),
             ("(2) x^2+y^2+z^2=1", "`(2)` is read as a factor"),
-            ("x^2+y^2+z^2=1 (2)", "`(2)` is read as a factor"),
-            ("x^2 + y^2 + z^2 = 1    (2.1)", "`(2.1)` is read as a factor"),
-            ("z = x^2\n- y^2", "begins with a minus sign"),
-            ("- x^2+y^2-z^2=1\n- z=1", "begins with a minus sign"),
-            ("x^2/4\n− y^2/9\n= z", "begins with a minus sign"),
+            ("z = x^2\n- y^2 = 1", "begins with a minus sign"),
+            ("a = 2\n-x^2 + a*z", "begins with a minus sign"),
             ("rotate(box(2,1,1), 45) <= 0", "`45°`"),
             ("rotate(box(2,1,1), -30, (0,0,1)) <= 0", "`30°`"),
             ("z = sin(30)*x", "`30°`"),
+            ("z = x^-1/2", "`(x^-1)/2`; for the root, write `1/sqrt(x)`"),
+            ("x^2/3 + y^2/3 = 1", "exponent 2/3, write `x^(2/3)`"),
+            ("-5<x<5; z=x*y", "write `z=x*y {-5<x<5}`"),
+            ("z=x*y\n-1<=x<=1\n0<=y<=2", "write `z=x*y {-1<=x<=1, 0<=y<=2}`"),
             ("x*cos(45) - y*sin(45) = z", "`45°`"),
         ] {
             assert!(notes(text).contains(note), "{text}: {}", notes(text));
@@ -121,10 +172,15 @@ mod tests {
             "rotate(box(2,1,1), 45°) <= 0",
             "rotate(box(2,1,1), 3) <= 0",
             "z = sin(30x) + sin(2)",
+            "x^2/9 + y^2/4 = 1",
+            "x^2/3 + y^2/5 = 1",
+            "-5<x<5",
+            "-5<x<5; x^2+y^2<1",
         ] {
             let notes = notes(text);
-            let is_slip =
-                ["factor;", "minus sign", "radians"].iter().any(|one| notes.contains(one));
+            let is_slip = ["factor;", "minus sign", "radians", "exponent", "slab"]
+                .iter()
+                .any(|one| notes.contains(one));
             assert!(!is_slip, "{text}: {notes}");
         }
     }

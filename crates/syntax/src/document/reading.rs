@@ -9,6 +9,7 @@ use crate::document::likely_slips::likely_slips;
 use crate::document::listed::{self, is_expression_list};
 use crate::document::other_readings::with_other_readings;
 use crate::document::plane_curve::plane_curve_note;
+use crate::document::polar_curves::polar_curves;
 use crate::document::recursion::no_recursion;
 use crate::document::solids_in_sums::{cylinder_of_openscad, solids_in_sums};
 use crate::document::thin_zeros::thin_zeros_notes;
@@ -360,6 +361,7 @@ impl<'a> DocumentReader<'a> {
         self.notes.extend(solids_in_sums(&built));
         self.notes.extend(likely_slips(self.text, &built, scope.in_degrees));
         self.notes.extend(cylinder_of_openscad(self.text, &built));
+        self.notes.extend(polar_curves(&built, &self.options.limits));
         let definitions = self.last_definitions(&definitions);
         no_recursion(&definitions)?;
         let settings = std::mem::take(&mut self.settings);
@@ -562,6 +564,15 @@ fn near_integer_notes(graph: &Graph, surfaces: &[Surface]) -> Vec<Note> {
 /// The note on an unused definition, which may be a formula with a typo in its left side.
 fn unused_note(definition: &Definition, scope: &Scope) -> Note {
     let Name { text: name, span } = &definition.name;
+    if let ("r", None, false, Some(radius)) =
+        (name.as_str(), &definition.range, scope.in_steps, definition.body.number())
+    {
+        let line = match radius.parse::<u32>() {
+            Ok(radius) if radius < 1000 => format!("x^2 + y^2 = {}", radius * radius),
+            _ => format!("x^2 + y^2 = {radius}^2"),
+        };
+        return Note { span: *span, kind: NoteKind::UnusedRadius { line } };
+    }
     let meant = scope.meant(name, definition.parameters.is_some());
     Note { span: *span, kind: NoteKind::Unused { name: short_name(name), meant } }
 }

@@ -41,6 +41,10 @@ pub(super) fn proposals(mistake: &Mistake<'_>) -> Vec<Proposal> {
         proposals.push(Proposal::new(why, mistake.replaced(call.range.clone(), &other)));
     };
     let given = call.arguments.as_slice();
+    if let Some(decimal) = with_points(call) {
+        let arguments: Vec<&str> = decimal.iter().map(String::as_str).collect();
+        add("a decimal number has a decimal point", &arguments);
+    }
     for swapped in orders(given) {
         add("the arguments stand in another order", &swapped);
     }
@@ -76,10 +80,35 @@ pub(super) fn proposals(mistake: &Mistake<'_>) -> Vec<Proposal> {
             add("there are too many arguments", &given[..count]);
         }
     }
-    for example in &examples {
+    // Another line with other numbers is no correction.
+    let has_numbers = given.iter().any(|one| one.contains(|c: char| c.is_ascii_digit()));
+    for example in examples.iter().filter(|_| !has_numbers) {
         add("the arguments are others", example);
     }
     proposals
+}
+
+/// Arguments such as `3,0,5` with the commas before or behind a 0 as decimal points: `3, 0.5`.
+fn with_points(call: &Call<'_>) -> Option<Vec<String>> {
+    let is_digits = |one: &&str| !one.is_empty() && one.bytes().all(|c| c.is_ascii_digit());
+    let given = &call.arguments;
+    if !given.contains(&"0") || !given.iter().all(is_digits) {
+        return None;
+    }
+    // A number that ends with a decimal comma goes on with the next argument.
+    let starts = |at: usize| given[at] == "0" || given.len() == 4 && at.is_multiple_of(2);
+    let mut all = Vec::new();
+    let mut at = 0;
+    while at < given.len() {
+        if starts(at) && at + 1 < given.len() {
+            all.push(format!("{}.{}", given[at], given[at + 1]));
+            at += 2;
+        } else {
+            all.push(given[at].to_owned());
+            at += 1;
+        }
+    }
+    Some(all)
 }
 
 /// Other orders of two to four arguments.

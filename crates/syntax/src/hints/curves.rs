@@ -27,10 +27,17 @@ fn parameter(text: &str) -> Option<&'static str> {
     found.next().filter(|_| found.next().is_none())
 }
 
-/// A range for a parameter: a long one if functions such as `sin` occur, else a short one.
-fn range(text: &str) -> &'static str {
+/// A range for a parameter: a long one if functions such as `sin` occur, one around 0 for a line,
+/// else a short one.
+pub(super) fn range(text: &str) -> &'static str {
     let is_turning = ["sin", "cos", "exp"].iter().any(|function| text.contains(function));
-    if is_turning { "[0, 20]" } else { "[0, 1]" }
+    // A point and a multiple of a direction are a line, which goes on at both sides.
+    let is_sum = text.contains(") +") || text.contains(") -") || text.contains(")+");
+    match (is_turning, is_sum) {
+        (true, _) => "[0, 20]",
+        (false, true) => "[-2, 2]",
+        (false, false) => "[0, 1]",
+    }
 }
 
 /// `x = cos s, y = sin s, z = s`, in one line or in three, as a curve.
@@ -54,7 +61,9 @@ fn without_range(mistake: &Mistake<'_>) -> Option<Proposal> {
         .and_then(|parts| parts.get(&'A').copied())
         .unwrap_or(line);
     let name = parameter(value).filter(|_| value.contains('('))?;
-    let curve = format!("{value} for {name} in {}", range(value));
+    // A direction directly behind the parameter is multiplied.
+    let value = value.replace(&format!(" {name}("), &format!(" {name}*("));
+    let curve = format!("{value} for {name} in {}", range(&value));
     Some(Proposal::new("the parameter needs a range", curve))
 }
 

@@ -121,7 +121,24 @@ const LINES: &[(&str, &str, &[&str])] = &[
     ("(A, B) for N in C", "a point of space has three coordinates", &["(A, B, 0) for N in C"]),
     ("curve (A, B) for N in C", "a point of space has three coordinates", &["(A, B, 0) for N in C"]),
     ("circle of radius A", "a circle is a curve", &["curve x^2 + y^2 = A^2, z = 0"]),
-    ("plane N = A", "a plane is its equation", &["N = A"]),
+    ("plane A = B", "a plane is its equation", &["A = B"]),
+    ("surface A = B", "a surface is its equation", &["A = B"]),
+    ("sphere A = B", "a sphere is its equation", &["A = B"]),
+    ("vector (A, B, C)", "an arrow has its end in brackets", &["vector((A, B, C))"]),
+    ("segment (A, B, C), (D, E, F)", "a segment has its ends in brackets", &["segment((A, B, C), (D, E, F))"]),
+    ("segment (A, B, C) (D, E, F)", "a segment has its ends in brackets", &["segment((A, B, C), (D, E, F))"]),
+    ("vector (A, B, C), (D, E, F)", "an arrow has its ends in brackets", &["vector((A, B, C), (D, E, F))"]),
+    ("text (A, B, C) D", "a label stands behind its point", &["(A, B, C) D"]),
+    ("label (A, B, C) D", "a label stands behind its point", &["(A, B, C) D"]),
+    ("point (A, B, C) D", "a label stands behind its point", &["(A, B, C) D"]),
+    ("sphere center (A, B, C) radius D", "a ball has its radius, then its center", &["sphere(D, (A, B, C))"]),
+    ("sphere with center (A, B, C) and radius D", "a ball has its radius, then its center", &["sphere(D, (A, B, C))"]),
+    ("sphere centered at (A, B, C) with radius D", "a ball has its radius, then its center", &["sphere(D, (A, B, C))"]),
+    ("sphere radius D center (A, B, C)", "a ball has its radius, then its center", &["sphere(D, (A, B, C))"]),
+    ("sphere of radius D at (A, B, C)", "a ball has its radius, then its center", &["sphere(D, (A, B, C))"]),
+    ("sphere of radius D centered at (A, B, C)", "a ball has its radius, then its center", &["sphere(D, (A, B, C))"]),
+    ("{P, Q}", "conditions are joined by `and`", &["P and Q"]),
+    ("{P}", "a condition stands alone", &["P"]),
     ("A of radius B", "a solid is a call, and an equation such as `x^2 + y^2 + z^2 = 4` a surface", &["A(B)"]),
     ("a A of radius B", "a solid is a call, and an equation such as `x^2 + y^2 + z^2 = 4` a surface", &["A(B)"]),
     ("a A with radius B", "a solid is a call, and an equation such as `x^2 + y^2 + z^2 = 4` a surface", &["A(B)"]),
@@ -160,11 +177,23 @@ const LINES: &[(&str, &str, &[&str])] = &[
     ("domain A to B", "a range is the same on all axes", &["domain [A, B]"]),
     ("domain from A to B", "a range is the same on all axes", &["domain [A, B]"]),
     ("N from A to B", "where to look is a line `domain`", &["domain N in [A, B]"]),
+    ("N in [A, B]", "where to look is a line `domain`", &["domain N in [A, B]"]),
     ("range N A B", "where to look is a line `domain`", &["domain N in [A, B]"]),
     ("xrange [A:B]", "where to look is a line `domain`", &["domain x in [A, B]"]),
     ("xlim(A, B)", "where to look is a line `domain`", &["domain x in [A, B]"]),
+    ("xlim([A, B])", "where to look is a line `domain`", &["domain x in [A, B]"]),
+    ("ylim([A, B])", "where to look is a line `domain`", &["domain y in [A, B]"]),
+    ("zlim([A, B])", "where to look is a line `domain`", &["domain z in [A, B]"]),
+    ("xlim([V U])", "where to look is a line `domain`", &["domain x in [V, U]"]),
+    ("ylim([V U])", "where to look is a line `domain`", &["domain y in [V, U]"]),
+    ("zlim([V U])", "where to look is a line `domain`", &["domain z in [V, U]"]),
     ("ylim(A, B)", "where to look is a line `domain`", &["domain y in [A, B]"]),
     ("zlim(A, B)", "where to look is a line `domain`", &["domain z in [A, B]"]),
+    ("color: A", "a line about the picture has no colon", &["color A"]),
+    ("background: A", "a line about the picture has no colon", &["background A"]),
+    ("opacity: A", "a line about the picture has no colon", &["opacity A"]),
+    ("look: A", "a line about the picture has no colon", &["look A"]),
+    ("light A B C", "a direction stands in brackets", &["light (A, B, C)"]),
     ("color = A", "a line about the picture has no equals sign", &["color A"]),
     ("domain = A", "a line about the picture has no equals sign", &["domain A"]),
     ("opacity = A", "a line about the picture has no equals sign", &["opacity A"]),
@@ -311,6 +340,12 @@ pub(super) fn unread(mistake: &Mistake<'_>) -> Option<String> {
         ErrorKind::UnexpectedCharacter { character: '.' } if line == word && is_file(word) => {
             Some("there is no file of this name here; check its name and its folder".to_owned())
         }
+        ErrorKind::UnknownName { name, .. } if name == "iMouse" => {
+            Some("there is no mouse here; write `0.0` in place of its coordinates".to_owned())
+        }
+        ErrorKind::UnknownName { name, .. } if name == "iResolution" => Some(
+            "there is no screen here; write the size in its place, as `vec2(640, 360)`".to_owned(),
+        ),
         ErrorKind::UnknownName { name, .. } if name.contains('_') && line == name => {
             let other = name.replace('_', "-");
             Some(format!("if a surface of the gallery is meant, its name is `{other}`"))

@@ -8,11 +8,14 @@
 mod arguments;
 mod curves;
 mod lines;
+mod notations;
 mod numbers;
 mod pattern;
 mod solids;
 mod values;
 mod words;
+
+pub(crate) use pattern::pieces;
 
 use crate::document::reading::{self, Document, Options};
 use std::ops::Range;
@@ -74,8 +77,9 @@ impl Mistake<'_> {
 }
 
 /// The functions that propose corrections, in the order of their trial.
-const SOURCES: [fn(&Mistake<'_>) -> Vec<Proposal>; 7] = [
+const SOURCES: [fn(&Mistake<'_>) -> Vec<Proposal>; 8] = [
     solids::proposals,
+    notations::proposals,
     words::proposals,
     lines::proposals,
     numbers::proposals,
@@ -121,7 +125,9 @@ fn advised(text: &str, options: &Options<'_>, mut errors: Errors) -> Errors {
         if error.suggestion.as_ref().is_some_and(is_decimal) {
             continue;
         }
-        let Some((mut line, mends_all)) = advice(text, options, place, (error, count)) else {
+        let Some(Advice { mut words, line, mends_all }) =
+            advice(text, options, place, (error, count))
+        else {
             continue;
         };
         // The usual advice on these errors helps beside the corrected line.
@@ -133,9 +139,9 @@ fn advised(text: &str, options: &Options<'_>, mut errors: Errors) -> Errors {
                 | ErrorKind::EquationInCondition
         );
         if let (true, Some(usual)) = (is_kept, error.help(text)) {
-            line.extend(["; ", &usual]);
+            words.extend(["; ", &usual]);
         }
-        errors.advise(index, line);
+        errors.advise(index, words, line);
         // The other errors follow from this one.
         if mends_all {
             errors.keep_only(index);
@@ -145,27 +151,44 @@ fn advised(text: &str, options: &Options<'_>, mut errors: Errors) -> Errors {
     errors
 }
 
-/// The advice on an error at `place`, whose text has `count` errors, and whether the text has no
-/// error with the line that it gives.
+/// Advice on an error.
+struct Advice {
+    words: String,
+    /// The line that it says to write in place of the statement.
+    line: Option<String>,
+    /// True if the text has no error with that line.
+    mends_all: bool,
+}
+
+impl Advice {
+    /// Advice that gives no line.
+    fn without_line(words: String) -> Self {
+        Self { words, line: None, mends_all: false }
+    }
+}
+
+/// The advice on an error at `place`, whose text has `count` errors.
 fn advice(
     text: &str,
     options: &Options<'_>,
     place: Span,
     (error, count): (&Error, usize),
-) -> Option<(String, bool)> {
+) -> Option<Advice> {
     let (kind, suggestion) = (&error.kind, error.suggestion.as_ref());
     let whole = statement(text, place);
     let line = text.get(whole.clone())?;
     let clip = |at: usize| at.clamp(whole.start, whole.end) - whole.start;
     let mistake =
         Mistake { text, line, place: clip(place.start)..clip(place.end), kind, suggestion };
-    if let ErrorKind::UnknownFunction { name } = kind
-        && let Some(why) = words::absent(name)
-    {
-        return Some((why.to_owned(), false));
+    let absent = match kind {
+        ErrorKind::UnknownFunction { name } => words::absent(name),
+        _ => None,
+    };
+    if let Some((why, false)) = absent {
+        return Some(Advice::without_line(why.to_owned()));
     }
-    if let Some(advice) = lines::unread(&mistake) {
-        return Some((advice, false));
+    if let Some(advice) = lines::unread(&mistake).or_else(|| notations::unread(&mistake)) {
+        return Some(Advice::without_line(advice));
     }
     let proposals = SOURCES.iter().flat_map(|source| source(&mistake));
     let proposals = proposals.filter(|proposal| proposal.line != line).take(MOST_TRIED);
@@ -191,18 +214,20 @@ fn advice(
             // Unchanged lines are not repeated.
             let is_new = |one: &&str| text.lines().all(|other| other.trim() != one.trim());
             let new: Vec<&str> = line.lines().filter(is_new).collect();
-            let line = new.join("` and below it `");
-            let line = line.trim();
-            let advice = match why.as_str() {
-                "" => format!("write `{line}`"),
-                why if why.ends_with('?') => format!("{why} Write `{line}`"),
-                why => format!("{why}: write `{line}`"),
+            let shown = new.join("` and below it `");
+            let shown = shown.trim();
+            let words = match why.as_str() {
+                "" => format!("write `{shown}`"),
+                why if why.ends_with('?') => format!("{why} Write `{shown}`"),
+                why => format!("{why}: write `{shown}`"),
             };
-            return Some((advice, mends_all));
+            let line = (!is_text).then(|| line.trim().replace('\n', "; "));
+            return Some(Advice { words, line, mends_all });
         }
     }
     let values = || values::missing(&mistake, &whole, options);
-    Some((solids::unread(&mistake).or_else(values)?, false))
+    let absent = absent.map(|(why, _)| why.to_owned());
+    solids::unread(&mistake).or(absent).or_else(values).map(Advice::without_line)
 }
 
 /// Returns whether the only error is that the text draws nothing.
@@ -211,7 +236,7 @@ fn is_definition(errors: &Errors) -> bool {
 }
 
 /// The range of the statement around `place`. Semicolons in brackets are parts of it.
-fn statement(text: &str, place: Span) -> Range<usize> {
+pub fn statement(text: &str, place: Span) -> Range<usize> {
     let at = text.floor_char_boundary(place.start.min(text.len()));
     let is_line_end = |c: char| matches!(c, '\n' | '\r');
     let mut start = text[..at].rfind(is_line_end).map_or(0, |end| end + 1);

@@ -18,6 +18,9 @@ pub(super) fn proposals(mistake: &Mistake<'_>) -> Vec<Proposal> {
         Proposal::new("numbers have no units", without_units(line)),
         Proposal::new("an angle in degrees has the sign `°`", with_degrees(line)),
         Proposal::new("a number has no separators", without_separators(line)),
+        Proposal::new("a number has no separators", without_blanks(line)),
+        Proposal::new("a mixed number is a sum", with_sums(line)),
+        Proposal::new("a power of ten is multiplied by `*`", with_times(line)),
         Proposal::new("a number has one decimal point", with_one_point(line)),
         Proposal::new("a decimal number has a decimal point", with_points(line)),
         Proposal::new("an exponent stands above, an index below", raised(mistake)),
@@ -117,6 +120,67 @@ fn without_separators(line: &str) -> String {
         let point = if decimals.is_empty() { "" } else { "." };
         are_groups.then(|| format!("{whole}{point}{decimals}"))
     })
+}
+
+/// `1 000 000` without its blanks.
+fn without_blanks(line: &str) -> String {
+    let mut text = String::new();
+    for (at, sign) in line.char_indices() {
+        let before = text.trim_end_matches(|c: char| c.is_ascii_digit());
+        let digits = text.len() - before.len();
+        let behind = &line[at + sign.len_utf8()..];
+        let group = behind.find(|c: char| !c.is_ascii_digit()).unwrap_or(behind.len());
+        let is_number = digits > 0 && !before.ends_with(|c: char| c.is_alphanumeric() || c == '.');
+        let is_separator = matches!(sign, ' ' | '\u{a0}' | '\u{202f}' | '\u{2009}');
+        if !(is_separator && is_number && group == 3) {
+            text.push(sign);
+        }
+    }
+    text
+}
+
+/// `3 1/2` and `2½` as sums in brackets.
+fn with_sums(line: &str) -> String {
+    const FRACTIONS: [(char, &str); 5] =
+        [('½', "1/2"), ('⅓', "1/3"), ('¼', "1/4"), ('¾', "3/4"), ('⅔', "2/3")];
+    let spaced = FRACTIONS.iter().fold(line.to_owned(), |line, (sign, fraction)| {
+        line.replace(*sign, &format!(" {fraction} "))
+    });
+    let words: Vec<&str> = spaced.split_whitespace().collect();
+    let is_whole = |word: &str| !word.is_empty() && word.bytes().all(|c| c.is_ascii_digit());
+    let is_fraction = |word: &str| {
+        word.split_once('/').is_some_and(|(top, bottom)| is_whole(top) && is_whole(bottom))
+    };
+    let mut all: Vec<String> = Vec::new();
+    let mut is_mixed = false;
+    for word in &words {
+        let digits = all.last().map_or("", |last| last.trim_start_matches('('));
+        if is_fraction(word) && is_whole(digits) {
+            let digits = digits.to_owned();
+            let last = all.pop().unwrap_or_default();
+            is_mixed = true;
+            all.push(format!("{}({digits} + {word})", &last[..last.len() - digits.len()]));
+        } else {
+            all.push((*word).to_owned());
+        }
+    }
+    if is_mixed { all.join(" ") } else { line.to_owned() }
+}
+
+/// `2x10^3` and `2 x 10^3` with a sign of multiplication.
+fn with_times(line: &str) -> String {
+    let mut text = String::new();
+    let mut end = 0;
+    for (at, _) in line.match_indices('x') {
+        let behind = line[at + 1..].trim_start();
+        let is_number = line[..at].trim_end().ends_with(|c: char| c.is_ascii_digit());
+        if is_number && (behind.starts_with("10^") || behind.starts_with("10⁻")) {
+            text += line[end..at].trim_end();
+            text.push('*');
+            end = line.len() - behind.len();
+        }
+    }
+    text + &line[end..]
 }
 
 /// `1.2.3` with its first decimal point only.

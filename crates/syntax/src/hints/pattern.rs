@@ -146,7 +146,13 @@ fn find<'a>(
         let fits = is_call || !matches!(letter, 'S' | 'T');
         let fits = fits && (!is_number || index + 1 == most);
         if depth == 0 && fits && find(rest, &all[index + 1..], text, parts, left) {
-            parts.insert(letter, &text[all[0].start..piece.end]);
+            let part = &text[all[0].start..piece.end];
+            // A letter stands for the same text wherever it occurs.
+            if letter != 'N' && parts.get(&letter).is_some_and(|other| *other != part) {
+                parts.remove(&letter);
+                continue;
+            }
+            parts.insert(letter, part);
             return true;
         }
     }

@@ -37,7 +37,7 @@ const NAMES: &[(&str, &str)] = &[
     ("max", "maximum maxim maxi massimo maximo groesste greatest largest"),
     ("floor", "flor floored rounddown round_down abrunden entier gauss_bracket intpart int integer_part suelo piso partieentiere floorr"),
     ("ceil", "ceiling cieling cieil ceilling roundup round_up aufrunden techo teto plafond cel"),
-    ("round", "rnd rond rounded runden arrondi nearest roundto redondear rint"),
+    ("round", "rnd rond rounded runden arrondi nearest roundEven roundto redondear rint"),
     ("trunc", "truncate truncated fix truncation"),
     ("sign", "signum vorzeichen signo signe sinal sgnum sgin"),
     ("mod", "modulo remainder rest reste resto modulus_ rem modul"),
@@ -146,9 +146,12 @@ const CALLS: &[(&str, &str, &[&str])] = &[
     ("skew(A, B)", "there is no `skew`; move by a vector that depends on z", &["translate(A, B*z, 0, 0)"]),
     ("taper(cylinder(A, B), C)", "there is no `taper`; a cone with two radii is `cone`", &["cone(A, C, B)"]),
     ("minkowski(A, sphere(B))", "there is no `minkowski`; `offset` grows a solid on all sides", &["offset(A, B)"]),
-    ("round_edges(A, B)", "`offset` grows a solid on all sides, which rounds its edges", &["offset(A, B)"]),
-    ("fillet(A, B)", "`offset` grows a solid on all sides, which rounds its edges", &["offset(A, B)"]),
-    ("hull(sphere(A), sphere(B))", "there is no `hull`; that of two balls of one radius is a `capsule`", &["capsule((0, 0, 0), (2, 0, 0), A)"]),
+    ("round_edges(box(A), B)", "a box with rounded edges is a `rounded_box`", &["rounded_box(A, B)"]),
+    ("fillet(box(A), B)", "a box with rounded edges is a `rounded_box`", &["rounded_box(A, B)"]),
+    ("round(box(A), B)", "a box with rounded edges is a `rounded_box`", &["rounded_box(A, B)"]),
+    ("hull(sphere(A, (B, C, D)), sphere(A, (E, F, G)))", "there is no `hull`; that of two balls of one radius is a `capsule`", &["capsule((B, C, D), (E, F, G), A)"]),
+    ("hull(sphere(A), sphere(A, (E, F, G)))", "there is no `hull`; that of two balls of one radius is a `capsule`", &["capsule((0, 0, 0), (E, F, G), A)"]),
+    ("hull(sphere(A), translate(sphere(A), E, F, G))", "there is no `hull`; that of two balls of one radius is a `capsule`", &["capsule((0, 0, 0), (E, F, G), A)"]),
     ("pyramid(A, B)", "there is no `pyramid`; it is a square that grows smaller", &["max(abs(x), abs(y)) - A*(1 - z/B)"]),
     ("pyramid(A)", "there is no `pyramid`; it is a square that grows smaller", &["max(abs(x), abs(y)) - A*(1 - z/A)"]),
     ("prism(A, B, C)", "a prism is an extruded polygon", &["extrude(polygon(A, B), C)"]),
@@ -215,14 +218,22 @@ const ABSENT: &[(&str, &str)] = &[
     ("integral integrate int_ Integrate quad antiderivative primitive_of trapz NIntegrate", "there are no integrals; write the antiderivative, as in `1 - cos(x)` for that of sin from 0 to x"),
     ("texture texture2D tex2D texelFetch sampler textureLod tex image imread", "there are no textures; write a formula in its place, such as `0.1*sin(9*x)`"),
     ("hypergeometric zeta polylog lambertw airy airyai elliptic ellipk beta digamma psi theta3", "no proven bounds are known here for this function; write a formula for it"),
+    ("inverse", "there is no inverse of a matrix; that of one that only turns is `transpose(m)`"),
+    ("chamfer fillet round_edges bevel", "edges are not cut or rounded one by one; a box with rounded edges is `rounded_box(2, 1, 1, 0.2)`, and `blend(a, b, r)` rounds where two solids meet"),
+    ("hull convex_hull", "there is no hull of any solids; that of two balls of one radius is `capsule((0, 0, 0), (2, 0, 0), 1)`"),
+    ("thread screw_thread", "there are no threads; a solid that turns with z is `rotate(s, 2*pi*z/pitch)`"),
     ("fft convolve interp interp1d spline polyfit fit regression", "there is no data here; write the formula of what is to be drawn"),
     ("print printf disp echo console_log println alert", "nothing is printed here; a formula is drawn, and `zeroset eval` prints its values"),
     ("input prompt readline scanf", "nothing is asked here; a slider is written `a = 2 in [0, 5]`"),
 ];
 
-/// Advice on the function `name`, if it has no counterpart here.
-pub(super) fn absent(name: &str) -> Option<&'static str> {
-    ABSENT.iter().find(|(names, _)| names.split(' ').any(|one| one == name)).map(|(_, why)| *why)
+/// Advice on the function `name`, if it has no counterpart here, and whether some calls of it have
+/// one.
+pub(super) fn absent(name: &str) -> Option<(&'static str, bool)> {
+    let is_name = |names: &str| names.split(' ').any(|one| one == name);
+    let (_, why) = ABSENT.iter().find(|(names, _)| is_name(names))?;
+    let has_calls = CALLS.iter().any(|(call, ..)| call.split('(').next() == Some(name));
+    Some((why, has_calls))
 }
 
 /// The name in this language for a name from elsewhere.

@@ -128,6 +128,74 @@ fn advice_is_the_line_to_write_and_is_given_once() {
     }
 }
 
+/// Texts in notations of textbooks, and a part of the messages on them. A line uses the numbers of
+/// the text.
+#[test]
+fn notations_of_textbooks_get_their_line() {
+    let rows = [
+        ("r(t) = <cos t, sin t, t>", "write `(cos t, sin t, t) for t in [0, 20]`"),
+        ("r(u,v) = (cos u sin v, sin u sin v, cos v)", "there are no parametric surfaces"),
+        ("(x,y,z) = (1,2,3) + t(1,-1,2)", "write `(1,2,3) + t*(1,-1,2) for t in [-2, 2]`"),
+        ("P(1,2,3)", "write `(1, 2, 3) \"P\"`"),
+        ("A=(1,2,3)", "write `(1, 2, 3) \"A\"`"),
+        ("vector (1,2,3)", "write `vector((1, 2, 3))`"),
+        ("segment (0,0,0),(1,1,1)", "write `segment((0, 0, 0), (1, 1, 1))`"),
+        ("plane 2x+y-z=3", "write `2x+y-z = 3`"),
+        ("sphere center (1,2,3) radius 4", "write `sphere(4, (1, 2, 3))`"),
+        ("{x^2+y^2<=100, |z|<=5}", "write `x^2+y^2<=100 and |z|<=5`"),
+        ("z = x^2+y^2; x in [-1,1]", "write `domain x in [-1, 1]`"),
+        ("3x+2y=12, x=0, y=0, z=0", "write `3x+2y=12; x=0; y=0; z=0`"),
+        ("∫x^2 dx = z", "there are derivatives"),
+        ("z=max{x,y}", "write `z=max(x,y)`"),
+        ("w = x^2+y^2+z^2; w = 4", "write `x^2+y^2+z^2 = 4`"),
+        ("x_1^2+x_2^2+x_3^2=1", "write `x^2+y^2+z^2=1`"),
+        ("x1^2+x2^2=1", "write `x^2+y^2=1`"),
+        ("axis on; z=x*y", "write `axes on`"),
+        ("xlim([-5,5]); z=x*y", "write `domain x in [-5, 5]`"),
+        ("ylim([0 3]); z=x*y", "write `domain y in [0, 3]`"),
+        ("text (1,1,1) \"hello\"", "write `(1, 1, 1) \"hello\"`"),
+        ("light 1 1 1\nz=x", "write `light (1, 1, 1)`"),
+        ("size 800 600\nz=x", "write `--size 800x600`"),
+        ("red z=x*y", "write `color red` and below it `z=x*y`"),
+        ("color: red\nz=x*y", "write `color red`"),
+        ("cylinder(h=20,r=5) <= 0", "write `cylinder(5, 10) <= 0`"),
+        ("sphere(r=5) <= 0", "write `sphere(5) <= 0`"),
+        ("sphere(d=10) <= 0", "write `sphere(5) <= 0`"),
+        ("cone(r1=5,r2=2,h=10) <= 0", "write `cone(5, 2, 5) <= 0`"),
+        ("z = 1 000 x", "write `z = 1000 x`"),
+        ("z = 3 1/2 x", "write `z = (3 + 1/2) x`"),
+        ("z = 2½x", "write `z = (2 + 1/2) x`"),
+        ("z = 2x10^3 y", "write `z = 2*10^3 y`"),
+        ("torus(3,0,5) <= 0", "write `torus(3, 0.5) <= 0`"),
+        ("torus(1,3,0,3) <= 0", "write `torus(1.3, 0.3) <= 0`"),
+        (
+            "hull(sphere(1), sphere(1,(3,0,0))) <= 0",
+            "write `capsule((0, 0, 0), (3, 0, 0), 1) <= 0`",
+        ),
+        ("fillet(box(1), 0.1) <= 0", "write `rounded_box(1, 0.1) <= 0`"),
+        ("hull(sphere(1), sphere(2)) <= 0", "there is no hull of any solids"),
+        ("chamfer(box(1), 0.1) <= 0", "`blend(a, b, r)`"),
+        ("float map(vec3 p){ return length(p)-iMouse.x; }", "write `0.0` in place"),
+        (
+            "float map(vec3 p){ return length(inverse(mat3(1.))*p)-1.; }",
+            "that of one that only turns is `transpose(m)`",
+        ),
+    ];
+    let said = |text: &str| match read(text, &Options::default()) {
+        Ok(_) => "it is read".to_owned(),
+        Err(errors) => errors.render(None, text, false),
+    };
+    let is_wrong = |(text, line): &&(&str, &str)| !said(text).contains(line);
+    let wrong: Vec<String> = rows
+        .iter()
+        .filter(is_wrong)
+        .map(|(text, line)| format!("{line}:\n{}", said(text)))
+        .collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    let said = said("polygon([[0,0],[2,0],[1,2]])");
+    assert!(!said.contains("write `polygon(6, 1)`"), "{said}");
+}
+
 /// A program of solids gets a line with the same solid, or no line.
 #[test]
 fn programs_of_solids_get_lines_with_the_same_solid() {
