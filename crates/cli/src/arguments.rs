@@ -491,8 +491,7 @@ impl Args for ChoiceArgs {
             if row.values == Values::Switch {
                 return arg.action(ArgAction::SetTrue);
             }
-            // A flag behind it is no value: `--haze --size 300` lacks one.
-            let arg = arg.value_name(row.values.notation()).allow_negative_numbers(true);
+            let arg = arg.value_name(row.values.notation()).allow_hyphen_values(true);
             arg.value_parser(|text: &str| row.values.read(text, number::number))
         };
         let command = command.args(CHOICES.iter().map(flag));
