@@ -1,6 +1,6 @@
 """Writes the licences of all crates that the program or the wheel is made of.
 
-python licences.py MANIFEST TARGET FEATURES FILE
+python licences.py MANIFEST TARGET FILE
 
 Texts come from the crates' own files. A crate without one is listed with the name of its licence,
 which its manifest gives. The same text is written once, below the names of all crates that have it.
@@ -14,18 +14,9 @@ import sys
 NAMES = ("licen", "copying", "notice", "unlicense")
 
 
-def main(manifest: str, target: str, features: str, file: str) -> None:
-    command = [
-        "cargo",
-        "metadata",
-        "--locked",
-        "--format-version",
-        "1",
-        "--manifest-path",
-        manifest,
-    ]
-    command += ["--filter-platform", target]
-    command += ["--features", features] if features else []
+def main(manifest: str, target: str, file: str) -> None:
+    command = ["cargo", "metadata", "--locked", "--format-version", "1"]
+    command += ["--manifest-path", manifest, "--filter-platform", target]
     metadata = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
     packages = {package["id"]: package for package in metadata["packages"]}
     nodes = {node["id"]: node for node in metadata["resolve"]["nodes"]}
