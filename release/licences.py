@@ -56,7 +56,7 @@ def main(manifest: str, target: str, file: str) -> None:
     print(f"{file}: {len(texts)} texts, {len(bare)} crates without one")
 
 
-def texts_of(package: dict) -> list[str]:
+def texts_of(package: dict[str, str]) -> list[str]:
     directory = pathlib.Path(package["manifest_path"]).parent
     files = sorted(path for path in directory.iterdir() if path.name.lower().startswith(NAMES))
     read = (path.read_text(encoding="utf-8", errors="replace") for path in files if path.is_file())
