@@ -1,6 +1,11 @@
-//! Writes the manual pages of the program and of its commands into a directory.
+//! Writes the manual pages of the program and of its commands into one directory, and scripts that
+//! complete its arguments in shells into another.
 
 fn main() -> std::io::Result<()> {
-    let directory = std::env::args_os().nth(1).expect("a directory");
-    zeroset_cli::write_manual(std::path::Path::new(&directory))
+    let directories: Vec<_> = std::env::args_os().skip(1).map(std::path::PathBuf::from).collect();
+    let [manual, completions] = directories.as_slice() else {
+        panic!("two directories are needed: of manual pages, and of completions");
+    };
+    zeroset_cli::write_manual(manual)?;
+    zeroset_cli::write_completions(completions)
 }

@@ -136,6 +136,20 @@ pub fn write_manual(directory: &Path) -> std::io::Result<()> {
     clap_mangen::generate_to(Arguments::command(), directory)
 }
 
+/// Writes scripts that complete the program's arguments into a directory, one for each shell, under
+/// the name by which the shell finds it.
+///
+/// # Errors
+/// If a script cannot be written.
+#[cfg(feature = "man")]
+pub fn write_completions(directory: &Path) -> std::io::Result<()> {
+    use clap::ValueEnum;
+    for shell in clap_complete::Shell::value_variants() {
+        clap_complete::generate_to(*shell, &mut Arguments::command(), "zeroset", directory)?;
+    }
+    Ok(())
+}
+
 /// Returns the first argument, and the command that it probably means. `None` if it is a command, a
 /// file, or not like any command.
 fn meant_command() -> Option<(String, String)> {
