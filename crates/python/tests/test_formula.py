@@ -317,8 +317,10 @@ SYMBOLIC = [
 def test_expressions_mean_what_they_mean_in_sympy(number, random):
     value = SYMBOLIC[number]
     points = random.uniform(-2, 2, (25, 3))
+    # A derivative with a number in place of its variable has no meaning.
+    known = value.doit()
     exact = [
-        complex(value.subs(dict(zip((X, Y, Z), point))).evalf(20)) for point in points.tolist()
+        complex(known.subs(dict(zip((X, Y, Z), point))).evalf(20)) for point in points.tolist()
     ]
     assert all(abs(one.imag) < 1e-12 for one in exact)
     found = zs.Surface(value)(points)
