@@ -177,7 +177,7 @@ fn has_relation(formula: &str) -> bool {
 }
 
 /// The minus sign at the start of line number `at`, if the line goes on with the one above. It does
-/// so if the line below begins with a relation, or if it has no relation and the formula above has
+/// so if the line below begins with a relation, or if it has no relation and the equation above has
 /// one. With `has_gone_on`, the line above goes on with others.
 fn goes_on(text: &str, lines: &[Range<usize>], at: usize, has_gone_on: bool) -> Option<Span> {
     let line = &text[lines[at].clone()];
@@ -190,13 +190,20 @@ fn goes_on(text: &str, lines: &[Range<usize>], at: usize, has_gone_on: bool) -> 
         !line.contains([';', ',', '{', '#']) && !above.contains([';', ',', '{', '#', '"']);
     let is_before_relation =
         lines.get(at + 1).is_some_and(|next| text[next.clone()].starts_with('='));
-    // A number above is the value of a slider.
-    let is_value =
-        above.split_once('=').is_some_and(|(_, value)| value.trim().parse::<f64>().is_ok());
-    let is_rest = !has_relation(line) && (has_relation(above) || has_gone_on) && !is_value;
+    let is_rest = !has_relation(line) && (has_relation(above) || has_gone_on) && !defines(above);
     let place = lines[at].start;
     (is_next && is_plain && (is_before_relation || is_rest))
         .then(|| Span::new(place, place + sign.len_utf8()))
+}
+
+/// Returns whether a line begins like a definition, such as `a = 2` and `f(a) = a^2`. The line
+/// below may be a formula that uses it.
+fn defines(line: &str) -> bool {
+    let Some((left, _)) = line.split_once('=') else { return false };
+    let name = left.split('(').next().unwrap_or(left).trim();
+    let is_name = name.starts_with(char::is_alphabetic)
+        && name.chars().all(|c| c.is_alphanumeric() || c == '_' || c == '\'');
+    is_name && !["x", "y", "z"].contains(&name)
 }
 
 #[cfg(test)]
@@ -259,6 +266,8 @@ mod tests {
             ("a = 2\n(a) x = y\n(b) x = y\nb = 1", vec!["a*x = y", "b*x = y"]),
             ("-x = y\n-z = 1", vec!["-x = y", "-z = 1"]),
             ("a = 2\n-x^2 + a*z", vec!["-x^2 + a*z = 0"]),
+            ("f(a) = a^2 - x/2\n-f(y) + z", vec!["-f(y) + z = 0"]),
+            ("c = cos(1)\n- x + c", vec!["-x + c = 0"]),
             ("f(a) = 2a; z = f (2)", vec!["z = f(2)"]),
             ("z = x\n\n- y^2", vec!["z = x", "-y^2 = 0"]),
             ("z = x\n  - y^2", vec!["z = x - y^2"]),
