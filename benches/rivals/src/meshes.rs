@@ -140,6 +140,7 @@ impl Side for Ours<'_> {
             tolerance: self.tolerance,
             is_solid,
             is_estimated: self.is_estimated,
+            has_large_faces: false,
             most_cells: MOST_CELLS,
         };
         let mesh = mesh(&program, 0, &options, &|| true)?.expect("nobody cancels it");
