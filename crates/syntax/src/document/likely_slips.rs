@@ -51,13 +51,15 @@ fn fraction_as_power(expr: &Expr) -> Option<Note> {
 
 /// The note on `-5 < x < 5` beside one equation.
 fn slab(text: &str, built: &[BuiltStatement]) -> Option<Note> {
-    let drawn = |one: &BuiltStatement| match &one.statement {
-        Statement::Draw { expr, restrictions } if restrictions.is_empty() => {
-            Some((one.span, expr.clone()))
-        }
-        _ => None,
-    };
-    let all: Vec<(Span, Expr)> = built.iter().filter_map(drawn).collect();
+    let all: Vec<(Span, &Expr)> = built
+        .iter()
+        .filter_map(|one| match &one.statement {
+            Statement::Draw { expr, restrictions } if restrictions.is_empty() => {
+                Some((one.span, expr))
+            }
+            _ => None,
+        })
+        .collect();
     let bounds = |expr: &Expr| match &expr.kind {
         ExprKind::Compare(first, rest) => match rest.as_slice() {
             [(relation, middle), (_, last)] => {

@@ -18,27 +18,26 @@ const SIGNS: &str = "-–—−*";
 /// The text without marks of lists, and notes on what is left out. `None` if it has no such marks.
 pub(crate) fn without_list_marks(text: &str) -> Option<(String, Vec<Note>)> {
     let lines = lines(text);
-    let mut left_out = numbers(text, &lines);
-    left_out.extend(bullets(text, &lines));
+    let mut marks = numbers(text, &lines);
+    marks.extend(bullets(text, &lines));
+    let mut plain = text.to_owned();
     let mut notes = Vec::new();
-    if let Some(first) = left_out.first() {
+    if let Some(first) = marks.first() {
         let typed: Vec<String> =
-            left_out.iter().take(3).map(|mark| format!("`{}`", &text[mark.clone()])).collect();
+            marks.iter().take(3).map(|mark| format!("`{}`", &text[mark.clone()])).collect();
         let span = Span::new(first.start, first.end);
         notes.push(Note { span, kind: NoteKind::MarksOfList { typed: typed.join(", ") } });
+    }
+    for mark in marks {
+        // A formula behind a mark does not go on with the line above.
+        let end = " ".repeat(mark.len() - 1);
+        plain.replace_range(mark, &format!(";{end}"));
     }
     for number in lines.iter().filter_map(|line| number_of_equation(text, line)) {
         let typed = text[number.clone()].to_owned();
         let span = Span::new(number.start, number.end);
+        plain.replace_range(number, &" ".repeat(typed.len()));
         notes.push(Note { span, kind: NoteKind::NumberOfEquation { typed } });
-        left_out.push(number);
-    }
-    let mut plain = text.to_owned();
-    for mark in left_out {
-        // A formula behind a mark does not go on with the line above.
-        let is_before = lines.iter().any(|line| line.start == mark.start);
-        let sign = if is_before { ";" } else { " " };
-        plain.replace_range(mark.clone(), &format!("{sign}{}", " ".repeat(mark.len() - 1)));
     }
     let mut has_gone_on = false;
     for at in 1..lines.len() {
@@ -113,12 +112,13 @@ fn numbers(text: &str, lines: &[Range<usize>]) -> Vec<Range<usize>> {
             Some((line.start..line.start + size, label))
         })
         .collect();
+    // There are few letters and Roman numerals, but there may be very many numbers.
     let is_value = |label: &str| {
         let value = |line: &Range<usize>| {
             let typed = text[line.clone()].strip_prefix(label);
             typed.is_some_and(|rest| rest.trim_start().starts_with('='))
         };
-        lines.iter().any(value)
+        label.starts_with(char::is_alphabetic) && lines.iter().any(value)
     };
     let counts = |style: usize| {
         let all: Option<Vec<usize>> =

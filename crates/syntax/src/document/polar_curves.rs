@@ -2,7 +2,7 @@
 //! beyond a turn, which the coordinates r and theta of a point do not have.
 
 use crate::document::implied_coordinates::{AZIMUTH, CYLINDER_RADIUS};
-use crate::hints::pieces;
+use crate::hints::renamed;
 use crate::lower::constant::evaluate_text;
 use rustc_hash::FxHashMap;
 use zeroset_parser::tree::ast::{
@@ -113,19 +113,6 @@ fn missing_parts(
     Some(format!(
         "({factor}*cos({parameter}), {factor}*sin({parameter}), 0) for {parameter} in [0, {end}pi]"
     ))
-}
-
-/// A text with other words in place of some.
-fn renamed(text: &str, other: impl Fn(&str) -> Option<String>) -> String {
-    let mut all = String::new();
-    let mut end = 0;
-    for piece in pieces(text) {
-        all += &text[end..piece.start];
-        end = piece.end;
-        let word = &text[piece];
-        all += &other(word).unwrap_or_else(|| word.to_owned());
-    }
-    all + &text[end..]
 }
 
 #[cfg(test)]

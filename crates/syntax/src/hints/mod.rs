@@ -15,7 +15,7 @@ mod solids;
 mod values;
 mod words;
 
-pub(crate) use pattern::pieces;
+pub(crate) use pattern::renamed;
 
 use crate::document::reading::{self, Document, Options};
 use std::ops::Range;

@@ -1,7 +1,7 @@
 //! Hints on notations of textbooks: points with names, vectors in angle brackets, indices in place
 //! of letters, and arguments with names.
 
-use super::pattern::{calls, filled, matched, pieces};
+use super::pattern::{calls, filled, matched, pieces, renamed};
 use super::{Mistake, Proposal};
 use zeroset_parser::ErrorKind;
 
@@ -60,20 +60,6 @@ pub(super) fn unread(mistake: &Mistake<'_>) -> Option<String> {
     ))
 }
 
-/// A line with other words in place of some. `None` if none is replaced.
-fn renamed<'a>(line: &'a str, other: impl Fn(&'a str) -> Option<&'a str>) -> Option<String> {
-    let mut text = String::new();
-    let mut end = 0;
-    for piece in pieces(line) {
-        text += &line[end..piece.start];
-        end = piece.end;
-        let word = &line[piece];
-        text += other(word).unwrap_or(word);
-    }
-    text += &line[end..];
-    (text != line).then_some(text)
-}
-
 /// `x_1`, `x_2` and `x_3` as the coordinates x, y and z.
 fn of_indices(mistake: &Mistake<'_>) -> Option<Proposal> {
     let index = |word: &str| {
@@ -87,7 +73,7 @@ fn of_indices(mistake: &Mistake<'_>) -> Option<Proposal> {
         pieces(mistake.line).into_iter().map(|piece| &mistake.line[piece]).collect();
     let has = |wanted: usize| words.iter().any(|word| index(word) == Some(wanted));
     let is_plain = !words.iter().any(|word| matches!(*word, "x" | "y" | "z"));
-    let line = renamed(mistake.line, |word| Some(["x", "y", "z"][index(word)?]))?;
+    let line = renamed(mistake.line, |word| Some(["x", "y", "z"][index(word)?].to_owned()));
     (is_plain && has(0) && has(1)).then(|| Proposal::new("the coordinates are x, y and z", line))
 }
 

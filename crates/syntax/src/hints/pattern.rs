@@ -37,6 +37,19 @@ pub(crate) fn pieces(text: &str) -> Vec<Range<usize>> {
     all
 }
 
+/// A text with other words in place of some of its words, numbers and signs.
+pub(crate) fn renamed(text: &str, other: impl Fn(&str) -> Option<String>) -> String {
+    let mut all = String::new();
+    let mut end = 0;
+    for piece in pieces(text) {
+        all += &text[end..piece.start];
+        end = piece.end;
+        let word = &text[piece];
+        all += &other(word).unwrap_or_else(|| word.to_owned());
+    }
+    all + &text[end..]
+}
+
 /// The parts of `text` that the letters of `pattern` stand for, if they match.
 pub(crate) fn matched<'a>(pattern: &str, text: &'a str) -> Option<Parts<'a>> {
     // Rejects most patterns quickly: they have a word or a sign that the text lacks.
