@@ -55,10 +55,11 @@ impl ProgramReader<'_> {
             matches!(typed, r"\[Element]" | "∈")
         };
         let plots = |token: &Token| is_plot(self.words.word(*token));
-        let Some(at) = tokens.iter().position(plots).filter(|_| tokens.iter().any(is_element))
-        else {
+        // Few statements have the sign, so few words are looked up.
+        if !tokens.iter().any(is_element) {
             return Ok(Vec::new());
-        };
+        }
+        let Some(at) = tokens.iter().position(plots) else { return Ok(Vec::new()) };
         let Some((inner, rest)) = bracketed(&tokens[at + 1..]) else { return Ok(Vec::new()) };
         let (open, close) = (tokens[at + 1], tokens[at + inner.len() + 2]);
         let (regions, others): (Vec<_>, Vec<_>) =

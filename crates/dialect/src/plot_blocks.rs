@@ -18,7 +18,7 @@ impl Words<'_> {
         tokens: &[Token],
         set: Option<&[Vec<Token>; 2]>,
     ) -> Option<Vec<Token>> {
-        if !self.text.contains("set parametric") || self.word(tokens[0]) != "splot" {
+        if self.word(tokens[0]) != "splot" || !self.text.contains("set parametric") {
             return None;
         }
         let (range, rest) = match bracketed(&tokens[1..]).filter(|_| tokens[1].kind == OpenBracket)

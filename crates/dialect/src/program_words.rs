@@ -166,9 +166,13 @@ impl<'a> Words<'a> {
 
     /// Number of types and modifiers before a declared name; 0 if no name follows them.
     pub(crate) fn types(self, tokens: &[Token]) -> usize {
-        let is_type = |token: &&Token| {
+        let is_type = |(at, token): &(usize, &Token)| {
             let word = self.word(**token);
             let is_alias = || {
+                // The text is searched only for the first of two words.
+                if !begins_name(tokens.get(at + 1)) {
+                    return false;
+                }
                 let head = start(self.text, 2000);
                 !word.is_empty()
                     && (head.contains(&format!("typedef double {word};"))
@@ -178,7 +182,7 @@ impl<'a> Words<'a> {
                 || word == "T" && start(self.text, 2000).contains("typename T")
                 || is_alias()
         };
-        let count = tokens.iter().take_while(is_type).count();
+        let count = tokens.iter().enumerate().take_while(is_type).count();
         if begins_name(tokens.get(count)) { count } else { 0 }
     }
 

@@ -5,10 +5,14 @@ use zeroset_parser::lex::token::{Token, bracketed, closing};
 use zeroset_parser::lex::token_kind::TokenKind::*;
 
 /// Words before the options of a command, as in `axis equal` and `title('A surface')`.
-const COMMANDS: &str = "axis colormap shading lighting camlight material colorbar grid box title \
-    xlabel ylabel zlabel xlim ylim zlim daspect pbaspect print fig2plotly set unset pause disp \
-    drawnow rotate3d figure hold axes light legend view Export size subplot Graphics3d clf patch \
-    isonormals isocaps gca gcf show";
+#[rustfmt::skip] // several words a line
+const COMMANDS: &[&str] = &[
+    "axis", "colormap", "shading", "lighting", "camlight", "material", "colorbar", "grid", "box",
+    "title", "xlabel", "ylabel", "zlabel", "xlim", "ylim", "zlim", "daspect", "pbaspect",
+    "print", "fig2plotly", "set", "unset", "pause", "disp", "drawnow", "rotate3d", "figure",
+    "hold", "axes", "light", "legend", "view", "Export", "size", "subplot", "Graphics3d", "clf",
+    "patch", "isonormals", "isocaps", "gca", "gcf", "show",
+];
 
 /// Objects whose members only style or show a picture.
 const OBJECTS: &[&str] = &["plt", "ax", "fig", "console", "settings", "plotter", "pl", "display"];
@@ -46,7 +50,7 @@ impl Words<'_> {
         {
             return self.text.contains(SURFER_FORMULAS[0]);
         }
-        if !COMMANDS.split(' ').any(|command| command == word) {
+        if !COMMANDS.contains(&word) {
             return false;
         }
         let has_text = || rest.iter().any(|token| token.kind == Unknown);

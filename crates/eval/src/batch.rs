@@ -340,13 +340,12 @@ pub const PATH_UNITS: f64 = 8.0;
 /// Adds to `error` a bound on a coordinate's rounding error in a kernel. `magnitude` is the sum of
 /// the magnitudes of the coordinate's terms. `met` is the largest magnitude of an intermediate
 /// result. Errors by underflow are at most `scale` times the least normal number.
-#[inline]
+#[inline(always)]
 fn with_rounding<T: Real>(error: T, magnitude: f64, met: f64, scale: f64) -> T {
-    let [least, largest]: [f64; 2] = [T::LEAST_NORMAL, T::LARGEST].map(Into::into);
-    if met.max(magnitude) >= largest / 2.0 {
-        return T::above(f64::INFINITY);
-    }
-    T::above(error.into() + PATH_UNITS * T::UNIT * magnitude + least * scale)
+    let (least, largest): (f64, f64) = (T::LEAST_NORMAL.into(), T::LARGEST.into());
+    let bound = error.into() + PATH_UNITS * T::UNIT * magnitude + least * scale;
+    let overflows = met.max(magnitude) >= largest / 2.0;
+    T::above(if overflows { f64::INFINITY } else { bound })
 }
 
 impl<T: Real> Segments<T> {
@@ -440,29 +439,37 @@ impl<T: Real> Tiles<T> {
 
     /// Adds bounds on the rounding errors of kernels to `error`.
     pub fn allow_rounding(&mut self) {
-        for lane in 0..(self.count as usize).min(LANES) {
-            let t = size(self.near[lane]).max(size(self.far[lane]));
-            let reach = |axis: usize| size(self.centre[axis][lane]) + size(self.half[axis][lane]);
-            let (a, b) = (reach(0), reach(1));
-            for axis in 0..3 {
-                let sum = |parts: &[Lanes<T>; 9]| {
-                    let base = size(parts[axis][lane]);
-                    let across = size(parts[3 + axis][lane]);
-                    let upward = size(parts[6 + axis][lane]);
-                    (base + a * across + b * upward, base.max(across).max(upward))
-                };
-                let (origin, most) = sum(&self.origin);
-                let (direction, more) = sum(&self.direction);
+        let lanes = (self.count as usize).min(LANES);
+        for axis in 0..3 {
+            let [origin, direction] = [&self.origin, &self.direction]
+                .map(|parts| [&parts[axis], &parts[3 + axis], &parts[6 + axis]]);
+            // A loop without calls and branches: the compiler makes vectors of it.
+            for lane in 0..lanes {
+                let t = size(self.near[lane]).max(size(self.far[lane]));
+                let a = size(self.centre[0][lane]) + size(self.half[0][lane]);
+                let b = size(self.centre[1][lane]) + size(self.half[1][lane]);
+                let (at, most) = sum(origin, lane, a, b);
+                let (slope, more) = sum(direction, lane, a, b);
                 let met = most.max(more);
                 let scale = (1.0 + t) * (1.0 + a + b);
                 let error = &mut self.error[axis][lane];
-                *error = with_rounding(*error, origin + t * direction, scale * met, scale);
+                *error = with_rounding(*error, at + t * slope, scale * met, scale);
             }
         }
     }
 }
 
-#[inline]
+/// The sum of the magnitudes of a coordinate's terms in a lane, and the largest magnitude of its
+/// parts. `a` and `b` are the largest magnitudes of screen coordinates.
+#[inline(always)]
+fn sum<T: Real>(parts: [&Lanes<T>; 3], lane: usize, a: f64, b: f64) -> (f64, f64) {
+    let base = size(parts[0][lane]);
+    let across = size(parts[1][lane]);
+    let upward = size(parts[2][lane]);
+    (base + a * across + b * upward, base.max(across).max(upward))
+}
+
+#[inline(always)]
 fn size<T: Real>(number: T) -> f64 {
     let number: f64 = number.into();
     number.abs()

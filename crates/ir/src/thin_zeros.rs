@@ -143,9 +143,11 @@ fn degree(graph: &Graph, root: NodeId) -> u64 {
 /// one sign.
 fn squares(polynomial: &Polynomial, axes: &[NodeId; 3]) -> Option<Vec<Form>> {
     let mut matrix = matrix(polynomial, axes)?;
-    let first = (0..4).find_map(|at| Some(&matrix[at][at]).filter(|entry| !entry.is_zero()));
-    if first.is_some_and(Signed::is_negative) {
-        matrix = matrix.map(|row| row.map(|entry| -entry));
+    let has = |sign: fn(&BigRational) -> bool| (0..4).any(|at| sign(&matrix[at][at]));
+    match (has(Signed::is_positive), has(Signed::is_negative)) {
+        (true, true) => return None,
+        (false, true) => matrix = matrix.map(|row| row.map(|entry| -entry)),
+        _ => {}
     }
     let mut forms = Vec::new();
     for at in 0..4 {
@@ -161,7 +163,7 @@ fn squares(polynomial: &Polynomial, axes: &[NodeId; 3]) -> Option<Vec<Form>> {
         }
         // Subtracts the square that holds all terms with this coordinate.
         let form = matrix[at].clone().map(|entry| entry / &pivot);
-        for (row, left) in matrix.iter_mut().zip(&form) {
+        for (row, left) in matrix.iter_mut().zip(&form).filter(|(_, left)| !left.is_zero()) {
             for (entry, right) in row.iter_mut().zip(&form) {
                 *entry -= left * right * &pivot;
             }

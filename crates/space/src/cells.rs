@@ -43,7 +43,8 @@ impl Cell {
 
     /// The box's center.
     pub fn centre(&self) -> [f64; 3] {
-        [0, 1, 2].map(|axis| self.low[axis].midpoint(self.high[axis]))
+        let ([a, b, c], [d, e, f]) = (self.low, self.high);
+        [a.midpoint(d), b.midpoint(e), c.midpoint(f)]
     }
 
     /// The smallest box around both boxes.
@@ -323,13 +324,15 @@ fn write_tiles(cells: &[Cell], tiles: &mut Tiles<f64>) {
     tiles.count = cells.len() as u32;
     for (lane, cell) in cells.iter().enumerate() {
         let centre = cell.centre();
-        for (axis, centre) in centre.into_iter().enumerate().take(2) {
+        for (axis, centre) in [(0, centre[0]), (1, centre[1])] {
             let reach = (cell.high[axis] - centre).max(centre - cell.low[axis]);
             tiles.centre[axis][lane] = centre;
             tiles.half[axis][lane] = reach.next_up();
         }
         (tiles.near[lane], tiles.far[lane]) = (cell.low[2], cell.high[2]);
-        (0..3).for_each(|axis| tiles.error[axis][lane] = 0.0);
+        for axis in 0..3 {
+            tiles.error[axis][lane] = 0.0;
+        }
     }
     tiles.allow_rounding();
 }

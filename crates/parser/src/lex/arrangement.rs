@@ -271,7 +271,7 @@ impl Arranger<'_> {
         };
         let is_value = !colon && !relation;
         if is_printed && is_value && (!comma || is_called(before))
-            || is_value && self.text.contains('\\') && before.is_some_and(is_factor)
+            || is_value && before.is_some_and(is_factor) && self.text.contains('\\')
         {
             (open.kind, close.kind) = (OpenParen, CloseParen);
         } else if open.kind == OpenBrace && colon {
