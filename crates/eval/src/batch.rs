@@ -8,7 +8,7 @@ use crate::lanes::{LANES, Lanes};
 use crate::real::Real;
 use crate::shorten::LaneSet;
 use fearless_simd::Level;
-use zeroset_interval::{Facts, Interval};
+use zeroset_interval::{Facts, Interval, PATH_UNITS};
 
 /// Memory that a kernel reads or writes. It begins with quantities, which have a value per lane.
 ///
@@ -331,11 +331,6 @@ batch! {
         ;
     }
 }
-
-/// Bound on a coordinate's rounding error in a kernel: this number of units ([`Real::UNIT`]) times
-/// the sum of the magnitudes of the coordinate's terms. Each term is rounded at most six times, by
-/// at most one unit of the term each time.
-pub const PATH_UNITS: f64 = 8.0;
 
 /// Adds to `error` a bound on a coordinate's rounding error in a kernel. `magnitude` is the sum of
 /// the magnitudes of the coordinate's terms. `met` is the largest magnitude of an intermediate

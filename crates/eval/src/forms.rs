@@ -1,7 +1,10 @@
 //! Affine forms along rays: the domain of values with which segments are narrowed.
 
 use crate::value_kind::Loader;
-use zeroset_interval::{Contraction, Form, Format, Machine, contract};
+use zeroset_interval::{
+    Contraction, Form, Format, Machine, RayRange, TileRays, contract, segment_coordinate,
+    tile_coordinate,
+};
 use zeroset_ir::Axis;
 
 /// The way in which coordinates depend on `N` symbols. The last symbol runs along a ray.
@@ -26,27 +29,14 @@ pub struct SegmentPath;
 #[derive(Clone, Copy, Debug)]
 pub struct TilePath;
 
-/// A range of t along a ray. `middle` ± `half` contains the segment from end to end.
-#[derive(Clone, Copy)]
-pub struct RayRange<V> {
-    pub middle: V,
-    pub half: V,
-}
-
-impl<V: Copy> RayRange<V> {
-    /// Loads the range of the segments of a path.
-    pub(crate) fn load<P: Path<N>, M: Machine<V = V>, const N: usize>(
-        m: &mut M,
-        format: Format,
-        loader: &mut impl Loader<M>,
-    ) -> Self {
-        let ends = P::ENDS.map(|quantity| loader.input(m, quantity));
-        let half = m.number(format, 0.5);
-        let sum = m.add(ends[0], ends[1]);
-        let middle = m.mul(sum, half);
-        let (after, before) = (m.sub(ends[1], middle), m.sub(middle, ends[0]));
-        Self { middle, half: m.max(after, before) }
-    }
+/// Loads the range of t of a path's segments.
+pub(crate) fn range_of<P: Path<N>, M: Machine, const N: usize>(
+    m: &mut M,
+    format: Format,
+    loader: &mut impl Loader<M>,
+) -> RayRange<M::V> {
+    let ends = P::ENDS.map(|quantity| loader.input(m, quantity));
+    RayRange::between(m, format, ends)
 }
 
 impl Path<1> for SegmentPath {
@@ -58,12 +48,8 @@ impl Path<1> for SegmentPath {
         depth: RayRange<M::V>,
         axis: Axis,
     ) -> Form<M::V, 1> {
-        let [origin, direction, error] =
-            [0, 3, 6].map(|first| loader.input(m, first + axis as usize));
-        // `error` already includes the rounding of these operations.
-        let slope = m.mul(depth.half, direction);
-        let centre = m.mul_add(direction, depth.middle, origin);
-        Form::coordinate(centre, [slope], error)
+        let ray = [0, 3, 6].map(|first| loader.input(m, first + axis as usize));
+        segment_coordinate(m, ray, depth)
     }
 }
 
@@ -80,29 +66,10 @@ impl Path<3> for TilePath {
         // spilled.
         let centre = [0, 1].map(|quantity| loader.input(m, quantity));
         let reach = [2, 3].map(|quantity| loader.input(m, quantity));
-        let [o, o_a, o_b] = [6, 9, 12].map(|first| loader.input(m, first + axis as usize));
-        let [d, d_a, d_b] = [15, 18, 21].map(|first| loader.input(m, first + axis as usize));
+        let [origin, direction] = [[6, 9, 12], [15, 18, 21]]
+            .map(|part| part.map(|first| loader.input(m, first + axis as usize)));
         let error = loader.input(m, 24 + axis as usize);
-        let RayRange { middle, half } = depth;
-        // Rays diverge, so a coordinate has products of screen coordinates and t. They count as
-        // errors.
-        let sizes = [d_a, d_b].map(|d| m.abs(d));
-        let spread = m.mul(reach[0], sizes[0]);
-        let spread = m.mul_add(sizes[1], reach[1], spread);
-        let error = m.mul_add(spread, half, error);
-        // `error` already includes the rounding of these operations.
-        let [across, upward] = [(o_a, d_a, 0), (o_b, d_b, 1)].map(|(o, d, axis)| {
-            let per_unit = m.mul_add(middle, d, o);
-            m.mul(reach[axis], per_unit)
-        });
-        let mut through_centre = |base, a, b| {
-            let sum = m.mul_add(a, centre[0], base);
-            m.mul_add(b, centre[1], sum)
-        };
-        let (origin, direction) = (through_centre(o, o_a, o_b), through_centre(d, d_a, d_b));
-        let depth = m.mul(half, direction);
-        let centre = m.mul_add(direction, middle, origin);
-        Form::coordinate(centre, [across, upward, depth], error)
+        tile_coordinate(m, &TileRays { centre, reach, origin, direction, error }, depth)
     }
 }
 

@@ -26,7 +26,7 @@ mod value_kind;
 
 pub use batch::{
     Batch, Boxes, BranchSigns, Contractions, Enclosures, GradientEnclosures, Gradients, Input,
-    Output, PATH_UNITS, Planes, Points, Segments, Tiles, Values, Zeros,
+    Output, Planes, Points, Segments, Tiles, Values, Zeros,
 };
 pub use binding::Binding;
 pub use branches::{BranchTest, branch_bindings};

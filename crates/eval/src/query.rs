@@ -11,13 +11,13 @@ use crate::batch::{
 use crate::binding::Binding;
 use crate::differentiable::{Smooth, Smoothness};
 use crate::duals::{Dual, Duals};
-use crate::forms::{RayRange, SegmentPath, TilePath, contract_path};
+use crate::forms::{SegmentPath, TilePath, contract_path};
 use crate::lanes::LANES;
 use crate::real::Real;
 use crate::shorten::LaneSet;
 use crate::tape::{Tape, may_vanish};
 use crate::value_kind::{Forms, Intervals, Loader, Numbers, ValueKind};
-use zeroset_interval::{Enclosure, Fact, Form, Format, Machine};
+use zeroset_interval::{Enclosure, Fact, Form, Format, Machine, RayRange};
 
 /// A query, represented by a type.
 pub trait Query: sealed::Sealed + Copy + Send + Sync + 'static {

@@ -2,12 +2,12 @@
 //!
 //! Each kind implements the steps of a tape in its own way, on any machine.
 
-use crate::forms::{Path, RayRange};
+use crate::forms::{Path, range_of};
 use crate::real::{Real, middle};
 use std::marker::PhantomData;
 use zeroset_interval::{
-    Enclosure, Exponent, Form, Interval, Machine, Term, enclose, enclose_sincos, evaluate,
-    evaluate_sincos, form_bounds, linearise, linearise_sincos,
+    Enclosure, Exponent, Form, Interval, Machine, RayRange, Term, enclose, enclose_sincos,
+    evaluate, evaluate_sincos, form_bounds, linearise, linearise_sincos,
 };
 use zeroset_ir::Axis;
 use zeroset_ops::Op;
@@ -249,7 +249,7 @@ impl<P: Path<N>, const N: usize> ValueKind for Forms<P, N> {
     type Context<V: Vector> = RayRange<V>;
 
     fn context<T: Real, M: Machine>(m: &mut M, loader: &mut impl Loader<M>) -> RayRange<M::V> {
-        RayRange::load::<P, _, N>(m, T::FORMAT, loader)
+        range_of::<P, _, N>(m, T::FORMAT, loader)
     }
 
     fn coordinate<T: Real, M: Machine>(

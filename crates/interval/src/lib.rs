@@ -26,7 +26,8 @@ pub use fold::{Decorated, fold};
 pub use machine::{Format, Machine, has_fma};
 pub use point::{evaluate, evaluate_sincos};
 pub use rules::affine::{
-    Contraction, Form, FormOperand, contract, form_bounds, linearise, linearise_sincos,
+    Contraction, Form, FormOperand, PATH_UNITS, RayRange, TileRays, contract, form_bounds,
+    linearise, linearise_sincos, segment_coordinate, tile_coordinate,
 };
 pub use rules::{enclose, enclose_branch, enclose_sincos};
 pub use software::{Software, Vector128};

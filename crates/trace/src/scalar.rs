@@ -5,7 +5,8 @@
 use crate::simd_chunks::parts;
 use fearless_simd::{SimdFloatElement, f32x16, f64x8, mask32x16, mask64x8, prelude::*};
 use std::ops::{Add, Mul};
-use zeroset_eval::{KernelFloat, LANES, Lanes, PATH_UNITS};
+use zeroset_eval::{KernelFloat, LANES, Lanes};
+use zeroset_interval::PATH_UNITS;
 
 /// Number of lanes of an `f64` vector: half a batch.
 pub(crate) const HALF: usize = LANES / 2;

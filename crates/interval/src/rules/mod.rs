@@ -3,11 +3,18 @@
 //! A rule assumes only that operands lie within [`Operand::range`], and is then sound for every
 //! box. If an operand may be infinite, the rule replaces NaN bounds by +∞, so that no bound is NaN.
 
+#[cfg(test)]
+#[macro_use]
+mod not_recorded;
 pub mod affine;
 mod arithmetic;
 mod choice;
 mod elementary;
 mod power;
+#[cfg(test)]
+mod script;
+#[cfg(test)]
+mod statements;
 mod step;
 
 pub(crate) use elementary::approximator::{Approximator, by_halves};

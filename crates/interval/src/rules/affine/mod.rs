@@ -11,6 +11,7 @@
 mod arithmetic;
 mod functions;
 mod pieces;
+mod rays;
 #[cfg(test)]
 mod rounding;
 mod solve;
@@ -24,6 +25,7 @@ use crate::software::{Software, Vector128};
 use std::f64::consts::{LOG2_E, LOG10_E};
 use zeroset_ops::{Class, Op};
 
+pub use rays::{PATH_UNITS, RayRange, TileRays, segment_coordinate, tile_coordinate};
 pub use solve::{Contraction, contract};
 
 /// Affine forms of `N` symbols in lanes, with the same facts as an [`Enclosure`].

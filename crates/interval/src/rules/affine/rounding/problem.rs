@@ -77,7 +77,7 @@ impl Problem {
         let mut script =
             "; Written by a test of zeroset-interval from the operations of a rule.\n".to_owned();
         if let Some(fails) = fails {
-            let _ = writeln!(script, "; false with {fails} units");
+            let _ = writeln!(script, "; false with {fails:?} units");
         }
         let _ = writeln!(script, "(define-fun units () Real {})", quotient(self.units));
         for monomial in &names {

@@ -14,7 +14,7 @@ pub(super) struct Recorder {
 }
 
 impl Recorder {
-    fn record(&mut self, value: Polynomial) -> usize {
+    pub(super) fn record(&mut self, value: Polynomial) -> usize {
         self.values.push(value);
         self.values.len() - 1
     }
