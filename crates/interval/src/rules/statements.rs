@@ -1,6 +1,6 @@
-//! What interval rules claim, as problems for a solver: for each combination of the operands'
-//! ranges, the operations that the rule executes, and its claims about bounds and definedness.
-//! Bounds are finite here, and there is one branch.
+//! The claims of interval rules as problems for a solver. For each combination of the operands'
+//! ranges, a problem has the operations that the rule executes, and its claims about bounds and
+//! about where the value is defined. Bounds are finite here, and there is one branch.
 
 use super::enclose;
 use super::script::{self, Script};
