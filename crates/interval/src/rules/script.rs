@@ -1,5 +1,5 @@
 //! A machine that writes what it executes as definitions for a solver. They say that results are
-//! rounded up, by at most a unit.
+//! rounded up.
 
 use crate::machine::{Format, Machine};
 use std::fmt::Write as _;
@@ -20,15 +20,22 @@ pub(super) fn write(folder: &str, scripts: impl IntoIterator<Item = (String, Str
 pub(super) struct Script {
     /// Declarations and facts, a line each.
     pub(super) text: String,
+    /// The largest relative error of an operation that rounds once, if it matters.
+    unit: Option<f64>,
     terms: Vec<String>,
-    /// For each term the denominator, if it is a quotient.
-    denominators: Vec<Option<usize>>,
+    /// For each term numerator and denominator, if it is a quotient.
+    quotients: Vec<Option<[usize; 2]>>,
 }
 
 impl Script {
+    /// A machine for statements that need the size of errors.
+    pub(super) fn with_unit(unit: f64) -> Self {
+        Self { unit: Some(unit), ..Self::default() }
+    }
+
     fn term(&mut self, term: String) -> usize {
         self.terms.push(term);
-        self.denominators.push(None);
+        self.quotients.push(None);
         self.terms.len() - 1
     }
 
@@ -59,10 +66,20 @@ impl Script {
         &self.terms[value]
     }
 
-    /// The result of an operation that rounds.
-    fn rounded(&mut self, exact: &str) -> usize {
+    /// A result that is at least `exact`.
+    fn above(&mut self, exact: &str) -> usize {
         let value = self.declare(&format!("value {}", self.terms.len()), "Real");
         self.assume(&format!("(and (up {exact} {0}) (finite {0}))", self.of(value)));
+        value
+    }
+
+    /// The result of an operation that rounds once.
+    fn rounded(&mut self, exact: &str) -> usize {
+        let value = self.above(exact);
+        if let Some(unit) = self.unit {
+            let error = format!("(size (- {} {exact}))", self.of(value));
+            self.assume(&format!("(<= {error} (* (/ 1.0 {:?}) (size {exact})))", 1.0 / unit));
+        }
         value
     }
 
@@ -84,11 +101,14 @@ impl Script {
         value
     }
 
-    /// `sign` where a quotient is a number, and false where its denominator is 0.
-    fn is_number_and(&self, value: usize, sign: String) -> String {
-        match self.denominators[value] {
-            Some(below) => format!("(and (not (= {} 0.0)) {sign})", self.of(below)),
-            None => sign,
+    /// `fact` where a value is a number, and false where it is NaN.
+    fn is_number_and(&self, value: usize, fact: String) -> String {
+        match self.quotients[value] {
+            Some(parts) => {
+                let [above, below] = parts.map(|part| self.of(part));
+                format!("(and (not (= 0.0 {above} {below})) {fact})")
+            }
+            None => fact,
         }
     }
 }
@@ -103,6 +123,7 @@ impl Machine for Script {
         }
         let size = format!("{:.6}", value.abs());
         assert_eq!(size.parse::<f64>(), Ok(value.abs()), "all digits are written");
+        self.assume(&format!("(finite {size})"));
         self.term(if value < 0.0 { format!("(- {size})") } else { size })
     }
 
@@ -130,7 +151,7 @@ impl Machine for Script {
         self.rounded(&exact)
     }
 
-    /// Products by powers of two are exact.
+    /// A half is exact.
     fn mul(&mut self, a: usize, b: usize) -> usize {
         let is_half = |factor: usize| self.of(factor) == "0.500000";
         if is_half(a) || is_half(b) {
@@ -140,21 +161,21 @@ impl Machine for Script {
         self.rounded(&exact)
     }
 
-    /// Two roundings give at least what one gives.
+    /// Two roundings give at least what one gives, and may err by more than a unit.
     fn mul_add(&mut self, a: usize, b: usize, c: usize) -> usize {
         let exact = format!("(+ {} {})", self.apply("*", &[a, b]), self.of(c));
-        self.rounded(&exact)
+        self.above(&exact)
     }
 
-    /// A positive number by 0 is ∞. Nothing is said of other quotients by 0, and of those by
-    /// numbers below 0. [`Self::min`] knows that a quotient by 0 may be NaN.
+    /// A number by 0 is ±∞, and 0 by 0 is NaN. Nothing is said of quotients by numbers below 0.
     fn div(&mut self, a: usize, b: usize) -> usize {
         let value = self.declare(&format!("value {}", self.terms.len()), "Real");
         let [above, below, quotient] = [a, b, value].map(|number| self.of(number).to_owned());
         self.assume(&format!("(=> (< 0.0 {below}) (up {above} (* {quotient} {below})))"));
         self.assume(&format!("(=> (< 0.0 {below}) (finite {quotient}))"));
         self.assume(&format!("(=> (= 0.0 {below}) (< 0.0 {above}) (= {quotient} infinity))"));
-        self.denominators[value] = Some(b);
+        self.assume(&format!("(=> (= 0.0 {below}) (< {above} 0.0) (= {quotient} (- infinity)))"));
+        self.quotients[value] = Some([a, b]);
         value
     }
 

@@ -1,4 +1,4 @@
-//! Statements that need only that rounding is upward: the range of t, and the contraction.
+//! Statements that need rounding to be upward: the range of t, and the contraction.
 
 use super::problem::{FORMAT, unit};
 use crate::enclosure::Fact;
@@ -16,23 +16,21 @@ fn script(m: &Script, claim: &str) -> String {
         ; false with rounding down\n\
         (declare-const infinity Real)\n\
         (define-fun finite ((a Real)) Bool (< (size a) infinity))\n\
-        (define-fun unit () Real (/ 1.0 8388608.0))\n\
-        (define-fun up ((exact Real) (computed Real)) Bool\n  \
-        (and (<= exact computed) (<= (size (- computed exact)) (* unit (size exact)))))";
-    assert_eq!(unit(), 1.0 / 8_388_608.0);
+        (define-fun up ((exact Real) (computed Real)) Bool (<= exact computed))";
     format!("{header}\n{}(assert (not {claim}))\n", m.text)
 }
 
 /// Every t of a segment is middle + half·ε for some ε in [−1, 1]. The sum of their magnitudes is
 /// at most 1 + 4u times the largest magnitude of an end.
 fn range() -> String {
-    let mut m = Script::default();
+    let mut m = Script::with_unit(unit());
     let [near, far, t] = ["near", "far", "the t"].map(|name| m.input(name));
     m.assume(&format!("(<= {} {} {})", m.of(near), m.of(t), m.of(far)));
     let RayRange { middle, half } = RayRange::between(&mut m, FORMAT, [near, far]);
     let [near, far, t, middle, half] = [near, far, t, middle, half].map(|value| m.of(value));
     let holds = format!("(<= (size (- {t} {middle})) {half})");
-    let most = format!("(* (+ 1.0 (* 4.0 unit)) (most (size {near}) (size {far})))");
+    let factor = format!("(+ 1.0 (/ 4.0 {:?}))", 1.0 / unit());
+    let most = format!("(* {factor} (most (size {near}) (size {far})))");
     script(&m, &format!("(and {holds} (<= (+ (size {middle}) {half}) {most}))"))
 }
 
