@@ -438,7 +438,7 @@ impl<T: Real> Tiles<T> {
         for axis in 0..3 {
             let [origin, direction] = [&self.origin, &self.direction]
                 .map(|parts| [&parts[axis], &parts[3 + axis], &parts[6 + axis]]);
-            // A loop without calls and branches: the compiler makes vectors of it.
+            // Lanes are innermost, so this loop has neither calls nor branches.
             for lane in 0..lanes {
                 let t = size(self.near[lane]).max(size(self.far[lane]));
                 let a = size(self.centre[0][lane]) + size(self.half[0][lane]);
