@@ -33,23 +33,18 @@ NAMES = ("licen", "copying", "notice", "unlicense")
 
 
 def main(manifest: str, target: str, file: str) -> None:
-    command = ["cargo", "metadata", "--locked", "--format-version", "1"]
-    command += ["--manifest-path", manifest, "--filter-platform", target]
-    metadata = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
-    packages = {package["id"]: package for package in metadata["packages"]}
-    nodes = {node["id"]: node for node in metadata["resolve"]["nodes"]}
-    reached, waiting = set(), [metadata["resolve"]["root"]]
-    while waiting:
-        package = waiting.pop()
-        if package in reached:
-            continue
-        reached.add(package)
-        for dependency in nodes[package]["deps"]:
-            if any(kind["kind"] is None for kind in dependency["dep_kinds"]):
-                waiting.append(dependency["pkg"])
+    where = ["--locked", "--manifest-path", manifest]
+    metadata = json.loads(run("cargo", "metadata", "--format-version", "1", *where))
+    tree = run("cargo", "tree", "--target", target, "--edges", "normal", "--prefix", "none", *where)
+    # Lines are "name vVERSION", and more where something is to say of the crate.
+    used = {tuple(line.split()[:2]) for line in tree.splitlines()}
     # Crates without a source are those of this project.
     crates = sorted(
-        (packages[id] for id in reached if packages[id]["source"]),
+        (
+            package
+            for package in metadata["packages"]
+            if package["source"] and (package["name"], f"v{package['version']}") in used
+        ),
         key=lambda package: (package["name"], package["version"]),
     )
     check(crates)
@@ -74,6 +69,10 @@ def main(manifest: str, target: str, file: str) -> None:
         )
     pathlib.Path(file).write_text("\n".join(parts), encoding="utf-8")
     print(f"{file}: {len(texts)} texts, {len(bare)} crates without one")
+
+
+def run(*command: str) -> str:
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout
 
 
 def check(crates: list[dict[str, str]]) -> None:
