@@ -8,9 +8,9 @@ use super::logarithm::Base;
 use super::trigonometric::HalfPi;
 use crate::bounds::Interval;
 use crate::machine::{Format, Machine};
+use crate::rules::script;
 use std::collections::HashMap;
 use std::fmt::Write as _;
-use std::path::Path;
 
 /// A machine that numbers what it executes. Equal operations have the same number.
 #[derive(Default)]
@@ -53,11 +53,8 @@ impl Program {
     /// Writes the program to a file below `ZEROSET_PROOFS`, if it is set.
     pub(super) fn write(&self, name: &str) {
         assert!(self.lines.len() > 3, "{name}");
-        let Some(root) = std::env::var_os("ZEROSET_PROOFS") else { return };
-        let folder = Path::new(&root).join("functions");
-        std::fs::create_dir_all(&folder).expect("a folder");
         let text = format!("{}\n\n{}", self.lines.join("\n"), self.notes);
-        std::fs::write(folder.join(format!("{name}.txt")), text).expect("written");
+        script::write_text(&format!("functions/{name}.txt"), &text);
     }
 }
 
