@@ -27,7 +27,7 @@ from multiprocessing import Pool
 from pathlib import Path
 
 from cells import CELLS, floats, floats_between, tasks
-from claims import BEYOND, Program, prove_beyond, prove_cell
+from claims import BEYOND, Program, follow_samples, prove_beyond, prove_cell
 from exact import Cell
 from floats import Unproven
 from waves import prove_near, prove_rest, prove_small
@@ -78,16 +78,21 @@ def prove_program(pool, path, every, moved=False):
     """Returns whether all cells are proven. Prints how many there are."""
     started, count, least, bad = time.monotonic(), 0, 1.0, []
     cells = [(path, moved, *task) for task in tasks(path)][::every]
+    if moved:
+        # Of the largest rests, for which the coefficient matters most.
+        cells = [cell for cell in cells if cell[2] == "near" and abs(cell[3] + cell[4]) > 1.5]
     for cell, tried, left, reason in pool.imap_unordered(prove, cells, 4):
         count += tried
         if left is None:
             bad.append(f"  {cell[0]!r} to {cell[1]!r}: {reason}")
         else:
             least = min(least, left)
-    for at, limit in [] if moved else BEYOND.get(path.stem, []):
-        count += 1
+    if not moved:
         try:
-            prove_beyond(Program(path), path.stem, at, limit)
+            follow_samples(Program(path))
+            for at, limit in BEYOND.get(path.stem, []):
+                count += 1
+                prove_beyond(Program(path), path.stem, at, limit)
         except Unproven as reason:
             bad.append(f"  {reason}")
     seconds = time.monotonic() - started

@@ -29,7 +29,9 @@ class Program:
         text = path.read_text()
         lines, notes = text.split("\n\n")
         self.lines = [line.split() for line in lines.splitlines()]
-        self.notes = dict(line.rsplit(" ", 1) for line in notes.splitlines())
+        notes = notes.splitlines()
+        self.samples = [line.split()[1:] for line in notes if line.startswith("sample ")]
+        self.notes = dict(line.rsplit(" ", 1) for line in notes if not line.startswith("sample "))
         if moved:
             name = self.notes["coefficient"]
             off = 2 * self.number("slack") / (math.pi / 4) ** 2
@@ -54,6 +56,20 @@ class Program:
         if (power, sign) not in self.reductions:
             self.reductions[power, sign] = reduce(self, power, sign)
         return self.reductions[power, sign]
+
+
+def follow_samples(program):
+    """Whether the operations give what the code computed, at some floats."""
+    ends = [end for _, low, high in program.bounds for end in (low, high)]
+    if not program.samples:
+        raise Unproven("no samples")
+    for x, *expected in program.samples:
+        machine = Machine(program.lines, {0: int(x, 16)}, [])
+        found = [machine.line(end) for end in ends]
+        if not machine.is_number(*found) or machine.options:
+            raise Unproven(f"no numbers at {to_float(int(x, 16))!r}")
+        if [to_float(end) for end in found] != [to_float(int(end, 16)) for end in expected]:
+            raise Unproven(f"other bounds at {to_float(int(x, 16))!r}")
 
 
 def prove_beyond(program, name, at, limit):

@@ -287,15 +287,13 @@ mod tests {
         m.name("correction", turned.correction);
         m.name("turns", turned.bits);
         for (name, [low, high], value) in [("sin", sin, values[0]), ("cos", cos, values[1])] {
-            m.name(&format!("bounds {name} {low}"), high);
+            m.bound(name, [low, high]);
             m.name(&format!("value {name}"), value);
         }
         m.constant("units", NEAR_UNITS);
         m.constant("coefficient", NEAR_F64.sin[0]);
         m.constant("slack", SIN_SLACK * NEAR_F64.half_ulp);
-        m.constant("least", -NEAR_F64.limit);
-        m.constant("most", NEAR_F64.limit);
-        m.write("waves-near");
+        m.write("waves-near", [-NEAR_F64.limit, NEAR_F64.limit]);
     }
 
     #[test]

@@ -9,6 +9,7 @@ use super::trigonometric::HalfPi;
 use crate::bounds::Interval;
 use crate::machine::{Format, Machine};
 use crate::rules::script;
+use crate::software::{Software, Vector128};
 use std::collections::HashMap;
 use std::fmt::Write as _;
 
@@ -19,6 +20,7 @@ pub(super) struct Program {
     known: HashMap<String, usize>,
     /// Names of values, bounds and domains.
     notes: String,
+    bounds: Vec<[usize; 2]>,
 }
 
 impl Program {
@@ -50,8 +52,76 @@ impl Program {
         let _ = writeln!(self.notes, "{name} {:016x}", number.to_bits());
     }
 
-    /// Writes the program to a file below `ZEROSET_PROOFS`, if it is set.
-    pub(super) fn write(&self, name: &str) {
+    /// Names bounds of a function: the negated lower one, and the upper one.
+    pub(super) fn bound(&mut self, function: &str, [low, high]: [usize; 2]) {
+        self.name(&format!("bounds {function} {low}"), high);
+        if !self.bounds.contains(&[low, high]) {
+            self.bounds.push([low, high]);
+        }
+    }
+
+    /// Executes the program in software for inputs with these bits. Returns the bits of all values.
+    fn replay(&self, m: &mut Software, x: u64) -> Vec<u64> {
+        let mut values: Vec<Vector128> = Vec::new();
+        for line in &self.lines {
+            let (name, rest) = line.split_once(' ').expect("a name");
+            let numbers: Vec<usize> =
+                rest.split(' ').map(|word| word.parse().unwrap_or(0)).collect();
+            let at = |place: usize| values[numbers[place]];
+            let by = || u8::try_from(numbers[1]).expect("a number of bits");
+            values.push(match name {
+                "input" => m.bits(Format::F64, x),
+                "bits" => m.bits(Format::F64, u64::from_str_radix(rest, 16).expect("bits")),
+                "add" => m.add(at(0), at(1)),
+                "sub" => m.sub(at(0), at(1)),
+                "mul" => m.mul(at(0), at(1)),
+                "mul_add" => m.mul_add(at(0), at(1), at(2)),
+                "div" => m.div(at(0), at(1)),
+                "sqrt" => m.sqrt(at(0)),
+                "neg" => m.neg(at(0)),
+                "abs" => m.abs(at(0)),
+                "min" => m.min(at(0), at(1)),
+                "max" => m.max(at(0), at(1)),
+                "floor" => m.floor(at(0)),
+                "nearest" => m.nearest(at(0)),
+                "lt" => m.lt(at(0), at(1)),
+                "le" => m.le(at(0), at(1)),
+                "eq" => m.eq(at(0), at(1)),
+                "and" => m.and(at(0), at(1)),
+                "or" => m.or(at(0), at(1)),
+                "xor" => m.xor(at(0), at(1)),
+                "select" => m.select(at(0), at(1), at(2)),
+                "select_signed" => m.select_signed(at(0), at(1), at(2)),
+                "int_add" => m.int_add(at(0), at(1)),
+                "int_sub" => m.int_sub(at(0), at(1)),
+                "shift_left" => m.shift_left(at(0), by()),
+                "shift_right" => m.shift_right(at(0), by()),
+                _ => unreachable!("{name}"),
+            });
+        }
+        values.iter().map(|value| value.bits_64()[0]).collect()
+    }
+
+    /// Notes the values of bounds at some floats of the domain, by which `proofs/functions` checks
+    /// that its operations are those of the code. It rounds a·b + c twice.
+    fn sample(&mut self, [least, most]: [f64; 2]) {
+        let [_, mut m] = Software::BOTH;
+        for x in SAMPLES.into_iter().flat_map(|x| [x, -x]) {
+            if !(least..=most).contains(&x) {
+                continue;
+            }
+            let values = self.replay(&mut m, x.to_bits());
+            let ends = self.bounds.as_flattened().iter();
+            let ends: Vec<_> = ends.map(|end| format!("{:016x}", values[*end])).collect();
+            let _ = writeln!(self.notes, "sample {:016x} {}", x.to_bits(), ends.join(" "));
+        }
+    }
+
+    /// Writes the program to a file below `ZEROSET_PROOFS`, if it is set. It holds on a domain.
+    pub(super) fn write(&mut self, name: &str, domain: [f64; 2]) {
+        self.constant("least", domain[0]);
+        self.constant("most", domain[1]);
+        self.sample(domain);
         assert!(self.lines.len() > 3, "{name}");
         let text = format!("{}\n\n{}", self.lines.join("\n"), self.notes);
         script::write_text(&format!("functions/{name}.txt"), &text);
@@ -128,13 +198,17 @@ fn name_bounds(m: &mut Program, function: &str, near: &Approximation<usize>) {
     let sum = Approximation { exponent: None, ..*near };
     let mut approx = approximator(m);
     let (low, high) = (approx.negated_lower(&sum), approx.upper(&sum));
-    m.name(&format!("bounds {function} {low}"), high);
+    m.bound(function, [low, high]);
     m.constant(&format!("error {function}"), near.error);
 }
 
 /// A routine, and the domain in which it is used.
 type Routine = fn(&mut Approximator<'_, Program>, usize) -> Approximation<usize>;
 
+const SAMPLES: [f64; 14] = [
+    5e-310, 1e-290, 1e-120, 1e-100, 1e-9, 0.001_7, 0.123, 0.499, 0.77, 0.998, 1.001, 2.6, 19.3,
+    700.25,
+];
 const ALL: [f64; 2] = [-f64::MAX, f64::MAX];
 const POSITIVE: [f64; 2] = [f64::from_bits(1), f64::MAX];
 const ROUTINES: &[(&str, [f64; 2], Routine)] = &[
@@ -161,9 +235,7 @@ fn proofs_of_functions() {
         let x = m.input("x");
         let near = routine(&mut approximator(&mut m), x);
         name_bounds(&mut m, name, &near);
-        m.constant("least", domain[0]);
-        m.constant("most", domain[1]);
-        m.write(name);
+        m.write(name, *domain);
     }
 }
 
@@ -189,8 +261,6 @@ fn proofs_of_waves() {
         }
         assert_eq!(m.lines.len(), lines);
         let limit = half_pi.limit(Format::F64);
-        m.constant("least", -limit);
-        m.constant("most", limit);
-        m.write(name);
+        m.write(name, [-limit, limit]);
     }
 }
