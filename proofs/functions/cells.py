@@ -16,7 +16,7 @@ def floats(lo, hi):
 
 
 def floats_between(lo, hi):
-    return abs(to_bits(hi) - to_bits(lo)) if lo * hi > 0 else math.inf
+    return abs(to_bits(hi) - to_bits(lo)) if lo > 0 or hi < 0 else math.inf
 
 
 def octaves(first, last, pieces):
