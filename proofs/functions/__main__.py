@@ -68,9 +68,14 @@ def prove(task):
                 cells += [(x, x, depth) for x in floats(lo, hi)]
                 continue
             middle = (lo + hi) / 2 if abs(lo + hi) < math.inf else lo / 2 + hi / 2
-            if depth == HALVINGS or not lo < middle < hi:
+            if depth < HALVINGS and lo < middle < hi:
+                cells += [(lo, middle, depth + 1), (middle, hi, depth + 1)]
+            elif depth == HALVINGS and lo < hi:
+                # At an end, comparisons may find equality.
+                inner = math.nextafter(lo, math.inf), math.nextafter(hi, -math.inf)
+                cells += [(*inner, depth + 1), (lo, lo, depth + 1), (hi, hi, depth + 1)]
+            else:
                 return (lo, hi), count, None, str(reason)
-            cells += [(lo, middle, depth + 1), (middle, hi, depth + 1)]
     return (lo, hi), count, least, None
 
 

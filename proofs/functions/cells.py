@@ -16,7 +16,7 @@ def floats(lo, hi):
 
 
 def floats_between(lo, hi):
-    return abs(to_bits(hi) - to_bits(lo)) if lo * hi > 0 else math.inf
+    return abs(to_bits(hi) - to_bits(lo)) if lo > 0 or hi < 0 else math.inf
 
 
 def octaves(first, last, pieces):
@@ -117,7 +117,7 @@ CELLS = {
     "tanh": lambda: mirrored(chain(tiny(-3), steps(0.125, 40.0, 0.125), steps(40.0, 720.0, 0.5))),
     "asinh": lambda: mirrored(asinh_cells()),
     "acosh": acosh_cells,
-    "atanh": lambda: mirrored(arc_cells()),
+    "atanh": lambda: (ends for ends in mirrored(arc_cells()) if abs(ends[0]) < 1),
     "atan": lambda: mirrored(atan_cells()),
     "asin": lambda: mirrored(arc_cells()),
     "acos": lambda: mirrored(

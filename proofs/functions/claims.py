@@ -126,6 +126,8 @@ def prove_bounds(program, machine, name, low, high, function, offs=(0.0, 0.0), o
         target = function_here if sign == 1 else -function_here
         far = (node.exact - target - (node.under or ZERO)).ball()
         error = min(m.value(m.line(number)).error[0] for m in (machine, *others))
+        if not math.isfinite(error):
+            raise Unproven(f"{name}: no bound")
         slack = far.lower() + arb_of(error) - arb_of(off)
         if not slack >= 0:
             side = "upper" if sign == 1 else "lower"

@@ -93,9 +93,11 @@ class Execution:
         return all(isinstance(v, int) for v in values)
 
     def fold(self, op, *values):
-        """The result of an operation on numbers."""
-        numbers = [Fraction(to_float(v)) for v in values]
-        exact = op(*numbers)
+        """The result of an operation on numbers. NaN stands for what is not known."""
+        floats = [to_float(v) for v in values]
+        if not all(map(math.isfinite, floats)):
+            return to_bits(math.nan)
+        exact = op(*map(Fraction, floats))
         if exact == 0:
             return 0
         return to_bits(rounded_up(exact))
@@ -154,6 +156,8 @@ class Execution:
 
     def do_sqrt(self, a):
         if self.is_number(a):
+            if not math.isfinite(to_float(a)) or to_float(a) < 0:
+                return to_bits(math.nan)
             number = Fraction(to_float(a))
             root = Fraction(math.isqrt(int(number * 4**600)), 2**600)
             if root * root == number:

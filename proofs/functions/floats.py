@@ -82,8 +82,8 @@ def times_power(a, power):
 
 def total(*parts):
     lo, hi = sum(p[0] for p in parts), sum(p[1] for p in parts)
-    more = 2.0**-50 * sum(max(abs(p[0]), abs(p[1])) for p in parts)
-    return lo - more, hi + more
+    lo_more, hi_more = (2.0**-50 * sum(abs(p[i]) for p in parts) for i in (0, 1))
+    return lo - lo_more, hi + hi_more
 
 
 def minus(a):

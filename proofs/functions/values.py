@@ -155,10 +155,15 @@ class Values(Execution):
         if a.range[0] >= 1:
             node.range = max(node.range[0], 1.0), node.range[1]
 
+    def all_of(self, node):
+        """Bounds of a node with and without its error."""
+        return node.range if node.error == (0.0, 0.0) else hull(node.range, node.exact.range())
+
     def find_mul(self, node):
         a, b = node.args
-        ends = [Fraction(x) * Fraction(y) for x in a.range for y in b.range]
-        if max(map(abs, ends)) <= LEAST:
+        tiny = size(a.range) * size(b.range) < 2.0**-1000
+        ends = [Fraction(x) * Fraction(y) for x in a.range for y in b.range] if tiny else []
+        if ends and max(map(abs, ends)) <= LEAST:
             # Rounded up, it is 0 or the least number.
             least, most = (LEAST if end > 0 else 0.0 for end in (min(ends), max(ends)))
             node.exact = constant(arb_of(least))
@@ -166,8 +171,8 @@ class Values(Execution):
             return
         exact = a.exact * b.exact
         error = total(
-            product(a.error, hull(b.range, b.exact.range())),
-            product(hull(a.range, a.exact.range()), b.error),
+            product(a.error, self.all_of(b)),
+            product(self.all_of(a), b.error),
         )
         if a.error == b.error == (0.0, 0.0):
             error = 0.0, 0.0
