@@ -1,5 +1,5 @@
-//! Reads commands of other systems that plot a curve or a parametric surface: the three coordinates,
-//! and one or two parameters with their ranges. They become a statement such as
+//! Reads commands of other systems that plot a curve or a parametric surface: the three
+//! coordinates, and one or two parameters with their ranges. They become a statement such as
 //! `(cos t, sin t, t) for t in [0, 20]`.
 
 use crate::plot_arguments::{Arguments, PlotRange};

@@ -182,8 +182,8 @@ impl ProgramReader<'_> {
         Some((self.words.path(place, &parts, &[(u, &of_u), (v, &of_v)]), [u, v]))
     }
 
-    /// A value without the call `outer(a, b)` of Python over two ranges: the product of a and b. A factor of
-    /// ones is left out.
+    /// A value without the call `outer(a, b)` of Python over two ranges: the product of a and b. A
+    /// factor of ones is left out.
     fn without_outer(&self, mut tokens: Vec<Token>) -> Vec<Token> {
         while let Some(at) = tokens.iter().position(|token| self.words.word(*token) == "outer")
             && let Some((inner, rest)) = bracketed(&tokens[at + 1..])

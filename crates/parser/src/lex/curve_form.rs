@@ -1,8 +1,9 @@
 //! Recognizes statements that draw curves, points and parametric surfaces, by their tokens.
 //!
 //! `curve f = 0, g = 0` and `(cos t, sin t, t) for t in [0, 20]` draw curves. `(1, 2, 3)` draws a
-//! point. `(u, v, u v) for u in [0, 1], v in [0, 1]` draws a surface. A statement found here begins with the word `curve` or `point`, which is added if it was
-//! not typed. A parameter's range gets the form `for t in [a, b]`. Names have no meaning here.
+//! point. `(u, v, u v) for u in [0, 1], v in [0, 1]` draws a surface. A statement found here begins
+//! with the word `curve` or `point`, which is added if it was not typed. A parameter's range gets
+//! the form `for t in [a, b]`. Names have no meaning here.
 
 use crate::lex::spelling::plain_name;
 use crate::lex::token::{Token, bracketed, closing, outside, split};

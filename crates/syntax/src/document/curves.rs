@@ -146,7 +146,8 @@ impl DocumentReader<'_> {
     }
 }
 
-/// Lowers a curve to its shape. `None` for a surface. `parameter` is the number of a path's parameter in the graph.
+/// Lowers a curve to its shape. `None` for a surface. `parameter` is the number of a path's
+/// parameter in the graph.
 fn shape<'d>(
     lowering: &mut Lowering<'d>,
     curve: &'d CurveStatement,

@@ -145,7 +145,8 @@ fn patch<'d>(
     Ok(Lowered { at, ends, names: parameters.each_ref().map(|name| name.text.clone()) })
 }
 
-/// The nodes that `roots` need, with the variables x and y for the parameters `free` and `free + 1`.
+/// The nodes that `roots` need. The variables x and y stand for the parameters `free` and
+/// `free + 1`.
 fn with_variables(graph: &Graph, roots: &[NodeId], free: u32) -> (Graph, Vec<NodeId>) {
     let needed = graph.reachable(roots);
     let mut copy = Graph::new();

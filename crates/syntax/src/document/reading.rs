@@ -209,7 +209,8 @@ impl Document {
         self.surfaces.iter().map(DrawnSurface::of_surface).chain(patches)
     }
 
-    /// The line that begins with `word` and applies to [surface](Self::drawn_surfaces) number `surface`, if there is one.
+    /// The line that begins with `word` and applies to [surface](Self::drawn_surfaces) number
+    /// `surface`, if there is one.
     pub fn line_for(&self, word: &str, surface: usize) -> Option<&SettingLine> {
         let place = self.drawn_surfaces().nth(surface)?.span.start;
         let last = last_drawing(&self.surfaces, &self.patches.all, &self.curves.all);

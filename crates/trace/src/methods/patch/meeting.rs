@@ -11,10 +11,10 @@
 //!
 //! Both planes hold the ray exactly, whatever the rounding of d. Then t = (S[k] − o[k])/d[k].
 //!
-//! Over a cell, u and v are linear in two symbols U and V from −1 to 1. Each coordinate is within an
-//! error of a linear function of U and V. So F = f.c + f.a·U + f.b·V + δ with |δ| ≤ `f.error`, and
-//! G likewise with ε. The errors include the rounding of the coefficients. If both vanish, then with
-//! D = f.a·g.b − g.a·f.b:
+//! Over a cell, u and v are linear in two symbols U and V from −1 to 1. Each coordinate is within
+//! an error of a linear function of U and V. So F = f.c + f.a·U + f.b·V + δ with |δ| ≤ `f.error`,
+//! and G likewise with ε. The errors include the rounding of the coefficients. If both vanish, then
+//! with D = f.a·g.b − g.a·f.b:
 //!
 //! ```text
 //! D·U = f.b·g.c − g.b·f.c + f.b·ε − g.b·δ
@@ -169,8 +169,8 @@ pub(super) struct Meeting {
     pub is_possible: bool,
     /// Whether the linear equations have one solution for all errors.
     pub is_solved: bool,
-    /// Bounds of U and V at all zeros in the cell: the middle and the largest distance from it. They
-    /// may exceed the cell.
+    /// Bounds of U and V at all zeros in the cell: the middle and the largest distance from it.
+    /// They may exceed the cell.
     pub symbols: [[f64; 2]; 2],
     /// Bounds of t at all zeros in the cell. Only for a single ray.
     pub t: [f64; 2],
@@ -314,8 +314,8 @@ fn smaller(one: f64, other: f64) -> f64 {
     if one < other { one } else { other }
 }
 
-/// Where the rays of a beam may meet a cell. The code has no branches after it is optimized, so that
-/// a loop over lanes becomes vector instructions.
+/// Where the rays of a beam may meet a cell. The code has no branches after it is optimized, so
+/// that a loop over lanes becomes vector instructions.
 #[inline(always)]
 fn meeting(beam: &Beam, cell: &CellShape) -> Meeting {
     let (f, g) = (plane_function(beam, cell, 0), plane_function(beam, cell, 1));

@@ -21,8 +21,8 @@ const NARROW: f64 = 0.25;
 /// A narrowed cell is wider than the bounds of its zeros by this factor, so that the next bounds
 /// may lie inside it.
 const ROOM: f64 = 2.0;
-/// For rays on which the place of a zero does not matter: the length to which brackets are narrowed,
-/// as a share of the ray's length in the region.
+/// For rays on which the place of a zero does not matter: the length to which brackets are
+/// narrowed, as a share of the ray's length in the region.
 const SHADOW_LENGTH: f64 = 1.0 / 1024.0;
 /// A range of u or v is not divided below this share of its numbers' size.
 const FINEST: f64 = 8.0 * f64::EPSILON;
