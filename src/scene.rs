@@ -56,7 +56,7 @@ impl Scene {
 
     /// Returns the formula of each surface as it was read, in the order of the text.
     pub fn surfaces(&self) -> impl Iterator<Item = &str> {
-        self.text.document.surfaces.iter().map(|surface| &*surface.echo)
+        self.text.document.drawn_surfaces().map(|surface| surface.echo)
     }
 
     /// Returns the text's parameters, in the order of their definitions.

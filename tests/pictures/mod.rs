@@ -20,6 +20,7 @@ mod normals;
 mod outlines;
 mod overlap;
 mod paints;
+mod parametric;
 mod parts;
 mod parts_support;
 mod properties;

@@ -20,6 +20,11 @@ const FORMAT: &str = "zeroset claims 1";
 /// Begins the file.
 pub fn begin(mut out: Box<dyn Write>, picture: &Beginning<'_>) -> NewRowWriter {
     let Beginning { size: [width, height], document, region, .. } = *picture;
+    if !document.patches.is_empty() {
+        return Err(io::Error::other(
+            "claims are written for equations and solids, and the text has a parametric surface",
+        ));
+    }
     let [surfaces, steps] = functions(document);
     let header = json!({
         "format": FORMAT,

@@ -20,7 +20,7 @@ use zeroset_scene::curves;
 use zeroset_scene::program::{ClearedGraph, KernelSource, Program};
 use zeroset_scene::view;
 use zeroset_space::Region;
-use zeroset_syntax::{CurveShape, Format, SurfaceKind, emit};
+use zeroset_syntax::{CurveShape, Document, Format, SurfaceKind, emit};
 use zeroset_trace::{Method, TraceOptions};
 
 pub fn run(arguments: &ExplainArgs) -> Result<ExitCode> {
@@ -97,7 +97,7 @@ fn explain_in<T: KernelFloat>(
         let value = parameter.value.bounds();
         writeln!(text, "parameter   {} = {}", parameter.name, range(value))?;
     }
-    let program = Program::drawn(document, domain)?;
+    let program = Program::with_patches(document, domain)?;
     let names: Vec<&str> = document.parameters.iter().map(|p| p.name.as_str()).collect();
     for (index, surface) in document.surfaces.iter().enumerate() {
         let root = program.roots()[index];
@@ -126,7 +126,14 @@ fn explain_in<T: KernelFloat>(
             method,
             ..Settings::default()
         };
-        make_kernels::<T>(&program, index, surface.kind, &region, &settings, &|| true)?;
+        make_kernels::<T>(
+            &program,
+            index,
+            surface.kind == SurfaceKind::Solid,
+            &region,
+            &settings,
+            &|| true,
+        )?;
         for (form, label) in
             [(KernelSource::Function, "operations"), (KernelSource::Gradient, "derivatives")]
         {
@@ -142,6 +149,7 @@ fn explain_in<T: KernelFloat>(
             writeln!(text, "kernel      {made}")?;
         }
     }
+    explain_patches(&mut text, document, &program)?;
     let traced = curves::trace(document, &region);
     for (index, curve) in document.curves.all.iter().enumerate() {
         writeln!(text, "\nread as     {}", curve.echo)?;
@@ -165,6 +173,30 @@ fn explain_in<T: KernelFloat>(
     let (before, after) = program.nodes();
     writeln!(text, "\nnodes       {before} as typed, {after} simplified")?;
     Ok(text + &code)
+}
+
+/// Adds how the parametric surfaces are read and compiled.
+fn explain_patches(text: &mut String, document: &Document, program: &Program) -> Result<()> {
+    let names: Vec<&str> = document.parameters.iter().map(|p| p.name.as_str()).collect();
+    for (index, patch) in document.patches.all.iter().enumerate() {
+        let surface = document.surfaces.len() + index;
+        writeln!(text, "\nread as     {}", patch.echo)?;
+        let Some(own) = program.patch(surface) else { continue };
+        let coordinates = own.coordinates();
+        for (axis, root) in ["x", "y", "z"].into_iter().zip(coordinates.roots()) {
+            let shown = display(coordinates.graph(), *root, &names);
+            let [u, v] = &patch.names;
+            writeln!(text, "{axis}           {shown}, with x for {u} and y for {v}")?;
+        }
+        own.tree()?;
+        if let Some(tape) = coordinates.tape::<f64>(0, KernelSource::Coordinates)? {
+            writeln!(text, "operations  {}", operations(&tape))?;
+        }
+        for made in program.made().iter().filter(|made| made.surface == surface) {
+            writeln!(text, "kernel      {made}")?;
+        }
+    }
+    Ok(())
 }
 
 /// Formats the bounds of a parameter. Bounds that are equal or adjacent floats become one number,

@@ -16,6 +16,7 @@ use zeroset_live::Rendering;
 use zeroset_measure::{Measured, Measures, Quantity, RELATIVE, Request, measures};
 use zeroset_render::limit::Limit;
 use zeroset_scene::curves::UNPROVEN;
+use zeroset_scene::patches::NO_MESH;
 use zeroset_scene::view::Clipping;
 
 /// The note on measures that take long.
@@ -62,6 +63,9 @@ pub fn run(arguments: &MeasureArgs) -> Result<ExitCode> {
     found.remarks.iter().for_each(|remark| notes::note(remark));
     if !subject.document.curves.is_empty() {
         notes::note(UNPROVEN);
+    }
+    if !subject.document.patches.is_empty() {
+        notes::note(NO_MESH);
     }
     if arguments.json {
         print(&format!("{}\n", report(&found, &request, subject.parse)))?;

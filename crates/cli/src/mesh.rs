@@ -23,6 +23,7 @@ use zeroset_scene::blank::{Blank, ends};
 use zeroset_scene::coordinate::{coordinate, decimal};
 use zeroset_scene::curves::UNPROVEN;
 use zeroset_scene::domain::AutoDomain;
+use zeroset_scene::patches::NO_MESH;
 use zeroset_scene::view::Clipping;
 use zeroset_syntax::Document;
 
@@ -71,6 +72,9 @@ pub fn run(arguments: &MeshArgs) -> Result<ExitCode> {
     }
     if !subject.document.curves.is_empty() {
         notes::note(UNPROVEN);
+    }
+    if !subject.document.patches.is_empty() {
+        notes::note(NO_MESH);
     }
     if arguments.unit.is_some() && !files.format().is_some_and(|format| format.has_unit) {
         notes::note(&format!("--unit changes nothing: only {} have units", listed(|f| f.has_unit)));
@@ -178,6 +182,7 @@ fn why_empty(found: &Meshes, document: &Document) -> String {
     let place = |found: Option<AutoDomain>| found.map(|found| format!("--domain {}", ends(&found)));
     match blank {
         Blank::NoCurve => "there are curves and points alone".to_owned(),
+        _ if document.surfaces.is_empty() => NO_MESH.to_owned(),
         Blank::Missed { found, .. } if cells > 0 => format!(
             "the function changes its sign at no sample; {cells} cells may still hold a point of \
              the surface, which may be thinner than {tolerance:.2e} there: try a smaller \

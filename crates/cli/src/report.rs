@@ -25,7 +25,7 @@ pub fn object(
     let statistics = &picture.statistics;
     let count = |count: Count| json!({"calls": count.calls, "lanes": count.lanes});
     let (low, high) = (region.low(), region.high());
-    let echoes: Vec<&str> = subject.document.surfaces.iter().map(|s| s.echo.as_str()).collect();
+    let echoes: Vec<&str> = subject.document.drawn_surfaces().map(|one| one.echo).collect();
     let (projection, value) = match camera.projection() {
         Projection::Perspective { fov } => ("fov", fov),
         Projection::Orthographic { height } => ("ortho", height),

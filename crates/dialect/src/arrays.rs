@@ -253,7 +253,7 @@ impl ProgramReader<'_> {
     }
 
     /// Index of the module's name before the function's name at `at`; `at` without a module.
-    fn without_module(&self, tokens: &[Token], at: usize) -> usize {
+    pub(crate) fn without_module(&self, tokens: &[Token], at: usize) -> usize {
         let has_module = at > 1
             && self.words.is_dot(tokens[at - 1])
             && matches!(self.words.word(tokens[at - 2]), "np" | "numpy" | "math" | "Math");

@@ -1,5 +1,6 @@
-//! Reads commands of other systems that plot a curve: the three coordinates, and the parameter with
-//! its range. They become a statement such as `(cos t, sin t, t) for t in [0, 20]`.
+//! Reads commands of other systems that plot a curve or a parametric surface: the three
+//! coordinates, and one or two parameters with their ranges. They become a statement such as
+//! `(cos t, sin t, t) for t in [0, 20]`.
 
 use crate::plot_arguments::{Arguments, PlotRange};
 use crate::program_words::Words;
@@ -9,7 +10,7 @@ use zeroset_parser::lex::token::{Token, bracketed, closing, in_brackets, span_of
 use zeroset_parser::lex::token_kind::TokenKind::{self, *};
 use zeroset_parser::{Error, ErrorKind, Fallible, Note, NoteKind, Span};
 
-/// Commands that plot a curve.
+/// Commands that plot a curve, and some of them also a surface.
 #[rustfmt::skip] // several words a line
 pub(crate) const COMMANDS: &[&str] = &[
     "ParametricPlot3D", "spacecurve", "parametric_plot3d", "plot3d_parametric_line", "Curve",
@@ -21,11 +22,17 @@ pub(crate) const COMMANDS: &[&str] = &[
 pub(crate) const LISTED: &[&str] = &["plot3", "plot3d", "lines3d", "scatter3", "comet3", "line3d"];
 
 /// Commands that plot a surface given by two parameters.
-const SURFACES: &[&str] =
-    &["Surface", "ParametricSurface", "plot3d_parametric_surface", "parametricplot3d"];
+#[rustfmt::skip] // several words a line
+const SURFACES: &[&str] = &[
+    "Surface", "ParametricSurface", "plot3d_parametric_surface", "parametricplot3d", "fsurf",
+    "ezsurf", "fmesh", "ezmesh", "parametric_surface", "plot3d",
+];
 
-/// Options with the range of the parameter.
-const RANGES: &[&str] = &["t_range", "u_range"];
+/// Commands that plot a graph if they have only one function.
+const GRAPHS: &[&str] = &["fsurf", "ezsurf", "fmesh", "ezmesh"];
+
+/// Options with the range of the first parameter, and of the second.
+const RANGES: [&[&str]; 2] = [&["t_range", "u_range"], &["v_range"]];
 
 /// Words before the list in which Python and manim write a point.
 const LISTS: &[&str] = &["array", "stack", "Vector", "vector", "Matrix"];
@@ -150,27 +157,42 @@ impl Words<'_> {
             return Ok(None);
         }
         let (word, place) = (self.word(tokens[at]), tokens[at].span);
-        if SURFACES.contains(&word) {
-            return Err(Error::new(place, ErrorKind::Parametric));
-        }
         let mut arguments = Arguments::new(split(inner, Comma));
         if !rest.iter().all(is_end) {
             arguments.record_unused(rest.to_vec());
         }
-        let Some((parts, count)) = self.coordinates(&mut arguments) else { return Ok(None) };
-        let ranges = self.parameter_ranges(&mut arguments, count);
-        if ranges.len() > 1 || self.has_range_of_v(arguments.all()) {
-            return Err(Error::new(place, ErrorKind::Parametric));
+        let are_functions = |parts: &[Vec<Token>]| {
+            let is_one = |part: &&Vec<Token>| {
+                self.lambda(part).is_some()
+                    || matches!(part.as_slice(), [name] if self.is_function(*name))
+            };
+            parts.iter().take(3).filter(is_one).count() == 3
+        };
+        let is_point = |part: &Vec<Token>| self.listed_point(part).is_some();
+        if GRAPHS.contains(&word) && !are_functions(arguments.all())
+            || word == "plot3d" && !arguments.all().first().is_some_and(is_point)
+        {
+            return Ok(None);
         }
-        let Some(range) = ranges.into_iter().next() else {
-            return Err(Error::new(place, ErrorKind::CurveRange));
-        };
-        let own = parts.iter().find_map(|(name, _)| *name);
-        let Some(name) = range.name.or(own).or_else(|| self.handle_parameter()) else {
-            return Err(Error::new(place, ErrorKind::CurveRange));
-        };
+        let Some((parts, count)) = self.coordinates(&mut arguments) else { return Ok(None) };
+        let own = parts.iter().map(|(names, _)| names).find(|names| !names.is_empty());
+        let most = own.map_or(2, |names| names.len().clamp(1, 2));
+        let ranges = self.parameter_ranges(&mut arguments, count, most);
+        let kind =
+            if SURFACES.contains(&word) { ErrorKind::Parametric } else { ErrorKind::CurveRange };
+        let is_surface = SURFACES.contains(&word);
+        if !(1..=2).contains(&ranges.len()) || is_surface && ranges.len() == 1 {
+            return Err(Error::new(place, kind));
+        }
+        let mut names = Vec::new();
+        for (index, range) in ranges.iter().enumerate() {
+            let own = own.and_then(|names| names.get(index)).copied();
+            let name = range.name.or(own).or_else(|| self.handle_parameter(index));
+            names.push(name.ok_or_else(|| Error::new(place, kind.clone()))?);
+        }
         let note = self.unused_note(&arguments.into_unused());
-        Ok(Some((self.path(place, &parts, name, &range), note)))
+        let ranges: Vec<(Token, &PlotRange)> = names.into_iter().zip(&ranges).collect();
+        Ok(Some((self.path(place, &parts, &ranges), note)))
     }
 
     /// Joins the two equations of a LaTeX environment `cases` into one curve.
@@ -274,28 +296,28 @@ impl Words<'_> {
         let value = |part: &[Token], axis: TokenKind| {
             let equals = part.iter().position(|token| token.kind == Equals)?;
             let is_own = part[0].kind == axis && matches!(equals, 1 | 4) && equals + 1 < part.len();
-            is_own.then(|| (None, part[equals + 1..].to_vec()))
+            is_own.then(|| (Vec::new(), part[equals + 1..].to_vec()))
         };
         let parts = [value(x, X)?, value(y, Y)?, value(z, Z)?];
         let (name, low, high) = parameter_range(range).filter(|(name, ..)| !name.kind.is_axis())?;
         let range = PlotRange { name: None, low: low.to_vec(), high: high.to_vec() };
-        Some((count, self.path(place, &parts, name, &range)))
+        Some((count, self.path(place, &parts, &[(name, &range)])))
     }
 
-    /// Takes the three coordinates, each with its own parameter if it is a function. Returns also
+    /// Takes the three coordinates, each with its own parameters if it is a function. Returns also
     /// the number of arguments that hold them.
     #[allow(clippy::type_complexity)] // the caller destructures it
     fn coordinates(
         self,
         arguments: &mut Arguments,
-    ) -> Option<(Vec<(Option<Token>, Vec<Token>)>, usize)> {
+    ) -> Option<(Vec<(Vec<Token>, Vec<Token>)>, usize)> {
         let first = self.unwrapped(arguments.all().first()?);
         let list = self.listed_point(&first.1);
         if let Some(parts) = list {
             arguments.take(0);
             let parts = parts.into_iter().map(|part| {
                 let (own, value) = self.unwrapped(&part);
-                (own.or(first.0), value)
+                (if own.is_empty() { first.0.clone() } else { own }, value)
             });
             return Some((parts.collect(), 1));
         }
@@ -307,13 +329,13 @@ impl Words<'_> {
         Some(((0..3).map(|index| self.unwrapped(&arguments.take(index))).collect(), 3))
     }
 
-    /// The parameter and the value of an anonymous function; any other value as it is.
-    fn unwrapped(self, part: &[Token]) -> (Option<Token>, Vec<Token>) {
+    /// The parameters and the value of an anonymous function; any other value as it is.
+    fn unwrapped(self, part: &[Token]) -> (Vec<Token>, Vec<Token>) {
         match self.lambda(part) {
             Some((None, parameters, value)) => {
-                (parameters.first().and_then(|first| first.first()).copied(), value)
+                (parameters.iter().filter_map(|one| one.first()).copied().collect(), value)
             }
-            _ => (None, part.to_vec()),
+            _ => (Vec::new(), part.to_vec()),
         }
     }
 
@@ -338,37 +360,52 @@ impl Words<'_> {
     }
 
     /// Takes the parameters' ranges, which follow the coordinates. The coordinates are the first
-    /// `count` arguments.
-    fn parameter_ranges(self, arguments: &mut Arguments, count: usize) -> Vec<PlotRange> {
-        // GeoGebra writes the parameter and the ends as arguments.
-        if let [name, _, _, ..] = &arguments.all()[count..]
+    /// `count` arguments. There are at most `most` ranges without names.
+    fn parameter_ranges(
+        self,
+        arguments: &mut Arguments,
+        count: usize,
+        most: usize,
+    ) -> Vec<PlotRange> {
+        // GeoGebra writes each parameter and its ends as arguments.
+        let mut ranges = Vec::new();
+        let mut at = count;
+        while let Some([name, _, _, ..]) = arguments.all().get(at..)
             && let ([name], true) = (name.as_slice(), name.iter().all(|name| name.kind.is_name()))
         {
             let name = Some(*name);
-            arguments.take(count);
-            let (low, high) = (arguments.take(count + 1), arguments.take(count + 2));
-            return vec![PlotRange { name, low, high }];
+            arguments.take(at);
+            let (low, high) = (arguments.take(at + 1), arguments.take(at + 2));
+            ranges.push(PlotRange { name, low, high });
+            at += 3;
         }
-        if let Some((_, value)) = self.option(arguments, RANGES)
-            && let Some((inner, _)) = bracketed(&value)
-            && let [low, high, steps @ ..] = split(inner, Comma).as_slice()
-        {
-            for step in steps {
-                arguments.record_unused(step.clone());
+        if !ranges.is_empty() {
+            return ranges;
+        }
+        for words in RANGES {
+            if let Some((_, value)) = self.option(arguments, words)
+                && let Some((inner, _)) = bracketed(&value)
+                && let [low, high, steps @ ..] = split(inner, Comma).as_slice()
+            {
+                for step in steps {
+                    arguments.record_unused(step.clone());
+                }
+                ranges.push(PlotRange { name: None, low: low.clone(), high: high.clone() });
             }
-            return vec![PlotRange { name: None, low: low.clone(), high: high.clone() }];
         }
-        self.ranges(arguments, count, 1)
+        if !ranges.is_empty() {
+            return ranges;
+        }
+        self.ranges(arguments, count, most)
     }
 
-    /// Returns whether an option gives the range of a second parameter, as in manim.
-    fn has_range_of_v(self, arguments: &[Vec<Token>]) -> bool {
-        arguments.iter().any(|part| self.word(part[0]) == "v_range")
-    }
-
-    /// The parameter of the text's first anonymous function, as in `@(t) cos(t)`.
-    fn handle_parameter(self) -> Option<Token> {
+    /// The parameter with this number of the text's first anonymous function, as in `@(t) cos(t)`.
+    fn handle_parameter(self, index: usize) -> Option<Token> {
         let start = self.text.find("@(")? + 2;
+        let inner = &self.text[start..start + self.text[start..].find(')')?];
+        let part = inner.split(',').nth(index)?;
+        // Both are slices of the text.
+        let start = part.trim_start().as_ptr() as usize - self.text.as_ptr() as usize;
         let length = prefix_length(&self.text[start..], is_name_char);
         let span = Span::new(start, start + length);
         (length > 0).then(|| Token::new(TokenKind::Name, span))
@@ -378,9 +415,8 @@ impl Words<'_> {
     pub(crate) fn path(
         self,
         place: Span,
-        parts: &[(Option<Token>, Vec<Token>)],
-        name: Token,
-        range: &PlotRange,
+        parts: &[(Vec<Token>, Vec<Token>)],
+        ranges: &[(Token, &PlotRange)],
     ) -> Vec<Token> {
         let sign = |kind: TokenKind, at: usize| Token::new(kind, Span::at(at));
         let start = place.start;
@@ -394,17 +430,23 @@ impl Words<'_> {
             if let [function] = part.as_slice()
                 && self.is_function(*function)
             {
-                all.extend([sign(OpenParen, span.end), name, sign(CloseParen, span.end)]);
+                all.push(sign(OpenParen, span.end));
+                for (index, (name, _)) in ranges.iter().enumerate() {
+                    all.extend((index > 0).then(|| sign(Comma, span.end)));
+                    all.push(*name);
+                }
+                all.push(sign(CloseParen, span.end));
             }
         }
-        let (low, high) = (&range.low, &range.high);
-        let (from, to) = (low[0].span.start, high[high.len() - 1].span.end);
-        all.extend([sign(CloseParen, from), sign(For, from), name, sign(In, from)]);
-        all.push(sign(OpenBracket, from));
-        all.extend(low);
-        all.push(sign(Comma, high[0].span.start));
-        all.extend(high);
-        all.push(sign(CloseBracket, to));
+        all.extend(ranges.first().map(|(_, range)| sign(CloseParen, range.low[0].span.start)));
+        for (name, PlotRange { low, high, .. }) in ranges {
+            let (from, to) = (low[0].span.start, high[high.len() - 1].span.end);
+            all.extend([sign(For, from), *name, sign(In, from), sign(OpenBracket, from)]);
+            all.extend(low);
+            all.push(sign(Comma, high[0].span.start));
+            all.extend(high);
+            all.push(sign(CloseBracket, to));
+        }
         all
     }
 

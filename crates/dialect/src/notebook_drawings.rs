@@ -127,14 +127,84 @@ impl ProgramReader<'_> {
             return Err(Error::new(span, ErrorKind::NoFormula));
         }
         let own = [call.take(self.words, "x"), call.take(self.words, "y")];
-        let given = call.positional.iter().take(2).filter(|_| call.positional.len() > 2);
+        let given = if call.positional.len() > 2 { &call.positional[..2] } else { &[] };
         for (part, axis) in own.iter().flatten().chain(given).zip([Axis::X, Axis::Y]) {
             if self.is_computed(part, axis, frame) {
-                return Err(Error::new(call.name.span, ErrorKind::Parametric));
+                let surface = self.surface_over_ranges(&own, given, &value, call.name.span);
+                let (surface, names) =
+                    surface.ok_or_else(|| Error::new(call.name.span, ErrorKind::Parametric))?;
+                let mut frame = frame.clone();
+                // As coordinates of a grid, they were read as x and y before.
+                for name in names {
+                    let name = self.words.word(name).to_owned();
+                    frame.aliases.push(name.clone(), ExprKind::Name(NamedValue::Local(name)));
+                }
+                return self.plain(surface, &frame, false).map(|()| true);
             }
         }
         let value = self.field(&value, frame)?;
         self.draw_heights(&value, &call, frame)
+    }
+
+    /// The statement of a surface whose coordinates are computed from two ranges: x and y as named
+    /// arguments or as `given`, and z. Returns also the names of the ranges. `None` if they do not
+    /// use two.
+    fn surface_over_ranges(
+        &self,
+        named: &[Option<Vec<Token>>],
+        given: &[Vec<Token>],
+        z: &[Token],
+        place: Span,
+    ) -> Option<(Vec<Token>, [Token; 2])> {
+        let [x, y] = <[&Vec<Token>; 2]>::try_from(
+            named.iter().flatten().chain(given).take(2).collect::<Vec<_>>(),
+        )
+        .ok()?;
+        let parts: Vec<(Vec<Token>, Vec<Token>)> =
+            [x, y, z].map(|part| (Vec::new(), self.without_outer(self.resolved(part)))).to_vec();
+        let mut names: Vec<Token> = Vec::new();
+        for name in parts.iter().flat_map(|(_, part)| part) {
+            let word = self.words.word(*name);
+            let is_new = names.iter().all(|other| self.words.word(*other) != word);
+            if is_new && self.ranges.contains_key(word) && !name.kind.is_axis() {
+                names.push(*name);
+            }
+        }
+        // In the order in which the text gives the ranges.
+        names.sort_by_key(|name| self.ranges[self.words.word(*name)][0][0].span.start);
+        let [u, v] = <[Token; 2]>::try_from(names).ok()?;
+        let range = |name: Token| {
+            let ends = self.ranges[self.words.word(name)].clone();
+            let [low, high] = ends.map(|end| self.resolved(&end));
+            PlotRange { name: None, low, high }
+        };
+        let (of_u, of_v) = (range(u), range(v));
+        Some((self.words.path(place, &parts, &[(u, &of_u), (v, &of_v)]), [u, v]))
+    }
+
+    /// A value without the call `outer(a, b)` of Python over two ranges: the product of a and b. A
+    /// factor of ones is left out.
+    fn without_outer(&self, mut tokens: Vec<Token>) -> Vec<Token> {
+        while let Some(at) = tokens.iter().position(|token| self.words.word(*token) == "outer")
+            && let Some((inner, rest)) = bracketed(&tokens[at + 1..])
+            && let Ok([one, other]) = <[_; 2]>::try_from(split(inner, Comma))
+        {
+            let is_ones = |part: &[Token]| {
+                let words = part.iter().take(3).map(|token| self.words.word(*token));
+                words.into_iter().any(|word| matches!(word, "ones" | "ones_like"))
+            };
+            let product = if is_ones(&one) {
+                in_brackets(&other)
+            } else if is_ones(&other) {
+                in_brackets(&one)
+            } else {
+                let star = Token::new(Star, Span::at(other[0].span.start));
+                in_brackets(&[in_brackets(&one), vec![star], in_brackets(&other)].concat())
+            };
+            let (start, end) = (self.without_module(&tokens, at), tokens.len() - rest.len());
+            tokens.splice(start..end, product);
+        }
+        tokens
     }
 
     /// Returns whether a coordinate of a grid is computed from others, as on a parametric surface.
@@ -277,8 +347,8 @@ impl ProgramReader<'_> {
         parts: &[Vec<Token>],
         place: Span,
     ) -> Fallible<Option<Vec<Token>>> {
-        let parts: Vec<(Option<Token>, Vec<Token>)> =
-            parts.iter().map(|part| (None, self.resolved(part))).collect();
+        let parts: Vec<(Vec<Token>, Vec<Token>)> =
+            parts.iter().map(|part| (Vec::new(), self.resolved(part))).collect();
         let mut names: Vec<Token> = parts.iter().flat_map(|(_, part)| part).copied().collect();
         names.retain(|name| self.ranges.contains_key(self.words.word(*name)));
         let Some(name) = names.iter().find(|name| !name.kind.is_axis()).copied() else {
@@ -309,12 +379,12 @@ impl ProgramReader<'_> {
                 (other, all)
             })
             .collect();
-        let with_rules = |(own, part): (Option<Token>, Vec<Token>)| {
+        let with_rules = |(own, part): (Vec<Token>, Vec<Token>)| {
             Some((own, Words::substituted(&part, &rules, self.words.text)?))
         };
         let parts: Option<Vec<_>> = parts.into_iter().map(with_rules).collect();
         let range = PlotRange { name: None, low, high };
-        Ok(parts.map(|parts| self.words.path(place, &parts, name, &range)))
+        Ok(parts.map(|parts| self.words.path(place, &parts, &[(name, &range)])))
     }
 
     /// The levels of a call. Between plotly's `isomin` and `isomax` they are evenly spaced.

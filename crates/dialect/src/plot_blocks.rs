@@ -28,16 +28,16 @@ impl Words<'_> {
         };
         let ends =
             |token: &Token| SPLOT_WORDS.contains(&self.word(*token)) && self.word(*token) != "u";
-        let parts: Vec<(Option<Token>, Vec<Token>)> = split(rest, Comma)
+        let parts: Vec<(Vec<Token>, Vec<Token>)> = split(rest, Comma)
             .into_iter()
-            .map(|part| (None, part.into_iter().take_while(|token| !ends(token)).collect()))
+            .map(|part| (Vec::new(), part.into_iter().take_while(|token| !ends(token)).collect()))
             .collect();
         let mut names = parts.iter().flat_map(|(_, part)| part);
         let name = *names.find(|token| matches!(self.word(**token), "u" | "t"))?;
         let has_two = parts.iter().any(|(_, part)| self.has(part, "v"));
         let [low, high] = <[_; 2]>::try_from(range).ok()?;
         let range = PlotRange { name: None, low, high };
-        (parts.len() == 3 && !has_two).then(|| self.path(tokens[0].span, &parts, name, &range))
+        (parts.len() == 3 && !has_two).then(|| self.path(tokens[0].span, &parts, &[(name, &range)]))
     }
 
     /// Reads gnuplot's `splot [-2:2][-2:2] f with lines`. `tokens` begin after the word `splot`.

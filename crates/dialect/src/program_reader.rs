@@ -495,15 +495,14 @@ impl ProgramReader<'_> {
     }
 
     /// The statement of a curve or a point, if `tokens` are one.
-    fn curve(&self, tokens: &[Token]) -> Fallible<Option<Vec<Token>>> {
+    fn curve(&self, tokens: &[Token]) -> Option<Vec<Token>> {
         let mut tokens = tokens.to_vec();
         trim(self.words.text, &mut tokens);
         let is_defined = self.arity(tokens[0]).is_some();
         if is_defined {
-            return Ok(None);
+            return None;
         }
-        let marked = marked_curve(self.words.text, &tokens)?;
-        Ok(marked.or_else(|| self.words.segment(&tokens)))
+        marked_curve(self.words.text, &tokens).or_else(|| self.words.segment(&tokens))
     }
 
     /// Reads a plot, a grid, or a statement that only styles the picture. Returns false for any
@@ -516,7 +515,7 @@ impl ProgramReader<'_> {
         if let Some(curve) = self.words.parametric_splot(tokens, set) {
             return self.plain(curve, frame, false).map(|()| true);
         }
-        let curve = match self.curve(tokens)? {
+        let curve = match self.curve(tokens) {
             None if self.arity(tokens[0]).is_none() => self.words.curve_command(tokens)?,
             found => found.map(|curve| (curve, None)),
         };

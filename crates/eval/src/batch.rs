@@ -108,6 +108,7 @@ output!(Zeros: possible, unbounded, jumping);
 output!(GradientEnclosures<T>: lipschitz, differentiable);
 output!(Contractions<T>: possible, crossing);
 output!(Planes<T>: possible, crossing, jumping);
+output!(Patches<T>: nowhere, continuous);
 output!(BranchSigns<T>: possible, below, above);
 output!(Values<T>:);
 output!(Gradients<T>:);
@@ -233,6 +234,34 @@ batch! {
 }
 
 batch! {
+    /// Linear approximations of the points of a surface over cells of its parameters. With symbols
+    /// U and V from −1 to 1, u = `middle[0]` + `half[0]`·U and v = `middle[1]` + `half[1]`·V
+    /// exactly. Coordinate k of the point is within `error[k]` of `centre[k]` + `along_u[k]`·U +
+    /// `along_v[k]`·V, wherever it is defined and (u, v) is in the domain of the code. If a number
+    /// of a coordinate is not finite, nothing is claimed of that coordinate. The range of u or v
+    /// may exceed the cell by rounding.
+    Patches {
+        /// The middles of the ranges of u and v.
+        middle: [Lanes<T>; 2] = 2,
+        /// Half the lengths of the ranges of u and v.
+        half: [Lanes<T>; 2] = 2,
+        /// Per axis, the approximation's value at the middle.
+        centre: [Lanes<T>; 3] = 3,
+        /// Per axis, the change from the middle to the end of the range of u.
+        along_u: [Lanes<T>; 3] = 3,
+        /// Per axis, the change from the middle to the end of the range of v.
+        along_v: [Lanes<T>; 3] = 3,
+        /// Per axis, the largest error of the approximation.
+        error: [Lanes<T>; 3] = 3,
+        ;
+        /// Lanes in which some coordinate is defined nowhere in the cell: it has no point.
+        nowhere: u16,
+        /// Lanes in which all coordinates are defined and continuous in the whole cell.
+        continuous: u16,
+    }
+}
+
+batch! {
     /// Bounds of a function over boxes, and facts. Bit k of a mask is for lane k.
     Enclosures {
         /// Negated lower bounds, never NaN and never −∞. If the function is defined nowhere in the
@@ -354,6 +383,24 @@ impl<T: Real> Segments<T> {
                 let error = &mut self.error[axis][lane];
                 *error = with_rounding(*error, origin + t * direction, 0.0, 1.0 + t);
             }
+        }
+    }
+}
+
+impl Patches<f64> {
+    /// Bounds of a coordinate over the cell of a lane, infinite if nothing is claimed.
+    pub fn coordinate(&self, axis: usize, lane: usize) -> [f64; 2] {
+        let centre = self.centre[axis][lane];
+        let reach = self.along_u[axis][lane].abs()
+            + self.along_v[axis][lane].abs()
+            + self.error[axis][lane];
+        // Four roundings to nearest.
+        let slack = 4.0 * f64::EPSILON * (centre.abs() + reach);
+        let [low, high] = [centre - reach - slack, centre + reach + slack];
+        if low.is_finite() && high.is_finite() {
+            [low, high]
+        } else {
+            [-f64::INFINITY, f64::INFINITY]
         }
     }
 }

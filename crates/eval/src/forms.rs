@@ -1,24 +1,38 @@
-//! Affine forms along rays: the domain of values with which segments are narrowed.
+//! Affine forms along rays and over cells of parameters: the domain of values with which segments
+//! are narrowed, and patches of surfaces bounded.
 
-use crate::value_kind::Loader;
+use crate::value_kind::{Loader, Vector, coordinate_bounds};
 use zeroset_interval::{
     Contraction, Form, Format, Machine, RayRange, TileRays, contract, segment_coordinate,
     tile_coordinate,
 };
 use zeroset_ir::Axis;
 
-/// The way in which coordinates depend on `N` symbols. The last symbol runs along a ray.
+/// The way in which coordinates depend on `N` symbols.
 pub trait Path<const N: usize>: Copy + Send + Sync + 'static {
-    /// Indices of the input's quantities that hold the lower and the upper end of t.
-    const ENDS: [usize; 2];
+    /// Ranges that all coordinates use.
+    type Context<V: Vector>: Copy;
 
+    /// Loads the ranges of a batch.
+    fn context<M: Machine>(
+        m: &mut M,
+        format: Format,
+        loader: &mut impl Loader<M>,
+    ) -> Self::Context<M::V>;
     /// Returns the affine form of a coordinate.
     fn coordinate<M: Machine>(
         m: &mut M,
+        format: Format,
         loader: &mut impl Loader<M>,
-        depth: RayRange<M::V>,
+        context: Self::Context<M::V>,
         axis: Axis,
     ) -> Form<M::V, N>;
+}
+
+/// A path along rays. The last symbol runs along a ray.
+pub(crate) trait RayPath {
+    /// Indices of the input's quantities that hold the lower and the upper end of t.
+    const ENDS: [usize; 2];
 }
 
 /// The path along segments of rays. It reads the quantities of [`Segments`](crate::Segments).
@@ -29,8 +43,13 @@ pub struct SegmentPath;
 #[derive(Clone, Copy, Debug)]
 pub struct TilePath;
 
+/// The cells of a surface's parameters u and v, in the places of x and y. It reads the quantities
+/// of [`Boxes`](crate::Boxes). A symbol runs along each parameter.
+#[derive(Clone, Copy, Debug)]
+pub struct PatchPath;
+
 /// Loads the range of t of a path's segments.
-pub(crate) fn range_of<P: Path<N>, M: Machine, const N: usize>(
+fn range_of<P: RayPath, M: Machine>(
     m: &mut M,
     format: Format,
     loader: &mut impl Loader<M>,
@@ -39,11 +58,24 @@ pub(crate) fn range_of<P: Path<N>, M: Machine, const N: usize>(
     RayRange::between(m, format, ends)
 }
 
-impl Path<1> for SegmentPath {
+impl RayPath for SegmentPath {
     const ENDS: [usize; 2] = [9, 10];
+}
+
+impl Path<1> for SegmentPath {
+    type Context<V: Vector> = RayRange<V>;
+
+    fn context<M: Machine>(
+        m: &mut M,
+        format: Format,
+        loader: &mut impl Loader<M>,
+    ) -> RayRange<M::V> {
+        range_of::<Self, _>(m, format, loader)
+    }
 
     fn coordinate<M: Machine>(
         m: &mut M,
+        _: Format,
         loader: &mut impl Loader<M>,
         depth: RayRange<M::V>,
         axis: Axis,
@@ -53,11 +85,24 @@ impl Path<1> for SegmentPath {
     }
 }
 
-impl Path<3> for TilePath {
+impl RayPath for TilePath {
     const ENDS: [usize; 2] = [4, 5];
+}
+
+impl Path<3> for TilePath {
+    type Context<V: Vector> = RayRange<V>;
+
+    fn context<M: Machine>(
+        m: &mut M,
+        format: Format,
+        loader: &mut impl Loader<M>,
+    ) -> RayRange<M::V> {
+        range_of::<Self, _>(m, format, loader)
+    }
 
     fn coordinate<M: Machine>(
         m: &mut M,
+        _: Format,
         loader: &mut impl Loader<M>,
         depth: RayRange<M::V>,
         axis: Axis,
@@ -73,8 +118,40 @@ impl Path<3> for TilePath {
     }
 }
 
+impl Path<2> for PatchPath {
+    type Context<V: Vector> = [RayRange<V>; 2];
+
+    fn context<M: Machine>(
+        m: &mut M,
+        format: Format,
+        loader: &mut impl Loader<M>,
+    ) -> [RayRange<M::V>; 2] {
+        [0, 1].map(|axis| {
+            let neg_lo = loader.input(m, axis);
+            let ends = [m.neg(neg_lo), loader.input(m, 3 + axis)];
+            RayRange::between(m, format, ends)
+        })
+    }
+
+    fn coordinate<M: Machine>(
+        m: &mut M,
+        format: Format,
+        loader: &mut impl Loader<M>,
+        context: [RayRange<M::V>; 2],
+        axis: Axis,
+    ) -> Form<M::V, 2> {
+        let zero = m.number(format, 0.0);
+        let slopes = |half| [[half, zero], [zero, half]];
+        let Some(RayRange { middle, half }) = context.get(axis as usize).copied() else {
+            let bounds = coordinate_bounds(m, loader, axis);
+            return Form::between(m, format, &bounds);
+        };
+        Form::coordinate(middle, slopes(half)[axis as usize], zero)
+    }
+}
+
 /// Returns the part of a path where the form of a function may be 0.
-pub(crate) fn contract_path<P: Path<N>, M: Machine, const N: usize>(
+pub(crate) fn contract_path<P: RayPath, M: Machine, const N: usize>(
     m: &mut M,
     format: Format,
     loader: &mut impl Loader<M>,

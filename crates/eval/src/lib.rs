@@ -26,16 +26,16 @@ mod value_kind;
 
 pub use batch::{
     Batch, Boxes, BranchSigns, Contractions, Enclosures, GradientEnclosures, Gradients, Input,
-    Output, Planes, Points, Segments, Tiles, Values, Zeros,
+    Output, Patches, Planes, Points, Segments, Tiles, Values, Zeros,
 };
 pub use binding::Binding;
 pub use branches::{BranchTest, branch_bindings};
 pub use enclosure::{enclose, enclose_all};
 pub use lanes::{LANES, Lanes};
 pub use query::{
-    ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros, FindZerosInBranch,
-    Kernel, Query, QueryContext, QueryNumber, QueryResult, QueryTask, QueryValue, Sample,
-    SampleForward, SampleGradient,
+    BoundPatches, ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros,
+    FindZerosInBranch, Kernel, Query, QueryContext, QueryNumber, QueryResult, QueryTask,
+    QueryValue, Sample, SampleForward, SampleGradient,
 };
 pub use real::Real;
 pub use reference::Reference;

@@ -6,12 +6,12 @@
 
 use crate::batch::{
     Batch, Boxes, BranchSigns, Contractions, Enclosures, GradientEnclosures, Gradients, Input,
-    Output, Planes, Points, Segments, Tiles, Values, Zeros,
+    Output, Patches, Planes, Points, Segments, Tiles, Values, Zeros,
 };
 use crate::binding::Binding;
 use crate::differentiable::{Smooth, Smoothness};
 use crate::duals::{Dual, Duals};
-use crate::forms::{SegmentPath, TilePath, contract_path};
+use crate::forms::{PatchPath, SegmentPath, TilePath, contract_path};
 use crate::lanes::LANES;
 use crate::real::Real;
 use crate::shorten::LaneSet;
@@ -281,6 +281,11 @@ queries! {
     ContractTiles("tiles", 1, Forms<TilePath, 3>, Tiles => Planes<T>)
         = |m, loader, depth, forms, _| planes::<T, M>(m, loader, depth, &forms[0]);
 
+    /// Linear approximations of three functions of u and v, the coordinates of a surface's points,
+    /// over cells. The box's first two coordinates are the ranges of u and v.
+    BoundPatches("patches", 3, Forms<PatchPath, 2>, Boxes => Patches<T>)
+        = |m, _, ranges, forms, _| patches::<T, M>(m, ranges, forms);
+
     /// Approximate value of the function at a point, computed in `T`. It has no error bound.
     Sample("values", 1, Numbers, Points => Values<T>) = |_, _, (), values, _| {
         QueryResult { quantities: values.to_vec(), masks: Vec::new() }
@@ -360,6 +365,30 @@ fn planes<T: Real, M: Machine>(
     let quantities = vec![new.near, new.far, form.centre, a, b, depth, error, middle, half];
     let jumping = form.facts.continuous.not(m, T::FORMAT);
     QueryResult { quantities, masks: vec![new.possible, new.crossing, jumping] }
+}
+
+fn patches<T: Real, M: Machine>(
+    m: &mut M,
+    ranges: [RayRange<M::V>; 2],
+    forms: &[Form<M::V, 2>],
+) -> QueryResult<M::V> {
+    let zero = m.number(T::FORMAT, 0.0);
+    let [u, v] = ranges;
+    let mut quantities = vec![u.middle, v.middle, u.half, v.half];
+    quantities.extend(forms.iter().map(|form| form.centre));
+    for symbol in 0..2 {
+        quantities
+            .extend(forms.iter().map(|form| form.slopes.map_or(zero, |slopes| slopes[symbol])));
+    }
+    for form in forms {
+        quantities.push(form.error(m, T::FORMAT).unwrap_or(zero));
+    }
+    let (mut nowhere, mut continuous) = (Fact::False, Fact::True);
+    for form in forms {
+        nowhere = nowhere.or(m, form.facts.nowhere);
+        continuous = continuous.and(m, form.facts.continuous);
+    }
+    QueryResult { quantities, masks: vec![nowhere, continuous] }
 }
 
 mod sealed {

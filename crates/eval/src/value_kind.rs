@@ -2,12 +2,12 @@
 //!
 //! Each kind implements the steps of a tape in its own way, on any machine.
 
-use crate::forms::{Path, range_of};
+use crate::forms::Path;
 use crate::real::{Real, middle};
 use std::marker::PhantomData;
 use zeroset_interval::{
-    Enclosure, Exponent, Form, Interval, Machine, RayRange, Term, enclose, enclose_sincos,
-    evaluate, evaluate_sincos, form_bounds, linearise, linearise_sincos,
+    Enclosure, Exponent, Form, Interval, Machine, Term, enclose, enclose_sincos, evaluate,
+    evaluate_sincos, form_bounds, linearise, linearise_sincos,
 };
 use zeroset_ir::Axis;
 use zeroset_ops::Op;
@@ -246,19 +246,19 @@ impl ValueKind for Numbers {
 
 impl<P: Path<N>, const N: usize> ValueKind for Forms<P, N> {
     type Value<V: Vector> = Form<V, N>;
-    type Context<V: Vector> = RayRange<V>;
+    type Context<V: Vector> = P::Context<V>;
 
-    fn context<T: Real, M: Machine>(m: &mut M, loader: &mut impl Loader<M>) -> RayRange<M::V> {
-        range_of::<P, _, N>(m, T::FORMAT, loader)
+    fn context<T: Real, M: Machine>(m: &mut M, loader: &mut impl Loader<M>) -> P::Context<M::V> {
+        P::context(m, T::FORMAT, loader)
     }
 
     fn coordinate<T: Real, M: Machine>(
         m: &mut M,
         loader: &mut impl Loader<M>,
-        depth: RayRange<M::V>,
+        context: P::Context<M::V>,
         axis: Axis,
     ) -> Form<M::V, N> {
-        P::coordinate(m, loader, depth, axis)
+        P::coordinate(m, T::FORMAT, loader, context, axis)
     }
 
     fn parameter<T: Real, M: Machine>(

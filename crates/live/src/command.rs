@@ -353,8 +353,8 @@ fn delete(live: &Live, number: Option<usize>) -> Result<Reply, Refusal> {
         return live.delete(number);
     }
     let echoes = live.request().read().map_or(Vec::new(), |document| {
-        let surfaces = document.surfaces.into_iter().map(|surface| surface.echo);
-        surfaces.chain(document.curves.all.into_iter().map(|curve| curve.echo)).collect()
+        let surfaces = document.drawn_surfaces().map(|surface| surface.echo.to_owned());
+        surfaces.chain(document.curves.all.iter().map(|curve| curve.echo.clone())).collect()
     });
     let lines: Vec<String> = (1..)
         .zip(&echoes)

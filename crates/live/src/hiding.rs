@@ -10,7 +10,7 @@ use zeroset_syntax::{Document, Options};
 
 /// The place and the state of each drawing: the surfaces, then the curves and points.
 fn drawings(document: &Document) -> Vec<(Range<usize>, bool)> {
-    let surfaces = document.surfaces.iter().map(|one| (one.span.range(), one.hidden));
+    let surfaces = document.drawn_surfaces().map(|one| (one.span.range(), one.hidden));
     let curves = document.curves.all.iter().map(|one| (one.span.range(), one.hidden));
     surfaces.chain(curves).collect()
 }

@@ -28,7 +28,7 @@ pub(super) fn describe(snapshot: &Snapshot) -> String {
     let Some(rendering) = &snapshot.rendering else {
         return text + "there is no picture yet";
     };
-    for surface in &rendering.document.surfaces {
+    for surface in rendering.document.drawn_surfaces() {
         let _ = writeln!(text, "surface     {}", surface.echo);
     }
     for curve in &rendering.document.curves.all {

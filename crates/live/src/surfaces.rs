@@ -10,7 +10,7 @@ use super::undo::Gesture;
 use std::ops::Range;
 use zeroset_shade::{LinearRgb, SurfaceColors};
 use zeroset_style::{MATERIALS, Material};
-use zeroset_syntax::{Document, Options, SurfaceColor};
+use zeroset_syntax::{Document, DrawnSurface, Options, SurfaceColor};
 
 /// First words of style lines. These apply to the drawings below them.
 const STYLE_WORDS: [&str; 4] = ["color", "opacity", "material", "hidden"];
@@ -37,13 +37,14 @@ pub struct SurfaceEntry {
 impl Rendering {
     /// The surfaces, in document order.
     pub fn surfaces(&self) -> Vec<SurfaceEntry> {
-        let surfaces = self.document.surfaces.iter().enumerate();
-        let listed = |(number, surface): (usize, &zeroset_syntax::Surface)| {
+        let surfaces = self.document.drawn_surfaces().enumerate();
+        let listed = |(number, surface): (usize, DrawnSurface<'_>)| {
             // List the colors of both sides, since either side may be visible.
             let SurfaceColors { positive, negative, .. } = SurfaceColors::default_for(number);
             let own = [positive.to_srgb(), negative.to_srgb()];
-            let colors = samples(surface.color.as_ref(), &own);
-            let (echo, opacity, hidden) = (surface.echo.clone(), surface.opacity, surface.hidden);
+            let colors = samples(surface.color, &own);
+            let (echo, opacity, hidden) =
+                (surface.echo.to_owned(), surface.opacity, surface.hidden);
             SurfaceEntry { echo, colors, opacity, hidden }
         };
         surfaces.map(listed).collect()
@@ -90,8 +91,8 @@ const DEFAULT_STYLE: (&str, f64, &Material, bool) = ("auto", 1.0, &MATERIALS[0],
 impl StyledDrawing {
     /// All drawings of a text with their styles.
     fn all(text: &str, document: &Document) -> Vec<Self> {
-        let surfaces = document.surfaces.iter().enumerate();
-        let one = |(number, surface): (usize, &zeroset_syntax::Surface)| {
+        let surfaces = document.drawn_surfaces().enumerate();
+        let one = |(number, surface): (usize, DrawnSurface<'_>)| {
             let line = document.line_for("color", number);
             let color = line.map_or(DEFAULT_STYLE.0, |line| {
                 let end = line.share.map_or(line.span.end, |share| share.start);
@@ -150,7 +151,7 @@ fn changed(
 ) -> Option<(String, Document)> {
     let document = zeroset_syntax::read(text, options).ok()?;
     let slots: Vec<Range<usize>> =
-        document.surfaces.iter().map(|surface| surface.span.range()).collect();
+        document.drawn_surfaces().map(|surface| surface.span.range()).collect();
     let mut drawn = StyledDrawing::all(text, &document);
     change(&mut drawn);
     let mut edits: Vec<(Range<usize>, String)> = Vec::new();
@@ -294,7 +295,8 @@ impl Live {
         let work = |request: &Request, readable: &str| {
             let base = base(request, readable, "");
             let options = request.options();
-            let count = zeroset_syntax::read(&base, &options).map_or(0, |now| now.surfaces.len());
+            let count =
+                zeroset_syntax::read(&base, &options).map_or(0, |now| now.drawn_surfaces().count());
             if !(1..=count).contains(&number) {
                 return Err(no_such("surface", number, count));
             }

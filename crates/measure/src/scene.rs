@@ -55,7 +55,7 @@ pub enum MeasureError {
     #[error("nothing to measure: the surface is proven empty up to ±1e12")]
     Empty,
     /// There is no surface.
-    #[error("nothing to measure: there are curves and points alone")]
+    #[error("nothing to measure: there is no equation and no solid")]
     NoSurface,
     /// No surface is visible.
     #[error("nothing to measure: every surface is hidden")]

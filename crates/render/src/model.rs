@@ -19,7 +19,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
-use zeroset_eval::{Assumptions, Boxes, KernelFloat, Points, SurfaceKernels};
+use zeroset_eval::{Assumptions, Boxes, KernelFloat, Kernels, Points, SurfaceKernels};
 use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Graph};
 use zeroset_scene::camera::CameraChoice;
@@ -30,8 +30,8 @@ use zeroset_scene::program::{Program, ProgramError};
 use zeroset_scene::{proportions, view};
 use zeroset_shade::Light;
 use zeroset_space::{Camera, Cell, Region};
-use zeroset_style::{Choices, Look};
-use zeroset_syntax::{Background, Document, PictureLines, PointValue, SurfaceKind};
+use zeroset_style::{Choices, Look, Material};
+use zeroset_syntax::{Background, Document, DrawnSurface, PictureLines, PointValue, SurfaceColor};
 use zeroset_trace::{RayGrid, TraceOptions};
 
 /// All surfaces of a document over one region. Kernels are compiled when first needed, and freed
@@ -39,8 +39,8 @@ use zeroset_trace::{RayGrid, TraceOptions};
 pub struct Model {
     region: Region,
     program: Program,
-    /// Styles of the surfaces. Their functions are in `program`.
-    styles: Vec<zeroset_syntax::Surface>,
+    /// Styles of the surfaces, parametric ones last. Their functions are in `program`.
+    styles: Vec<SurfaceStyle>,
     setting: DocumentStyle,
     remarks: Vec<String>,
     /// Curves and points in the region, for the present values of the parameters.
@@ -60,6 +60,30 @@ pub struct Model {
     /// For each surface, a box that holds its zeros in the region, and a box that holds all of a
     /// solid there. Computed for the first picture of several surfaces.
     bounds: Vec<[OnceLock<Option<Cell>>; 2]>,
+}
+
+/// How a surface is drawn.
+#[derive(Clone, Debug)]
+struct SurfaceStyle {
+    is_solid: bool,
+    color: Option<SurfaceColor>,
+    opacity: f64,
+    material: &'static Material,
+    hidden: bool,
+}
+
+impl SurfaceStyle {
+    /// The styles of all surfaces of a document, parametric ones last.
+    fn all(document: &Document) -> Vec<Self> {
+        let style = |one: DrawnSurface<'_>| Self {
+            is_solid: one.is_solid,
+            color: one.color.cloned(),
+            opacity: one.opacity,
+            material: one.material,
+            hidden: one.hidden,
+        };
+        document.drawn_surfaces().map(style).collect()
+    }
 }
 
 /// Picture settings of a document.
@@ -185,7 +209,7 @@ impl Model {
         // The kernels of a hidden surface are compiled when it is first shown.
         let visible_surfaces = surfaces.filter(|(_, surface)| !surface.hidden);
         visible_surfaces.try_for_each(|(n, surface)| {
-            make(&self.program, n, surface.kind, &self.region, settings, wanted)
+            make(&self.program, n, surface.is_solid, &self.region, settings, wanted)
         })?;
         if let Some(times) = &mut self.times {
             times.compile = watch.elapsed();
@@ -210,7 +234,7 @@ impl Model {
         precision: Precision,
         times: Option<Times>,
     ) -> Self {
-        let styles = document.surfaces.clone();
+        let styles = SurfaceStyle::all(document);
         let mut remarks = program.remarks(document);
         remarks.extend(curves.remarks.iter().cloned());
         let mut setting = DocumentStyle::of(document);
@@ -327,6 +351,11 @@ impl Model {
         (0..self.surfaces()).filter(|surface| !self.styles[*surface].hidden)
     }
 
+    /// Indices of the visible equations and solids.
+    fn visible_functions(&self) -> impl Iterator<Item = usize> + '_ {
+        self.visible_surfaces().filter(|surface| self.program.patch(*surface).is_none())
+    }
+
     /// Precision of the kernels, unless a picture asks for another.
     pub fn precision(&self) -> Precision {
         self.precision
@@ -348,7 +377,8 @@ impl Model {
         surface: usize,
         point: DVec3,
     ) -> (f64, [f64; 3]) {
-        let is_other = surface < self.surfaces() && self.program.is_reduced(surface);
+        let has_function = surface < self.surfaces() && self.program.patch(surface).is_none();
+        let is_other = has_function && self.program.is_reduced(surface);
         if !is_other {
             return self.sample(surface, point);
         }
@@ -376,7 +406,7 @@ impl Model {
         let assumptions = Assumptions { domain, parameters: self.program.values().to_vec() };
         let (graph, roots) = (self.program.graph(), self.program.roots());
         let bounds = zeroset_eval::enclose_all(graph, roots, &assumptions);
-        self.visible_surfaces().any(|surface| bounds[surface].0.contains(0.0))
+        self.visible_functions().any(|surface| bounds[surface].0.contains(0.0))
     }
 
     /// Returns whether some visible surface's function cannot be distinguished from 0 at each of
@@ -392,7 +422,7 @@ impl Model {
         let boxes = Boxes::<T>::around(&points.collect::<Vec<_>>());
         // For so few points, interpreting is faster than compiling.
         let program = self.program.on(Evaluator::Reference);
-        for surface in self.visible_surfaces() {
+        for surface in self.visible_functions() {
             let zeros = program.kernels::<T>(surface).zeros()?;
             let flat = zeros.eval_all(&boxes).iter().zip(&boxes).all(|(zeros, boxes)| {
                 let all = u16::MAX >> (u16::BITS - boxes.count);
@@ -418,11 +448,11 @@ impl Model {
 /// rays that only affect colors.
 const PREVIEWED: f64 = 1.0 / 32.0;
 
-/// Method options for the rays of a picture, for a surface of this kind.
-fn options(settings: &Settings, kind: SurfaceKind) -> TraceOptions {
+/// Method options for the rays of a picture, for a solid or another surface.
+fn options(settings: &Settings, is_solid: bool) -> TraceOptions {
     TraceOptions {
         least: if settings.is_preview { PREVIEWED } else { 0.0 },
-        is_solid: kind == SurfaceKind::Solid,
+        is_solid,
         ..settings.options
     }
 }
@@ -437,17 +467,24 @@ fn options(settings: &Settings, kind: SurfaceKind) -> TraceOptions {
 pub fn make_kernels<T: KernelFloat>(
     program: &Program,
     surface: usize,
-    kind: SurfaceKind,
+    is_solid: bool,
     region: &Region,
     settings: &Settings,
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<(), ProgramError> {
+    if let Some(patch) = program.patch(surface) {
+        let normals = || match settings.normals {
+            Some(_) if wanted() => Kernels::<T>::gradients(patch).map(drop),
+            Some(_) | None => Ok(()),
+        };
+        return Ok(patch.tree().map(drop).and_then(|()| normals())?);
+    }
     let kernels = program.kernels::<T>(surface);
     let traced = || {
         if !wanted() {
             return Ok(());
         }
-        let options = options(settings, kind);
+        let options = options(settings, is_solid);
         settings.method.prepare(program.surface(surface), region, options).map(drop)
     };
     let other = || match settings.normals {
@@ -456,9 +493,11 @@ pub fn make_kernels<T: KernelFloat>(
         Some(Normals::Gradient) => kernels.gradients().map(|_| ()),
         Some(Normals::Central) => kernels.values().map(|_| ()),
     };
-    let bounds = || match kind {
-        SurfaceKind::Solid if wanted() => kernels.bounds().map(|_| ()),
-        SurfaceKind::Solid | SurfaceKind::Equation => Ok(()),
+    let bounds = || {
+        if is_solid && wanted() {
+            return kernels.bounds().map(|_| ());
+        }
+        Ok(())
     };
     let (traced, (other, bounds)) = rayon::join(traced, || rayon::join(other, bounds));
     Ok(traced.and(other).and(bounds)?)

@@ -49,10 +49,11 @@ impl Blank {
         searched: Option<AutoDomain>,
     ) -> Self {
         let mut curves = document.curves.all.iter();
-        if document.surfaces.iter().all(|surface| surface.hidden) && curves.all(|one| one.hidden) {
+        let mut surfaces = document.drawn_surfaces();
+        if surfaces.all(|surface| surface.hidden) && curves.all(|one| one.hidden) {
             return Self::Hidden;
         }
-        if document.surfaces.is_empty() {
+        if document.surfaces.is_empty() && document.patches.is_empty() {
             return Self::NoCurve;
         }
         if undefined {

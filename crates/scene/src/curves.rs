@@ -3,7 +3,7 @@
 //! Tracing computes in ordinary floats, and no proof depends on it. Only the search for the cells
 //! that may hold a curve of two equations uses enclosures. Nothing here knows cameras or pixels.
 
-mod functions;
+pub(crate) mod functions;
 mod intersection;
 mod march;
 mod path;
@@ -103,7 +103,7 @@ pub fn trace(document: &Document, region: &Region) -> TracedCurves {
     if curves.is_empty() {
         return all;
     }
-    all.clear = document.surfaces.iter().map(|surface| 1.0 - surface.opacity).collect();
+    all.clear = document.drawn_surfaces().map(|surface| 1.0 - surface.opacity).collect();
     let lines = curves.all.iter().enumerate();
     let lines = lines.filter(|(_, curve)| !matches!(curve.shape, CurveShape::Point { .. }));
     let lines: Vec<_> = lines.enumerate().filter(|(_, (_, curve))| !curve.hidden).collect();
@@ -239,12 +239,14 @@ pub fn extent(document: &Document) -> Option<[DVec3; 2]> {
     boxes.reduce(|[low, high], [other_low, other_high]| [low.min(other_low), high.max(other_high)])
 }
 
-/// The document at times in the range of the time, if a curve depends on the time.
+/// The document at times in the range of the time, if a curve or a parametric surface depends on
+/// the time.
 pub(crate) fn moments(document: &Document) -> Option<Vec<Document>> {
     let mut parameters = document.parameters.iter();
     let time = parameters.position(|one| one.kind == ParameterKind::Time)?;
     let (low, high) = document.parameters[time].range.as_ref()?;
-    if !document.curves.depend_on(document.parameters[time].number) {
+    let number = document.parameters[time].number;
+    if !document.curves.depend_on(number) && !document.patches.depend_on(number) {
         return None;
     }
     let (low, high) = (nearest(low), nearest(high));

@@ -187,7 +187,7 @@ impl Finding {
     /// One phrase that describes the finding.
     pub fn describe(self) -> &'static str {
         match self {
-            Self::Traced => "the box of the curves and points",
+            Self::Traced => "the box of curves, points and parametric surfaces",
             Self::Bounded => "bounded: proven",
             Self::BoundedNear => "bounded: proven up to ±1e12",
             Self::BoundedAtTimes => "bounded at the times tried, else not proven",

@@ -13,10 +13,10 @@ use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 use zeroset_eval::{
-    Binding, BranchTest, ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros,
-    FindZerosInBranch, Kernel, KernelError, KernelFloat, KernelResult, Kernels, PartSurface, Query,
-    Real, Reference, Sample, SampleGradient, SideTest, SurfaceKernels, Tape, TileTest, Tiles,
-    ZeroTest,
+    Binding, BoundPatches, BranchTest, ContractSegments, ContractTiles, Enclose, EncloseGradient,
+    FindZeros, FindZerosInBranch, Kernel, KernelError, KernelFloat, KernelResult, Kernels,
+    PartSurface, Query, Real, Reference, Sample, SampleGradient, SideTest, SurfaceKernels, Tape,
+    TileTest, Tiles, ZeroTest,
 };
 use zeroset_interval::{Format, Interval};
 use zeroset_ir::NodeId;
@@ -90,6 +90,7 @@ impl CompiledKernel {
             (KernelSource::Branches, _) => "to prove that there is nothing at jumps",
             (KernelSource::Gradient, question) if question == SampleGradient::NAME => "for normals",
             (KernelSource::Gradient, _) => "for proofs by slopes",
+            (KernelSource::Coordinates, _) => "to find the surface, cell by cell",
         }
     }
 }
@@ -192,6 +193,7 @@ struct SurfaceCode<T: Real> {
     gradient_bounds: Slot<EncloseGradient, T>,
     values: Slot<Sample, T>,
     gradients: Slot<SampleGradient, T>,
+    patches: Slot<BoundPatches, T>,
 }
 
 /// The code of one surface, in both precisions.
@@ -367,6 +369,19 @@ impl BoundSurface {
             single: Bindings::new(store, surface, values, single, &short),
             double: Bindings::new(store, surface, values, double, &short),
         }
+    }
+}
+
+impl BoundSurface {
+    /// A kernel of its own that approximates the functions of all surfaces of the program over
+    /// cells of x and y.
+    pub fn patch_kernel(&self) -> Result<Box<dyn Kernel<BoundPatches, f64>>, KernelError> {
+        self.double.bind_always(&self.double.codes.patches, KernelSource::Coordinates)
+    }
+
+    /// A kernel of its own for the function and its gradient.
+    pub fn gradient_kernel(&self) -> Result<Box<dyn Kernel<SampleGradient, f64>>, KernelError> {
+        self.double.bind_always(&self.double.codes.gradients, KernelSource::Gradient)
     }
 }
 

@@ -17,6 +17,7 @@ pub mod gallery;
 pub mod kernels;
 mod line_zeros;
 pub mod number;
+pub mod patches;
 pub mod point_value;
 pub mod program;
 pub mod proportions;

@@ -2,10 +2,14 @@
 //! compiled on request.
 
 use crate::kernels::{BoundSurface, CodeStore, CompiledKernel, Evaluator};
+use crate::patches::PatchSurface;
 use crate::simplified::Simplified;
 use num_rational::BigRational;
 use std::sync::{Arc, OnceLock};
-use zeroset_eval::{Assumptions, KernelFloat, Kernels, SurfaceKernels, Tape};
+use zeroset_eval::{
+    Assumptions, BoundPatches, Kernel, KernelError, KernelFloat, Kernels, SampleGradient,
+    SurfaceKernels, Tape,
+};
 use zeroset_interval::{Facts, Interval};
 use zeroset_ir::{
     Constant, Graph, Node, NodeId, algebraic_angles, bounded_logarithms, fix_exponents,
@@ -25,6 +29,8 @@ pub struct Program {
     surfaces: Vec<BoundSurface>,
     /// Bounds and facts of each surface's function.
     enclosures: Vec<(Interval, Facts)>,
+    /// The parametric surfaces. Their numbers follow those of the surfaces.
+    patches: Vec<PatchSurface>,
 }
 
 /// Time without a range is assumed to stay within ±`TIME`. For other times, code is compiled again.
@@ -36,9 +42,19 @@ impl Program {
     /// # Errors
     /// If a formula is too large, depends on no coordinate, or is defined nowhere.
     pub fn new(document: &Document, domain: [Interval; 3]) -> Result<Self, ProgramError> {
-        let program = Self::drawn(document, domain)?;
+        let program = Self::with_patches(document, domain)?;
         program.check(document)?;
         Ok(program)
+    }
+
+    /// As [`Program::drawn`], with the parametric surfaces.
+    ///
+    /// # Errors
+    /// If a formula is too large, or a range of a parametric surface has no value.
+    pub fn with_patches(document: &Document, domain: [Interval; 3]) -> Result<Self, ProgramError> {
+        let patches = 0..document.patches.all.len();
+        let patches = patches.map(|index| PatchSurface::new(document, index));
+        Ok(Self { patches: patches.collect::<Result<_, _>>()?, ..Self::drawn(document, domain)? })
     }
 
     /// As [`Program::new`], but also accepts constant and undefined formulas.
@@ -129,7 +145,8 @@ impl Program {
     #[must_use]
     pub fn on(&self, evaluator: Evaluator) -> Self {
         let store = CodeStore::new(Arc::clone(&self.store.simplified), evaluator);
-        Self::of(Arc::new(store), self.values.to_vec())
+        let patches = self.patches.iter().map(|patch| patch.on(evaluator)).collect();
+        Self { patches, ..Self::of(Arc::new(store), self.values.to_vec()) }
     }
 
     /// From now on, kernels are compiled in half the time. Their code runs up to 1.7 times as long,
@@ -137,13 +154,15 @@ impl Program {
     /// programs that share the code.
     pub fn hurry(&self) {
         self.store.hurry();
+        self.patches.iter().for_each(|patch| patch.coordinates().hurry());
     }
 
     /// Optimizes the kernels compiled since [`Program::hurry`], in parallel. Later kernels are
     /// optimized when they are first requested. Checks `wanted` between kernels, and returns
     /// whether all are optimized. Kernels may be in use at the same time.
     pub fn optimize(&self, wanted: &(dyn Fn() -> bool + Sync)) -> bool {
-        self.store.optimize(wanted)
+        let mut all = self.patches.iter().map(PatchSurface::coordinates).chain([self]);
+        all.all(|program| program.store.optimize(wanted))
     }
 
     /// The same program with the parameter values of another document. `None` if that document
@@ -156,8 +175,19 @@ impl Program {
         if !self.serves(document) {
             return None;
         }
-        let program = Self { exact: exact(document), ..self.with(values(document)) };
+        let is_alike = document.patches.all.len() == self.patches.len();
+        let patches = self.patches.iter().enumerate();
+        let patches: Option<Vec<PatchSurface>> =
+            patches.map(|(index, patch)| patch.rebound(document, index)).collect();
+        let patches = patches.filter(|_| is_alike)?;
+        let program = Self { exact: exact(document), patches, ..self.with(values(document)) };
         Some(program.check(document).map(|()| program))
+    }
+
+    /// As [`Program::rebound`], but for a program that was made by [`Program::unchecked`].
+    pub(crate) fn rebound_unchecked(&self, document: &Document) -> Option<Self> {
+        let new = || Self { exact: exact(document), ..self.with(values(document)) };
+        self.serves(document).then(new)
     }
 
     /// Returns whether a solid holds the points at which its function is 0. `None` if that is not
@@ -221,7 +251,7 @@ impl Program {
         let enclosures = zeroset_eval::enclose_all(graph, roots, &assumptions);
         let surface = |index| BoundSurface::new(&store, index, &values);
         let surfaces = (0..roots.len()).map(surface).collect();
-        Self { store, values, exact: Arc::from([]), surfaces, enclosures }
+        Self { store, values, exact: Arc::from([]), surfaces, enclosures, patches: Vec::new() }
     }
 
     /// Refuses a function that is constant or undefined in all of space. [`Program::remarks`]
@@ -324,12 +354,34 @@ impl Program {
     }
 
     /// A surface, whose kernels are compiled on request. Programs that differ only in parameter
-    /// values share the code.
+    /// values share the code. Parametric surfaces follow the others.
     ///
     /// # Panics
     /// If there is no such surface.
     pub fn surface(&self, surface: usize) -> &dyn SurfaceKernels {
-        &self.surfaces[surface]
+        match self.patch(surface) {
+            Some(patch) => patch,
+            None => &self.surfaces[surface],
+        }
+    }
+
+    /// The parametric surface with this number among all surfaces. `None` for an equation or a
+    /// solid.
+    pub fn patch(&self, surface: usize) -> Option<&PatchSurface> {
+        self.patches.get(surface.checked_sub(self.surfaces.len())?)
+    }
+
+    /// A kernel of its own for the coordinates of a parametric surface.
+    pub(crate) fn patch_kernel(&self) -> Result<Box<dyn Kernel<BoundPatches, f64>>, KernelError> {
+        self.surfaces[0].patch_kernel()
+    }
+
+    /// A kernel of its own for a surface's function and its gradient.
+    pub(crate) fn gradient_kernel(
+        &self,
+        surface: usize,
+    ) -> Result<Box<dyn Kernel<SampleGradient, f64>>, KernelError> {
+        self.surfaces[surface].gradient_kernel()
     }
 
     /// The kernels of a surface that compute in `T`.
@@ -342,7 +394,13 @@ impl Program {
 
     /// All kernels that were compiled so far, for any values of the parameters.
     pub fn made(&self) -> Vec<CompiledKernel> {
-        self.store.ledger.made()
+        let mut made = self.store.ledger.made();
+        for (index, patch) in self.patches.iter().enumerate() {
+            let surface = self.surfaces.len() + index;
+            let own = patch.coordinates().made().into_iter();
+            made.extend(own.map(|made| CompiledKernel { surface, ..made }));
+        }
+        made
     }
 
     /// The tape of a form of a surface's function, or `None` if the function has no such form.

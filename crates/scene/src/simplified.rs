@@ -64,6 +64,8 @@ pub enum KernelSource {
     Branches,
     /// The function and its three partial derivatives.
     Gradient,
+    /// The functions of all surfaces of the program: the coordinates of a parametric surface.
+    Coordinates,
 }
 
 impl fmt::Display for KernelSource {
@@ -74,6 +76,7 @@ impl fmt::Display for KernelSource {
             Self::Denominator => "the denominator",
             Self::Branches => "the branches",
             Self::Gradient => "function and derivatives",
+            Self::Coordinates => "the coordinates",
         })
     }
 }
@@ -98,6 +101,12 @@ pub enum ProgramError {
     /// The graph is too large.
     #[error(transparent)]
     Graph(#[from] IrError),
+    /// The range of a surface's parameter has no finite ends in order.
+    #[error("'{echo}' needs ranges with two finite ends, the smaller one first")]
+    Range {
+        /// The surface as it was understood.
+        echo: String,
+    },
     /// A kernel cannot be compiled.
     #[error(transparent)]
     Code(#[from] zeroset_jit::Error),
@@ -118,6 +127,7 @@ impl Simplified {
         let function = || compact(&self.graph, &[self.roots[surface]]);
         let (graph, roots) = match form {
             KernelSource::Function => function(),
+            KernelSource::Coordinates => compact(&self.graph, &self.roots),
             KernelSource::Gradient => {
                 let (mut graph, root) = self.symbolic(surface);
                 let [x, y, z] = gradient(&mut graph, root);

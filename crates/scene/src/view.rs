@@ -3,6 +3,7 @@
 use crate::curves::{self, PlaneCurves};
 use crate::domain::{self, AutoDomain, Finding, Motion};
 use crate::number::{nearest, numbers};
+use crate::patches;
 use crate::program::{Program, ProgramError};
 use crate::proportions;
 use glam::DVec3;
@@ -199,7 +200,8 @@ pub fn region_while(
             && let Some(part) = domain::find_between(&program, &ranges, *is_tall, wanted)?
         {
             let part = AutoDomain { low: part.low, high: part.high, ..found };
-            let part = curves::extent(document).map_or(part, |ends| part.with_box(ends));
+            let ends = hull(curves::extent(document), patches::extent(document));
+            let part = ends.map_or(part, |ends| part.with_box(ends));
             for axis in (0..3).filter(|axis| ranges[*axis].is_none()) {
                 (found.low[axis], found.high[axis]) = (part.low[axis], part.high[axis]);
                 found.cut[axis] = [false; 2];
@@ -295,7 +297,7 @@ fn search_while(
     is_tall: bool,
     wanted: &dyn Fn() -> bool,
 ) -> Result<Option<AutoDomain>, ProgramError> {
-    let ends = curves::extent(document);
+    let ends = hull(curves::extent(document), patches::extent(document));
     let proxy = document.surfaces.is_empty().then(|| curves::as_surfaces(document));
     let Some(document) = proxy.as_ref().map_or(Some(document), Option::as_ref) else {
         return Ok(Some(AutoDomain::of_box(ends)));
@@ -317,6 +319,14 @@ fn search_while(
         (found, _) => found,
     };
     Ok(found.map(|found| ends.map_or(found, |ends| found.with_box(ends))))
+}
+
+/// The box of both boxes.
+fn hull(one: Option<[DVec3; 2]>, other: Option<[DVec3; 2]>) -> Option<[DVec3; 2]> {
+    let both = one.zip(other);
+    let hull = both
+        .map(|([low, high], [other_low, other_high])| [low.min(other_low), high.max(other_high)]);
+    hull.or(one).or(other)
 }
 
 /// A domain of the surfaces of `program`. Time covers its whole range.
@@ -372,8 +382,9 @@ fn around_plane_curves_now(curves: &PlaneCurves, wanted: &dyn Fn() -> bool) -> O
 /// only in values of parameters, each within its range.
 pub fn same_search(one: &Document, other: &Document) -> bool {
     let parameters = one.parameters.iter().zip(&other.parameters);
-    let is_alike =
-        one.curves.are_alike(&other.curves) && one.picture.is_equal == other.picture.is_equal;
+    let is_alike = one.curves.are_alike(&other.curves)
+        && one.patches.are_alike(&other.patches)
+        && one.picture.is_equal == other.picture.is_equal;
     is_alike && { parameters }.all(|(one, other)| {
         let loops = one.kind == ParameterKind::Time && one.range.is_some();
         loops || one.value == other.value
@@ -391,15 +402,18 @@ pub fn is_idle(document: &Document, parameter: &Parameter) -> bool {
     let needed = document.graph.reachable(&roots);
     let node = Node::Parameter(parameter.number);
     let is_drawn = document.graph.iter().any(|(id, other)| needed[id.index()] && *other == node);
-    let surfaces = document.surfaces.iter().map(|surface| &surface.color);
-    let colors = surfaces.chain(document.curves.all.iter().map(|curve| &curve.color));
+    let number = parameter.number;
+    let is_drawn =
+        is_drawn || document.curves.depend_on(number) || document.patches.depend_on(number);
+    let surfaces = document.drawn_surfaces().map(|surface| surface.color);
+    let colors = surfaces.chain(document.curves.all.iter().map(|curve| curve.color.as_ref()));
     let colors = colors.filter_map(|color| match color {
         Some(SurfaceColor::Mapped(mapped)) => Some(&mapped.value),
         Some(SurfaceColor::Plain(_)) | None => None,
     });
     let lines = document.picture.contours.iter().filter_map(|lines| lines.value.as_ref());
     let paints = |value: &PointValue| value.graph.iter().any(|(_, other)| *other == node);
-    !is_drawn && !document.curves.depend_on(parameter.number) && !colors.chain(lines).any(paints)
+    !is_drawn && !colors.chain(lines).any(paints)
 }
 
 /// Returns whether anything that `document` draws depends on the time `t`.

@@ -6,10 +6,12 @@
 
 mod camera;
 mod cells;
+mod patch_tree;
 mod ray;
 mod region;
 
 pub use camera::{Basis, Camera, CameraError, Projection};
 pub use cells::{Cell, CellSearch, places_about, tiles_of};
+pub use patch_tree::{PatchCell, PatchNode, PatchTree, columns};
 pub use ray::Ray;
 pub use region::{Ball, Chord, Entry, HalfSpace, LARGEST_COORDINATE, Region, RegionError};

@@ -33,8 +33,9 @@ mod words;
 pub use document::curves::{Curve, CurveShape, Curves};
 pub use document::expression::{names_in, read_expression};
 pub use document::listed::is_expression_list;
+pub use document::patches::{Patch, Patches};
 pub use document::reading::{
-    Document, Options, Parameter, ParameterKind, Surface, SurfaceKind, parse,
+    Document, DrawnSurface, Options, Parameter, ParameterKind, Surface, SurfaceKind, parse,
 };
 pub use emit::{EmitError, Format, emit};
 pub use hints::{read, read_bytes, statement};

@@ -1,7 +1,7 @@
 //! Checks of a property on seed files and random bytes: a bounded fuzzing run for `cargo test`.
 
-use crate::Effort;
 use crate::suite::{Failure, Tally};
+use crate::{Effort, count_claims};
 use proptest::collection::vec;
 use proptest::num::u8::ANY;
 use proptest::test_runner::{Config, RngSeed, TestCaseError, TestRunner};
@@ -14,7 +14,7 @@ const LENGTH: std::ops::Range<usize> = 4..256;
 const SHRINKING: u32 = 500;
 
 /// Checks a property on each file of the directory `seeds`, then on random bytes. Returns the sum
-/// of the property's counts.
+/// of the property's counts, and prints the number of comparisons.
 ///
 /// # Panics
 /// If the property fails on a file or on random bytes, or if the directory cannot be read. Failing
@@ -54,7 +54,9 @@ pub fn attack(
         Err(failure) => Err(TestCaseError::fail(failure.to_string())),
     });
     result.unwrap_or_else(|failure| panic!("{failure}\n{effort}"));
-    tally.into_inner()
+    let tally = tally.into_inner();
+    count_claims(tally.compared);
+    tally
 }
 
 #[cfg(test)]

@@ -32,6 +32,11 @@ impl fmt::Display for Effort {
     }
 }
 
+/// Prints how many claims a random test has attacked. `fuzz/attack` adds these lines up.
+pub fn count_claims(count: u64) {
+    println!("claims: {count}");
+}
+
 fn number(name: &str, text: &str) -> u64 {
     let parsed = match text.strip_prefix("0x") {
         Some(digits) => u64::from_str_radix(digits, 16),

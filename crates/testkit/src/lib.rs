@@ -34,7 +34,7 @@ pub mod suite;
 pub use attack::attack;
 pub use case::{Case, pack_boxes};
 pub use crossings::{Crossings, crossings};
-pub use effort::Effort;
+pub use effort::{Effort, count_claims};
 pub use minimize::minimise;
 pub use oracle::{BoxClaim, Claim, Defined, Oracle, enclose_at};
 pub use random::{

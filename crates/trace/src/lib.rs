@@ -30,7 +30,7 @@ pub use gbuffer::{GBuffer, Kept, PixelCounts};
 pub use grid::{BAND_ROWS, Patch, RayDirections, RayGrid, SIDE, Window};
 pub use kernel_stats::{Count, KernelStats};
 pub use method::{Fallback, Method, Proves, Segment, Start, Tracer};
-pub use methods::{METHODS, MOST_STEPS};
+pub use methods::{METHODS, MOST_STEPS, PATCH, patch_tracer};
 pub use options::{
     DEPTH, MethodOption, NO_CONTRACT, NO_INTERVALS, NO_TILES, OPTIONS, PRECISION, Precision, STEPS,
     TOLERANCE, TOLERANCES, TraceOptions, check_depth, is_tolerance,

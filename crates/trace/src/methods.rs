@@ -7,6 +7,7 @@ mod local_ray;
 mod march;
 mod mitchell;
 mod outcome;
+mod patch;
 mod raa;
 mod refine;
 mod slabs;
@@ -15,6 +16,7 @@ mod sphere;
 
 use crate::method::Method;
 
+pub use patch::{PATCH, patch_tracer};
 pub use slabs::MOST_STEPS;
 
 /// All methods; the first is the default.

@@ -262,10 +262,10 @@ fn wrong(fault: &Fault) -> String {
 /// Returns the first surface's or curve's formula as it was read, and the number of further ones.
 fn echo(rendering: &Rendering) -> String {
     let document = &rendering.document;
-    let surfaces = document.surfaces.iter().map(|surface| &surface.echo);
-    let mut echoes = surfaces.chain(document.curves.all.iter().map(|curve| &curve.echo));
-    let echo = echoes.next().map_or("", |echo| echo.as_str());
-    match document.surfaces.len() + document.curves.all.len() {
+    let surfaces = document.drawn_surfaces().map(|surface| surface.echo);
+    let mut echoes = surfaces.chain(document.curves.all.iter().map(|curve| curve.echo.as_str()));
+    let echo = echoes.next().unwrap_or("");
+    match document.drawn_surfaces().count() + document.curves.all.len() {
         0 | 1 => echo.to_owned(),
         more => format!("{echo}  and {} more", more - 1),
     }

@@ -7,12 +7,17 @@ use std::path::Path;
 
 /// Writes scripts to a folder below `ZEROSET_PROOFS`, if it is set. `proofs/run` solves them.
 pub(super) fn write(folder: &str, scripts: impl IntoIterator<Item = (String, String)>) {
-    let Some(root) = std::env::var_os("ZEROSET_PROOFS") else { return };
-    let folder = Path::new(&root).join(folder);
-    std::fs::create_dir_all(&folder).expect("a folder");
     for (name, script) in scripts {
-        std::fs::write(folder.join(format!("{name}.smt2")), script).expect("written");
+        write_text(&format!("{folder}/{name}.smt2"), &script);
     }
+}
+
+/// Writes a file below `ZEROSET_PROOFS`, if it is set.
+pub(super) fn write_text(path: &str, text: &str) {
+    let Some(root) = std::env::var_os("ZEROSET_PROOFS") else { return };
+    let path = Path::new(&root).join(path);
+    std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+    std::fs::write(path, text).expect("written");
 }
 
 /// A machine whose vectors are numbers of terms.

@@ -8,7 +8,7 @@ use crate::bounds::Interval;
 use crate::enclosure::{Claims, Fact, Operand};
 use crate::machine::Format;
 use std::fmt::Write as _;
-use zeroset_ops::Op;
+use zeroset_ops::{Op, TABLE};
 
 /// An operation, and for values a, b and c with their definedness: its value, and where it is
 /// defined.
@@ -143,6 +143,14 @@ fn statement(op: Op, value: &str, is_defined: &str) -> String {
         let _ = write!(script, "{}", case(op, value, is_defined, &ranges));
     }
     script
+}
+
+/// The names of all operations, for the table that `proofs/table.py` makes.
+#[test]
+fn proofs_are_counted() {
+    let names: Vec<_> = TABLE.iter().map(|row| format!("{:?} {}", row.op, row.arity)).collect();
+    assert!(OPERATIONS.iter().all(|(op, ..)| TABLE.iter().any(|row| row.op == *op)));
+    script::write_text("operations.txt", &names.join("\n"));
 }
 
 #[test]

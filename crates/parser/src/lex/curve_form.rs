@@ -1,21 +1,18 @@
-//! Recognizes statements that draw curves and points, by their tokens.
+//! Recognizes statements that draw curves, points and parametric surfaces, by their tokens.
 //!
 //! `curve f = 0, g = 0` and `(cos t, sin t, t) for t in [0, 20]` draw curves. `(1, 2, 3)` draws a
-//! point. A statement found here begins with the word `curve` or `point`, which is added if it was
-//! not typed. A parameter's range gets the form `for t in [a, b]`. Names have no meaning here.
+//! point. `(u, v, u v) for u in [0, 1], v in [0, 1]` draws a surface. A statement found here begins
+//! with the word `curve` or `point`, which is added if it was not typed. A parameter's range gets
+//! the form `for t in [a, b]`. Names have no meaning here.
 
 use crate::lex::spelling::plain_name;
-use crate::lex::token::{Token, bracketed, closing, outside, span_of, split};
+use crate::lex::token::{Token, bracketed, closing, outside, split};
 use crate::lex::token_kind::TokenKind::{self, *};
-use crate::messages::error::{Error, ErrorKind, Fallible};
 use crate::span::Span;
 
 /// The tokens of a statement that draws a curve or a point, with its word and its range in standard
 /// form. `None` for other statements.
-///
-/// # Errors
-/// If there are ranges of two parameters, as for a parametric surface.
-pub fn marked_curve(text: &str, tokens: &[Token]) -> Fallible<Option<Vec<Token>>> {
+pub fn marked_curve(text: &str, tokens: &[Token]) -> Option<Vec<Token>> {
     let typed = |token: &Token| plain_name(&text[token.span.range()]);
     let word = match tokens.first() {
         Some(first) if first.kind == TokenKind::Name => typed(first),
@@ -32,7 +29,7 @@ pub fn marked_curve(text: &str, tokens: &[Token]) -> Fallible<Option<Vec<Token>>
         _ => without_head(tokens),
     };
     if rest.is_empty() {
-        return Ok(None);
+        return None;
     }
     let is_curve = word == "curve" && rest.len() < tokens.len();
     let is_word = is_curve || word == "point" && rest.len() < tokens.len();
@@ -43,7 +40,7 @@ pub fn marked_curve(text: &str, tokens: &[Token]) -> Fallible<Option<Vec<Token>>
         marked.push(Token::new(PointWord, first));
         marked.extend(in_parentheses(&rest[..rest.len() - behind.len()]));
         marked.extend(behind.iter().map(|label| Token::new(Label, label.span)));
-    } else if let Some((at, range)) = path(text, rest, is_curve)? {
+    } else if let Some((at, range)) = path(text, rest, is_curve) {
         marked.push(Token::new(CurveWord, first));
         marked.extend(at);
         marked.extend(range);
@@ -51,9 +48,9 @@ pub fn marked_curve(text: &str, tokens: &[Token]) -> Fallible<Option<Vec<Token>>
         marked.push(Token::new(CurveWord, first));
         marked.extend(rest);
     } else {
-        return Ok(None);
+        return None;
     }
-    Ok(Some(marked))
+    Some(marked)
 }
 
 /// The tokens after the left side of `r(t) = (…)` or `(x, y, z) = (…)`. Empty if these are not
@@ -135,13 +132,9 @@ fn is_label(text: &str, rest: &[Token]) -> bool {
     }
 }
 
-/// The point that moves along a curve, and the range of its parameter, in the form that the grammar
-/// reads. `None` if there is no range.
-fn path(
-    text: &str,
-    tokens: &[Token],
-    is_curve: bool,
-) -> Fallible<Option<(Vec<Token>, Vec<Token>)>> {
+/// The point that moves along a curve or a surface, and the ranges of its parameters, in the form
+/// that the grammar reads. `None` without ranges, or with more than two.
+fn path(text: &str, tokens: &[Token], is_curve: bool) -> Option<(Vec<Token>, Vec<Token>)> {
     let word = |token: &Token| {
         let is_name = token.kind == TokenKind::Name;
         if is_name { &text[token.span.range()] } else { "" }
@@ -152,35 +145,30 @@ fn path(
     };
     let ends = |rest: &&[Token]| rest.first().is_none_or(|next| !next.kind.is_arithmetic());
     let behind = after_triple(tokens).filter(ends).map(|rest| tokens.len() - rest.len());
-    let Some(at) = behind.or_else(word_for) else { return Ok(None) };
-    let (point, rest) = tokens.split_at(at);
+    let (point, rest) = tokens.split_at(behind.or_else(word_for)?);
     let is_lead = |token: &&Token| {
         token.kind == Comma || matches!(word(token), "for" | "where" | "with" | "when")
     };
     let lead = rest.iter().take_while(is_lead).count();
     if lead == 0 {
-        return Ok(None);
+        return None;
     }
-    let ranges = split_ranges(&rest[lead..], |token| word(token) == "for");
-    let Some(first) = ranges.first().and_then(|range| parameter_range(range)) else {
-        return Ok(None);
-    };
-    if let Some(second) = ranges.get(1).filter(|second| parameter_range(second).is_some()) {
-        let span = span_of(second).unwrap_or_default();
-        return Err(Error::new(span, ErrorKind::Parametric));
+    let split = split_ranges(&rest[lead..], |token| word(token) == "for");
+    if !(1..=2).contains(&split.len()) {
+        return None;
     }
-    if ranges.len() > 1 {
-        return Ok(None);
-    }
-    let (name, low, high) = first;
     let sign = |kind: TokenKind, at: Span| Token::new(kind, Span::at(at.start));
-    let mut range = vec![sign(For, rest[0].span), name, sign(In, name.span)];
-    range.push(sign(OpenBracket, low[0].span));
-    range.extend(low);
-    range.push(sign(Comma, high[0].span));
-    range.extend(high);
-    range.push(Token::new(CloseBracket, Span::at(high[high.len() - 1].span.end)));
-    Ok(Some((in_parentheses(point), range)))
+    let mut marked = Vec::new();
+    for range in &split {
+        let (name, low, high) = parameter_range(range)?;
+        marked.extend([sign(For, name.span), name, sign(In, name.span)]);
+        marked.push(sign(OpenBracket, low[0].span));
+        marked.extend(low);
+        marked.push(sign(Comma, high[0].span));
+        marked.extend(high);
+        marked.push(Token::new(CloseBracket, Span::at(high[high.len() - 1].span.end)));
+    }
+    Some((in_parentheses(point), marked))
 }
 
 /// Returns whether `tokens` are a sum with a vector in brackets, as in `(1-t)*(1, 2, 3) + t*p`.

@@ -241,7 +241,7 @@ pub enum ErrorKind {
     RangeNotWhole,
     #[error("the first argument of `{name}` must be a whole number from 0 to {limit}")]
     NumberInSequence { name: &'static str, limit: i64 },
-    #[error("there are no parametric surfaces")]
+    #[error("a parametric surface needs the ranges of its two parameters")]
     Parametric,
     #[error("a curve takes two equations")]
     CurveEquations,

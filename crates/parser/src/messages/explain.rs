@@ -79,8 +79,8 @@ impl Error {
             }
             NumberAfterNumber => "a product of two numbers needs an explicit `*`",
             Tuple | Vector => {
-                "a surface is one equation between numbers, in x, y and z; \
-                 there are no parametric surfaces"
+                "a surface is one equation between numbers, in x, y and z, or three coordinates with \
+                 the ranges of two parameters"
             }
             Calculus => "there are derivatives, as in `diff(f, x)` and `f'(x)`, but no integrals",
             Program { .. } => "a formula is read as a whole, not run step by step",
@@ -451,7 +451,7 @@ fn fixed_advice(kind: &ErrorKind) -> Option<&'static str> {
         Bits => "write `pow(a, b)` for a power, or arithmetic with `floor` and `mod`",
         NumberInSequence { .. } => "write the number in digits, or the formula itself",
         Parametric => {
-            "eliminate the parameters: what is a ball for `x = cos u cos v, …` is `x^2 + y^2 + z^2 = 1`"
+            "write `(cos u cos v, sin u cos v, sin v) for u in [0, 2pi], v in [-pi/2, pi/2]`"
         }
         Solid { formula } => formula,
         InWords => {

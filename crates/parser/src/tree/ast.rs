@@ -394,7 +394,7 @@ pub enum Statement {
     Curve(CurveStatement),
 }
 
-/// A curve or a point to draw. Comparisons ignore the place.
+/// A curve, a point or a parametric surface to draw. Comparisons ignore the place.
 #[derive(Clone, Debug)]
 pub struct CurveStatement {
     /// The form of the curve, with its expressions.
@@ -409,7 +409,7 @@ impl PartialEq for CurveStatement {
     }
 }
 
-/// The forms of curves and points.
+/// The forms of curves, points and parametric surfaces.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CurveForm {
     /// The points at which two equations hold, or one equation of complex numbers.
@@ -427,6 +427,15 @@ pub enum CurveForm {
         parameter: Name,
         /// First and last value of the parameter.
         range: Box<(Expr, Expr)>,
+    },
+    /// The points for all values of two parameters in their ranges: a surface.
+    Patch {
+        /// Three coordinates, or one vector.
+        at: Vec<Expr>,
+        /// The parameters. They are visible only in `at`.
+        parameters: [Name; 2],
+        /// First and last value of each parameter.
+        ranges: Box<[(Expr, Expr); 2]>,
     },
     /// A point.
     Point {
@@ -451,6 +460,9 @@ impl Statement {
                 }
                 CurveForm::Path { at, range, .. } => {
                     at.iter().chain([&range.0, &range.1]).collect()
+                }
+                CurveForm::Patch { at, ranges, .. } => {
+                    at.iter().chain(ranges.iter().flat_map(|range| [&range.0, &range.1])).collect()
                 }
                 CurveForm::Point { at, .. } => at.iter().collect(),
             },

@@ -1,4 +1,4 @@
-//! Builds the trees of statements that draw curves and points.
+//! Builds the trees of statements that draw curves, points and parametric surfaces.
 
 use crate::lex::spelling::plain_name;
 use crate::lex::token_kind::TokenKind::OpenParen;
@@ -15,7 +15,7 @@ use crate::tree::grammar::{Pair, Rule, parts};
 use crate::tree::scope::Scope;
 use crate::tree::statement::ParsedStatement;
 
-/// Builds the trees of a curve or a point.
+/// Builds the trees of a curve, a point or a parametric surface.
 ///
 /// # Errors
 /// If a formula of the line is wrong.
@@ -38,28 +38,39 @@ pub fn curve(
     }
     let lexed = &line.raw.lexed;
     let mut builder = Builder::new(text, lexed, scope, &[], limits);
-    let parameter = parts.iter().find(|part| part.as_rule() == Rule::name);
-    let parameter = parameter
-        .map(|name| Name { text: plain_name(builder.typed(name)), span: builder.span(name) });
-    let local: Vec<Name> = parameter.iter().cloned().collect();
+    let names = parts.iter().filter(|part| part.as_rule() == Rule::name);
+    let name = |name| Name { text: plain_name(builder.typed(name)), span: builder.span(name) };
+    let local: Vec<Name> = names.map(name).collect();
+    if let [first, second] = local.as_slice()
+        && first == second
+    {
+        let kind = ErrorKind::DuplicateParameter { name: first.text.clone() };
+        return Err(Error::new(second.span, kind));
+    }
     let mut inner = Builder::new(text, lexed, scope, &local, limits);
     builder.aliases = line.raw.aliases.clone();
     inner.aliases = line.raw.aliases.clone();
     let (mut at, mut equations, mut restrictions) = (Vec::new(), Vec::new(), Vec::new());
-    let (mut range, mut label) = (None, None);
+    let (mut ranges, mut label) = (Vec::new(), None);
     for part in parts {
         match part.as_rule() {
             Rule::point => at = inner.point(part)?,
             Rule::expression if rule == Rule::path_line => at = vec![inner.value(part)?],
             Rule::expression => equations.push(equation(&mut builder, part, lexed.tokens.get(1))?),
-            Rule::bounds => range = Some(Box::new(builder.bounds(part)?)),
+            Rule::bounds => ranges.push(builder.bounds(part)?),
             Rule::restriction => restrictions.extend(builder.restrictions(part)?),
             Rule::label => label = Some(builder.typed(&part).trim_matches('"').to_owned()),
             _ => {}
         }
     }
-    let form = match (parameter, range) {
-        (Some(parameter), Some(range)) => CurveForm::Path { at, parameter, range },
+    let form = match (local.as_slice(), <[_; 2]>::try_from(ranges)) {
+        ([u, v], Ok(ranges)) => {
+            let parameters = [u.clone(), v.clone()];
+            CurveForm::Patch { at, parameters, ranges: Box::new(ranges) }
+        }
+        ([parameter], Err(mut ranges)) if !ranges.is_empty() => {
+            CurveForm::Path { at, parameter: parameter.clone(), range: Box::new(ranges.remove(0)) }
+        }
         _ if rule == Rule::point_line => CurveForm::Point { at, label },
         _ => CurveForm::Equations { equations, restrictions },
     };

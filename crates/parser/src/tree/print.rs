@@ -213,6 +213,10 @@ impl fmt::Display for CurveForm {
             list(f, at, ", ", Tightness::Or)?;
             f.write_str(")")
         };
+        let moving = |f: &mut fmt::Formatter<'_>, at: &[Expr]| match at {
+            [vector] => write!(f, "curve {vector}"),
+            at => point(f, at),
+        };
         match self {
             Self::Equations { equations, restrictions } => {
                 f.write_str("curve ")?;
@@ -220,11 +224,14 @@ impl fmt::Display for CurveForm {
                 write_restrictions(f, restrictions)
             }
             Self::Path { at, parameter, range } => {
-                match at.as_slice() {
-                    [vector] => write!(f, "curve {vector}")?,
-                    at => point(f, at)?,
-                }
+                moving(f, at)?;
                 write!(f, " for {} in [{}, {}]", parameter.text, range.0, range.1)
+            }
+            Self::Patch { at, parameters: [u, v], ranges } => {
+                moving(f, at)?;
+                let [(u_low, u_high), (v_low, v_high)] = ranges.as_ref();
+                write!(f, " for {} in [{u_low}, {u_high}]", u.text)?;
+                write!(f, ", {} in [{v_low}, {v_high}]", v.text)
             }
             Self::Point { at, label } => {
                 point(f, at)?;

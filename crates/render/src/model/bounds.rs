@@ -20,6 +20,8 @@ use zeroset_trace::{NO_TILES, RayGrid, Window};
 /// Largest number of evaluations in the search for a box. The search takes a tenth of a
 /// millisecond.
 const WORK: u64 = 4096;
+/// Number of levels of cells from whose bounds the box of a parametric surface is made.
+const PATCH_DEPTH: u32 = 2;
 /// Number of halvings of a box.
 const DEPTH: u32 = 6;
 
@@ -43,6 +45,16 @@ impl Model {
     ) -> Option<Cell> {
         let [low, high] = [self.region.low(), self.region.high()].map(|end| end.to_array());
         let whole = Cell { low, high };
+        if let Some(patch) = self.program.patch(surface) {
+            let found =
+                patch.tree().ok().map_or(Some([[f64::NEG_INFINITY, f64::INFINITY]; 3]), |tree| {
+                    tree.bounds(PATCH_DEPTH)
+                });
+            let found = found?;
+            let low = [0, 1, 2].map(|axis| low[axis].max(found[axis][0]));
+            let high = [0, 1, 2].map(|axis| high[axis].min(found[axis][1]));
+            return (0..3).all(|axis| low[axis] <= high[axis]).then_some(Cell { low, high });
+        }
         let kernels = self.program.kernels::<f64>(surface);
         // A large formula needs no box: its parts are left out anyway where they have no zeros.
         if kernels.has_parts() {

@@ -13,7 +13,6 @@ use std::f64::consts::TAU;
 use zeroset_eval::KernelFloat;
 use zeroset_scene::program::ProgramError;
 use zeroset_shade::{Appearance, Light, LinearRgb, neighbors};
-use zeroset_syntax::SurfaceKind;
 use zeroset_trace::{GBuffer, KernelStats, RayGrid};
 
 /// Limits of the search for the lowest point of a surface: evaluations, and halvings of a box.
@@ -182,7 +181,7 @@ impl Model {
     /// NaN if there is no surface.
     pub(crate) fn ground_height(&self) -> f64 {
         let lowest = |surface: usize| {
-            let is_solid = self.styles[surface].kind == SurfaceKind::Solid;
+            let is_solid = self.styles[surface].is_solid;
             Some(self.search_bounds(surface, is_solid, WORK, DEPTH)?.low[2])
         };
         let search = || self.visible_surfaces().filter_map(lowest).reduce(f64::min);

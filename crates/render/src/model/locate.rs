@@ -6,7 +6,6 @@ use glam::DVec3;
 use zeroset_eval::{Boxes, Enclose, Kernel, LANES};
 use zeroset_interval::{Facts, Interval};
 use zeroset_space::Ray;
-use zeroset_syntax::SurfaceKind;
 use zeroset_trace::{DEPTH, RayGrid, Status};
 
 /// Most times that a bracket is divided. Each time leaves a seventeenth of its length.
@@ -43,7 +42,7 @@ impl Model {
             let [low, high] = t.map(|t| point(ray, t));
             let at = [0, 1, 2].map(|axis| low[axis].hull(high[axis]));
             // A solid has a face where its function jumps. An equation has no zero there.
-            if self.styles[surface].kind == SurfaceKind::Solid || line.is_continuous(&at) {
+            if self.styles[surface].is_solid || line.is_continuous(&at) {
                 return Some(Located { t, at });
             }
             from = t[1];

@@ -22,10 +22,9 @@ use zeroset_scene::coordinate::coordinate;
 use zeroset_scene::program::ProgramError;
 use zeroset_shade::{Colors, ColorsMut, NormalSource, Pattern, Shader, normals};
 use zeroset_space::Camera;
-use zeroset_syntax::SurfaceKind;
 use zeroset_trace::{
     BAND_ROWS, Driver, Fallback, GBuffer, Kept, KernelStats, PixelCounts, RayGrid, Rows,
-    TraceOptions, Tracer, Window, cap, cap_rows, may_cut,
+    TraceOptions, Tracer, Window, cap, cap_rows, may_cut, patch_tracer,
 };
 
 /// Callback with the work done since the last call. The work ends if it returns `false`.
@@ -181,7 +180,10 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         surface: usize,
         change: impl Fn(TraceOptions) -> TraceOptions,
     ) -> Result<Box<dyn Tracer + 'a>, ProgramError> {
-        let options = change(options(self.settings, self.model.styles[surface].kind));
+        let options = change(options(self.settings, self.model.styles[surface].is_solid));
+        if let Some(patch) = self.model.program.patch(surface) {
+            return Ok(patch_tracer(patch.tree()?, &self.model.region, options));
+        }
         let (surface, region) = (self.model.program.surface(surface), &self.model.region);
         Ok(self.settings.method.prepare(surface, region, options)?)
     }
@@ -208,7 +210,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
     /// it.
     pub fn caps(&self, surface: usize) -> Result<Option<&'a dyn Kernel<Enclose, T>>, ProgramError> {
         let model = self.model;
-        if model.styles[surface].kind != SurfaceKind::Solid {
+        if !model.styles[surface].is_solid {
             return Ok(None);
         }
         let kernel = model.program.kernels::<T>(surface).bounds()?;
@@ -234,6 +236,10 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         let kernels = self.model.program.kernels::<T>(surface);
         Ok(match self.settings.normals {
             None => None,
+            // Its kernel computes in 64 bits always.
+            Some(_) if self.model.program.patch(surface).is_some() => {
+                Some(NormalSource::Gradient(kernels.gradients()?))
+            }
             Some(Normals::Gradient) if self.settings.options.precision == Precision::Auto => {
                 let (region, kernel) = (&self.model.region, kernels.gradients()?);
                 let farthest = region.low().abs().max(region.high().abs()).max_element();
@@ -480,7 +486,7 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
             background: lit.background,
             legends: lit.legends,
             statistics,
-            undefined: model.visible_surfaces().any(|surface| model.program.is_undefined(surface)),
+            undefined: model.visible_functions().any(|surface| model.program.is_undefined(surface)),
             remarks: lit.remarks,
             flat,
         })

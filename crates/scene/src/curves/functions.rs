@@ -6,7 +6,7 @@ use crate::program::constants;
 use glam::DVec3;
 use zeroset_eval::{Assumptions, Binding, Kernel, Points, Query, Reference, SampleGradient, Tape};
 use zeroset_interval::Interval;
-use zeroset_ir::{Axis, Graph, Node, NodeId, gradient, simplify};
+use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, gradient, simplify};
 use zeroset_jit::Threaded;
 use zeroset_ops::Op;
 use zeroset_syntax::{CurveShape, Document, POINT_NAMES, PointValue, Surface, SurfaceKind};
@@ -17,8 +17,16 @@ const MOST_NODES: usize = 200_000;
 /// The functions `roots` of the curves' graph, with numbers in place of the document's parameters.
 /// The curves' own parameter becomes the variable x. `None` if the functions are too large.
 pub fn bound(document: &Document, roots: &[NodeId]) -> Option<(Graph, Vec<NodeId>)> {
-    let graph = &document.curves.graph;
-    let values = constants(document);
+    with_constants(&document.curves.graph, roots, &constants(document))
+}
+
+/// The functions `roots` of a graph, with numbers in place of its parameters. A parameter beyond
+/// those becomes the variable x. `None` if the functions are too large.
+pub fn with_constants(
+    graph: &Graph,
+    roots: &[NodeId],
+    values: &[Constant],
+) -> Option<(Graph, Vec<NodeId>)> {
     let needed = graph.reachable(roots);
     let mut copy = Graph::new();
     let mut places: Vec<Option<NodeId>> = vec![None; graph.len()];

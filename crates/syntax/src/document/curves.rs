@@ -125,7 +125,7 @@ impl DocumentReader<'_> {
         for one in statements {
             let Statement::Curve(curve) = &one.statement else { continue };
             let shape = self.ok_or_record(shape(&mut lowering, curve, parameter));
-            all.extend(shape.map(|shape| Curve {
+            all.extend(shape.flatten().map(|shape| Curve {
                 shape,
                 span: one.span,
                 echo: one.statement.to_string(),
@@ -146,13 +146,14 @@ impl DocumentReader<'_> {
     }
 }
 
-/// Lowers a curve to its shape. `parameter` is the number of a path's parameter in the graph.
+/// Lowers a curve to its shape. `None` for a surface. `parameter` is the number of a path's
+/// parameter in the graph.
 fn shape<'d>(
     lowering: &mut Lowering<'d>,
     curve: &'d CurveStatement,
     parameter: u32,
-) -> Fallible<CurveShape> {
-    match &curve.form {
+) -> Fallible<Option<CurveShape>> {
+    Ok(Some(match &curve.form {
         CurveForm::Equations { equations, restrictions } => {
             let mut both = match equations.as_slice() {
                 [one, other] => [function(lowering, one)?, function(lowering, other)?],
@@ -164,7 +165,7 @@ fn shape<'d>(
                 let root = lowering.complete(|all| all.restrict(root, condition, &[]))?;
                 both[0] = lowering.in_place(root, condition.span)?;
             }
-            Ok(CurveShape::Intersection(both))
+            CurveShape::Intersection(both)
         }
         CurveForm::Path { at, parameter: name, range } => {
             let ends = [&range.0, &range.1];
@@ -176,13 +177,14 @@ fn shape<'d>(
                 *node = lowering.value(end)?;
             }
             check_ends(lowering, nodes, ends)?;
-            Ok(CurveShape::Path { at, ends: nodes })
+            CurveShape::Path { at, ends: nodes }
         }
         CurveForm::Point { at, label } => {
             let at = located(lowering, at, &[], curve.span)?;
-            Ok(CurveShape::Point { at, label: label.clone() })
+            CurveShape::Point { at, label: label.clone() }
         }
-    }
+        CurveForm::Patch { .. } => return Ok(None),
+    }))
 }
 
 /// The function of a curve's equation.
@@ -212,7 +214,7 @@ fn complex<'d>(lowering: &mut Lowering<'d>, expr: &'d Expr) -> Fallible<[NodeId;
 }
 
 /// The nodes of three coordinates or of a vector. Fails if they depend on x, y or z.
-fn located<'d>(
+pub(crate) fn located<'d>(
     lowering: &mut Lowering<'d>,
     at: &'d [Expr],
     locals: &[(&'d str, Tensor)],
@@ -252,7 +254,11 @@ fn axis_of(graph: &Graph, roots: &[NodeId]) -> Option<Axis> {
 }
 
 /// Fails if the ends of a range vary from point to point, have no value, or are not in order.
-fn check_ends(lowering: &Lowering<'_>, nodes: [NodeId; 2], ends: [&Expr; 2]) -> Fallible<()> {
+pub(crate) fn check_ends(
+    lowering: &Lowering<'_>,
+    nodes: [NodeId; 2],
+    ends: [&Expr; 2],
+) -> Fallible<()> {
     let span = ends[0].span.to(ends[1].span);
     if let Some(axis) = axis_of(&lowering.graph, &nodes) {
         return Err(Error::new(span, ErrorKind::NotConstant { name: axis.name().to_owned() }));

@@ -76,7 +76,7 @@ impl DocumentReader<'_> {
             material: Default::default(),
             hidden: false,
         }];
-        style(&mut surfaces, &mut [], &settings, &values)?;
+        style(&mut surfaces, &mut [], &mut [], &settings, &values)?;
         let picture = picture(&settings, &values)?;
         self.notes.push(Note { span, kind: NoteKind::ExpressionList { name } });
         Ok(self.document(text, graph, surfaces.into(), parameters, settings, picture))

@@ -15,6 +15,7 @@ mod list_marks;
 pub(crate) mod listed;
 pub(crate) mod other_readings;
 pub(crate) mod parameters;
+pub(crate) mod patches;
 mod plane_curve;
 mod polar_curves;
 pub(crate) mod reading;

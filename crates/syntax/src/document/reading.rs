@@ -8,6 +8,7 @@ use crate::document::implied_drawing::{drawn_by_program, implied_drawing};
 use crate::document::likely_slips::likely_slips;
 use crate::document::listed::{self, is_expression_list};
 use crate::document::other_readings::with_other_readings;
+use crate::document::patches::{Patch, Patches};
 use crate::document::plane_curve::plane_curve_note;
 use crate::document::polar_curves::polar_curves;
 use crate::document::recursion::no_recursion;
@@ -23,7 +24,7 @@ use rustc_hash::{FxHashMap, FxHashSet};
 use zeroset_dialect::program;
 use zeroset_ir::{Constant, Graph, NodeId};
 use zeroset_parser::lex::spelling::short_name;
-use zeroset_parser::tree::ast::{Definition, Expr, Name, Statement};
+use zeroset_parser::tree::ast::{CurveForm, Definition, Expr, Name, Statement};
 use zeroset_parser::tree::built_statement::BuiltStatement;
 use zeroset_parser::tree::curve_statement::curve;
 use zeroset_parser::tree::grammar::Rule;
@@ -55,8 +56,11 @@ pub struct Options<'a> {
 pub struct Document {
     /// Functions of all surfaces in one graph, exactly as typed: nothing is simplified.
     pub graph: Graph,
-    /// The surfaces, in the order of the text; at least one, unless there are curves or points.
+    /// The equations and solids, in the order of the text; at least one, unless there are
+    /// parametric surfaces, curves or points.
     pub surfaces: Vec<Surface>,
+    /// The parametric surfaces.
+    pub patches: Patches,
     /// The curves and points.
     pub curves: Curves,
     /// Sliders and time, by ascending parameter number.
@@ -118,6 +122,51 @@ impl Surface {
     }
 }
 
+/// A surface of a document, however it is given.
+#[derive(Clone, Copy, Debug)]
+pub struct DrawnSurface<'a> {
+    /// Place of the statement in the text.
+    pub span: Span,
+    /// The statement as it was read, in standard notation.
+    pub echo: &'a str,
+    /// Whether the surface is the boundary of a solid.
+    pub is_solid: bool,
+    /// As [`Surface::color`].
+    pub color: Option<&'a SurfaceColor>,
+    /// As [`Surface::opacity`].
+    pub opacity: f64,
+    /// As [`Surface::material`].
+    pub material: &'static Material,
+    /// As [`Surface::hidden`].
+    pub hidden: bool,
+}
+
+impl<'a> DrawnSurface<'a> {
+    fn of_surface(one: &'a Surface) -> Self {
+        Self {
+            span: one.span,
+            echo: &one.echo,
+            is_solid: one.kind == SurfaceKind::Solid,
+            color: one.color.as_ref(),
+            opacity: one.opacity,
+            material: one.material,
+            hidden: one.hidden,
+        }
+    }
+
+    fn of_patch(one: &'a Patch) -> Self {
+        Self {
+            span: one.span,
+            echo: &one.echo,
+            is_solid: false,
+            color: one.color.as_ref(),
+            opacity: one.opacity,
+            material: one.material,
+            hidden: one.hidden,
+        }
+    }
+}
+
 /// Kind of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfaceKind {
@@ -154,10 +203,17 @@ pub enum ParameterKind {
 }
 
 impl Document {
-    /// The line that begins with `word` and applies to surface number `surface`, if there is one.
+    /// All surfaces by their numbers: equations and solids, then parametric surfaces.
+    pub fn drawn_surfaces(&self) -> impl Iterator<Item = DrawnSurface<'_>> {
+        let patches = self.patches.all.iter().map(DrawnSurface::of_patch);
+        self.surfaces.iter().map(DrawnSurface::of_surface).chain(patches)
+    }
+
+    /// The line that begins with `word` and applies to [surface](Self::drawn_surfaces) number
+    /// `surface`, if there is one.
     pub fn line_for(&self, word: &str, surface: usize) -> Option<&SettingLine> {
-        let place = self.surfaces.get(surface)?.span.start;
-        let last = last_drawing(&self.surfaces, &self.curves.all);
+        let place = self.drawn_surfaces().nth(surface)?.span.start;
+        let last = last_drawing(&self.surfaces, &self.patches.all, &self.curves.all);
         let lines = self.lines.iter().filter(|line| line.word == word);
         let lines: Vec<_> = lines.map(|line| (line.span.start, line)).collect();
         setting_for(&lines, place, last).copied()
@@ -391,11 +447,20 @@ impl<'a> DocumentReader<'a> {
         let limits =
             Limits { nodes: self.options.limits.nodes_for(self.text.len()), ..self.options.limits };
         let values = PointValues::new(names.clone(), points, time, &limits);
-        let mut lowering = Lowering::new(names.clone(), time, &limits);
-        lowering.multiplies_to_numbers = scope.in_degrees;
-        let mut curves = self.curves(&curves, lowering, points)?;
-        let mut lowering = Lowering::new(names, time, &limits);
-        lowering.multiplies_to_numbers = scope.in_degrees;
+        let lowered = |names| {
+            let mut lowering = Lowering::new(names, time, &limits);
+            lowering.multiplies_to_numbers = scope.in_degrees;
+            lowering
+        };
+        let (patches, curves): (Vec<&BuiltStatement>, _) =
+            curves.iter().partition(|one| is_patch(&one.statement));
+        let mut patches = if patches.is_empty() {
+            Patches::default()
+        } else {
+            self.patches(&patches, lowered(names.clone()), points)?
+        };
+        let mut curves = self.curves(&curves, lowered(names.clone()), points)?;
+        let mut lowering = lowered(names);
         let mut surfaces = Vec::new();
         let limit = self.options.limits.surfaces;
         if let Some(drawing) = drawings.get(limit) {
@@ -412,18 +477,18 @@ impl<'a> DocumentReader<'a> {
             surfaces.push(surface(&mut lowering, statement)?);
         }
         without_placeholders(&mut lowering, &mut surfaces);
-        style(&mut surfaces, &mut curves.all, &settings, &values)?;
+        style(&mut surfaces, &mut patches.all, &mut curves.all, &settings, &values)?;
         let picture = picture(&settings, &values)?;
         self.notes.append(&mut lowering.notes);
         self.notes.extend(near_integer_notes(&lowering.graph, &surfaces));
         let thin = thin_zeros_notes(&lowering.graph, &surfaces, &parameters);
-        if curves.all.is_empty() && thin.is_empty() {
+        if curves.is_empty() && patches.is_empty() && thin.is_empty() {
             self.notes.extend(plane_curve_note(&lowering.graph, &surfaces, &self.generated));
         }
         self.notes.extend(thin);
         let text = self.text;
         let document = self.document(text, lowering.graph, surfaces, parameters, settings, picture);
-        Ok(Document { curves, ..document })
+        Ok(Document { patches, curves, ..document })
     }
 
     /// The document of these surfaces. `text` has its title. The notes are sorted.
@@ -441,6 +506,7 @@ impl<'a> DocumentReader<'a> {
         Document {
             graph,
             surfaces,
+            patches: Patches::default(),
             curves: Curves::default(),
             parameters,
             domain: settings.domain,
@@ -455,6 +521,11 @@ impl<'a> DocumentReader<'a> {
             notes: self.notes,
         }
     }
+}
+
+/// Returns whether a statement draws a parametric surface.
+fn is_patch(statement: &Statement) -> bool {
+    matches!(statement, Statement::Curve(curve) if matches!(curve.form, CurveForm::Patch { .. }))
 }
 
 /// The settings that have no field of their own in a document.
@@ -474,22 +545,29 @@ pub(crate) fn picture<'a>(
 /// each curve, from the lines that apply to it.
 pub(crate) fn style<'a>(
     surfaces: &mut [Surface],
+    patches: &mut [Patch],
     curves: &mut [Curve],
     settings: &'a CollectedLines,
     values: &PointValues<'a>,
 ) -> Fallible<()> {
-    let last = last_drawing(surfaces, curves);
-    for surface in surfaces {
-        let place = surface.span.start;
+    let last = last_drawing(surfaces, patches, curves);
+    let surfaces =
+        surfaces.iter_mut().map(|Surface { span, color, opacity, material, hidden, .. }| {
+            (span.start, color, opacity, material, hidden)
+        });
+    let patches =
+        patches.iter_mut().map(|Patch { span, color, opacity, material, hidden, .. }| {
+            (span.start, color, opacity, material, hidden)
+        });
+    for (place, own_color, own_opacity, material, hidden) in surfaces.chain(patches) {
         let color = setting_for(&settings.colors, place, last);
         let typed = color.and_then(|(typed, _)| typed.as_ref());
-        surface.color = typed.map(|typed| values.color(typed)).transpose()?;
+        *own_color = typed.map(|typed| values.color(typed)).transpose()?;
         let own = color.and_then(|(_, opacity)| *opacity);
         let opacity = own.or_else(|| setting_for(&settings.opacities, place, last).copied());
-        surface.material =
-            setting_for(&settings.materials, place, last).copied().unwrap_or_default();
-        surface.opacity = opacity.unwrap_or(surface.material.opacity);
-        surface.hidden = setting_for(&settings.hidden, place, last) == Some(&true);
+        *material = setting_for(&settings.materials, place, last).copied().unwrap_or_default();
+        *own_opacity = opacity.unwrap_or(material.opacity);
+        *hidden = setting_for(&settings.hidden, place, last) == Some(&true);
     }
     for curve in curves {
         let place = curve.span.start;
@@ -503,9 +581,10 @@ pub(crate) fn style<'a>(
 }
 
 /// Start of the last drawing in the text.
-fn last_drawing(surfaces: &[Surface], curves: &[Curve]) -> usize {
+fn last_drawing(surfaces: &[Surface], patches: &[Patch], curves: &[Curve]) -> usize {
     let surfaces = surfaces.iter().map(|surface| surface.span.start);
-    surfaces.chain(curves.iter().map(|curve| curve.span.start)).max().unwrap_or(0)
+    let patches = patches.iter().map(|patch| patch.span.start);
+    surfaces.chain(patches).chain(curves.iter().map(|curve| curve.span.start)).max().unwrap_or(0)
 }
 
 /// Drops each generated definition that no other statement needs, directly or through definitions.

@@ -48,8 +48,8 @@ pub(super) fn unread(mistake: &Mistake<'_>) -> Option<String> {
     };
     if is_pair("N(K, M) = (A, B, C)") || is_pair("N(K, M) = <A, B, C>") {
         return Some(
-            "there are no parametric surfaces: write the equation between x, y and z that the two \
-             parameters fulfil, such as `x^2 + y^2 + z^2 = 1`"
+            "write the coordinates and the ranges of both parameters: \
+             `(cos u cos v, sin u cos v, sin v) for u in [0, 2pi], v in [-pi/2, pi/2]`"
                 .to_owned(),
         );
     }

@@ -91,6 +91,19 @@ fn describe_picture(out: &mut String, picture: &PictureLines) {
     }
 }
 
+fn describe_patches(out: &mut String, document: &Document) {
+    for patch in &document.patches.all {
+        write!(out, "surface of {}: {}", patch.names.join(", "), patch.echo).unwrap();
+        if let Some(SurfaceColor::Plain(color)) = &patch.color {
+            write!(out, "  [color {:?}]", color.rgb).unwrap();
+        }
+        if patch.hidden {
+            out.push_str("  [hidden]");
+        }
+        out.push('\n');
+    }
+}
+
 fn describe_curves(out: &mut String, row: &Row, document: &Document) {
     for curve in &document.curves.all {
         let kind = match curve.shape {
@@ -156,6 +169,7 @@ fn describe(row: &Row, document: &Document) -> String {
             writeln!(out, "graph: {}", graph_text(&document.graph, surface.root)).unwrap();
         }
     }
+    describe_patches(&mut out, document);
     describe_curves(&mut out, row, document);
     for parameter in &document.parameters {
         let kind = match parameter.kind {

@@ -134,7 +134,7 @@ fn advice_is_the_line_to_write_and_is_given_once() {
 fn notations_of_textbooks_get_their_line() {
     let rows = [
         ("r(t) = <cos t, sin t, t>", "write `(cos t, sin t, t) for t in [0, 20]`"),
-        ("r(u,v) = (cos u sin v, sin u sin v, cos v)", "there are no parametric surfaces"),
+        ("r(u,v) = (cos u sin v, sin u sin v, cos v)", "ranges of both parameters"),
         ("(x,y,z) = (1,2,3) + t(1,-1,2)", "write `(1,2,3) + t*(1,-1,2) for t in [-2, 2]`"),
         ("P(1,2,3)", "write `(1, 2, 3) \"P\"`"),
         ("A=(1,2,3)", "write `(1, 2, 3) \"A\"`"),

@@ -9,6 +9,7 @@ mod hints;
 mod hostile;
 mod left_over;
 mod lists;
+mod patches;
 mod render;
 mod round_trip;
 mod signs;

@@ -185,10 +185,16 @@ fn curve() -> impl Strategy<Value = Statement> {
         let parameter = Name { text: name.to_owned(), span: Span::default() };
         CurveForm::Path { at, parameter, range }
     });
+    let range = || (number(), number());
+    let patch = (vec(number(), 3), [range(), range()]).prop_map(|(at, ranges)| {
+        let parameters =
+            ["s", "foo"].map(|name| Name { text: name.to_owned(), span: Span::default() });
+        CurveForm::Patch { at, parameters, ranges: Box::new(ranges) }
+    });
     let label = prop::sample::select(vec![None, Some("A".to_owned()), Some("a, (b".to_owned())]);
     let point = (vec(number(), 3), label).prop_map(|(at, label)| CurveForm::Point { at, label });
     let span = Span::default();
-    prop_oneof![equations, path, point]
+    prop_oneof![equations, path, patch, point]
         .prop_map(move |form| Statement::Curve(CurveStatement { form, span }))
 }
 

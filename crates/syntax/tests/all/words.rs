@@ -9,7 +9,7 @@ use zeroset_interval::Interval;
 use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, simplify};
 use zeroset_ops::Op;
 use zeroset_parser::Limits;
-use zeroset_syntax::{CurveShape, Document, Options, SurfaceKind, parse, read};
+use zeroset_syntax::{CurveShape, Document, Options, Patch, SurfaceKind, parse, read};
 
 /// The corpus used in developing the language, two corpora that were not used for it, and programs
 /// whose statements have effects in unusual places.
@@ -246,6 +246,37 @@ pub(crate) fn values_along(
     }
 }
 
+/// Describes how parametric surfaces differ from those that are meant, if they do. The points' x
+/// and y stand for u and v.
+fn wrong_patches(
+    document: &Document,
+    meant: &Document,
+    points: &[[Constant; 3]],
+) -> Option<String> {
+    let (own, other) = (&document.patches, &meant.patches);
+    if own.all.len() != other.all.len() {
+        return Some(format!("{} parametric surfaces", own.all.len()));
+    }
+    for (patch, plain) in own.all.iter().zip(&other.all) {
+        let roots = |patch: &Patch| -> Vec<NodeId> {
+            patch.at.iter().chain(patch.ends.as_flattened()).copied().collect()
+        };
+        for (root, as_meant) in roots(patch).into_iter().zip(roots(plain)) {
+            for point in points {
+                let read = value_in(&own.graph, &parameters(document), root, point);
+                let plain = value_in(&other.graph, &parameters(meant), as_meant, point);
+                if !agree(read.as_ref(), plain.as_ref()) {
+                    return Some(format!(
+                        "read as {}\nat {point:?}: {read:?}, not {plain:?}",
+                        patch.echo
+                    ));
+                }
+            }
+        }
+    }
+    None
+}
+
 /// Describes how the reading of a row differs from what the row requires, if it does.
 pub(crate) fn wrong(row: &Row, points: &[[Constant; 3]]) -> Option<String> {
     let document = read(&row.text, &Options::default());
@@ -257,8 +288,8 @@ pub(crate) fn wrong(row: &Row, points: &[[Constant; 3]]) -> Option<String> {
             return (!is_meant).then(|| format!("refused otherwise:\n{rendered}"));
         }
         (Ok(document), Some(_)) => {
-            let mut echoes = document.surfaces.iter().map(|surface| &surface.echo);
-            return Some(format!("read as {}", echoes.next().map_or("a curve", |echo| echo)));
+            let mut echoes = document.drawn_surfaces().map(|surface| surface.echo);
+            return Some(format!("read as {}", echoes.next().unwrap_or("a curve")));
         }
         (Err(errors), None) => return Some(errors.render(None, &row.text, false)),
         (Ok(document), None) => document,
@@ -290,6 +321,9 @@ pub(crate) fn wrong(row: &Row, points: &[[Constant; 3]]) -> Option<String> {
     if row.places.is_empty()
         && let Some(what) = wrong_curves(&document, &meant, points)
     {
+        return Some(what);
+    }
+    if let Some(what) = wrong_patches(&document, &meant, points) {
         return Some(what);
     }
     for (own, other) in document.surfaces.iter().zip(&meant.surfaces) {

@@ -7,10 +7,10 @@ use crate::{Adversarial, Case, Ends, Place, Rng, minimise, pack_boxes};
 use std::fmt::Debug;
 use std::sync::Arc;
 use zeroset_eval::{
-    Assumptions, Binding, Boxes, ContractSegments, ContractTiles, Enclose, EncloseGradient,
-    FindZeros, FindZerosInBranch, Input, Kernel, LANES, Lanes, Output, Points, Query, Real,
-    Reference, Sample, SampleForward, SampleGradient, Segments, Shortener, Tape, Tiles,
-    branch_bindings,
+    Assumptions, Binding, BoundPatches, Boxes, ContractSegments, ContractTiles, Enclose,
+    EncloseGradient, FindZeros, FindZerosInBranch, Input, Kernel, LANES, Lanes, Output, Points,
+    Query, Real, Reference, Sample, SampleForward, SampleGradient, Segments, Shortener, Tape,
+    Tiles, branch_bindings,
 };
 use zeroset_ir::{gradient, rewrite, simplify};
 use zeroset_jit::{Compiled, Threaded, vector_widths};
@@ -39,11 +39,14 @@ pub enum KernelKind {
     Segments,
     /// Narrowed tiles of rays, and their planes.
     Tiles,
+    /// Approximations of three coordinates over cells of x and y. The coordinates are the function
+    /// and its derivatives with respect to x and y.
+    Patches,
 }
 
 impl KernelKind {
     /// All kinds of kernels.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Bounds,
         Self::Values,
         Self::Gradients,
@@ -53,11 +56,12 @@ impl KernelKind {
         Self::Segments,
         Self::Tiles,
         Self::Forward,
+        Self::Patches,
     ];
 
     /// Whether the kernel computes derivatives.
     pub fn is_differentiated(self) -> bool {
-        matches!(self, Self::Gradients | Self::GradientBounds)
+        matches!(self, Self::Gradients | Self::GradientBounds | Self::Patches)
     }
 
     /// Returns the tape of this kernel for a case. The function is as typed or, if `simple`,
@@ -73,6 +77,9 @@ impl KernelKind {
         let mut roots = vec![root];
         if self.is_differentiated() {
             roots.extend(gradient(&mut graph, root));
+        }
+        if self == Self::Patches {
+            roots.truncate(3);
         }
         if simple {
             (graph, roots) = simplify(&graph, &roots, domain, parameters).ok()?;
@@ -130,6 +137,9 @@ pub fn agree<T: Adversarial>(
         ),
         KernelKind::Tiles => {
             compare::<ContractTiles, T>(case, &tape, &batches(case, rng, inputs, tiles), width)
+        }
+        KernelKind::Patches => {
+            compare::<BoundPatches, T>(case, &tape, &batches(case, rng, inputs, boxes), width)
         }
         KernelKind::Values => {
             compare::<Sample, T>(case, &tape, &batches(case, rng, inputs, points), width)

@@ -3,8 +3,8 @@
 use super::interval::QueryResult;
 use super::{Failure, Tally};
 use crate::{
-    Adversarial, Case, Claim, Defined, Effort, GraphOptions, Oracle, Place, Rng, hexadecimal,
-    minimise, pack_boxes,
+    Adversarial, Case, Claim, Defined, Effort, GraphOptions, Oracle, Place, Rng, count_claims,
+    hexadecimal, minimise, pack_boxes,
 };
 use zeroset_eval::{Enclose, Kernel, LANES};
 
@@ -43,6 +43,7 @@ pub fn check_interval_cases<T: Adversarial>(
         }
         seed = seed.wrapping_add(1);
     }
+    count_claims(tally.compared);
     Ok(tally)
 }
 

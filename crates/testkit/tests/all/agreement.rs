@@ -7,7 +7,7 @@
 use zeroset_ir::Node;
 use zeroset_ops::{Op, TABLE};
 use zeroset_testkit::property::{KernelKind, agree};
-use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng};
+use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng, count_claims};
 
 /// Returns the number of inputs per kernel. A short test has few, so that it checks many formulas.
 /// A long run has so many that compiling is a small part of the work.
@@ -50,6 +50,7 @@ fn check<T: Adversarial>(seed: u64, subject: KernelKind, simple: bool, options: 
         }
     }
     println!("{compared} inputs agree");
+    count_claims(compared);
 }
 
 fn options() -> GraphOptions {

@@ -18,7 +18,8 @@ use zeroset_jit::{Compiled, Native};
 use zeroset_ops::{Class, Continuity, Op, TABLE};
 use zeroset_testkit::property::KernelKind;
 use zeroset_testkit::{
-    Adversarial, Case, Defined, Effort, GraphOptions, Oracle, Place, Rng, hexadecimal, pack_boxes,
+    Adversarial, Case, Defined, Effort, GraphOptions, Oracle, Place, Rng, count_claims,
+    hexadecimal, pack_boxes,
 };
 
 /// Points checked for each case, each in a box of its own.
@@ -165,6 +166,7 @@ fn check<T: Adversarial>(seed: u64, cases: u64) {
     println!(
         "{points} zeros and {boundaries} boundaries in {cases} functions kept, {shut} boxes emptied"
     );
+    count_claims(points + boundaries);
     assert!(u64::from(shut) * 200 > effort.cases || effort.cases < 1000, "{shut}");
 }
 
@@ -222,6 +224,7 @@ fn zeros_and_bounds<T: Adversarial>(seed: u64) {
             boxes += 1;
         }
     }
+    count_claims(boxes);
     println!("{:?}: of {boxes} boxes {possible:?} possible, unbounded, jumping", T::FORMAT);
     let fair =
         possible.iter().all(|count| (boxes / 20..boxes * 19 / 20).contains(&u64::from(*count)));

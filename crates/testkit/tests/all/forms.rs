@@ -13,7 +13,7 @@ use zeroset_testkit::property::{
     ContractionTally, Engine, FormTally, KernelOptions, check_contraction, check_narrowing, linear,
 };
 use zeroset_testkit::suite::Tally;
-use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng};
+use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng, count_claims};
 
 /// Number of vectors drawn from one seed.
 const ROUNDS: usize = 64;
@@ -43,6 +43,7 @@ fn operations<T: Adversarial>(seed: u64) {
         all.add(lines);
     }
     println!("{:?}: {all:?}", T::FORMAT);
+    count_claims(all.lanes);
 }
 
 #[test]
@@ -66,6 +67,7 @@ fn contractions<T: Adversarial, const N: usize>(seed: u64) {
         );
     }
     println!("{:?}, {N}: {tally:?}", T::FORMAT);
+    count_claims(tally.compared);
     assert!(tally.defined * 4 > tally.compared, "{tally:?}");
 }
 
@@ -101,6 +103,7 @@ fn check<T: Adversarial>(name: &str, seed: u64, options: &GraphOptions) {
         );
     }
     println!("{name}, {:?}: {all:?}", T::FORMAT);
+    count_claims(all.points);
     assert!(all.planes * 4 > all.points, "{all:?}");
     assert!(all.roots > 0 && all.narrowed > 0 && all.crossings > 0, "{all:?}");
 }

@@ -4,7 +4,7 @@
 //! A long run: `ZEROSET_CASES=10000000 cargo test -p zeroset-testkit --test all shortening`.
 
 use zeroset_testkit::property::check_shortening;
-use zeroset_testkit::{Adversarial, Effort, Rng};
+use zeroset_testkit::{Adversarial, Effort, Rng, count_claims};
 
 /// Checks random formulas until `cases` points were compared.
 fn check<T: Adversarial>(seed: u64) {
@@ -21,6 +21,7 @@ fn check<T: Adversarial>(seed: u64) {
         defined += tally.defined;
     }
     println!("{:?}: {defined} of {compared} points are defined", T::FORMAT);
+    count_claims(compared);
     assert!(defined * 4 > compared, "{defined} of {compared}");
 }
 

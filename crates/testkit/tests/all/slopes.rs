@@ -12,7 +12,7 @@ use zeroset_ops::Op;
 use zeroset_syntax::{Options, read};
 use zeroset_testkit::property::{check_gradient_bounds, reference_slopes};
 use zeroset_testkit::suite::check_slopes_of_ops;
-use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng};
+use zeroset_testkit::{Adversarial, Case, Effort, GraphOptions, Rng, count_claims};
 
 /// Boxes per kernel.
 const BOXES: usize = 64;
@@ -50,6 +50,7 @@ fn check<T: Adversarial>(name: &str, seed: u64, options: &GraphOptions) {
         defined += tally.defined;
     }
     println!("{name}, {:?}: {defined} pairs of {compared}", T::FORMAT);
+    count_claims(compared);
     assert!(defined * 16 > compared, "{defined} of {compared}");
 }
 

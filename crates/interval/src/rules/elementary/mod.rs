@@ -14,6 +14,8 @@ mod hyperbolic;
 pub(crate) mod logarithm;
 mod monotone;
 pub(crate) mod near;
+#[cfg(test)]
+mod recorded;
 pub(crate) mod trigonometric;
 
 use super::Rule;

@@ -272,6 +272,29 @@ pub(crate) const NEAR_UNITS: f64 = 1.75;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::machine::Format;
+    use crate::rules::elementary::recorded::Program;
+
+    #[test]
+    fn proofs_of_near_waves() {
+        let mut m = Program::default();
+        let x = m.input("x");
+        let mut rule = Rule { m: &mut m, format: Format::F64 };
+        let turned = rule.near_reduce(x);
+        let EndBounds { sin, cos, .. } = rule.near_end(x);
+        let values = rule.near_waves_at(x);
+        m.name("rest", turned.rest);
+        m.name("correction", turned.correction);
+        m.name("turns", turned.bits);
+        for (name, [low, high], value) in [("sin", sin, values[0]), ("cos", cos, values[1])] {
+            m.bound(name, [low, high]);
+            m.name(&format!("value {name}"), value);
+        }
+        m.constant("units", NEAR_UNITS);
+        m.constant("coefficient", NEAR_F64.sin[0]);
+        m.constant("slack", SIN_SLACK * NEAR_F64.half_ulp);
+        m.write("waves-near", [-NEAR_F64.limit, NEAR_F64.limit]);
+    }
 
     #[test]
     fn parts_of_half_pi_make_up_half_pi() {

@@ -249,6 +249,17 @@ fn alternating(terms: u32, first: u32) -> Vec<f64> {
 }
 
 #[cfg(test)]
+impl Approximator<'_, super::recorded::Program> {
+    /// Names the parts of a reduced angle.
+    pub(super) fn name_reduced(&mut self, x: usize, half_pi: &HalfPi) {
+        let Angle { rest, bits, .. } = self.reduce(x, half_pi);
+        self.m.name("rest", rest.head);
+        self.m.name("rest tail", rest.tail.expect("a tail"));
+        self.m.name("turns", bits);
+    }
+}
+
+#[cfg(test)]
 mod tests {
     use super::*;
 

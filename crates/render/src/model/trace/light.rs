@@ -1,10 +1,10 @@
 //! Lighting of a picture: shadows, ambient occlusion and colors.
 
-use super::super::Stopwatch;
 use super::super::ground::Ground;
 use super::super::layers::Layered;
 use super::super::outlines;
 use super::super::paint::{Coloring, Painter};
+use super::super::{Stopwatch, SurfaceStyle};
 use super::RenderPass;
 use crate::legend::Legend;
 use crate::picture::{Normals, Times};
@@ -17,7 +17,7 @@ use zeroset_shade::{
     SurfaceColors, UndecidedStyle, borrow_occlusion, turn,
 };
 use zeroset_space::Ball;
-use zeroset_syntax::{Background, SurfaceColor, SurfaceKind};
+use zeroset_syntax::{Background, SurfaceColor};
 use zeroset_trace::{Driver, GBuffer, KernelStats, RayGrid, Status, TraceOptions};
 
 /// Distance from the surface at which shadow rays start, in widths of the smallest slab. This keeps
@@ -281,7 +281,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
             let find = || is_seen() && *known.get_or_init(|| self.is_negative_outside(surface));
             !self.model.styles[surface].hidden && known.get().copied().unwrap_or_else(find)
         };
-        let surface = |(index, style): (usize, &zeroset_syntax::Surface)| {
+        let surface = |(index, style): (usize, &SurfaceStyle)| {
             let colors = match &style.color {
                 Some(SurfaceColor::Plain(color)) => {
                     SurfaceColors::around(LinearRgb::from_srgb(color.rgb))
@@ -313,7 +313,7 @@ impl<T: KernelFloat> RenderPass<'_, T> {
         const POINTS: usize = 8;
         /// Least share of negative values, among values with a sign.
         const MOST: f64 = 0.75;
-        if self.model.styles[surface].kind == SurfaceKind::Solid {
+        if self.model.styles[surface].is_solid {
             return false;
         }
         let kernels = self.model.program.kernels::<T>(surface);

@@ -1,0 +1,320 @@
+//! The search for the first zero of one ray among its candidates.
+
+use super::meeting::{Beam, Meeting, Meetings, with_cell};
+use crate::kernel_stats::KernelStats;
+use crate::method::{Segment, Start};
+use crate::options::TraceOptions;
+use crate::painted::ones;
+use crate::ray_result::{RayResult, Status, UndecidedReason};
+use fearless_simd::Level;
+use zeroset_eval::{LANES, Patches, dispatch};
+use zeroset_space::{PatchCell, PatchNode, PatchTree, Region, columns};
+
+/// Largest number of evaluations for one ray.
+const EFFORT: u32 = 256;
+/// The same for a preview.
+const PREVIEW_EFFORT: u32 = 32;
+/// Largest depth of the tree. Deeper cells are evaluated for one ray, and forgotten.
+const DEPTH: u32 = 6;
+/// A cell is narrowed to the bounds of its zeros if they are shorter than this share of it.
+const NARROW: f64 = 0.25;
+/// A narrowed cell is wider than the bounds of its zeros by this factor, so that the next bounds
+/// may lie inside it.
+const ROOM: f64 = 2.0;
+/// For rays on which the place of a zero does not matter: the length to which brackets are
+/// narrowed, as a share of the ray's length in the region.
+const SHADOW_LENGTH: f64 = 1.0 / 1024.0;
+/// A range of u or v is not divided below this share of its numbers' size.
+const FINEST: f64 = 8.0 * f64::EPSILON;
+
+/// The part of a ray to search, and the result that is wanted.
+pub(super) struct Goal<'a> {
+    segment: &'a Segment,
+    region: &'a Region,
+    /// Bounds of t in the region.
+    within: [f64; 2],
+    /// Greatest length of a bracket in t: at t = 0, and its growth per t.
+    longest: [f64; 2],
+    /// The same in world units, at the middle of the ray's part in the region.
+    pub longest_distance: f64,
+    start: Start,
+    effort: u32,
+    level: Level,
+}
+
+/// A cell that a ray may meet.
+#[derive(Clone, Copy)]
+#[allow(clippy::struct_excessive_bools, reason = "each is a fact of its own")]
+pub(super) struct Candidate<'a> {
+    /// Bounds of t at the zeros.
+    t: [f64; 2],
+    /// Bounds of u and v at the zeros in the cell.
+    part: PatchCell,
+    /// Whether a zero is proven to exist, with u and v within the bounds.
+    is_proven: bool,
+    /// Whether the bounds of u and v are much shorter than the cell.
+    is_narrow: bool,
+    /// Whether the linear equations of the cell have a solution in it.
+    is_likely: bool,
+    /// Whether the surface is continuous on the cell.
+    is_continuous: bool,
+    /// Number of columns in which to divide the part.
+    columns: usize,
+    place: Place<'a>,
+}
+
+/// Where a cell is stored.
+#[derive(Clone, Copy)]
+pub(super) enum Place<'a> {
+    /// A lane of a node at a depth.
+    InTree { node: &'a PatchNode, lane: usize, depth: u32 },
+    /// Nowhere.
+    Apart,
+}
+
+impl Candidate<'_> {
+    /// Returns whether the part of the rectangle is too small to be divided.
+    fn is_finest(&self) -> bool {
+        self.part.iter().all(|[low, high]| high - low <= FINEST * (low.abs() + high.abs()))
+    }
+}
+
+impl<'s> Goal<'s> {
+    /// The goal for a segment that is in the region for t in `within`.
+    pub fn new(
+        segment: &'s Segment,
+        within: [f64; 2],
+        region: &'s Region,
+        start: Start,
+        options: &TraceOptions,
+        level: Level,
+    ) -> Self {
+        let [first, growth] = segment.pixel;
+        let longest = if first.is_finite() {
+            [first, growth].map(|size| options.longest() * size)
+        } else {
+            // The place of a zero does not matter.
+            [SHADOW_LENGTH * (within[1] - within[0]), 0.0]
+        };
+        let middle = 0.5 * (within[0] + within[1]);
+        let longest_distance = segment.ray.distance(longest[0] + longest[1] * middle);
+        let effort = if options.least > 0.0 { PREVIEW_EFFORT } else { EFFORT };
+        Self { segment, region, within, longest, longest_distance, start, effort, level }
+    }
+
+    /// Adds the cells of a node that the ray may meet.
+    pub fn add<'a>(
+        &self,
+        (beam, tree): (&Beam, &PatchTree),
+        (node, depth): (&'a PatchNode, u32),
+        candidates: &mut Vec<Candidate<'a>>,
+    ) {
+        let meetings = dispatch!(self.level, simd => Meetings::with_cells(simd, beam, &node.cells));
+        for lane in ones(meetings.possible()) {
+            let (meeting, place) = (meetings.lane(lane), Place::InTree { node, lane, depth });
+            candidates.extend(self.candidate(tree, &meeting, &node.cells, place, lane));
+        }
+    }
+
+    /// The candidate of a cell. `None` if the ray meets no zero in it within the region.
+    pub fn candidate<'a>(
+        &self,
+        tree: &PatchTree,
+        meeting: &Meeting,
+        cells: &Patches<f64>,
+        place: Place<'a>,
+        lane: usize,
+    ) -> Option<Candidate<'a>> {
+        let [near, far] = meeting.t;
+        let is_nowhere = cells.nowhere >> lane & 1 == 1;
+        if !meeting.is_possible || is_nowhere || near > self.within[1] || far < self.within[0] {
+            return None;
+        }
+        let is_continuous = cells.continuous >> lane & 1 == 1;
+        let outer = tree.outer();
+        let part = [0, 1].map(|axis| {
+            let (middle, half) = (cells.middle[axis][lane], cells.half[axis][lane]);
+            let [symbol, reach] = meeting.symbols[axis];
+            let [low, high] = [(symbol - reach).max(-1.0), (symbol + reach).min(1.0)];
+            let slack = 4.0 * f64::EPSILON * (middle.abs() + half);
+            let [low, high] = [middle + half * low - slack, middle + half * high + slack];
+            [low.max(outer[axis][0]), high.min(outer[axis][1])]
+        });
+        let is_within = |axis: usize| {
+            let ([low, high], inner) = (part[axis], tree.inner()[axis]);
+            inner[0] <= low && high <= inner[1]
+        };
+        let is_proven = is_continuous && meeting.is_inside() && is_within(0) && is_within(1);
+        let is_narrow = meeting.is_solved && meeting.symbols.iter().all(|part| part[1] <= NARROW);
+        let is_likely =
+            meeting.is_solved && meeting.symbols.iter().all(|part| part[0].abs() <= 1.0);
+        let shares = [meeting.symbols[0][1].min(1.0), meeting.symbols[1][1].min(1.0)];
+        let columns = columns(shares, cells, lane);
+        Some(Candidate {
+            columns,
+            t: [near, far],
+            part,
+            is_proven,
+            is_narrow,
+            is_likely,
+            is_continuous,
+            place,
+        })
+    }
+
+    /// Returns whether a ray may have a zero at a t between these.
+    pub fn reaches(&self, [near, far]: [f64; 2]) -> bool {
+        !(near > self.within[1] || far < self.within[0])
+    }
+
+    /// The result for a proven zero between these t, before which there is none. `None` if it is
+    /// not short enough, or may lie outside of the region.
+    pub fn hit(&self, t: [f64; 2]) -> Option<RayResult> {
+        let counts = self.start == Start::Anywhere || t[0] > self.within[0].max(0.0);
+        (counts && self.is_short(t) && self.holds(t)).then(|| hit(t, None, None))
+    }
+
+    /// Returns whether a bracket is short enough.
+    fn is_short(&self, [near, far]: [f64; 2]) -> bool {
+        far - near <= self.longest[0] + self.longest[1] * near.max(0.0)
+    }
+
+    /// Returns whether all of a bracket is proven to be in the region and on the segment.
+    fn holds(&self, [near, far]: [f64; 2]) -> bool {
+        // The ends of the region are seldom near, so they are not computed before.
+        let [first, last] = self.region.inner(&self.segment.ray);
+        first.max(0.0) <= near && far <= last.min(self.segment.to)
+    }
+}
+
+/// The search along one ray.
+pub(super) struct Search<'s, 'a> {
+    pub tree: &'a PatchTree,
+    pub beam: &'s Beam,
+    pub goal: &'s Goal<'s>,
+}
+
+impl<'a> Search<'_, 'a> {
+    /// Finds the first zero. `candidates` holds all cells in which the ray may have one.
+    pub fn run(&self, candidates: &mut Vec<Candidate<'a>>, work: &mut KernelStats) -> RayResult {
+        let goal = self.goal;
+        let mut open: Option<(f64, UndecidedReason)> = None;
+        let mut likely: Option<f64> = None;
+        let mut effort = goal.effort;
+        while let Some(first) = take_first(candidates) {
+            let middle = 0.5 * (first.t[0] + first.t[1]);
+            if goal.start == Start::OnSurface && first.t[0] <= goal.within[0].max(0.0) {
+                // The surface that the ray leaves is here. A zero counts behind an empty part.
+                if goal.is_short(first.t) {
+                    continue;
+                }
+            } else if first.is_proven && goal.is_short(first.t) && goal.holds(first.t) {
+                return hit(first.t, open, likely);
+            }
+            if effort > 0 && !first.is_finest() {
+                effort -= 1;
+                self.narrow(&first, candidates, work);
+                continue;
+            }
+            let reason = if !first.is_continuous {
+                UndecidedReason::Discontinuous
+            } else if effort == 0 {
+                UndecidedReason::Budget
+            } else {
+                UndecidedReason::Touching
+            };
+            let from = first.t[0].max(goal.within[0]);
+            open.get_or_insert((from, reason));
+            if first.is_likely && middle.is_finite() {
+                likely = likely.or(Some(middle.max(from)));
+            }
+            if likely.is_some() || effort == 0 {
+                // Whatever lies behind is not drawn.
+                break;
+            }
+        }
+        match open {
+            None => RayResult::MISS,
+            Some((distance, reason)) => RayResult {
+                status: Status::Undecided,
+                distance,
+                drawn: likely.unwrap_or(f64::INFINITY),
+                reason,
+                ..RayResult::MISS
+            },
+        }
+    }
+
+    /// Replaces a candidate by smaller ones that hold all its zeros.
+    fn narrow(
+        &self,
+        candidate: &Candidate<'a>,
+        candidates: &mut Vec<Candidate<'a>>,
+        work: &mut KernelStats,
+    ) {
+        if let Place::InTree { node, lane, depth } = candidate.place
+            && depth < DEPTH
+            && !candidate.is_narrow
+        {
+            let part = self.tree.part(node, lane);
+            return self.goal.add((self.beam, self.tree), (part, depth + 1), candidates);
+        }
+        if candidate.is_narrow {
+            let outer = self.tree.outer();
+            let cell = [0, 1].map(|axis| {
+                let [low, high] = candidate.part[axis];
+                let (middle, half) = (0.5 * (low + high), 0.5 * ROOM * (high - low));
+                let slack = FINEST * middle.abs();
+                [
+                    (middle - half - slack).max(outer[axis][0]),
+                    (middle + half + slack).min(outer[axis][1]),
+                ]
+            });
+            let cells = self.tree.over(&[cell]);
+            work.tiles.called(1);
+            let meeting = with_cell(self.beam, &cells, 0);
+            candidates.extend(self.goal.candidate(self.tree, &meeting, &cells, Place::Apart, 0));
+            return;
+        }
+        let node = self.tree.divide(candidate.part, candidate.columns);
+        work.tiles.called(LANES as u32);
+        let level = self.goal.level;
+        let meetings = dispatch!(level, simd => Meetings::with_cells(simd, self.beam, &node.cells));
+        for lane in ones(meetings.possible()) {
+            let (meeting, place) = (meetings.lane(lane), Place::Apart);
+            candidates.extend(self.goal.candidate(self.tree, &meeting, &node.cells, place, lane));
+        }
+    }
+}
+
+/// The result of a hit with this bracket, behind an undecided part if there is one.
+fn hit(
+    [near, far]: [f64; 2],
+    open: Option<(f64, UndecidedReason)>,
+    likely: Option<f64>,
+) -> RayResult {
+    let middle = 0.5 * (near + far);
+    match open {
+        None => RayResult {
+            status: Status::Hit,
+            distance: middle,
+            drawn: middle,
+            bracket: [near, far],
+            ..RayResult::MISS
+        },
+        Some((distance, reason)) => RayResult {
+            status: Status::Undecided,
+            distance,
+            drawn: likely.unwrap_or(middle),
+            reason,
+            ..RayResult::MISS
+        },
+    }
+}
+
+/// Removes the candidate that begins first.
+fn take_first<'a>(candidates: &mut Vec<Candidate<'a>>) -> Option<Candidate<'a>> {
+    let places = candidates.iter().enumerate();
+    let first = places.min_by(|(_, one), (_, other)| one.t[0].total_cmp(&other.t[0]))?.0;
+    Some(candidates.swap_remove(first))
+}

@@ -1,0 +1,113 @@
+//! Parametric surfaces against equations of the same surfaces: proofs must not contradict each
+//! other.
+
+use glam::DVec3;
+use zeroset_render::model::render;
+use zeroset_render::picture::{Picture, Settings};
+use zeroset_space::{Camera, Projection, Region};
+use zeroset_syntax::{Options, read};
+use zeroset_trace::Status;
+
+/// A surface by parameters, by an equation, and half the side of a cube in which both have the same
+/// points.
+const PAIRS: [[&str; 3]; 10] = [
+    [
+        "(cos u cos v, sin u cos v, sin v) for u in [0, 2pi], v in [-pi/2, pi/2]",
+        "x^2 + y^2 + z^2 = 1",
+        "1.5",
+    ],
+    [
+        "((2 + cos v) cos u, (2 + cos v) sin u, sin v) for u in [0, 2pi], v in [0, 2pi]",
+        "(x^2 + y^2 + z^2 + 3)^2 = 16 (x^2 + y^2)",
+        "3.5",
+    ],
+    ["(v cos u, v sin u, u) for u in [-3, 3], v in [-3, 3]", "x sin z = y cos z", "2"],
+    [
+        "(sin u cos v sin v, cos u cos v sin v, sin u cos u cos(v)^2) for u in [0, 2pi], v in [-pi/2, pi/2]",
+        "x^2 y^2 + y^2 z^2 + z^2 x^2 = x y z",
+        "0.6",
+    ],
+    ["(u v, u, v^2) for u in [-2, 2], v in [-2, 2]", "x^2 = y^2 z", "1"],
+    [
+        "(u - u^3/3 + u v^2, -v - u^2 v + v^3/3, u^2 - v^2) for u in [-3, 3], v in [-3, 3]",
+        "((y^2 - x^2)/2 + 2/9 z^3 + 2/3 z)^3 = 6 z ((y^2 - x^2)/4 - z/4 (x^2 + y^2 + 8/9 z^2) + 2/9 z)^2",
+        "1",
+    ],
+    ["(v cos u, v sin u, v) for u in [0, 2pi], v in [-2, 2]", "x^2 + y^2 = z^2", "1"],
+    [
+        "(cosh v cos u, cosh v sin u, sinh v) for u in [0, 2pi], v in [-2, 2]",
+        "x^2 + y^2 - z^2 = 1",
+        "1.5",
+    ],
+    [
+        "w(u, v) = 2 - cos u cos v; (((3/2) (1 - 2 cos u cos v) + 3 cos u)/w(u, v), sqrt(3) sin u (2 - 1.5 cos v)/w(u, v), sqrt(3) sin v (cos u - 1.5)/w(u, v)) for u in [0, 2pi], v in [0, 2pi]",
+        "(x^2 + y^2 + z^2 + 3 - 9/4)^2 = 4 (2 x - 3/2)^2 + 12 y^2",
+        "4",
+    ],
+    [
+        "(cosh v cos u, cosh v sin u, v) for u in [0, 2pi], v in [-2, 2]",
+        "x^2 + y^2 = cosh(z)^2",
+        "1.5",
+    ],
+];
+
+/// Directions from which each surface is seen.
+const VIEWS: [[f64; 3]; 8] = [
+    [0.3, -0.8, 0.5],
+    [1.0, 0.1, 0.2],
+    [-0.4, 0.7, -0.6],
+    [0.0, 0.0, 1.0],
+    [1.0, 0.0, 0.0],
+    [-0.5, -0.5, 0.1],
+    [0.2, 0.9, 0.9],
+    [-0.8, 0.05, 0.3],
+];
+
+fn picture(text: &str, half: f64, from: [f64; 3], side: usize) -> Picture {
+    let document =
+        read(text, &Options::default()).unwrap_or_else(|error| panic!("{text}: {error}"));
+    let region = Region::new(DVec3::splat(-half), DVec3::splat(half)).expect("a cube");
+    let eye = DVec3::from_array(from).normalize() * (4.0 * half);
+    let up = if from[2] == 1.0 { DVec3::Y } else { DVec3::Z };
+    let projection = Projection::Perspective { fov: 40.0 };
+    let camera = Camera::new(eye, DVec3::ZERO, up, projection).expect("a camera");
+    let settings = Settings { width: side, height: side, brackets: true, ..Settings::default() };
+    render(&document, &region, &camera, &settings).expect("a picture")
+}
+
+#[test]
+fn parameters_and_equations_prove_the_same() {
+    let (mut hits, mut misses, mut open) = (0, 0, [0, 0]);
+    for [parametric, equation, half] in PAIRS {
+        let half: f64 = half.parse().expect("a number");
+        for view in VIEWS {
+            let side = 64;
+            let [own, other] = [parametric, equation].map(|text| picture(text, half, view, side));
+            for pixel in 0..side * side {
+                let of = |picture: &Picture| {
+                    (picture.buffer.status[pixel], picture.buffer.bracket[pixel])
+                };
+                let what = || format!("{parametric}, view {view:?}, pixel {pixel}");
+                match (of(&own), of(&other)) {
+                    ((Status::Hit, [near, far]), (Status::Hit, [other_near, other_far])) => {
+                        let brackets = [[near, far], [other_near, other_far]];
+                        assert!(near <= other_far && other_near <= far, "{}: {brackets:?}", what());
+                        hits += 1;
+                    }
+                    ((Status::Miss, _), (Status::Miss, _)) => misses += 1,
+                    (
+                        (one @ (Status::Hit | Status::Miss), at),
+                        (Status::Hit | Status::Miss, by),
+                    ) => {
+                        panic!("{}: {one:?} {at:?}, and not by the equation {by:?}", what());
+                    }
+                    ((Status::Undecided, _), (_, _)) => open[0] += 1,
+                    ((_, _), (Status::Undecided, _)) => open[1] += 1,
+                }
+            }
+        }
+    }
+    println!("{hits} hits, {misses} misses, {open:?} undecided");
+    assert!(hits > 50_000 && misses > 50_000, "{hits} hits, {misses} misses");
+    assert!(1000 * open[0] < hits, "{open:?} undecided");
+}
