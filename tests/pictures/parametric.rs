@@ -40,7 +40,7 @@ const PAIRS: [[&str; 3]; 10] = [
         "1.5",
     ],
     [
-        "w(u, v) = 2 - cos u cos v; (((3/2) (1 - 2 cos u cos v) + 3 cos u)/w(u, v), sqrt(3) sin u (2 - 1.5 cos v)/w(u, v), sqrt(3) sin v (cos u - 1.5)/w(u, v)) for u in [0, 2pi], v in [0, 2pi]",
+        "w(u, v) = 2 - cos u cos v; (((3/2) (1 - 2 cos u cos v) + 3 cos u)/w(u, v), sqrt(3) sin(u) (2 - 1.5 cos v)/w(u, v), sqrt(3) sin(v) (cos u - 1.5)/w(u, v)) for u in [0, 2pi], v in [0, 2pi]",
         "(x^2 + y^2 + z^2 + 3 - 9/4)^2 = 4 (2 x - 3/2)^2 + 12 y^2",
         "4",
     ],

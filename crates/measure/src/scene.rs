@@ -8,6 +8,7 @@ use thiserror::Error;
 use zeroset_eval::KernelError;
 use zeroset_scene::coordinate::coordinate;
 use zeroset_scene::domain::AutoDomain;
+use zeroset_scene::patches::NO_MESH;
 use zeroset_scene::program::{Program, ProgramError};
 use zeroset_scene::view::{self, Clipping, DomainChoice, SceneError};
 use zeroset_space::Region;
@@ -55,8 +56,11 @@ pub enum MeasureError {
     #[error("nothing to measure: the surface is proven empty up to ±1e12")]
     Empty,
     /// There is no surface.
-    #[error("nothing to measure: there is no equation and no solid")]
+    #[error("nothing to measure: there are curves and points alone")]
     NoSurface,
+    /// There are parametric surfaces alone.
+    #[error("nothing to measure: {}", NO_MESH)]
+    Parametric,
     /// No surface is visible.
     #[error("nothing to measure: every surface is hidden")]
     Hidden,
@@ -89,7 +93,8 @@ pub fn measures(
     wanted: &(dyn Fn() -> bool + Sync),
 ) -> Result<Option<Measured>, MeasureError> {
     if document.surfaces.is_empty() {
-        return Err(MeasureError::NoSurface);
+        let is_parametric = !document.patches.is_empty();
+        return Err(if is_parametric { MeasureError::Parametric } else { MeasureError::NoSurface });
     }
     if document.surfaces.iter().all(|surface| surface.hidden) {
         return Err(MeasureError::Hidden);
