@@ -113,7 +113,7 @@ fn parameters_and_equations_prove_the_same() {
     }
     println!("{hits} hits, {misses} misses, {open:?} undecided");
     assert!(hits > 50_000 && misses > 50_000, "{hits} hits, {misses} misses");
-    // Nearly all are on rays beside the line in which the umbrella meets itself, seen along it, and
-    // on rays to the cone from a point of its plane of symmetry.
+    // Nearly all are rays through the diagonals of two pictures, which touch the umbrella and the
+    // cone exactly.
     assert!(500 * open[0] < hits, "{open:?} undecided");
 }

@@ -97,7 +97,7 @@ fn explain_in<T: KernelFloat>(
         let value = parameter.value.bounds();
         writeln!(text, "parameter   {} = {}", parameter.name, range(value))?;
     }
-    let program = Program::with_patches(document, domain)?;
+    let program = Program::drawn(document, domain)?.with_patches(document)?;
     let names: Vec<&str> = document.parameters.iter().map(|p| p.name.as_str()).collect();
     for (index, surface) in document.surfaces.iter().enumerate() {
         let root = program.roots()[index];

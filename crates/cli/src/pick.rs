@@ -58,7 +58,7 @@ impl<'a> Pick<'a> {
         let p = self.point?;
         let digits = self.digits();
         let buffer = &self.rendering.picture.buffer;
-        let surface = match self.rendering.document.surfaces.len() {
+        let surface = match self.rendering.document.drawn_surfaces().count() {
             0 | 1 => String::new(),
             _ => format!("surface {}  ", buffer.surface[self.pixel] + 1),
         };
@@ -100,7 +100,7 @@ impl<'a> Pick<'a> {
         let mut text = format!("pixel {column}, {row}: {status}");
         let Some(p) = self.point else { return text };
         let surface = usize::from(buffer.surface[self.pixel]);
-        let echo = self.rendering.document.surfaces.get(surface).map_or("", |s| s.echo.as_str());
+        let echo = self.rendering.document.drawn_surfaces().nth(surface).map_or("", |s| s.echo);
         let model = &self.rendering.model;
         let precision = model.precision();
         // Values and gradients are those of the picture's floats: show the fewest digits that
@@ -122,11 +122,15 @@ impl<'a> Pick<'a> {
         let [x, y, z] = coordinates;
         let _ = write!(text, "\n  {echo}\n  x {x}  y {y}  z {z}  distance {distance}");
         let document = &self.rendering.document;
-        let (value, gradient) = model.sample_typed(document, surface, p);
         let [a, b, c] = buffer.normal[self.pixel];
+        let normal = format!("\n  normal {a:.4}, {b:.4}, {c:.4}");
+        if surface >= document.surfaces.len() {
+            // A parametric surface has no function to evaluate.
+            return text + &normal;
+        }
+        let (value, gradient) = model.sample_typed(document, surface, p);
         let [u, v, w] = gradient.map(show);
-        let _ = write!(text, "\n  f = {}  gradient {u}, {v}, {w}", show(value));
-        let _ = write!(text, "\n  normal {a:.4}, {b:.4}, {c:.4}");
+        let _ = write!(text, "\n  f = {}  gradient {u}, {v}, {w}{normal}", show(value));
         let towards_eye = -self.ray.direction.dot(DVec3::new(a.into(), b.into(), c.into()));
         if towards_eye != 0.0 {
             let sign = if towards_eye > 0.0 { '>' } else { '<' };

@@ -4,8 +4,8 @@ use crate::batch::{Boxes, Enclosures, Planes, Tiles, Zeros};
 use crate::branches::BranchTest;
 use crate::lanes::LANES;
 use crate::query::{
-    BoundPatches, ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros, Kernel,
-    Sample, SampleGradient, eval_lanes,
+    ContractSegments, ContractTiles, Enclose, EncloseGradient, FindZeros, Kernel, Sample,
+    SampleGradient, eval_lanes,
 };
 use crate::real::Real;
 use std::error::Error;
@@ -78,10 +78,6 @@ pub trait Kernels<T: Real>: Sync {
     }
     /// The kernel that samples the function and its gradient.
     fn gradients(&self) -> KernelResult<'_, SampleGradient, T> {
-        Err(Arc::new(NoKernel))
-    }
-    /// The kernel that approximates points of a surface over cells of its parameters.
-    fn patches(&self) -> KernelResult<'_, BoundPatches, T> {
         Err(Arc::new(NoKernel))
     }
     /// Returns whether parts of space may have surfaces of their own ([`Self::in_tiles`]).

@@ -16,7 +16,10 @@ pub fn compact(graph: &Graph, roots: &[NodeId]) -> (Graph, Vec<NodeId>) {
 }
 
 /// Like [`compact`], but `replacement` may supply a node of the copy in place of a copied node.
-pub(crate) fn replaced(
+///
+/// # Panics
+/// If a root does not belong to `graph`.
+pub fn replaced(
     graph: &Graph,
     roots: &[NodeId],
     mut replacement: impl FnMut(&mut Graph, NodeId, &Node) -> Option<NodeId>,

@@ -39,7 +39,7 @@ mod towers;
 pub use angles::algebraic_angles;
 pub use blends::quadratic_blends;
 pub use clear::{RationalForm, clear, without_gaps};
-pub use compact::compact;
+pub use compact::{compact, replaced};
 pub use constant::{Constant, NamedConstant};
 pub use derivative::{derivative, gradient, substitute};
 pub use display::{Precedence, TEXT_LIMIT, display};

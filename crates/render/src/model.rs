@@ -62,7 +62,7 @@ pub struct Model {
     bounds: Vec<[OnceLock<Option<Cell>>; 2]>,
 }
 
-/// How a surface is drawn.
+/// The style of a surface.
 #[derive(Clone, Debug)]
 struct SurfaceStyle {
     is_solid: bool,
@@ -177,7 +177,7 @@ impl Model {
         settings: &Settings,
     ) -> Result<Self, ProgramError> {
         let watch = Instant::now();
-        let program = Program::new(document, view::bounds(reach))?;
+        let program = Program::new(document, view::bounds(reach))?.with_patches(document)?;
         let times = Some(Times { simplify: watch.elapsed(), ..Times::default() });
         let curves = curves::trace(document, region);
         let precision = settings.options.precision;

@@ -11,6 +11,7 @@ mod plane;
 mod shaped;
 
 use crate::number::nearest;
+use crate::patches::hull;
 use functions::bound;
 use glam::DVec3;
 pub(crate) use plane::{PlaneCurves, in_planes};
@@ -236,7 +237,7 @@ fn coordinates_text(at: DVec3) -> String {
 pub fn extent(document: &Document) -> Option<[DVec3; 2]> {
     let boxes = moments(document);
     let boxes = boxes.iter().flatten().filter_map(extent_now).chain(extent_now(document));
-    boxes.reduce(|[low, high], [other_low, other_high]| [low.min(other_low), high.max(other_high)])
+    boxes.reduce(hull)
 }
 
 /// The document at times in the range of the time, if a curve or a parametric surface depends on

@@ -15,10 +15,10 @@ use zeroset_eval::{
     Assumptions, KernelError, KernelFloat, KernelResult, Kernels, Sample, SampleGradient,
     SurfaceKernels, enclose_all,
 };
-use zeroset_interval::Interval;
+use zeroset_interval::{Facts, Interval};
 use zeroset_ir::fix_exponents;
 use zeroset_space::{PatchCell, PatchTree};
-use zeroset_syntax::{Document, Patch, Patches, Surface, SurfaceKind};
+use zeroset_syntax::{Document, Patch, Patches, Surface};
 
 /// The reason why meshes and measures leave out parametric surfaces.
 pub const NO_MESH: &str = "parametric surfaces are drawn, but meshes and measures leave them out: they are for equations \
@@ -124,17 +124,7 @@ impl<T: KernelFloat> Kernels<T> for PatchSurface {
 /// The document of a surface's three coordinates.
 fn coordinates(document: &Document, index: usize) -> Document {
     let patch = &document.patches.all[index];
-    let surface = |root| Surface {
-        root,
-        kind: SurfaceKind::Equation,
-        holds_zeros: None,
-        span: patch.span,
-        echo: patch.echo.clone(),
-        color: None,
-        opacity: 1.0,
-        material: Default::default(),
-        hidden: false,
-    };
+    let surface = |root| Surface::equation(root, patch.span, patch.echo.clone());
     Document {
         graph: document.patches.graph.clone(),
         surfaces: patch.at.map(surface).to_vec(),
@@ -150,13 +140,17 @@ fn rectangle(document: &Document, patch: &Patch) -> Result<Rectangle, ProgramErr
     let parameters = document.parameters.iter().map(|one| one.value.bounds()).collect();
     let assumptions = Assumptions { domain: [Interval::ENTIRE; 3], parameters };
     let ends = enclose_all(&graph, &roots, &assumptions);
-    let range = |low: Interval, high: Interval| {
-        let is_valid = low.lo.is_finite() && high.hi.is_finite() && low.hi < high.lo;
+    let range = |[(low, known), (high, also_known)]: [(Interval, Facts); 2]| {
+        let is_valid = known.has(Facts::DEFINED)
+            && also_known.has(Facts::DEFINED)
+            && low.lo.is_finite()
+            && high.hi.is_finite()
+            && low.hi < high.lo;
         is_valid.then_some(([low.lo, high.hi], [low.hi, high.lo]))
     };
     let invalid = || ProgramError::Range { echo: patch.echo.clone() };
-    let u = range(ends[0].0, ends[1].0).ok_or_else(invalid)?;
-    let v = range(ends[2].0, ends[3].0).ok_or_else(invalid)?;
+    let u = range([ends[0], ends[1]]).ok_or_else(invalid)?;
+    let v = range([ends[2], ends[3]]).ok_or_else(invalid)?;
     Ok(Rectangle { outer: [u.0, v.0], inner: [u.1, v.1] })
 }
 
@@ -177,7 +171,8 @@ pub(crate) fn extent(document: &Document) -> Option<[DVec3; 2]> {
     moments.iter().chain([document]).filter_map(extent_now).reduce(hull)
 }
 
-fn hull([low, high]: [DVec3; 2], [other_low, other_high]: [DVec3; 2]) -> [DVec3; 2] {
+/// The box of both boxes, as corners.
+pub(crate) fn hull([low, high]: [DVec3; 2], [other_low, other_high]: [DVec3; 2]) -> [DVec3; 2] {
     [low.min(other_low), high.max(other_high)]
 }
 

@@ -29,8 +29,9 @@ pub struct Program {
     surfaces: Vec<BoundSurface>,
     /// Bounds and facts of each surface's function.
     enclosures: Vec<(Interval, Facts)>,
-    /// The parametric surfaces. Their numbers follow those of the surfaces.
-    patches: Vec<PatchSurface>,
+    /// The parametric surfaces, if the program [has](Self::with_patches) them. Their numbers follow
+    /// those of the surfaces.
+    patches: Option<Vec<PatchSurface>>,
 }
 
 /// Time without a range is assumed to stay within ±`TIME`. For other times, code is compiled again.
@@ -42,19 +43,19 @@ impl Program {
     /// # Errors
     /// If a formula is too large, depends on no coordinate, or is defined nowhere.
     pub fn new(document: &Document, domain: [Interval; 3]) -> Result<Self, ProgramError> {
-        let program = Self::with_patches(document, domain)?;
+        let program = Self::drawn(document, domain)?;
         program.check(document)?;
         Ok(program)
     }
 
-    /// As [`Program::drawn`], with the parametric surfaces.
+    /// The same program with the parametric surfaces of its document, which only pictures need.
     ///
     /// # Errors
     /// If a formula is too large, or a range of a parametric surface has no value.
-    pub fn with_patches(document: &Document, domain: [Interval; 3]) -> Result<Self, ProgramError> {
+    pub fn with_patches(self, document: &Document) -> Result<Self, ProgramError> {
         let patches = 0..document.patches.all.len();
         let patches = patches.map(|index| PatchSurface::new(document, index));
-        Ok(Self { patches: patches.collect::<Result<_, _>>()?, ..Self::drawn(document, domain)? })
+        Ok(Self { patches: Some(patches.collect::<Result<_, _>>()?), ..self })
     }
 
     /// As [`Program::new`], but also accepts constant and undefined formulas.
@@ -145,7 +146,9 @@ impl Program {
     #[must_use]
     pub fn on(&self, evaluator: Evaluator) -> Self {
         let store = CodeStore::new(Arc::clone(&self.store.simplified), evaluator);
-        let patches = self.patches.iter().map(|patch| patch.on(evaluator)).collect();
+        let on =
+            |patches: &Vec<PatchSurface>| patches.iter().map(|patch| patch.on(evaluator)).collect();
+        let patches = self.patches.as_ref().map(on);
         Self { patches, ..Self::of(Arc::new(store), self.values.to_vec()) }
     }
 
@@ -154,14 +157,14 @@ impl Program {
     /// programs that share the code.
     pub fn hurry(&self) {
         self.store.hurry();
-        self.patches.iter().for_each(|patch| patch.coordinates().hurry());
+        self.patches().iter().for_each(|patch| patch.coordinates().hurry());
     }
 
     /// Optimizes the kernels compiled since [`Program::hurry`], in parallel. Later kernels are
     /// optimized when they are first requested. Checks `wanted` between kernels, and returns
     /// whether all are optimized. Kernels may be in use at the same time.
     pub fn optimize(&self, wanted: &(dyn Fn() -> bool + Sync)) -> bool {
-        let mut all = self.patches.iter().map(PatchSurface::coordinates).chain([self]);
+        let mut all = self.patches().iter().map(PatchSurface::coordinates).chain([self]);
         all.all(|program| program.store.optimize(wanted))
     }
 
@@ -175,11 +178,16 @@ impl Program {
         if !self.serves(document) {
             return None;
         }
-        let is_alike = document.patches.all.len() == self.patches.len();
-        let patches = self.patches.iter().enumerate();
-        let patches: Option<Vec<PatchSurface>> =
-            patches.map(|(index, patch)| patch.rebound(document, index)).collect();
-        let patches = patches.filter(|_| is_alike)?;
+        let rebound = |patches: &Vec<PatchSurface>| {
+            let is_alike = document.patches.all.len() == patches.len();
+            let patches = patches.iter().enumerate().filter(|_| is_alike);
+            let rebound = patches.map(|(index, patch)| patch.rebound(document, index));
+            rebound.collect::<Option<Vec<_>>>().filter(|_| is_alike)
+        };
+        let patches = match &self.patches {
+            Some(patches) => Some(rebound(patches)?),
+            None => None,
+        };
         let program = Self { exact: exact(document), patches, ..self.with(values(document)) };
         Some(program.check(document).map(|()| program))
     }
@@ -251,7 +259,7 @@ impl Program {
         let enclosures = zeroset_eval::enclose_all(graph, roots, &assumptions);
         let surface = |index| BoundSurface::new(&store, index, &values);
         let surfaces = (0..roots.len()).map(surface).collect();
-        Self { store, values, exact: Arc::from([]), surfaces, enclosures, patches: Vec::new() }
+        Self { store, values, exact: Arc::from([]), surfaces, enclosures, patches: None }
     }
 
     /// Refuses a function that is constant or undefined in all of space. [`Program::remarks`]
@@ -326,7 +334,9 @@ impl Program {
 
     /// Numbers of nodes of all surfaces together: as typed, and after simplification.
     pub fn nodes(&self) -> (usize, usize) {
-        (self.store.simplified.nodes_before, count(self.graph(), self.roots()))
+        let own = (self.store.simplified.nodes_before, count(self.graph(), self.roots()));
+        let patches = self.patches().iter().map(|patch| patch.coordinates().nodes());
+        patches.fold(own, |all, patch| (all.0 + patch.0, all.1 + patch.1))
     }
 
     /// Returns whether the typed function was replaced. The function of an equation is replaced by
@@ -368,7 +378,12 @@ impl Program {
     /// The parametric surface with this number among all surfaces. `None` for an equation or a
     /// solid.
     pub fn patch(&self, surface: usize) -> Option<&PatchSurface> {
-        self.patches.get(surface.checked_sub(self.surfaces.len())?)
+        self.patches().get(surface.checked_sub(self.surfaces.len())?)
+    }
+
+    /// The parametric surfaces; none if the program was made without them.
+    fn patches(&self) -> &[PatchSurface] {
+        self.patches.as_deref().unwrap_or_default()
     }
 
     /// A kernel of its own for the coordinates of a parametric surface.
@@ -395,7 +410,7 @@ impl Program {
     /// All kernels that were compiled so far, for any values of the parameters.
     pub fn made(&self) -> Vec<CompiledKernel> {
         let mut made = self.store.ledger.made();
-        for (index, patch) in self.patches.iter().enumerate() {
+        for (index, patch) in self.patches().iter().enumerate() {
             let surface = self.surfaces.len() + index;
             let own = patch.coordinates().made().into_iter();
             made.extend(own.map(|made| CompiledKernel { surface, ..made }));

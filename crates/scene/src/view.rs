@@ -200,7 +200,7 @@ pub fn region_while(
             && let Some(part) = domain::find_between(&program, &ranges, *is_tall, wanted)?
         {
             let part = AutoDomain { low: part.low, high: part.high, ..found };
-            let ends = hull(curves::extent(document), patches::extent(document));
+            let ends = extent(document);
             let part = ends.map_or(part, |ends| part.with_box(ends));
             for axis in (0..3).filter(|axis| ranges[*axis].is_none()) {
                 (found.low[axis], found.high[axis]) = (part.low[axis], part.high[axis]);
@@ -297,7 +297,7 @@ fn search_while(
     is_tall: bool,
     wanted: &dyn Fn() -> bool,
 ) -> Result<Option<AutoDomain>, ProgramError> {
-    let ends = hull(curves::extent(document), patches::extent(document));
+    let ends = extent(document);
     let proxy = document.surfaces.is_empty().then(|| curves::as_surfaces(document));
     let Some(document) = proxy.as_ref().map_or(Some(document), Option::as_ref) else {
         return Ok(Some(AutoDomain::of_box(ends)));
@@ -321,12 +321,9 @@ fn search_while(
     Ok(found.map(|found| ends.map_or(found, |ends| found.with_box(ends))))
 }
 
-/// The box of both boxes.
-fn hull(one: Option<[DVec3; 2]>, other: Option<[DVec3; 2]>) -> Option<[DVec3; 2]> {
-    let both = one.zip(other);
-    let hull = both
-        .map(|([low, high], [other_low, other_high])| [low.min(other_low), high.max(other_high)]);
-    hull.or(one).or(other)
+/// The box of all that is given by parameters. `None` if there is nothing.
+fn extent(document: &Document) -> Option<[DVec3; 2]> {
+    curves::extent(document).into_iter().chain(patches::extent(document)).reduce(patches::hull)
 }
 
 /// A domain of the surfaces of `program`. Time covers its whole range.

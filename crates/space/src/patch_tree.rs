@@ -14,6 +14,9 @@ const COLUMNS: usize = 4;
 /// A part of the rectangle: the ranges of u and of v.
 pub type PatchCell = [[f64; 2]; 2];
 
+/// The error of a cell is large if it is above this share of the cell's extent.
+const ROUGH: f64 = 0.5;
+
 /// Per axis, the lowest and the highest coordinate.
 pub type Bounds = [[f64; 2]; 3];
 
@@ -69,8 +72,23 @@ impl PatchTree {
     /// # Panics
     /// If there is no such cell.
     pub fn part<'a>(&self, node: &'a PatchNode, lane: usize) -> &'a PatchNode {
-        let columns = columns([1.0; 2], &node.cells, lane);
-        node.parts[lane].get_or_init(|| Box::new(self.divide(node.cell(lane), columns)))
+        let divide = || self.divide(node.cell(lane), self.columns(node, lane));
+        node.parts[lane].get_or_init(|| Box::new(divide()))
+    }
+
+    /// The number of columns in which to divide a cell for good. If its error is large, halves of
+    /// the cell in either direction show which direction causes it.
+    fn columns(&self, node: &PatchNode, lane: usize) -> usize {
+        if error(&node.cells, lane) <= ROUGH * extent(&node.cells, lane) {
+            return columns([1.0; 2], &node.cells, lane);
+        }
+        let [u, v] = node.cell(lane);
+        let halves = self.over(&[[part(u, 0, 2), v], [u, part(v, 0, 2)]]);
+        match error(&halves, 0) / error(&halves, 1) {
+            ratio if ratio < 0.7 => LANES,
+            ratio if ratio > 1.4 => 1,
+            _ => COLUMNS,
+        }
     }
 
     /// Divides a cell into [`LANES`] cells, in this number of [`columns`].
@@ -141,16 +159,27 @@ impl PatchNode {
     }
 }
 
+/// The largest error of a coordinate over a cell.
+fn error(cells: &Patches<f64>, lane: usize) -> f64 {
+    cells.error[0][lane].max(cells.error[1][lane]).max(cells.error[2][lane])
+}
+
+/// The largest change of a coordinate along u or v over half a cell.
+fn extent(cells: &Patches<f64>, lane: usize) -> f64 {
+    length(&cells.along_u, lane).max(length(&cells.along_v, lane))
+}
+
+fn length(along: &[Lanes<f64>; 3], lane: usize) -> f64 {
+    along[0][lane].abs().max(along[1][lane].abs()).max(along[2][lane].abs())
+}
+
 /// The number of columns in which to divide a part of a cell, so that the parts are about as long
 /// as wide in space. `shares` are the shares of the cell along u and v that the part has.
 pub fn columns(shares: [f64; 2], cells: &Patches<f64>, lane: usize) -> usize {
-    let length = |along: &[Lanes<f64>; 3]| {
-        along[0][lane].abs().max(along[1][lane].abs()).max(along[2][lane].abs())
-    };
     // The direction that causes an error is not known, so it counts for both.
-    let error = cells.error[0][lane].max(cells.error[1][lane]).max(cells.error[2][lane]);
-    let ratio =
-        (shares[0] * length(&cells.along_u) + error) / (shares[1] * length(&cells.along_v) + error);
+    let error = error(cells, lane);
+    let [u, v] = [&cells.along_u, &cells.along_v].map(|along| length(along, lane));
+    let ratio = (shares[0] * u + error) / (shares[1] * v + error);
     // 4 columns if the ratio is 1, and twice as many if it is 4.
     match ratio {
         ratio if ratio > 8.0 => 16,

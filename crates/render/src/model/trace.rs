@@ -23,8 +23,8 @@ use zeroset_scene::program::ProgramError;
 use zeroset_shade::{Colors, ColorsMut, NormalSource, Pattern, Shader, normals};
 use zeroset_space::Camera;
 use zeroset_trace::{
-    BAND_ROWS, Driver, Fallback, GBuffer, Kept, KernelStats, PixelCounts, RayGrid, Rows,
-    TraceOptions, Tracer, Window, cap, cap_rows, may_cut, patch_tracer,
+    BAND_ROWS, Driver, Fallback, GBuffer, Kept, KernelStats, Method, PATCH, PixelCounts, RayGrid,
+    Rows, TraceOptions, Tracer, Window, cap, cap_rows, may_cut, patch_tracer,
 };
 
 /// Callback with the work done since the last call. The work ends if it returns `false`.
@@ -188,6 +188,13 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         Ok(self.settings.method.prepare(surface, region, options)?)
     }
 
+    /// The method of a parametric surface, if another than the default method was asked for.
+    fn own_method(&self, surface: usize) -> Option<Fallback> {
+        let is_asked = self.settings.method != <&Method>::default();
+        let is_own = is_asked && self.model.program.patch(surface).is_some();
+        is_own.then(|| Fallback { method: &PATCH, why: "it is given by parameters".to_owned() })
+    }
+
     /// Traces a surface along the rays selected by `only`, or along all if that is empty.
     pub fn find(
         &self,
@@ -335,7 +342,8 @@ impl<'a, T: KernelFloat> RenderPass<'a, T> {
         let (last, is_one) = (model.visible_surfaces().last(), windows.len() == 1);
         for (surface, window) in model.visible_surfaces().zip(windows) {
             let tracer = self.tracer(surface, |options| options)?;
-            fallbacks.extend(tracer.fallback(rays).map(|fallback| (surface, fallback)));
+            let fallback = tracer.fallback(rays).or_else(|| self.own_method(surface));
+            fallbacks.extend(fallback.map(|fallback| (surface, fallback)));
             let source = self.normals_of(surface)?;
             let caps = self.caps(surface)?;
             let Window { columns, rows, .. } = &window.with_whole_tiles(rays);

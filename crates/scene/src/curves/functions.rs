@@ -6,10 +6,10 @@ use crate::program::constants;
 use glam::DVec3;
 use zeroset_eval::{Assumptions, Binding, Kernel, Points, Query, Reference, SampleGradient, Tape};
 use zeroset_interval::Interval;
-use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, gradient, simplify};
+use zeroset_ir::{Axis, Constant, Graph, Node, NodeId, gradient, replaced, simplify};
 use zeroset_jit::Threaded;
 use zeroset_ops::Op;
-use zeroset_syntax::{CurveShape, Document, POINT_NAMES, PointValue, Surface, SurfaceKind};
+use zeroset_syntax::{CurveShape, Document, POINT_NAMES, PointValue, Surface};
 
 /// Largest number of nodes of a curve's function.
 const MOST_NODES: usize = 200_000;
@@ -27,26 +27,14 @@ pub fn with_constants(
     roots: &[NodeId],
     values: &[Constant],
 ) -> Option<(Graph, Vec<NodeId>)> {
-    let needed = graph.reachable(roots);
-    let mut copy = Graph::new();
-    let mut places: Vec<Option<NodeId>> = vec![None; graph.len()];
-    for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
-        places[id.index()] = Some(match node {
-            Node::Variable(axis) => copy.variable(*axis),
-            Node::Parameter(number) => match values.get(*number as usize) {
-                Some(value) => copy.constant(value.clone()),
-                None => copy.variable(Axis::X),
-            },
-            Node::Constant(value) => copy.constant(value.clone()),
-            Node::Apply(op, operands) => {
-                let operands: Option<Vec<NodeId>> =
-                    operands.iter().map(|operand| places[operand.index()]).collect();
-                copy.apply(*op, &operands?)
-            }
-        });
-    }
-    let roots: Option<Vec<NodeId>> = roots.iter().map(|root| places[root.index()]).collect();
-    simplify(&copy, &roots?, &[Interval::ENTIRE; 3], &[]).ok()
+    let (graph, roots) = replaced(graph, roots, |copy, _, node| match node {
+        Node::Parameter(number) => Some(match values.get(*number as usize) {
+            Some(value) => copy.constant(value.clone()),
+            None => copy.variable(Axis::X),
+        }),
+        _ => None,
+    });
+    simplify(&graph, &roots, &[Interval::ENTIRE; 3], &[]).ok()
 }
 
 /// A kernel that answers `Q` about functions over a domain. It needs no compiling.
@@ -116,17 +104,7 @@ pub fn both_zero(document: &Document) -> Option<(Graph, Vec<Surface>)> {
         .filter_map(|curve| {
             let CurveShape::Intersection(both) = &curve.shape else { return None };
             let sizes = both.map(|root| graph.apply(Op::Abs, &[root]));
-            Some(Surface {
-                root: graph.apply(Op::Max, &sizes),
-                kind: SurfaceKind::Equation,
-                holds_zeros: None,
-                span: curve.span,
-                echo: curve.echo.clone(),
-                color: None,
-                opacity: 1.0,
-                material: Default::default(),
-                hidden: false,
-            })
+            Some(Surface::equation(graph.apply(Op::Max, &sizes), curve.span, curve.echo.clone()))
         })
         .collect();
     (!surfaces.is_empty()).then_some((graph, surfaces))

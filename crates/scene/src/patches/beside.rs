@@ -160,9 +160,9 @@ impl Beside {
         }
         // Squares of distances, and parameters; the nearest first.
         let mut found: Vec<(f64, [f64; 2])> = Vec::new();
-        let mut open: Vec<(f64, &PatchNode, u32)> = vec![(0.0, self.tree.root(), 0)];
+        let mut open = vec![OpenNode { least: 0.0, place: None, depth: 0 }];
         let mut left = NODES;
-        while let Some((least, node, depth)) = open.pop().filter(|_| left > 0) {
+        while let Some(OpenNode { least, place, depth }) = open.pop().filter(|_| left > 0) {
             left -= 1;
             let limit = |found: &[(f64, [f64; 2])]| {
                 found.get(STARTS - 1).map_or(f64::INFINITY, |(distance, _)| *distance)
@@ -170,6 +170,8 @@ impl Beside {
             if least > limit(&found) {
                 continue;
             }
+            let node =
+                place.map_or_else(|| self.tree.root(), |(above, lane)| self.tree.part(above, lane));
             let mut parts = Vec::new();
             for lane in (0..LANES).filter(|lane| node.cells.nowhere >> lane & 1 == 0) {
                 let shape = Shape::new(&node.cells, lane);
@@ -195,12 +197,21 @@ impl Beside {
             }
             // The nearest part is examined first.
             parts.sort_by(|(one, _), (other, _)| other.total_cmp(one));
-            for (least, lane) in parts {
-                open.push((least, self.tree.part(node, lane), depth + 1));
-            }
+            let new =
+                |(least, lane)| OpenNode { least, place: Some((node, lane)), depth: depth + 1 };
+            open.extend(parts.into_iter().map(new));
         }
         found.into_iter().map(|(_, place)| place).collect()
     }
+}
+
+/// A node in which a point is still to be looked for.
+struct OpenNode<'a> {
+    /// Square of the least distance of its points.
+    least: f64,
+    /// The node above, and the number of the cell that is divided. `None` for the root.
+    place: Option<(&'a PatchNode, usize)>,
+    depth: u32,
 }
 
 /// The surface over one cell.

@@ -64,18 +64,10 @@ impl DocumentReader<'_> {
         let name = short_name(name);
         let formula = display(&graph, root, &[]);
         let shown = if formula.len() <= LONGEST_ECHO { formula.as_str() } else { &name };
-        let mut surfaces = [Surface {
-            // A solid's function has a value everywhere: a positive one outside the solid.
-            root: or_outside(&mut graph, &mut Vec::new(), &Moves::default(), root, 1),
-            kind: SurfaceKind::Solid,
-            holds_zeros: Some(true),
-            span,
-            echo: format!("{shown} <= 0"),
-            color: None,
-            opacity: 1.0,
-            material: Default::default(),
-            hidden: false,
-        }];
+        // A solid's function has a value everywhere: a positive one outside the solid.
+        let root = or_outside(&mut graph, &mut Vec::new(), &Moves::default(), root, 1);
+        let plain = Surface::equation(root, span, format!("{shown} <= 0"));
+        let mut surfaces = [Surface { kind: SurfaceKind::Solid, holds_zeros: Some(true), ..plain }];
         style(&mut surfaces, &mut [], &mut [], &settings, &values)?;
         let picture = picture(&settings, &values)?;
         self.notes.push(Note { span, kind: NoteKind::ExpressionList { name } });

@@ -5,7 +5,7 @@ use crate::document::reading::DocumentReader;
 use crate::lower::lowering::Lowering;
 use crate::lower::value::Tensor;
 use crate::picture::paint::SurfaceColor;
-use zeroset_ir::{Axis, Graph, Node, NodeId};
+use zeroset_ir::{Axis, Graph, Node, NodeId, replaced};
 use zeroset_parser::tree::ast::{CurveForm, Expr, Name, Statement};
 use zeroset_parser::tree::built_statement::BuiltStatement;
 use zeroset_parser::{Error, ErrorKind, Errors, Fallible, Span};
@@ -148,24 +148,9 @@ fn patch<'d>(
 /// The nodes that `roots` need. The variables x and y stand for the parameters `free` and
 /// `free + 1`.
 fn with_variables(graph: &Graph, roots: &[NodeId], free: u32) -> (Graph, Vec<NodeId>) {
-    let needed = graph.reachable(roots);
-    let mut copy = Graph::new();
-    let mut places: Vec<Option<NodeId>> = vec![None; graph.len()];
-    let place = |places: &[Option<NodeId>], id: NodeId| places[id.index()].expect("an operand");
-    for (id, node) in graph.iter().filter(|(id, _)| needed[id.index()]) {
-        places[id.index()] = Some(match node {
-            Node::Parameter(number) if *number == free => copy.variable(Axis::X),
-            Node::Parameter(number) if *number == free + 1 => copy.variable(Axis::Y),
-            Node::Parameter(number) => copy.parameter(*number),
-            Node::Variable(axis) => copy.variable(*axis),
-            Node::Constant(value) => copy.constant(value.clone()),
-            Node::Apply(op, operands) => {
-                let operands: Vec<NodeId> =
-                    operands.iter().map(|operand| place(&places, *operand)).collect();
-                copy.apply(*op, &operands)
-            }
-        });
-    }
-    let roots = roots.iter().map(|root| place(&places, *root)).collect();
-    (copy, roots)
+    replaced(graph, roots, |copy, _, node| match node {
+        Node::Parameter(number) if *number == free => Some(copy.variable(Axis::X)),
+        Node::Parameter(number) if *number == free + 1 => Some(copy.variable(Axis::Y)),
+        _ => None,
+    })
 }

@@ -116,6 +116,21 @@ pub struct Surface {
 }
 
 impl Surface {
+    /// An equation without style lines.
+    pub fn equation(root: NodeId, span: Span, echo: String) -> Self {
+        Self {
+            root,
+            kind: SurfaceKind::Equation,
+            holds_zeros: None,
+            span,
+            echo,
+            color: None,
+            opacity: 1.0,
+            material: Default::default(),
+            hidden: false,
+        }
+    }
+
     /// The statement as it was read, in one line.
     pub fn line(&self) -> String {
         self.echo.split_whitespace().collect::<Vec<_>>().join(" ")
@@ -129,7 +144,7 @@ pub struct DrawnSurface<'a> {
     pub span: Span,
     /// The statement as it was read, in standard notation.
     pub echo: &'a str,
-    /// Whether the surface is the boundary of a solid.
+    /// True for the boundary of a solid.
     pub is_solid: bool,
     /// As [`Surface::color`].
     pub color: Option<&'a SurfaceColor>,
@@ -686,17 +701,9 @@ pub(crate) fn surface<'a>(
         Ok((root, kind))
     })?;
     let root = lowering.in_place(root, built.span)?;
-    Ok(Surface {
-        root,
-        kind,
-        holds_zeros: holds_zeros(std::iter::once(expr).chain(restrictions)),
-        span: built.span,
-        echo: echo(expr, restrictions),
-        color: None,
-        opacity: 1.0,
-        material: Default::default(),
-        hidden: false,
-    })
+    let holds_zeros = holds_zeros(std::iter::once(expr).chain(restrictions));
+    let plain = Surface::equation(root, built.span, echo(expr, restrictions));
+    Ok(Surface { kind, holds_zeros, ..plain })
 }
 
 /// The text of a drawing as it was read. A formula without a relation gets `= 0`.

@@ -57,7 +57,7 @@ const GROUP_ERROR: f64 = 0.15;
 /// Largest number of levels below the root to which cells are divided for a group of rays.
 const GROUP_DEPTH: u32 = 5;
 /// Beyond this number of cells for a group of rays, none is divided further.
-const GROUP_CELLS: usize = 64;
+const GROUP_CELLS: usize = 256;
 
 /// A cell that some rays of a group may meet.
 #[derive(Clone, Copy)]
@@ -143,7 +143,7 @@ impl<'a> PatchTracer<'a> {
         }
     }
 
-    /// What each ray meets first among `cells`, which hold all that it meets.
+    /// Finds the first meeting of each ray with `cells`, which hold all points that it meets.
     fn firsts(&self, lines: &BeamLanes, cells: &[Found<'_>], goals: &[Goal<'_>]) -> [First; LANES] {
         let mut firsts = [First::Nothing; LANES];
         let mut nearest = [f64::INFINITY; LANES];
@@ -201,13 +201,14 @@ impl<'a> PatchTracer<'a> {
     }
 }
 
-/// What a ray meets first.
+/// The first meeting of a ray with cells.
 #[derive(Clone, Copy, Debug)]
 enum First {
     /// It is proven to meet no zero.
     Nothing,
-    /// A zero is proven between these t, and there is none before.
+    /// A zero is proven between these t. Before them, it is proven to meet no zero.
     Proven([f64; 2]),
+    /// Neither is proven.
     Unknown,
 }
 

@@ -162,7 +162,7 @@ impl BeamLanes {
     }
 }
 
-/// Where rays of a beam may meet a cell.
+/// The place where rays of a beam may meet a cell.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Meeting {
     /// False if it is proven that none meets it.

@@ -10,10 +10,12 @@ use fearless_simd::Level;
 use zeroset_eval::{LANES, Patches, dispatch};
 use zeroset_space::{PatchCell, PatchNode, PatchTree, Region, columns};
 
-/// Largest number of evaluations for one ray.
-const EFFORT: u32 = 256;
+/// Largest effort for one ray: a test of the cells of a node counts 1, an evaluation more.
+const EFFORT: u32 = 16 * 256;
 /// The same for a preview.
-const PREVIEW_EFFORT: u32 = 32;
+const PREVIEW_EFFORT: u32 = 16 * 32;
+/// Effort of evaluating the surface over cells that are not in the tree.
+const EVALUATION: u32 = 16;
 /// Largest depth of the tree. Deeper cells are evaluated for one ray, and forgotten.
 const DEPTH: u32 = 6;
 /// A cell is narrowed to the bounds of its zeros if they are shorter than this share of it.
@@ -125,9 +127,8 @@ impl<'s> Goal<'s> {
         place: Place<'a>,
         lane: usize,
     ) -> Option<Candidate<'a>> {
-        let [near, far] = meeting.t;
         let is_nowhere = cells.nowhere >> lane & 1 == 1;
-        if !meeting.is_possible || is_nowhere || near > self.within[1] || far < self.within[0] {
+        if !meeting.is_possible || is_nowhere || !self.reaches(meeting.t) {
             return None;
         }
         let is_continuous = cells.continuous >> lane & 1 == 1;
@@ -152,7 +153,7 @@ impl<'s> Goal<'s> {
         let columns = columns(shares, cells, lane);
         Some(Candidate {
             columns,
-            t: [near, far],
+            t: meeting.t,
             part,
             is_proven,
             is_narrow,
@@ -168,10 +169,23 @@ impl<'s> Goal<'s> {
     }
 
     /// The result for a proven zero between these t, before which there is none. `None` if it is
-    /// not short enough, or may lie outside of the region.
+    /// not short enough, may lie outside of the region, or may be that of the ray's start.
     pub fn hit(&self, t: [f64; 2]) -> Option<RayResult> {
-        let counts = self.start == Start::Anywhere || t[0] > self.within[0].max(0.0);
-        (counts && self.is_short(t) && self.holds(t)).then(|| hit(t, None, None))
+        let is_hit = !self.holds_start(t) && self.is_short(t) && self.holds(t);
+        let middle = 0.5 * (t[0] + t[1]);
+        is_hit.then_some(RayResult {
+            status: Status::Hit,
+            distance: middle,
+            drawn: middle,
+            bracket: t,
+            ..RayResult::MISS
+        })
+    }
+
+    /// Returns whether a zero between these t may be the point of the surface at which the ray
+    /// starts. A zero counts only behind an empty part.
+    fn holds_start(&self, t: [f64; 2]) -> bool {
+        self.start == Start::OnSurface && t[0] <= self.within[0].max(0.0)
     }
 
     /// Returns whether a bracket is short enough.
@@ -198,22 +212,25 @@ impl<'a> Search<'_, 'a> {
     /// Finds the first zero. `candidates` holds all cells in which the ray may have one.
     pub fn run(&self, candidates: &mut Vec<Candidate<'a>>, work: &mut KernelStats) -> RayResult {
         let goal = self.goal;
+        // The first part that stays undecided, and why.
         let mut open: Option<(f64, UndecidedReason)> = None;
-        let mut likely: Option<f64> = None;
+        let mut drawn = f64::INFINITY;
         let mut effort = goal.effort;
         while let Some(first) = take_first(candidates) {
-            let middle = 0.5 * (first.t[0] + first.t[1]);
-            if goal.start == Start::OnSurface && first.t[0] <= goal.within[0].max(0.0) {
-                // The surface that the ray leaves is here. A zero counts behind an empty part.
-                if goal.is_short(first.t) {
-                    continue;
+            if goal.holds_start(first.t) && goal.is_short(first.t) {
+                continue;
+            }
+            if first.is_proven
+                && let Some(hit) = goal.hit(first.t)
+            {
+                if open.is_none() {
+                    return hit;
                 }
-            } else if first.is_proven && goal.is_short(first.t) && goal.holds(first.t) {
-                return hit(first.t, open, likely);
+                drawn = hit.drawn;
+                break;
             }
             if effort > 0 && !first.is_finest() {
-                effort -= 1;
-                self.narrow(&first, candidates, work);
+                effort = effort.saturating_sub(self.narrow(&first, candidates, work));
                 continue;
             }
             let reason = if !first.is_continuous {
@@ -225,39 +242,33 @@ impl<'a> Search<'_, 'a> {
             };
             let from = first.t[0].max(goal.within[0]);
             open.get_or_insert((from, reason));
+            let middle = 0.5 * (first.t[0] + first.t[1]);
             if first.is_likely && middle.is_finite() {
-                likely = likely.or(Some(middle.max(from)));
+                drawn = middle.max(from);
             }
-            if likely.is_some() || effort == 0 {
+            if drawn.is_finite() || effort == 0 {
                 // Whatever lies behind is not drawn.
                 break;
             }
         }
-        match open {
-            None => RayResult::MISS,
-            Some((distance, reason)) => RayResult {
-                status: Status::Undecided,
-                distance,
-                drawn: likely.unwrap_or(f64::INFINITY),
-                reason,
-                ..RayResult::MISS
-            },
-        }
+        let Some((distance, reason)) = open else { return RayResult::MISS };
+        RayResult { status: Status::Undecided, distance, drawn, reason, ..RayResult::MISS }
     }
 
-    /// Replaces a candidate by smaller ones that hold all its zeros.
+    /// Replaces a candidate by smaller ones that hold all its zeros. Returns the effort.
     fn narrow(
         &self,
         candidate: &Candidate<'a>,
         candidates: &mut Vec<Candidate<'a>>,
         work: &mut KernelStats,
-    ) {
+    ) -> u32 {
         if let Place::InTree { node, lane, depth } = candidate.place
             && depth < DEPTH
             && !candidate.is_narrow
         {
             let part = self.tree.part(node, lane);
-            return self.goal.add((self.beam, self.tree), (part, depth + 1), candidates);
+            self.goal.add((self.beam, self.tree), (part, depth + 1), candidates);
+            return 1;
         }
         if candidate.is_narrow {
             let outer = self.tree.outer();
@@ -274,7 +285,7 @@ impl<'a> Search<'_, 'a> {
             work.tiles.called(1);
             let meeting = with_cell(self.beam, &cells, 0);
             candidates.extend(self.goal.candidate(self.tree, &meeting, &cells, Place::Apart, 0));
-            return;
+            return EVALUATION;
         }
         let node = self.tree.divide(candidate.part, candidate.columns);
         work.tiles.called(LANES as u32);
@@ -284,31 +295,7 @@ impl<'a> Search<'_, 'a> {
             let (meeting, place) = (meetings.lane(lane), Place::Apart);
             candidates.extend(self.goal.candidate(self.tree, &meeting, &node.cells, place, lane));
         }
-    }
-}
-
-/// The result of a hit with this bracket, behind an undecided part if there is one.
-fn hit(
-    [near, far]: [f64; 2],
-    open: Option<(f64, UndecidedReason)>,
-    likely: Option<f64>,
-) -> RayResult {
-    let middle = 0.5 * (near + far);
-    match open {
-        None => RayResult {
-            status: Status::Hit,
-            distance: middle,
-            drawn: middle,
-            bracket: [near, far],
-            ..RayResult::MISS
-        },
-        Some((distance, reason)) => RayResult {
-            status: Status::Undecided,
-            distance,
-            drawn: likely.unwrap_or(middle),
-            reason,
-            ..RayResult::MISS
-        },
+        EVALUATION
     }
 }
 
