@@ -1,9 +1,13 @@
 //! Parametric surfaces: rays are followed through the cells of u and v.
 //!
-//! Cells that a group of 16 rays may meet are found by one test for all of the group. Each ray then
-//! has a few candidates: cells with bounds of t. The candidate that begins first is examined first.
-//! It is dropped if it is proven empty, it is the hit if a zero is proven, and else it is narrowed.
-//! So nothing lies before a hit, and a ray without candidates is a miss.
+//! Cells that some ray of a square may meet are found by one test a cell for the whole square. Of
+//! them, those that some ray of a group of 16 may meet, by one test for the group. Then each cell is
+//! tested with all rays of the group at once, the nearest cells first. Most rays are decided so: the
+//! first cell that a ray may meet proves a zero in a bracket that is short enough, or there is none.
+//!
+//! Each other ray has a few candidates: cells with bounds of t. The candidate that begins first is
+//! examined first. It is dropped if it is proven empty, it is the hit if a zero is proven, and else
+//! it is narrowed. So nothing lies before a hit, and a ray without candidates is a miss.
 
 mod meeting;
 mod search;
@@ -15,7 +19,7 @@ use crate::options::TraceOptions;
 use crate::painted::ones;
 use crate::ray_result::RayResult;
 use fearless_simd::Level;
-use meeting::{Beam, BeamLanes, Meetings, main_axis, with_cell};
+use meeting::{Beam, BeamLanes, CellLanes, CellShape, First, Firsts, main_axis, with_cell};
 use search::{Goal, Place, Search};
 use zeroset_eval::{KernelError, LANES, Patches, dispatch};
 use zeroset_space::{PatchNode, PatchTree, Region};
@@ -52,19 +56,37 @@ struct PatchTracer<'a> {
     level: Level,
 }
 
-/// Cells are divided for a group of rays until their error is this share of the longest bracket.
-const GROUP_ERROR: f64 = 0.15;
-/// Largest number of levels below the root to which cells are divided for a group of rays.
+/// Cells are divided for a square of rays until their error is this share of the longest bracket.
+const ERROR: f64 = 0.15;
+/// Largest number of levels below the root to which cells are divided for a square of rays.
 const GROUP_DEPTH: u32 = 5;
-/// Beyond this number of cells for a group of rays, none is divided further.
+/// Beyond this number of cells for a square of rays, none is divided further.
 const GROUP_CELLS: usize = 256;
 
-/// A cell that some rays of a group may meet.
+/// A ray in the region.
+struct Line<'s> {
+    /// Its number among the rays that are followed.
+    place: usize,
+    beam: Beam,
+    goal: Goal<'s>,
+}
+
+/// A cell that some rays may meet.
 #[derive(Clone, Copy)]
 struct Found<'a> {
     node: &'a PatchNode,
     lane: usize,
     depth: u32,
+    /// Whether the surface is continuous on the cell, and all of it belongs to the exact rectangle.
+    is_whole: bool,
+}
+
+/// Cells that some rays may meet, and their shapes.
+#[derive(Default)]
+struct FoundCells<'a> {
+    cells: Vec<Found<'a>>,
+    /// [`LANES`] cells each.
+    shapes: Vec<CellLanes>,
 }
 
 impl Tracer for PatchTracer<'_> {
@@ -75,96 +97,105 @@ impl Tracer for PatchTracer<'_> {
         found: &mut [RayResult],
         work: &mut KernelStats,
     ) {
-        for (rays, found) in rays.chunks(LANES).zip(found.chunks_mut(LANES)) {
-            self.follow_group(rays, start, found, work);
+        let Some(first) = rays.first() else { return };
+        let main = main_axis(first.ray.direction);
+        let mut lines = Vec::with_capacity(rays.len());
+        for (place, segment) in rays.iter().enumerate() {
+            let Some(within) = segment.within(self.region) else {
+                found[place] = RayResult::MISS;
+                continue;
+            };
+            let direction = segment.ray.direction;
+            let own = main_axis(direction);
+            let is_alike = 2.0 * direction[main].abs() >= direction[own].abs();
+            let beam = Beam::along(&segment.ray, if is_alike { main } else { own });
+            let goal = Goal::new(segment, within, self.region, start, &self.options, self.level);
+            lines.push(Line { place, beam, goal });
+        }
+        let cells = self.cells(&lines);
+        let mut near = Vec::new();
+        for lines in lines.chunks(LANES) {
+            // Rays of a square that go apart may go together in a group.
+            let own = if cells.is_none() { self.cells(lines) } else { None };
+            match cells.as_ref().or(own.as_ref()) {
+                Some(cells) => self.follow_group(lines, cells, &mut near, found, work),
+                None => {
+                    for line in lines {
+                        found[line.place] = self.follow_alone(line, work);
+                    }
+                }
+            }
         }
     }
 }
 
 impl<'a> PatchTracer<'a> {
-    /// Follows at most [`LANES`] rays.
+    /// Follows one ray through all cells.
+    fn follow_alone(
+        &self,
+        Line { beam, goal, .. }: &Line<'_>,
+        work: &mut KernelStats,
+    ) -> RayResult {
+        let mut candidates = Vec::new();
+        goal.add((beam, self.tree), (self.tree.root(), 0), &mut candidates);
+        Search { tree: self.tree, beam, goal }.run(&mut candidates, work)
+    }
+
+    /// Follows at most [`LANES`] rays with the same axis k through `cells`, which hold all points
+    /// that they meet. Uses `near` as memory.
     fn follow_group(
         &self,
-        rays: &[Segment],
-        start: Start,
+        lines: &[Line<'_>],
+        cells: &FoundCells<'a>,
+        near: &mut Vec<(f64, usize)>,
         found: &mut [RayResult],
         work: &mut KernelStats,
     ) {
-        let (mut goals, mut beams) = (Vec::with_capacity(LANES), Vec::with_capacity(LANES));
-        let mut lanes = Vec::with_capacity(LANES);
-        let main = main_axis(rays[0].ray.direction);
-        for (lane, segment) in rays.iter().enumerate() {
-            let Some(within) = segment.within(self.region) else {
-                found[lane] = RayResult::MISS;
-                continue;
-            };
-            let own = main_axis(segment.ray.direction);
-            let is_alike =
-                2.0 * segment.ray.direction[main].abs() >= segment.ray.direction[own].abs();
-            beams.push(Beam::along(&segment.ray, if is_alike { main } else { own }));
-            goals.push(Goal::new(segment, within, self.region, start, &self.options, self.level));
-            lanes.push(lane);
+        let group = Beam::around(lines.iter().map(|line| &line.beam));
+        near.clear();
+        match &group {
+            Some(group) => {
+                for (batch, shapes) in cells.shapes.iter().enumerate() {
+                    let first = LANES * batch;
+                    let (possible, from) =
+                        dispatch!(self.level, simd => group.meets(simd, &shapes.view()));
+                    let count = cells.cells.len() - first;
+                    let new = ones(possible).take_while(|lane| *lane < count);
+                    near.extend(new.map(|lane| (from[lane], first + lane)));
+                }
+                near.sort_unstable_by(|(one, _), (other, _)| one.total_cmp(other));
+            }
+            None => near.extend((0..cells.cells.len()).map(|cell| (f64::NEG_INFINITY, cell))),
         }
-        if lanes.is_empty() {
-            return;
+        let rays = BeamLanes::new(lines.iter().map(|line| &line.beam));
+        let mut firsts = Firsts::new(lines.iter().map(|line| line.goal.within));
+        for &(from, cell) in near.iter() {
+            // The cells that are left begin behind the first meetings of all rays.
+            if from >= firsts.farthest() {
+                break;
+            }
+            let Found { node, lane, is_whole, .. } = cells.cells[cell];
+            let cell = (&node.cells, lane);
+            dispatch!(self.level, simd => firsts.meet(simd, &rays, cell, is_whole));
         }
-        let lines = BeamLanes::new(&beams);
-        let group = lines.as_ref().and_then(|_| Beam::around(&beams));
-        let cells = group.map(|group| self.cells(&group, &goals));
-        let firsts = match (&lines, &cells) {
-            (Some(lines), Some(cells)) => self.firsts(lines, cells, &goals),
-            _ => [First::Unknown; LANES],
-        };
         let mut candidates = Vec::new();
-        for (k, lane) in lanes.into_iter().enumerate() {
-            let (beam, goal) = (&beams[k], &goals[k]);
-            found[lane] = match firsts[k] {
+        for (lane, Line { place, beam, goal }) in lines.iter().enumerate() {
+            found[*place] = match firsts.of(lane) {
                 First::Nothing => RayResult::MISS,
-                First::Proven(t) if let Some(hit) = goal.hit(t) => hit,
-                First::Proven(_) | First::Unknown => {
+                First::Proven { t, parameters } if let Some(hit) = goal.hit(t, parameters) => hit,
+                First::Proven { .. } | First::Unknown => {
                     candidates.clear();
-                    match &cells {
-                        Some(cells) => {
-                            for &Found { node, lane, depth } in cells {
-                                let meeting = with_cell(beam, &node.cells, lane);
-                                let place = Place::InTree { node, lane, depth };
-                                let new =
-                                    goal.candidate(self.tree, &meeting, &node.cells, place, lane);
-                                candidates.extend(new);
-                            }
-                        }
-                        None => {
-                            goal.add((beam, self.tree), (self.tree.root(), 0), &mut candidates);
-                        }
+                    for (_, cell) in near.iter() {
+                        let Found { node, lane, depth, .. } = cells.cells[*cell];
+                        let meeting = with_cell(beam, &node.cells, lane);
+                        let place = Place::InTree { node, lane, depth };
+                        let new = goal.candidate(self.tree, &meeting, &node.cells, place, lane);
+                        candidates.extend(new);
                     }
                     Search { tree: self.tree, beam, goal }.run(&mut candidates, work)
                 }
             };
         }
-    }
-
-    /// Finds the first meeting of each ray with `cells`, which hold all points that it meets.
-    fn firsts(&self, lines: &BeamLanes, cells: &[Found<'_>], goals: &[Goal<'_>]) -> [First; LANES] {
-        let mut firsts = [First::Nothing; LANES];
-        let mut nearest = [f64::INFINITY; LANES];
-        for &Found { node, lane, .. } in cells {
-            let meetings =
-                dispatch!(self.level, simd => Meetings::with_rays(simd, lines, &node.cells, lane));
-            let is_whole = self.is_whole(&node.cells, lane);
-            for (k, goal) in goals.iter().enumerate() {
-                let meeting = meetings.lane(k);
-                if !meeting.is_possible || !goal.reaches(meeting.t) || meeting.t[0] >= nearest[k] {
-                    continue;
-                }
-                nearest[k] = meeting.t[0];
-                firsts[k] = if is_whole && meeting.is_inside() {
-                    First::Proven(meeting.t)
-                } else {
-                    First::Unknown
-                };
-            }
-        }
-        firsts
     }
 
     /// Returns whether the surface is continuous on a cell, and all of it belongs to the exact
@@ -179,42 +210,40 @@ impl<'a> PatchTracer<'a> {
         cells.continuous >> lane & 1 == 1 && is_within(0) && is_within(1)
     }
 
-    /// The cells that rays of a beam may meet.
-    fn cells(&self, beam: &Beam, goals: &[Goal<'_>]) -> Vec<Found<'a>> {
-        let enough = goals.iter().map(|goal| goal.longest_distance).fold(f64::INFINITY, f64::min);
-        let enough = GROUP_ERROR * enough;
-        let mut found = Vec::new();
+    /// The cells that some of `lines` may meet. `None` if the rays do not go together.
+    fn cells(&self, lines: &[Line<'_>]) -> Option<FoundCells<'a>> {
+        let beam = Beam::around(lines.iter().map(|line| &line.beam))?;
+        let longest = lines.iter().map(|line| line.goal.longest_distance);
+        let enough = ERROR * longest.fold(f64::INFINITY, f64::min);
+        let mut found = FoundCells::default();
         let mut open = vec![(self.tree.root(), 0)];
         while let Some((node, depth)) = open.pop() {
-            let meetings =
-                dispatch!(self.level, simd => Meetings::with_cells(simd, beam, &node.cells));
-            for lane in ones(meetings.possible() & !node.cells.nowhere) {
-                let is_room = found.len() + open.len() < GROUP_CELLS;
+            let cells = CellLanes::of_node(&node.cells, beam.axes);
+            let (possible, _) = dispatch!(self.level, simd => beam.meets(simd, &cells));
+            for lane in ones(possible & !node.cells.nowhere) {
+                let is_room = found.cells.len() + open.len() < GROUP_CELLS;
                 if depth < GROUP_DEPTH && is_room && error(&node.cells, lane) > enough {
                     open.push((self.tree.part(node, lane), depth + 1));
-                } else {
-                    found.push(Found { node, lane, depth });
+                    continue;
                 }
+                let place = found.cells.len() % LANES;
+                if place == 0 {
+                    found.shapes.push(CellLanes::default());
+                }
+                if let Some(shapes) = found.shapes.last_mut() {
+                    shapes.set(place, &CellShape::new(&node.cells, beam.axes, lane));
+                }
+                let is_whole = self.is_whole(&node.cells, lane);
+                found.cells.push(Found { node, lane, depth, is_whole });
             }
         }
-        found
+        Some(found)
     }
-}
-
-/// The first meeting of a ray with cells.
-#[derive(Clone, Copy, Debug)]
-enum First {
-    /// It is proven to meet no zero.
-    Nothing,
-    /// A zero is proven between these t. Before them, it is proven to meet no zero.
-    Proven([f64; 2]),
-    /// Neither is proven.
-    Unknown,
 }
 
 /// The largest error of a coordinate over a cell.
 fn error(cells: &Patches<f64>, lane: usize) -> f64 {
-    let [x, y, z] = cells.error.each_ref().map(|error| error[lane]);
+    let (x, y, z) = (cells.error[0][lane], cells.error[1][lane], cells.error[2][lane]);
     // NaN counts as infinite.
     let largest = x.max(y).max(z);
     if (x + y + z).is_finite() { largest } else { f64::INFINITY }

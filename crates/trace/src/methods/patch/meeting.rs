@@ -53,7 +53,7 @@ const UNDERFLOW: f64 = 1e-290;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Beam {
     /// The axes in the order i, j, k.
-    axes: [usize; 3],
+    pub axes: [usize; 3],
     origin: [f64; 3],
     direction: [f64; 3],
     /// Largest distance of a ray's origin, per axis; 0 for one ray.
@@ -71,26 +71,72 @@ impl Beam {
         Self { axes, origin, direction, origin_spread: [0.0; 3], direction_spread: [0.0; 3] }
     }
 
-    /// A beam that holds all `rays`. `None` if they have different axes k, or spread too far.
-    pub fn around(rays: &[Self]) -> Option<Self> {
-        let mut beam = *rays.first()?;
-        if rays.iter().any(|ray| ray.axes != beam.axes) {
-            return None;
+    /// A beam that holds all `rays`. `None` if there is none, or they have different axes k, or
+    /// spread too far.
+    pub fn around<'r>(mut rays: impl Iterator<Item = &'r Self>) -> Option<Self> {
+        let mut beam = *rays.next()?;
+        let (mut origin, mut direction) = (Ends::new(&beam.origin), Ends::new(&beam.direction));
+        for ray in rays {
+            if ray.axes != beam.axes {
+                return None;
+            }
+            origin.include(&ray.origin);
+            direction.include(&ray.direction);
         }
-        let middle = |of: fn(&Self) -> [f64; 3], axis: usize| {
-            let ends = rays.iter().map(|ray| of(ray)[axis]);
-            let low = ends.clone().fold(f64::INFINITY, f64::min);
-            let high = ends.fold(f64::NEG_INFINITY, f64::max);
-            let middle = 0.5 * (low + high);
-            // Rounded up, since the middle and the differences are rounded.
-            [middle, (high - middle).max(middle - low) * (1.0 + SLACK) + SLACK * middle.abs()]
-        };
+        (beam.origin, beam.origin_spread) = origin.middle();
+        (beam.direction, beam.direction_spread) = direction.middle();
+        let [i, j, k] = beam.direction_spread;
+        (i.max(j).max(k) <= 0.25 * beam.direction[2].abs()).then_some(beam)
+    }
+
+    /// The lanes in which some ray of the beam may meet the cell, and a lower bound of the t ≥ 0 at
+    /// which it does.
+    #[inline(always)]
+    pub fn meets<S: Simd>(&self, _: S, cells: &CellView<'_>) -> (LaneSet, Lanes<f64>) {
+        let (mut possible, mut from) = (Lanes::splat(0.0), Lanes::splat(0.0));
+        for lane in 0..LANES {
+            let cell = cells.lane(lane);
+            possible.0[lane] = if linear_equations(self, &cell).is_possible { 1.0 } else { 0.0 };
+            from.0[lane] = least_t(self, &cell);
+        }
+        let mut lanes = 0;
+        for lane in 0..LANES {
+            lanes |= LaneSet::from(possible.0[lane] > 0.0) << lane;
+        }
+        (lanes, from)
+    }
+}
+
+/// The lowest and the highest of some vectors' components.
+struct Ends {
+    low: [f64; 3],
+    high: [f64; 3],
+}
+
+impl Ends {
+    fn new(vector: &[f64; 3]) -> Self {
+        Self { low: *vector, high: *vector }
+    }
+
+    fn include(&mut self, vector: &[f64; 3]) {
+        for (axis, component) in vector.iter().enumerate() {
+            self.low[axis] = self.low[axis].min(*component);
+            self.high[axis] = self.high[axis].max(*component);
+        }
+    }
+
+    /// The middle, and the largest distance from it.
+    fn middle(&self) -> ([f64; 3], [f64; 3]) {
+        let (mut middles, mut spreads) = ([0.0; 3], [0.0; 3]);
         for axis in 0..3 {
-            [beam.origin[axis], beam.origin_spread[axis]] = middle(|ray| ray.origin, axis);
-            [beam.direction[axis], beam.direction_spread[axis]] = middle(|ray| ray.direction, axis);
+            let (low, high) = (self.low[axis], self.high[axis]);
+            let middle = 0.5 * (low + high);
+            middles[axis] = middle;
+            // Rounded up, since the middle and the differences are rounded.
+            let spread = (high - middle).max(middle - low);
+            spreads[axis] = spread * (1.0 + SLACK) + SLACK * middle.abs();
         }
-        let main = beam.direction[2].abs();
-        beam.direction_spread.iter().all(|spread| *spread <= 0.25 * main).then_some(beam)
+        (middles, spreads)
     }
 }
 
@@ -102,7 +148,7 @@ pub(super) fn main_axis(direction: DVec3) -> usize {
 
 /// The surface over one cell, in the order of a beam's axes.
 #[derive(Clone, Copy, Debug)]
-struct CellShape {
+pub(super) struct CellShape {
     centre: [f64; 3],
     along_u: [f64; 3],
     along_v: [f64; 3],
@@ -110,8 +156,9 @@ struct CellShape {
 }
 
 impl CellShape {
+    /// The shape of the cell in a lane.
     #[inline(always)]
-    fn new(cells: &Patches<f64>, axes: [usize; 3], lane: usize) -> Self {
+    pub fn new(cells: &Patches<f64>, axes: [usize; 3], lane: usize) -> Self {
         Self {
             centre: of_lane(&cells.centre, axes, lane),
             along_u: of_lane(&cells.along_u, axes, lane),
@@ -127,27 +174,97 @@ fn of_lane(all: &[Lanes<f64>; 3], [i, j, k]: [usize; 3], lane: usize) -> [f64; 3
     [all[i].0[lane], all[j].0[lane], all[k].0[lane]]
 }
 
+/// The shapes of [`LANES`] cells, in the order of a beam's axes.
+#[derive(Clone, Debug, Default)]
+pub(super) struct CellLanes {
+    centre: [Lanes<f64>; 3],
+    along_u: [Lanes<f64>; 3],
+    along_v: [Lanes<f64>; 3],
+    error: [Lanes<f64>; 3],
+}
+
+impl CellLanes {
+    /// Sets a lane to a shape.
+    pub fn set(&mut self, lane: usize, shape: &CellShape) {
+        for axis in 0..3 {
+            self.centre[axis].0[lane] = shape.centre[axis];
+            self.along_u[axis].0[lane] = shape.along_u[axis];
+            self.along_v[axis].0[lane] = shape.along_v[axis];
+            self.error[axis].0[lane] = shape.error[axis];
+        }
+    }
+
+    /// All shapes.
+    pub fn view(&self) -> CellView<'_> {
+        let Self { centre, along_u, along_v, error } = self;
+        CellView {
+            centre: centre.each_ref(),
+            along_u: along_u.each_ref(),
+            along_v: along_v.each_ref(),
+            error: error.each_ref(),
+        }
+    }
+
+    /// The shapes of a node's cells.
+    pub fn of_node(cells: &Patches<f64>, axes: [usize; 3]) -> CellView<'_> {
+        CellView {
+            centre: in_order(&cells.centre, axes),
+            along_u: in_order(&cells.along_u, axes),
+            along_v: in_order(&cells.along_v, axes),
+            error: in_order(&cells.error, axes),
+        }
+    }
+}
+
+/// The values on three axes, in this order.
+#[inline(always)]
+fn in_order(all: &[Lanes<f64>; 3], [i, j, k]: [usize; 3]) -> [&Lanes<f64>; 3] {
+    [&all[i], &all[j], &all[k]]
+}
+
+/// The shapes of [`LANES`] cells, where they are stored.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CellView<'a> {
+    centre: [&'a Lanes<f64>; 3],
+    along_u: [&'a Lanes<f64>; 3],
+    along_v: [&'a Lanes<f64>; 3],
+    error: [&'a Lanes<f64>; 3],
+}
+
+impl CellView<'_> {
+    #[inline(always)]
+    fn lane(&self, lane: usize) -> CellShape {
+        let of = |[i, j, k]: [&Lanes<f64>; 3]| [i.0[lane], j.0[lane], k.0[lane]];
+        CellShape {
+            centre: of(self.centre),
+            along_u: of(self.along_u),
+            along_v: of(self.along_v),
+            error: of(self.error),
+        }
+    }
+}
+
 /// Up to [`LANES`] single rays with the same axis k.
 #[derive(Clone, Debug)]
 pub(super) struct BeamLanes {
-    axes: [usize; 3],
+    pub axes: [usize; 3],
     origin: [Lanes<f64>; 3],
     direction: [Lanes<f64>; 3],
 }
 
 impl BeamLanes {
-    /// `None` if the rays have different axes k.
-    pub fn new(rays: &[Beam]) -> Option<Self> {
-        let axes = rays[0].axes;
-        let lanes = |of: fn(&Beam) -> [f64; 3], axis: usize| {
-            // Lanes that are not in use repeat the first ray.
-            Lanes(std::array::from_fn(|lane| of(rays.get(lane).unwrap_or(&rays[0]))[axis]))
-        };
-        rays.iter().all(|ray| ray.axes == axes).then(|| Self {
-            axes,
-            origin: [0, 1, 2].map(|axis| lanes(|ray| ray.origin, axis)),
-            direction: [0, 1, 2].map(|axis| lanes(|ray| ray.direction, axis)),
-        })
+    /// The rays in lanes. Lanes that are not in use hold a ray along the axis k.
+    pub fn new<'r>(rays: impl Iterator<Item = &'r Beam>) -> Self {
+        let (zero, one) = (Lanes::splat(0.0), Lanes::splat(1.0));
+        let mut lanes = Self { axes: [0, 1, 2], origin: [zero; 3], direction: [zero, zero, one] };
+        for (lane, ray) in rays.enumerate() {
+            lanes.axes = ray.axes;
+            for axis in 0..3 {
+                lanes.origin[axis].0[lane] = ray.origin[axis];
+                lanes.direction[axis].0[lane] = ray.direction[axis];
+            }
+        }
+        lanes
     }
 
     #[inline(always)]
@@ -158,6 +275,107 @@ impl BeamLanes {
             direction: of_lane(&self.direction, [0, 1, 2], lane),
             origin_spread: [0.0; 3],
             direction_spread: [0.0; 3],
+        }
+    }
+}
+
+/// The first meeting of a ray with cells.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum First {
+    /// It is proven to meet no zero.
+    Nothing,
+    /// A zero is proven.
+    Proven {
+        /// Bounds of t at the zero. Before them, the ray is proven to meet no zero.
+        t: [f64; 2],
+        /// Approximate u and v at the zero.
+        parameters: [f64; 2],
+    },
+    /// Neither is proven.
+    Unknown,
+}
+
+/// The first meetings of up to [`LANES`] rays with cells.
+#[derive(Clone, Debug)]
+pub(super) struct Firsts {
+    /// Bounds of t in the region.
+    within: [Lanes<f64>; 2],
+    /// Bounds of t at the first meeting. Infinite for a ray without one.
+    t: [Lanes<f64>; 2],
+    /// 1 if a zero is proven there, else 0.
+    is_proven: Lanes<f64>,
+    /// Approximate u and v there.
+    parameters: [Lanes<f64>; 2],
+}
+
+impl Firsts {
+    /// No meetings yet of rays that are in the region for t between these bounds. Lanes that are
+    /// not in use count as if their rays met something before all cells.
+    pub fn new(within: impl Iterator<Item = [f64; 2]>) -> Self {
+        let mut firsts = Self {
+            within: [Lanes::splat(0.0); 2],
+            t: [Lanes::splat(f64::NEG_INFINITY); 2],
+            is_proven: Lanes::splat(0.0),
+            parameters: [Lanes::splat(0.0); 2],
+        };
+        for (lane, [near, far]) in within.enumerate() {
+            (firsts.within[0].0[lane], firsts.within[1].0[lane]) = (near, far);
+            firsts.t[0].0[lane] = f64::INFINITY;
+            firsts.t[1].0[lane] = f64::INFINITY;
+        }
+        firsts
+    }
+
+    /// The t at which the last of the first meetings begins.
+    pub fn farthest(&self) -> f64 {
+        let mut farthest = f64::NEG_INFINITY;
+        for near in self.t[0].0 {
+            farthest = larger(near, farthest);
+        }
+        farthest
+    }
+
+    /// The first meeting of a ray.
+    pub fn of(&self, lane: usize) -> First {
+        let t = [self.t[0].0[lane], self.t[1].0[lane]];
+        if t[0] == f64::INFINITY {
+            First::Nothing
+        } else if self.is_proven.0[lane] > 0.0 {
+            let [u, v] = &self.parameters;
+            First::Proven { t, parameters: [u.0[lane], v.0[lane]] }
+        } else {
+            First::Unknown
+        }
+    }
+
+    /// Lets all rays meet the cell in a lane. `is_whole` tells whether the surface is continuous on
+    /// the cell, and all of it belongs to the exact rectangle.
+    #[inline(always)]
+    #[allow(clippy::needless_bitwise_bool, reason = "all lanes at once")]
+    pub fn meet<S: Simd>(
+        &mut self,
+        _: S,
+        rays: &BeamLanes,
+        (cells, lane): (&Patches<f64>, usize),
+        is_whole: bool,
+    ) {
+        let cell = &CellShape::new(cells, rays.axes, lane);
+        let whole = if is_whole { 1.0 } else { 0.0 };
+        let (u, v) = (cells.middle[0].0[lane], cells.middle[1].0[lane]);
+        let (half_u, half_v) = (cells.half[0].0[lane], cells.half[1].0[lane]);
+        for lane in 0..LANES {
+            let meeting = meeting(&rays.lane(lane), cell);
+            let [near, far] = meeting.t;
+            let is_outside = (near > self.within[1].0[lane]) | (far < self.within[0].0[lane]);
+            let is_first = meeting.is_possible & !is_outside & (near < self.t[0].0[lane]);
+            let is_proven = if meeting.is_inside() { whole } else { 0.0 };
+            self.t[0].0[lane] = if is_first { near } else { self.t[0].0[lane] };
+            self.t[1].0[lane] = if is_first { far } else { self.t[1].0[lane] };
+            self.is_proven.0[lane] = if is_first { is_proven } else { self.is_proven.0[lane] };
+            let (u, v) = (u + half_u * meeting.symbols[0][0], v + half_v * meeting.symbols[1][0]);
+            let [all_u, all_v] = &mut self.parameters;
+            all_u.0[lane] = if is_first { u } else { all_u.0[lane] };
+            all_v.0[lane] = if is_first { v } else { all_v.0[lane] };
         }
     }
 }
@@ -179,9 +397,10 @@ pub(super) struct Meeting {
 impl Meeting {
     /// Returns whether the bounds of the symbols lie in the cell.
     #[inline(always)]
+    #[allow(clippy::needless_bitwise_bool, reason = "all lanes at once")]
     pub fn is_inside(&self) -> bool {
         let is_within = |[middle, reach]: [f64; 2]| middle.abs() + reach <= 1.0 - SLACK;
-        self.is_solved && is_within(self.symbols[0]) && is_within(self.symbols[1])
+        self.is_solved & is_within(self.symbols[0]) & is_within(self.symbols[1])
     }
 }
 
@@ -214,17 +433,6 @@ impl Meetings {
         let mut all = Self::default();
         for lane in 0..LANES {
             all.set(lane, &meeting(beam, &CellShape::new(cells, beam.axes, lane)));
-        }
-        all
-    }
-
-    /// Where each of `rays` may meet the cell of one lane.
-    #[inline(always)]
-    pub fn with_rays<S: Simd>(_: S, rays: &BeamLanes, cells: &Patches<f64>, lane: usize) -> Self {
-        let shape = CellShape::new(cells, rays.axes, lane);
-        let mut all = Self::default();
-        for lane in 0..LANES {
-            all.set(lane, &meeting(&rays.lane(lane), &shape));
         }
         all
     }
@@ -314,12 +522,22 @@ fn smaller(one: f64, other: f64) -> f64 {
     if one < other { one } else { other }
 }
 
-/// Where the rays of a beam may meet a cell. The code has no branches after it is optimized, so
-/// that a loop over lanes becomes vector instructions.
+/// The solution of a cell's two linear equations.
+#[derive(Clone, Copy)]
+struct Solution {
+    is_possible: bool,
+    is_solved: bool,
+    /// The middle and the reach of the bounds of U and V. −1 to 1 if the equations are not solved.
+    symbols: [[f64; 2]; 2],
+}
+
+/// Solves the linear equations of a cell. The code has no branches after it is optimized, so that a
+/// loop over lanes becomes vector instructions.
 #[inline(always)]
-fn meeting(beam: &Beam, cell: &CellShape) -> Meeting {
+#[allow(clippy::needless_bitwise_bool, reason = "all lanes at once")]
+fn linear_equations(beam: &Beam, cell: &CellShape) -> Solution {
     let (f, g) = (plane_function(beam, cell, 0), plane_function(beam, cell, 1));
-    let is_missed = f.is_beyond() || g.is_beyond();
+    let is_missed = f.is_beyond() | g.is_beyond();
     let determinant = f.a * g.b - g.a * f.b;
     let inverse = 1.0 / determinant;
     let (f_error, g_error) = (f.error + SLACK * f.size, g.error + SLACK * g.size);
@@ -329,17 +547,30 @@ fn meeting(beam: &Beam, cell: &CellShape) -> Meeting {
     let v_reach = (g.a.abs() * f_error + f.a.abs() * g_error) * inverse.abs();
     let u_reach = u_reach * (1.0 + SLACK) + SLACK * (1.0 + u.abs());
     let v_reach = v_reach * (1.0 + SLACK) + SLACK * (1.0 + v.abs());
-    let is_solved =
-        determinant.abs() > LEAST_DETERMINANT && u_reach < f64::INFINITY && v_reach < f64::INFINITY;
+    let is_solved = (determinant.abs() > LEAST_DETERMINANT)
+        & (u_reach < f64::INFINITY)
+        & (v_reach < f64::INFINITY);
     let (u, u_reach) = (if is_solved { u } else { 0.0 }, if is_solved { u_reach } else { 1.0 });
     let (v, v_reach) = (if is_solved { v } else { 0.0 }, if is_solved { v_reach } else { 1.0 });
-    let (u_low, u_high) = (larger(u - u_reach, -1.0), smaller(u + u_reach, 1.0));
-    let (v_low, v_high) = (larger(v - v_reach, -1.0), smaller(v + v_reach, 1.0));
-    let is_outside = u_low > u_high || v_low > v_high;
-    let (u_middle, u_half) = (0.5 * (u_low + u_high), 0.5 * (u_high - u_low));
-    let (v_middle, v_half) = (0.5 * (v_low + v_high), 0.5 * (v_high - v_low));
-    let along =
-        cell.centre[2] - beam.origin[2] + cell.along_u[2] * u_middle + cell.along_v[2] * v_middle;
+    let is_outside = (u.abs() - u_reach > 1.0) | (v.abs() - v_reach > 1.0);
+    let symbols = [[u, u_reach], [v, v_reach]];
+    Solution { is_possible: !(is_missed | is_outside), is_solved, symbols }
+}
+
+/// The middle and the half of the part of bounds, given by middle and reach, that lies between −1
+/// and 1.
+#[inline(always)]
+fn in_cell([middle, reach]: [f64; 2]) -> [f64; 2] {
+    let (low, high) = (larger(middle - reach, -1.0), smaller(middle + reach, 1.0));
+    [0.5 * (low + high), 0.5 * (high - low)]
+}
+
+/// Where the rays of a beam may meet a cell. The code has no branches after it is optimized.
+#[inline(always)]
+fn meeting(beam: &Beam, cell: &CellShape) -> Meeting {
+    let Solution { is_possible, is_solved, symbols } = linear_equations(beam, cell);
+    let ([u, u_half], [v, v_half]) = (in_cell(symbols[0]), in_cell(symbols[1]));
+    let along = cell.centre[2] - beam.origin[2] + cell.along_u[2] * u + cell.along_v[2] * v;
     let reach =
         cell.along_u[2].abs() * u_half + cell.along_v[2].abs() * v_half + spread(beam, cell, 2)[0];
     let t = along / beam.direction[2];
@@ -348,14 +579,29 @@ fn meeting(beam: &Beam, cell: &CellShape) -> Meeting {
     // Also false for NaN.
     let is_known = t - wide <= t + wide;
     Meeting {
-        is_possible: !(is_missed || is_outside),
+        is_possible,
         is_solved,
-        symbols: [[u, u_reach], [v, v_reach]],
+        symbols,
         t: [
             if is_known { t - wide } else { f64::NEG_INFINITY },
             if is_known { t + wide } else { f64::INFINITY },
         ],
     }
+}
+
+/// A lower bound of the t ≥ 0 at which a ray of the beam meets the cell. −∞ if it may be 0.
+#[inline(always)]
+fn least_t(beam: &Beam, cell: &CellShape) -> f64 {
+    let direction = beam.direction[2].abs();
+    let sign = if beam.direction[2] < 0.0 { -1.0 } else { 1.0 };
+    let [error, _] = spread(beam, cell, 2);
+    let reach = cell.along_u[2].abs() + cell.along_v[2].abs() + error;
+    let middle = cell.centre[2] - beam.origin[2];
+    // The slack covers the roundings of these sums and of the quotient.
+    let nearest = sign * middle - reach - SLACK * (middle.abs() + reach);
+    let least = nearest / (direction + beam.direction_spread[2]);
+    // Also false for NaN.
+    if nearest > 0.0 { least * (1.0 - SLACK) } else { f64::NEG_INFINITY }
 }
 
 #[cfg(test)]

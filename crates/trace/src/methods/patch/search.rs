@@ -34,7 +34,7 @@ pub(super) struct Goal<'a> {
     segment: &'a Segment,
     region: &'a Region,
     /// Bounds of t in the region.
-    within: [f64; 2],
+    pub within: [f64; 2],
     /// Greatest length of a bracket in t: at t = 0, and its growth per t.
     longest: [f64; 2],
     /// The same in world units, at the middle of the ray's part in the region.
@@ -75,6 +75,11 @@ pub(super) enum Place<'a> {
 }
 
 impl Candidate<'_> {
+    /// The u and v in the middle of the part.
+    fn middle(&self) -> [f64; 2] {
+        self.part.map(|[low, high]| 0.5 * (low + high))
+    }
+
     /// Returns whether the part of the rectangle is too small to be divided.
     fn is_finest(&self) -> bool {
         self.part.iter().all(|[low, high]| high - low <= FINEST * (low.abs() + high.abs()))
@@ -168,9 +173,10 @@ impl<'s> Goal<'s> {
         !(near > self.within[1] || far < self.within[0])
     }
 
-    /// The result for a proven zero between these t, before which there is none. `None` if it is
-    /// not short enough, may lie outside of the region, or may be that of the ray's start.
-    pub fn hit(&self, t: [f64; 2]) -> Option<RayResult> {
+    /// The result for a proven zero between these t and near these u and v, before which there is
+    /// none. `None` if it is not short enough, may lie outside of the region, or may be that of the
+    /// ray's start.
+    pub fn hit(&self, t: [f64; 2], parameters: [f64; 2]) -> Option<RayResult> {
         let is_hit = !self.holds_start(t) && self.is_short(t) && self.holds(t);
         let middle = 0.5 * (t[0] + t[1]);
         is_hit.then_some(RayResult {
@@ -178,6 +184,7 @@ impl<'s> Goal<'s> {
             distance: middle,
             drawn: middle,
             bracket: t,
+            parameters: parameters.map(|parameter| parameter as f32),
             ..RayResult::MISS
         })
     }
@@ -214,19 +221,19 @@ impl<'a> Search<'_, 'a> {
         let goal = self.goal;
         // The first part that stays undecided, and why.
         let mut open: Option<(f64, UndecidedReason)> = None;
-        let mut drawn = f64::INFINITY;
+        let (mut drawn, mut parameters) = (f64::INFINITY, [0.0; 2]);
         let mut effort = goal.effort;
         while let Some(first) = take_first(candidates) {
             if goal.holds_start(first.t) && goal.is_short(first.t) {
                 continue;
             }
             if first.is_proven
-                && let Some(hit) = goal.hit(first.t)
+                && let Some(hit) = goal.hit(first.t, first.middle())
             {
                 if open.is_none() {
                     return hit;
                 }
-                drawn = hit.drawn;
+                (drawn, parameters) = (hit.drawn, hit.parameters);
                 break;
             }
             if effort > 0 && !first.is_finest() {
@@ -245,6 +252,7 @@ impl<'a> Search<'_, 'a> {
             let middle = 0.5 * (first.t[0] + first.t[1]);
             if first.is_likely && middle.is_finite() {
                 drawn = middle.max(from);
+                parameters = first.middle().map(|parameter| parameter as f32);
             }
             if drawn.is_finite() || effort == 0 {
                 // Whatever lies behind is not drawn.
@@ -252,7 +260,14 @@ impl<'a> Search<'_, 'a> {
             }
         }
         let Some((distance, reason)) = open else { return RayResult::MISS };
-        RayResult { status: Status::Undecided, distance, drawn, reason, ..RayResult::MISS }
+        RayResult {
+            status: Status::Undecided,
+            distance,
+            drawn,
+            parameters,
+            reason,
+            ..RayResult::MISS
+        }
     }
 
     /// Replaces a candidate by smaller ones that hold all its zeros. Returns the effort.

@@ -94,7 +94,7 @@ fn a_point_of_a_cell_on_a_ray_is_not_left_out() {
                 Beam { axes: beam.axes, ..Beam::along(&moved, beam.axes[2]) }
             })
             .collect();
-        if let Some(group) = Beam::around(&beams) {
+        if let Some(group) = Beam::around(beams.iter()) {
             check(seed, &group, &shape, symbols, None);
         }
     }
